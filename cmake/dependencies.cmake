@@ -1,0 +1,10 @@
+# Debian 12 packages only; deploy/packages.txt names them.
+find_package(Threads REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(Boost 1.74 REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(FlatBuffers REQUIRED)
+find_program(FLATC_EXECUTABLE flatc REQUIRED)

@@ -1,0 +1,30 @@
+// The first seam: datagrams out, datagrams in. Real: UDP (runtime/udp_channel.hpp). Virtual time:
+// queue_channel.hpp.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace thimble {
+
+// Larger than any message, small enough never to be fragmented.
+inline constexpr std::size_t kMaxDatagramBytes = 512;
+
+using Bytes = std::span<const std::uint8_t>;
+
+class Channel {
+  public:
+    virtual ~Channel() = default;
+    Channel() = default;
+    Channel(const Channel&) = delete;
+    Channel& operator=(const Channel&) = delete;
+
+    // Never blocks. A datagram that cannot be sent is lost, as on any network, and counted by the channel.
+    virtual void send(Bytes datagram) = 0;
+
+    // The next waiting datagram, or an empty span. Valid until the next call on this channel.
+    virtual Bytes receive() = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,256 @@
+#include "common/codec.hpp"
+
+#include <cmath>
+#include <initializer_list>
+
+#include "messages_generated.h"
+
+namespace thimble {
+namespace {
+
+// Far outside anything a needle does, far inside what arithmetic can hold.
+constexpr double kMaxPosition_m = 10;
+constexpr double kMaxVelocity_m_per_s = 1000;
+constexpr double kMaxForce_N = 1e5;
+constexpr double kMaxTime_s = 1e6;
+constexpr std::int64_t kMaxStamp_ns = std::int64_t{1} << 62;
+
+template <class Enum>
+constexpr auto raw(Enum value) {
+    return static_cast<std::uint8_t>(value);
+}
+
+// Collects the verdict over all fields of a message: not finite beats out of range.
+class Judge {
+  public:
+    void number(double value, double limit) { number(value, -limit, limit); }
+    void number(double value, double low, double high) {
+        if (!std::isfinite(value)) finite_ = false;
+        if (value < low || value > high) in_range_ = false;
+    }
+    void stamp(std::int64_t nanoseconds) {
+        if (nanoseconds < 0 || nanoseconds > kMaxStamp_ns) in_range_ = false;
+    }
+    template <class Enum>
+    Enum choice(std::uint8_t value, Enum last) {
+        if (value > raw(last)) in_range_ = false;
+        return static_cast<Enum>(value);
+    }
+    bool good() const { return finite_ && in_range_; }
+    Refusal refusal() const { return finite_ ? Refusal::kOutOfRange : Refusal::kNotFinite; }
+
+  private:
+    bool finite_ = true, in_range_ = true;
+};
+
+wire::Header to_wire(const Header& h) {
+    return {h.instance, to_nanoseconds(h.send_time), h.sequence, h.trial, static_cast<wire::Role>(h.sender)};
+}
+
+Header from_wire(const wire::Header& w, Judge& judge) {
+    judge.stamp(w.send_time_ns());
+    return {w.instance(), from_nanoseconds(w.send_time_ns()), w.sequence(), w.trial(),
+            judge.choice(raw(w.sender()), Role::kNetem)};
+}
+
+wire::NeedleCommand to_wire(const NeedleCommand& b) {
+    return {b.position_needle_m, b.velocity_needle_m_per_s, b.position_needle_estimate_m,
+            b.position_hand_m,   b.velocity_hand_m_per_s,   b.force_hand_N};
+}
+
+NeedleCommand from_wire(const wire::NeedleCommand& w, Judge& judge) {
+    judge.number(w.position_needle_m(), kMaxPosition_m);
+    judge.number(w.velocity_needle_m_per_s(), kMaxVelocity_m_per_s);
+    judge.number(w.position_needle_estimate_m(), kMaxPosition_m);
+    judge.number(w.position_hand_m(), kMaxPosition_m);
+    judge.number(w.velocity_hand_m_per_s(), kMaxVelocity_m_per_s);
+    judge.number(w.force_hand_N(), kMaxForce_N);
+    return {w.position_needle_m(), w.velocity_needle_m_per_s(), w.position_needle_estimate_m(),
+            w.position_hand_m(),   w.velocity_hand_m_per_s(),   w.force_hand_N()};
+}
+
+wire::ForceFeedback to_wire(const ForceFeedback& b) {
+    return {b.position_needle_m, b.position_surface_m, b.velocity_surface_m_per_s,
+            b.position_proxy_m,  b.force_tissue_N,     b.force_fixture_N,
+            b.force_total_N,     b.contact_time_s,     to_nanoseconds(b.echo_time),
+            b.hold_time.count(), b.echo_sequence,      static_cast<wire::TissuePhase>(b.phase),
+            b.fixture_present,   b.needle_held};
+}
+
+ForceFeedback from_wire(const wire::ForceFeedback& w, Judge& judge) {
+    judge.number(w.position_needle_m(), kMaxPosition_m);
+    judge.number(w.position_surface_m(), kMaxPosition_m);
+    judge.number(w.velocity_surface_m_per_s(), kMaxVelocity_m_per_s);
+    judge.number(w.position_proxy_m(), kMaxPosition_m);
+    judge.number(w.force_tissue_N(), kMaxForce_N);
+    judge.number(w.force_fixture_N(), kMaxForce_N);
+    judge.number(w.force_total_N(), 2 * kMaxForce_N);
+    judge.number(w.contact_time_s(), 0, kMaxTime_s);
+    judge.stamp(w.echo_time_ns());
+    judge.stamp(w.hold_time_ns());
+    return {w.position_needle_m(),
+            w.position_surface_m(),
+            w.velocity_surface_m_per_s(),
+            w.position_proxy_m(),
+            w.force_tissue_N(),
+            w.force_fixture_N(),
+            w.force_total_N(),
+            w.contact_time_s(),
+            from_nanoseconds(w.echo_time_ns()),
+            Duration{w.hold_time_ns()},
+            w.echo_sequence(),
+            judge.choice(raw(w.phase()), TissuePhase::kPenetrated),
+            w.fixture_present(),
+            w.needle_held()};
+}
+
+wire::Percept to_wire(const Percept& b) {
+    return {b.force_N,
+            b.bar_N,
+            b.position_needle_shown_m,
+            b.position_surface_shown_m,
+            b.sample_age_s,
+            static_cast<wire::Finger>(b.finger),
+            b.touching_shown,
+            b.beep};
+}
+
+Percept from_wire(const wire::Percept& w, Judge& judge) {
+    judge.number(w.force_N(), 0, kMaxForce_N);
+    judge.number(w.bar_N(), 0, kMaxForce_N);
+    judge.number(w.position_needle_shown_m(), kMaxPosition_m);
+    judge.number(w.position_surface_shown_m(), kMaxPosition_m);
+    judge.number(w.sample_age_s(), 0, kMaxTime_s);
+    return {w.force_N(),
+            w.bar_N(),
+            w.position_needle_shown_m(),
+            w.position_surface_shown_m(),
+            w.sample_age_s(),
+            judge.choice(raw(w.finger()), Finger::kThumb),
+            w.touching_shown(),
+            w.beep()};
+}
+
+wire::SessionControl to_wire(const SessionControl& b) {
+    return {b.study_seed,
+            b.fixture_position_m,
+            b.subject,
+            b.experiment,
+            static_cast<wire::ControlKind>(b.kind),
+            static_cast<wire::Modality>(b.modality),
+            b.fixture_present,
+            static_cast<wire::EndReason>(b.reason)};
+}
+
+SessionControl from_wire(const wire::SessionControl& w, Judge& judge) {
+    judge.number(w.fixture_position_m(), kMaxPosition_m);
+    return {w.study_seed(),
+            w.fixture_position_m(),
+            w.subject(),
+            w.experiment(),
+            judge.choice(raw(w.kind()), ControlKind::kShutdown),
+            judge.choice(raw(w.modality()), Modality::kVF),
+            w.fixture_present(),
+            judge.choice(raw(w.reason()), EndReason::kInterrupted)};
+}
+
+wire::Heartbeat to_wire(const Heartbeat& b) {
+    return {b.accepted,
+            b.refused,
+            b.round_trip_median_s,
+            b.round_trip_worst_s,
+            b.hold_median_s,
+            static_cast<wire::NodeState>(b.state),
+            static_cast<wire::EndReason>(b.reason)};
+}
+
+Heartbeat from_wire(const wire::Heartbeat& w, Judge& judge) {
+    judge.number(w.round_trip_median_s(), 0, kMaxTime_s);
+    judge.number(w.round_trip_worst_s(), 0, kMaxTime_s);
+    judge.number(w.hold_median_s(), 0, kMaxTime_s);
+    return {w.accepted(),
+            w.refused(),
+            w.round_trip_median_s(),
+            w.round_trip_worst_s(),
+            w.hold_median_s(),
+            judge.choice(raw(w.state()), NodeState::kFailed),
+            judge.choice(raw(w.reason()), EndReason::kInterrupted)};
+}
+
+int count_bodies(const wire::Packet& p) {
+    return (p.needle_command() != nullptr) + (p.force_feedback() != nullptr) + (p.percept() != nullptr) +
+           (p.session_control() != nullptr) + (p.heartbeat() != nullptr);
+}
+
+Body body_of(const wire::Packet& p, Judge& judge) {
+    if (p.needle_command() != nullptr) return from_wire(*p.needle_command(), judge);
+    if (p.force_feedback() != nullptr) return from_wire(*p.force_feedback(), judge);
+    if (p.percept() != nullptr) return from_wire(*p.percept(), judge);
+    if (p.session_control() != nullptr) return from_wire(*p.session_control(), judge);
+    return from_wire(*p.heartbeat(), judge);
+}
+
+// The verifier reads naturally aligned scalars; UDP buffers of ours are aligned, fuzzers' are not.
+constexpr std::size_t kMinBytes = sizeof(flatbuffers::uoffset_t) + flatbuffers::kFileIdentifierLength;
+
+Decoded refuse(Refusal refusal) { return {std::nullopt, refusal}; }
+
+}  // namespace
+
+Decoded decode(Bytes datagram) {
+    if (datagram.size() < kMinBytes) return refuse(Refusal::kTooShort);
+    if (datagram.size() > kMaxDatagramBytes) return refuse(Refusal::kTooLong);
+    if (!wire::PacketBufferHasIdentifier(datagram.data())) return refuse(Refusal::kForeignFormat);
+    flatbuffers::Verifier verifier(datagram.data(), datagram.size(), 4, 8);
+    if (!wire::VerifyPacketBuffer(verifier)) return refuse(Refusal::kMalformed);
+    const wire::Packet& packet = *wire::GetPacket(datagram.data());
+    if (count_bodies(packet) != 1) return refuse(Refusal::kNotOneBody);
+    Judge judge;
+    Decoded result;
+    result.message.emplace(Message{from_wire(*packet.header(), judge), body_of(packet, judge)});
+    return judge.good() ? result : refuse(judge.refusal());
+}
+
+Encoder::Encoder() : builder_(kMaxDatagramBytes) {}
+
+template <class WireStruct>
+Bytes Encoder::finish(const Header& header, flatbuffers::voffset_t field, const WireStruct& body) {
+    builder_.Clear();
+    const wire::Header wire_header = to_wire(header);
+    const auto start = builder_.StartTable();
+    builder_.AddStruct(field, &body);
+    builder_.AddStruct(wire::Packet::VT_HEADER, &wire_header);
+    builder_.Finish(flatbuffers::Offset<wire::Packet>(builder_.EndTable(start)), wire::PacketIdentifier());
+    return {builder_.GetBufferPointer(), builder_.GetSize()};
+}
+
+Bytes Encoder::encode(const Header& header, const NeedleCommand& body) {
+    return finish(header, wire::Packet::VT_NEEDLE_COMMAND, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const ForceFeedback& body) {
+    return finish(header, wire::Packet::VT_FORCE_FEEDBACK, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const Percept& body) {
+    return finish(header, wire::Packet::VT_PERCEPT, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const SessionControl& body) {
+    return finish(header, wire::Packet::VT_SESSION_CONTROL, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const Heartbeat& body) {
+    return finish(header, wire::Packet::VT_HEARTBEAT, to_wire(body));
+}
+Bytes Encoder::encode(const Message& message) {
+    return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);
+}
+
+const char* to_string(Refusal refusal) {
+    static constexpr std::array kNames{
+        "too_short",  "too_long",     "foreign_format",       "malformed",      "not_one_body",
+        "not_finite", "out_of_range", "unexpected_kind",      "foreign_source", "second_sender",
+        "duplicate",  "outdated",     "stamp_not_increasing", "wrong_trial"};
+    static_assert(kNames.size() == static_cast<std::size_t>(Refusal::kCount));
+    const auto index = static_cast<std::size_t>(refusal);
+    return index < kNames.size() ? kNames[index] : "none";
+}
+
+}  // namespace thimble

@@ -1,0 +1,63 @@
+// Bytes <-> messages. Every datagram is verified as a FlatBuffer, must hold exactly one body, and every
+// number in it must be finite and in range before anything else sees it. docs/protocol.md lists the ranges.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include <flatbuffers/flatbuffers.h>
+
+#include "common/channel.hpp"
+#include "common/messages.hpp"
+
+namespace thimble {
+
+// Why a datagram was refused; each has a counter of this name in every node's report.
+enum class Refusal : std::uint8_t {
+    kTooShort,
+    kTooLong,
+    kForeignFormat,       // not our file identifier
+    kMalformed,           // the FlatBuffers verifier said no
+    kNotOneBody,          // none or several
+    kNotFinite,           // NaN or infinity in any field
+    kOutOfRange,          // a quantity or an enum outside its range
+    kUnexpectedKind,      // a valid message on the wrong channel or from the wrong role
+    kForeignSource,       // from a host that is not the configured peer
+    kSecondSender,        // another instance than the one that speaks on this flow
+    kDuplicate,           // sequence already seen
+    kOutdated,            // an older sequence than the newest
+    kStampNotIncreasing,  // newer sequence, but the sender's clock went backwards
+    kWrongTrial,          // for a trial that is not running
+    kCount,
+};
+
+const char* to_string(Refusal refusal);
+
+struct Decoded {
+    std::optional<Message> message;
+    Refusal refusal = Refusal::kCount;  // meaningful without message
+};
+
+Decoded decode(Bytes datagram);
+
+// Reuses one buffer: encode() allocates nothing after the first call. The bytes are valid until the next
+// call.
+class Encoder {
+  public:
+    Encoder();
+    Bytes encode(const Header& header, const NeedleCommand& body);
+    Bytes encode(const Header& header, const ForceFeedback& body);
+    Bytes encode(const Header& header, const Percept& body);
+    Bytes encode(const Header& header, const SessionControl& body);
+    Bytes encode(const Header& header, const Heartbeat& body);
+    Bytes encode(const Message& message);
+
+  private:
+    template <class WireStruct>
+    Bytes finish(const Header& header, flatbuffers::voffset_t field, const WireStruct& body);
+
+    flatbuffers::FlatBufferBuilder builder_;
+};
+
+}  // namespace thimble

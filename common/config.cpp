@@ -1,0 +1,232 @@
+#include "common/config.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include "common/error.hpp"
+
+namespace thimble {
+
+struct ConfigFile::Impl {
+    std::string name;
+    toml::table root;
+    mutable std::set<std::string> known;  // dotted paths that somebody asked for
+};
+
+namespace {
+
+std::string join(std::string_view path, std::string_view key) {
+    return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+}
+
+[[noreturn]] void refuse(const std::string& name, const toml::source_position& at, const std::string& why) {
+    if (at.line == 0) throw Error(ExitCode::kUsage, fmt::format("{}: {}", name, why));
+    throw Error(ExitCode::kUsage, fmt::format("{}:{}:{}: {}", name, at.line, at.column, why));
+}
+
+std::string type_name(const toml::node& node) {
+    std::ostringstream text;
+    text << node.type();
+    return text.str();
+}
+
+void collect_unknown(const toml::table& table, const std::string& path, const std::set<std::string>& known,
+                     const std::string& name) {
+    for (const auto& [key, node] : table) {
+        const std::string full = join(path, key.str());
+        if (known.count(full) == 0) {
+            refuse(name, node.source().begin,
+                   fmt::format("unknown key '{}': check the spelling, or remove it", full));
+        }
+        if (const toml::table* inner = node.as_table()) collect_unknown(*inner, full, known, name);
+    }
+}
+
+}  // namespace
+
+ConfigFile::ConfigFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+ConfigFile::~ConfigFile() = default;
+ConfigFile::ConfigFile(ConfigFile&&) noexcept = default;
+ConfigFile& ConfigFile::operator=(ConfigFile&&) noexcept = default;
+
+ConfigFile ConfigFile::load(const std::filesystem::path& path) {
+    std::ifstream stream(path);
+    std::ostringstream text;
+    if (!stream || !(text << stream.rdbuf())) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: cannot read this configuration file; does it exist?", path.string()));
+    }
+    return parse(text.str(), path.string());
+}
+
+ConfigFile ConfigFile::parse(std::string_view text, std::string_view name) {
+    auto impl = std::make_unique<Impl>();
+    impl->name = name;
+    try {
+        impl->root = toml::parse(text);
+    } catch (const toml::parse_error& error) {
+        refuse(impl->name, error.source().begin, fmt::format("not TOML: {}", error.description()));
+    }
+    return ConfigFile(std::move(impl));
+}
+
+ConfigFile ConfigFile::empty() {
+    auto impl = std::make_unique<Impl>();
+    impl->name = "defaults";
+    return ConfigFile(std::move(impl));
+}
+
+ConfigTable ConfigFile::root() const { return {this, ""}; }
+
+void ConfigFile::finish(const std::vector<std::string_view>& elsewhere) const {
+    for (const auto& [key, node] : impl_->root) {
+        if (std::find(elsewhere.begin(), elsewhere.end(), key.str()) != elsewhere.end()) continue;
+        toml::table one;
+        const std::string full(key.str());
+        if (impl_->known.count(full) == 0) {
+            refuse(impl_->name, node.source().begin,
+                   fmt::format("unknown table or key '{}': check the spelling, or remove it", full));
+        }
+        if (const toml::table* inner = node.as_table()) {
+            collect_unknown(*inner, full, impl_->known, impl_->name);
+        }
+    }
+}
+
+// One key of the file: its node (null where absent), its dotted path, and how to refuse it.
+struct ConfigTable::Found {
+    const toml::node* node;
+    std::string path;
+    const std::string* file;
+
+    [[noreturn]] void refuse(const std::string& why) const {
+        thimble::refuse(*file, node == nullptr ? toml::source_position{} : node->source().begin,
+                        fmt::format("'{}' {}", path, why));
+    }
+};
+
+ConfigTable::Found ConfigTable::find(std::string_view key) const {
+    const ConfigFile::Impl& file = *file_->impl_;
+    Found found{nullptr, join(path_, key), &file.name};
+    found.node = file.root.at_path(found.path).node();
+    file.known.insert(found.path);
+    return found;
+}
+
+bool ConfigTable::has(std::string_view key) const {
+    return file_->impl_->root.at_path(join(path_, key)).node() != nullptr;
+}
+
+ConfigTable ConfigTable::table(std::string_view key) const {
+    const Found found = find(key);
+    if (found.node != nullptr && !found.node->is_table()) {
+        found.refuse(fmt::format("must be a table, [{}]", found.path));
+    }
+    return {file_, found.path};
+}
+
+double ConfigTable::number(std::string_view key, double fallback, double low, double high) const {
+    const Found found = find(key);
+    if (found.node == nullptr) return fallback;
+    const auto value = found.node->value<double>();
+    if (!found.node->is_number() || !value) {
+        found.refuse(fmt::format("must be a number, not a {}", type_name(*found.node)));
+    }
+    if (!std::isfinite(*value) || *value < low || *value > high) {
+        found.refuse(fmt::format("is {}, but must lie between {} and {}", *value, low, high));
+    }
+    return *value;
+}
+
+std::int64_t ConfigTable::integer(std::string_view key, std::int64_t fallback, std::int64_t low,
+                                  std::int64_t high) const {
+    const Found found = find(key);
+    if (found.node == nullptr) return fallback;
+    if (!found.node->is_integer()) {
+        found.refuse(fmt::format("must be a whole number, not a {}", type_name(*found.node)));
+    }
+    const std::int64_t value = found.node->as_integer()->get();
+    if (value < low || value > high) {
+        found.refuse(fmt::format("is {}, but must lie between {} and {}", value, low, high));
+    }
+    return value;
+}
+
+bool ConfigTable::boolean(std::string_view key, bool fallback) const {
+    const Found found = find(key);
+    if (found.node == nullptr) return fallback;
+    if (!found.node->is_boolean()) {
+        found.refuse("must be true or false");
+    }
+    return found.node->as_boolean()->get();
+}
+
+std::string ConfigTable::text(std::string_view key, std::string_view fallback) const {
+    const Found found = find(key);
+    if (found.node == nullptr) return std::string(fallback);
+    if (!found.node->is_string()) {
+        found.refuse("must be text in quotes");
+    }
+    return found.node->as_string()->get();
+}
+
+std::size_t ConfigTable::choice(std::string_view key, std::size_t fallback,
+                                const std::vector<std::string_view>& choices) const {
+    const std::string value = text(key, choices.at(fallback));
+    const auto found = std::find(choices.begin(), choices.end(), value);
+    if (found == choices.end()) {
+        fail(key, fmt::format("is \"{}\", but must be one of {}", value, fmt::join(choices, ", ")));
+    }
+    return static_cast<std::size_t>(found - choices.begin());
+}
+
+Duration ConfigTable::seconds(std::string_view key, Duration fallback, Duration low, Duration high) const {
+    return from_seconds(number(key, to_seconds(fallback), to_seconds(low), to_seconds(high)));
+}
+
+std::vector<double> ConfigTable::numbers(std::string_view key, const std::vector<double>& fallback,
+                                         double low, double high) const {
+    const Found found = find(key);
+    if (found.node == nullptr) return fallback;
+    const toml::array* array = found.node->as_array();
+    if (array == nullptr) found.refuse("must be a list, [1, 2]");
+    std::vector<double> values;
+    for (const toml::node& element : *array) {
+        const auto value = element.value<double>();
+        if (!element.is_number() || !value || !std::isfinite(*value) || *value < low || *value > high) {
+            found.refuse(fmt::format("must hold numbers between {} and {}", low, high));
+        }
+        values.push_back(*value);
+    }
+    return values;
+}
+
+std::vector<std::string> ConfigTable::texts(std::string_view key,
+                                            const std::vector<std::string>& fallback) const {
+    const Found found = find(key);
+    if (found.node == nullptr) return fallback;
+    const toml::array* array = found.node->as_array();
+    if (array == nullptr) found.refuse("must be a list of texts");
+    std::vector<std::string> values;
+    for (const toml::node& element : *array) {
+        if (!element.is_string()) {
+            found.refuse("must hold texts in quotes");
+        }
+        values.push_back(element.as_string()->get());
+    }
+    return values;
+}
+
+void ConfigTable::fail(std::string_view key, std::string_view why) const {
+    const Found found = find(key);
+    found.refuse(std::string(why));
+}
+
+}  // namespace thimble

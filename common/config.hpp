@@ -1,0 +1,72 @@
+// Configuration files people write: TOML, read strictly. An unknown key, a wrong type or a value out of range
+// ends the program with file, line and what is allowed (exit code 2).
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/time.hpp"
+
+namespace thimble {
+
+class ConfigFile;
+
+// One table of the file. Each read marks its key; ConfigFile::finish() refuses keys that nobody read.
+// A missing table or key leaves the default. Copyable handle; lives no longer than its ConfigFile.
+class ConfigTable {
+  public:
+    double number(std::string_view key, double fallback, double low, double high) const;
+    std::int64_t integer(std::string_view key, std::int64_t fallback, std::int64_t low,
+                         std::int64_t high) const;
+    bool boolean(std::string_view key, bool fallback) const;
+    std::string text(std::string_view key, std::string_view fallback) const;
+    // Index of the text in `choices`; refuses anything else, naming the choices.
+    std::size_t choice(std::string_view key, std::size_t fallback,
+                       const std::vector<std::string_view>& choices) const;
+    // Seconds in the file (a key ending in _s), nanoseconds in the program.
+    Duration seconds(std::string_view key, Duration fallback, Duration low, Duration high) const;
+    std::vector<double> numbers(std::string_view key, const std::vector<double>& fallback, double low,
+                                double high) const;
+    std::vector<std::string> texts(std::string_view key, const std::vector<std::string>& fallback) const;
+    bool has(std::string_view key) const;
+    ConfigTable table(std::string_view key) const;
+    // An Error (usage) that names file, line and key; for checks that span several keys.
+    [[noreturn]] void fail(std::string_view key, std::string_view why) const;
+
+  private:
+    friend class ConfigFile;
+    struct Found;
+    Found find(std::string_view key) const;
+    ConfigTable(const ConfigFile* file, std::string path) : file_(file), path_(std::move(path)) {}
+    const ConfigFile* file_;
+    std::string path_;  // dotted, "" for the root
+};
+
+class ConfigFile {
+  public:
+    // Throws Error (usage) if the file is missing or is not TOML.
+    static ConfigFile load(const std::filesystem::path& path);
+    static ConfigFile parse(std::string_view text, std::string_view name);
+    static ConfigFile empty();
+    ~ConfigFile();
+    ConfigFile(ConfigFile&&) noexcept;
+    ConfigFile& operator=(ConfigFile&&) noexcept;
+
+    ConfigTable root() const;
+    ConfigTable table(std::string_view key) const { return root().table(key); }
+    // Throws for each key that was never read. Tables in `elsewhere` belong to other programs of the session:
+    // their keys are theirs to check.
+    void finish(const std::vector<std::string_view>& elsewhere = {}) const;
+
+  private:
+    friend class ConfigTable;
+    struct Impl;
+    explicit ConfigFile(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace thimble

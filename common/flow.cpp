@@ -1,0 +1,82 @@
+#include "common/flow.hpp"
+
+#include <cassert>
+#include <numeric>
+
+namespace thimble {
+namespace {
+
+// A sender that has been silent this long may be replaced by a restarted one.
+constexpr Duration kReleaseAfter = std::chrono::seconds{1};
+
+}  // namespace
+
+std::uint64_t FlowCounters::refused_total() const {
+    return std::accumulate(refused.begin(), refused.end(), std::uint64_t{0});
+}
+
+void FlowCounters::add(const FlowCounters& other) {
+    accepted += other.accepted;
+    for (std::size_t i = 0; i < refused.size(); ++i) refused[i] += other.refused[i];
+}
+
+const Message* InboundFlow::admit(SessionTime now, Bytes datagram) {
+    decoded_ = decode(datagram);
+    if (decoded_.message) {
+        decoded_.refusal = judge(now, decoded_.message->header);
+        if (decoded_.refusal == Refusal::kCount) {
+            remember(now, decoded_.message->header);
+            return &*decoded_.message;
+        }
+    }
+    ++counters_.refused[static_cast<std::size_t>(decoded_.refusal)];
+    return nullptr;
+}
+
+const Message* InboundFlow::receive(SessionTime now, Channel& channel) {
+    for (Bytes datagram = channel.receive(); !datagram.empty(); datagram = channel.receive()) {
+        if (const Message* message = admit(now, datagram)) return message;
+    }
+    return nullptr;
+}
+
+void InboundFlow::refuse_admitted(Refusal refusal) {
+    --counters_.accepted;
+    ++counters_.refused[static_cast<std::size_t>(refusal)];
+}
+
+Refusal InboundFlow::judge(SessionTime now, const Header& header) const {
+    if (header.sender != sender_) return Refusal::kUnexpectedKind;
+    if (!locked_) return Refusal::kCount;
+    if (header.instance != instance_) {
+        return now - heard_ > kReleaseAfter ? Refusal::kCount : Refusal::kSecondSender;
+    }
+    const std::int32_t ahead = sequence_ahead(header.sequence, newest_);
+    if (ahead == 0) return Refusal::kDuplicate;
+    if (ahead < 0) return Refusal::kOutdated;
+    if (header.send_time < stamp_) return Refusal::kStampNotIncreasing;
+    return Refusal::kCount;
+}
+
+void InboundFlow::remember(SessionTime now, const Header& header) {
+    locked_ = true;
+    instance_ = header.instance;
+    newest_ = header.sequence;
+    stamp_ = header.send_time;
+    heard_ = now;
+    last_accepted_ = now;
+    ++counters_.accepted;
+}
+
+OutboundFlow::OutboundFlow(Role sender, std::uint64_t instance, std::initializer_list<Channel*> channels) {
+    header_.sender = sender;
+    header_.instance = instance;
+    assert(channels.size() <= channels_.size());
+    for (Channel* channel : channels) channels_[channel_count_++] = channel;
+}
+
+void OutboundFlow::transmit(Bytes datagram) {
+    for (std::size_t i = 0; i < channel_count_; ++i) channels_[i]->send(datagram);
+}
+
+}  // namespace thimble

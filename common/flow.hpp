@@ -1,0 +1,104 @@
+// One directed flow of messages, as its receiver and its sender see it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <variant>
+
+#include "common/channel.hpp"
+#include "common/codec.hpp"
+#include "common/messages.hpp"
+
+namespace thimble {
+
+// Serial number arithmetic (RFC 1982): how far `a` is ahead of `b`, right across the wrap.
+constexpr std::int32_t sequence_ahead(std::uint32_t a, std::uint32_t b) {
+    return static_cast<std::int32_t>(a - b);
+}
+
+struct FlowCounters {
+    std::uint64_t accepted = 0;
+    std::array<std::uint64_t, static_cast<std::size_t>(Refusal::kCount)> refused{};
+
+    std::uint64_t of(Refusal refusal) const { return refused[static_cast<std::size_t>(refusal)]; }
+    std::uint64_t refused_total() const;
+    void add(const FlowCounters& other);
+};
+
+// Decides what gets in: only messages of the expected sender, one instance of it, newest sequence first,
+// stamps that increase. Everything else is counted by name and otherwise harmless.
+class InboundFlow {
+  public:
+    explicit InboundFlow(Role expected_sender) : sender_(expected_sender) {}
+
+    // The message if it is new and trustworthy, else null; valid until the next call.
+    const Message* admit(SessionTime now, Bytes datagram);
+    // The next admitted message waiting on the channel, null when the channel is empty.
+    const Message* receive(SessionTime now, Channel& channel);
+
+    // Empties the channel: each admitted message that holds a Wanted and belongs to the running trial goes to
+    // `use`; the others are counted.
+    template <class Wanted, class Use>
+    void drain(SessionTime now, Channel& channel, bool running, std::uint32_t trial, Use&& use) {
+        while (const Message* message = receive(now, channel)) {
+            const auto* body = std::get_if<Wanted>(&message->body);
+            if (body == nullptr) {
+                refuse_admitted(Refusal::kUnexpectedKind);
+            } else if (!running || message->header.trial != trial) {
+                refuse_admitted(Refusal::kWrongTrial);
+            } else {
+                use(message->header, *body);
+            }
+        }
+    }
+
+    // Counts a message that was admitted here but makes no sense where it arrived.
+    void refuse_admitted(Refusal refusal);
+
+    // When the newest message was admitted; SessionTime{} before the first.
+    SessionTime last_accepted() const { return last_accepted_; }
+    bool silent_for(SessionTime now, Duration limit) const { return now - last_accepted_ > limit; }
+    // Gives a fresh start to the silence clock (a trial begins).
+    void expect_from(SessionTime now) { last_accepted_ = now; }
+    const FlowCounters& counters() const { return counters_; }
+
+  private:
+    Refusal judge(SessionTime now, const Header& header) const;
+    void remember(SessionTime now, const Header& header);
+
+    Role sender_;
+    bool locked_ = false;
+    std::uint64_t instance_ = 0;
+    std::uint32_t newest_ = 0;
+    SessionTime stamp_{};
+    SessionTime heard_{};
+    SessionTime last_accepted_{};
+    Decoded decoded_;
+    FlowCounters counters_;
+};
+
+// Numbers, stamps and sends.
+class OutboundFlow {
+  public:
+    OutboundFlow(Role sender, std::uint64_t instance, std::initializer_list<Channel*> channels);
+
+    template <class Body>
+    void send(SessionTime now, std::uint32_t trial, const Body& body) {
+        header_.send_time = now;
+        header_.trial = trial;
+        ++header_.sequence;
+        transmit(encoder_.encode(header_, body));
+    }
+    std::uint32_t sequence() const { return header_.sequence; }
+
+  private:
+    void transmit(Bytes datagram);
+
+    Header header_;
+    Encoder encoder_;
+    std::array<Channel*, 8> channels_{};
+    std::size_t channel_count_ = 0;
+};
+
+}  // namespace thimble

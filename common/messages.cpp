@@ -1,0 +1,41 @@
+#include "common/messages.hpp"
+
+#include <array>
+
+namespace thimble {
+namespace {
+
+template <std::size_t N, class Enum>
+const char* name_of(const std::array<const char*, N>& names, Enum value) {
+    const auto index = static_cast<std::size_t>(value);
+    return index < N ? names[index] : "invalid";
+}
+
+}  // namespace
+
+const char* to_string(Role role) {
+    static constexpr std::array kNames{"session", "master", "slave_sim", "cutaneous", "visual", "netem"};
+    return name_of(kNames, role);
+}
+
+const char* to_string(Modality modality) {
+    static constexpr std::array kNames{"HF", "CF", "CCF", "VF"};
+    return name_of(kNames, modality);
+}
+
+const char* to_string(TissuePhase phase) {
+    static constexpr std::array kNames{"free", "contact", "penetrated"};
+    return name_of(kNames, phase);
+}
+
+const char* to_string(EndReason reason) {
+    static constexpr std::array kNames{"none", "completed", "timeout", "peer_lost", "interrupted"};
+    return name_of(kNames, reason);
+}
+
+const char* to_string(NodeState state) {
+    static constexpr std::array kNames{"idle", "running", "finished", "failed"};
+    return name_of(kNames, state);
+}
+
+}  // namespace thimble

@@ -1,0 +1,108 @@
+// What the nodes say to each other, as plain values. codec.hpp turns them into bytes and back; messages.fbs
+// is the same list as a wire schema. SI units; one axis z, positive into the tissue; forces act on the
+// operator.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "common/time.hpp"
+
+namespace thimble {
+
+enum class Role : std::uint8_t { kSession, kMaster, kSlaveSim, kCutaneous, kVisual, kNetem };
+// HF: handle. CF: fingers of the acting hand. CCF: fingers of the other hand. VF: bar on the screen.
+enum class Modality : std::uint8_t { kHF, kCF, kCCF, kVF };
+enum class TissuePhase : std::uint8_t { kFree, kContact, kPenetrated };
+enum class Finger : std::uint8_t { kNone, kIndex, kThumb };
+enum class ControlKind : std::uint8_t { kTrialStart, kBeep, kFixtureChange, kTrialEnd, kShutdown };
+enum class NodeState : std::uint8_t { kIdle, kRunning, kFinished, kFailed };
+enum class EndReason : std::uint8_t { kNone, kCompleted, kTimeout, kPeerLost, kInterrupted };
+
+struct Header {
+    std::uint64_t instance = 0;  // random per process start: tells a second master from the first
+    SessionTime send_time{};     // on the sender's clock
+    std::uint32_t sequence = 0;  // per flow, wraps
+    std::uint32_t trial = 0;     // 0 before the first trial
+    Role sender = Role::kSession;
+};
+
+// master -> slave_sim, one per encoder sample.
+struct NeedleCommand {
+    double position_needle_m = 0;           // scale x encoder reading
+    double velocity_needle_m_per_s = 0;     // estimated, see velocity_estimator.hpp
+    double position_needle_estimate_m = 0;  // the smooth position whose slope is that velocity
+    double position_hand_m = 0;             // encoder reading
+    double velocity_hand_m_per_s = 0;
+    double force_hand_N = 0;  // applied by the handle, positive pushes the hand out (towards -z)
+};
+
+// slave_sim -> master, cutaneous_node, visual_node and the session's recorder: the answer to one command.
+struct ForceFeedback {
+    double position_needle_m = 0;  // undelayed, as commanded
+    double position_surface_m = 0;
+    double velocity_surface_m_per_s = 0;
+    double position_proxy_m = 0;  // god-object, min(needle, fixture)
+    double force_tissue_N = 0;    // on the operator: negative resists insertion
+    double force_fixture_N = 0;
+    double force_total_N = 0;
+    double contact_time_s = 0;        // unbroken contact with the fixture
+    SessionTime echo_time{};          // the command's send time, on the master's clock
+    Duration hold_time{};             // from the command's arrival to this answer
+    std::uint32_t echo_sequence = 0;  // the command's sequence
+    TissuePhase phase = TissuePhase::kFree;
+    bool fixture_present = true;
+    bool needle_held = false;  // commands stopped: needle stands still, every force is zero
+};
+
+// cutaneous_node, visual_node -> the virtual operator: what skin and eyes get. Never delayed by the network.
+struct Percept {
+    double force_N = 0;  // pressed on the finger by the actuator, >= 0
+    double bar_N = 0;    // shown by the bar, >= 0
+    double position_needle_shown_m = 0;
+    double position_surface_shown_m = 0;
+    double sample_age_s = 0;
+    Finger finger = Finger::kNone;
+    bool touching_shown = false;  // the needle is seen to touch or enter the tissue
+    bool beep = false;
+};
+
+// session -> every node; slave_sim -> visual_node and session for kBeep.
+struct SessionControl {
+    std::uint64_t study_seed = 0;
+    double fixture_position_m = 0;
+    std::uint32_t subject = 0;
+    std::uint32_t experiment = 0;
+    ControlKind kind = ControlKind::kTrialStart;
+    Modality modality = Modality::kHF;
+    bool fixture_present = true;
+    EndReason reason = EndReason::kNone;
+};
+
+// every node -> session, at 10 Hz and at once after each SessionControl (it is the acknowledgement).
+struct Heartbeat {
+    std::uint64_t accepted = 0;
+    std::uint64_t refused = 0;
+    double round_trip_median_s =
+        0;  // master: encoder sample to its force at the handle, this trial; others 0
+    double round_trip_worst_s = 0;
+    double hold_median_s = 0;  // the part of it spent inside slave_sim
+    NodeState state = NodeState::kIdle;
+    EndReason reason = EndReason::kNone;
+};
+
+// Order as in Packet of messages.fbs.
+using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat>;
+
+struct Message {
+    Header header;
+    Body body;
+};
+
+const char* to_string(Role role);
+const char* to_string(Modality modality);
+const char* to_string(TissuePhase phase);
+const char* to_string(EndReason reason);
+const char* to_string(NodeState state);
+
+}  // namespace thimble

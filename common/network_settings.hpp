@@ -1,0 +1,67 @@
+// Who listens where: table [network] of a session file. One base port per session; every flow has a fixed offset from
+// it (docs/protocol.md draws them).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config.hpp"
+#include "common/messages.hpp"
+
+namespace thimble {
+
+// Offsets from the base port. Append only.
+enum class Port : std::uint16_t {
+    // session's end of the control channels, one per node
+    kSessionMaster,
+    kSessionSlave,
+    kSessionCutaneous,
+    kSessionVisual,
+    kSessionNetem,
+    kSessionRecord,
+    // nodes' ends of the control channels
+    kMasterControl,
+    kSlaveControl,
+    kCutaneousControl,
+    kVisualControl,
+    kNetemControl,
+    // data
+    kMasterForce,
+    kMasterPerceptCutaneous,
+    kMasterPerceptVisual,
+    kSlaveNeedle,
+    kCutaneousForce,
+    kVisualForce,
+    kVisualBeep,
+    kNetemNeedle,
+    kNetemForceMaster,
+    kNetemForceCutaneous,
+    kNetemForceVisual,
+    kCount,
+};
+
+// Whose socket the port is.
+Role owner(Port port);
+
+struct Endpoint {
+    std::string host;
+    std::uint16_t port = 0;
+};
+
+struct NetworkSettings {
+    std::uint16_t base_port = 47000;
+    std::array<std::string, 6> hosts{"127.0.0.1", "127.0.0.1", "127.0.0.1",
+                                     "127.0.0.1", "127.0.0.1", "127.0.0.1"};  // by Role
+
+    Endpoint at(Port port) const;
+};
+
+NetworkSettings read_network_settings(const ConfigFile& file);
+
+// The tables that a session file may hold. A program checks its own and leaves the rest to the others.
+std::vector<std::string_view> session_tables();
+
+}  // namespace thimble

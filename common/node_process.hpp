@@ -1,0 +1,65 @@
+// What every node process does besides its own work: obey the session, say that it lives, and stop safely
+// when the session or a peer falls silent. Derived classes add begin_trial / work / end_trial.
+#pragma once
+
+#include "common/flow.hpp"
+#include "common/process.hpp"
+
+namespace thimble {
+
+inline constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds{100};
+// Silence after which a running trial is given up (well under the second that users are promised).
+inline constexpr Duration kPeerTimeout = std::chrono::milliseconds{500};
+
+class NodeProcess : public Process {
+  public:
+    // `control` is the node's end of its channel with the session; `instance` is random per process start.
+    NodeProcess(Role role, std::uint64_t instance, Channel& control);
+
+    void tick(SessionTime now) final;
+    SessionTime next_wakeup() const final;
+    bool stopped() const final { return stopped_; }
+
+    Role role() const { return role_; }
+    NodeState state() const { return state_; }
+    EndReason reason() const { return reason_; }
+    // Over all inbound flows since start.
+    FlowCounters counters() const;
+
+  protected:
+    virtual void begin_trial(SessionTime now, const SessionControl& control) = 0;
+    // Also when the trial is given up: afterwards no force, nothing in flight.
+    virtual void end_trial(SessionTime now) = 0;
+    virtual void obey(SessionTime /*now*/, const SessionControl& /*control*/) {}
+    // Data plane, called on every tick, also between trials (to keep the channels empty).
+    virtual void work(SessionTime now) = 0;
+    virtual SessionTime next_work() const = 0;
+    // True when an input this node cannot do without has been silent for kPeerTimeout.
+    virtual bool peer_lost(SessionTime /*now*/) const { return false; }
+    virtual void add_counters(FlowCounters& /*sum*/) const {}
+    virtual void describe(Heartbeat& /*heartbeat*/) const {}
+
+    bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
+    std::uint32_t trial() const { return trial_; }
+    std::uint64_t instance() const { return instance_; }
+    void set_state(NodeState state, EndReason reason = EndReason::kNone);
+
+  private:
+    void take_orders(SessionTime now);
+    void take_order(SessionTime now, std::uint32_t trial, const SessionControl& control);
+    void give_up_if_alone(SessionTime now);
+    void report(SessionTime now);
+
+    Role role_;
+    std::uint64_t instance_;
+    Channel* control_;
+    InboundFlow orders_{Role::kSession};
+    OutboundFlow heartbeats_;
+    NodeState state_ = NodeState::kIdle;
+    EndReason reason_ = EndReason::kNone;
+    std::uint32_t trial_ = 0;
+    SessionTime next_heartbeat_{};
+    bool stopped_ = false;
+};
+
+}  // namespace thimble

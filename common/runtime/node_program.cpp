@@ -1,0 +1,155 @@
+#include "common/runtime/node_program.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/version.hpp"
+
+namespace thimble {
+namespace {
+
+struct Options {
+    std::string config, report;
+    int base_port = 0;
+    bool strict_rt = false;
+    bool die_with_parent = false;
+};
+
+double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
+
+nlohmann::ordered_json quantiles(const Histogram& h) {
+    return {{"median_us", microseconds(h.quantile(0.5))},
+            {"p99_us", microseconds(h.quantile(0.99))},
+            {"worst_us", microseconds(h.worst())},
+            {"count", h.count()}};
+}
+
+nlohmann::ordered_json refusals(const FlowCounters& counters) {
+    nlohmann::ordered_json names = nlohmann::ordered_json::object();
+    for (std::size_t i = 0; i < counters.refused.size(); ++i) {
+        names[to_string(static_cast<Refusal>(i))] = counters.refused[i];
+    }
+    return names;
+}
+
+nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& instance,
+                                const FlowCounters& counters, const UdpCounters& udp,
+                                const LoopStatistics& loop) {
+    nlohmann::ordered_json report;
+    report["program"] = program.name;
+    report["version"] = kVersion;
+    report["accepted"] = counters.accepted;
+    report["refused"] = refusals(counters);
+    report["udp"] = {{"sent", udp.sent},
+                     {"received", udp.received},
+                     {"send_failed", udp.send_failed},
+                     {"foreign_source", udp.foreign_source},
+                     {"too_long", udp.too_long}};
+    report["deadlines"] = loop.deadlines;
+    report["deadlines_missed"] = loop.missed;
+    report["arrivals"] = loop.arrivals;
+    report["lateness"] = quantiles(loop.lateness);
+    instance.describe(report);
+    return report;
+}
+
+void save(const std::string& path, const nlohmann::ordered_json& report) {
+    if (path.empty()) return;
+    std::ofstream file(path);
+    if (!(file << report.dump(2) << '\n')) {
+        throw Error(ExitCode::kData, fmt::format("cannot write the report '{}': does its folder exist?", path));
+    }
+}
+
+// Own tables are checked here, the others by the programs they belong to.
+void finish_config(const NodeProgram& program, const ConfigFile& file) {
+    std::vector<std::string_view> elsewhere;
+    for (const std::string_view table : session_tables()) {
+        const auto& own = program.tables;
+        if (std::find(own.begin(), own.end(), table) == own.end()) elsewhere.push_back(table);
+    }
+    file.finish(elsewhere);
+}
+
+int check_deadlines(const Options& options, const RuntimeSettings& runtime, const LoopStatistics& loop) {
+    const double fraction =
+        loop.deadlines == 0 ? 0 : static_cast<double>(loop.missed) / static_cast<double>(loop.deadlines);
+    if (!options.strict_rt || fraction <= runtime.allowed_miss_fraction) return static_cast<int>(ExitCode::kOk);
+    spdlog::error("{} of {} deadlines missed by more than {} ms, worst {:.0f} us; --strict-rt allows a fraction of {}",
+                  loop.missed, loop.deadlines, kDeadlineSlack.count() / 1'000'000,
+                  microseconds(loop.lateness.worst()), runtime.allowed_miss_fraction);
+    return static_cast<int>(ExitCode::kRealtime);
+}
+
+int run(const NodeProgram& program, const Options& options) {
+    const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
+    NetworkSettings network = read_network_settings(file);
+    if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
+    const RuntimeSettings runtime = read_runtime_settings(file);
+    Sockets sockets(network);
+    const auto instance = program.build(file, sockets, system_entropy());
+    finish_config(program, file);
+    install_stop_signals();
+    if (options.die_with_parent) stop_with_parent();
+    if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
+    RealtimeLoop loop(sockets.descriptors());
+    spdlog::info("ready, ports from {}", network.base_port);
+    loop.run(instance->process());
+    save(options.report,
+         describe(program, *instance, instance->process().counters(), sockets.counters(), loop.statistics()));
+    return check_deadlines(options, runtime, loop.statistics());
+}
+
+}  // namespace
+
+int guarded_main(const std::string& name, const std::function<int()>& body) {
+    spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+    spdlog::set_pattern("%n: %^%l%$: %v");
+    try {
+        return body();
+    } catch (const Error& error) {
+        spdlog::error(error.what());
+        return static_cast<int>(error.code());
+    } catch (const std::exception& error) {
+        spdlog::error("unexpected: {}", error.what());
+        return static_cast<int>(ExitCode::kRunFailed);
+    }
+}
+
+int run_node_program(const NodeProgram& program, int argc, char** argv) {
+    return guarded_main(program.name, [&] {
+        CLI::App app(program.description, program.name);
+        Options options;
+        app.add_option("-c,--config", options.config, "session file (TOML); without it the paper's defaults");
+        app.add_option("--base-port", options.base_port, "first UDP port, instead of [network].base_port")
+            ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)));
+        app.add_option("--report", options.report, "write counters and lateness to this JSON file at the end");
+        app.add_flag("--strict-rt", options.strict_rt, "exit with 4 if too many deadlines were missed");
+        app.add_flag("--die-with-parent", options.die_with_parent, "stop when the launcher dies (thimble run sets it)");
+        for (const NumberOption& option : program.options) {
+            app.add_option(option.flag, *option.target, option.help)->check(CLI::Range(option.low, option.high));
+        }
+        app.set_version_flag("--version", std::string(kVersion));
+        app.footer("Example:\n  " + program.example +
+                   "\n\nExit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.");
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::ParseError& error) {
+            return app.exit(error) == 0 ? static_cast<int>(ExitCode::kOk) : static_cast<int>(ExitCode::kUsage);
+        }
+        return run(program, options);
+    });
+}
+
+}  // namespace thimble

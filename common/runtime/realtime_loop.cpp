@@ -1,0 +1,114 @@
+#include "common/runtime/realtime_loop.hpp"
+
+#include <sched.h>
+#include <sys/epoll.h>
+#include <sys/prctl.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+
+namespace thimble {
+namespace {
+
+std::atomic<bool> stop{false};
+
+extern "C" void request_stop(int /*signal*/) { stop = true; }
+
+// How long a stop request may wait for a sleeping loop.
+constexpr Duration kStopLatency = std::chrono::milliseconds{100};
+
+void watch(int epoll, int descriptor) {
+    epoll_event event{};
+    event.events = EPOLLIN;
+    event.data.fd = descriptor;
+    if (epoll_ctl(epoll, EPOLL_CTL_ADD, descriptor, &event) != 0) {
+        throw Error(ExitCode::kRunFailed, fmt::format("cannot wait for events: {}", std::strerror(errno)));
+    }
+}
+
+}  // namespace
+
+const std::atomic<bool>& stop_requested() { return stop; }
+
+void install_stop_signals() {
+    struct sigaction action {};
+    action.sa_handler = request_stop;
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+void stop_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM, 0UL, 0UL, 0UL); }
+
+std::string ask_for_realtime(const RuntimeSettings& settings) {
+    // The default slack of 50 us would be added to every wake-up.
+    prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
+    if (!settings.realtime_scheduling) return "";
+    sched_param parameter{};
+    parameter.sched_priority = settings.priority;
+    if (sched_setscheduler(0, SCHED_FIFO, &parameter) == 0) return "";
+    return fmt::format(
+        "no real-time scheduling ({}): deadlines depend on what else runs. Allow it with 'ulimit -r {}' or set "
+        "realtime_scheduling = false in [runtime]",
+        std::strerror(errno), settings.priority);
+}
+
+RealtimeLoop::RealtimeLoop(std::span<const int> descriptors)
+    : epoll_(epoll_create1(EPOLL_CLOEXEC)),
+      timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)) {
+    if (epoll_ < 0 || timer_ < 0) {
+        throw Error(ExitCode::kRunFailed, fmt::format("cannot make a timer: {}", std::strerror(errno)));
+    }
+    watch(epoll_, timer_);
+    for (const int descriptor : descriptors) watch(epoll_, descriptor);
+}
+
+RealtimeLoop::~RealtimeLoop() {
+    close(timer_);
+    close(epoll_);
+}
+
+void RealtimeLoop::set_timer(SessionTime deadline) {
+    if (deadline == armed_) return;
+    armed_ = deadline;
+    const std::int64_t ns = std::max<std::int64_t>(to_nanoseconds(deadline), 1);  // 0 would disarm
+    itimerspec when{};
+    when.it_value.tv_sec = ns / 1'000'000'000;
+    when.it_value.tv_nsec = ns % 1'000'000'000;
+    timerfd_settime(timer_, TFD_TIMER_ABSTIME, &when, nullptr);
+}
+
+void RealtimeLoop::step(Process& process, SessionTime latest) {
+    const SessionTime deadline = process.next_wakeup();
+    set_timer(std::min(deadline, latest));
+    std::array<epoll_event, 16> events{};
+    epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), -1);
+    const SessionTime now = wall_now();
+    if (now >= armed_) armed_ = kNever;  // it has fired; the next wait must arm it anew
+    if (deadline == SessionTime{}) {
+        // "At once", not a deadline: nothing to be late for.
+    } else if (now >= deadline) {
+        ++statistics_.deadlines;
+        statistics_.lateness.add(now - deadline);
+        if (now - deadline > kDeadlineSlack) ++statistics_.missed;
+    } else {
+        ++statistics_.arrivals;
+    }
+    process.tick(now);
+}
+
+void RealtimeLoop::run(Process& process) {
+    while (!process.stopped() && !stop) step(process, wall_now() + kStopLatency);
+}
+
+}  // namespace thimble

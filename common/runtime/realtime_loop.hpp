@@ -1,0 +1,57 @@
+// Drives one process in real time: absolute deadlines, and at once when a datagram arrives. The whole loop fits on one
+// screen (realtime_loop.cpp).
+#pragma once
+
+#include <atomic>
+#include <span>
+
+#include "common/histogram.hpp"
+#include "common/process.hpp"
+#include "common/runtime/runtime_settings.hpp"
+
+namespace thimble {
+
+struct LoopStatistics {
+    Histogram lateness;           // wake-up after its deadline
+    std::uint64_t deadlines = 0;  // timed wake-ups
+    std::uint64_t missed = 0;     // later than kDeadlineSlack
+    std::uint64_t arrivals = 0;   // wake-ups by a datagram
+};
+
+// A tick that starts a whole sample late has missed its sample.
+inline constexpr Duration kDeadlineSlack = std::chrono::milliseconds{1};
+
+// Set by SIGINT and SIGTERM once install_stop_signals() was called.
+const std::atomic<bool>& stop_requested();
+void install_stop_signals();
+// SIGTERM to this process when the thread that started it ends, however it ends.
+void stop_with_parent();
+
+// Real-time scheduling and a 1 ns timer slack for this process. Returns "" or what to tell the user (said once).
+std::string ask_for_realtime(const RuntimeSettings& settings);
+
+class RealtimeLoop {
+  public:
+    // Wakes on `descriptors` becoming readable. Throws Error (run failed) if the kernel refuses a timer.
+    explicit RealtimeLoop(std::span<const int> descriptors);
+    ~RealtimeLoop();
+    RealtimeLoop(const RealtimeLoop&) = delete;
+    RealtimeLoop& operator=(const RealtimeLoop&) = delete;
+
+    // One wait and one tick, waiting no longer than `latest`.
+    void step(Process& process, SessionTime latest);
+    // Until the process has stopped or a stop is requested.
+    void run(Process& process);
+
+    const LoopStatistics& statistics() const { return statistics_; }
+
+  private:
+    void set_timer(SessionTime deadline);
+
+    int epoll_ = -1;
+    int timer_ = -1;
+    SessionTime armed_ = kNever;
+    LoopStatistics statistics_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,14 @@
+#include "common/runtime/runtime_settings.hpp"
+
+namespace thimble {
+
+RuntimeSettings read_runtime_settings(const ConfigFile& file) {
+    const ConfigTable table = file.table("runtime");
+    RuntimeSettings s;
+    s.realtime_scheduling = table.boolean("realtime_scheduling", s.realtime_scheduling);
+    s.priority = static_cast<int>(table.integer("priority", s.priority, 1, 98));
+    s.allowed_miss_fraction = table.number("allowed_miss_fraction", s.allowed_miss_fraction, 0, 1);
+    return s;
+}
+
+}  // namespace thimble

@@ -1,0 +1,38 @@
+// The UDP channels of one program, by the names of network_settings.hpp.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/network_settings.hpp"
+#include "common/runtime/udp_channel.hpp"
+
+namespace thimble {
+
+class Sockets {
+  public:
+    explicit Sockets(NetworkSettings settings) : settings_(std::move(settings)) {}
+
+    // Both ways between two known ports (control channels).
+    Channel* between(Port local, Port remote) { return open(settings_.at(local), settings_.at(remote)); }
+    // Listens at `local` to the host of `sender` only.
+    Channel* inlet(Port local, Role sender) {
+        return open(settings_.at(local), {settings_.hosts[static_cast<std::size_t>(sender)], 0});
+    }
+    // Sends to `remote`, listens to nobody.
+    Channel* outlet(Port remote) { return open(std::nullopt, settings_.at(remote)); }
+
+    // Of the channels that listen.
+    const std::vector<int>& descriptors() const { return descriptors_; }
+    UdpCounters counters() const;
+
+  private:
+    Channel* open(const std::optional<Endpoint>& local, const Endpoint& remote);
+
+    NetworkSettings settings_;
+    std::vector<std::unique_ptr<UdpChannel>> channels_;
+    std::vector<int> descriptors_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,44 @@
+// Datagrams over UDP (IPv4), never blocking. One socket: bound to a local port, or only sending.
+#pragma once
+
+#include <netinet/in.h>
+
+#include <array>
+#include <optional>
+
+#include "common/channel.hpp"
+#include "common/network_settings.hpp"
+
+namespace thimble {
+
+struct UdpCounters {
+    std::uint64_t sent = 0, received = 0;
+    std::uint64_t send_failed = 0;     // the kernel refused: buffer full, no route, nobody listens
+    std::uint64_t foreign_source = 0;  // from a host that is not the configured peer
+    std::uint64_t too_long = 0;        // larger than kMaxDatagramBytes
+};
+
+class UdpChannel final : public Channel {
+  public:
+    // `local`: where to listen; absent for a channel that only sends. `remote`: where to send, and the only host that is
+    // listened to. Throws Error (network) with the address if the port is taken or a name cannot be resolved.
+    UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote);
+    ~UdpChannel() override;
+
+    void send(Bytes datagram) override;
+    Bytes receive() override;
+
+    // To wait on; readable when a datagram is there.
+    int file_descriptor() const { return socket_; }
+    const UdpCounters& counters() const { return counters_; }
+
+  private:
+    void bind_to(const Endpoint& local);
+
+    int socket_ = -1;
+    sockaddr_in remote_{};
+    UdpCounters counters_;
+    alignas(16) std::array<std::uint8_t, kMaxDatagramBytes + 1> buffer_{};
+};
+
+}  // namespace thimble

@@ -1,0 +1,19 @@
+#include "common/runtime/wall_clock.hpp"
+
+#include <ctime>
+#include <random>
+
+namespace thimble {
+
+SessionTime wall_now() {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return from_nanoseconds(std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec);
+}
+
+std::uint64_t system_entropy() {
+    std::random_device device;
+    return (std::uint64_t{device()} << 32) | device();
+}
+
+}  // namespace thimble

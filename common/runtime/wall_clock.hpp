@@ -1,0 +1,14 @@
+// The only place in Thimble that asks what time it is.
+#pragma once
+
+#include "common/time.hpp"
+
+namespace thimble {
+
+// CLOCK_MONOTONIC: the same for all processes of one machine since it booted, never set back.
+SessionTime wall_now();
+
+// Random bits from the operating system, for instance numbers (never for anything that a seed should reproduce).
+std::uint64_t system_entropy();
+
+}  // namespace thimble

@@ -1,0 +1,59 @@
+#include "cutaneous_node/cutaneous_node.hpp"
+
+#include <cassert>
+#include <cmath>
+
+namespace thimble {
+
+CutaneousNode::CutaneousNode(const CutaneousSettings& settings, FingertipActuator& actuator)
+    : settings_(settings), actuator_(actuator) {
+    assert(settings.percept_period > Duration::zero());
+}
+
+void CutaneousNode::start_trial(SessionTime now, const SessionControl& control) {
+    modality_ = control.modality;
+    const bool pressed = modality_ == Modality::kCF || modality_ == Modality::kCCF;
+    next_percept_ = pressed ? now : kNever;
+    last_feedback_ = now;
+    release(now);
+}
+
+void CutaneousNode::end_trial(SessionTime now) {
+    next_percept_ = kNever;
+    release(now);
+}
+
+void CutaneousNode::on_feedback(SessionTime now, const ForceFeedback& feedback) {
+    if (!active()) return;
+    last_feedback_ = now;
+    if (feedback.needle_held) {
+        if (!released_) release(now);
+        return;
+    }
+    const double force_N = feedback.force_total_N;
+    Finger finger = Finger::kNone;
+    if (force_N < 0) finger = Finger::kIndex;
+    if (force_N > 0) finger = Finger::kThumb;
+    actuator_.command(now, finger, std::abs(force_N));
+    released_ = false;
+}
+
+std::optional<Percept> CutaneousNode::percept(SessionTime now) {
+    if (now < next_percept_) return std::nullopt;
+    // Keeps to the grid of the trial's start; a late call skips what was missed.
+    next_percept_ += settings_.percept_period * ((now - next_percept_) / settings_.percept_period + 1);
+    if (!released_ && now - last_feedback_ >= settings_.stale_after) release(now);
+    const FingertipForce felt = actuator_.output(now);
+    Percept percept;
+    percept.finger = felt.finger;
+    percept.force_N = felt.force_N;
+    percept.sample_age_s = to_seconds(now - felt.sample_time);
+    return percept;
+}
+
+void CutaneousNode::release(SessionTime now) {
+    actuator_.release(now);
+    released_ = true;
+}
+
+}  // namespace thimble

@@ -1,0 +1,47 @@
+// Sensory subtraction: the force that resists the needle, pressed on a finger instead of given to the hand.
+// Pushing in (force towards -z) is felt on the index finger, pulling out (towards +z) on the thumb. In CF the
+// device is worn on the hand that holds the handle, in CCF on the other one; in HF and VF it stays slack.
+#pragma once
+
+#include <optional>
+
+#include "common/messages.hpp"
+#include "common/time.hpp"
+#include "cutaneous_node/cutaneous_settings.hpp"
+#include "cutaneous_node/fingertip_actuator.hpp"
+
+namespace thimble {
+
+class CutaneousNode {
+  public:
+    // `actuator` must outlive the node.
+    CutaneousNode(const CutaneousSettings& settings, FingertipActuator& actuator);
+
+    void start_trial(SessionTime now, const SessionControl& control);
+    void end_trial(SessionTime now);
+    // Feedback of this trial, in order (the caller's sequence tracking sees to both).
+    void on_feedback(SessionTime now, const ForceFeedback& feedback);
+
+    // What the skin feels, once per period while active; nothing before next_percept(). Also lets go of the
+    // fingers when the feedback has stopped.
+    std::optional<Percept> percept(SessionTime now);
+    // kNever unless active.
+    SessionTime next_percept() const { return next_percept_; }
+
+    // A trial runs in which the fingers are pressed.
+    bool active() const { return next_percept_ != kNever; }
+    bool acting_hand() const { return active() && modality_ == Modality::kCF; }
+    bool contralateral() const { return active() && modality_ == Modality::kCCF; }
+
+  private:
+    void release(SessionTime now);
+
+    CutaneousSettings settings_;
+    FingertipActuator& actuator_;
+    SessionTime next_percept_ = kNever;
+    SessionTime last_feedback_{};
+    Modality modality_ = Modality::kHF;
+    bool released_ = true;
+};
+
+}  // namespace thimble

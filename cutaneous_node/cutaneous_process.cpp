@@ -1,0 +1,24 @@
+#include "cutaneous_node/cutaneous_process.hpp"
+
+namespace thimble {
+
+CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings,
+                                   const Channels& channels, FingertipActuator& actuator)
+    : NodeProcess(Role::kCutaneous, instance, *channels.control),
+      channels_(channels),
+      node_(settings, actuator),
+      percept_flow_(Role::kCutaneous, instance, {channels.percept_out}) {}
+
+void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& control) {
+    node_.start_trial(now, control);
+    force_flow_.expect_from(now + kPeerTimeout);  // the master starts last
+}
+
+void CutaneousProcess::work(SessionTime now) {
+    force_flow_.drain<ForceFeedback>(
+        now, *channels_.force_in, running(), trial(),
+        [&](const Header&, const ForceFeedback& feedback) { node_.on_feedback(now, feedback); });
+    if (const auto percept = node_.percept(now)) percept_flow_.send(now, trial(), *percept);
+}
+
+}  // namespace thimble

@@ -1,0 +1,36 @@
+// cutaneous_node: force feedback in (through netem), finger pressed, percept out to whoever wears the device.
+#pragma once
+
+#include "common/node_process.hpp"
+#include "cutaneous_node/cutaneous_node.hpp"
+
+namespace thimble {
+
+class CutaneousProcess final : public NodeProcess {
+  public:
+    struct Channels {
+        Channel* control;
+        Channel* force_in;     // from slave_sim, through netem
+        Channel* percept_out;  // to the virtual operator: skin, not network
+    };
+
+    // `actuator` outlives the process.
+    CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, const Channels& channels,
+                     FingertipActuator& actuator);
+
+  protected:
+    void begin_trial(SessionTime now, const SessionControl& control) override;
+    void end_trial(SessionTime now) override { node_.end_trial(now); }
+    void work(SessionTime now) override;
+    SessionTime next_work() const override { return node_.next_percept(); }
+    bool peer_lost(SessionTime now) const override { return force_flow_.silent_for(now, kPeerTimeout); }
+    void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
+
+  private:
+    Channels channels_;
+    CutaneousNode node_;
+    InboundFlow force_flow_{Role::kSlaveSim};
+    OutboundFlow percept_flow_;
+};
+
+}  // namespace thimble

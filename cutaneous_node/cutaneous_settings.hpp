@@ -1,0 +1,24 @@
+// The table [cutaneous]:
+//   dead_time_s = 0.045      from a command to the first motion of the cables
+//   time_constant_s = 0      first-order lag after it, 0: none
+//   force_limit_N = 1.5      the most the device presses
+//   stale_after_s = 0.1      without feedback for so long, the fingers are released
+//   percept_period_s = 0.001 how often the skin reports
+#pragma once
+
+#include "common/config.hpp"
+#include "common/time.hpp"
+
+namespace thimble {
+
+struct CutaneousSettings {
+    Duration dead_time = std::chrono::milliseconds{45};
+    Duration time_constant{};
+    double force_limit_N = 1.5;
+    Duration stale_after = std::chrono::milliseconds{100};
+    Duration percept_period = std::chrono::milliseconds{1};
+};
+
+CutaneousSettings read_cutaneous_settings(const ConfigTable& table);
+
+}  // namespace thimble

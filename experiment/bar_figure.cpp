@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "experiment/figures.hpp"
+#include "experiment/gnuplot.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::array kShown{Metric::kPenetrationMax, Metric::kCompletionTime};
+constexpr std::array kDelayColours{kSkyBlue, kVermilion, kGreen, kPurple, kBlue};
+// Width that the bars of one modality share; the rest of 1 is the gap to the next.
+constexpr double kGroup = 0.76;
+
+// A block per delay, a line per modality: place on the axis, then mean and SD of each metric as shown. Of
+// each bar the lower whisker ends at zero.
+std::string bar_data(const std::vector<ConditionSummary>& conditions, const std::vector<double>& delays_s) {
+    std::string data = "# x, then for each metric: mean, sd\n";
+    const double width = kGroup / static_cast<double>(delays_s.size());
+    for (std::size_t block = 0; block < delays_s.size(); ++block) {
+        data += fmt::format("# {}\n", delay_text(delays_s[block]));
+        for (std::size_t i = 0; i < kModalities.size(); ++i) {
+            const auto condition = find_condition(conditions, kModalities[i], delays_s[block]);
+            const double offset = -kGroup / 2 + width * (static_cast<double>(block) + 0.5);
+            write_cell(data, static_cast<double>(i) + offset);
+            for (const Metric metric : kShown) {
+                const Statistic statistic =
+                    condition == conditions.end() ? Statistic{} : condition->of(metric);
+                write_cell(data, statistic.mean * info(metric).shown_per_SI);
+                write_cell(data, statistic.sd * info(metric).shown_per_SI);
+            }
+            data.back() = '\n';
+        }
+        data += "\n\n";
+    }
+    return data;
+}
+
+std::string bar_panel(const std::string& name, std::size_t panel, const std::vector<double>& delays_s) {
+    const std::size_t mean = 2 + 2 * panel;
+    std::string script = fmt::format("set ylabel '{}'\nplot ", info(kShown[panel]).label);
+    for (std::size_t block = 0; block < delays_s.size(); ++block) {
+        script += fmt::format(
+            "'{}.tsv' index {} using 1:{} with boxes fillstyle solid 0.85 noborder linecolor '{}' title "
+            "'{}', \\\n     ",
+            name, block, mean, kDelayColours[block % kDelayColours.size()], delay_text(delays_s[block]));
+    }
+    for (std::size_t block = 0; block < delays_s.size(); ++block) {
+        script += fmt::format(
+            "'{}.tsv' index {} using 1:{}:{} with yerrorbars pointtype 0 linewidth 1.2 linecolor '#222222' "
+            "notitle{}\n",
+            name, block, mean, mean + 1, block + 1 < delays_s.size() ? ", \\" : "");
+    }
+    return script;
+}
+
+std::string bar_script(const std::string& name, const std::vector<double>& delays_s) {
+    std::string script = gnuplot_preamble(name, 1000, 380);
+    script += fmt::format(R"(set boxwidth {:.4f} absolute
+set xrange [-0.6:3.6]; set yrange [0:*]; set xtics scale 0 (
+)",
+                          kGroup / static_cast<double>(delays_s.size()) * 0.92);
+    script.pop_back();
+    for (std::size_t i = 0; i < kModalities.size(); ++i) {
+        script += fmt::format("{}'{}' {}", i > 0 ? ", " : "", to_string(kModalities[i]), i);
+    }
+    script += R"()
+set bars 0.7
+set xlabel 'modality'
+set key at screen 0.5, screen 0.985 center top horizontal samplen 1.2 width 2 title 'one-way delay:  ' left
+set tmargin at screen 0.87; set bmargin at screen 0.16
+set multiplot
+set lmargin at screen 0.075; set rmargin at screen 0.485
+)";
+    script += bar_panel(name, 0, delays_s);
+    script += "unset key\nset lmargin at screen 0.575; set rmargin at screen 0.985\n";
+    script += bar_panel(name, 1, delays_s);
+    return script + "unset multiplot\n";
+}
+
+std::string bar_caption(const std::vector<ConditionSummary>& conditions) {
+    std::uint32_t subjects_low = ~0U, subjects_high = 0, trials_low = ~0U, trials_high = 0;
+    for (const ConditionSummary& condition : conditions) {
+        subjects_low = std::min(subjects_low, condition.subjects);
+        subjects_high = std::max(subjects_high, condition.subjects);
+        trials_low = std::min(trials_low, condition.judged);
+        trials_high = std::max(trials_high, condition.judged);
+    }
+    return fmt::format(
+        "Maximum penetration beyond the fixture between first contact and beep, and time from tissue entry "
+        "to the "
+        "beep: mean and standard deviation over n = {} subjects, whose trials are averaged first ({} trials "
+        "per "
+        "bar). Trials without a beep have no completion time.",
+        range_text(std::min(subjects_low, subjects_high), subjects_high),
+        range_text(std::min(trials_low, trials_high), trials_high));
+}
+
+}  // namespace
+
+Figure draw_bars(const std::vector<ConditionSummary>& conditions, const std::filesystem::path& directory,
+                 const std::string& name) {
+    const std::vector<double> delays_s = delays_of(conditions);
+    return {name, "Penetration and completion time", bar_caption(conditions),
+            run_gnuplot(directory, name, bar_data(conditions, delays_s), bar_script(name, delays_s))};
+}
+
+}  // namespace thimble

@@ -1,0 +1,66 @@
+// The project's own CSV files, read strictly: a header line of known columns, then lines of plain fields (no
+// quoting is needed, no field holds a comma), comment lines from '#'. What is wrong is named with line and
+// column.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace thimble {
+
+// One field and where it stands. The conversions throw Error (data) if the text is not exactly such a value.
+struct CsvField {
+    const std::filesystem::path* file;
+    std::size_t line;    // from 1
+    std::size_t column;  // from 1
+    std::string_view name;
+    std::string_view text;
+
+    double number() const;  // finite; empty is NaN
+    std::uint64_t integer(std::uint64_t max) const;
+    bool flag() const;  // 0 or 1
+    [[noreturn]] void fail(std::string_view why) const;
+};
+
+class CsvReader {
+  public:
+    // Throws Error (data) if the file cannot be read or its header is not exactly `columns` (which must
+    // outlive the reader).
+    CsvReader(std::filesystem::path file, std::span<const std::string_view> columns);
+    CsvReader(const CsvReader&) = delete;
+    CsvReader& operator=(const CsvReader&) = delete;
+
+    // Moves to the next line of fields; false at the end of the file. Throws if the line has the wrong number
+    // of fields or does not end in a newline: a number that was cut off still looks like one.
+    bool next();
+    CsvField field(std::size_t column) const;  // from 0
+    // The comment lines passed so far, without "# ".
+    const std::vector<std::string>& comments() const { return comments_; }
+
+  private:
+    std::string_view take_line();
+    void split(std::string_view line);
+    [[noreturn]] void fail(std::string_view why) const;
+
+    std::filesystem::path file_;
+    std::span<const std::string_view> columns_;
+    std::string text_;
+    std::size_t position_ = 0;
+    std::size_t line_ = 0;
+    std::vector<std::string_view> fields_;
+    std::vector<std::string> comments_;
+};
+
+// The shortest text that reads back to the same bits; NaN is an empty field. Any fmt output iterator.
+template <class Out>
+Out write_number(Out out, double value) {
+    return value != value ? out : fmt::format_to(out, "{}", value);
+}
+
+}  // namespace thimble

@@ -1,0 +1,67 @@
+#include "experiment/csv_file.hpp"
+
+#include <cerrno>
+#include <system_error>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+
+namespace thimble {
+namespace {
+
+const char* open_mode(IfExists if_exists) {
+    switch (if_exists) {
+        case IfExists::kReplace:
+            return "we";
+        case IfExists::kContinue:
+            return "ae";
+        case IfExists::kRefuse:
+            break;
+    }
+    return "wxe";  // x: the file must not exist, decided by the kernel
+}
+
+std::string reason() { return std::generic_category().message(errno); }
+
+}  // namespace
+
+CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists) : path_(path) {
+    file_.reset(std::fopen(path.c_str(), open_mode(if_exists)));
+    if (!file_ && errno == EEXIST) {
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format("{}: already exists and is not overwritten; name another directory, or say that it "
+                        "may be replaced",
+                        path.string()));
+    }
+    if (!file_) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: cannot be created: {}; check directory and permissions", path.string(),
+                                reason()));
+    }
+    std::error_code ignored;
+    if (if_exists == IfExists::kContinue) is_new_ = std::filesystem::file_size(path, ignored) == 0;
+}
+
+void CsvFile::write(std::string_view text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) fail("written");
+}
+
+void CsvFile::flush() {
+    if (std::fflush(file_.get()) != 0) fail("written");
+}
+
+void CsvFile::sync() {
+    flush();
+    // Pipes and terminals cannot be synchronised and need not be.
+    if (::fsync(::fileno(file_.get())) != 0 && errno != EINVAL && errno != EROFS) fail("synchronised");
+}
+
+void CsvFile::fail(const char* doing) const {
+    throw Error(ExitCode::kRunFailed, fmt::format("{}: cannot be {}: {}; check the disk's free space",
+                                                  path_.string(), doing, reason()));
+}
+
+}  // namespace thimble

@@ -1,0 +1,35 @@
+// An output file that reports failure as Error instead of losing data silently.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+namespace thimble {
+
+enum class IfExists { kRefuse, kReplace, kContinue };
+
+class CsvFile {
+  public:
+    // Throws Error (usage) if the file exists and `if_exists` is kRefuse, or if it cannot be created.
+    CsvFile(const std::filesystem::path& path, IfExists if_exists);
+
+    bool is_new() const { return is_new_; }  // nothing in it yet: it needs a header
+    // These throw Error (run failed), e.g. on a full disk.
+    void write(std::string_view text);
+    void flush();  // hands the bytes to the kernel
+    void sync();   // returns when the bytes are on the disk
+
+  private:
+    struct Close {
+        void operator()(std::FILE* file) const { std::fclose(file); }
+    };
+    [[noreturn]] void fail(const char* doing) const;
+
+    std::filesystem::path path_;
+    std::unique_ptr<std::FILE, Close> file_;
+    bool is_new_ = true;
+};
+
+}  // namespace thimble

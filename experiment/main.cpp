@@ -1,0 +1,181 @@
+// thimble: launches and steers the nodes, runs studies, writes reports.
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/network_settings.hpp"
+#include "common/runtime/node_program.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "common/version.hpp"
+#include "experiment/combined_report.hpp"
+#include "experiment/condition_summary.hpp"
+#include "experiment/headline.hpp"
+#include "experiment/run.hpp"
+#include "experiment/study.hpp"
+
+namespace {
+
+using namespace thimble;
+
+struct Arguments {
+    std::string config, out, run_folder, study_folder;
+    int experiment = 3;
+    std::uint32_t subjects = 10;
+    std::uint64_t seed = 1;
+    unsigned jobs = 0;
+    int base_port = 0;
+    bool overwrite = false, json = false, trajectories = false, no_control = false, strict_rt = false;
+    std::string command;
+};
+
+// The nodes' programs lie beside this one.
+std::filesystem::path program_folder() {
+    std::error_code error;
+    const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+    return error ? std::filesystem::path("/usr/bin") : self.parent_path();
+}
+
+void say_results(const Arguments& arguments, const std::filesystem::path& folder,
+                 const std::vector<TrialRow>& rows) {
+    const auto conditions = summarize(rows);
+    if (arguments.json) {
+        std::ifstream summary(folder / "summary.json");
+        std::cout << summary.rdbuf();
+        return;
+    }
+    for (const ConditionSummary& c : conditions) {
+        fmt::print("{:>6} {:<4} {:3} trials, {:3} oscillate, maximum penetration {:6.2f} mm, completion {:5.2f} s\n",
+                   delay_text(c.delay_s), to_string(c.modality), c.trials, c.oscillating,
+                   1000 * c.of(Metric::kPenetrationMax).mean, c.of(Metric::kCompletionTime).mean);
+    }
+    fmt::print("{}\nreport: {}\n", judge_headline(conditions).sentence(), (folder / "report.html").string());
+}
+
+int command_study(const Arguments& arguments) {
+    if (arguments.experiment != 3) {
+        throw Error(ExitCode::kUsage, fmt::format("--experiment {} does not exist yet; 3, the delay experiment, does",
+                                                  arguments.experiment));
+    }
+    const SystemSettings settings = load_system_settings(arguments.config);
+    install_stop_signals();
+    StudyOptions options;
+    options.protocol = experiment_3(settings, arguments.subjects, arguments.seed);
+    options.out = arguments.out;
+    options.command = arguments.command;
+    options.jobs = arguments.jobs;
+    options.overwrite = arguments.overwrite;
+    options.trajectories = arguments.trajectories;
+    options.control = !arguments.no_control;
+    options.stop = &stop_requested();
+    const StudyResult result = run_study(settings, options);
+    spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
+                 result.simulated_s / result.wall_s);
+    say_results(arguments, options.out, result.rows);
+    if (!result.complete) spdlog::error("interrupted; the {} trials that had ended are kept", result.rows.size());
+    return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
+}
+
+int command_run(const Arguments& arguments) {
+    const SystemSettings settings = load_system_settings(arguments.config);
+    install_stop_signals();
+    const ConfigFile file = arguments.config.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.config);
+    RunOptions options;
+    options.config = arguments.config;
+    options.programs = program_folder();
+    options.out = arguments.out;
+    options.command = arguments.command;
+    options.network = read_network_settings(file);
+    options.runtime = read_runtime_settings(file);
+    if (arguments.base_port != 0) options.network.base_port = static_cast<std::uint16_t>(arguments.base_port);
+    options.overwrite = arguments.overwrite;
+    options.strict_rt = arguments.strict_rt;
+    options.stop = &stop_requested();
+    const RunResult result = run_session(settings, options);
+    say_results(arguments, options.out, result.rows);
+    if (result.code != ExitCode::kOk) spdlog::error(result.problem);
+    return static_cast<int>(result.code);
+}
+
+int command_report(const Arguments& arguments) {
+    write_combined_report(arguments.run_folder, arguments.study_folder, arguments.out, arguments.command);
+    fmt::print("report: {}\n", arguments.out);
+    return 0;
+}
+
+int command_check(const Arguments& arguments) {
+    load_system_settings(arguments.config);
+    fmt::print("{}: good\n", arguments.config);
+    return 0;
+}
+
+void add_run(CLI::App& app, Arguments& a) {
+    CLI::App* run = app.add_subcommand("run", "one trial per modality and delay, five real processes over UDP");
+    run->add_option("session", a.config, "session file (TOML), e.g. deploy/sessions/delay50.toml")->required();
+    run->add_option("-o,--out", a.out, "folder for the results")->default_val("out/run");
+    run->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
+        ->check(CLI::Range(1024, 65536 - 64 * static_cast<int>(Port::kCount)));
+    run->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
+    run->add_flag("--strict-rt", a.strict_rt, "exit with 4 if a node missed too many deadlines");
+    run->add_flag("--json", a.json, "print summary.json on stdout");
+    run->footer("Example:\n  thimble run deploy/sessions/delay50.toml --out out/run");
+}
+
+void add_study(CLI::App& app, Arguments& a) {
+    CLI::App* study = app.add_subcommand("study", "a whole experiment in virtual time");
+    study->add_option("-e,--experiment", a.experiment, "3: 50 ms on the force path")->default_val(3);
+    study->add_option("-n,--subjects", a.subjects, "virtual subjects")->default_val(10)->check(CLI::Range(1, 100000));
+    study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
+    study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
+    study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
+    study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
+        ->check(CLI::Range(0, 1024));
+    study->add_flag("--no-control", a.no_control, "leave out the same trials without delay (control.csv)");
+    study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV");
+    study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
+    study->add_flag("--json", a.json, "print summary.json on stdout");
+    study->footer("Example:\n  thimble study --experiment 3 --seed 1 --out out/study");
+}
+
+void add_others(CLI::App& app, Arguments& a) {
+    CLI::App* report = app.add_subcommand("report", "one report.html from a run, a study, or both");
+    report->add_option("--run", a.run_folder, "folder of a thimble run");
+    report->add_option("--study", a.study_folder, "folder of a thimble study");
+    report->add_option("-o,--out", a.out, "the report")->default_val("out/report.html");
+    report->footer("Example:\n  thimble report --run out/run --study out/study --out out/report.html");
+    CLI::App* check = app.add_subcommand("check", "read a session file and say what is wrong with it");
+    check->add_option("session", a.config, "session file (TOML)")->required();
+    check->footer("Example:\n  thimble check deploy/sessions/delay50.toml");
+}
+
+int run_thimble(int argc, char** argv) {
+    Arguments arguments;
+    for (int i = 0; i < argc; ++i) arguments.command += (i > 0 ? " " : "") + std::string(argv[i]);
+    CLI::App app("Teleoperation by touch: needle insertion with sensory subtraction, under network delay.", "thimble");
+    app.set_version_flag("--version", std::string(kVersion));
+    app.require_subcommand(1);
+    app.footer("Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, 3 network, 4 real time, 5 data.");
+    add_run(app, arguments);
+    add_study(app, arguments);
+    add_others(app, arguments);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
+    }
+    if (app.got_subcommand("run")) return command_run(arguments);
+    if (app.got_subcommand("study")) return command_study(arguments);
+    if (app.got_subcommand("report")) return command_report(arguments);
+    return command_check(arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return guarded_main("thimble", [&] { return run_thimble(argc, argv); });
+}

@@ -1,0 +1,66 @@
+// Mean and standard deviation over trials of needle and tissue surface on a common axis: time from the first
+// puncture of the tissue (0 %) to the beep (100 %), depth in percent of the trial's own fixture depth. Trials
+// are added one by one and not kept.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "experiment/trial_record.hpp"
+
+namespace thimble {
+
+inline constexpr double kCurveBegin_percent = -10;
+inline constexpr double kCurveEnd_percent = 110;
+
+// Per grid point, over the trials that have samples on both sides of it: a trial may begin later than -10 %
+// and end before 110 %.
+struct CurveStatistics {
+    std::uint32_t trials = 0;
+    double mean_percent = 0;
+    double squares_percent2 = 0;  // sum of squared deviations from the mean (Welford 1962)
+
+    void add(double value_percent);
+    double sd_percent() const;  // of the sample (n - 1); NaN below two trials
+};
+
+struct MeanCurve {
+    std::vector<double> time_percent;  // of each grid point
+    std::vector<CurveStatistics> needle;
+    std::vector<CurveStatistics> surface;
+    // The needle of the first trial added: averaging trials of different phase hides an oscillation. NaN: no
+    // sample.
+    std::vector<double> example_needle_percent;
+    std::uint32_t trials_with_beep = 0;
+    std::uint32_t trials_without_beep = 0;   // their end counts as 100 %
+    std::uint32_t trials_without_entry = 0;  // never punctured the tissue: no common axis, left out
+    std::uint32_t trials() const { return trials_with_beep + trials_without_beep; }
+};
+
+class MeanTrajectory {
+  public:
+    explicit MeanTrajectory(std::size_t points = 481);  // >= 2; 481 is a step of 0.25 %
+    void add(const TrialRecord& record);
+    const MeanCurve& curve() const { return curve_; }
+
+  private:
+    MeanCurve curve_;
+};
+
+struct TrajectoryPanel {
+    Modality modality = Modality::kHF;
+    double delay_s = 0;
+    MeanTrajectory mean;
+};
+
+// One mean trajectory per modality and delay, made when its first trial is added.
+class TrajectoryPanels {
+  public:
+    void add(const TrialRecord& record);
+    const std::vector<TrajectoryPanel>& panels() const { return panels_; }
+
+  private:
+    std::vector<TrajectoryPanel> panels_;
+};
+
+}  // namespace thimble

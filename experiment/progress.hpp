@@ -1,0 +1,21 @@
+// Progress of long work on stderr: one line that rewrites itself on a terminal, a plain line now and then elsewhere.
+#pragma once
+
+#include <string>
+
+namespace thimble {
+
+class Progress {
+  public:
+    Progress();
+    // Shown at once on a terminal; elsewhere only if `milestone`.
+    void show(const std::string& line, bool milestone);
+    // A line that stays.
+    void say(const std::string& line);
+
+  private:
+    bool terminal_;
+    bool open_ = false;  // a rewritable line stands on the terminal
+};
+
+}  // namespace thimble

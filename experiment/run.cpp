@@ -1,0 +1,185 @@
+#include "experiment/run.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "common/version.hpp"
+#include "experiment/lane.hpp"
+#include "experiment/ping_pong.hpp"
+#include "experiment/progress.hpp"
+#include "experiment/protocol.hpp"
+#include "experiment/report.hpp"
+#include "experiment/run_tables.hpp"
+#include "experiment/virtual_session.hpp"
+
+namespace thimble {
+namespace {
+
+class Run {
+  public:
+    Run(const SystemSettings& settings, const RunOptions& options)
+        : settings_(settings),
+          options_(options),
+          if_exists_(options.overwrite ? IfExists::kReplace : IfExists::kRefuse) {}
+
+    RunResult run() {
+        std::filesystem::create_directories(options_.out);
+        TrialTable table(options_.out / "trials.csv", if_exists_);
+        table_ = &table;
+        progress_.say("measuring a bare round trip between two processes");
+        bare_ = measure_ping_pong(options_.runtime);
+        run_lanes();
+        if (failure_ && result_.rows.empty()) std::rethrow_exception(failure_);
+        repeat_virtually();
+        report();
+        if (failure_) std::rethrow_exception(failure_);
+        return std::move(result_);
+    }
+
+  private:
+    unsigned lane_count() const {
+        if (settings_.plan.lanes > 0) return static_cast<unsigned>(settings_.plan.lanes);
+        return std::max(1U, std::thread::hardware_concurrency() / 2);
+    }
+
+    // Lanes take the next delay until none is left or something went wrong.
+    void run_lanes() {
+        std::vector<std::thread> threads;
+        const unsigned lanes = std::min<unsigned>(lane_count(), static_cast<unsigned>(settings_.plan.delays.size()));
+        for (unsigned lane = 0; lane < lanes; ++lane) threads.emplace_back([this, lane] { work(lane); });
+        for (std::thread& thread : threads) thread.join();
+    }
+
+    void work(unsigned lane) {
+        for (;;) {
+            std::unique_lock lock(mutex_);
+            if (failure_ || result_.code != ExitCode::kOk || next_delay_ >= settings_.plan.delays.size()) return;
+            const double delay_s = to_seconds(settings_.plan.delays[next_delay_++]);
+            lock.unlock();
+            try {
+                run_condition(lane, delay_s);
+            } catch (...) {
+                const std::lock_guard guard(mutex_);
+                if (!failure_) failure_ = std::current_exception();
+                failed_ = true;
+            }
+        }
+    }
+
+    LanePlan plan(unsigned lane, double delay_s) const {
+        LanePlan plan;
+        plan.config = options_.config;
+        plan.programs = options_.programs;
+        plan.out = options_.out / "nodes";
+        plan.network = options_.network;
+        plan.network.base_port = static_cast<std::uint16_t>(
+            plan.network.base_port + lane * static_cast<unsigned>(Port::kCount));
+        plan.session = settings_.session;
+        plan.delay_s = delay_s;
+        plan.trials = run_trials_of(settings_, delay_s);
+        plan.strict_rt = options_.strict_rt;
+        plan.if_exists = if_exists_;
+        return plan;
+    }
+
+    void run_condition(unsigned lane, double delay_s) {
+        const LanePlan lane_plan = plan(lane, delay_s);
+        LaneEvents events;
+        events.stop = [this] { return failed_ || (options_.stop != nullptr && *options_.stop); };
+        events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
+        events.trial_done = [this](const TrialRecord& record) { keep(record); };
+        LaneResult lane_result = run_lane(lane_plan, events);
+        const std::lock_guard guard(mutex_);
+        for (auto& node : lane_result.reports) nodes_.push_back({delay_s, std::move(node)});
+        if (lane_result.code == ExitCode::kOk || result_.code != ExitCode::kOk) return;
+        result_.code = lane_result.code;
+        result_.problem = lane_result.problem;
+        failed_ = true;
+    }
+
+    void show(const TrialConditions& c, const TrajectorySample& s) {
+        const std::lock_guard guard(mutex_);
+        progress_.show(fmt::format("{} {}: {:.1f} s, needle {:.1f} mm, force {:.2f} N, contact {:.1f} s",
+                                   delay_text(c.delay_s), to_string(c.modality), s.time_s,
+                                   1000 * s.position_needle_m, s.force_total_N, s.contact_time_s),
+                       false);
+    }
+
+    void keep(const TrialRecord& record) {
+        const TrialRow row = make_row(record);
+        const std::lock_guard guard(mutex_);
+        table_->append(row);
+        panels_.add(record);
+        result_.rows.push_back(row);
+        progress_.say(fmt::format("{} {}: {}, {:.1f} s, maximum penetration {:.2f} mm, contacts lost {}, {}",
+                                  delay_text(row.conditions.delay_s), to_string(row.conditions.modality),
+                                  outcome_text(row.reason, row.lost_peer), row.metrics.completion_time_s,
+                                  1000 * row.metrics.penetration_max_m, row.metrics.contacts_lost,
+                                  row.metrics.oscillates ? "oscillates" : "settles"));
+    }
+
+    void repeat_virtually() {
+        TrialTable table(options_.out / "virtual.csv", if_exists_);
+        for (const TrialRow& row : result_.rows) {
+            result_.virtual_rows.push_back(make_row(run_virtual_trial(settings_, row.conditions)));
+            table.append(result_.virtual_rows.back());
+        }
+    }
+
+    void report() const {
+        const auto conditions = summarize(result_.rows);
+        ReportInput report;
+        report.title = "Thimble: real processes over UDP";
+        report.sections.push_back(trials_section("Real processes, real time", result_.rows,
+                                                 draw_figures(panels_.panels(), conditions, options_.out, "_real")));
+        report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
+        ReportSection timing;
+        timing.title = "How well time was kept";
+        timing.tables = {round_trip_table(result_.rows, bare_), deadline_table(nodes_), refusal_table(nodes_)};
+        report.sections.push_back(std::move(timing));
+        report.provenance = {{"command", options_.command},
+                             {"seed", std::to_string(settings_.plan.seed)},
+                             {"subject", std::to_string(settings_.plan.subject)},
+                             {"version", kVersion},
+                             {"outcome", result_.code == ExitCode::kOk ? "complete" : result_.problem}};
+        write_report(report, options_.out / "report.html");
+        write_summary(report, options_.out / "summary.json");
+    }
+
+    const SystemSettings& settings_;
+    const RunOptions& options_;
+    IfExists if_exists_;
+    std::mutex mutex_;
+    Progress progress_;
+    TrialTable* table_ = nullptr;
+    TrajectoryPanels panels_;
+    Histogram bare_;
+    std::vector<NodeReport> nodes_;
+    std::size_t next_delay_ = 0;
+    std::atomic<bool> failed_ = false;
+    std::exception_ptr failure_;
+    RunResult result_;
+};
+
+}  // namespace
+
+std::vector<TrialConditions> run_trials_of(const SystemSettings& settings, double delay_s) {
+    Protocol protocol = experiment_3(settings, settings.plan.subject, settings.plan.seed);
+    std::vector<TrialConditions> trials;
+    for (const Modality modality : settings.plan.modalities) {
+        const auto number = static_cast<std::uint32_t>(trials.size() + 1);
+        trials.push_back({protocol.seed, protocol.experiment, settings.plan.subject, number, modality, delay_s,
+                          draw_fixture_position_m(protocol, settings.plan.subject, number)});
+    }
+    return trials;
+}
+
+RunResult run_session(const SystemSettings& settings, const RunOptions& options) {
+    return Run(settings, options).run();
+}
+
+}  // namespace thimble

@@ -1,0 +1,26 @@
+// Tables of how well the machine kept time during a real-time run.
+#pragma once
+
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/histogram.hpp"
+#include "experiment/html.hpp"
+#include "experiment/trial_table.hpp"
+
+namespace thimble {
+
+struct NodeReport {
+    double delay_s = 0;
+    nlohmann::ordered_json report;  // as the node wrote it
+};
+
+// Deadlines and lateness per node and condition.
+ReportTable deadline_table(const std::vector<NodeReport>& reports);
+// Every refusal counter that is not zero, per node and condition.
+ReportTable refusal_table(const std::vector<NodeReport>& reports);
+// Handle to handle through all processes at 0 ms against a bare ping-pong times the number of hops.
+ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram& bare);
+
+}  // namespace thimble

@@ -1,0 +1,234 @@
+#include "experiment/session_process.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+namespace thimble {
+namespace {
+
+constexpr Duration kResend = std::chrono::milliseconds{50};
+// A node that says "my peer is silent" is right about the silence; the culprit is whoever the session has not
+// heard for longer than a few heartbeats.
+constexpr Duration kSuspicious = std::chrono::milliseconds{250};
+
+template <std::size_t... I>
+auto make_peers(std::uint64_t instance, const SessionProcess::Channels& channels, std::index_sequence<I...>,
+                auto make) {
+    return std::array{make(instance, channels.control[I], kNodeRoles[I])...};
+}
+
+}  // namespace
+
+SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& settings,
+                               const Channels& channels)
+    : settings_(settings),
+      channels_(channels),
+      peers_(make_peers(instance, channels, std::make_index_sequence<kNodeRoles.size()>{},
+                        [](std::uint64_t id, Channel* channel, Role role) {
+                            return Peer{InboundFlow(role), OutboundFlow(Role::kSession, id, {channel}),
+                                        channel,           role,
+                                        Heartbeat{},       0};
+                        })) {}
+
+void SessionProcess::start(const TrialConditions& conditions) {
+    record_.conditions = conditions;
+    record_.samples.clear();
+    record_.samples.reserve(static_cast<std::size_t>(to_seconds(settings_.trial_timeout) * 1000) + 1000);
+    record_.beep_time_s = record_.round_trip_s = record_.achieved_delay_s = std::nan("");
+    record_.reason = EndReason::kNone;
+    record_.lost_peer = Role::kSession;
+    order_ = {};
+    order_.study_seed = conditions.study_seed;
+    order_.experiment = conditions.experiment;
+    order_.subject = conditions.subject;
+    order_.fixture_position_m = conditions.fixture_position_m;
+    order_.modality = conditions.modality;
+    trial_ = conditions.trial;
+    fresh_ = true;
+    fixture_changed_ = false;
+    abort_.reset();
+    next_send_ = {};
+    stage_ = Stage::kStartingOthers;
+}
+
+void SessionProcess::abort(EndReason reason, Role lost_peer) {
+    if (stage_ == Stage::kIdle || stage_ == Stage::kDone) return;
+    abort_ = reason;
+    abort_peer_ = lost_peer;
+    next_send_ = {};
+}
+
+void SessionProcess::change_fixture(bool present, double fixture_position_m) {
+    order_.fixture_present = present;
+    order_.fixture_position_m = fixture_position_m;
+    fixture_changed_ = true;
+    next_send_ = {};
+}
+
+void SessionProcess::shut_down(SessionTime now) {
+    SessionControl order;
+    order.kind = ControlKind::kShutdown;
+    for (Peer& peer : peers_) peer.out.send(now, trial_, order);
+}
+
+std::string SessionProcess::missing_peers(SessionTime now, Duration limit) const {
+    std::string names;
+    for (const Peer& peer : peers_) {
+        const bool heard = peer.flow.counters().accepted > 0 && !peer.flow.silent_for(now, limit);
+        if (!heard) names += (names.empty() ? "" : ", ") + std::string(to_string(peer.role));
+    }
+    return names;
+}
+
+void SessionProcess::tick(SessionTime now) {
+    take_heartbeats(now);
+    take_records(now);
+    if (fresh_) {
+        fresh_ = false;
+        enter(now, Stage::kStartingOthers);
+    }
+    if (abort_ && stage_ != Stage::kEnding && stage_ != Stage::kDone) end(now, *abort_, abort_peer_);
+    advance(now);
+    if (now >= next_send_) send_orders(now);
+}
+
+void SessionProcess::take_heartbeats(SessionTime now) {
+    for (Peer& peer : peers_) {
+        while (const Message* message = peer.flow.receive(now, *peer.channel)) {
+            if (const auto* heartbeat = std::get_if<Heartbeat>(&message->body)) {
+                peer.last = *heartbeat;
+                peer.trial = message->header.trial;
+            } else {
+                peer.flow.refuse_admitted(Refusal::kUnexpectedKind);
+            }
+        }
+    }
+}
+
+void SessionProcess::take_records(SessionTime now) {
+    const bool recording = stage_ == Stage::kStartingMaster || stage_ == Stage::kRunning;
+    record_flow_.drain<ForceFeedback>(now, *channels_.record, recording, trial_,
+                                      [&](const Header&, const ForceFeedback& feedback) { store(feedback); });
+}
+
+void SessionProcess::store(const ForceFeedback& feedback) {
+    if (feedback.needle_held) return;
+    if (record_.samples.empty()) first_echo_ = feedback.echo_time;
+    TrajectorySample sample;
+    sample.time_s = to_seconds(feedback.echo_time - first_echo_);
+    sample.position_needle_m = feedback.position_needle_m;
+    sample.position_surface_m = feedback.position_surface_m;
+    sample.force_tissue_N = feedback.force_tissue_N;
+    sample.force_fixture_N = feedback.force_fixture_N;
+    sample.force_total_N = feedback.force_total_N;
+    sample.contact_time_s = feedback.contact_time_s;
+    sample.phase = feedback.phase;
+    sample.fixture_present = feedback.fixture_present;
+    if (std::isnan(record_.beep_time_s) && sample.contact_time_s >= to_seconds(settings_.contact_hold)) {
+        record_.beep_time_s = sample.time_s;
+    }
+    if (hook_) hook_(sample);
+    record_.samples.push_back(sample);
+}
+
+bool SessionProcess::all(NodeState state, bool with_master) const {
+    return std::all_of(peers_.begin(), peers_.end(), [&](const Peer& peer) {
+        if (peer.role == Role::kMaster && !with_master) return true;
+        return peer.trial == trial_ && peer.last.state == state;
+    });
+}
+
+bool SessionProcess::all_stopped() const {
+    return std::all_of(peers_.begin(), peers_.end(), [&](const Peer& peer) {
+        return peer.last.state == NodeState::kIdle || peer.last.state == NodeState::kFailed;
+    });
+}
+
+const SessionProcess::Peer* SessionProcess::quietest() const {
+    return &*std::min_element(peers_.begin(), peers_.end(), [](const Peer& a, const Peer& b) {
+        return a.flow.last_accepted() < b.flow.last_accepted();
+    });
+}
+
+// The others start before the master, so that its first sample finds everybody ready.
+void SessionProcess::advance(SessionTime now) {
+    switch (stage_) {
+        case Stage::kStartingOthers:
+            if (all(NodeState::kRunning, false)) enter(now, Stage::kStartingMaster);
+            break;
+        case Stage::kStartingMaster:
+            if (all(NodeState::kRunning, true)) enter(now, Stage::kRunning);
+            break;
+        case Stage::kEnding:
+            if (all_stopped() || now - stage_since_ > settings_.peer_wait) finish();
+            return;
+        case Stage::kRunning:
+            watch(now);
+            return;
+        case Stage::kIdle:
+        case Stage::kDone:
+            return;
+    }
+    const bool starting = stage_ == Stage::kStartingOthers || stage_ == Stage::kStartingMaster;
+    if (starting && now - stage_since_ > settings_.peer_wait)
+        end(now, EndReason::kPeerLost, quietest()->role);
+}
+
+void SessionProcess::watch(SessionTime now) {
+    const Peer& quiet = *quietest();
+    if (quiet.flow.silent_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, quiet.role);
+    for (const Peer& peer : peers_) {
+        if (peer.trial != trial_) continue;
+        if (peer.last.state == NodeState::kFailed) {
+            const bool silent = quiet.flow.silent_for(now, kSuspicious);
+            return end(now, EndReason::kPeerLost, silent ? quiet.role : peer.role);
+        }
+        if (peer.last.state == NodeState::kFinished) return end(now, EndReason::kCompleted);
+    }
+    if (now - stage_since_ > settings_.trial_timeout) end(now, EndReason::kTimeout);
+}
+
+void SessionProcess::enter(SessionTime now, Stage stage) {
+    stage_ = stage;
+    stage_since_ = now;
+    next_send_ = now;
+}
+
+void SessionProcess::end(SessionTime now, EndReason reason, Role lost_peer) {
+    record_.reason = reason;
+    record_.lost_peer = lost_peer;
+    order_.kind = ControlKind::kTrialEnd;
+    order_.reason = reason;
+    enter(now, Stage::kEnding);
+}
+
+void SessionProcess::finish() {
+    stage_ = Stage::kDone;
+    const auto master = std::find_if(peers_.begin(), peers_.end(),
+                                     [](const Peer& peer) { return peer.role == Role::kMaster; });
+    if (master->trial != trial_ || master->last.state == NodeState::kRunning) return;
+    record_.round_trip_s = master->last.round_trip_median_s;
+    record_.achieved_delay_s = master->last.round_trip_median_s - master->last.hold_median_s;
+}
+
+void SessionProcess::send_orders(SessionTime now) {
+    const bool starting = stage_ == Stage::kStartingOthers || stage_ == Stage::kStartingMaster;
+    next_send_ = now + (starting || stage_ == Stage::kEnding ? kResend : kHeartbeatPeriod);
+    for (Peer& peer : peers_) {
+        const bool its_turn = stage_ == Stage::kEnding || stage_ == Stage::kStartingMaster ||
+                              (stage_ == Stage::kStartingOthers && peer.role != Role::kMaster);
+        if (its_turn) {
+            peer.out.send(now, trial_, order_);
+        } else if (stage_ == Stage::kRunning && fixture_changed_ && peer.role == Role::kSlaveSim) {
+            SessionControl change = order_;
+            change.kind = ControlKind::kFixtureChange;
+            peer.out.send(now, trial_, change);
+        } else {
+            peer.out.send(now, trial_, Heartbeat{});
+        }
+    }
+}
+
+}  // namespace thimble

@@ -1,0 +1,100 @@
+// The session's side of a trial: starts it on all five nodes, records every answer of slave_sim, watches that
+// everybody lives, and ends it. It steers and records; nothing of the haptic loop passes through it.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "common/flow.hpp"
+#include "common/node_process.hpp"
+#include "experiment/trial_record.hpp"
+
+namespace thimble {
+
+struct SessionSettings {
+    Duration trial_timeout = std::chrono::seconds{60};
+    Duration contact_hold = std::chrono::seconds{5};  // as slave_sim's; tells when the beep was due
+    Duration peer_wait = std::chrono::seconds{5};     // for a node to answer a start or an end
+};
+
+inline constexpr std::array kNodeRoles{Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual,
+                                       Role::kMaster};
+
+class SessionProcess final : public Process {
+  public:
+    struct Channels {
+        std::array<Channel*, kNodeRoles.size()> control;  // in the order of kNodeRoles
+        Channel* record;                                  // from slave_sim
+    };
+    // Called for each recorded sample, before it is stored (to write it to disk as it comes).
+    using SampleHook = std::function<void(const TrajectorySample&)>;
+
+    SessionProcess(std::uint64_t instance, const SessionSettings& settings, const Channels& channels);
+
+    // Starts a trial with the next tick; none may be running. Its number must differ from the last one that
+    // the same nodes saw: it tells the trials apart on the wire.
+    void start(const TrialConditions& conditions);
+    void set_sample_hook(SampleHook hook) { hook_ = std::move(hook); }
+
+    bool finished() const { return stage_ == Stage::kDone; }
+    const TrialRecord& record() const { return record_; }
+
+    // Ends the running trial (interrupt, a child process that died). Harmless when none runs.
+    void abort(EndReason reason, Role lost_peer = Role::kSession);
+    // Removes or moves the fixture of the running trial (experiment 2).
+    void change_fixture(bool present, double fixture_position_m);
+    // Tells every node to exit.
+    void shut_down(SessionTime now);
+    // Roles that have not been heard within `limit`, as text; empty if all are there.
+    std::string missing_peers(SessionTime now, Duration limit) const;
+
+    void tick(SessionTime now) override;
+    SessionTime next_wakeup() const override { return next_send_; }
+    bool stopped() const override { return false; }
+
+  private:
+    enum class Stage { kIdle, kStartingOthers, kStartingMaster, kRunning, kEnding, kDone };
+    struct Peer {
+        InboundFlow flow;
+        OutboundFlow out;
+        Channel* channel;
+        Role role;
+        Heartbeat last;
+        std::uint32_t trial = 0;
+    };
+
+    void take_heartbeats(SessionTime now);
+    void take_records(SessionTime now);
+    void store(const ForceFeedback& feedback);
+    void advance(SessionTime now);
+    void watch(SessionTime now);
+    void send_orders(SessionTime now);
+    void enter(SessionTime now, Stage stage);
+    void end(SessionTime now, EndReason reason, Role lost_peer = Role::kSession);
+    void finish();
+    bool all(NodeState state, bool with_master) const;
+    bool all_stopped() const;
+    const Peer* quietest() const;
+
+    SessionSettings settings_;
+    Channels channels_;
+    std::array<Peer, kNodeRoles.size()> peers_;
+    InboundFlow record_flow_{Role::kSlaveSim};
+    SampleHook hook_;
+    TrialRecord record_;
+    SessionControl order_;
+    Stage stage_ = Stage::kIdle;
+    std::uint32_t trial_ = 0;
+    bool fresh_ = false;  // start() was called, the clock is not known yet
+    std::optional<EndReason> abort_;
+    Role abort_peer_ = Role::kSession;
+    SessionTime stage_since_{};
+    SessionTime next_send_{};
+    SessionTime first_echo_{};
+    std::uint32_t newest_echo_ = 0;
+    bool fixture_changed_ = false;
+};
+
+}  // namespace thimble

@@ -1,0 +1,82 @@
+#include "experiment/system_settings.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/network_settings.hpp"
+#include "common/runtime/runtime_settings.hpp"
+
+namespace thimble {
+namespace {
+
+SessionPlan read_plan(const ConfigTable& table) {
+    SessionPlan plan;
+    std::vector<std::string> names;
+    for (const Modality modality : plan.modalities) names.emplace_back(to_string(modality));
+    plan.modalities.clear();
+    for (const std::string& name : table.texts("modalities", names)) {
+        plan.modalities.push_back(parse_modality(name));
+    }
+    if (plan.modalities.empty()) table.fail("modalities", "is empty; name at least one of HF, CF, CCF, VF");
+    std::vector<double> delays;
+    for (const Duration delay : plan.delays) delays.push_back(to_seconds(delay));
+    plan.delays.clear();
+    for (const double delay_s : table.numbers("delays_s", delays, 0, 60)) {
+        plan.delays.push_back(from_seconds(delay_s));
+    }
+    if (plan.delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
+    plan.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, INT64_MAX));
+    plan.subject = static_cast<std::uint32_t>(table.integer("subject", 1, 1, 1'000'000));
+    plan.fixture_jitter_m = table.number("fixture_jitter_m", plan.fixture_jitter_m, 0, 1);
+    plan.lanes = static_cast<int>(table.integer("lanes", 0, 0, 64));
+    return plan;
+}
+
+SessionSettings read_session(const ConfigFile& file) {
+    using std::chrono::seconds;
+    const ConfigTable trial = file.table("trial");
+    SessionSettings s;
+    s.trial_timeout = trial.seconds("timeout_s", s.trial_timeout, seconds{1}, seconds{3600});
+    s.peer_wait = trial.seconds("peer_wait_s", s.peer_wait, std::chrono::milliseconds{100}, seconds{600});
+    return s;
+}
+
+}  // namespace
+
+Modality parse_modality(const std::string& text) {
+    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+        if (text == to_string(modality)) return modality;
+    }
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "'{}' is not a modality; use HF (handle), CF (fingers of the acting hand), CCF (fingers of "
+            "the other hand) or VF (bar on the screen)",
+            text));
+}
+
+SystemSettings read_system_settings(const ConfigFile& file) {
+    SystemSettings s;
+    read_network_settings(file);
+    read_runtime_settings(file);
+    s.master = read_master_settings(file.table("master"));
+    s.handle = read_handle_settings(file.table("handle"));
+    s.person = read_operator_parameters(file.table("operator"));
+    s.slave = read_slave_settings(file);
+    s.cutaneous = read_cutaneous_settings(file.table("cutaneous"));
+    s.visual = read_visual_settings(file.table("visual"));
+    s.netem = read_netem_settings(file);
+    s.session = read_session(file);
+    s.session.contact_hold = s.slave.contact_hold;
+    s.plan = read_plan(file.table("session"));
+    file.finish();
+    return s;
+}
+
+SystemSettings load_system_settings(const std::filesystem::path& path) {
+    return read_system_settings(path.empty() ? ConfigFile::empty() : ConfigFile::load(path));
+}
+
+}  // namespace thimble

@@ -1,0 +1,46 @@
+// What one trial leaves behind: who, under which conditions, what the needle did, how it ended.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "common/messages.hpp"
+
+namespace thimble {
+
+struct TrialConditions {
+    std::uint64_t study_seed = 0;
+    std::uint32_t experiment = 3;
+    std::uint32_t subject = 1;  // from 1
+    std::uint32_t trial = 1;    // from 1 within the subject
+    Modality modality = Modality::kHF;
+    double delay_s = 0;             // one-way, virtual environment to handle, fingertips and bar
+    double fixture_position_m = 0;  // drawn anew for every trial
+};
+
+// One answer of slave_sim. Forces act on the operator (negative resists insertion); z positive into the
+// tissue.
+struct TrajectorySample {
+    double time_s = 0;  // since the start of the trial, on the master's clock
+    double position_needle_m = 0;
+    double position_surface_m = 0;
+    double force_tissue_N = 0;
+    double force_fixture_N = 0;
+    double force_total_N = 0;
+    double contact_time_s = 0;  // unbroken contact with the fixture
+    TissuePhase phase = TissuePhase::kFree;
+    bool fixture_present = true;
+};
+
+struct TrialRecord {
+    TrialConditions conditions;
+    std::vector<TrajectorySample> samples;
+    double beep_time_s = std::numeric_limits<double>::quiet_NaN();       // NaN: no beep
+    double round_trip_s = std::numeric_limits<double>::quiet_NaN();      // median, handle to handle, by echo
+    double achieved_delay_s = std::numeric_limits<double>::quiet_NaN();  // of the force path, median
+    EndReason reason = EndReason::kNone;
+    Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost
+};
+
+}  // namespace thimble

@@ -1,0 +1,54 @@
+// The table of trials, one CSV line each: conditions, metrics, how it ended. SI units, named in the columns.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiment/csv_file.hpp"
+#include "experiment/metrics.hpp"
+#include "experiment/trial_record.hpp"
+
+namespace thimble {
+
+struct TrialRow {
+    TrialConditions conditions;
+    TrialMetrics metrics;
+    EndReason reason = EndReason::kNone;
+    Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost
+    double delay_achieved_s = std::numeric_limits<double>::quiet_NaN();
+    double round_trip_s = std::numeric_limits<double>::quiet_NaN();
+};
+
+TrialRow make_row(const TrialRecord& record);
+
+// "completed", "timeout", "interrupted", "peer_lost_<role>"; "none" for a trial that has not ended.
+std::string outcome_text(EndReason reason, Role lost_peer);
+// False if the text is none of these.
+bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer);
+
+// A trial that came to its own end; only these say anything about the operator.
+inline bool ran_to_its_end(const TrialRow& row) {
+    return row.reason == EndReason::kCompleted || row.reason == EndReason::kTimeout;
+}
+
+// Appends; each row is on the disk when append() returns, so that a crash costs the running trial only.
+class TrialTable {
+  public:
+    // Throws Error: usage, if the file exists and may not be replaced; data, if a table to be continued is
+    // damaged.
+    explicit TrialTable(const std::filesystem::path& path, IfExists if_exists = IfExists::kRefuse);
+    void append(const TrialRow& row);
+
+  private:
+    CsvFile file_;
+};
+
+// Throws Error (data) naming line and column of what cannot be read.
+std::vector<TrialRow> read_trial_table(const std::filesystem::path& path);
+
+}  // namespace thimble

@@ -1,0 +1,52 @@
+#include "experiment/virtual_loop.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <stdexcept>
+
+namespace thimble {
+namespace {
+
+// Messages that chase each other without any delay would hold the clock for ever: a program error.
+constexpr int kMaxRoundsPerInstant = 10000;
+
+}  // namespace
+
+std::uint32_t VirtualLoop::add(Process& process) {
+    assert(entries_.size() < 32);
+    entries_.push_back({&process, process.next_wakeup()});
+    return std::uint32_t{1} << (entries_.size() - 1);
+}
+
+bool VirtualLoop::step() {
+    SessionTime next = woken_ != 0 ? now_ : kNever;
+    for (const Entry& entry : entries_) next = std::min(next, entry.next);
+    if (next == kNever) return false;
+    now_ = std::max(now_, next);
+    std::uint32_t due = 0;
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+        if (entries_[i].next <= now_) due |= std::uint32_t{1} << i;
+    }
+    run_instant(due);
+    return true;
+}
+
+void VirtualLoop::run_instant(std::uint32_t due) {
+    for (int round = 0; (due | woken_) != 0; ++round) {
+        if (round > kMaxRoundsPerInstant)
+            throw std::logic_error("virtual time stands still: endless messages");
+        // One sweep in order of addition; what a process wakes behind itself waits for the next sweep.
+        for (std::size_t i = 0; i < entries_.size(); ++i) {
+            const std::uint32_t bit = std::uint32_t{1} << i;
+            if (((due | woken_) & bit) == 0) continue;
+            due &= ~bit;
+            woken_ &= ~bit;
+            entries_[i].process->tick(now_);
+            entries_[i].next = entries_[i].process->next_wakeup();
+            ++ticks_;
+        }
+    }
+}
+
+}  // namespace thimble

@@ -1,0 +1,37 @@
+// All six processes of a session in one program, joined by queues, driven in virtual time. Bytes go through
+// the codec and the LinkModels exactly as they do between real processes.
+#pragma once
+
+#include <memory>
+
+#include "experiment/session_process.hpp"
+#include "experiment/system_settings.hpp"
+#include "experiment/virtual_loop.hpp"
+
+namespace thimble {
+
+class VirtualSession {
+  public:
+    explicit VirtualSession(const SystemSettings& settings);
+    ~VirtualSession();
+
+    // Runs one trial to its end, over the network of the settings.
+    const TrialRecord& run(const TrialConditions& conditions);
+
+    // For tests that look inside while a trial runs.
+    void start(const TrialConditions& conditions);
+    bool step();  // one instant; false once the trial has ended
+    SessionProcess& session();
+    const SimulatedHandle& handle() const;
+    const VirtualLoop& loop() const;
+
+  private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+// A fresh session for one trial, so that no trial can depend on another. The delay of the force path is that
+// of `conditions`, the rest of the network that of the settings.
+TrialRecord run_virtual_trial(const SystemSettings& settings, const TrialConditions& conditions);
+
+}  // namespace thimble

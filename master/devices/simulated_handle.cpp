@@ -1,0 +1,88 @@
+#include "master/devices/simulated_handle.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+namespace {
+
+constexpr unsigned kSubsteps = kBrainTick / Limb::kStep;
+constexpr Duration kLongestGap = std::chrono::seconds(1);
+
+}  // namespace
+
+HandleSettings read_handle_settings(const ConfigTable& table) {
+    HandleSettings settings;
+    const auto read = [&table](const char* key, double& value, double low, double high) {
+        value = table.number(key, value, low, high);
+    };
+    read("encoder_resolution_m", settings.encoder_resolution_m, 1e-9, 1e-3);
+    read("force_limit_N", settings.force_limit_N, 0.1, 100);
+    read("moving_mass_kg", settings.mechanics.moving_mass_kg, 0.02, 5);
+    read("damping_Ns_per_m", settings.mechanics.damping_Ns_per_m, 0, 50);
+    read("friction_N", settings.mechanics.friction_N, 0, 5);
+    read("friction_travel_m", settings.mechanics.friction_travel_m, 1e-6, 1e-3);
+    return settings;
+}
+
+SimulatedHandle::SimulatedHandle(const HandleSettings& settings, const OperatorParameters& parameters)
+    : settings_(settings),
+      parameters_(parameters),
+      counts_per_m_(1 / settings.encoder_resolution_m),
+      limb_(settings.mechanics, parameters.hand) {}
+
+HandleSample SimulatedHandle::read(SessionTime now) {
+    advance(now);
+    const double counts = limb_.position_hand_m() * counts_per_m_;
+    const auto nearest = static_cast<std::int64_t>(counts + (counts < 0 ? -0.5 : 0.5));
+    return {static_cast<double>(nearest) * settings_.encoder_resolution_m, force_hand_N_};
+}
+
+void SimulatedHandle::command_force(SessionTime now, double force_hand_N) {
+    advance(now);
+    if (!std::isfinite(force_hand_N)) {
+        ++refused_forces_;
+        force_hand_N = 0;
+    }
+    force_hand_N_ = std::clamp(force_hand_N, -settings_.force_limit_N, settings_.force_limit_N);
+}
+
+void SimulatedHandle::start_trial(SessionTime now, const OperatorTask& task) {
+    operator_.emplace(parameters_, task);
+    limb_.reset(operator_->subject().arm_stiffness_N_per_m, operator_->subject().grip_stiffness_N_per_m);
+    percept_ = {};
+    reached_ = now;
+    substep_ = 0;
+    force_hand_N_ = 0;
+}
+
+void SimulatedHandle::perceive(SessionTime now, const Percept& percept) {
+    advance(now);
+    const bool touching = percept_.touching_shown, beep = percept_.beep;
+    percept_ = percept;
+    percept_.touching_shown |= touching;
+    percept_.beep |= beep;
+}
+
+bool SimulatedHandle::finished() const { return operator_ && operator_->finished(); }
+
+void SimulatedHandle::advance(SessionTime now) {
+    if (!operator_) return;  // nobody holds the handle: it lies at z = 0
+    if (const Duration excess = now - reached_ - kLongestGap; excess > Duration::zero()) {
+        const auto skipped = excess / kBrainTick;
+        reached_ += skipped * kBrainTick;
+        skipped_ms_ += static_cast<std::uint64_t>(skipped);
+    }
+    while (now - reached_ >= Limb::kStep) {
+        if (substep_ == 0) {
+            limb_.command(operator_->tick(force_hand_N_, percept_, limb_.position_arm_m()));
+        }
+        const auto due = static_cast<unsigned>((now - reached_) / Limb::kStep);
+        const unsigned steps = std::min(due, kSubsteps - substep_);
+        limb_.advance(steps, force_hand_N_);
+        reached_ += steps * Limb::kStep;
+        substep_ = (substep_ + steps) % kSubsteps;
+    }
+}
+
+}  // namespace thimble

@@ -1,0 +1,46 @@
+// thimble-master: the handle with the operator's hand on it.
+#include "common/runtime/node_program.hpp"
+#include "master/devices/simulated_handle.hpp"
+#include "master/master_process.hpp"
+
+namespace {
+
+using namespace thimble;
+
+class Master final : public NodeInstance {
+  public:
+    Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
+        : handle_(read_handle_settings(file.table("handle")), read_operator_parameters(file.table("operator"))),
+          process_(instance, read_master_settings(file.table("master")),
+                   {sockets.between(Port::kMasterControl, Port::kSessionMaster),
+                    sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
+                    sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
+                    sockets.inlet(Port::kMasterPerceptVisual, Role::kVisual)},
+                   handle_, handle_) {}
+
+    NodeProcess& process() override { return process_; }
+    void describe(nlohmann::ordered_json& report) const override {
+        report["samples"] = process_.samples();
+        report["samples_skipped"] = process_.samples_skipped();
+    }
+
+  private:
+    SimulatedHandle handle_;
+    MasterProcess process_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    NodeProgram program;
+    program.name = "thimble-master";
+    program.description =
+        "Reads the handle 1000 times a second, sends the needle to thimble-slave-sim through thimble-netem, and gives "
+        "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it.";
+    program.example = "thimble-master --config deploy/sessions/delay50.toml";
+    program.tables = {"network", "runtime", "master", "handle", "operator"};
+    program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+        return std::make_unique<Master>(file, sockets, instance);
+    };
+    return run_node_program(program, argc, argv);
+}

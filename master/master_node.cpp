@@ -1,0 +1,55 @@
+#include "master/master_node.hpp"
+
+#include <algorithm>
+
+namespace thimble {
+
+MasterSettings read_master_settings(const ConfigTable& table) {
+    using std::chrono::microseconds;
+    using std::chrono::seconds;
+    MasterSettings s;
+    s.position_scale = table.number("position_scale", s.position_scale, 0.01, 100);
+    s.force_scale = table.number("force_scale", s.force_scale, 0, 100);
+    s.force_limit_N = table.number("force_limit_N", s.force_limit_N, 0, 1000);
+    s.sample_period = table.seconds("sample_period_s", s.sample_period, microseconds{100}, seconds{1});
+    s.velocity_time_constant =
+        table.seconds("velocity_time_constant_s", s.velocity_time_constant, Duration{0}, seconds{1});
+    s.stale_after = table.seconds("stale_after_s", s.stale_after, s.sample_period, seconds{1});
+    return s;
+}
+
+MasterNode::MasterNode(const MasterSettings& settings)
+    : settings_(settings), estimator_(settings.velocity_time_constant) {}
+
+void MasterNode::start_trial(Modality modality) {
+    modality_ = modality;
+    running_ = true;
+    placed_ = false;
+}
+
+void MasterNode::end_trial() { running_ = false; }
+
+NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
+    const double position_needle_m = settings_.position_scale * handle.position_hand_m;
+    if (!placed_) estimator_.reset(position_needle_m);
+    placed_ = true;
+    const auto estimate = estimator_.update(now, position_needle_m);
+    NeedleCommand command;
+    command.position_needle_m = position_needle_m;
+    command.velocity_needle_m_per_s = estimate.velocity_m_per_s;
+    command.position_needle_estimate_m = estimate.position_estimate_m;
+    command.position_hand_m = handle.position_hand_m;
+    command.velocity_hand_m_per_s = estimate.velocity_m_per_s / settings_.position_scale;
+    command.force_hand_N = handle.force_hand_N;
+    return command;
+}
+
+double MasterNode::handle_force_N(const ForceFeedback& feedback) const {
+    if (!running_ || modality_ != Modality::kHF || feedback.needle_held) return 0;
+    // Feedback acts on the operator along +z; the handle's force counts positive when it pushes out, along
+    // -z.
+    const double force_hand_N = -settings_.force_scale * feedback.force_total_N;
+    return std::clamp(force_hand_N, -settings_.force_limit_N, settings_.force_limit_N);
+}
+
+}  // namespace thimble

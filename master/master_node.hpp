@@ -1,0 +1,52 @@
+// The master's logic: encoder reading in, needle command out; force feedback in, force at the handle out.
+//
+// Order inside a sample, fixed because it decides the zero-delay verdict by a factor of three (a delay of d
+// samples needs b >= K h (2d + 1) / 2 of hand damping; docs/model.md): the handle is read, the command leaves
+// at once, and the force is given to the handle the moment the answer arrives, not at the next sample. With
+// no network delay the force that acts from sample k on belongs to the position of sample k: d = 0.
+#pragma once
+
+#include "common/config.hpp"
+#include "common/messages.hpp"
+#include "common/velocity_estimator.hpp"
+#include "master/devices/haptic_device.hpp"
+
+namespace thimble {
+
+struct MasterSettings {
+    double position_scale = 3;  // needle = scale x hand
+    double force_scale = 1;     // handle force = scale x needle force
+    double force_limit_N = 12;  // at the handle, before the device's own limit
+    Duration sample_period = std::chrono::milliseconds{1};
+    Duration velocity_time_constant = std::chrono::milliseconds{5};  // velocity_estimator.hpp
+    Duration stale_after = std::chrono::milliseconds{100};           // feedback older than this: force zero
+};
+
+// Tables [master]; throws Error (usage).
+MasterSettings read_master_settings(const ConfigTable& table);
+
+class MasterNode {
+  public:
+    explicit MasterNode(const MasterSettings& settings);
+
+    void start_trial(Modality modality);
+    void end_trial();
+
+    // One encoder sample. Velocities are estimated at the needle.
+    NeedleCommand sample(SessionTime now, const HandleSample& handle);
+
+    // Force for the handle, positive pushes the hand out (-z), within +-force_limit_N. Only HF drives the
+    // handle.
+    double handle_force_N(const ForceFeedback& feedback) const;
+
+    const MasterSettings& settings() const { return settings_; }
+
+  private:
+    MasterSettings settings_;
+    VelocityEstimator estimator_;
+    Modality modality_ = Modality::kHF;
+    bool running_ = false;
+    bool placed_ = false;  // the estimator knows where the needle starts
+};
+
+}  // namespace thimble

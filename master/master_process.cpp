@@ -1,0 +1,88 @@
+#include "master/master_process.hpp"
+
+namespace thimble {
+
+MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& settings, const Channels& channels,
+                             HapticDevice& device, OperatorPort& person)
+    : NodeProcess(Role::kMaster, instance, *channels.control),
+      channels_(channels),
+      node_(settings),
+      device_(&device),
+      person_(&person),
+      needle_flow_(Role::kMaster, instance, {channels.needle_out}) {}
+
+void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) {
+    node_.start_trial(control.modality);
+    person_->start_trial(
+        now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
+    force_flow_.expect_from(now);
+    round_trip_.clear();
+    percept_ = {};
+    next_sample_ = now;
+}
+
+void MasterProcess::end_trial(SessionTime now) {
+    device_->command_force(now, 0);
+    node_.end_trial();
+}
+
+// Read, send, and only then look at what came in: see master_node.hpp for why the order is fixed.
+void MasterProcess::work(SessionTime now) {
+    take_percepts(now);
+    if (running() && now >= next_sample_) sample(now);
+    take_forces(now);
+}
+
+// Skin and eyes report separately and at different rates; the operator gets the newest of both.
+void MasterProcess::take_percepts(SessionTime now) {
+    cutaneous_flow_.drain<Percept>(now, *channels_.percept_cutaneous, running(), trial(),
+                                   [&](const Header&, const Percept& skin) {
+                                       percept_.force_N = skin.force_N;
+                                       percept_.finger = skin.finger;
+                                       person_->perceive(now, percept_);
+                                   });
+    visual_flow_.drain<Percept>(now, *channels_.percept_visual, running(), trial(),
+                                [&](const Header&, const Percept& eyes) {
+                                    const double force_N = percept_.force_N;
+                                    const Finger finger = percept_.finger;
+                                    percept_ = eyes;
+                                    percept_.force_N = force_N;
+                                    percept_.finger = finger;
+                                    person_->perceive(now, percept_);
+                                });
+}
+
+void MasterProcess::take_forces(SessionTime now) {
+    force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
+                                     [&](const Header&, const ForceFeedback& feedback) {
+                                         round_trip_.add(now, feedback);
+                                         device_->command_force(now, node_.handle_force_N(feedback));
+                                     });
+    if (running() && force_flow_.silent_for(now, node_.settings().stale_after))
+        device_->command_force(now, 0);
+}
+
+void MasterProcess::sample(SessionTime now) {
+    needle_flow_.send(now, trial(), node_.sample(now, device_->read(now)));
+    ++samples_;
+    next_sample_ += node_.settings().sample_period;
+    // After a stall the missed samples are gone: a handle cannot be read in the past.
+    while (next_sample_ <= now) {
+        next_sample_ += node_.settings().sample_period;
+        ++samples_skipped_;
+    }
+    if (state() == NodeState::kRunning && person_->finished()) set_state(NodeState::kFinished);
+}
+
+void MasterProcess::add_counters(FlowCounters& sum) const {
+    for (const InboundFlow* flow : {&force_flow_, &cutaneous_flow_, &visual_flow_}) sum.add(flow->counters());
+}
+
+void MasterProcess::describe(Heartbeat& heartbeat) const {
+    if (state() == NodeState::kRunning) return;  // quantiles cost microseconds: only once the trial is over
+    heartbeat.round_trip_median_s = to_seconds(round_trip_.age().quantile(0.5));
+    heartbeat.round_trip_worst_s = to_seconds(round_trip_.age().worst());
+    heartbeat.hold_median_s = to_seconds(round_trip_.hold().quantile(0.5));
+}
+
+}  // namespace thimble

@@ -1,0 +1,59 @@
+// master: reads the handle at 1 kHz, sends the needle, gives the returned force to the handle as it arrives,
+// and passes on what skin and eyes get to whoever holds the handle.
+#pragma once
+
+#include "common/node_process.hpp"
+#include "common/round_trip.hpp"
+#include "master/devices/haptic_device.hpp"
+#include "master/master_node.hpp"
+#include "master/operator/operator_port.hpp"
+
+namespace thimble {
+
+class MasterProcess final : public NodeProcess {
+  public:
+    struct Channels {
+        Channel* control;
+        Channel* needle_out;         // to slave_sim, through netem
+        Channel* force_in;           // from slave_sim, through netem
+        Channel* percept_cutaneous;  // from cutaneous_node, never delayed
+        Channel* percept_visual;     // from visual_node, never delayed
+    };
+
+    // `person` holds `device`; both outlive the process.
+    MasterProcess(std::uint64_t instance, const MasterSettings& settings, const Channels& channels,
+                  HapticDevice& device, OperatorPort& person);
+
+    const RoundTrip& round_trip() const { return round_trip_; }
+    std::uint64_t samples() const { return samples_; }
+    std::uint64_t samples_skipped() const { return samples_skipped_; }
+
+  protected:
+    void begin_trial(SessionTime now, const SessionControl& control) override;
+    void end_trial(SessionTime now) override;
+    void work(SessionTime now) override;
+    SessionTime next_work() const override { return running() ? next_sample_ : kNever; }
+    bool peer_lost(SessionTime now) const override { return force_flow_.silent_for(now, kPeerTimeout); }
+    void add_counters(FlowCounters& sum) const override;
+    void describe(Heartbeat& heartbeat) const override;
+
+  private:
+    void take_percepts(SessionTime now);
+    void take_forces(SessionTime now);
+    void sample(SessionTime now);
+
+    Channels channels_;
+    MasterNode node_;
+    HapticDevice* device_;
+    OperatorPort* person_;
+    OutboundFlow needle_flow_;
+    InboundFlow force_flow_{Role::kSlaveSim};
+    InboundFlow cutaneous_flow_{Role::kCutaneous};
+    InboundFlow visual_flow_{Role::kVisual};
+    RoundTrip round_trip_;
+    Percept percept_;  // newest of skin and eyes
+    SessionTime next_sample_{};
+    std::uint64_t samples_ = 0, samples_skipped_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,180 @@
+#include "master/operator/behaviour.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace thimble {
+namespace {
+
+constexpr double kTickSeconds = to_seconds(kBrainTick);
+
+std::int64_t ticks(double seconds) { return std::llround(seconds / kTickSeconds); }
+
+// Speed of a raised-cosine stop from 1 to 0, u in [0, 1].
+double braking(double u) { return 0.5 * (1 + std::cos(std::numbers::pi * u)); }
+
+// Speed of a minimum-jerk unit step in unit time (Flash and Hogan 1985).
+double minimum_jerk_speed(double u) {
+    const double bump = u * (1 - u);
+    return 30 * bump * bump;
+}
+
+double trial_speed(const OperatorParameters& parameters, const Subject& subject, const OperatorTask& task) {
+    RandomStream random(stream_key(task, Purpose::kSpeed));
+    const double factor = 1 + parameters.behaviour.speed_trial_variation * random.normal();
+    // A draw four deviations below the mean must not make a hand that never arrives.
+    return subject.speed_insert_needle_m_per_s * std::max(factor, 0.1) / parameters.behaviour.position_scale;
+}
+
+}  // namespace
+
+Behaviour::Behaviour(const OperatorParameters& parameters, const Subject& subject, const OperatorTask& task)
+    : parameters_(parameters.behaviour),
+      push_m_(subject.push_m),
+      insert_m_per_s_(trial_speed(parameters, subject, task)),
+      speed_noise_fraction_(parameters.noise.speed_noise_fraction),
+      cocontracts_(task.modality == Modality::kHF),
+      lag_gain_(-std::expm1(-kTickSeconds / parameters.behaviour.speed_lag_s)),
+      brake_ticks_(std::max<std::int64_t>(ticks(parameters.behaviour.brake_s), 1)),
+      push_ticks_(std::max<std::int64_t>(ticks(parameters.behaviour.push_s), 1)),
+      refractory_ticks_(ticks(parameters.behaviour.refractory_s)),
+      reaction_(parameters.reaction, subject, task),
+      speed_noise_(stream_key(task, Purpose::kSpeedNoise), parameters.noise.speed_noise_correlation_s,
+                   kBrainTick) {}
+
+const Intention& Behaviour::step(const Sensation& sensation, bool touching, bool beep) {
+    if (phase_ == BehaviourPhase::kDone) return intention_;
+    perceive(sensation, touching, beep);
+    decide();
+    move();
+    ++now_;
+    return intention_;
+}
+
+void Behaviour::perceive(const Sensation& sensation, bool touching, bool beep) {
+    if (beep && withdraw_ == kUndecided) withdraw_ = now_ + reaction_.to_beep();
+    switch (phase_) {
+        case BehaviourPhase::kApproach:
+            if (touching && next_ == kUndecided) next_ = now_ + reaction_.to_touch();
+            break;
+        case BehaviourPhase::kInsert:
+            if (sensation.fixture_felt && next_ == kUndecided) next_ = now_ + reaction_.to_fixture();
+            break;
+        case BehaviourPhase::kBrake:
+        case BehaviourPhase::kHold:
+        case BehaviourPhase::kPush:
+            perceive_loss(sensation);
+            break;
+        default:
+            break;
+    }
+}
+
+void Behaviour::perceive_loss(const Sensation& sensation) {
+    if (sensation.contact_lost && !was_lost_) {
+        ++contact_losses_;
+        if (cocontracts_) {
+            intention_.stiffness_factor = std::min(intention_.stiffness_factor + parameters_.cocontraction,
+                                                   1 + parameters_.cocontraction_limit);
+        }
+    }
+    was_lost_ = sensation.contact_lost;
+    const bool ready = phase_ == BehaviourPhase::kHold && now_ - last_action_ >= refractory_ticks_;
+    if (ready && sensation.contact_lost && next_ == kUndecided) next_ = now_ + reaction_.to_fixture();
+}
+
+void Behaviour::decide() {
+    const std::int64_t spent = now_ - entered_;
+    if (withdraw_ <= now_ && phase_ != BehaviourPhase::kWithdraw) return enter(BehaviourPhase::kWithdraw);
+    switch (phase_) {
+        case BehaviourPhase::kApproach:
+            if (next_ <= now_) enter(BehaviourPhase::kInsert);
+            break;
+        case BehaviourPhase::kInsert:
+            if (next_ <= now_) enter(BehaviourPhase::kBrake);
+            break;
+        case BehaviourPhase::kBrake:
+            if (spent >= brake_ticks_) enter(BehaviourPhase::kHold);
+            break;
+        case BehaviourPhase::kHold:
+            if (next_ <= now_) enter(BehaviourPhase::kPush);
+            break;
+        case BehaviourPhase::kPush:
+            if (spent >= push_ticks_) enter(BehaviourPhase::kHold);
+            break;
+        case BehaviourPhase::kWithdraw:
+            if (intention_.position_m < 0) enter(BehaviourPhase::kDone);
+            break;
+        case BehaviourPhase::kDone:
+            break;
+    }
+}
+
+void Behaviour::enter(BehaviourPhase phase) {
+    phase_ = phase;
+    entered_ = now_;
+    next_ = kUndecided;
+    entry_m_per_s_ = intention_.velocity_m_per_s;
+    if (phase == BehaviourPhase::kHold) last_action_ = now_;
+    if (phase == BehaviourPhase::kPush) {
+        ++pushes_;
+        stride_m_ = push_m_;
+        push_m_ *= parameters_.push_growth;
+    }
+}
+
+void Behaviour::move() {
+    // Middle of the tick: the strides then add up to what was meant.
+    const double spent = static_cast<double>(now_ - entered_) + 0.5;
+    double& velocity = intention_.velocity_m_per_s;
+    switch (phase_) {
+        case BehaviourPhase::kApproach:
+            approach_speed(parameters_.speed_free_needle_m_per_s / parameters_.position_scale);
+            break;
+        case BehaviourPhase::kInsert:
+            approach_speed(insert_m_per_s_ * (1 + speed_noise_fraction_ * speed_noise_.next()));
+            break;
+        case BehaviourPhase::kBrake:
+            velocity = entry_m_per_s_ * braking(spent / static_cast<double>(brake_ticks_));
+            break;
+        case BehaviourPhase::kPush:
+            velocity = stride_m_ / (static_cast<double>(push_ticks_) * kTickSeconds) *
+                       minimum_jerk_speed(spent / static_cast<double>(push_ticks_));
+            break;
+        case BehaviourPhase::kWithdraw:
+            approach_speed(-parameters_.speed_withdraw_needle_m_per_s / parameters_.position_scale);
+            break;
+        case BehaviourPhase::kHold:
+        case BehaviourPhase::kDone:
+            velocity = 0;
+            break;
+    }
+    intention_.position_m += velocity * kTickSeconds;
+}
+
+void Behaviour::approach_speed(double target_m_per_s) {
+    intention_.velocity_m_per_s += lag_gain_ * (target_m_per_s - intention_.velocity_m_per_s);
+}
+
+const char* to_string(BehaviourPhase phase) {
+    switch (phase) {
+        case BehaviourPhase::kApproach:
+            return "approach";
+        case BehaviourPhase::kInsert:
+            return "insert";
+        case BehaviourPhase::kBrake:
+            return "brake";
+        case BehaviourPhase::kHold:
+            return "hold";
+        case BehaviourPhase::kPush:
+            return "push";
+        case BehaviourPhase::kWithdraw:
+            return "withdraw";
+        case BehaviourPhase::kDone:
+            return "done";
+    }
+    return "?";
+}
+
+}  // namespace thimble

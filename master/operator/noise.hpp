@@ -1,0 +1,43 @@
+// Random processes of the virtual operator, one number per tick, exact in distribution at the ticks whatever
+// their length. Each owns its stream, so switching one off changes no other.
+#pragma once
+
+#include "common/random.hpp"
+#include "common/time.hpp"
+
+namespace thimble {
+
+// Ornstein-Uhlenbeck process of unit variance and correlation exp(-t / tau):
+//     n(t + dt) = a n(t) + sqrt(1 - a^2) xi,  a = exp(-dt / tau). Starts in its stationary distribution.
+class OrnsteinUhlenbeck {
+  public:
+    OrnsteinUhlenbeck(const StreamKey& key, double correlation_s, Duration tick);
+    double next() {
+        value_ = keep_ * value_ + add_ * random_.normal();
+        return value_;
+    }
+    double value() const { return value_; }
+
+  private:
+    RandomStream random_;
+    double keep_, add_, value_;
+};
+
+// A resonator driven by white noise, sampled: the AR(2) process whose poles are exp((-zeta w +- i w_d) dt),
+// scaled to unit variance (Yule-Walker). Starts in its stationary distribution.
+class Tremor {
+  public:
+    Tremor(const StreamKey& key, double frequency_Hz, double damping_ratio, Duration tick);
+    double next() {
+        const double fresh = recent_ * value_ + older_ * before_ + add_ * random_.normal();
+        before_ = value_;
+        value_ = fresh;
+        return fresh;
+    }
+
+  private:
+    RandomStream random_;
+    double recent_, older_, add_, value_, before_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,128 @@
+// Every constant of the virtual operator, with its source, and one subject drawn from them.
+//
+// Source tags: [P] the paper; [V] value or fact seen in the cited text; [V2] the same in a secondary source;
+// [M] recalled from the literature, not verified again; [A] assumption. No constant differs between the
+// modalities except where skin, joints and eyes do: reaction time, just noticeable difference, range of the
+// display.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/config.hpp"
+#include "common/messages.hpp"
+
+namespace thimble {
+
+inline constexpr std::size_t kModalityCount = 4;
+
+// Forearm and pinch grip, at nominal (not co-contracted) stiffness. See limb.hpp for the equations.
+struct HandMechanics {
+    double arm_stiffness_N_per_m = 350;    // [M] Speich 2005, Hogan 1989, Gomi and Kawato
+    double arm_mass_kg = 1.2;              // [M] the same
+    double arm_damping_ratio = 0.4;        // [M] the same; 18 Ns/m, teleoperation literature has about 20
+    double grip_stiffness_N_per_m = 1000;  // [M] Hajian and Howe 1997; Hasser and Cutkosky 2002
+    double grip_damping_ratio = 0.6;       // [M] the same; pulp dissipates 81 % of a tap, Jindrich 2003 [V]
+    double friction_learned_speed_m_per_s =
+        5e-4;  // [A] where the learned feed-forward of friction changes sign
+};
+
+// Deviations from what was intended.
+struct NoiseParameters {
+    double sway_m = 2.5e-4;           // [V] 166-254 um braced without vision (PMC3032442); rms, at the hand
+    double sway_correlation_s = 1.0;  // [A]
+    double tremor_m = 5e-5;           // [V] Riviere 1997: 49 um rms in surgeons
+    double tremor_frequency_Hz = 9;   // [V] the same
+    double tremor_damping_ratio = 0.15;      // [A]
+    double force_noise_fraction = 0.04;      // [V] Baweja 2009: 4.1-4.5 % of the force
+    double force_noise_correlation_s = 0.1;  // [A]
+    double speed_noise_fraction = 0.10;      // [A]
+    double speed_noise_correlation_s = 0.5;  // [A]
+};
+
+struct PerceptionParameters {
+    double criterion_N = 2.0;  // [A] geometric middle of 1-4 N; force at which a subject says "fixture"
+    double criterion_cap_fraction =
+        0.9;                          // [A] of the full scale of the display, else it might never be reached
+    double full_scale_handle_N = 12;  // [V] omega.3, CHAI3D device table
+    double full_scale_cutaneous_N = 1.5;  // [V] Prattichizzo et al. 2013 "can exert up to 1.5 N"
+    double full_scale_bar_N = 12;         // [A]
+    double lost_N = 0.1;                  // [A] below this nothing is felt or seen
+    double lost_after_s = 0.02;           // [M] tactile gap detection
+    double weber_handle = 0.08;           // [V] Pang 1991: about 7 %
+    double weber_cutaneous = 0.16;        // [V] Wheat 2004 (tangential)
+    double weber_visual = 0.05;           // [M] of a length
+    double weber_correlation_s = 0.1;     // [A]
+};
+
+// From the stimulus to the onset of the movement it triggers, medians.
+struct ReactionParameters {
+    double handle_s = 0.115;  // [V] Crago 1976: instructed (triggered) reactions 70-320 ms
+    double cutaneous_s =
+        0.130;  // [V] 67 ms EMG, Hernandez-Castillo 2020, + 40 ms electromechanical delay [M]; to 155
+    double tactile_s = 0.155;    // [V2] Robinson 1934: voluntary, CCF
+    double crossing_s = 0.0026;  // [V] Tame and Longo 2015: crossed-uncrossed difference, CCF
+    double compatibility_s =
+        0.020;                      // existence [V] Salzer 2014, Bao 2019; size [M]: the other hand acts, CCF
+    double visual_s = 0.240;        // [V2] Welford 1980: 189 ms; middle of 189-290
+    double auditory_s = 0.147;      // [V2] Welford 1980
+    double trial_variation = 0.18;  // [M] coefficient of variation between decisions
+};
+
+struct BehaviourParameters {
+    double position_scale = 3;                     // [P] needle per hand; the three speeds are the needle's
+    double speed_free_needle_m_per_s = 0.060;      // [A] must exceed F_p / B_t = 20 mm/s
+    double speed_insert_needle_m_per_s = 0.015;    // [A] from 19.9 s per trial [P]
+    double speed_withdraw_needle_m_per_s = 0.100;  // [A]
+    double speed_lag_s = 0.1;                      // [A]
+    double speed_trial_variation = 0.10;           // [M] vigour literature
+    double brake_s = 0.150;                        // [A]
+    double refractory_s = 0.250;                   // [V] van de Kamp 2013
+    double push_m = 1.0e-3;                        // [A] first advance after a lost contact, at the hand
+    double push_growth = 1.6;                      // [A] each further one
+    double push_s = 0.25;                          // [A]
+    double cocontraction = 0.25;       // [A] Tee and Burdet 2004 [V]: stiffness rises with instability
+    double cocontraction_limit = 1.0;  // [A]
+};
+
+// Standard deviations of the logarithms between subjects.
+struct SubjectSpread {
+    double speed = 0.15;              // [M] vigour literature
+    double stiffness = 0.20;          // [A] arm and grip, each
+    double criterion = 0.30;          // [A]
+    double sway = 0.20;               // [A]
+    double push = 0.30;               // [A]
+    double reaction = 0.10;           // [M]
+    double reaction_modality = 0.05;  // [M] subject x modality
+};
+
+struct OperatorParameters {
+    HandMechanics hand;
+    NoiseParameters noise;
+    PerceptionParameters perception;
+    ReactionParameters reaction;
+    BehaviourParameters behaviour;
+    SubjectSpread spread;
+};
+
+// What makes subject 7 subject 7, in every trial of an experiment.
+struct Subject {
+    double speed_insert_needle_m_per_s = 0;
+    double arm_stiffness_N_per_m = 0;
+    double grip_stiffness_N_per_m = 0;
+    double criterion_N = 0;
+    double sway_m = 0;
+    double push_m = 0;
+    double reaction_factor = 1;
+    std::array<double, kModalityCount> reaction_modality_factor{1, 1, 1, 1};  // by Modality
+};
+
+// Table [operator]; the keys are the names above, prefixed where two structs would clash. Throws Error
+// (usage).
+OperatorParameters read_operator_parameters(const ConfigTable& table);
+
+// Lognormal about the parameters; a pure function of its arguments, so no subject depends on another.
+Subject draw_subject(const OperatorParameters& parameters, std::uint64_t study, std::uint32_t experiment,
+                     std::uint32_t subject);
+
+}  // namespace thimble

@@ -1,0 +1,35 @@
+// What a session needs from whoever holds the handle. The virtual operator implements it in software; for a person
+// the same calls mean "start", "you would now feel this", and "done?".
+#pragma once
+
+#include <cstdint>
+
+#include "common/messages.hpp"
+#include "common/time.hpp"
+
+namespace thimble {
+
+struct OperatorTask {
+    std::uint64_t study_seed = 0;
+    std::uint32_t experiment = 0;
+    std::uint32_t subject = 0;
+    std::uint32_t trial = 0;  // counted from 1 within the subject
+    Modality modality = Modality::kHF;
+};
+
+class OperatorPort {
+  public:
+    virtual ~OperatorPort() = default;
+    OperatorPort() = default;
+    OperatorPort(const OperatorPort&) = delete;
+    OperatorPort& operator=(const OperatorPort&) = delete;
+
+    // Hand at rest at z = 0, needle outside the tissue; the trial starts at `now`.
+    virtual void start_trial(SessionTime now, const OperatorTask& task) = 0;
+    // What skin, eyes and ears get (the force of the handle reaches the hand through HapticDevice instead).
+    virtual void perceive(SessionTime now, const Percept& percept) = 0;
+    // True once the needle has been withdrawn after the beep.
+    virtual bool finished() const = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,94 @@
+#include "master/operator/perception.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+namespace {
+
+std::int64_t ticks(double seconds) { return std::llround(seconds / to_seconds(kBrainTick)); }
+
+double weber_fraction(const PerceptionParameters& parameters, Modality modality) {
+    switch (modality) {
+        case Modality::kHF:
+            return parameters.weber_handle;
+        case Modality::kVF:
+            return parameters.weber_visual;
+        default:
+            return parameters.weber_cutaneous;
+    }
+}
+
+double full_scale_N(const PerceptionParameters& parameters, Modality modality) {
+    switch (modality) {
+        case Modality::kHF:
+            return parameters.full_scale_handle_N;
+        case Modality::kVF:
+            return parameters.full_scale_bar_N;
+        default:
+            return parameters.full_scale_cutaneous_N;
+    }
+}
+
+double reaction_s(const ReactionParameters& parameters, Modality modality) {
+    switch (modality) {
+        case Modality::kHF:
+            return parameters.handle_s;
+        case Modality::kCF:
+            return parameters.cutaneous_s;
+        case Modality::kCCF:
+            return parameters.tactile_s + parameters.crossing_s + parameters.compatibility_s;
+        default:
+            return parameters.visual_s;
+    }
+}
+
+}  // namespace
+
+StreamKey stream_key(const OperatorTask& task, Purpose purpose) {
+    return {task.study_seed, task.experiment, task.subject, task.trial, purpose};
+}
+
+Perception::Perception(const PerceptionParameters& parameters, const Subject& subject,
+                       const OperatorTask& task)
+    : modality_(task.modality),
+      weber_(weber_fraction(parameters, task.modality)),
+      criterion_N_(std::min(subject.criterion_N,
+                            parameters.criterion_cap_fraction * full_scale_N(parameters, task.modality))),
+      lost_N_(parameters.lost_N),
+      lost_after_(ticks(parameters.lost_after_s)),
+      noise_(stream_key(task, Purpose::kPerception), parameters.weber_correlation_s, kBrainTick) {}
+
+double Perception::stimulus_N(double force_hand_N, const Percept& percept) const {
+    switch (modality_) {
+        case Modality::kHF:
+            return force_hand_N;
+        case Modality::kVF:
+            return percept.bar_N;
+        default:
+            return percept.force_N;
+    }
+}
+
+Sensation Perception::sense(double force_hand_N, const Percept& percept) {
+    const double stimulus_N = this->stimulus_N(force_hand_N, percept);
+    // The noise multiplies: without a stimulus it need not be drawn.
+    const double signal_N = stimulus_N == 0 ? 0 : stimulus_N * (1 + weber_ * noise_.next());
+    below_ = signal_N < lost_N_ ? below_ + 1 : 0;
+    return {signal_N, signal_N > criterion_N_, below_ > lost_after_};
+}
+
+ReactionTimes::ReactionTimes(const ReactionParameters& parameters, const Subject& subject,
+                             const OperatorTask& task)
+    : sigma_(std::sqrt(std::log1p(parameters.trial_variation * parameters.trial_variation))),
+      fixture_s_(reaction_s(parameters, task.modality) * subject.reaction_factor *
+                 subject.reaction_modality_factor[static_cast<std::size_t>(task.modality)]),
+      touch_s_(parameters.visual_s * subject.reaction_factor),
+      beep_s_(parameters.auditory_s * subject.reaction_factor),
+      random_(stream_key(task, Purpose::kReaction)) {}
+
+std::int64_t ReactionTimes::draw(double median_s) {
+    return ticks(median_s * std::exp(sigma_ * random_.normal() - 0.5 * sigma_ * sigma_));
+}
+
+}  // namespace thimble

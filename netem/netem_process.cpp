@@ -1,0 +1,39 @@
+#include "netem/netem_process.hpp"
+
+#include <algorithm>
+
+namespace thimble {
+
+NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::vector<RelayPlan>& plans)
+    : NodeProcess(Role::kNetem, instance, control), relays_(plans.begin(), plans.end()) {}
+
+void NetemProcess::begin_trial(SessionTime /*now*/, const SessionControl& control) {
+    for (Relay& relay : relays_) {
+        relay.model.restart({control.study_seed, control.experiment, control.subject, trial()});
+    }
+}
+
+void NetemProcess::work(SessionTime now) {
+    for (Relay& relay : relays_) {
+        send_due(now, relay);  // first what is late already
+        bool arrived = false;
+        for (Bytes in = relay.from->receive(); !in.empty(); in = relay.from->receive()) {
+            relay.model.push(now, in);
+            arrived = true;
+        }
+        if (arrived) send_due(now, relay);
+    }
+}
+
+void NetemProcess::send_due(SessionTime now, Relay& relay) {
+    for (Bytes out = relay.model.pop_due(now); !out.empty(); out = relay.model.pop_due(now))
+        relay.to->send(out);
+}
+
+SessionTime NetemProcess::next_work() const {
+    SessionTime next = kNever;
+    for (const Relay& relay : relays_) next = std::min(next, relay.model.next_due());
+    return next;
+}
+
+}  // namespace thimble

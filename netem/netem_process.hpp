@@ -1,0 +1,47 @@
+// The relay: one directed link per flow, all delay of the system in its LinkModels. It forwards bytes and
+// never looks inside them.
+#pragma once
+
+#include <vector>
+
+#include "common/node_process.hpp"
+#include "netem/link_model.hpp"
+
+namespace thimble {
+
+// What goes in at `from` comes out at `to`, later.
+struct RelayPlan {
+    Channel* from;
+    Channel* to;
+    LinkSettings link;
+    std::uint32_t direction;  // tells the links of a session apart in random draws
+};
+
+struct Relay {
+    explicit Relay(const RelayPlan& plan)
+        : from(plan.from), to(plan.to), model(plan.link, StreamKey{}, plan.direction) {}
+
+    Channel* from;
+    Channel* to;
+    LinkModel model;
+};
+
+class NetemProcess final : public NodeProcess {
+  public:
+    NetemProcess(std::uint64_t instance, Channel& control, const std::vector<RelayPlan>& plans);
+
+    const std::vector<Relay>& relays() const { return relays_; }
+
+  protected:
+    void begin_trial(SessionTime now, const SessionControl& control) override;
+    void end_trial(SessionTime /*now*/) override {}  // what is in flight still arrives, as in a real network
+    void work(SessionTime now) override;
+    SessionTime next_work() const override;
+
+  private:
+    static void send_due(SessionTime now, Relay& relay);
+
+    std::vector<Relay> relays_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,26 @@
+// Tables [netem.needle] and [netem.force] of a session file: the two directions of the network, each with the
+// keys of link_settings.hpp. The paper delays only the force path, from the virtual environment to handle,
+// fingertips and bar.
+#pragma once
+
+#include "common/config.hpp"
+#include "netem/link_model.hpp"
+
+namespace thimble {
+
+struct NetemSettings {
+    LinkSettings needle;  // master -> slave_sim
+    LinkSettings force;   // slave_sim -> master, cutaneous_node and visual_node: three links alike
+};
+
+// Tell the links of one session apart in every random draw: part of each published seed.
+enum Direction : std::uint32_t {
+    kDirectionNeedle = 1,
+    kDirectionForceMaster = 2,
+    kDirectionForceCutaneous = 3,
+    kDirectionForceVisual = 4,
+};
+
+NetemSettings read_netem_settings(const ConfigFile& file);
+
+}  // namespace thimble

@@ -1,0 +1,38 @@
+// thimble-slave-sim: the needle in simulated tissue before a virtual fixture.
+#include "common/runtime/node_program.hpp"
+#include "slave_sim/slave_process.hpp"
+
+namespace {
+
+using namespace thimble;
+
+class Slave final : public NodeInstance {
+  public:
+    Slave(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
+        : process_(instance, read_slave_settings(file),
+                   {sockets.between(Port::kSlaveControl, Port::kSessionSlave),
+                    sockets.inlet(Port::kSlaveNeedle, Role::kNetem), sockets.outlet(Port::kNetemForceMaster),
+                    sockets.outlet(Port::kNetemForceCutaneous), sockets.outlet(Port::kNetemForceVisual),
+                    sockets.outlet(Port::kVisualBeep), sockets.outlet(Port::kSessionRecord)}) {}
+
+    NodeProcess& process() override { return process_; }
+
+  private:
+    SlaveProcess process_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    NodeProgram program;
+    program.name = "thimble-slave-sim";
+    program.description =
+        "The remote side, simulated: tissue, virtual fixture and proxy. Answers each needle command the moment it "
+        "arrives, and gives the beep after 5 s of unbroken contact with the fixture.";
+    program.example = "thimble-slave-sim --config deploy/sessions/delay50.toml";
+    program.tables = {"network", "runtime", "tissue", "fixture", "slave_sim"};
+    program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+        return std::make_unique<Slave>(file, sockets, instance);
+    };
+    return run_node_program(program, argc, argv);
+}

@@ -1,0 +1,68 @@
+#include "slave_sim/slave_process.hpp"
+
+namespace thimble {
+namespace {
+
+// UDP may lose a datagram and nobody acknowledges a beep, so it is said again; hearing it twice is harmless.
+constexpr int kBeeps = 5;
+constexpr Duration kBeepInterval = std::chrono::milliseconds{20};
+
+}  // namespace
+
+SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, const Channels& channels)
+    : NodeProcess(Role::kSlaveSim, instance, *channels.control),
+      channels_(channels),
+      settings_(settings),
+      node_(settings),
+      // The record comes first: a send through the network must not delay it, nor be delayed by it in virtual
+      // time.
+      force_flow_(Role::kSlaveSim, instance,
+                  {channels.force_master, channels.force_cutaneous, channels.force_visual, channels.record}),
+      beep_flow_(Role::kSlaveSim, instance, {channels.beep_visual}) {}
+
+void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
+    node_.start_trial(control);
+    needle_flow_.expect_from(now + kPeerTimeout);  // the master starts last
+    next_hold_ = now + 2 * kPeerTimeout;
+    next_beep_ = kNever;
+    beeps_left_ = 0;
+}
+
+void SlaveProcess::end_trial(SessionTime now) {
+    force_flow_.send(now, trial(), node_.hold());
+    node_.end_trial();
+}
+
+void SlaveProcess::obey(SessionTime /*now*/, const SessionControl& control) {
+    if (control.kind == ControlKind::kFixtureChange) node_.change_fixture(control);
+}
+
+void SlaveProcess::work(SessionTime now) {
+    needle_flow_.drain<NeedleCommand>(
+        now, *channels_.needle_in, running(), trial(),
+        [&](const Header& header, const NeedleCommand& command) { answer(now, header, command); });
+    if (running() && now >= next_hold_) {
+        force_flow_.send(now, trial(), node_.hold());
+        next_hold_ = now + settings_.stale_after;
+    }
+    if (running() && now >= next_beep_) send_beep(now);
+}
+
+void SlaveProcess::answer(SessionTime now, const Header& header, const NeedleCommand& command) {
+    const ForceFeedback feedback = node_.on_needle(header.send_time, header.sequence, command);
+    force_flow_.send(now, trial(), feedback);  // hold time 0: answered in the tick of its arrival
+    next_hold_ = now + settings_.stale_after;
+    if (node_.take_beep()) {
+        beeps_left_ = kBeeps;
+        send_beep(now);
+    }
+}
+
+void SlaveProcess::send_beep(SessionTime now) {
+    SessionControl beep;
+    beep.kind = ControlKind::kBeep;
+    beep_flow_.send(now, trial(), beep);
+    next_beep_ = --beeps_left_ > 0 ? now + kBeepInterval : kNever;
+}
+
+}  // namespace thimble

@@ -1,0 +1,48 @@
+// slave_sim: answers each needle command the moment it arrives (waiting for a tick of its own would cost the
+// loop up to a millisecond), watches the contact time, gives the beep.
+#pragma once
+
+#include "common/node_process.hpp"
+#include "slave_sim/slave_node.hpp"
+
+namespace thimble {
+
+class SlaveProcess final : public NodeProcess {
+  public:
+    struct Channels {
+        Channel* control;
+        Channel* needle_in;     // from the master, through netem
+        Channel* force_master;  // these three through netem
+        Channel* force_cutaneous;
+        Channel* force_visual;
+        Channel* beep_visual;  // the experiment's beep is not part of the delayed path
+        Channel* record;       // every answer, undelayed, to the session's recorder
+    };
+
+    SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, const Channels& channels);
+
+  protected:
+    void begin_trial(SessionTime now, const SessionControl& control) override;
+    void end_trial(SessionTime now) override;
+    void obey(SessionTime now, const SessionControl& control) override;
+    void work(SessionTime now) override;
+    SessionTime next_work() const override { return running() ? std::min(next_hold_, next_beep_) : kNever; }
+    bool peer_lost(SessionTime now) const override { return needle_flow_.silent_for(now, kPeerTimeout); }
+    void add_counters(FlowCounters& sum) const override { sum.add(needle_flow_.counters()); }
+
+  private:
+    void answer(SessionTime now, const Header& header, const NeedleCommand& command);
+    void send_beep(SessionTime now);
+
+    Channels channels_;
+    SlaveSettings settings_;
+    SlaveNode node_;
+    InboundFlow needle_flow_{Role::kMaster};
+    OutboundFlow force_flow_;
+    OutboundFlow beep_flow_;
+    SessionTime next_hold_ = kNever;
+    SessionTime next_beep_ = kNever;
+    int beeps_left_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,26 @@
+// What the simulated slave reads from a session's configuration file.
+#pragma once
+
+#include <chrono>
+
+#include "common/config.hpp"
+#include "common/time.hpp"
+#include "slave_sim/fixture.hpp"
+#include "slave_sim/tissue.hpp"
+
+namespace thimble {
+
+struct SlaveSettings {
+    TissueParameters tissue;
+    FixtureParameters fixture;  // the position is where no trial says otherwise
+    Duration contact_hold = std::chrono::seconds(5);
+    // Without a command for this long the needle is held (the process watches it).
+    Duration stale_after = std::chrono::milliseconds(20);
+    // Between samples further apart than this, nobody knows where the needle was.
+    Duration longest_step = std::chrono::milliseconds(100);
+};
+
+// Tables [tissue], [fixture], [trial] and [slave_sim]; see deploy/ for an example. Throws Error (usage).
+SlaveSettings read_slave_settings(const ConfigFile& file);
+
+}  // namespace thimble

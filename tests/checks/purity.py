@@ -1,0 +1,86 @@
+"""What logic must not name: clocks, sockets, files, the machine's own random numbers.
+
+usage: purity.py PROJECT_ROOT
+
+Names, not meanings: a file that gets a clock under another name passes here and must not pass review.
+"""
+
+import re
+import sys
+from typing import NamedTuple
+
+from sources import ROOMS, code_only, read_tree, report, room_of
+
+
+def is_main(path):
+    return path.endswith("/main.cpp")
+
+
+def is_runtime(path):
+    return path.startswith("common/runtime/")
+
+
+def is_node(path):
+    return path.rsplit(".", 1)[0].endswith("_node")
+
+
+def is_process(path):
+    return path.rsplit(".", 1)[0].endswith("_process")
+
+
+class Rule(NamedTuple):
+    name: str
+    applies: object  # path -> bool
+    words: re.Pattern
+
+
+RULES = (
+    Rule(
+        "a clock (now is an argument; only common/runtime/ reads one)",
+        lambda path: not is_runtime(path) and not is_main(path),
+        re.compile(
+            r"""\b(?:steady_clock|system_clock|high_resolution_clock|utc_clock|file_clock)\b
+              | \b(?:clock_gettime|clock_nanosleep|gettimeofday|timespec_get|timerfd_create)\b
+              | \b(?:sleep_for|sleep_until|nanosleep|usleep)\b | \bsleep\s*\( | \bclock\s*\(\s*\)
+              | \btime\s*\(\s*(?:nullptr|NULL|0|&) | \b__rdtscp?\b | \b_mm_?rdtsc""",
+            re.VERBOSE,
+        ),
+    ),
+    Rule(
+        "a socket (channels are handed in)",
+        lambda path: is_node(path) or is_process(path),
+        re.compile(r"<sys/socket\.h>|<netinet/|<boost/asio|\b(?:socket|recv|recvfrom|recvmsg|sendto|sendmsg)\s*\("),
+    ),
+    Rule(
+        "a file (nodes read and write none)",
+        is_node,
+        re.compile(r"<(?:fstream|filesystem|cstdio|fcntl\.h)>|\b[io]?fstream\b|\bfopen\s*\(|\bfilesystem\b"),
+    ),
+    Rule(
+        "the machine's random numbers (RandomStream has the seeded ones)",
+        lambda path: not is_runtime(path),
+        re.compile(r"\brandom_device\b|\bs?rand\s*\(|\bgetrandom\s*\(|\bgetentropy\s*\("),
+    ),
+    Rule(
+        "numbers that differ between libraries (std:: distributions, long double)",
+        lambda path: True,
+        re.compile(r"\bstd::\w+_distribution\b|\blong\s+double\b"),
+    ),
+)
+
+
+def check(tree):
+    findings = []
+    for path, text in tree.items():
+        if room_of(path) not in ROOMS:
+            continue
+        for number, line in enumerate(code_only(text).split("\n"), start=1):
+            for rule in RULES:
+                if rule.applies(path) and (match := rule.words.search(line)):
+                    findings.append(f"{path}:{number}: {match[0].strip()} is {rule.name}")
+    return findings
+
+
+if __name__ == "__main__":
+    sources = read_tree(sys.argv[1])
+    sys.exit(report(check(sources), len(sources), "purity"))

@@ -1,0 +1,95 @@
+"""Feeds every rule small trees that break it, and their closest neighbours that do not."""
+
+import contextlib
+import io
+import sys
+
+import file_sizes
+import include_directions
+import purity
+from sources import ROOMS, report
+
+HEADERS = {f"{room}/a.hpp": "#pragma once\n" for room in (*ROOMS, "bench", "tests")}
+
+# (check, file, its text, part of the finding it must make, or None where it must make none)
+CASES = (
+    (include_directions, "common/b.cpp", '#include "common/a.hpp"\n', None),
+    (include_directions, "common/b.cpp", '#include "netem/a.hpp"\n', "common/ must not know netem/"),
+    (include_directions, "common/b.cpp", '#include "experiment/a.hpp"\n', "common/ must not know experiment/"),
+    (include_directions, "netem/b.cpp", '#include "common/a.hpp"\n#include "netem/a.hpp"\n', None),
+    (include_directions, "netem/b.cpp", '#include "master/a.hpp"\n', "netem/ must not know master/"),
+    (include_directions, "master/devices/b.hpp", '#include "master/a.hpp"\n', None),
+    (include_directions, "master/devices/b.hpp", '\n#include "slave_sim/a.hpp"\n', "b.hpp:2: master/ must not"),
+    (include_directions, "slave_sim/b.cpp", '#  include "visual_node/a.hpp"\n', "slave_sim/ must not know visual"),
+    (include_directions, "visual_node/b.cpp", '#include "cutaneous_node/a.hpp"\n', "must not know cutaneous_node/"),
+    (include_directions, "cutaneous_node/b.cpp", '#include "experiment/a.hpp"\n', "must not know experiment/"),
+    (include_directions, "experiment/b.cpp", "".join(f'#include "{room}/a.hpp"\n' for room in ROOMS), None),
+    (include_directions, "experiment/b.cpp", '#include "tests/a.hpp"\n', "experiment/ must not know tests/"),
+    (include_directions, "bench/b.cpp", '#include "experiment/a.hpp"\n', None),
+    (include_directions, "bench/b.cpp", '#include "tests/a.hpp"\n', "bench/ must not know tests/"),
+    (include_directions, "tests/b.cpp", '#include "experiment/a.hpp"\n', None),
+    (include_directions, "tests/b.cpp", '#include "a.hpp"\n', "not written from the project's root"),
+    (include_directions, "netem/b.cpp", '#include "../common/a.hpp"\n', "not written from the project's root"),
+    (include_directions, "netem/b.cpp", '#include "common/gone.hpp"\n', "does not exist"),
+    (include_directions, "netem/b.cpp", "#include <common/a.hpp>\n", "a project header in <>"),
+    (include_directions, "netem/b.cpp", "#include <vector>\n", None),
+    (include_directions, "netem/b.cpp", '// #include "master/a.hpp"\n', None),
+    (include_directions, "netem/b.cpp", '/*\n#include "master/a.hpp"\n*/\n', None),
+    (include_directions, "common/b.cpp", '#include "messages_generated.h"\n', None),
+    (include_directions, "master/b.cpp", '#include "messages_generated.h"\n', "belongs to common"),
+    (purity, "master/master_node.cpp", "auto t = std::chrono::steady_clock::now();\n", "steady_clock is a clock"),
+    (purity, "common/flow.cpp", "auto t = std::chrono::system_clock::now();\n", "system_clock is a clock"),
+    (purity, "netem/relay_process.cpp", "clock_gettime(CLOCK_MONOTONIC, &ts);\n", "clock_gettime is a clock"),
+    (purity, "slave_sim/trial.cpp", "gettimeofday(&tv, nullptr);\n", "gettimeofday is a clock"),
+    (purity, "slave_sim/trial.cpp", "\n\nauto t = time(nullptr);\n", "trial.cpp:3: time(nullptr is a clock"),
+    (purity, "slave_sim/trial.cpp", "auto t = std::time(&t0);\n", "is a clock"),
+    (purity, "slave_sim/trial.cpp", "std::this_thread::sleep_for(1ms);\n", "sleep_for is a clock"),
+    (purity, "slave_sim/trial.cpp", "sleep(1);\n", "is a clock"),
+    (purity, "slave_sim/trial.cpp", "// a steady_clock would be wrong here\n", None),
+    (purity, "slave_sim/trial.cpp", 'log("time(nullptr)");\n', None),
+    (purity, "slave_sim/trial.cpp", "const auto contact_time_s = contact_time(0.5);\n", None),
+    (purity, "slave_sim/trial.cpp", "const int n = 1'000; // it's steady_clock\nx('a');\n", None),
+    (purity, "slave_sim/trial.cpp", "const int n = 1'000; steady_clock::now(); x('a');\n", "is a clock"),
+    (purity, "slave_sim/trial.cpp", 'auto s = R"(steady_clock)"; steady_clock c;\n', "is a clock"),
+    (purity, "common/runtime/wall_clock.cpp", "clock_gettime(CLOCK_MONOTONIC, &ts);\n", None),
+    (purity, "netem/main.cpp", "std::chrono::steady_clock::now();\n", None),
+    (purity, "tests/b.cpp", "std::chrono::steady_clock::now();\n", None),
+    (purity, "visual_node/visual_node.hpp", "#include <sys/socket.h>\n", "is a socket"),
+    (purity, "visual_node/visual_node.cpp", "int fd = socket(AF_INET, SOCK_DGRAM, 0);\n", "is a socket"),
+    (purity, "visual_node/visual_process.cpp", "recv(fd, p, n, 0);\n", "is a socket"),
+    (purity, "common/runtime/udp_channel.cpp", "int fd = socket(AF_INET, SOCK_DGRAM, 0);\n", None),
+    (purity, "visual_node/visual_node.cpp", "std::ofstream out(path);\n", "is a file"),
+    (purity, "visual_node/visual_node.cpp", "#include <filesystem>\n", "is a file"),
+    (purity, "visual_node/visual_node.cpp", 'FILE* f = fopen("x", "r");\n', "is a file"),
+    (purity, "experiment/results.cpp", "std::ofstream out(path);\n", None),
+    (purity, "common/random.cpp", "std::random_device device;\n", "is the machine's random numbers"),
+    (purity, "common/random.cpp", "int x = std::rand();\n", "is the machine's random numbers"),
+    (purity, "common/random.cpp", "int x = operand(1);\n", None),
+    (purity, "common/runtime/instance.cpp", "std::random_device device;\n", None),
+    (purity, "master/hand.cpp", "std::normal_distribution<double> d;\n", "differ between libraries"),
+    (purity, "master/hand.cpp", "long double x = 0;\n", "differ between libraries"),
+    (file_sizes, "master/long.cpp", "\n" * 401, "401 lines"),
+    (file_sizes, "master/long.cpp", "\n" * 400, None),
+)
+
+
+def disagreement(check, path, text, expected):
+    """What the check says wrongly about one file, or None."""
+    findings = check.check({**HEADERS, path: text})
+    if expected is None:
+        return f"{check.__name__} refuses {text!r} in {path}: {findings}" if findings else None
+    if len(findings) == 1 and path in findings[0] and expected in findings[0]:
+        return None
+    return f"{check.__name__} says {findings} about {text!r} in {path}, expected one with {expected!r}"
+
+
+def report_disagreements():
+    """The exit code is what ctest sees, so it is tested too: findings fail, and so does having looked at nothing."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        codes = [report([], 3, "x"), report(["one"], 3, "x"), report([], 0, "x")]
+    return [] if codes == [0, 1, 1] else [f"report() returns {codes}, expected [0, 1, 1]"]
+
+
+if __name__ == "__main__":
+    wrong = [d for case in CASES if (d := disagreement(*case))] + report_disagreements()
+    sys.exit(report(wrong, len(CASES), "self-test", of="cases"))

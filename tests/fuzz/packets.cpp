@@ -1,0 +1,123 @@
+#include "tests/fuzz/packets.hpp"
+
+#include <cmath>
+#include <tuple>
+
+#include "common/codec.hpp"
+
+namespace thimble {
+namespace {
+
+// Structured bindings name every field, so a field that is added and forgotten here does not compile.
+auto fields(const Header& m) {
+    const auto& [instance, send_time, sequence, trial, sender] = m;
+    return std::tie(instance, send_time, sequence, trial, sender);
+}
+auto fields(const NeedleCommand& m) {
+    const auto& [needle, velocity, estimate, hand, hand_velocity, force] = m;
+    return std::tie(needle, velocity, estimate, hand, hand_velocity, force);
+}
+auto fields(const ForceFeedback& m) {
+    const auto& [needle, surface, surface_velocity, proxy, tissue, fixture, total, contact, echo_time,
+                 hold_time, echo_sequence, phase, present, held] = m;
+    return std::tie(needle, surface, surface_velocity, proxy, tissue, fixture, total, contact, echo_time,
+                    hold_time, echo_sequence, phase, present, held);
+}
+auto fields(const Percept& m) {
+    const auto& [force, bar, needle, surface, age, finger, touching, beep] = m;
+    return std::tie(force, bar, needle, surface, age, finger, touching, beep);
+}
+auto fields(const SessionControl& m) {
+    const auto& [seed, fixture, subject, experiment, kind, modality, present, reason] = m;
+    return std::tie(seed, fixture, subject, experiment, kind, modality, present, reason);
+}
+auto fields(const Heartbeat& m) {
+    const auto& [accepted, refused, median, worst, hold, state, reason] = m;
+    return std::tie(accepted, refused, median, worst, hold, state, reason);
+}
+
+// A NaN fails every comparison.
+bool within(double value, double low, double high) { return value >= low && value <= high; }
+bool position(double value_m) { return within(value_m, -10, 10); }
+bool velocity(double value_m_per_s) { return within(value_m_per_s, -1000, 1000); }
+bool force(double value_N) { return within(value_N, -1e5, 1e5); }
+bool span(double value_s) { return within(value_s, 0, 1e6); }
+bool stamp(std::int64_t nanoseconds) { return nanoseconds >= 0 && nanoseconds <= std::int64_t{1} << 62; }
+bool stamp(SessionTime time) { return stamp(to_nanoseconds(time)); }
+
+bool plausible_header(const Header& m) { return stamp(m.send_time) && m.sender <= Role::kNetem; }
+
+bool plausible_body(const NeedleCommand& m) {
+    return position(m.position_needle_m) && velocity(m.velocity_needle_m_per_s) &&
+           position(m.position_needle_estimate_m) && position(m.position_hand_m) &&
+           velocity(m.velocity_hand_m_per_s) && force(m.force_hand_N);
+}
+bool plausible_body(const ForceFeedback& m) {
+    return position(m.position_needle_m) && position(m.position_surface_m) &&
+           velocity(m.velocity_surface_m_per_s) && position(m.position_proxy_m) && force(m.force_tissue_N) &&
+           force(m.force_fixture_N) && within(m.force_total_N, -2e5, 2e5) && span(m.contact_time_s) &&
+           stamp(m.echo_time) && stamp(m.hold_time.count()) && m.phase <= TissuePhase::kPenetrated;
+}
+bool plausible_body(const Percept& m) {
+    return within(m.force_N, 0, 1e5) && within(m.bar_N, 0, 1e5) && position(m.position_needle_shown_m) &&
+           position(m.position_surface_shown_m) && span(m.sample_age_s) && m.finger <= Finger::kThumb;
+}
+bool plausible_body(const SessionControl& m) {
+    return position(m.fixture_position_m) && m.kind <= ControlKind::kShutdown &&
+           m.modality <= Modality::kVF && m.reason <= EndReason::kInterrupted;
+}
+bool plausible_body(const Heartbeat& m) {
+    return span(m.round_trip_median_s) && span(m.round_trip_worst_s) && span(m.hold_median_s) &&
+           m.state <= NodeState::kFailed && m.reason <= EndReason::kInterrupted;
+}
+
+}  // namespace
+
+std::vector<Message> sample_messages() {
+    const Header header{0x1122334455667788, from_nanoseconds(1'234'567'890), 42, 7, Role::kSlaveSim};
+    ForceFeedback feedback{0.031,
+                           0.012,
+                           -0.002,
+                           0.029,
+                           -0.8,
+                           -2.5,
+                           -3.3,
+                           1.25,
+                           from_nanoseconds(1'200'000'000),
+                           Duration{150'000},
+                           41,
+                           TissuePhase::kPenetrated,
+                           true,
+                           true};
+    return {{header, NeedleCommand{0.03, 0.06, 0.0299, 0.01, 0.02, 1.5}},
+            {header, feedback},
+            {header, Percept{0.9, 3.1, -0.004, 0.001, 0.052, Finger::kThumb, true, true}},
+            {header, SessionControl{99, 0.025, 3, 2, ControlKind::kFixtureChange, Modality::kCCF, true,
+                                    EndReason::kTimeout}},
+            {header, Heartbeat{1000, 3, 0.101, 0.13, 0.0002, NodeState::kRunning, EndReason::kPeerLost}}};
+}
+
+bool plausible(const Message& message) {
+    return plausible_header(message.header) &&
+           std::visit([](const auto& body) { return plausible_body(body); }, message.body);
+}
+
+bool same(const Message& a, const Message& b) {
+    if (fields(a.header) != fields(b.header) || a.body.index() != b.body.index()) return false;
+    return std::visit(
+        [&](const auto& body) {
+            return fields(body) == fields(std::get<std::decay_t<decltype(body)>>(b.body));
+        },
+        a.body);
+}
+
+const char* flaw_of(const Message& accepted) {
+    if (!plausible(accepted)) return "a number or an enum out of its range was accepted";
+    Encoder encoder;
+    const Decoded again = decode(encoder.encode(accepted));
+    if (!again.message) return "an accepted message is refused after encoding it again";
+    if (!same(accepted, *again.message)) return "an accepted message changes when it is encoded again";
+    return nullptr;
+}
+
+}  // namespace thimble

@@ -1,0 +1,25 @@
+// What the fuzzers and the hostile-bytes test share: valid messages to start from, and what must hold for
+// every message that decode() lets through.
+#pragma once
+
+#include <vector>
+
+#include "common/messages.hpp"
+
+namespace thimble {
+
+// One message of each kind, no field at its default.
+std::vector<Message> sample_messages();
+
+// Every number finite and inside the range docs/protocol.md gives it, every enum one of its values. Written
+// again here, from the page and not from the codec.
+bool plausible(const Message& message);
+
+// Equal in every field.
+bool same(const Message& a, const Message& b);
+
+// The reason why an accepted message is no good (implausible, or changed by encoding and decoding it again),
+// or null.
+const char* flaw_of(const Message& accepted);
+
+}  // namespace thimble

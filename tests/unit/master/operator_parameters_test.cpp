@@ -1,0 +1,112 @@
+// The subjects that the parameters describe, and the file they come from.
+#include "master/operator/operator_parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+
+namespace thimble::test {
+namespace {
+
+OperatorParameters parsed(std::string_view text) {
+    const ConfigFile file = ConfigFile::parse(text, "test.toml");
+    const OperatorParameters parameters = read_operator_parameters(file.table("operator"));
+    file.finish();
+    return parameters;
+}
+
+template <typename Field>
+std::vector<double> logarithms(Field field) {
+    std::vector<double> values;
+    for (std::uint32_t subject = 1; subject <= 5000; ++subject) {
+        values.push_back(std::log(field(draw_subject(OperatorParameters{}, 11, 1, subject))));
+    }
+    return values;
+}
+
+double mean(const std::vector<double>& values) {
+    double sum = 0;
+    for (const double value : values) sum += value;
+    return sum / static_cast<double>(values.size());
+}
+
+double deviation(const std::vector<double>& values) {
+    const double centre = mean(values);
+    double sum = 0;
+    for (const double value : values) sum += (value - centre) * (value - centre);
+    return std::sqrt(sum / static_cast<double>(values.size() - 1));
+}
+
+TEST(Subject, IsLognormalAboutTheParameters) {
+    const auto criterion = logarithms([](const Subject& s) { return s.criterion_N; });
+    EXPECT_NEAR(mean(criterion), std::log(2.0), 0.02);
+    EXPECT_NEAR(deviation(criterion), 0.30, 0.015);
+    const auto speed = logarithms([](const Subject& s) { return s.speed_insert_needle_m_per_s; });
+    EXPECT_NEAR(mean(speed), std::log(0.015), 0.01);
+    EXPECT_NEAR(deviation(speed), 0.15, 0.0075);
+    const auto visual = logarithms([](const Subject& s) { return s.reaction_modality_factor[3]; });
+    EXPECT_NEAR(deviation(visual), 0.05, 0.0025);
+}
+
+TEST(Subject, DrawsAreIndependentOfEachOther) {
+    const auto arm = logarithms([](const Subject& s) { return s.arm_stiffness_N_per_m; });
+    const auto grip = logarithms([](const Subject& s) { return s.grip_stiffness_N_per_m; });
+    double product = 0;
+    for (std::size_t i = 0; i < arm.size(); ++i) product += (arm[i] - mean(arm)) * (grip[i] - mean(grip));
+    EXPECT_NEAR(product / static_cast<double>(arm.size()) / (deviation(arm) * deviation(grip)), 0, 0.07);
+}
+
+TEST(Subject, BelongsToStudyExperimentAndNumberOnly) {
+    const Subject alone = draw_subject(OperatorParameters{}, 11, 1, 7);
+    Subject in_a_batch;
+    for (std::uint32_t subject = 1; subject <= 12; ++subject) {
+        const Subject drawn = draw_subject(OperatorParameters{}, 11, 1, subject);
+        if (subject == 7) in_a_batch = drawn;
+    }
+    EXPECT_EQ(alone.criterion_N, in_a_batch.criterion_N);
+    EXPECT_EQ(alone.reaction_modality_factor, in_a_batch.reaction_modality_factor);
+    EXPECT_NE(alone.criterion_N, draw_subject(OperatorParameters{}, 11, 1, 8).criterion_N);
+    EXPECT_NE(alone.criterion_N, draw_subject(OperatorParameters{}, 11, 2, 7).criterion_N);
+    EXPECT_NE(alone.criterion_N, draw_subject(OperatorParameters{}, 12, 1, 7).criterion_N);
+}
+
+TEST(Subject, ChangingOneSpreadMovesNoOtherDraw) {
+    OperatorParameters narrow;
+    narrow.spread.speed = 0;
+    const Subject subject = draw_subject(narrow, 11, 1, 7);
+    EXPECT_EQ(subject.speed_insert_needle_m_per_s, 0.015);
+    EXPECT_EQ(subject.criterion_N, draw_subject(OperatorParameters{}, 11, 1, 7).criterion_N);
+}
+
+TEST(OperatorParameters, AnEmptyFileLeavesTheDefaults) {
+    EXPECT_EQ(parsed("").reaction.visual_s, OperatorParameters{}.reaction.visual_s);
+}
+
+TEST(OperatorParameters, EachGroupIsRead) {
+    const OperatorParameters parameters = parsed(R"([operator]
+        arm_stiffness_N_per_m = 500.0
+        tremor_m = 0.0001
+        criterion_N = 3.0
+        reaction_visual_s = 0.29
+        push_growth = 1.0
+        spread_reaction = 0.2)");
+    EXPECT_EQ(parameters.hand.arm_stiffness_N_per_m, 500);
+    EXPECT_EQ(parameters.noise.tremor_m, 1e-4);
+    EXPECT_EQ(parameters.perception.criterion_N, 3);
+    EXPECT_EQ(parameters.reaction.visual_s, 0.29);
+    EXPECT_EQ(parameters.behaviour.push_growth, 1);
+    EXPECT_EQ(parameters.spread.reaction, 0.2);
+}
+
+TEST(OperatorParameters, RefusesWhatItDoesNotKnowOrCannotBe) {
+    EXPECT_THROW(parsed("[operator]\nreaction_olfactory_s = 0.4"), Error);
+    EXPECT_THROW(parsed("[operator]\narm_mass_kg = 0.0"), Error);
+    EXPECT_THROW(parsed("[operator]\npush_growth = 0.5"), Error);
+}
+
+}  // namespace
+}  // namespace thimble::test

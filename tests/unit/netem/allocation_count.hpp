@@ -1,0 +1,27 @@
+// Counts what goes through operator new. Replaces the global operators: include in one source of a test
+// program only.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+
+namespace thimble::test {
+
+inline std::atomic<std::uint64_t> allocations{0};
+
+inline void* counted_allocation(std::size_t bytes) {
+    ++allocations;
+    if (void* memory = std::malloc(bytes == 0 ? 1 : bytes)) return memory;
+    throw std::bad_alloc();
+}
+
+}  // namespace thimble::test
+
+void* operator new(std::size_t bytes) { return thimble::test::counted_allocation(bytes); }
+void* operator new[](std::size_t bytes) { return thimble::test::counted_allocation(bytes); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }

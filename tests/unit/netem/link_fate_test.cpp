@@ -1,0 +1,220 @@
+// The fate of each packet: lost or not, how long it waits; statistics, order, and what it may depend on.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "tests/unit/netem/link_test_tools.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+constexpr std::uint32_t kMany = 40'000;
+
+LinkSettings jittery(Jitter jitter, bool in_order) {
+    return {
+        .delay = milliseconds{20}, .jitter = jitter, .jitter_spread = milliseconds{5}, .in_order = in_order};
+}
+
+struct Moments {
+    double mean_s = 0;
+    double sd_s = 0;
+    Duration least = Duration::max();
+    Duration most{};
+};
+
+Moments delay_moments(const std::vector<Arrival>& arrivals) {
+    Moments moments;
+    double sum_s = 0;
+    double squares_s2 = 0;
+    for (const Arrival& arrival : arrivals) {
+        const Duration delay = arrival.time - at(arrival.packet * kMillisecond);
+        moments.least = std::min(moments.least, delay);
+        moments.most = std::max(moments.most, delay);
+        sum_s += to_seconds(delay);
+        squares_s2 += to_seconds(delay) * to_seconds(delay);
+    }
+    const double n = static_cast<double>(arrivals.size());
+    moments.mean_s = sum_s / n;
+    moments.sd_s = std::sqrt(squares_s2 / n - moments.mean_s * moments.mean_s);
+    return moments;
+}
+
+TEST(LinkFate, NormalJitterHasTheAskedMeanAndSpread) {
+    LinkModel link(jittery(Jitter::kNormal, false), kKey, 0);
+    const Moments moments = delay_moments(transmit(link, kMany));
+    // Four standard errors: sd / sqrt(n) of a mean, sd / sqrt(2 n) of a standard deviation.
+    EXPECT_NEAR(moments.mean_s, 0.020, 4 * 0.005 / std::sqrt(kMany));
+    EXPECT_NEAR(moments.sd_s, 0.005, 4 * 0.005 / std::sqrt(2.0 * kMany));
+}
+
+TEST(LinkFate, UniformJitterHasTheAskedMeanAndSpread) {
+    LinkModel link(jittery(Jitter::kUniform, false), kKey, 0);
+    const Moments moments = delay_moments(transmit(link, kMany));
+    const double sd_s = 0.005 / std::sqrt(3.0);
+    EXPECT_NEAR(moments.mean_s, 0.020, 4 * sd_s / std::sqrt(kMany));
+    EXPECT_NEAR(moments.sd_s, sd_s, 4 * sd_s / std::sqrt(2.0 * kMany));
+    EXPECT_GE(moments.least, milliseconds{15});
+    EXPECT_LT(moments.least, microseconds{15'010});
+    EXPECT_LE(moments.most, milliseconds{25});
+    EXPECT_GT(moments.most, microseconds{24'990});
+}
+
+TEST(LinkFate, DelayIsNeverNegative) {
+    for (const Jitter jitter : {Jitter::kUniform, Jitter::kNormal}) {
+        LinkSettings settings = jittery(jitter, false);
+        settings.delay = milliseconds{2};
+        LinkModel link(settings, kKey, 0);
+        const Moments moments = delay_moments(transmit(link, 5000));
+        EXPECT_EQ(moments.least, Duration::zero());
+        EXPECT_EQ(link.counters().delivered, 5000U);
+    }
+}
+
+TEST(LinkFate, InOrderIsMonotone) {
+    LinkModel link(jittery(Jitter::kNormal, true), kKey, 0);
+    const auto arrivals = transmit(link, 5000);
+    ASSERT_EQ(arrivals.size(), 5000U);
+    for (std::uint32_t i = 0; i < arrivals.size(); ++i) EXPECT_EQ(arrivals[i].packet, i);
+    EXPECT_TRUE(std::is_sorted(arrivals.begin(), arrivals.end(),
+                               [](const Arrival& a, const Arrival& b) { return a.time < b.time; }));
+}
+
+TEST(LinkFate, InOrderDueTimesNeverGoBack) {
+    LinkModel link(jittery(Jitter::kNormal, true), kKey, 0);
+    for (std::uint32_t i = 0; i < 500; ++i) link.push(at({}), NumberedPacket(i).bytes());
+    SessionTime last{};
+    while (link.next_due() != kNever) {
+        ASSERT_GE(link.next_due(), last);
+        last = link.next_due();
+        ASSERT_FALSE(link.pop_due(last).empty());
+    }
+}
+
+TEST(LinkFate, PacketsOvertakeWhenAllowed) {
+    LinkModel link(jittery(Jitter::kNormal, false), kKey, 0);
+    const auto arrivals = transmit(link, 5000);
+    ASSERT_EQ(arrivals.size(), 5000U);
+    int overtaken = 0;
+    for (std::size_t i = 1; i < arrivals.size(); ++i)
+        overtaken += arrivals[i].packet < arrivals[i - 1].packet;
+    EXPECT_GT(overtaken, 1000);
+}
+
+// In order, a packet leaves when it and all before it would have left on their own.
+TEST(LinkFate, OrderOnlyRaisesDueTimes) {
+    LinkModel free(jittery(Jitter::kNormal, false), kKey, 0);
+    LinkModel ordered(jittery(Jitter::kNormal, true), kKey, 0);
+    auto expected = transmit(free, 2000);
+    std::sort(expected.begin(), expected.end(),
+              [](const Arrival& a, const Arrival& b) { return a.packet < b.packet; });
+    for (std::size_t i = 1; i < expected.size(); ++i) {
+        expected[i].time = std::max(expected[i].time, expected[i - 1].time);
+    }
+    EXPECT_EQ(transmit(ordered, 2000), expected);
+}
+
+TEST(LinkFate, LosesWhatWasAsked) {
+    for (const double loss : {0.001, 0.05, 0.5}) {
+        LinkModel link({.loss = loss}, kKey, 0);
+        transmit(link, kMany);
+        const double sd = std::sqrt(kMany * loss * (1 - loss));
+        EXPECT_NEAR(static_cast<double>(link.counters().lost), kMany * loss, 3 * sd) << loss;
+    }
+}
+
+TEST(LinkFate, LosesNothingOrEverything) {
+    LinkModel none({.loss = 0}, kKey, 0);
+    LinkModel all({.loss = 1}, kKey, 0);
+    EXPECT_EQ(transmit(none, 1000).size(), 1000U);
+    EXPECT_TRUE(transmit(all, 1000).empty());
+}
+
+std::set<std::uint32_t> survivors(LinkModel& link, std::uint32_t count, Duration period) {
+    std::set<std::uint32_t> numbers;
+    for (const Arrival& arrival : transmit(link, count, period)) numbers.insert(arrival.packet);
+    return numbers;
+}
+
+TEST(LinkFate, DoesNotDependOnTimingSizeOrOrder) {
+    LinkSettings settings = jittery(Jitter::kNormal, false);
+    settings.loss = 0.2;
+    LinkModel reference(settings, kKey, 1);
+    auto expected = transmit(reference, 500);
+    std::sort(expected.begin(), expected.end(),
+              [](const Arrival& a, const Arrival& b) { return a.packet < b.packet; });
+    EXPECT_TRUE(rc::check("fates depend on the packet number only", [&] {
+        LinkModel link(settings, kKey, 1);
+        SessionTime now{};
+        for (std::uint32_t i = 0, next = 0; i < 500; ++i) {
+            now += Duration{*rc::gen::inRange(0, 5'000'000)};
+            const auto size = *rc::gen::inRange<std::size_t>(4, kMaxDatagramBytes + 1);
+            const std::uint64_t lost_before = link.counters().lost;
+            link.push(now, NumberedPacket(i, size).bytes());
+            const bool lost = link.counters().lost != lost_before;
+            RC_ASSERT(lost == (next >= expected.size() || expected[next].packet != i));
+            if (lost) continue;
+            const SessionTime due = link.next_due();
+            RC_ASSERT(due - now == expected[next].time - at(i * kMillisecond));
+            RC_ASSERT(number_of(link.pop_due(due)) == i);
+            ++next;
+        }
+    }));
+}
+
+TEST(LinkFate, LossDoesNotDependOnJitterNorOnACrowdedQueue) {
+    LinkModel plain({.loss = 0.1}, kKey, 0);
+    LinkSettings settings = jittery(Jitter::kUniform, false);
+    settings.loss = 0.1;
+    LinkModel crowded(settings, kKey, 0);
+    EXPECT_EQ(survivors(plain, 3000, kMillisecond), survivors(crowded, 3000, microseconds{10}));
+}
+
+TEST(LinkFate, DiffersBetweenDirectionsTrialsAndSubjects) {
+    LinkSettings settings = jittery(Jitter::kNormal, false);
+    settings.loss = 0.5;
+    StreamKey other_trial = kKey;
+    ++other_trial.trial;
+    StreamKey other_subject = kKey;
+    ++other_subject.subject;
+    std::set<std::set<std::uint32_t>> fates;
+    std::set<std::int64_t> first_delays;
+    const std::pair<StreamKey, std::uint32_t> links[]{
+        {kKey, 0}, {kKey, 1}, {kKey, 2}, {other_trial, 0}, {other_subject, 0}};
+    for (const auto& [key, direction] : links) {
+        LinkModel link(settings, key, direction);
+        fates.insert(survivors(link, 200, kMillisecond));
+        LinkModel lossless(jittery(Jitter::kNormal, false), key, direction);
+        lossless.push(at({}), NumberedPacket(0).bytes());
+        first_delays.insert(to_nanoseconds(lossless.next_due()));
+    }
+    EXPECT_EQ(fates.size(), 5U);
+    EXPECT_EQ(first_delays.size(), 5U);
+}
+
+TEST(LinkFate, RestartReplaysTheSameFates) {
+    LinkSettings settings = jittery(Jitter::kNormal, false);
+    settings.loss = 0.2;
+    LinkModel link(settings, kKey, 0);
+    const auto first = transmit(link, 1000);
+    link.push(at(milliseconds{1}), NumberedPacket(77).bytes());  // still in flight at the restart
+    link.push(at(milliseconds{1}), NumberedPacket(78).bytes());
+    StreamKey other = kKey;
+    ++other.trial;
+    link.restart(other);
+    EXPECT_EQ(link.next_due(), kNever);
+    EXPECT_EQ(link.in_flight(), 0U);
+    EXPECT_EQ(link.counters().pushed, 0U);
+    EXPECT_EQ(link.delays().count, 0U);
+    EXPECT_NE(transmit(link, 1000), first);
+    link.restart(kKey);
+    EXPECT_EQ(transmit(link, 1000), first);
+}
+
+}  // namespace
+}  // namespace thimble::test

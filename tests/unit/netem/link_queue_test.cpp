@@ -1,0 +1,189 @@
+// The link as a queue: when packets come out, in which order, whole, and how many fit.
+#include <deque>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "tests/unit/netem/allocation_count.hpp"
+#include "tests/unit/netem/link_test_tools.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+TEST(LinkQueue, ZeroDelayPopsAtOnce) {
+    for (const bool in_order : {true, false}) {
+        LinkModel link({.in_order = in_order}, kKey, 0);
+        EXPECT_EQ(link.next_due(), kNever);
+        link.push(at(milliseconds{3}), NumberedPacket(42).bytes());
+        EXPECT_EQ(link.next_due(), at(milliseconds{3}));
+        EXPECT_EQ(number_of(link.pop_due(at(milliseconds{3}))), 42U);
+        EXPECT_TRUE(link.pop_due(at(milliseconds{3})).empty());
+        EXPECT_EQ(link.next_due(), kNever);
+    }
+}
+
+TEST(LinkQueue, PopsExactlyWhenDue) {
+    LinkModel link({.delay = milliseconds{50}}, kKey, 0);
+    link.push(at(milliseconds{1}), NumberedPacket(0).bytes());
+    EXPECT_TRUE(link.pop_due(at(milliseconds{51} - Duration{1})).empty());
+    EXPECT_FALSE(link.pop_due(at(milliseconds{51})).empty());
+}
+
+TEST(LinkQueue, TenLinksOfFiveMillisecondsDelayByExactlyFifty) {
+    std::deque<LinkModel> chain;
+    for (std::uint32_t i = 0; i < 10; ++i) {
+        chain.emplace_back(LinkSettings{.delay = milliseconds{5}, .in_order = i % 2 == 0}, kKey, i);
+    }
+    chain.front().push(at(microseconds{123}), NumberedPacket(9).bytes());
+    for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
+        const SessionTime now = chain[i].next_due();
+        chain[i + 1].push(now, chain[i].pop_due(now));
+    }
+    EXPECT_EQ(chain.back().next_due(), at(microseconds{123} + milliseconds{50}));
+    EXPECT_EQ(number_of(chain.back().pop_due(chain.back().next_due())), 9U);
+}
+
+TEST(LinkQueue, KeepsEveryByte) {
+    EXPECT_TRUE(rc::check("what goes in comes out", [] {
+        const bool in_order = *rc::gen::arbitrary<bool>();
+        LinkModel link({.delay = milliseconds{1}, .in_order = in_order}, kKey, 0);
+        std::vector<std::vector<std::uint8_t>> sent;
+        for (int i = 0; i < 5; ++i) {
+            const auto size = *rc::gen::inRange<std::size_t>(1, kMaxDatagramBytes + 1);
+            sent.push_back(
+                *rc::gen::container<std::vector<std::uint8_t>>(size, rc::gen::arbitrary<std::uint8_t>()));
+            link.push(at(milliseconds{0}), sent.back());
+        }
+        for (const auto& expected : sent) {
+            const Bytes out = link.pop_due(at(milliseconds{1}));
+            RC_ASSERT(std::vector<std::uint8_t>(out.begin(), out.end()) == expected);
+        }
+        RC_ASSERT(link.next_due() == kNever);
+    }));
+}
+
+TEST(LinkQueue, DatagramStaysValidUntilTheNextPush) {
+    LinkModel link({}, kKey, 0);
+    link.push(at({}), NumberedPacket(1).bytes());
+    link.push(at({}), NumberedPacket(2).bytes());
+    const Bytes first = link.pop_due(at({}));
+    const Bytes second = link.pop_due(at({}));
+    EXPECT_EQ(number_of(first), 1U);
+    EXPECT_EQ(number_of(second), 2U);
+}
+
+TEST(LinkQueue, DropsTheNewestWhenFull) {
+    for (const bool in_order : {true, false}) {
+        LinkModel link({.delay = milliseconds{10}, .in_order = in_order, .capacity = 3}, kKey, 0);
+        for (std::uint32_t i = 0; i < 5; ++i) link.push(at({}), NumberedPacket(i).bytes());
+        EXPECT_EQ(link.in_flight(), 3U);
+        std::vector<Arrival> arrivals;
+        drain(link, at(milliseconds{10}), arrivals);
+        link.push(at(milliseconds{10}), NumberedPacket(5).bytes());
+        drain(link, at(milliseconds{20}), arrivals);
+        const std::vector<Arrival> expected{{0, at(milliseconds{10})},
+                                            {1, at(milliseconds{10})},
+                                            {2, at(milliseconds{10})},
+                                            {5, at(milliseconds{20})}};
+        EXPECT_EQ(arrivals, expected);
+        EXPECT_EQ(link.counters().overflowed, 2U);
+        EXPECT_EQ(link.counters().delivered, 4U);
+    }
+}
+
+TEST(LinkQueue, RefusesWhatIsNoMessage) {
+    LinkModel link({}, kKey, 0);
+    link.push(at({}), NumberedPacket(0, kMaxDatagramBytes + 1).bytes());
+    link.push(at({}), Bytes{});
+    EXPECT_EQ(link.next_due(), kNever);
+    EXPECT_EQ(link.counters().oversized, 2U);
+    EXPECT_EQ(link.counters().pushed, 2U);
+}
+
+TEST(LinkQueue, CountersAddUp) {
+    LinkSettings settings{.delay = milliseconds{5}, .loss = 0.3, .capacity = 4};
+    LinkModel link(settings, kKey, 0);
+    std::vector<Arrival> arrivals;
+    for (std::uint32_t i = 0; i < 1000; ++i) {
+        link.push(at(i * kMillisecond), NumberedPacket(i).bytes());
+        if (i % 10 == 0) drain(link, at(i * kMillisecond), arrivals);
+    }
+    const LinkCounters& counted = link.counters();
+    EXPECT_EQ(counted.pushed, 1000U);
+    EXPECT_GT(counted.lost, 0U);
+    EXPECT_GT(counted.overflowed, 0U);
+    EXPECT_EQ(counted.delivered, arrivals.size());
+    EXPECT_EQ(counted.pushed, counted.lost + counted.overflowed + counted.delivered + link.in_flight());
+}
+
+TEST(LinkQueue, MeasuresTheDelayThatWasAchieved) {
+    LinkModel link({.delay = milliseconds{5}}, kKey, 0);
+    EXPECT_EQ(link.delays().count, 0U);
+    link.push(at(milliseconds{0}), NumberedPacket(0).bytes());
+    link.push(at(milliseconds{1}), NumberedPacket(1).bytes());
+    link.pop_due(at(milliseconds{5}));
+    link.pop_due(at(milliseconds{9}));  // late by three
+    EXPECT_EQ(link.delays().count, 2U);
+    EXPECT_EQ(link.delays().min, milliseconds{5});
+    EXPECT_EQ(link.delays().max, milliseconds{8});
+    EXPECT_DOUBLE_EQ(link.delays().mean_s(), 0.0065);
+}
+
+// The queue against the plainest model of itself: a list, searched from the front.
+TEST(LinkQueue, AgreesWithAList) {
+    struct Entry {
+        SessionTime due;
+        std::uint32_t packet;
+    };
+    EXPECT_TRUE(rc::check("same packets at the same times", [] {
+        const LinkSettings settings{.delay = Duration{*rc::gen::inRange(0, 50)},
+                                    .in_order = *rc::gen::arbitrary<bool>(),
+                                    .capacity = *rc::gen::inRange<std::size_t>(1, 20)};
+        LinkModel link(settings, kKey, 0);
+        std::vector<Entry> list;
+        SessionTime now{};
+        for (std::uint32_t i = 0; i < 200; ++i) {
+            now += Duration{*rc::gen::inRange(0, 8)};
+            if (*rc::gen::arbitrary<bool>()) {
+                link.push(now, NumberedPacket(i).bytes());
+                if (list.size() < settings.capacity) list.push_back({now + settings.delay, i});
+            } else {
+                const Bytes out = link.pop_due(now);
+                const bool due = !list.empty() && list.front().due <= now;
+                RC_ASSERT(out.empty() == !due);
+                if (due) {
+                    RC_ASSERT(number_of(out) == list.front().packet);
+                    list.erase(list.begin());
+                }
+            }
+            RC_ASSERT(link.next_due() == (list.empty() ? kNever : list.front().due));
+        }
+    }));
+}
+
+TEST(LinkQueue, DoesNotAllocateAfterConstruction) {
+    for (const bool in_order : {true, false}) {
+        LinkModel link({.delay = milliseconds{20},
+                        .jitter = Jitter::kNormal,
+                        .jitter_spread = milliseconds{5},
+                        .loss = 0.1,
+                        .in_order = in_order,
+                        .capacity = 16},
+                       kKey, 0);
+        std::uint64_t bytes = 0;
+        const std::uint64_t before = allocations;
+        for (std::uint32_t i = 0; i < 2000; ++i) {
+            link.push(at(i * kMillisecond), NumberedPacket(i).bytes());
+            bytes += link.pop_due(at(i * kMillisecond)).size();
+            if (i == 1000) link.restart(kKey);
+        }
+        EXPECT_EQ(allocations, before);
+        EXPECT_GT(bytes, 0U);
+    }
+}
+
+}  // namespace
+}  // namespace thimble::test

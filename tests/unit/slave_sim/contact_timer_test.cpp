@@ -1,0 +1,60 @@
+#include "slave_sim/contact_timer.hpp"
+
+#include <gtest/gtest.h>
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+SessionTime at(Duration time) { return SessionTime{time}; }
+
+TEST(ContactTimer, BeepsOnceAtTheSampleThatReachesTheHold) {
+    ContactTimer timer{seconds(5)};
+    int beeps = 0;
+    for (int ms = 0; ms <= 12000; ++ms) {
+        if (!timer.update(at(milliseconds(100 + ms)), true)) continue;
+        ++beeps;
+        EXPECT_EQ(ms, 5000);
+        EXPECT_EQ(timer.time(), Duration{seconds(5)});
+    }
+    EXPECT_EQ(beeps, 1);
+    EXPECT_EQ(timer.time(), Duration{seconds(12)});
+}
+
+// A third of a millisecond has no exact decimal: integers neither gain nor lose a sample over five seconds.
+TEST(ContactTimer, CountsNanoseconds) {
+    ContactTimer timer{seconds(5)};
+    EXPECT_FALSE(timer.update(at(Duration{7}), true));
+    EXPECT_FALSE(timer.update(at(Duration{7 + 4'999'999'999}), true));
+    EXPECT_TRUE(timer.update(at(Duration{7 + 5'000'000'000}), true));
+}
+
+TEST(ContactTimer, LosingContactStartsAnew) {
+    ContactTimer timer{seconds(5)};
+    timer.update(at(seconds(0)), true);
+    EXPECT_FALSE(timer.update(at(milliseconds(4999)), true));
+    EXPECT_FALSE(timer.update(at(milliseconds(5000)), false));
+    EXPECT_EQ(timer.time(), Duration::zero());
+    EXPECT_FALSE(timer.update(at(milliseconds(5001)), true));
+    EXPECT_EQ(timer.time(), Duration::zero());
+    EXPECT_FALSE(timer.update(at(milliseconds(10000)), true));
+    EXPECT_TRUE(timer.update(at(milliseconds(10001)), true));
+}
+
+TEST(ContactTimer, OneBeepPerTrial) {
+    ContactTimer timer{milliseconds(10)};
+    timer.update(at(milliseconds(0)), true);
+    EXPECT_TRUE(timer.update(at(milliseconds(10)), true));
+    timer.update(at(milliseconds(11)), false);
+    timer.update(at(milliseconds(12)), true);
+    EXPECT_FALSE(timer.update(at(milliseconds(30)), true));
+    timer.reset();
+    EXPECT_EQ(timer.time(), Duration::zero());
+    timer.update(at(milliseconds(40)), true);
+    EXPECT_TRUE(timer.update(at(milliseconds(50)), true));
+}
+
+}  // namespace
+}  // namespace thimble

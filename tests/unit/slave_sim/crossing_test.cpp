@@ -1,0 +1,130 @@
+// The first rise of the gap, against a scan in small steps and against hand-made hard cases.
+#include "slave_sim/crossing.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+namespace thimble {
+namespace {
+
+double between(double low, double high) {
+    return low + (high - low) * 1e-6 * *rc::gen::resize(100, rc::gen::inRange(0, 1000001));
+}
+
+GapMotion random_gap(const SecondOrder& law) {
+    GapMotion gap;
+    gap.side = *rc::gen::arbitrary<bool>() ? 1 : -1;
+    gap.gap_m = between(-1, 1);
+    gap.velocity_needle_m_per_s = between(-0.5, 0.5);
+    gap.velocity_surface_m_per_s = between(-3, 3);
+    gap.acceleration_surface_m_per_s2 = between(-5, 5);
+    gap.law = &law;
+    return gap;
+}
+
+// Independent of monotone pieces: looks everywhere.
+double scan(const GapMotion& gap, double duration_s, int samples) {
+    double before = gap.at(0.0).value_m;
+    for (int i = 1; i <= samples; ++i) {
+        const double value = gap.at(duration_s * i / samples).value_m;
+        if (before <= 0 && value > 0) return duration_s * i / samples;
+        before = value;
+    }
+    return kNoCrossing;
+}
+
+TEST(Crossing, FindsWhatAScanFindsAndNothingElse) {
+    EXPECT_TRUE(rc::check("first rise", [] {
+        const SecondOrder law(between(0.1, 3), between(0, 6), between(0, 60));
+        GapMotion gap = random_gap(law);
+        if (gap.side * gap.gap_m > 0) gap.side = -gap.side;
+        const double duration_s = between(0.001, 20);
+        const double rise_s = first_rise(gap, duration_s);
+        constexpr int kSamples = 4000;
+        const double seen_s = scan(gap, duration_s, kSamples);
+        RC_CLASSIFY(rise_s >= 0);
+        if (seen_s >= 0) {
+            RC_ASSERT(rise_s >= 0);
+            RC_ASSERT(rise_s <= seen_s * (1 + 1e-15));
+        }
+        if (rise_s < 0) return;
+        RC_ASSERT(rise_s <= duration_s);
+        RC_ASSERT(std::abs(gap.at(rise_s).value_m) < 1e-13);
+        // Nothing earlier: the scan may miss a short visit above zero, the search may not invent one.
+        RC_ASSERT(gap.at(rise_s).rate_m_per_s >= -1e-9);
+    }));
+}
+
+TEST(Crossing, TheCheapTestNeverHidesARise) {
+    EXPECT_TRUE(rc::check("cannot_rise is conservative", [] {
+        const SecondOrder law(between(0.1, 3), between(0, 6), between(0, 60));
+        GapMotion gap = random_gap(law);
+        gap.gap_m *= 0.01;
+        const double duration_s = between(0.001, 0.5);
+        if (!cannot_rise(gap.at(0.0), gap.at(duration_s), duration_s)) return;
+        RC_ASSERT(scan(gap, duration_s, 500) == kNoCrossing);
+        RC_ASSERT(first_rise(gap, duration_s) == kNoCrossing);
+    }));
+}
+
+// gap = 0.25 - (t - 1)^2 / 4 - depth, drawn with a mass that nothing holds.
+GapMotion parabola(const SecondOrder& free_mass, double depth_m) {
+    GapMotion gap;
+    gap.gap_m = -depth_m;
+    gap.velocity_needle_m_per_s = 0.5;
+    gap.acceleration_surface_m_per_s2 = 0.5;
+    gap.law = &free_mass;
+    return gap;
+}
+
+TEST(Crossing, GrazingIsAnEventOnlyIfItPasses) {
+    const SecondOrder free_mass(1, 0, 0);
+    EXPECT_EQ(first_rise(parabola(free_mass, 0.25 + 1e-9), 5), kNoCrossing);
+    EXPECT_EQ(first_rise(parabola(free_mass, 0.25), 5), kNoCrossing);
+    // 1e-12 m above for 4e-6 s, in the middle of a step of 5 s.
+    EXPECT_NEAR(first_rise(parabola(free_mass, 0.25 - 1e-12), 5), 1 - 2e-6, 1e-9);
+    EXPECT_NEAR(first_rise(parabola(free_mass, 0.1875), 5), 0.5, 1e-15);
+}
+
+TEST(Crossing, AGapOnTheGuardFiresOnlyIfItRises) {
+    const SecondOrder law(1, 5, 2);
+    GapMotion gap;
+    gap.law = &law;
+    EXPECT_EQ(first_rise(gap, 1), kNoCrossing);  // rests
+    gap.velocity_needle_m_per_s = -0.1;
+    EXPECT_EQ(first_rise(gap, 1), kNoCrossing);  // falls
+    gap.velocity_needle_m_per_s = 0.1;
+    EXPECT_EQ(first_rise(gap, 1), 0);  // rises
+    gap.side = -1;
+    EXPECT_EQ(first_rise(gap, 1), kNoCrossing);
+    gap.velocity_needle_m_per_s = 0;
+    gap.acceleration_surface_m_per_s2 = 1;
+    EXPECT_EQ(first_rise(gap, 1), 0);  // no speed yet, but on its way
+}
+
+// Hundreds of half periods in one step; only the late drift of the needle reaches the surface.
+TEST(Crossing, SkipsNoOscillationOfALongStep) {
+    const SecondOrder spring(1, 0, 1e4);  // 100 rad/s
+    GapMotion gap;
+    gap.gap_m = -1;
+    gap.velocity_needle_m_per_s = 0.1;
+    gap.velocity_surface_m_per_s = 20;  // amplitude 0.2 m: the first touch is where a trough meets the needle
+    gap.law = &spring;
+    const double rise_s = first_rise(gap, 100);
+    EXPECT_NEAR(rise_s, scan(gap, 10, 2000000), 1e-5);
+    EXPECT_NEAR(gap.at(rise_s).value_m, 0, 1e-12);
+}
+
+TEST(Crossing, ALongStepOfADampedSurfaceEndsSoon) {
+    const SecondOrder law(1e-6, 1e-3, 1e6);  // a million rad/s, gone after a few milliseconds
+    GapMotion gap;
+    gap.gap_m = -1;
+    gap.velocity_surface_m_per_s = 1;
+    gap.law = &law;
+    EXPECT_EQ(first_rise(gap, 1e6), kNoCrossing);  // 3e11 half periods: would never end if walked
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,68 @@
+#include "slave_sim/slave_settings.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+
+namespace thimble {
+namespace {
+
+TEST(SlaveSettings, NominalWithoutAFile) {
+    const SlaveSettings s = read_slave_settings(ConfigFile::empty());
+    EXPECT_EQ(s.tissue.mass_kg, 1);
+    EXPECT_EQ(s.tissue.stiffness_N_per_m, 2);
+    EXPECT_EQ(s.tissue.damping_Ns_per_m, 5);
+    EXPECT_EQ(s.tissue.drag_Ns_per_m, 0.7);
+    EXPECT_EQ(s.tissue.puncture_force_N, 0.1);
+    EXPECT_EQ(s.tissue.rest_position_m, 0.020);
+    EXPECT_EQ(s.fixture.stiffness_N_per_m, 3000);
+    EXPECT_EQ(s.fixture.position_m, 0.123);
+    EXPECT_EQ(s.contact_hold, Duration{std::chrono::seconds(5)});
+}
+
+TEST(SlaveSettings, EveryKeyIsRead) {
+    const ConfigFile file = ConfigFile::parse(R"(
+[tissue]
+mass_kg = 2.0
+stiffness_N_per_m = 3.0
+damping_Ns_per_m = 4.0
+drag_Ns_per_m = 0.5
+puncture_force_N = 0.25
+rest_position_m = 0.03
+[fixture]
+stiffness_N_per_m = 1000.0
+position_m = 0.1
+[trial]
+contact_hold_s = 2.0
+[slave_sim]
+stale_after_s = 0.05
+longest_step_s = 0.2
+)",
+                                              "test");
+    const SlaveSettings s = read_slave_settings(file);
+    EXPECT_NO_THROW(file.finish());
+    EXPECT_EQ(s.tissue.mass_kg, 2);
+    EXPECT_EQ(s.tissue.stiffness_N_per_m, 3);
+    EXPECT_EQ(s.tissue.damping_Ns_per_m, 4);
+    EXPECT_EQ(s.tissue.drag_Ns_per_m, 0.5);
+    EXPECT_EQ(s.tissue.puncture_force_N, 0.25);
+    EXPECT_EQ(s.tissue.rest_position_m, 0.03);
+    EXPECT_EQ(s.fixture.stiffness_N_per_m, 1000);
+    EXPECT_EQ(s.fixture.position_m, 0.1);
+    EXPECT_EQ(s.contact_hold, Duration{std::chrono::seconds(2)});
+    EXPECT_EQ(s.stale_after, Duration{std::chrono::milliseconds(50)});
+    EXPECT_EQ(s.longest_step, Duration{std::chrono::milliseconds(200)});
+}
+
+TEST(SlaveSettings, RefusesWhatNoTissueIs) {
+    for (const char* text : {"[tissue]\nmass_kg = 0.0", "[tissue]\ndamping_Ns_per_m = -1.0",
+                             "[tissue]\npuncture_force_N = 0.0", "[fixture]\nstiffness_N_per_m = -1.0",
+                             "[trial]\ncontact_hold_s = 0.0", "[slave_sim]\nstale_after_s = -1.0"}) {
+        EXPECT_THROW(read_slave_settings(ConfigFile::parse(text, "test")), Error) << text;
+    }
+}
+
+}  // namespace
+}  // namespace thimble

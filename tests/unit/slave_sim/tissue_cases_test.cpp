@@ -1,0 +1,277 @@
+// One named problem for each way a hybrid stepper goes wrong.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slave_sim/tissue.hpp"
+
+namespace thimble {
+namespace {
+
+using enum TissuePhase;
+
+std::vector<TissuePhase> phases(const TissueEvents& events) {
+    std::vector<TissuePhase> list;
+    for (const TissueEvent& e : events) list.push_back(e.phase);
+    return list;
+}
+
+using Phases = std::vector<TissuePhase>;
+
+constexpr double kRest_m = 0.020;
+
+TEST(Tissue, ForceResistsWhatTheNeedleDoes) {
+    Tissue tissue{TissueParameters{}};
+    TissueEvents events;
+    tissue.reset(kRest_m - 0.001);
+    tissue.step(0.2, kRest_m + 0.001, events);  // 10 mm/s: f = 0.052 N at the end
+    EXPECT_EQ(phases(events), Phases{kContact});
+    EXPECT_NEAR(tissue.state().force_N, -(2 * 0.001 + 5 * 0.01), 1e-12);
+    EXPECT_NEAR(tissue.state().position_surface_m, kRest_m + 0.001, 1e-17);
+
+    tissue.reset(kRest_m + 0.05);
+    tissue.step(0.1, kRest_m + 0.06, events);
+    EXPECT_EQ(tissue.state().phase, kPenetrated);
+    EXPECT_LT(tissue.state().force_N, 0);  // deeper: pushed out
+    tissue.step(0.1, kRest_m + 0.05, events);
+    EXPECT_GT(tissue.state().force_N, 0);  // out: held back
+}
+
+TEST(Tissue, FastNeedleTouchesAndPiercesAtOnce) {
+    Tissue tissue{TissueParameters{}};
+    TissueEvents events;
+    tissue.reset(0);
+    tissue.step(0.5, 0.05, events);  // 0.1 m/s: f = 0.5 N on touch
+    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+    EXPECT_NEAR(events[0].offset_s, 0.2, 1e-15);
+    EXPECT_EQ(events[0].offset_s, events[1].offset_s);
+}
+
+TEST(Tissue, TouchRestsThenPressPiercesWhereTheLineSays) {
+    Tissue tissue{TissueParameters{}};
+    TissueEvents events;
+    tissue.reset(kRest_m);
+    tissue.step(10, kRest_m + 0.1, events);  // f = 2 x 0.01 t + 5 x 0.01 = 0.1 at t = 2.5 s
+    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+    EXPECT_EQ(events[0].offset_s, 0);
+    EXPECT_NEAR(events[1].offset_s, 2.5, 1e-14);
+}
+
+TEST(Tissue, NeedleAtRestOnTheSurfaceStaysFree) {
+    Tissue tissue{TissueParameters{}};
+    TissueEvents events;
+    tissue.reset(0.019);
+    tissue.step(0.001, kRest_m, events);  // arrives: touching is decided when it goes on
+    for (int i = 0; i < 1000; ++i) tissue.step(0.001, kRest_m, events);
+    EXPECT_LE(events.size(), 1u);
+    const TissuePhase phase = tissue.state().phase;
+    EXPECT_NE(phase, kPenetrated);
+    EXPECT_EQ(tissue.state().force_N, 0);
+    tissue.step(0.001, 0.019, events);
+    EXPECT_EQ(tissue.state().phase, kFree);
+}
+
+// With powers of two F_p is hit to the last bit: f > F_p pierces, f = F_p does not.
+TEST(Tissue, ForceOnTheThresholdIsNotAboveIt) {
+    const TissueParameters exact{1, 2, 4, 0.5, 0.125, 0};
+    Tissue tissue{exact};
+    TissueEvents events;
+    tissue.reset(0);
+    tissue.step(64, 0.03125, events);
+    tissue.step(64, 0.0625 - 0x1p-8, events);
+    ASSERT_EQ(phases(events), Phases{kContact});
+    // v = 2^-10 over 2 s: f ends at 2 x (2^-4 - 2^-9) + 4 x 2^-10 = 0.125.
+    tissue.step(2, 0.0625 - 0x1p-9, events);
+    EXPECT_EQ(tissue.state().force_N, -0.125);
+    EXPECT_EQ(phases(events), Phases{kContact});
+    tissue.step(2, 0.0625, events);  // the same speed onwards: above at once
+    EXPECT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+}
+
+TEST(Tissue, PullingLetsGoOfTheSurface) {
+    Tissue tissue{TissueParameters{}};
+    TissueEvents events;
+    tissue.reset(kRest_m);
+    tissue.step(4, kRest_m + 0.02, events);
+    events.clear();
+    tissue.step(0.1, kRest_m + 0.018, events);  // f = 0.036..0.04 - 0.1 < 0 at once
+    ASSERT_EQ(phases(events), Phases{kFree});
+    EXPECT_EQ(events[0].offset_s, 0);
+    EXPECT_EQ(tissue.state().force_N, 0);
+    EXPECT_GT(tissue.state().position_surface_m, kRest_m + 0.018);
+}
+
+// The release lies inside the step; the surface leaves with f just below zero and must not come straight
+// back.
+TEST(Tissue, ReleaseInsideAStepIsOneEvent) {
+    for (const double speed : {1e-5, 1e-4, 1e-3, 3e-3, 7e-3}) {
+        Tissue tissue{TissueParameters{}};
+        TissueEvents events;
+        tissue.reset(kRest_m);
+        tissue.step(4, kRest_m + 0.02, events);
+        events.clear();
+        const double end_m = 0.02 - 5 * 0.02;
+        tissue.step((0.02 - end_m) / speed, kRest_m + end_m, events);
+        ASSERT_EQ(phases(events), Phases{kFree}) << speed;
+        EXPECT_NEAR(events[0].offset_s, (0.02 - 2.5 * speed) / speed, 1e-9) << speed;  // 2 x = 5 v
+    }
+}
+
+TEST(Tissue, SurfaceComesBackToAWaitingNeedle) {
+    Tissue tissue{TissueParameters{}};
+    TissueEvents events;
+    tissue.reset(0.06);
+    tissue.step(1.0, 0.2, events);  // in the tissue, drags the surface a centimetre along
+    ASSERT_EQ(events.size(), 0u);
+    tissue.step(0.1, 0.025, events);  // out, faster than the surface follows
+    ASSERT_EQ(phases(events), Phases{kFree});
+    const TissueState left = tissue.state();
+    ASSERT_GT(left.position_surface_m, 0.025);
+    tissue.step(100, 0.025, events);  // waits
+    ASSERT_EQ(phases(events), (Phases{kFree, kContact}));
+    const SecondOrder law(1, 5, 2);
+    const Propagator p = law.propagator(events[1].offset_s);
+    const double x = left.position_surface_m - kRest_m;
+    const double v = left.velocity_surface_m_per_s;
+    EXPECT_NEAR(
+        x + p.position_per_velocity_s * v + p.position_per_acceleration_s2 * law.acceleration(0, x, v), 0.005,
+        1e-16);
+    EXPECT_NEAR(tissue.state().position_surface_m, 0.025, 1e-17);
+    EXPECT_NEAR(tissue.state().force_N, -2 * 0.005, 1e-15);
+}
+
+// Underdamped: the surface springs through its rest position to a needle that waits above it.
+TEST(Tissue, SeveralTransitionsInOneLongStep) {
+    const TissueParameters soft{1, 40, 0.5, 0.7, 1.0, 0};
+    Tissue tissue{soft};
+    TissueEvents events;
+    tissue.reset(-0.01);
+    tissue.step(0.02, 0.03, events);  // 2 m/s: f = 1 N on touch, pierces as soon as x > 0
+    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+    events.clear();
+    tissue.step(2, 0.03, events);  // held: the surface overtakes it, swings back and is caught, then let go
+    ASSERT_GE(events.size(), 2u);
+    EXPECT_EQ(events[0].phase, kFree);
+    EXPECT_EQ(events[1].phase, kContact);
+    EXPECT_LT(events[0].offset_s, events[1].offset_s);
+
+    // The same two seconds in pieces.
+    Tissue pieces{soft};
+    TissueEvents first;
+    pieces.reset(-0.01);
+    pieces.step(0.02, 0.03, first);
+    std::vector<double> times;
+    for (int i = 0; i < 2000; ++i) {
+        TissueEvents now;
+        pieces.step(0.001, 0.03, now);
+        for (const TissueEvent& e : now) times.push_back(i * 0.001 + e.offset_s);
+    }
+    ASSERT_EQ(times.size(), events.size());
+    for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], events[i].offset_s, 1e-9);
+    EXPECT_NEAR(pieces.state().position_surface_m, tissue.state().position_surface_m, 1e-12);
+}
+
+// All damping regimes give the same answer in one step and in many.
+TEST(Tissue, DampingRegimesAndExtremeMasses) {
+    const double critical = 2 * std::sqrt(2.0);
+    for (const double mass : {1e-9, 1e-3, 1.0, 1e6}) {
+        for (const double ratio : {0.0, 0.1, 1 - 1e-12, 1.0, 1 + 1e-12, 3.0}) {
+            const TissueParameters p{mass, 2, ratio * critical * std::sqrt(mass), 0.7, 0.1, kRest_m};
+            Tissue one{p};
+            Tissue many{p};
+            TissueEvents events;
+            one.reset(0.05);
+            many.reset(0.05);
+            one.step(0.5, 0.08, events);
+            for (int i = 1; i <= 64; ++i) many.step(0.5 / 64, 0.05 + 0.03 * i / 64, events);
+            EXPECT_EQ(events.size(), 0u) << mass << " " << ratio;
+            // A frequency of 4.5e4 rad/s (mass 1e-9) carries its rounding through 2e4 radians.
+            EXPECT_NEAR(one.state().position_surface_m, many.state().position_surface_m, 1e-12)
+                << mass << " " << ratio;
+            EXPECT_NEAR(one.state().velocity_surface_m_per_s, many.state().velocity_surface_m_per_s,
+                        1e-12 * (1 + std::sqrt(2 / mass)))
+                << mass << " " << ratio;
+        }
+    }
+}
+
+TEST(Tissue, NoTimeChangesNothing) {
+    Tissue tissue{TissueParameters{}};
+    TissueEvents events;
+    tissue.reset(0.05);
+    tissue.step(0.001, 0.051, events);
+    const TissueState before = tissue.state();
+    tissue.step(0, 0.051, events);
+    const TissueState after = tissue.state();
+    EXPECT_EQ(before.position_surface_m, after.position_surface_m);
+    EXPECT_EQ(before.velocity_surface_m_per_s, after.velocity_surface_m_per_s);
+    EXPECT_EQ(before.force_N, after.force_N);
+    EXPECT_EQ(before.phase, after.phase);
+}
+
+// An undamped surface swings at 1e6 rad/s beneath a needle that slowly comes nearer: they touch once in a
+// swing, and as the surface would have to be pulled there, it is let go at once.
+struct Swinging {
+    Tissue tissue{TissueParameters{1e-6, 1e6, 0, 0, 1e5, 0}};
+    TissueEvents events;
+
+    Swinging() {
+        tissue.reset(-2e-3);
+        tissue.step(1e-3, 1e-3, events);
+        tissue.step(1e-9, 0.5e-3, events);
+        tissue.step(1e-9, -0.3e-3, events);
+        events.clear();
+    }
+};
+
+TEST(Tissue, EverySwingOfALongStepIsFound) {
+    Swinging s;
+    s.tissue.step(1e-3, -0.2e-3, s.events);  // 159 swings
+    const auto transitions = static_cast<double>(s.events.size() + s.events.overflows());
+    EXPECT_NEAR(transitions, 2 * 159, 4);
+    EXPECT_EQ(s.tissue.unresolved_steps(), 0u);
+}
+
+TEST(Tissue, ChatterIsBoundedAndTheStepEnds) {
+    Swinging s;
+    s.tissue.step(1e4, -0.2e-3, s.events);  // 1.6e9 swings
+    EXPECT_EQ(s.events.size() + s.events.overflows(), 64u);
+    EXPECT_EQ(s.tissue.unresolved_steps(), 1u);
+    EXPECT_LE(std::abs(s.tissue.state().position_surface_m), 1.1e-3);
+}
+
+TEST(TissueEvents, FullBufferCountsWhatItDrops) {
+    TissueEvents events;
+    for (std::size_t i = 0; i < TissueEvents::kCapacity + 3; ++i) events.push({0.001, kContact});
+    EXPECT_EQ(events.size(), TissueEvents::kCapacity);
+    EXPECT_EQ(events.overflows(), 3u);
+    events.clear();
+    EXPECT_EQ(events.size(), 0u);
+    EXPECT_EQ(events.overflows(), 3u);
+}
+
+// A hand that moves the needle at 10 mm/s, read by an encoder of 0.03 mm at 1 kHz and pressed 4 mm deep.
+TissuePhase press(double filter_s) {
+    Tissue tissue{TissueParameters{}};
+    TissueEvents events;
+    double smooth_m = 0.018;
+    tissue.reset(smooth_m);
+    TissuePhase deepest = kFree;
+    for (int i = 1; i <= 600; ++i) {
+        const double read_m = 0.00003 * std::round((0.018 + 1e-5 * i) / 0.00003);
+        smooth_m +=
+            filter_s > 0 ? (read_m - smooth_m) * (1 - std::exp(-0.001 / filter_s)) : read_m - smooth_m;
+        tissue.step(0.001, smooth_m, events);
+        if (tissue.state().phase > deepest) deepest = tissue.state().phase;
+    }
+    return deepest;
+}
+
+TEST(Tissue, RawEncoderStepsPierceASmoothEstimateDoesNot) {
+    EXPECT_EQ(press(0), kPenetrated);
+    EXPECT_EQ(press(0.005), kContact);
+}
+
+}  // namespace
+}  // namespace thimble

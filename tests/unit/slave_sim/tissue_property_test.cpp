@@ -1,0 +1,226 @@
+// What must hold for any needle in any tissue.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "slave_sim/tissue.hpp"
+
+namespace thimble {
+namespace {
+
+double between(double low, double high) {
+    return low + (high - low) * 1e-6 * *rc::gen::resize(100, rc::gen::inRange(0, 1000001));
+}
+
+double decade(double low, double high) { return std::pow(10.0, between(low, high)); }
+
+TissueParameters random_tissue() {
+    TissueParameters p;
+    p.mass_kg = decade(-2, 1);
+    p.stiffness_N_per_m = decade(-1, 2);
+    p.damping_Ns_per_m = between(0, 1) < 0.1 ? 0 : decade(-1, 1);
+    p.drag_Ns_per_m = decade(-2, 0.5);
+    p.puncture_force_N = decade(-2, 0);
+    p.rest_position_m = between(-0.01, 0.03);
+    return p;
+}
+
+struct Step {
+    double duration_s;
+    double needle_m;
+};
+
+// Strokes, holds and jitter about the surface.
+std::vector<Step> random_needle(double rest_m) {
+    std::vector<Step> steps;
+    double needle_m = rest_m + between(-0.03, 0.03);
+    for (int i = 0; i < 40; ++i) {
+        const double kind = between(0, 1);
+        if (kind < 0.5) needle_m += between(-0.01, 0.01);
+        if (kind > 0.8) needle_m = rest_m + between(-0.03, 0.03);
+        steps.push_back({decade(-3.3, 0), needle_m});
+    }
+    return steps;
+}
+
+double contact_force_N(const TissueParameters& p, const TissueState& s) {
+    return p.stiffness_N_per_m * (s.position_surface_m - p.rest_position_m) +
+           p.damping_Ns_per_m * s.velocity_surface_m_per_s;
+}
+
+void expect_consistent(const TissueParameters& p, const TissueState& s, double needle_m) {
+    RC_ASSERT(std::isfinite(s.position_surface_m) && std::isfinite(s.velocity_surface_m_per_s));
+    RC_ASSERT(std::isfinite(s.force_N));
+    const double gap_m = needle_m - s.position_surface_m;
+    const double rounding_N = 1e-12 * (1 + std::abs(s.velocity_surface_m_per_s) * p.damping_Ns_per_m);
+    switch (s.phase) {
+        case TissuePhase::kFree:
+            RC_ASSERT(gap_m <= 1e-15);
+            RC_ASSERT(s.force_N == 0);
+            break;
+        case TissuePhase::kPenetrated:
+            RC_ASSERT(gap_m >= -1e-15);
+            break;
+        case TissuePhase::kContact:
+            RC_ASSERT(std::abs(gap_m) <= 1e-16);
+            RC_ASSERT(contact_force_N(p, s) >= -rounding_N);
+            RC_ASSERT(contact_force_N(p, s) <= p.puncture_force_N + rounding_N);
+            RC_ASSERT(std::abs(s.force_N + contact_force_N(p, s)) <= rounding_N);
+            break;
+    }
+}
+
+TEST(TissueProperty, PhaseAlwaysAgreesWithItsGuards) {
+    EXPECT_TRUE(rc::check("guards", [] {
+        const TissueParameters p = random_tissue();
+        Tissue tissue{p};
+        tissue.reset(p.rest_position_m - 0.01);
+        TissueEvents events;
+        std::size_t transitions = 0;
+        for (const Step& step : random_needle(p.rest_position_m)) {
+            TissuePhase phase = tissue.state().phase;
+            events.clear();
+            tissue.step(step.duration_s, step.needle_m, events);
+            expect_consistent(p, tissue.state(), step.needle_m);
+            double before_s = 0;
+            for (const TissueEvent& e : events) {
+                RC_ASSERT(e.phase != phase);
+                RC_ASSERT(e.offset_s >= before_s && e.offset_s <= step.duration_s * (1 + 1e-15));
+                // No way from penetrated to contact, nor from free to penetrated, without the phase between.
+                if (phase == TissuePhase::kPenetrated) RC_ASSERT(e.phase == TissuePhase::kFree);
+                if (phase == TissuePhase::kFree) RC_ASSERT(e.phase == TissuePhase::kContact);
+                before_s = e.offset_s;
+                phase = e.phase;
+            }
+            RC_ASSERT(events.overflows() > 0 || phase == tissue.state().phase);
+            transitions += events.size();
+        }
+        RC_ASSERT(tissue.unresolved_steps() == 0u);
+        RC_CLASSIFY(transitions > 0);
+    }));
+}
+
+TEST(TissueProperty, AStepSplitAlongItsLineIsTheSameStep) {
+    EXPECT_TRUE(rc::check("split", [] {
+        const TissueParameters p = random_tissue();
+        Tissue whole{p};
+        Tissue split{p};
+        double from_m = p.rest_position_m - 0.01;
+        whole.reset(from_m);
+        split.reset(from_m);
+        for (const Step& step : random_needle(p.rest_position_m)) {
+            TissueEvents at_once;
+            TissueEvents parts;
+            const double cut = between(0.01, 0.99);
+            const double first_s = cut * step.duration_s;
+            whole.step(step.duration_s, step.needle_m, at_once);
+            split.step(first_s, from_m + cut * (step.needle_m - from_m), parts);
+            const std::size_t before_cut = parts.size();
+            split.step(step.duration_s - first_s, step.needle_m, parts);
+            // A force within rounding of its limit may fall to either side: such a history is not compared.
+            if (parts.size() != at_once.size()) RC_DISCARD("decided by rounding");
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                const double offset_s = parts[i].offset_s + (i < before_cut ? 0 : first_s);
+                RC_ASSERT(std::abs(offset_s - at_once[i].offset_s) <= 1e-9);
+            }
+            const TissueState a = whole.state();
+            const TissueState b = split.state();
+            RC_ASSERT(a.phase == b.phase);
+            RC_ASSERT(std::abs(a.position_surface_m - b.position_surface_m) <= 1e-12);
+            RC_ASSERT(std::abs(a.velocity_surface_m_per_s - b.velocity_surface_m_per_s) <= 1e-10);
+            from_m = step.needle_m;
+        }
+    }));
+}
+
+// Energy of the surface, and the work the operator does on it. In contact the model moves the surface's mass
+// for nothing (the force on the operator has no inertial part), so only the spring counts there.
+double stored_J(const TissueParameters& p, const TissueState& s) {
+    const double x = s.position_surface_m - p.rest_position_m;
+    const double v = s.phase == TissuePhase::kContact ? 0 : s.velocity_surface_m_per_s;
+    return 0.5 * (p.stiffness_N_per_m * x * x + p.mass_kg * v * v);
+}
+
+TEST(TissueProperty, NoPhaseCreatesEnergy) {
+    EXPECT_TRUE(rc::check("passivity within a phase", [] {
+        const TissueParameters p = random_tissue();
+        Tissue tissue{p};
+        double from_m = p.rest_position_m - 0.01;
+        tissue.reset(from_m);
+        std::size_t compared = 0;
+        for (const Step& step : random_needle(p.rest_position_m)) {
+            TissueEvents events;
+            const TissueState before = tissue.state();
+            tissue.step(step.duration_s, step.needle_m, events);
+            const TissueState after = tissue.state();
+            const double moved_m = step.needle_m - from_m;
+            const double v = moved_m / step.duration_s;
+            from_m = step.needle_m;
+            if (events.size() > 0) continue;
+            // Exact integrals of -force dz: a line in contact, drag against the relative path when
+            // penetrated.
+            double work_J = 0;
+            if (after.phase == TissuePhase::kContact) {
+                const double first_N = p.stiffness_N_per_m * (before.position_surface_m - p.rest_position_m) +
+                                       p.damping_Ns_per_m * v;
+                work_J = 0.5 * (first_N - after.force_N) * moved_m;
+            } else if (after.phase == TissuePhase::kPenetrated) {
+                work_J =
+                    p.drag_Ns_per_m * v * (moved_m - (after.position_surface_m - before.position_surface_m));
+            }
+            const double stored_J_before = stored_J(p, before);
+            const double stored_J_after = stored_J(p, after);
+            RC_ASSERT(stored_J_after - stored_J_before <=
+                      work_J + 1e-13 * (std::abs(work_J) + stored_J_before + stored_J_after) + 1e-20);
+            ++compared;
+        }
+        RC_CLASSIFY(compared > 10);
+    }));
+}
+
+// Slow cycles from rest to rest: what the operator puts in comes back at most once.
+TEST(TissueProperty, AClosedCycleCostsTheOperatorWork) {
+    EXPECT_TRUE(rc::check("closed cycle", [] {
+        TissueParameters p = random_tissue();
+        p.damping_Ns_per_m += 0.1;
+        Tissue tissue{p};
+        const double start_m = p.rest_position_m - 0.005;
+        const double depth_m = between(0.001, 0.03);
+        const double stroke_s = decade(-0.5, 1);
+        tissue.reset(start_m);
+        TissueEvents events;
+        double work_J = 0;
+        double given_J = 0;  // kinetic energy that contact gives the surface for nothing when it ends
+        constexpr int kSteps = 2000;
+        double needle_m = start_m;
+        for (int i = 1; i <= 2 * kSteps; ++i) {
+            const double part = i <= kSteps ? i : 2 * kSteps - i;
+            const double to_m = start_m + (depth_m + 0.005) * part / kSteps;
+            const double v = (to_m - needle_m) / (stroke_s / kSteps);
+            const TissueState before = tissue.state();
+            events.clear();
+            tissue.step(stroke_s / kSteps, to_m, events);
+            const TissueState after = tissue.state();
+            if (events.size() > 0)
+                given_J += 0.5 * p.mass_kg * v * v + p.puncture_force_N * std::abs(to_m - needle_m);
+            if (events.size() == 0) {
+                // Trapezoid, exact in contact; with this step its error when penetrated is far below the
+                // drag's loss.
+                double first_N = before.force_N;
+                if (after.phase == TissuePhase::kContact)
+                    first_N = -(p.stiffness_N_per_m * (before.position_surface_m - p.rest_position_m) +
+                                p.damping_Ns_per_m * v);
+                if (after.phase == TissuePhase::kPenetrated)
+                    first_N = -p.drag_Ns_per_m * (v - before.velocity_surface_m_per_s);
+                work_J -= 0.5 * (first_N + after.force_N) * (to_m - needle_m);
+            }
+            needle_m = to_m;
+        }
+        RC_ASSERT(work_J + given_J >= -1e-9);
+    }));
+}
+
+}  // namespace
+}  // namespace thimble

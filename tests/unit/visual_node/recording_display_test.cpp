@@ -1,0 +1,74 @@
+#include "visual_node/recording_display.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/netem/allocation_count.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr SessionTime at(Duration duration) { return SessionTime{duration}; }
+
+Scene scene(double bar_N) {
+    Scene drawn;
+    drawn.bar_N = bar_N;
+    return drawn;
+}
+
+TEST(RecordingDisplay, ShowsAfterThePipeline) {
+    RecordingDisplay display(milliseconds{25});
+    EXPECT_EQ(display.next_shown(), kNever);
+    display.draw(at(milliseconds{10}), scene(1));
+    EXPECT_EQ(display.next_shown(), at(milliseconds{35}));
+    EXPECT_FALSE(display.shown(at(milliseconds{35} - Duration{1})).has_value());
+    const auto shown = display.shown(at(milliseconds{36}));
+    ASSERT_TRUE(shown.has_value());
+    EXPECT_EQ(shown->shown_at, at(milliseconds{35}));
+    EXPECT_EQ(shown->scene.bar_N, 1);
+    EXPECT_FALSE(display.shown(at(milliseconds{36})).has_value());
+    EXPECT_EQ(display.next_shown(), kNever);
+}
+
+TEST(RecordingDisplay, ShowsEachFrameOnceOldestFirst) {
+    RecordingDisplay display(milliseconds{25});
+    for (int i = 0; i < 5; ++i) display.draw(at(milliseconds{i}), scene(i));
+    for (int i = 0; i < 5; ++i) {
+        const auto shown = display.shown(at(milliseconds{100}));
+        ASSERT_TRUE(shown.has_value());
+        EXPECT_EQ(shown->scene.bar_N, i);
+        EXPECT_EQ(shown->shown_at, at(milliseconds{25 + i}));
+    }
+    EXPECT_EQ(display.shown_total(), 5U);
+}
+
+TEST(RecordingDisplay, RemembersTheLastFramesWithoutAllocating) {
+    RecordingDisplay display({}, 8);
+    const std::uint64_t before = test::allocations;
+    for (int i = 0; i < 100; ++i) {
+        display.draw(at(milliseconds{i}), scene(i));
+        display.shown(at(milliseconds{i}));
+    }
+    EXPECT_EQ(test::allocations, before);
+    EXPECT_EQ(display.shown_total(), 100U);
+    ASSERT_EQ(display.remembered(), 8U);
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(display.recent(i).scene.bar_N, 99 - static_cast<int>(i));
+    // A frame on its way takes the place of the oldest.
+    display.draw(at(milliseconds{100}), scene(100));
+    EXPECT_EQ(display.remembered(), 7U);
+    EXPECT_EQ(display.recent(0).scene.bar_N, 99);
+}
+
+TEST(RecordingDisplay, DropsWhatItCannotHold) {
+    RecordingDisplay display(milliseconds{25}, 2);
+    for (int i = 0; i < 3; ++i) display.draw(at(milliseconds{i}), scene(i));
+    EXPECT_EQ(display.dropped_total(), 1U);
+    EXPECT_EQ(display.remembered(), 0U);
+    EXPECT_EQ(display.shown(at(milliseconds{50}))->scene.bar_N, 0);
+    EXPECT_EQ(display.shown(at(milliseconds{50}))->scene.bar_N, 1);
+    EXPECT_FALSE(display.shown(at(milliseconds{50})).has_value());
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,267 @@
+#include "visual_node/visual_node.hpp"
+
+#include <cmath>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "visual_node/recording_display.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr SessionTime at(Duration duration) { return SessionTime{duration}; }
+
+SessionControl trial(Modality modality, std::uint64_t seed = 1) {
+    SessionControl control;
+    control.study_seed = seed;
+    control.experiment = 2;
+    control.subject = 3;
+    control.modality = modality;
+    return control;
+}
+
+ForceFeedback feedback(double needle_m, double surface_m, double total_N = 0,
+                       TissuePhase phase = TissuePhase::kFree) {
+    ForceFeedback message;
+    message.position_needle_m = needle_m;
+    message.position_surface_m = surface_m;
+    message.force_total_N = total_N;
+    message.phase = phase;
+    return message;
+}
+
+// The scene drawn when the only feedback of a trial is `message`.
+Scene scene_of(const ForceFeedback& message, Modality modality) {
+    VisualNode node{VisualSettings{}};
+    node.start_trial(at({}), trial(modality), 1);
+    const SessionTime now = node.next_frame();
+    node.on_feedback(now, message);
+    return node.frame(now).value();
+}
+
+ForceFeedback arbitrary_feedback() {
+    const auto metres = [] { return 1e-4 * *rc::gen::inRange(-2000, 2000); };
+    ForceFeedback message = feedback(metres(), metres(), 0.01 * *rc::gen::inRange(-3000, 1000),
+                                     static_cast<TissuePhase>(*rc::gen::inRange(0, 3)));
+    message.position_proxy_m = metres();
+    message.velocity_surface_m_per_s = metres();
+    message.force_tissue_N = 0.01 * *rc::gen::inRange(-100, 100);
+    message.force_fixture_N = 0.01 * *rc::gen::inRange(-3000, 0);
+    message.contact_time_s = 0.01 * *rc::gen::inRange(0, 500);
+    message.fixture_present = *rc::gen::arbitrary<bool>();
+    return message;
+}
+
+Modality arbitrary_modality() { return static_cast<Modality>(*rc::gen::inRange(0, 4)); }
+
+bool same(const Scene& a, const Scene& b) {
+    return a.position_needle_m == b.position_needle_m && a.position_surface_m == b.position_surface_m &&
+           a.bar_N == b.bar_N && a.bar_full_scale_N == b.bar_full_scale_N && a.touching == b.touching &&
+           a.sample_time == b.sample_time;
+}
+
+TEST(VisualNode, TheInsertedPartIsNeverVisible) {
+    EXPECT_TRUE(rc::check("needle never beyond the surface, and how deep it is makes no difference", [] {
+        const Modality modality = arbitrary_modality();
+        ForceFeedback message = arbitrary_feedback();
+        const Scene scene = scene_of(message, modality);
+        RC_ASSERT(scene.position_needle_m <= scene.position_surface_m);
+        RC_ASSERT(scene.position_surface_m == message.position_surface_m);
+        if (message.position_needle_m < message.position_surface_m) {
+            RC_ASSERT(scene.position_needle_m == message.position_needle_m);
+            return;
+        }
+        message.position_needle_m = message.position_surface_m + 1e-4 * *rc::gen::inRange(0, 2000);
+        RC_ASSERT(same(scene_of(message, modality), scene));
+    }));
+}
+
+TEST(VisualNode, TheFixtureIsNeverVisible) {
+    EXPECT_TRUE(rc::check("nothing of the fixture changes the scene", [] {
+        const Modality modality = arbitrary_modality();
+        const ForceFeedback message = arbitrary_feedback();
+        ForceFeedback other = arbitrary_feedback();
+        other.position_needle_m = message.position_needle_m;
+        other.position_surface_m = message.position_surface_m;
+        other.phase = message.phase;
+        // The bar of VF shows the total force, that is its purpose; in other modalities not even that is
+        // seen.
+        if (modality == Modality::kVF) other.force_total_N = message.force_total_N;
+        RC_ASSERT(same(scene_of(message, modality), scene_of(other, modality)));
+    }));
+}
+
+TEST(VisualNode, OnlyVisualFeedbackHasABar) {
+    const ForceFeedback pushing = feedback(0.15, 0.1, -6, TissuePhase::kPenetrated);
+    EXPECT_EQ(scene_of(pushing, Modality::kVF).bar_N, 6);
+    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF}) {
+        EXPECT_EQ(scene_of(pushing, modality).bar_N, 0);
+    }
+}
+
+TEST(VisualNode, BarHasWholePixelsAndAnEnd) {
+    EXPECT_TRUE(rc::check("bar is the resisting force, clipped, rounded down to a pixel", [] {
+        const ForceFeedback message = arbitrary_feedback();
+        const double bar_N = scene_of(message, Modality::kVF).bar_N;
+        const double force_N = std::fmin(std::fmax(-message.force_total_N, 0), 12);
+        const double pixels = bar_N * 400 / 12;
+        RC_ASSERT(std::fabs(pixels - std::round(pixels)) < 1e-9);
+        RC_ASSERT(bar_N <= force_N + 1e-12);
+        RC_ASSERT(bar_N > force_N - 12.0 / 400 - 1e-12);
+    }));
+    EXPECT_EQ(scene_of(feedback(0, 1, -100), Modality::kVF).bar_N, 12);
+    EXPECT_EQ(scene_of(feedback(0, 1, 5), Modality::kVF).bar_N, 0) << "pulling out shows no bar";
+    EXPECT_EQ(scene_of(feedback(0, 1, -0.029), Modality::kVF).bar_N, 0);
+    EXPECT_DOUBLE_EQ(scene_of(feedback(0, 1, -0.031), Modality::kVF).bar_N, 0.03);
+}
+
+TEST(VisualNode, BarDropsWhenFeedbackStops) {
+    VisualNode node{VisualSettings{}};
+    node.start_trial(at({}), trial(Modality::kVF), 1);
+    node.on_feedback(at(milliseconds{20}), feedback(0.05, 0.1, -6));
+    for (int frames = 0; frames < 20; ++frames) {
+        const SessionTime now = node.next_frame();
+        const auto scene = node.frame(now);
+        if (now < at(milliseconds{20})) continue;
+        ASSERT_TRUE(scene.has_value());
+        EXPECT_EQ(scene->bar_N, now < at(milliseconds{120}) ? 6 : 0);
+        EXPECT_EQ(scene->position_needle_m, 0.05) << "the needle stays where it was last seen";
+        EXPECT_EQ(scene->sample_time, at(milliseconds{20}));
+    }
+}
+
+TEST(VisualNode, TouchingIsSeen) {
+    EXPECT_FALSE(scene_of(feedback(0.09, 0.1), Modality::kHF).touching);
+    EXPECT_TRUE(scene_of(feedback(0.1, 0.1), Modality::kHF).touching);
+    EXPECT_TRUE(scene_of(feedback(0.11, 0.11, 0, TissuePhase::kContact), Modality::kHF).touching);
+    EXPECT_TRUE(scene_of(feedback(0.099, 0.1, 0, TissuePhase::kPenetrated), Modality::kHF).touching);
+}
+
+TEST(VisualNode, ShowsTheNewestFeedback) {
+    VisualNode node{VisualSettings{}};
+    node.start_trial(at({}), trial(Modality::kHF), 1);
+    EXPECT_FALSE(node.frame(node.next_frame()).has_value()) << "nothing to show yet";
+    const SessionTime now = node.next_frame();
+    node.on_feedback(now - milliseconds{2}, feedback(0.01, 0.1));
+    node.on_feedback(now - milliseconds{1}, feedback(0.02, 0.1));
+    const Scene scene = node.frame(now).value();
+    EXPECT_EQ(scene.position_needle_m, 0.02);
+    EXPECT_EQ(scene.sample_time, now - milliseconds{1});
+}
+
+TEST(VisualNode, FramesComeAtSixtyHertzWithoutDrift) {
+    VisualNode node{VisualSettings{}};
+    node.start_trial(at(seconds{5}), trial(Modality::kHF), 1);
+    node.on_feedback(at(seconds{5}), feedback(0, 0.1));
+    const SessionTime first = node.next_frame();
+    EXPECT_GE(first, at(seconds{5}));
+    EXPECT_LT(first, at(seconds{5}) + Duration{16'666'668});
+    EXPECT_FALSE(node.frame(first - Duration{1}).has_value());
+    for (int k = 0; k < 6000; ++k) {
+        const SessionTime now = node.next_frame();
+        ASSERT_LE(std::abs((now - first).count() - k * 1'000'000'000LL / 60), 1) << k;
+        ASSERT_TRUE(node.frame(now).has_value());
+        ASSERT_FALSE(node.frame(now).has_value());
+    }
+    EXPECT_EQ(node.next_frame(), first + seconds{100});
+}
+
+TEST(VisualNode, ALateFrameKeepsThePhase) {
+    VisualNode node{VisualSettings{}};
+    node.start_trial(at({}), trial(Modality::kHF), 1);
+    const SessionTime first = node.next_frame();
+    node.frame(first + milliseconds{990});
+    EXPECT_EQ(node.next_frame(), first + seconds{1});
+}
+
+TEST(VisualNode, PhaseIsDrawnPerTrialAndRepeats) {
+    const auto phase = [](std::uint64_t seed, std::uint32_t number, Modality modality, SessionTime start) {
+        VisualNode node{VisualSettings{}};
+        node.start_trial(start, trial(modality, seed), number);
+        return (node.next_frame() - start).count();
+    };
+    std::set<std::int64_t> phases;
+    double sum_s = 0;
+    for (std::uint32_t number = 1; number <= 400; ++number) {
+        const std::int64_t drawn = phase(1, number, Modality::kVF, at({}));
+        EXPECT_EQ(phase(1, number, Modality::kHF, at(seconds{9})), drawn);
+        EXPECT_NE(phase(2, number, Modality::kVF, at({})), drawn);
+        phases.insert(drawn);
+        sum_s += static_cast<double>(drawn) * 1e-9;
+    }
+    EXPECT_EQ(phases.size(), 400U);
+    // Uniform over the period: four standard errors.
+    EXPECT_NEAR(sum_s / 400, 0.5 / 60, 4 / 60.0 / std::sqrt(12.0 * 400));
+}
+
+TEST(VisualNode, EndsWithOneFrameWithoutABar) {
+    VisualNode node{VisualSettings{}};
+    EXPECT_EQ(node.next_frame(), kNever);
+    node.start_trial(at({}), trial(Modality::kVF), 1);
+    node.on_feedback(at({}), feedback(0.05, 0.1, -6));
+    node.end_trial(at(milliseconds{1}));
+    node.on_feedback(at(milliseconds{1}), feedback(0.2, 0.3, -6));
+    const auto last = node.frame(node.next_frame());
+    ASSERT_TRUE(last.has_value());
+    EXPECT_EQ(last->bar_N, 0);
+    EXPECT_EQ(last->position_needle_m, 0.05);
+    EXPECT_EQ(node.next_frame(), kNever);
+}
+
+TEST(VisualNode, PerceptIsWhatTheScreenShowed) {
+    const VisualSettings settings;
+    VisualNode node(settings);
+    RecordingDisplay display(settings.pipeline);
+    node.start_trial(at({}), trial(Modality::kVF), 1);
+    node.frame(node.next_frame());  // the first may come too early for a sample that is 3 ms old
+    const SessionTime drawn = node.next_frame();
+    node.on_feedback(drawn - milliseconds{3}, feedback(0.2, 0.11, -3, TissuePhase::kPenetrated));
+    display.draw(drawn, node.frame(drawn).value());
+    EXPECT_EQ(display.next_shown(), drawn + milliseconds{25});
+    const Percept percept = node.to_percept(display.shown(display.next_shown()).value()).value();
+    EXPECT_EQ(percept.position_needle_shown_m, 0.11);
+    EXPECT_EQ(percept.position_surface_shown_m, 0.11);
+    EXPECT_EQ(percept.bar_N, 3);
+    EXPECT_TRUE(percept.touching_shown);
+    EXPECT_DOUBLE_EQ(percept.sample_age_s, 0.028);
+    EXPECT_FALSE(percept.beep);
+    EXPECT_EQ(percept.finger, Finger::kNone);
+}
+
+TEST(VisualNode, BeepIsHeardAtOnceAndStays) {
+    VisualNode node{VisualSettings{}};
+    node.start_trial(at({}), trial(Modality::kVF), 1);
+    Scene scene;
+    scene.bar_N = 4;
+    scene.sample_time = at(milliseconds{30});
+    EXPECT_FALSE(node.to_percept({scene, at(milliseconds{60})})->beep);
+    const Percept heard = node.beep(at(milliseconds{70}));
+    EXPECT_TRUE(heard.beep);
+    EXPECT_EQ(heard.bar_N, 4) << "what was seen last is still on the screen";
+    EXPECT_DOUBLE_EQ(heard.sample_age_s, 0.040);
+    EXPECT_TRUE(node.to_percept({scene, at(milliseconds{80})})->beep);
+    node.start_trial(at(milliseconds{100}), trial(Modality::kVF), 2);
+    scene.sample_time = at(milliseconds{110});
+    EXPECT_FALSE(node.to_percept({scene, at(milliseconds{140})})->beep);
+}
+
+TEST(VisualNode, NothingOfAnEarlierTrialIsSeen) {
+    VisualNode node{VisualSettings{}};
+    RecordingDisplay display(milliseconds{25});
+    node.start_trial(at({}), trial(Modality::kVF), 1);
+    node.on_feedback(at({}), feedback(0.2, 0.1, -9, TissuePhase::kPenetrated));
+    const SessionTime drawn = node.next_frame();
+    display.draw(drawn, node.frame(drawn).value());
+    node.start_trial(drawn + milliseconds{1}, trial(Modality::kVF), 2);
+    EXPECT_FALSE(node.to_percept(display.shown(drawn + milliseconds{25}).value()).has_value());
+    EXPECT_FALSE(node.frame(node.next_frame()).has_value());
+    EXPECT_FALSE(node.beep(drawn + milliseconds{30}).touching_shown);
+}
+
+}  // namespace
+}  // namespace thimble

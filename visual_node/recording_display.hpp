@@ -1,0 +1,40 @@
+// A screen without glass: each frame becomes visible a fixed time after it was drawn (graphics card, cable,
+// panel) and is remembered for whoever wants to check what was shown.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "visual_node/display.hpp"
+
+namespace thimble {
+
+class RecordingDisplay final : public Display {
+  public:
+    // Remembers at most `capacity` frames, those on their way included.
+    explicit RecordingDisplay(Duration pipeline, std::size_t capacity = 256);
+
+    // With `capacity` frames on their way already, the new one is dropped and counted.
+    void draw(SessionTime now, const Scene& scene) override;
+    std::optional<ShownScene> shown(SessionTime now) override;
+    SessionTime next_shown() const override;
+
+    std::uint64_t shown_total() const { return shown_; }
+    std::uint64_t dropped_total() const { return dropped_; }
+    // How many shown frames are still remembered.
+    std::size_t remembered() const;
+    // The i-th newest of them, 0 the newest.
+    const ShownScene& recent(std::size_t i) const;
+
+  private:
+    ShownScene& at(std::uint64_t frame) { return ring_[frame % ring_.size()]; }
+    const ShownScene& at(std::uint64_t frame) const { return ring_[frame % ring_.size()]; }
+
+    Duration pipeline_;
+    std::vector<ShownScene> ring_;
+    std::uint64_t drawn_ = 0;  // frames [shown_, drawn_) are on their way, those before are history
+    std::uint64_t shown_ = 0;
+    std::uint64_t dropped_ = 0;
+};
+
+}  // namespace thimble

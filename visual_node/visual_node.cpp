@@ -1,0 +1,91 @@
+#include "visual_node/visual_node.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "common/random.hpp"
+
+namespace thimble {
+
+VisualNode::VisualNode(const VisualSettings& settings) : settings_(settings) {
+    assert(settings.refresh_Hz > 0 && settings.bar_full_scale_N > 0 && settings.bar_resolution > 0);
+}
+
+void VisualNode::start_trial(SessionTime now, const SessionControl& control, std::uint32_t trial) {
+    RandomStream phase({control.study_seed, control.experiment, control.subject, trial, Purpose::kFrames});
+    first_frame_ = now + from_seconds(phase.uniform() / settings_.refresh_Hz);
+    next_frame_ = first_frame_;
+    frames_ = 0;
+    trial_start_ = now;
+    newest_ = {};
+    seen_ = {};
+    seen_sample_time_ = now;
+    modality_ = control.modality;
+    running_ = true;
+}
+
+void VisualNode::end_trial(SessionTime) { running_ = false; }
+
+void VisualNode::on_feedback(SessionTime now, const ForceFeedback& feedback) {
+    if (!running_) return;
+    newest_.position_needle_m = feedback.position_needle_m;
+    newest_.position_surface_m = feedback.position_surface_m;
+    // Written so that a NaN is no force.
+    newest_.force_resisting_N = feedback.force_total_N < 0 ? -feedback.force_total_N : 0.0;
+    newest_.touching =
+        feedback.phase != TissuePhase::kFree || feedback.position_needle_m >= feedback.position_surface_m;
+    newest_.arrived = now;
+}
+
+std::optional<Scene> VisualNode::frame(SessionTime now) {
+    if (now < next_frame_) return std::nullopt;
+    schedule_after(now);
+    if (newest_.arrived == kNever) return std::nullopt;
+    Scene scene;
+    scene.position_surface_m = newest_.position_surface_m;
+    scene.position_needle_m = std::min(newest_.position_needle_m, newest_.position_surface_m);
+    scene.bar_N = bar_N(now);
+    scene.bar_full_scale_N = settings_.bar_full_scale_N;
+    scene.touching = newest_.touching;
+    scene.sample_time = newest_.arrived;
+    return scene;
+}
+
+// Counted from the first frame: 1/60 s is no whole number of nanoseconds, and the error must not add up.
+void VisualNode::schedule_after(SessionTime now) {
+    if (!running_) {
+        next_frame_ = kNever;
+        return;
+    }
+    do {
+        ++frames_;
+        next_frame_ = first_frame_ + from_seconds(static_cast<double>(frames_) / settings_.refresh_Hz);
+    } while (next_frame_ <= now);
+}
+
+double VisualNode::bar_N(SessionTime now) const {
+    if (modality_ != Modality::kVF || !running_ || now - newest_.arrived >= settings_.stale_after) return 0;
+    const double full_N = settings_.bar_full_scale_N;
+    const double pixels = static_cast<double>(settings_.bar_resolution);
+    return std::floor(std::min(newest_.force_resisting_N, full_N) / full_N * pixels) * full_N / pixels;
+}
+
+std::optional<Percept> VisualNode::to_percept(const ShownScene& shown) {
+    if (shown.scene.sample_time < trial_start_) return std::nullopt;
+    seen_.position_needle_shown_m = shown.scene.position_needle_m;
+    seen_.position_surface_shown_m = shown.scene.position_surface_m;
+    seen_.bar_N = shown.scene.bar_N;
+    seen_.touching_shown = shown.scene.touching;
+    seen_sample_time_ = shown.scene.sample_time;
+    seen_.sample_age_s = to_seconds(shown.shown_at - seen_sample_time_);
+    return seen_;
+}
+
+Percept VisualNode::beep(SessionTime now) {
+    seen_.beep = true;
+    seen_.sample_age_s = to_seconds(now - seen_sample_time_);
+    return seen_;
+}
+
+}  // namespace thimble

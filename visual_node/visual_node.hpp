@@ -1,0 +1,61 @@
+// What the operator may see: the needle outside the tissue, the surface, in VF a bar for the resisting force.
+// Never the inserted part of the needle, never the fixture. And the beep.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/messages.hpp"
+#include "common/time.hpp"
+#include "visual_node/display.hpp"
+#include "visual_node/visual_settings.hpp"
+
+namespace thimble {
+
+class VisualNode {
+  public:
+    explicit VisualNode(const VisualSettings& settings);
+
+    // `trial` is the number in the header of `control`. Frames come at the refresh rate, with a phase that
+    // study, experiment, subject and trial determine.
+    void start_trial(SessionTime now, const SessionControl& control, std::uint32_t trial);
+    // One more frame will come, with an empty bar.
+    void end_trial(SessionTime now);
+    // Feedback of this trial, in order (the caller's sequence tracking sees to both).
+    void on_feedback(SessionTime now, const ForceFeedback& feedback);
+
+    // The next frame to draw; nothing before next_frame() and before the first feedback of a trial.
+    std::optional<Scene> frame(SessionTime now);
+    // kNever unless a trial runs (or its last frame is due).
+    SessionTime next_frame() const { return next_frame_; }
+
+    // What the eyes get when `shown` has become visible; nothing if it was drawn in an earlier trial.
+    std::optional<Percept> to_percept(const ShownScene& shown);
+    // Sound takes no time: the latest percept once more, and from now to the end of the trial with the beep.
+    Percept beep(SessionTime now);
+
+  private:
+    struct Sample {
+        double position_needle_m = 0;
+        double position_surface_m = 0;
+        double force_resisting_N = 0;  // >= 0
+        bool touching = false;
+        SessionTime arrived = kNever;  // kNever: none in this trial
+    };
+
+    void schedule_after(SessionTime now);
+    double bar_N(SessionTime now) const;
+
+    VisualSettings settings_;
+    SessionTime trial_start_{};
+    SessionTime first_frame_{};
+    SessionTime next_frame_ = kNever;
+    std::int64_t frames_ = 0;  // periods from first_frame_ to next_frame_
+    Sample newest_;
+    Percept seen_;
+    SessionTime seen_sample_time_{};
+    Modality modality_ = Modality::kHF;
+    bool running_ = false;
+};
+
+}  // namespace thimble

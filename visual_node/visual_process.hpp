@@ -1,0 +1,44 @@
+// visual_node: force feedback in (through netem), frames to the display, percepts out when a frame has become
+// visible, the beep at once.
+#pragma once
+
+#include "common/node_process.hpp"
+#include "visual_node/display.hpp"
+#include "visual_node/visual_node.hpp"
+
+namespace thimble {
+
+class VisualProcess final : public NodeProcess {
+  public:
+    struct Channels {
+        Channel* control;
+        Channel* force_in;     // from slave_sim, through netem
+        Channel* beep_in;      // from slave_sim, direct
+        Channel* percept_out;  // to the virtual operator: light and sound, not network
+    };
+
+    // `display` outlives the process.
+    VisualProcess(std::uint64_t instance, const VisualSettings& settings, const Channels& channels,
+                  Display& display);
+
+  protected:
+    void begin_trial(SessionTime now, const SessionControl& control) override;
+    void end_trial(SessionTime now) override { node_.end_trial(now); }
+    void work(SessionTime now) override;
+    SessionTime next_work() const override { return std::min(node_.next_frame(), display_->next_shown()); }
+    bool peer_lost(SessionTime now) const override { return force_flow_.silent_for(now, kPeerTimeout); }
+    void add_counters(FlowCounters& sum) const override;
+
+  private:
+    void take_beep(SessionTime now);
+
+    Channels channels_;
+    VisualNode node_;
+    Display* display_;
+    InboundFlow force_flow_{Role::kSlaveSim};
+    InboundFlow beep_flow_{Role::kSlaveSim};
+    OutboundFlow percept_flow_;
+    std::uint32_t beeped_trial_ = 0;
+};
+
+}  // namespace thimble
