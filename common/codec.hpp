@@ -2,11 +2,9 @@
 // number in it must be finite and in range before anything else sees it. docs/protocol.md lists the ranges.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
-
-#include <flatbuffers/flatbuffers.h>
 
 #include "common/channel.hpp"
 #include "common/messages.hpp"
@@ -40,12 +38,19 @@ struct Decoded {
 };
 
 Decoded decode(Bytes datagram);
+// The same without moving the message afterwards. Refusal::kCount: `message` is good; else it is unspecified.
+Refusal decode_into(Bytes datagram, Message& message);
 
-// Reuses one buffer: encode() allocates nothing after the first call. The bytes are valid until the next
-// call.
+// Every body is one struct, so all messages of a kind have the same layout: the buffer of each kind is built
+// once and its structs are overwritten in place. The bytes are valid until the next call with the same kind
+// of body.
 class Encoder {
   public:
     Encoder();
+    ~Encoder();
+    Encoder(Encoder&&) noexcept;
+    Encoder& operator=(Encoder&&) noexcept;
+
     Bytes encode(const Header& header, const NeedleCommand& body);
     Bytes encode(const Header& header, const ForceFeedback& body);
     Bytes encode(const Header& header, const Percept& body);
@@ -54,10 +59,8 @@ class Encoder {
     Bytes encode(const Message& message);
 
   private:
-    template <class WireStruct>
-    Bytes finish(const Header& header, flatbuffers::voffset_t field, const WireStruct& body);
-
-    flatbuffers::FlatBufferBuilder builder_;
+    struct Templates;
+    std::unique_ptr<Templates> templates_;
 };
 
 }  // namespace thimble

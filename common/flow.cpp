@@ -21,15 +21,13 @@ void FlowCounters::add(const FlowCounters& other) {
 }
 
 const Message* InboundFlow::admit(SessionTime now, Bytes datagram) {
-    decoded_ = decode(datagram);
-    if (decoded_.message) {
-        decoded_.refusal = judge(now, decoded_.message->header);
-        if (decoded_.refusal == Refusal::kCount) {
-            remember(now, decoded_.message->header);
-            return &*decoded_.message;
-        }
+    Refusal refusal = decode_into(datagram, message_);
+    if (refusal == Refusal::kCount) refusal = judge(now, message_.header);
+    if (refusal == Refusal::kCount) {
+        remember(now, message_.header);
+        return &message_;
     }
-    ++counters_.refused[static_cast<std::size_t>(decoded_.refusal)];
+    ++counters_.refused[static_cast<std::size_t>(refusal)];
     return nullptr;
 }
 

@@ -74,7 +74,7 @@ class InboundFlow {
     SessionTime stamp_{};
     SessionTime heard_{};
     SessionTime last_accepted_{};
-    Decoded decoded_;
+    Message message_;
     FlowCounters counters_;
 };
 

@@ -16,8 +16,7 @@ constexpr std::array kDelayColours{kSkyBlue, kVermilion, kGreen, kPurple, kBlue}
 // Width that the bars of one modality share; the rest of 1 is the gap to the next.
 constexpr double kGroup = 0.76;
 
-// A block per delay, a line per modality: place on the axis, then mean and SD of each metric as shown. Of
-// each bar the lower whisker ends at zero.
+// A block per delay, a line per modality: place on the axis, then mean and SD of each metric as shown.
 std::string bar_data(const std::vector<ConditionSummary>& conditions, const std::vector<double>& delays_s) {
     std::string data = "# x, then for each metric: mean, sd\n";
     const double width = kGroup / static_cast<double>(delays_s.size());
@@ -30,8 +29,8 @@ std::string bar_data(const std::vector<ConditionSummary>& conditions, const std:
             for (const Metric metric : kShown) {
                 const Statistic statistic =
                     condition == conditions.end() ? Statistic{} : condition->of(metric);
-                write_cell(data, statistic.mean * info(metric).shown_per_SI);
-                write_cell(data, statistic.sd * info(metric).shown_per_SI);
+                write_cell(data, statistic.mean * info(metric).shown_per_si);
+                write_cell(data, statistic.sd * info(metric).shown_per_si);
             }
             data.back() = '\n';
         }
@@ -45,14 +44,15 @@ std::string bar_panel(const std::string& name, std::size_t panel, const std::vec
     std::string script = fmt::format("set ylabel '{}'\nplot ", info(kShown[panel]).label);
     for (std::size_t block = 0; block < delays_s.size(); ++block) {
         script += fmt::format(
-            "'{}.tsv' index {} using 1:{} with boxes fillstyle solid 0.85 noborder linecolor '{}' title "
-            "'{}', \\\n     ",
+            "'{}.tsv' index {} using 1:{} with boxes fillstyle solid 0.85 noborder linecolor '{}' "
+            "title '{} delay', \\\n     ",
             name, block, mean, kDelayColours[block % kDelayColours.size()], delay_text(delays_s[block]));
     }
+    // Whiskers as arrows with flat heads: error bars come with a point, which leaves a white hole in the bar.
     for (std::size_t block = 0; block < delays_s.size(); ++block) {
         script += fmt::format(
-            "'{}.tsv' index {} using 1:{}:{} with yerrorbars pointtype 0 linewidth 1.2 linecolor '#222222' "
-            "notitle{}\n",
+            "'{0}.tsv' index {1} using 1:(${2}-${3}):(0):(2*${3}) with vectors heads size graph 0.01,90 "
+            "linewidth 1.2 linecolor '#222222' notitle{4}\n",
             name, block, mean, mean + 1, block + 1 < delays_s.size() ? ", \\" : "");
     }
     return script;
@@ -61,7 +61,7 @@ std::string bar_panel(const std::string& name, std::size_t panel, const std::vec
 std::string bar_script(const std::string& name, const std::vector<double>& delays_s) {
     std::string script = gnuplot_preamble(name, 1000, 380);
     script += fmt::format(R"(set boxwidth {:.4f} absolute
-set xrange [-0.6:3.6]; set yrange [0:*]; set xtics scale 0 (
+set xrange [-0.6:3.6]; set yrange [0:*]; set offsets 0, 0, graph 0.06, 0; set xtics scale 0 (
 )",
                           kGroup / static_cast<double>(delays_s.size()) * 0.92);
     script.pop_back();
@@ -69,9 +69,8 @@ set xrange [-0.6:3.6]; set yrange [0:*]; set xtics scale 0 (
         script += fmt::format("{}'{}' {}", i > 0 ? ", " : "", to_string(kModalities[i]), i);
     }
     script += R"()
-set bars 0.7
 set xlabel 'modality'
-set key at screen 0.5, screen 0.985 center top horizontal samplen 1.2 width 2 title 'one-way delay:  ' left
+set key at screen 0.53, screen 0.975 center top horizontal samplen 1.2 width 2
 set tmargin at screen 0.87; set bmargin at screen 0.16
 set multiplot
 set lmargin at screen 0.075; set rmargin at screen 0.485
@@ -91,7 +90,8 @@ std::string bar_caption(const std::vector<ConditionSummary>& conditions) {
         trials_high = std::max(trials_high, condition.judged);
     }
     return fmt::format(
-        "Maximum penetration beyond the fixture between first contact and beep, and time from tissue entry "
+        "By one-way delay: maximum penetration beyond the fixture between first contact and beep, and time "
+        "from tissue entry "
         "to the "
         "beep: mean and standard deviation over n = {} subjects, whose trials are averaged first ({} trials "
         "per "

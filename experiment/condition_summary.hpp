@@ -29,7 +29,7 @@ inline constexpr std::size_t kMetrics = 8;
 struct MetricInfo {
     std::string_view name;   // as in trials.csv, SI
     std::string_view label;  // for people, with the unit shown
-    double shown_per_SI;     // 1000 if millimetres are shown
+    double shown_per_si;     // 1000 if millimetres are shown
     int decimals;
     double (*value)(const TrialMetrics&);  // SI
 };
@@ -76,6 +76,7 @@ auto find_condition(Items&& items, Modality modality, double delay_s) {
 template <class Items>
 std::vector<double> delays_of(const Items& items) {
     std::vector<double> delays_s;
+    delays_s.reserve(items.size());
     for (const auto& item : items) delays_s.push_back(item.delay_s);
     std::sort(delays_s.begin(), delays_s.end());
     delays_s.erase(std::unique(delays_s.begin(), delays_s.end(), same_delay), delays_s.end());

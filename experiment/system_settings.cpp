@@ -43,6 +43,23 @@ SessionSettings read_session(const ConfigFile& file) {
     return s;
 }
 
+// The virtual operator knows the instruments it works with; a file that describes two different ones is a
+// mistake.
+void check_agreement(const ConfigFile& file, const SystemSettings& s) {
+    const auto check = [&](double operator_value, double node_value, const char* key, const char* node_key) {
+        if (operator_value == node_value) return;
+        file.table("operator")
+            .fail(key, fmt::format("is {}, but {} is {}; they must be equal", operator_value, node_key,
+                                   node_value));
+    };
+    check(s.person.behaviour.position_scale, s.master.position_scale, "position_scale",
+          "master.position_scale");
+    check(s.person.perception.full_scale_cutaneous_N, s.cutaneous.force_limit_N, "full_scale_cutaneous_N",
+          "cutaneous.force_limit_N");
+    check(s.person.perception.full_scale_bar_N, s.visual.bar_full_scale_N, "full_scale_bar_N",
+          "visual.bar_full_scale_N");
+}
+
 }  // namespace
 
 Modality parse_modality(const std::string& text) {
@@ -71,6 +88,7 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     s.session = read_session(file);
     s.session.contact_hold = s.slave.contact_hold;
     s.plan = read_plan(file.table("session"));
+    check_agreement(file, s);
     file.finish();
     return s;
 }

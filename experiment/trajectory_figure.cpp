@@ -77,18 +77,38 @@ void write_curves(Text out, const std::string& name, std::size_t index, const Me
 shown(value, trials) = trials >= {least} ? value : NaN
 plot @data:(shown($4-$5,$7)):(shown($4+$5,$7)) with filledcurves fillcolor '{surface}' fillstyle transparent solid 0.25 noborder notitle, \
      @data:(shown($2-$3,$7)):(shown($2+$3,$7)) with filledcurves fillcolor '{needle}' fillstyle transparent solid 0.25 noborder notitle, \
-     @data:6 with lines linewidth 0.8 linecolor '{example}' title 'needle, one trial', \
-     @data:(shown($2,$7)) with lines linewidth 2 linecolor '{needle}' title 'needle, mean ± SD', \
-     @data:(shown($4,$7)) with lines linewidth 2 linecolor '{surface}' title 'tissue surface, mean ± SD', \
-     100 with lines dashtype (6,4) linewidth 1 linecolor 'black' title 'virtual fixture'
+     @data:6 with lines linewidth 0.8 linecolor '{example}' notitle, \
+     @data:(shown($2,$7)) with lines linewidth 2 linecolor '{needle}' notitle, \
+     @data:(shown($4,$7)) with lines linewidth 2 linecolor '{surface}' notitle, \
+     100 with lines dashtype (6,4) linewidth 1 linecolor 'black' notitle
 )",
                    fmt::arg("name", name), fmt::arg("index", index), fmt::arg("least", least_trials(curve)),
                    fmt::arg("needle", kBlue), fmt::arg("surface", kVermilion), fmt::arg("example", kGrey));
 }
 
+// An empty plot as wide as the figure: a key that belongs to a panel would be stacked to fit that panel.
+void write_legend(Text out, double left, double right, double bottom) {
+    fmt::format_to(out, R"(unset border; unset tics
+set lmargin at screen {left}; set rmargin at screen {right}; set bmargin at screen {bottom:.4f}; set tmargin at screen 0.99
+set key center center horizontal samplen 2.5 textcolor '#222222'
+plot NaN with lines linewidth 2 linecolor '{needle}' title 'needle, mean ± SD', \
+     NaN with lines linewidth 2 linecolor '{surface}' title 'tissue surface, mean ± SD', \
+     NaN with lines linewidth 0.8 linecolor '{example}' title 'needle, one trial', \
+     NaN with lines dashtype (6,4) linewidth 1 linecolor 'black' title 'virtual fixture'
+unset key
+set border 3 linecolor '#444444'
+set xtics 25 nomirror out scale 0.6 textcolor '#222222'; set ytics 25 nomirror out scale 0.6 textcolor '#222222'
+set for [x in "0 100"] arrow from x, graph 0 to x, graph 1 nohead dashtype (2,3) linecolor '#666666' back
+set label 1 ' entry' at 0, graph 0.96 left font ',11' textcolor '#444444'
+set label 2 'beep ' at 100, graph 0.96 right font ',11' textcolor '#444444'
+)",
+                   fmt::arg("left", left), fmt::arg("right", right), fmt::arg("bottom", bottom),
+                   fmt::arg("needle", kBlue), fmt::arg("surface", kVermilion), fmt::arg("example", kGrey));
+}
+
 struct Layout {
-    static constexpr double kLeft = 0.065, kRight = 0.99, kGap = 0.018;
-    static constexpr int kHead_px = 76, kRow_px = 270, kFoot_px = 62, kBetween_px = 24;
+    static constexpr double kLeft = 0.075, kRight = 0.99, kGap = 0.018;
+    static constexpr int kLegend_px = 52, kHead_px = 84, kRow_px = 285, kFoot_px = 40, kBetween_px = 48;
     std::size_t rows;
 
     int height_px() const { return kHead_px + static_cast<int>(rows) * kRow_px + kFoot_px; }
@@ -107,7 +127,7 @@ struct Layout {
 void write_axes(Text out, bool left, bool bottom, const std::string& delay) {
     fmt::format_to(out, "set format y '{}'; set format x '{}'\n", left ? "%g" : "", bottom ? "%g" : "");
     if (left) {
-        fmt::format_to(out, "set ylabel \"{{/:Bold {}}}\\ndepth (% of fixture depth)\" offset 0.5\n", delay);
+        fmt::format_to(out, "set ylabel \"{{/:Bold {}}}\\ndepth (% of fixture)\" offset -0.3\n", delay);
     } else {
         fmt::format_to(out, "unset ylabel\n");
     }
@@ -121,14 +141,12 @@ std::string trajectory_script(const std::vector<TrajectoryPanel>& panels, const 
     std::string script = gnuplot_preamble(name, 1160, layout.height_px());
     const Text out(script);
     fmt::format_to(out, R"(set macros
-set xrange [{}:{}]; set xtics 25
-set yrange [{}:{}]; set ytics 25
-set key at screen 0.5275, screen {:.4f} center top horizontal maxrows 1 samplen 2.5 textcolor '#222222'
-set for [x in "0 100"] arrow from x, graph 0 to x, graph 1 nohead dashtype (2,3) linecolor '#666666' back
+set xrange [{}:{}]
+set yrange [{}:{}]
 set multiplot
 )",
-                   kCurveBegin_percent, kCurveEnd_percent, range.low_percent, range.high_percent,
-                   1 - 8.0 / layout.height_px());
+                   kCurveBegin_percent, kCurveEnd_percent, range.low_percent, range.high_percent);
+    write_legend(out, Layout::kLeft, Layout::kRight, 1 - 1.0 * Layout::kLegend_px / layout.height_px());
     for (std::size_t row = 0; row < delays_s.size(); ++row) {
         for (std::size_t column = 0; column < kModalities.size(); ++column) {
             const auto panel = find_condition(panels, kModalities[column], delays_s[row]);
@@ -137,11 +155,7 @@ set multiplot
             write_axes(out, column == 0, row + 1 == delays_s.size(), delay_text(delays_s[row]));
             fmt::format_to(out, "set title '{{/:Bold {}}}  n = {}' offset 0,-0.6\n",
                            to_string(panel->modality), panel->mean.curve().trials());
-            fmt::format_to(out,
-                           "set label 1 ' entry' at 0, graph 0.96 left font ',11' textcolor '#444444'\n"
-                           "set label 2 'beep ' at 100, graph 0.96 right font ',11' textcolor '#444444'\n");
             write_curves(out, name, static_cast<std::size_t>(panel - panels.begin()), panel->mean.curve());
-            fmt::format_to(out, "unset key\n");  // one for all panels
         }
     }
     fmt::format_to(out, "unset multiplot\n");

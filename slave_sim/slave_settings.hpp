@@ -20,7 +20,7 @@ struct SlaveSettings {
     Duration longest_step = std::chrono::milliseconds(100);
 };
 
-// Tables [tissue], [fixture], [trial] and [slave_sim]; see deploy/ for an example. Throws Error (usage).
+// Tables [tissue], [fixture], [trial] and [slave_sim]. Throws Error (usage).
 SlaveSettings read_slave_settings(const ConfigFile& file);
 
 }  // namespace thimble

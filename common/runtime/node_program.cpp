@@ -35,7 +35,10 @@ nlohmann::ordered_json quantiles(const Histogram& h) {
             {"count", h.count()}};
 }
 
-nlohmann::ordered_json refusals(const FlowCounters& counters) {
+// What the sockets refused before anybody could decode it stands in the same list.
+nlohmann::ordered_json refusals(FlowCounters counters, const UdpCounters& udp) {
+    counters.refused[static_cast<std::size_t>(Refusal::kForeignSource)] += udp.foreign_source;
+    counters.refused[static_cast<std::size_t>(Refusal::kTooLong)] += udp.too_long;
     nlohmann::ordered_json names = nlohmann::ordered_json::object();
     for (std::size_t i = 0; i < counters.refused.size(); ++i) {
         names[to_string(static_cast<Refusal>(i))] = counters.refused[i];
@@ -50,7 +53,7 @@ nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& 
     report["program"] = program.name;
     report["version"] = kVersion;
     report["accepted"] = counters.accepted;
-    report["refused"] = refusals(counters);
+    report["refused"] = refusals(counters, udp);
     report["udp"] = {{"sent", udp.sent},
                      {"received", udp.received},
                      {"send_failed", udp.send_failed},

@@ -97,6 +97,9 @@ TEST(Crossing, AGapOnTheGuardFiresOnlyIfItRises) {
     EXPECT_EQ(first_rise(gap, 1), kNoCrossing);  // falls
     gap.velocity_needle_m_per_s = 0.1;
     EXPECT_EQ(first_rise(gap, 1), 0);  // rises
+    gap.gap_m = 1e-18;                 // a rounding error late
+    EXPECT_EQ(first_rise(gap, 1), 0);
+    gap.gap_m = 0;
     gap.side = -1;
     EXPECT_EQ(first_rise(gap, 1), kNoCrossing);
     gap.velocity_needle_m_per_s = 0;

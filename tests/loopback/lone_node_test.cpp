@@ -1,0 +1,164 @@
+// What a node does to its peers when they fall silent: no force, and the trial given up. The peers are the
+// test.
+#include "tests/loopback/lone_node.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace thimble {
+namespace {
+
+constexpr std::uint64_t kPeerInstance = 7;
+
+ForceFeedback pushing(double force_N) {
+    ForceFeedback feedback;
+    feedback.force_total_N = feedback.force_fixture_N = -force_N;
+    feedback.position_needle_m = 0.036;
+    feedback.position_surface_m = 0.02;
+    return feedback;
+}
+
+// slave_sim as its listeners know it, a sample per call.
+class PlayedSlave {
+  public:
+    PlayedSlave(LoneNode& node, Port to) : flow_(Role::kSlaveSim, kPeerInstance, {node.peers().outlet(to)}) {}
+    void push(SessionTime now) { flow_.send(now, kPlayedTrial, pushing(1.0)); }
+
+  private:
+    OutboundFlow flow_;
+};
+
+// Keeps the newest of what the node says.
+template <class Body>
+class Ear {
+  public:
+    Ear(LoneNode& node, Port at, Role node_role)
+        : channel_(node.peers().inlet(at, node_role)), flow_(node_role) {}
+    const Body& listen(SessionTime now) {
+        flow_.drain<Body>(now, *channel_, true, kPlayedTrial, [this](const Header&, const Body& body) {
+            newest = body;
+            ++heard;
+        });
+        return newest;
+    }
+    Body newest;
+    int heard = 0;
+
+  private:
+    Channel* channel_;
+    InboundFlow flow_;
+};
+
+void expect_given_up(PlayedSession& session) {
+    EXPECT_TRUE(session.play([](SessionTime) {}, [&] { return session.state() == NodeState::kFailed; }));
+    EXPECT_EQ(session.reason(), EndReason::kPeerLost);
+}
+
+TEST(LoneMaster, TakesTheForceOffTheHandleWhenFeedbackStops) {
+    LoneNode node("thimble-master", "[master]\nstale_after_s = 0.02\n");
+    ASSERT_TRUE(node.ready()) << node.words();
+    PlayedSession session(node, Role::kMaster, Modality::kHF);
+    PlayedSlave slave(node, Port::kMasterForce);
+    Ear<NeedleCommand> needle(node, Port::kNetemNeedle, Role::kMaster);
+    const auto feeling = [&](double force_N) {
+        return [&needle, force_N] { return needle.heard > 0 && needle.newest.force_hand_N == force_N; };
+    };
+    ASSERT_TRUE(session.play(
+        [&](SessionTime now) {
+            slave.push(now);
+            needle.listen(now);
+        },
+        feeling(1.0)));
+    EXPECT_TRUE(session.play([&](SessionTime now) { needle.listen(now); }, feeling(0.0)));
+    expect_given_up(session);
+    EXPECT_EQ(node.terminate(), 0);
+}
+
+TEST(LoneSlave, HoldsTheNeedleWithoutForceWhenCommandsStop) {
+    LoneNode node("thimble-slave-sim");
+    ASSERT_TRUE(node.ready()) << node.words();
+    PlayedSession session(node, Role::kSlaveSim, Modality::kHF);
+    OutboundFlow master(Role::kMaster, kPeerInstance, {node.peers().outlet(Port::kSlaveNeedle)});
+    Ear<ForceFeedback> force(node, Port::kNetemForceMaster, Role::kSlaveSim);
+    NeedleCommand command;
+    command.position_needle_m = command.position_needle_estimate_m = 0.036;  // 1 mm beyond the fixture
+    ASSERT_TRUE(session.play(
+        [&](SessionTime now) {
+            master.send(now, kPlayedTrial, command);
+            force.listen(now);
+        },
+        [&] { return force.newest.force_fixture_N < -2; }));
+    EXPECT_FALSE(force.newest.needle_held);
+    EXPECT_TRUE(
+        session.play([&](SessionTime now) { force.listen(now); }, [&] { return force.newest.needle_held; }));
+    EXPECT_EQ(force.newest.position_needle_m, command.position_needle_m);
+    EXPECT_EQ(force.newest.force_total_N, 0);
+    EXPECT_EQ(force.newest.force_fixture_N, 0);
+    EXPECT_EQ(force.newest.force_tissue_N, 0);
+    EXPECT_EQ(force.newest.contact_time_s, 0);
+    expect_given_up(session);
+    EXPECT_EQ(node.terminate(), 0);
+}
+
+TEST(LoneCutaneous, ReleasesTheFingerWhenFeedbackStops) {
+    LoneNode node("thimble-cutaneous", "[cutaneous]\nstale_after_s = 0.02\n");
+    ASSERT_TRUE(node.ready()) << node.words();
+    PlayedSession session(node, Role::kCutaneous, Modality::kCF);
+    PlayedSlave slave(node, Port::kCutaneousForce);
+    Ear<Percept> skin(node, Port::kMasterPerceptCutaneous, Role::kCutaneous);
+    ASSERT_TRUE(session.play(
+        [&](SessionTime now) {
+            slave.push(now);
+            skin.listen(now);
+        },
+        [&] { return skin.newest.force_N == 1.0; }));
+    EXPECT_EQ(skin.newest.finger, Finger::kIndex);
+    EXPECT_TRUE(
+        session.play([&](SessionTime now) { skin.listen(now); }, [&] { return skin.newest.force_N == 0; }));
+    EXPECT_EQ(node.terminate(), 0);
+}
+
+TEST(LoneVisual, DropsTheBarWhenFeedbackStops) {
+    LoneNode node("thimble-visual", "[visual]\nstale_after_s = 0.02\n");
+    ASSERT_TRUE(node.ready()) << node.words();
+    PlayedSession session(node, Role::kVisual, Modality::kVF);
+    PlayedSlave slave(node, Port::kVisualForce);
+    Ear<Percept> eyes(node, Port::kMasterPerceptVisual, Role::kVisual);
+    ASSERT_TRUE(session.play(
+        [&](SessionTime now) {
+            slave.push(now);
+            eyes.listen(now);
+        },
+        [&] { return eyes.newest.bar_N > 0.9; }));
+    EXPECT_LE(eyes.newest.bar_N, 1.0);
+    EXPECT_TRUE(
+        session.play([&](SessionTime now) { eyes.listen(now); }, [&] { return eyes.newest.bar_N == 0; }));
+    expect_given_up(session);
+    EXPECT_EQ(node.terminate(), 0);
+}
+
+// A session that dies takes nobody's hand with it: each node notices on its own.
+TEST(LoneNetem, GivesUpWithoutASession) {
+    LoneNode node("thimble-netem");
+    ASSERT_TRUE(node.ready()) << node.words();
+    Channel* control = node.peers().between(Port::kSessionNetem, Port::kNetemControl);
+    OutboundFlow orders(Role::kSession, kPeerInstance, {control});
+    InboundFlow answers(Role::kNetem);
+    const auto reaches = [&](NodeState state) {
+        return wait_until([&] {
+            while (const Message* message = answers.receive(SessionTime{}, *control)) {
+                const auto* heartbeat = std::get_if<Heartbeat>(&message->body);
+                if (heartbeat != nullptr && heartbeat->state == state) return true;
+            }
+            return false;
+        });
+    };
+    ASSERT_TRUE(reaches(NodeState::kIdle));
+    orders.send(SessionTime{}, kPlayedTrial, SessionControl{});  // start, then nothing more
+    EXPECT_TRUE(reaches(NodeState::kRunning));
+    EXPECT_TRUE(reaches(NodeState::kFailed));
+    EXPECT_EQ(node.terminate(), 0);
+}
+
+}  // namespace
+}  // namespace thimble

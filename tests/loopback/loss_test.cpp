@@ -1,0 +1,71 @@
+// A node that dies or freezes in mid-trial: the others end the trial, what was recorded is kept, the culprit
+// is named.
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+struct Victim {
+    const char* program;
+    Role role;
+};
+
+SessionFile endless_session() {
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    return session;
+}
+
+void expect_lost(RealRun& run, const Victim& victim) {
+    const std::string outcome = outcome_text(EndReason::kPeerLost, victim.role);
+    EXPECT_EQ(outcome, std::string("peer_lost_") + to_string(victim.role));
+    EXPECT_EQ(run.first_trial_end(), "# ended: " + outcome);
+    EXPECT_EQ(run.end(), 3) << run.words();
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(outcome_text(rows.front().reason, rows.front().lost_peer), outcome);
+    EXPECT_FALSE(read_trajectory(run.trajectory_path(rows.front().conditions)).samples.empty());
+    EXPECT_TRUE(std::filesystem::exists(run.out() / "report.html"));
+    EXPECT_THAT(nodes_alive(run.base_port()), testing::IsEmpty());
+}
+
+class KilledNode : public testing::TestWithParam<Victim> {};
+
+TEST_P(KilledNode, EndsTheTrialWithItsNameOnRecord) {
+    RealRun run(endless_session());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    kill(run.node(GetParam().program), SIGKILL);
+    expect_lost(run, GetParam());
+    EXPECT_THAT(run.words(), testing::HasSubstr(std::string(GetParam().program) + " ended with code 137"));
+    for (const char* program : kNodePrograms) {
+        EXPECT_EQ(run.report(program).is_null(), program == std::string(GetParam().program)) << program;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, KilledNode,
+                         testing::Values(Victim{"thimble-netem", Role::kNetem},
+                                         Victim{"thimble-slave-sim", Role::kSlaveSim},
+                                         Victim{"thimble-cutaneous", Role::kCutaneous},
+                                         Victim{"thimble-visual", Role::kVisual},
+                                         Victim{"thimble-master", Role::kMaster}),
+                         [](const auto& info) { return std::string(to_string(info.param.role)); });
+
+// Without netem the others hear nothing of each other and all complain; the silent one is the culprit.
+TEST(FrozenNode, IsFoundByItsSilence) {
+    RealRun run(endless_session());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    const pid_t netem = run.node("thimble-netem");
+    kill(netem, SIGSTOP);
+    EXPECT_EQ(run.first_trial_end(), "# ended: peer_lost_netem");
+    kill(netem, SIGCONT);  // or the launcher waits for it in vain, some seconds long
+    expect_lost(run, {"thimble-netem", Role::kNetem});
+    EXPECT_THAT(run.words(), testing::HasSubstr("lost contact with netem"));
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,44 @@
+// `thimble run` under test: a session file and ports of its own, everything it writes, and its nodes'
+// processes.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "experiment/trajectory_file.hpp"
+#include "experiment/trial_table.hpp"
+#include "tests/loopback/programs.hpp"
+
+namespace thimble {
+
+class RealRun {
+  public:
+    explicit RealRun(const SessionFile& session, const std::vector<std::string>& more_arguments = {},
+                     const std::filesystem::path& programs = built_programs());
+
+    // Waits until a trial runs: its first samples are on the disk. False if the run ended before.
+    bool reaches_trial();
+    // Waits for one of its nodes; throws std::runtime_error if it does not appear.
+    pid_t node(const std::string& program) const;
+    // Waits until the file of the first trial has its last line, which is returned.
+    std::string first_trial_end();
+    // Waits for the end of the run: the exit code, -1 if it does not come.
+    int end();
+
+    Child& launcher() { return child_; }
+    std::uint16_t base_port() const { return ports_.base(); }
+    std::filesystem::path out() const { return folder_ / "out"; }
+    std::string words() const { return read_text(folder_ / "words"); }
+    std::vector<TrialRow> rows() const { return read_trial_table(out() / "trials.csv"); }
+    std::filesystem::path trajectory_path(const TrialConditions& trial) const;
+    // What the node wrote at its end; null if it wrote nothing.
+    nlohmann::json report(const std::string& program, int delay_ms = 0) const;
+
+  private:
+    std::string first_trajectory() const;
+
+    Folder folder_;
+    PortBlock ports_;
+    Child child_;
+};
+
+}  // namespace thimble

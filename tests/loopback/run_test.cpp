@@ -1,0 +1,123 @@
+// Whole runs with all five nodes, as `thimble run` makes them.
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr double kDelay_s = 0.05;
+
+const TrialRow& row_of(const std::vector<TrialRow>& rows, Modality modality, double delay_s) {
+    return *std::find_if(rows.begin(), rows.end(), [&](const TrialRow& row) {
+        return row.conditions.modality == modality && row.conditions.delay_s == delay_s;
+    });
+}
+
+void expect_on_disk(const RealRun& run, const TrialRow& row) {
+    EXPECT_EQ(row.reason, EndReason::kCompleted);
+    EXPECT_TRUE(row.metrics.beeped);
+    EXPECT_EQ(row.conditions.fixture_position_m, 0.035);
+    const Trajectory trajectory = read_trajectory(run.trajectory_path(row.conditions));
+    EXPECT_EQ(trajectory.reason, EndReason::kCompleted);
+    // Half a second of contact at 1 kHz, of which a stalling machine may skip some.
+    EXPECT_GT(trajectory.samples.size(), 200U);
+}
+
+void expect_report(const nlohmann::json& report, const std::string& program) {
+    ASSERT_FALSE(report.is_null()) << program;
+    EXPECT_EQ(report.at("program"), program);
+    EXPECT_GT(report.at("accepted"), 0) << program;
+    EXPECT_GT(report.at("deadlines"), 0) << program;
+    for (const char* harmful :
+         {"malformed", "not_finite", "out_of_range", "second_sender", "unexpected_kind"}) {
+        EXPECT_EQ(report.at("refused").at(harmful), 0) << program << ' ' << harmful;
+    }
+}
+
+TEST(WholeRun, AllModalitiesWithAndWithoutDelay) {
+    SessionFile session;
+    session.modalities = R"(["HF", "CF", "CCF", "VF"])";
+    session.delays_s = "[0.0, 0.05]";
+    session.lanes = 2;
+    RealRun run(session);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    const auto rows = run.rows();
+    std::set<std::tuple<Modality, double>> conditions;
+    for (const TrialRow& row : rows) {
+        conditions.insert({row.conditions.modality, row.conditions.delay_s});
+        expect_on_disk(run, row);
+        EXPECT_GE(row.delay_achieved_s, row.conditions.delay_s);  // a network may be late, never early
+        EXPECT_GE(row.round_trip_s, row.delay_achieved_s);
+    }
+    EXPECT_EQ(rows.size(), 8U);
+    EXPECT_EQ(conditions.size(), 8U);
+    for (const char* program : kNodePrograms) {
+        for (const int delay_ms : {0, 50}) expect_report(run.report(program, delay_ms), program);
+    }
+    EXPECT_THAT(read_text(run.out() / "report.html"), testing::HasSubstr("</html>"));
+    EXPECT_THAT(nodes_alive(run.base_port()), testing::IsEmpty());
+    // Late force lets the needle go deeper before the operator stops, whoever brings it.
+    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF}) {
+        EXPECT_GT(row_of(rows, modality, kDelay_s).metrics.penetration_max_m,
+                  row_of(rows, modality, 0).metrics.penetration_max_m)
+            << to_string(modality);
+    }
+}
+
+// The same trials, once over UDP and once in virtual time.
+TEST(WholeRun, AgreesWithVirtualTimeWithoutDelay) {
+    SessionFile session;
+    session.modalities = R"(["HF", "VF"])";
+    session.contact_hold_s = 1.0;  // half of it is watched for oscillation
+    RealRun run(session);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    const auto rows = run.rows();
+    const auto virtual_rows = read_trial_table(run.out() / "virtual.csv");
+    ASSERT_EQ(rows.size(), 2U);
+    ASSERT_EQ(virtual_rows.size(), 2U);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const TrialRow &real = rows[i], &other = virtual_rows[i];
+        EXPECT_EQ(real.conditions.modality, other.conditions.modality);
+        EXPECT_EQ(real.reason, other.reason);
+        EXPECT_EQ(real.metrics.oscillates, other.metrics.oscillates);
+        EXPECT_FALSE(std::isnan(real.metrics.oscillation_rms_m));
+        const double factor = real.metrics.penetration_max_m / other.metrics.penetration_max_m;
+        EXPECT_GT(factor, 1 / 3.0);
+        EXPECT_LT(factor, 3.0);
+    }
+    EXPECT_FALSE(rows[0].metrics.oscillates) << "HF without delay must settle";
+    EXPECT_LT(rows[0].metrics.penetration_max_m, rows[1].metrics.penetration_max_m);
+}
+
+TEST(WholeRun, JitterAndLossAreSurvivedAndCounted) {
+    SessionFile session;
+    session.modalities = R"(["CF"])";
+    session.delays_s = "[0.02]";
+    session.more =
+        "[netem.force]\ndelay_s = 0.02\njitter = \"uniform\"\njitter_spread_s = 0.01\nloss = 0.05\nin_order "
+        "= false";
+    RealRun run(session);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    expect_on_disk(run, rows.front());
+    const auto links = run.report("thimble-netem", 20).at("links");
+    ASSERT_EQ(links.size(), 4U);
+    EXPECT_EQ(links[0].at("lost"), 0);  // the needle's
+    for (std::size_t i = 1; i < links.size(); ++i) {
+        EXPECT_GT(links[i].at("lost"), 0) << i;
+        EXPECT_GT(links[i].at("delivered"), links[i].at("lost")) << i;
+    }
+    // Overtaken by a newer sample, so no longer wanted.
+    EXPECT_GT(run.report("thimble-master", 20).at("refused").at("outdated"), 0);
+}
+
+}  // namespace
+}  // namespace thimble

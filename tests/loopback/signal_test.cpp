@@ -1,0 +1,98 @@
+// Ctrl-C, SIGTERM, a killed launcher, missed deadlines.
+#include <csignal>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/loopback/lone_node.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// Longer than any deadline, shorter than the silence after which peers give up.
+constexpr Duration kFreeze = std::chrono::milliseconds{50};
+
+void freeze(pid_t pid, Duration duration) {
+    kill(pid, SIGSTOP);
+    std::this_thread::sleep_for(duration);
+    kill(pid, SIGCONT);
+}
+
+TEST(Signals, CtrlCKeepsWhatWasRecorded) {
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    RealRun run(session);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    run.launcher().signal(SIGINT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("interrupted"));
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().reason, EndReason::kInterrupted);
+    const Trajectory trajectory = read_trajectory(run.trajectory_path(rows.front().conditions));
+    EXPECT_EQ(trajectory.reason, EndReason::kInterrupted);
+    EXPECT_FALSE(trajectory.samples.empty());
+    for (const char* program : kNodePrograms) EXPECT_FALSE(run.report(program).is_null()) << program;
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+TEST(Signals, AKilledLauncherTakesItsNodesAlong) {
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    RealRun run(session);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    EXPECT_EQ(nodes_alive(run.base_port()).size(), kNodePrograms.size());
+    run.launcher().signal(SIGKILL);
+    EXPECT_EQ(run.end(), 128 + SIGKILL);
+    EXPECT_TRUE(wait_until([&] { return nodes_alive(run.base_port()).empty(); }));
+}
+
+TEST(Signals, TerminatedNodesLeaveInOrder) {
+    for (const char* program : kNodePrograms) {
+        LoneNode node(program);
+        ASSERT_TRUE(node.ready()) << node.words();
+        EXPECT_EQ(node.terminate(), 0) << node.words();
+        EXPECT_EQ(node.report().at("program"), program);
+    }
+}
+
+constexpr const char* kNoMissAllowed = "[runtime]\nallowed_miss_fraction = 0\n";
+
+TEST(StrictRealtime, AFrozenNodeEndsWith4) {
+    LoneNode node("thimble-netem", kNoMissAllowed, {"--strict-rt"});
+    ASSERT_TRUE(node.ready()) << node.words();
+    freeze(node.process().pid(), std::chrono::milliseconds{300});  // at least two heartbeats are due in it
+    EXPECT_EQ(node.terminate(), 4);
+    EXPECT_THAT(node.words(), HasSubstr("deadlines missed"));
+    EXPECT_GT(node.report().at("deadlines_missed"), 0);
+}
+
+TEST(StrictRealtime, WithoutTheFlagItIsOnlyCounted) {
+    LoneNode node("thimble-netem", kNoMissAllowed);
+    ASSERT_TRUE(node.ready()) << node.words();
+    freeze(node.process().pid(), std::chrono::milliseconds{300});
+    EXPECT_EQ(node.terminate(), 0);
+    EXPECT_GT(node.report().at("deadlines_missed"), 0);
+}
+
+TEST(StrictRealtime, ARunCompletesAndEndsWith4) {
+    SessionFile session;
+    session.more = kNoMissAllowed;
+    RealRun run(session, {"--strict-rt"});
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    freeze(run.node("thimble-master"), kFreeze);
+    EXPECT_EQ(run.end(), 4) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("deadlines missed"));
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    EXPECT_GT(run.report("thimble-master").at("samples_skipped"), 0);
+}
+
+}  // namespace
+}  // namespace thimble

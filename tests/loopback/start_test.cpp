@@ -1,0 +1,160 @@
+// Starting: help, configuration, ports, missing programs. A bad start ends at once and says what is wrong and
+// where.
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/loopback/lone_node.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> six_programs() {
+    std::vector<std::string> programs(kNodePrograms.begin(), kNodePrograms.end());
+    programs.emplace_back("thimble");
+    return programs;
+}
+
+TEST(Help, IsThereWithAnExampleInEveryProgram) {
+    for (const std::string& program : six_programs()) {
+        const Outcome outcome = run_to_end(built_programs() / program, {"--help"});
+        EXPECT_EQ(outcome.code, 0) << program;
+        EXPECT_THAT(outcome.words, HasSubstr("Example")) << program;
+    }
+    for (const char* command : {"run", "study", "report", "check"}) {
+        const Outcome outcome = run_to_end(built_programs() / "thimble", {command, "--help"});
+        EXPECT_EQ(outcome.code, 0) << command;
+        EXPECT_THAT(outcome.words, HasSubstr("Example")) << command;
+    }
+}
+
+TEST(Help, AnUnknownOptionIsAUsageError) {
+    for (const std::string& program : six_programs()) {
+        EXPECT_EQ(run_to_end(built_programs() / program, {"--no-such-option"}).code, 2) << program;
+    }
+}
+
+// Every program reads [network] and [runtime]; each also has a table of its own.
+class BadConfiguration : public testing::Test {
+  protected:
+    void expect_refused(const std::string& program, const std::string& text, const std::string& place) {
+        const auto file = folder_.write("bad.toml", text);
+        std::vector<std::string> arguments{"--config", file.string()};
+        if (program == "thimble") arguments = {"run", file.string(), "--out", (folder_ / "out").string()};
+        const Outcome outcome = run_to_end(built_programs() / program, arguments);
+        EXPECT_EQ(outcome.code, 2) << program << ": " << outcome.words;
+        EXPECT_THAT(outcome.words, HasSubstr(file.string() + place)) << program;
+    }
+    Folder folder_;
+};
+
+TEST_F(BadConfiguration, UnknownKey) {
+    for (const std::string& program : six_programs()) {
+        expect_refused(program, "[runtime]\npriority = 50\nprioriti = 50\n", ":3:");
+    }
+}
+
+TEST_F(BadConfiguration, UnknownTable) {
+    for (const std::string& program : six_programs())
+        expect_refused(program, "\n[netwrok]\nbase_port = 2000\n", ":2:");
+}
+
+TEST_F(BadConfiguration, ValueOutOfRange) {
+    for (const std::string& program : six_programs())
+        expect_refused(program, "[network]\nbase_port = 80\n", ":2:");
+}
+
+TEST_F(BadConfiguration, ValueOutOfRangeInTheProgramsOwnTable) {
+    expect_refused("thimble-netem", "[netem.force]\nloss = 1.5\n", ":2:");
+    expect_refused("thimble-slave-sim", "[tissue]\n\nmass_kg = -1\n", ":3:");
+    expect_refused("thimble-cutaneous", "[cutaneous]\nforce_limit_N = -1\n", ":2:");
+    expect_refused("thimble-visual", "[visual]\nrefresh_Hz = 0\n", ":2:");
+    expect_refused("thimble-master", "[master]\nposition_scale = 0\n", ":2:");
+    expect_refused("thimble", "[session]\n\n\ndelays_s = [0.0, -1.0]\n", ":4:");
+}
+
+TEST(PortInUse, ASecondNodeSaysWhichPort) {
+    LoneNode first("thimble-visual");
+    ASSERT_TRUE(first.ready()) << first.words();
+    const std::uint16_t port = first.at(Port::kVisualControl).port;
+    const auto base = port - static_cast<std::uint16_t>(Port::kVisualControl);
+    const Outcome second =
+        run_to_end(built_programs() / "thimble-visual", {"--base-port", std::to_string(base)});
+    EXPECT_EQ(second.code, 3);
+    EXPECT_THAT(second.words, HasSubstr("127.0.0.1:" + std::to_string(port)));
+    EXPECT_EQ(first.terminate(), 0);
+}
+
+// Of the session's own ports and of a node's, in the words of the program that could not listen.
+TEST(PortInUse, ARunSaysWhichPort) {
+    for (const Port taken : {Port::kSessionRecord, Port::kSlaveNeedle}) {
+        const PortBlock ports;
+        const Folder folder;
+        NetworkSettings network;
+        network.base_port = ports.base();
+        const UdpChannel occupant(network.at(taken), {"127.0.0.1", 0});
+        const Outcome outcome =
+            run_to_end(built_programs() / "thimble",
+                       {"run", folder.write("s.toml", SessionFile{}.text()).string(), "--out",
+                        (folder / "out").string(), "--base-port", std::to_string(ports.base())});
+        EXPECT_EQ(outcome.code, 3);
+        EXPECT_THAT(outcome.words, HasSubstr("127.0.0.1:" + std::to_string(network.at(taken).port)));
+        EXPECT_THAT(nodes_alive(ports.base()), IsEmpty());
+    }
+}
+
+class MissingPeer : public testing::Test {
+  protected:
+    MissingPeer() { install_programs(programs_); }
+
+    Folder folder_;
+    std::filesystem::path programs_ = folder_ / "bin";
+};
+
+TEST_F(MissingPeer, AProgramThatIsNotThereIsNamed) {
+    std::filesystem::remove(programs_ / "thimble-cutaneous");
+    RealRun run(SessionFile{}, {}, programs_);
+    EXPECT_THAT(run.end(), AnyOf(1, 3));
+    EXPECT_THAT(run.words(), HasSubstr("cannot start " + (programs_ / "thimble-cutaneous").string()));
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+TEST_F(MissingPeer, AProgramThatEndsAtOnceIsQuoted) {
+    replace_program(programs_ / "thimble-master", "echo the handle is unplugged; exit 5");
+    RealRun run(SessionFile{}, {}, programs_);
+    EXPECT_EQ(run.end(), 3);
+    EXPECT_THAT(run.words(), HasSubstr("thimble-master ended with code 5: the handle is unplugged"));
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+TEST_F(MissingPeer, AProgramThatNeverAnswersIsNamed) {
+    replace_program(programs_ / "thimble-visual", "exec sleep 60");
+    SessionFile session;
+    session.more = "peer_wait_s = 1.0";  // continues the table [trial]
+    RealRun run(session, {}, programs_);
+    EXPECT_EQ(run.end(), 3);
+    EXPECT_THAT(run.words(), HasSubstr("no answer from "));
+    EXPECT_THAT(run.words(), HasSubstr("visual"));
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+// The silent fifth program keeps the run waiting for its first trial while another one dies.
+TEST_F(MissingPeer, KilledBeforeTheFirstTrial) {
+    replace_program(programs_ / "thimble-visual", "exec sleep 60");
+    SessionFile session;
+    session.more = "peer_wait_s = 30.0";
+    RealRun run(session, {}, programs_);
+    kill(run.node("thimble-slave-sim"), SIGKILL);
+    EXPECT_EQ(run.end(), 3);
+    EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim ended with code 137"));
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,90 @@
+#include "tests/loopback/workbench.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <thread>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+
+namespace thimble {
+namespace {
+
+// Below the range from which the kernel draws ports for sockets that did not ask for one.
+constexpr unsigned kFirstPort = 10000;
+constexpr unsigned kPortsPerBlock = 64;
+constexpr unsigned kBlocks = 300;
+
+std::unique_ptr<UdpChannel> listen_at(unsigned port) {
+    return std::make_unique<UdpChannel>(Endpoint{"127.0.0.1", static_cast<std::uint16_t>(port)},
+                                        Endpoint{"127.0.0.1", 0});
+}
+
+bool all_free(unsigned base) {
+    try {
+        for (unsigned i = 0; i < kPortsPerBlock - 1; ++i) listen_at(base + i);
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+}  // namespace
+
+bool wait_until(const std::function<bool()>& condition, Duration limit) {
+    const SessionTime deadline = wall_now() + limit;
+    while (!condition()) {
+        if (wall_now() > deadline) return condition();
+        std::this_thread::sleep_for(std::chrono::milliseconds{5});
+    }
+    return true;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+Folder::Folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "thimble-loopback-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
+    path_ = pattern;
+}
+
+Folder::~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+}
+
+std::filesystem::path Folder::write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name) << text;
+    return path_ / name;
+}
+
+PortBlock::PortBlock() {
+    const auto start = static_cast<unsigned>(getpid());
+    for (unsigned i = 0; i < kBlocks; ++i) {
+        const unsigned base = kFirstPort + (start + i) % kBlocks * kPortsPerBlock;
+        try {
+            guard_ = listen_at(base + kPortsPerBlock - 1);
+        } catch (const Error&) {
+            continue;
+        }
+        base_ = static_cast<std::uint16_t>(base);
+        if (all_free(base)) return;
+    }
+    throw std::runtime_error("no free UDP ports");
+}
+
+std::string SessionFile::text() const {
+    return fmt::format(
+        "[session]\nmodalities = {}\ndelays_s = {}\nfixture_jitter_m = 0\nlanes = {}\n"
+        "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = {}\ntimeout_s = 60\n{}\n",
+        modalities, delays_s, lanes, contact_hold_s, more);
+}
+
+}  // namespace thimble

@@ -1,0 +1,64 @@
+// What every loopback test needs: a folder and UDP ports of its own, and patience. These tests run on
+// machines that may stall for a second: they wait for what must happen and never measure how fast it did.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/runtime/udp_channel.hpp"
+#include "common/time.hpp"
+
+namespace thimble {
+
+inline constexpr Duration kPatience = std::chrono::seconds{20};
+
+// Polls; false if `limit` passed first.
+bool wait_until(const std::function<bool()>& condition, Duration limit = kPatience);
+
+std::string read_text(const std::filesystem::path& path);
+
+// Removed, with all that is in it, when this object goes.
+class Folder {
+  public:
+    Folder();
+    ~Folder();
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    // A new file in it.
+    std::filesystem::path write(const std::string& name, const std::string& text) const;
+
+  private:
+    std::filesystem::path path_;
+};
+
+// UDP ports of 127.0.0.1 for two lanes that nobody used when this object was made. A socket on the last one
+// of the block keeps tests that run side by side apart.
+class PortBlock {
+  public:
+    PortBlock();
+    std::uint16_t base() const { return base_; }
+
+  private:
+    std::uint16_t base_ = 0;
+    std::unique_ptr<UdpChannel> guard_;
+};
+
+// A session that is over quickly: the fixture close to the tissue, a short contact until the beep.
+struct SessionFile {
+    std::string modalities = R"(["HF"])";
+    std::string delays_s = "[0.0]";
+    double contact_hold_s = 0.5;
+    int lanes = 1;
+    std::string more;  // further tables
+
+    std::string text() const;
+};
+
+// A contact so long that the trial cannot end by itself while the test looks at it.
+inline constexpr double kEndlessHold_s = 40;
+
+}  // namespace thimble
