@@ -42,7 +42,7 @@ void part_link(benchmark::State& state) {
     LinkSettings settings;
     settings.delay = std::chrono::milliseconds{state.range(0)};
     LinkModel link(settings, {}, 1);
-    std::array<std::uint8_t, 176> datagram{};
+    std::array<std::uint8_t, 144> datagram{};
     SessionTime now{};
     for (auto _ : state) {
         now += kTick;

@@ -138,6 +138,7 @@ Percept from_wire(const wire::Percept& w, Judge& judge) {
 wire::SessionControl to_wire(const SessionControl& b) {
     return {b.study_seed,
             b.fixture_position_m,
+            b.network_delay_s,
             b.subject,
             b.experiment,
             static_cast<wire::ControlKind>(b.kind),
@@ -148,8 +149,10 @@ wire::SessionControl to_wire(const SessionControl& b) {
 
 SessionControl from_wire(const wire::SessionControl& w, Judge& judge) {
     judge.number(w.fixture_position_m(), kMaxPosition_m);
+    judge.number(w.network_delay_s(), 0, kMaxTime_s);
     return {w.study_seed(),
             w.fixture_position_m(),
+            w.network_delay_s(),
             w.subject(),
             w.experiment(),
             judge.choice(raw(w.kind()), ControlKind::kShutdown),

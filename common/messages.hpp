@@ -71,6 +71,7 @@ struct Percept {
 struct SessionControl {
     std::uint64_t study_seed = 0;
     double fixture_position_m = 0;
+    double network_delay_s = 0;  // both ways together, as configured: how long the first answer may take
     std::uint32_t subject = 0;
     std::uint32_t experiment = 0;
     ControlKind kind = ControlKind::kTrialStart;

@@ -1,5 +1,5 @@
-// Who listens where: table [network] of a session file. One base port per session; every flow has a fixed offset from
-// it (docs/protocol.md draws them).
+// Who listens where: table [network] of a session file. One base port per session; every flow has a fixed
+// offset from it (docs/protocol.md draws them).
 #pragma once
 
 #include <array>

@@ -11,6 +11,11 @@ inline constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds{100};
 // Silence after which a running trial is given up (well under the second that users are promised).
 inline constexpr Duration kPeerTimeout = std::chrono::milliseconds{500};
 
+// Until an input has crossed the network for the first time, its silence means nothing.
+inline Duration first_answer_within(const SessionControl& control) {
+    return from_seconds(control.network_delay_s);
+}
+
 class NodeProcess : public Process {
   public:
     // `control` is the node's end of its channel with the session; `instance` is random per process start.

@@ -11,7 +11,7 @@ CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettin
 
 void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(now, control);
-    force_flow_.expect_from(now + kPeerTimeout);  // the master starts last
+    force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
 }
 
 void CutaneousProcess::work(SessionTime now) {

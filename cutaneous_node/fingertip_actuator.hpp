@@ -19,7 +19,8 @@ class FingertipActuator {
     FingertipActuator(const FingertipActuator&) = delete;
     FingertipActuator& operator=(const FingertipActuator&) = delete;
 
-    // Target for one finger; the other goes slack. Clipped to [0, limit] by the device. `now` never decreases.
+    // Target for one finger; the other goes slack. Clipped to [0, limit] by the device. `now` never
+    // decreases.
     virtual void command(SessionTime now, Finger finger, double force_N) = 0;
     // What the skin gets at `now`.
     virtual FingertipForce output(SessionTime now) = 0;

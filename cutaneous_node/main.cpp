@@ -32,7 +32,8 @@ int main(int argc, char** argv) {
     NodeProgram program;
     program.name = "thimble-cutaneous";
     program.description =
-        "Presses the force that the needle feels on a finger: the index for a push, the thumb for a pull, of the hand "
+        "Presses the force that the needle feels on a finger: the index for a push, the thumb for a pull, of "
+        "the hand "
         "on the handle (CF) or of the other one (CCF). The actuator is simulated.";
     program.example = "thimble-cutaneous --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "cutaneous"};

@@ -1,14 +1,12 @@
 #include "experiment/child.hpp"
 
+#include <csignal>
+#include <cstring>
 #include <fcntl.h>
+#include <fstream>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <csignal>
-#include <cstring>
-#include <fstream>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -26,12 +24,14 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
     std::vector<std::string> words{program.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                     0644);
     posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
     // A terminal's Ctrl-C goes to the launcher alone, which then ends the trial in order.
     posix_spawnattr_t attributes;
@@ -41,8 +41,9 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     if (error != 0) {
-        throw Error(ExitCode::kRunFailed, fmt::format("cannot start {}: {}; is Thimble built or installed completely?",
-                                                      program.string(), std::strerror(error)));
+        throw Error(ExitCode::kRunFailed,
+                    fmt::format("cannot start {}: {}; is Thimble built or installed completely?",
+                                program.string(), std::strerror(error)));
     }
 }
 
@@ -71,7 +72,7 @@ void Child::signal(int number) {
 
 std::optional<int> Child::wait(Duration limit) {
     const SessionTime deadline = wall_now() + limit;
-    while (!poll() && wall_now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds{5});
+    while (!poll() && wall_now() < deadline) wall_sleep(std::chrono::milliseconds{5});
     return exit_code_;
 }
 

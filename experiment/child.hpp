@@ -1,11 +1,11 @@
-// A program started beside this one, its words kept in a log file. Killed, at the latest, when this object goes.
+// A program started beside this one, its words kept in a log file. Killed, at the latest, when this object
+// goes.
 #pragma once
-
-#include <sys/types.h>
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <sys/types.h>
 #include <vector>
 
 #include "common/time.hpp"

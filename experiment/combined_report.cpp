@@ -17,8 +17,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& why) {
-    throw Error(ExitCode::kData,
-                fmt::format("{}: {}; is this the --out folder of a thimble run or study?", file.string(), why));
+    throw Error(ExitCode::kData, fmt::format("{}: {}; is this the --out folder of a thimble run or study?",
+                                             file.string(), why));
 }
 
 Verdict verdict_of(const std::string& text) {
@@ -60,7 +60,8 @@ ReportSection read_section(const Json& json, const std::filesystem::path& folder
     section.title = json.at("title").get<std::string>();
     section.text = json.at("text").get<std::string>();
     if (json.contains("headline")) section.headline = read_headline(json.at("headline"));
-    for (const Json& figure : json.at("figures")) section.drawn.figures.push_back(read_figure(figure, folder));
+    for (const Json& figure : json.at("figures"))
+        section.drawn.figures.push_back(read_figure(figure, folder));
     section.drawn.problem = json.value("figures_problem", "");
     for (const Json& table : json.at("tables")) section.tables.push_back(read_table(table));
     return section;
@@ -73,7 +74,8 @@ void add_folder(ReportInput& report, const std::filesystem::path& folder, const 
     if (!file) fail(path, "cannot be read");
     try {
         const Json json = Json::parse(file);
-        for (const Json& section : json.at("sections")) report.sections.push_back(read_section(section, folder));
+        for (const Json& section : json.at("sections"))
+            report.sections.push_back(read_section(section, folder));
         for (const auto& [key, value] : json.at("provenance").items()) {
             report.provenance.emplace_back(fmt::format("{}: {}", what, key), value.get<std::string>());
         }

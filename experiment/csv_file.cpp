@@ -30,11 +30,10 @@ std::string reason() { return std::generic_category().message(errno); }
 CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists) : path_(path) {
     file_.reset(std::fopen(path.c_str(), open_mode(if_exists)));
     if (!file_ && errno == EEXIST) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("{}: already exists and is not overwritten; name another directory, or say that it "
-                        "may be replaced",
-                        path.string()));
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: already exists and is not overwritten; name another directory, or say "
+                                "--overwrite",
+                                path.string()));
     }
     if (!file_) {
         throw Error(ExitCode::kUsage,

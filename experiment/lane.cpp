@@ -15,8 +15,8 @@
 namespace thimble {
 namespace {
 
-constexpr Duration kPoll = std::chrono::milliseconds{20};     // look after children, stop requests
-constexpr Duration kFlush = std::chrono::milliseconds{200};   // trajectory to disk
+constexpr Duration kPoll = std::chrono::milliseconds{20};    // look after children, stop requests
+constexpr Duration kFlush = std::chrono::milliseconds{200};  // trajectory to disk
 constexpr Duration kProgress = std::chrono::milliseconds{500};
 
 struct NodeKind {
@@ -48,7 +48,8 @@ class Lane {
     }
 
     LaneResult run() {
-        launch();
+        std::filesystem::create_directories(plan_.out);
+        if (!plan_.attach) launch();
         wait_for_nodes();
         for (const TrialConditions& trial : plan_.trials) {
             run_trial(trial);
@@ -73,13 +74,12 @@ class Lane {
     }
 
     void launch() {
-        std::filesystem::create_directories(plan_.out);
         for (const NodeKind& node : kNodes) {
             const auto log = plan_.out / fmt::format("{}_{:g}ms.log", node.program, 1000 * plan_.delay_s);
             std::filesystem::remove(log);
             std::filesystem::remove(report_path(node));
-            std::vector<std::string> arguments{"--base-port", std::to_string(plan_.network.base_port), "--report",
-                                               report_path(node).string(), "--die-with-parent"};
+            std::vector<std::string> arguments{"--base-port", std::to_string(plan_.network.base_port),
+                                               "--report", report_path(node).string(), "--die-with-parent"};
             if (!plan_.config.empty()) arguments.insert(arguments.end(), {"--config", plan_.config.string()});
             if (plan_.strict_rt) arguments.emplace_back("--strict-rt");
             if (node.role == Role::kNetem) {
@@ -104,22 +104,24 @@ class Lane {
 
     void wait_for_nodes() {
         const SessionTime deadline = wall_now() + plan_.session.peer_wait;
-        for (SessionTime now = wall_now(); !session_.missing_peers(now, kPeerTimeout).empty(); now = wall_now()) {
+        for (SessionTime now = wall_now(); !session_.missing_peers(now, kPeerTimeout).empty();
+             now = wall_now()) {
             loop_.step(session_, now + kPoll);
             if (const auto dead = dead_child()) throw Error(ExitCode::kNetwork, obituary(*dead));
             if (now < deadline) continue;
-            throw Error(ExitCode::kNetwork,
-                        fmt::format("no answer from {} within {} s on ports from {}: see the logs in {}",
-                                    session_.missing_peers(now, kPeerTimeout), to_seconds(plan_.session.peer_wait),
-                                    plan_.network.base_port, plan_.out.string()));
+            throw Error(
+                ExitCode::kNetwork,
+                fmt::format("no answer from {} within {} s on ports from {}: see the logs in {}",
+                            session_.missing_peers(now, kPeerTimeout), to_seconds(plan_.session.peer_wait),
+                            plan_.network.base_port, plan_.out.string()));
         }
     }
 
     void run_trial(const TrialConditions& trial) {
         const auto folder = plan_.out.parent_path() / "trajectories";
         std::filesystem::create_directories(folder);
-        writer_.emplace(folder / fmt::format("trial{:02}_{}_{:g}ms.csv", trial.trial, to_string(trial.modality),
-                                             1000 * trial.delay_s),
+        writer_.emplace(folder / fmt::format("trial{:02}_{}_{:g}ms.csv", trial.trial,
+                                             to_string(trial.modality), 1000 * trial.delay_s),
                         plan_.if_exists);
         session_.start(trial);
         SessionTime next_poll{}, next_flush{}, next_progress{};
@@ -155,12 +157,14 @@ class Lane {
         } else if (record.reason == EndReason::kPeerLost) {
             result_.code = ExitCode::kNetwork;
             const auto dead = dead_child();
-            result_.problem = dead ? obituary(*dead) : fmt::format("lost contact with {}", to_string(record.lost_peer));
+            result_.problem =
+                dead ? obituary(*dead) : fmt::format("lost contact with {}", to_string(record.lost_peer));
         }
         events_.trial_done(record);
     }
 
     void shut_down() {
+        if (plan_.attach) return;
         session_.shut_down(wall_now());
         for (std::size_t i = 0; i < children_.size(); ++i) {
             if (!children_[i].wait(std::chrono::seconds{1})) children_[i].signal(SIGTERM);

@@ -1,5 +1,5 @@
-// One condition of a real-time run: five node processes on loopback, a session that steers them through its trials,
-// everything recorded as it comes.
+// One condition of a real-time run: five node processes on loopback, a session that steers them through its
+// trials, everything recorded as it comes.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@
 namespace thimble {
 
 struct LanePlan {
-    std::filesystem::path config;  // session file for the nodes; empty: defaults
+    std::filesystem::path config;    // session file for the nodes; empty: defaults
     std::filesystem::path programs;  // folder of the thimble-* programs
     std::filesystem::path out;
     NetworkSettings network;
@@ -26,6 +26,7 @@ struct LanePlan {
     double delay_s = 0;  // of the force path
     std::vector<TrialConditions> trials;
     bool strict_rt = false;
+    bool attach = false;  // the nodes run already, started by somebody else, and go on running
     IfExists if_exists = IfExists::kRefuse;
 };
 

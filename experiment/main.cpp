@@ -1,4 +1,5 @@
 // thimble: launches and steers the nodes, runs studies, writes reports.
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -30,7 +31,8 @@ struct Arguments {
     std::uint64_t seed = 1;
     unsigned jobs = 0;
     int base_port = 0;
-    bool overwrite = false, json = false, trajectories = false, no_control = false, strict_rt = false;
+    bool overwrite = false, json = false, trajectories = false, no_control = false, strict_rt = false,
+         attach = false;
     std::string command;
 };
 
@@ -41,6 +43,8 @@ std::filesystem::path program_folder() {
     return error ? std::filesystem::path("/usr/bin") : self.parent_path();
 }
 
+std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", value); }
+
 void say_results(const Arguments& arguments, const std::filesystem::path& folder,
                  const std::vector<TrialRow>& rows) {
     const auto conditions = summarize(rows);
@@ -50,17 +54,20 @@ void say_results(const Arguments& arguments, const std::filesystem::path& folder
         return;
     }
     for (const ConditionSummary& c : conditions) {
-        fmt::print("{:>6} {:<4} {:3} trials, {:3} oscillate, maximum penetration {:6.2f} mm, completion {:5.2f} s\n",
-                   delay_text(c.delay_s), to_string(c.modality), c.trials, c.oscillating,
-                   1000 * c.of(Metric::kPenetrationMax).mean, c.of(Metric::kCompletionTime).mean);
+        fmt::print(
+            "{:>6} {:<4} {:3} trials, {:3} oscillate, maximum penetration {:>6} mm, completion {:>5} s\n",
+            delay_text(c.delay_s), to_string(c.modality), c.trials, c.oscillating,
+            number_text(1000 * c.of(Metric::kPenetrationMax).mean),
+            number_text(c.of(Metric::kCompletionTime).mean));
     }
     fmt::print("{}\nreport: {}\n", judge_headline(conditions).sentence(), (folder / "report.html").string());
 }
 
 int command_study(const Arguments& arguments) {
     if (arguments.experiment != 3) {
-        throw Error(ExitCode::kUsage, fmt::format("--experiment {} does not exist yet; 3, the delay experiment, does",
-                                                  arguments.experiment));
+        throw Error(ExitCode::kUsage,
+                    fmt::format("--experiment {} does not exist yet; 3, the delay experiment, does",
+                                arguments.experiment));
     }
     const SystemSettings settings = load_system_settings(arguments.config);
     install_stop_signals();
@@ -77,14 +84,16 @@ int command_study(const Arguments& arguments) {
     spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
                  result.simulated_s / result.wall_s);
     say_results(arguments, options.out, result.rows);
-    if (!result.complete) spdlog::error("interrupted; the {} trials that had ended are kept", result.rows.size());
+    if (!result.complete)
+        spdlog::error("interrupted; the {} trials that had ended are kept", result.rows.size());
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
 int command_run(const Arguments& arguments) {
     const SystemSettings settings = load_system_settings(arguments.config);
     install_stop_signals();
-    const ConfigFile file = arguments.config.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.config);
+    const ConfigFile file =
+        arguments.config.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.config);
     RunOptions options;
     options.config = arguments.config;
     options.programs = program_folder();
@@ -95,6 +104,7 @@ int command_run(const Arguments& arguments) {
     if (arguments.base_port != 0) options.network.base_port = static_cast<std::uint16_t>(arguments.base_port);
     options.overwrite = arguments.overwrite;
     options.strict_rt = arguments.strict_rt;
+    options.attach = arguments.attach;
     options.stop = &stop_requested();
     const RunResult result = run_session(settings, options);
     say_results(arguments, options.out, result.rows);
@@ -115,11 +125,18 @@ int command_check(const Arguments& arguments) {
 }
 
 void add_run(CLI::App& app, Arguments& a) {
-    CLI::App* run = app.add_subcommand("run", "one trial per modality and delay, five real processes over UDP");
-    run->add_option("session", a.config, "session file (TOML), e.g. deploy/sessions/delay50.toml")->required();
+    CLI::App* run =
+        app.add_subcommand("run", "one trial per modality and delay, five real processes over UDP");
+    run->add_option("session", a.config, "session file (TOML), e.g. deploy/sessions/delay50.toml")
+        ->required();
     run->add_option("-o,--out", a.out, "folder for the results")->default_val("out/run");
     run->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
-        ->check(CLI::Range(1024, 65536 - 64 * static_cast<int>(Port::kCount)));
+        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+        ->type_name("PORT");
+    run->add_flag(
+        "--attach", a.attach,
+        "steer nodes that run already (on one machine or several, see [network]) instead of starting five; "
+        "their own session file sets the delay");
     run->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
     run->add_flag("--strict-rt", a.strict_rt, "exit with 4 if a node missed too many deadlines");
     run->add_flag("--json", a.json, "print summary.json on stdout");
@@ -128,8 +145,11 @@ void add_run(CLI::App& app, Arguments& a) {
 
 void add_study(CLI::App& app, Arguments& a) {
     CLI::App* study = app.add_subcommand("study", "a whole experiment in virtual time");
-    study->add_option("-e,--experiment", a.experiment, "3: 50 ms on the force path")->default_val(3);
-    study->add_option("-n,--subjects", a.subjects, "virtual subjects")->default_val(10)->check(CLI::Range(1, 100000));
+    study->add_option("-e,--experiment", a.experiment, "3 (the only one so far): 50 ms on the force path")
+        ->default_val(3);
+    study->add_option("-n,--subjects", a.subjects, "virtual subjects")
+        ->default_val(10)
+        ->check(CLI::Range(1, 100000));
     study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
     study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
     study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
@@ -146,7 +166,8 @@ void add_others(CLI::App& app, Arguments& a) {
     CLI::App* report = app.add_subcommand("report", "one report.html from a run, a study, or both");
     report->add_option("--run", a.run_folder, "folder of a thimble run");
     report->add_option("--study", a.study_folder, "folder of a thimble study");
-    report->add_option("-o,--out", a.out, "the report")->default_val("out/report.html");
+    report->add_option("-o,--out", a.out, "the report, replaced if it exists")
+        ->default_val("out/report.html");
     report->footer("Example:\n  thimble report --run out/run --study out/study --out out/report.html");
     CLI::App* check = app.add_subcommand("check", "read a session file and say what is wrong with it");
     check->add_option("session", a.config, "session file (TOML)")->required();
@@ -156,10 +177,13 @@ void add_others(CLI::App& app, Arguments& a) {
 int run_thimble(int argc, char** argv) {
     Arguments arguments;
     for (int i = 0; i < argc; ++i) arguments.command += (i > 0 ? " " : "") + std::string(argv[i]);
-    CLI::App app("Teleoperation by touch: needle insertion with sensory subtraction, under network delay.", "thimble");
+    CLI::App app("Teleoperation by touch: needle insertion with sensory subtraction, under network delay.",
+                 "thimble");
     app.set_version_flag("--version", std::string(kVersion));
     app.require_subcommand(1);
-    app.footer("Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, 3 network, 4 real time, 5 data.");
+    app.footer(
+        "Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, 3 network, 4 real time, 5 "
+        "data.");
     add_run(app, arguments);
     add_study(app, arguments);
     add_others(app, arguments);

@@ -1,10 +1,11 @@
-// run_trials: worker threads that take the next trial from a counter and leave its record in a window of slots, from
-// which one thread takes them in order.
+// run_trials: worker threads that take the next trial from a counter and leave its record in a window of
+// slots, from which one thread takes them in order.
 #include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "experiment/study.hpp"
 #include "experiment/virtual_session.hpp"
@@ -37,8 +38,7 @@ class Pool {
         changed_.wait(lock, [&] { return slot.has_value() || failure_ || (stopping() && next_ <= taken_); });
         if (failure_) std::rethrow_exception(failure_);
         if (!slot) return std::nullopt;
-        std::optional<TrialRecord> record = std::move(slot);
-        slot.reset();
+        std::optional<TrialRecord> record = std::exchange(slot, std::nullopt);
         ++taken_;
         lock.unlock();
         changed_.notify_all();
@@ -51,7 +51,9 @@ class Pool {
     void work() {
         for (;;) {
             std::unique_lock lock(mutex_);
-            changed_.wait(lock, [&] { return stopping() || next_ >= trials_.size() || next_ < taken_ + slots_.size(); });
+            changed_.wait(lock, [&] {
+                return stopping() || next_ >= trials_.size() || next_ < taken_ + slots_.size();
+            });
             if (stopping() || next_ >= trials_.size()) {
                 changed_.notify_all();
                 return;

@@ -1,16 +1,15 @@
 #include "experiment/ping_pong.hpp"
 
 #include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -21,7 +20,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::size_t kBytes = 176;  // a force feedback
+constexpr std::size_t kBytes = 144;  // a force feedback
 
 int loopback_socket(sockaddr_in& address) {
     const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -32,7 +31,8 @@ int loopback_socket(sockaddr_in& address) {
     auto* generic = static_cast<sockaddr*>(static_cast<void*>(&address));
     // A lost datagram must not hang the measurement.
     const timeval patience{0, 200'000};
-    if (descriptor < 0 || bind(descriptor, generic, length) != 0 || getsockname(descriptor, generic, &length) != 0 ||
+    if (descriptor < 0 || bind(descriptor, generic, length) != 0 ||
+        getsockname(descriptor, generic, &length) != 0 ||
         setsockopt(descriptor, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0) {
         throw Error(ExitCode::kNetwork, fmt::format("cannot measure loopback UDP: {}", std::strerror(errno)));
     }
@@ -40,7 +40,10 @@ int loopback_socket(sockaddr_in& address) {
 }
 
 void connect_to(int descriptor, const sockaddr_in& address) {
-    connect(descriptor, static_cast<const sockaddr*>(static_cast<const void*>(&address)), sizeof address);
+    const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
+    if (connect(descriptor, generic, sizeof address) != 0) {
+        throw Error(ExitCode::kNetwork, fmt::format("cannot measure loopback UDP: {}", std::strerror(errno)));
+    }
 }
 
 // Ends when nobody has asked for a while.
@@ -63,7 +66,7 @@ Histogram exchange(int descriptor, int exchanges) {
     Histogram histogram;
     std::array<std::uint8_t, kBytes> buffer{};
     for (int i = 0; i < exchanges; ++i) {
-        std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        wall_sleep(std::chrono::milliseconds{1});
         const SessionTime start = wall_now();
         send(descriptor, buffer.data(), buffer.size(), 0);
         if (recv(descriptor, buffer.data(), buffer.size(), 0) > 0) histogram.add(wall_now() - start);

@@ -1,5 +1,5 @@
-// What this machine charges for one datagram there and back between two bare processes: the yardstick for the round
-// trip through all five.
+// What this machine charges for one datagram there and back between two bare processes: the yardstick for the
+// round trip through all five.
 #pragma once
 
 #include "common/histogram.hpp"
@@ -7,8 +7,8 @@
 
 namespace thimble {
 
-// Two processes on loopback, blocking, one exchange per millisecond, datagrams as long as ours, scheduled as the nodes
-// are. Must be called while this program has a single thread (it forks). Throws Error (network).
+// Two processes on loopback, blocking, one exchange per millisecond, datagrams as long as ours, scheduled as
+// the nodes are. Must be called while this program has a single thread (it forks). Throws Error (network).
 Histogram measure_ping_pong(const RuntimeSettings& settings, int exchanges = 1000);
 
 }  // namespace thimble

@@ -1,8 +1,7 @@
 #include "experiment/progress.hpp"
 
-#include <unistd.h>
-
 #include <cstdio>
+#include <unistd.h>
 
 namespace thimble {
 

@@ -1,5 +1,5 @@
-// Who does which trials in which order. Everything is drawn from streams keyed by study, experiment, subject and trial,
-// so that adding a subject or a trial changes no other.
+// Who does which trials in which order. Everything is drawn from streams keyed by study, experiment, subject
+// and trial, so that adding a subject or a trial changes no other.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,8 @@ struct Protocol {
     double fixture_jitter_m = 0.015;
 };
 
-// Experiment 3 of the paper: 10 subjects x 24 trials, 6 of each modality in random order, 50 ms on the force path.
+// Experiment 3 of the paper: 10 subjects x 24 trials, 6 of each modality in random order, 50 ms on the force
+// path.
 Protocol experiment_3(const SystemSettings& settings, std::uint32_t subjects, std::uint64_t seed);
 
 // Uniform within +-jitter around the nominal position.

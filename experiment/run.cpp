@@ -24,7 +24,16 @@ class Run {
     Run(const SystemSettings& settings, const RunOptions& options)
         : settings_(settings),
           options_(options),
-          if_exists_(options.overwrite ? IfExists::kReplace : IfExists::kRefuse) {}
+          if_exists_(options.overwrite ? IfExists::kReplace : IfExists::kRefuse),
+          // Nodes that run already have the delay that their own file gives them.
+          delays_(options.attach ? std::vector{settings.netem.force.delay} : settings.plan.delays) {
+        const std::size_t ports = lane_count() * static_cast<std::size_t>(Port::kCount);
+        if (options.network.base_port + ports <= 65536) return;
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{} lanes need {} ports from {} on, but ports end at 65535: choose a "
+                                "smaller base_port in [network]",
+                                lane_count(), ports, options.network.base_port));
+    }
 
     RunResult run() {
         std::filesystem::create_directories(options_.out);
@@ -42,23 +51,25 @@ class Run {
 
   private:
     unsigned lane_count() const {
-        if (settings_.plan.lanes > 0) return static_cast<unsigned>(settings_.plan.lanes);
-        return std::max(1U, std::thread::hardware_concurrency() / 2);
+        const unsigned wanted = settings_.plan.lanes > 0
+                                    ? static_cast<unsigned>(settings_.plan.lanes)
+                                    : std::max(1U, std::thread::hardware_concurrency() / 2);
+        return std::min(wanted, static_cast<unsigned>(delays_.size()));
     }
 
     // Lanes take the next delay until none is left or something went wrong.
     void run_lanes() {
         std::vector<std::thread> threads;
-        const unsigned lanes = std::min<unsigned>(lane_count(), static_cast<unsigned>(settings_.plan.delays.size()));
-        for (unsigned lane = 0; lane < lanes; ++lane) threads.emplace_back([this, lane] { work(lane); });
+        for (unsigned lane = 0; lane < lane_count(); ++lane)
+            threads.emplace_back([this, lane] { work(lane); });
         for (std::thread& thread : threads) thread.join();
     }
 
     void work(unsigned lane) {
         for (;;) {
             std::unique_lock lock(mutex_);
-            if (failure_ || result_.code != ExitCode::kOk || next_delay_ >= settings_.plan.delays.size()) return;
-            const double delay_s = to_seconds(settings_.plan.delays[next_delay_++]);
+            if (failure_ || result_.code != ExitCode::kOk || next_delay_ >= delays_.size()) return;
+            const double delay_s = to_seconds(delays_[next_delay_++]);
             lock.unlock();
             try {
                 run_condition(lane, delay_s);
@@ -76,12 +87,15 @@ class Run {
         plan.programs = options_.programs;
         plan.out = options_.out / "nodes";
         plan.network = options_.network;
-        plan.network.base_port = static_cast<std::uint16_t>(
-            plan.network.base_port + lane * static_cast<unsigned>(Port::kCount));
-        plan.session = settings_.session;
+        plan.network.base_port =
+            static_cast<std::uint16_t>(plan.network.base_port + lane * static_cast<unsigned>(Port::kCount));
+        SystemSettings with_delay = settings_;
+        with_delay.netem.force.delay = from_seconds(delay_s);
+        plan.session = session_settings(with_delay);
         plan.delay_s = delay_s;
         plan.trials = run_trials_of(settings_, delay_s);
         plan.strict_rt = options_.strict_rt;
+        plan.attach = options_.attach;
         plan.if_exists = if_exists_;
         return plan;
     }
@@ -134,12 +148,14 @@ class Run {
         const auto conditions = summarize(result_.rows);
         ReportInput report;
         report.title = "Thimble: real processes over UDP";
-        report.sections.push_back(trials_section("Real processes, real time", result_.rows,
-                                                 draw_figures(panels_.panels(), conditions, options_.out, "_real")));
+        report.sections.push_back(
+            trials_section("Real processes, real time", result_.rows,
+                           draw_figures(panels_.panels(), conditions, options_.out, "_real")));
         report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
         ReportSection timing;
         timing.title = "How well time was kept";
-        timing.tables = {round_trip_table(result_.rows, bare_), deadline_table(nodes_), refusal_table(nodes_)};
+        timing.tables = {round_trip_table(result_.rows, bare_), deadline_table(nodes_),
+                         refusal_table(nodes_)};
         report.sections.push_back(std::move(timing));
         report.provenance = {{"command", options_.command},
                              {"seed", std::to_string(settings_.plan.seed)},
@@ -153,6 +169,7 @@ class Run {
     const SystemSettings& settings_;
     const RunOptions& options_;
     IfExists if_exists_;
+    std::vector<Duration> delays_;
     std::mutex mutex_;
     Progress progress_;
     TrialTable* table_ = nullptr;
@@ -172,8 +189,8 @@ std::vector<TrialConditions> run_trials_of(const SystemSettings& settings, doubl
     std::vector<TrialConditions> trials;
     for (const Modality modality : settings.plan.modalities) {
         const auto number = static_cast<std::uint32_t>(trials.size() + 1);
-        trials.push_back({protocol.seed, protocol.experiment, settings.plan.subject, number, modality, delay_s,
-                          draw_fixture_position_m(protocol, settings.plan.subject, number)});
+        trials.push_back({protocol.seed, protocol.experiment, settings.plan.subject, number, modality,
+                          delay_s, draw_fixture_position_m(protocol, settings.plan.subject, number)});
     }
     return trials;
 }

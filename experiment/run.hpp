@@ -1,5 +1,5 @@
-// `thimble run`: the experiment with the real processes over UDP, in real time, one trial per modality and delay; then
-// the same trials in virtual time, to see whether both ways agree.
+// `thimble run`: the experiment with the real processes over UDP, in real time, one trial per modality and
+// delay; then the same trials in virtual time, to see whether both ways agree.
 #pragma once
 
 #include <atomic>
@@ -24,6 +24,8 @@ struct RunOptions {
     RuntimeSettings runtime;
     bool overwrite = false;
     bool strict_rt = false;
+    bool attach =
+        false;  // steer nodes that run already, over the network they have, instead of starting five
     const std::atomic<bool>* stop = nullptr;
 };
 
@@ -37,7 +39,8 @@ struct RunResult {
 // The trials of one delay, in order.
 std::vector<TrialConditions> run_trials_of(const SystemSettings& settings, double delay_s);
 
-// Writes trials.csv, trajectories/, nodes/ (logs and reports), report.html and summary.json below options.out.
+// Writes trials.csv, trajectories/, nodes/ (logs and reports), report.html and summary.json below
+// options.out.
 RunResult run_session(const SystemSettings& settings, const RunOptions& options);
 
 }  // namespace thimble

@@ -40,8 +40,10 @@ ReportTable deadline_table(const std::vector<NodeReport>& reports) {
 ReportTable refusal_table(const std::vector<NodeReport>& reports) {
     ReportTable table;
     table.title = "Refused datagrams";
-    table.note = "Each is counted by its reason and otherwise harmless; counters at zero are left out. wrong_trial counts "
-                 "what was still on its way when a trial ended.";
+    table.note =
+        "Each is counted by its reason and otherwise harmless; counters at zero are left out. wrong_trial "
+        "counts "
+        "what was still on its way when a trial ended.";
     table.columns = {"condition", "program", "reason", "count"};
     for (const NodeReport& node : reports) {
         const auto refused = node.report.value("refused", nlohmann::ordered_json::object());
@@ -57,9 +59,12 @@ ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram&
     ReportTable table;
     table.title = "Round trip";
     table.note = fmt::format(
-        "Encoder sample to its force at the handle: {} hops through netem and slave_sim, codec and all. Bare: two "
-        "processes, blocking, {} exchanges in the same run, median {:.1f} us there and back (99 % {:.0f} us), times {}.",
-        kHops, bare.count(), to_seconds(bare.quantile(0.5)) * 1e6, to_seconds(bare.quantile(0.99)) * 1e6, kHops / 2);
+        "Encoder sample to its force at the handle: {} hops through netem and slave_sim, codec and all. "
+        "Bare: two "
+        "processes, blocking, {} exchanges in the same run, median {:.1f} us there and back (99 % {:.0f} "
+        "us), times {}.",
+        kHops, bare.count(), to_seconds(bare.quantile(0.5)) * 1e6, to_seconds(bare.quantile(0.99)) * 1e6,
+        kHops / 2);
     table.columns = {"condition", "modality", "median, us", "bare x hops, us", "ratio"};
     const double bare_us = to_seconds(bare.quantile(0.5)) * 1e6 * kHops / 2;
     for (const TrialRow& row : rows) {

@@ -45,6 +45,7 @@ void SessionProcess::start(const TrialConditions& conditions) {
     order_.subject = conditions.subject;
     order_.fixture_position_m = conditions.fixture_position_m;
     order_.modality = conditions.modality;
+    order_.network_delay_s = to_seconds(settings_.network_delay);
     trial_ = conditions.trial;
     fresh_ = true;
     fixture_changed_ = false;
@@ -140,8 +141,11 @@ bool SessionProcess::all(NodeState state, bool with_master) const {
     });
 }
 
-bool SessionProcess::all_stopped() const {
+bool SessionProcess::all_stopped(SessionTime now) const {
+    const bool lost = record_.reason == EndReason::kPeerLost;
     return std::all_of(peers_.begin(), peers_.end(), [&](const Peer& peer) {
+        // The dead do not acknowledge.
+        if (lost && (peer.role == record_.lost_peer || peer.flow.silent_for(now, kPeerTimeout))) return true;
         return peer.last.state == NodeState::kIdle || peer.last.state == NodeState::kFailed;
     });
 }
@@ -162,7 +166,7 @@ void SessionProcess::advance(SessionTime now) {
             if (all(NodeState::kRunning, true)) enter(now, Stage::kRunning);
             break;
         case Stage::kEnding:
-            if (all_stopped() || now - stage_since_ > settings_.peer_wait) finish();
+            if (all_stopped(now) || now - stage_since_ > settings_.peer_wait) finish();
             return;
         case Stage::kRunning:
             watch(now);

@@ -16,6 +16,7 @@ namespace thimble {
 struct SessionSettings {
     Duration trial_timeout = std::chrono::seconds{60};
     Duration contact_hold = std::chrono::seconds{5};  // as slave_sim's; tells when the beep was due
+    Duration network_delay{};                         // needle and force path together, jitter included
     Duration peer_wait = std::chrono::seconds{5};     // for a node to answer a start or an end
 };
 
@@ -75,7 +76,7 @@ class SessionProcess final : public Process {
     void end(SessionTime now, EndReason reason, Role lost_peer = Role::kSession);
     void finish();
     bool all(NodeState state, bool with_master) const;
-    bool all_stopped() const;
+    bool all_stopped(SessionTime now) const;
     const Peer* quietest() const;
 
     SessionSettings settings_;
@@ -93,7 +94,6 @@ class SessionProcess final : public Process {
     SessionTime stage_since_{};
     SessionTime next_send_{};
     SessionTime first_echo_{};
-    std::uint32_t newest_echo_ = 0;
     bool fixture_changed_ = false;
 };
 

@@ -37,20 +37,22 @@ class Study {
   private:
     void run_condition(const Protocol& protocol, const std::string& file_name) {
         const std::vector<TrialConditions> trials = all_trials(protocol);
-        TrialTable table(options_.out / file_name, options_.overwrite ? IfExists::kReplace : IfExists::kRefuse);
+        TrialTable table(options_.out / file_name,
+                         options_.overwrite ? IfExists::kReplace : IfExists::kRefuse);
         std::size_t done = 0;
         const SessionTime start = wall_now();
-        result_.complete = run_trials(settings_, trials, jobs_, options_.stop, [&](const TrialRecord& record) {
-            keep(record, table);
-            ++done;
-            const std::string line =
-                fmt::format("{} ms: {}/{} trials, subject {}, {}", 1000 * protocol.delay_s, done, trials.size(),
-                            record.conditions.subject, speed_text(start));
-            progress_.show(line, done == trials.size() || done % (trials.size() / 4 + 1) == 0);
-        });
+        result_.complete =
+            run_trials(settings_, trials, jobs_, options_.stop, [&](const TrialRecord& record) {
+                keep(record, table);
+                ++done;
+                const std::string line =
+                    fmt::format("{} ms: {}/{} trials, subject {}, {}", 1000 * protocol.delay_s, done,
+                                trials.size(), record.conditions.subject, speed_text(start));
+                progress_.show(line, done == trials.size() || done % (trials.size() / 4 + 1) == 0);
+            });
         result_.wall_s += to_seconds(wall_now() - start);
-        progress_.say(fmt::format("{} ms: {} of {} trials in {}", 1000 * protocol.delay_s, done, trials.size(),
-                                  (options_.out / file_name).string()));
+        progress_.say(fmt::format("{} ms: {} of {} trials in {}", 1000 * protocol.delay_s, done,
+                                  trials.size(), (options_.out / file_name).string()));
     }
 
     void keep(const TrialRecord& record, TrialTable& table) {
@@ -65,8 +67,8 @@ class Study {
         const TrialConditions& c = record.conditions;
         const auto folder = options_.out / "trajectories";
         std::filesystem::create_directories(folder);
-        TrajectoryWriter writer(folder / fmt::format("subject{:02}_trial{:02}_{}_{:g}ms.csv", c.subject, c.trial,
-                                                     to_string(c.modality), 1000 * c.delay_s),
+        TrajectoryWriter writer(folder / fmt::format("subject{:02}_trial{:02}_{}_{:g}ms.csv", c.subject,
+                                                     c.trial, to_string(c.modality), 1000 * c.delay_s),
                                 options_.overwrite ? IfExists::kReplace : IfExists::kRefuse);
         writer.append(record.samples);
         writer.end(record.reason, record.lost_peer);
@@ -74,7 +76,8 @@ class Study {
 
     std::string speed_text(SessionTime start) const {
         const double wall_s = result_.wall_s + to_seconds(wall_now() - start);
-        return fmt::format("{:.0f} x real time on {} threads", result_.simulated_s / std::max(wall_s, 1e-9), jobs_);
+        return fmt::format("{:.0f} x real time on {} threads", result_.simulated_s / std::max(wall_s, 1e-9),
+                           jobs_);
     }
 
     void report() const {

@@ -17,16 +17,16 @@ namespace thimble {
 struct StudyOptions {
     Protocol protocol;
     std::filesystem::path out;
-    std::string command;          // as typed, for the report's provenance
-    unsigned jobs = 0;            // threads; 0: one per core
+    std::string command;  // as typed, for the report's provenance
+    unsigned jobs = 0;    // threads; 0: one per core
     bool overwrite = false;
-    bool trajectories = false;    // one file per trial
-    bool control = true;          // the same trials without delay, into control.csv
+    bool trajectories = false;                // one file per trial
+    bool control = true;                      // the same trials without delay, into control.csv
     const std::atomic<bool>* stop = nullptr;  // asked between trials
 };
 
-// Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end in; so
-// nothing that is made from them depends on the number of threads. False if `stop` cut it short.
+// Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end
+// in; so nothing that is made from them depends on the number of threads. False if `stop` cut it short.
 bool run_trials(const SystemSettings& settings, const std::vector<TrialConditions>& trials, unsigned jobs,
                 const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take);
 
@@ -36,8 +36,8 @@ struct StudyResult {
     double simulated_s = 0, wall_s = 0;  // of the trials alone, without report
 };
 
-// Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, report.html, summary.json and
-// figures/ below options.out.
+// Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, report.html, summary.json
+// and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 }  // namespace thimble

@@ -1,6 +1,7 @@
 #include "experiment/system_settings.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -11,13 +12,26 @@
 namespace thimble {
 namespace {
 
+constexpr const char* kModalityHelp =
+    "use HF (handle), CF (fingers of the acting hand), CCF (fingers of the other hand) or VF (bar on the "
+    "screen)";
+
+std::optional<Modality> find_modality(const std::string& text) {
+    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+        if (text == to_string(modality)) return modality;
+    }
+    return std::nullopt;
+}
+
 SessionPlan read_plan(const ConfigTable& table) {
     SessionPlan plan;
     std::vector<std::string> names;
     for (const Modality modality : plan.modalities) names.emplace_back(to_string(modality));
     plan.modalities.clear();
     for (const std::string& name : table.texts("modalities", names)) {
-        plan.modalities.push_back(parse_modality(name));
+        const auto modality = find_modality(name);
+        if (!modality) table.fail("modalities", fmt::format("holds \"{}\"; {}", name, kModalityHelp));
+        plan.modalities.push_back(*modality);
     }
     if (plan.modalities.empty()) table.fail("modalities", "is empty; name at least one of HF, CF, CCF, VF");
     std::vector<double> delays;
@@ -62,18 +76,6 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
 
 }  // namespace
 
-Modality parse_modality(const std::string& text) {
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
-        if (text == to_string(modality)) return modality;
-    }
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format(
-            "'{}' is not a modality; use HF (handle), CF (fingers of the acting hand), CCF (fingers of "
-            "the other hand) or VF (bar on the screen)",
-            text));
-}
-
 SystemSettings read_system_settings(const ConfigFile& file) {
     SystemSettings s;
     read_network_settings(file);
@@ -91,6 +93,14 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     check_agreement(file, s);
     file.finish();
     return s;
+}
+
+SessionSettings session_settings(const SystemSettings& settings) {
+    SessionSettings session = settings.session;
+    for (const LinkSettings* link : {&settings.netem.needle, &settings.netem.force}) {
+        session.network_delay += link->delay + 4 * link->jitter_spread;  // a normal draw beyond 4 sd can wait
+    }
+    return session;
 }
 
 SystemSettings load_system_settings(const std::filesystem::path& path) {

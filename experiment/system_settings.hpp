@@ -45,7 +45,7 @@ SystemSettings read_system_settings(const ConfigFile& file);
 // An empty path gives the defaults, which are the paper's.
 SystemSettings load_system_settings(const std::filesystem::path& path);
 
-// Accepts "HF", "CF", "CCF", "VF"; throws Error (usage) otherwise.
-Modality parse_modality(const std::string& text);
+// Those of the session, its network_delay filled in from both links.
+SessionSettings session_settings(const SystemSettings& settings);
 
 }  // namespace thimble

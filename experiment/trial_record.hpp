@@ -38,7 +38,7 @@ struct TrialRecord {
     std::vector<TrajectorySample> samples;
     double beep_time_s = std::numeric_limits<double>::quiet_NaN();       // NaN: no beep
     double round_trip_s = std::numeric_limits<double>::quiet_NaN();      // median, handle to handle, by echo
-    double achieved_delay_s = std::numeric_limits<double>::quiet_NaN();  // of the force path, median
+    double achieved_delay_s = std::numeric_limits<double>::quiet_NaN();  // by the network, both ways, median
     EndReason reason = EndReason::kNone;
     Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost
 };

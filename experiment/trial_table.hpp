@@ -20,6 +20,7 @@ struct TrialRow {
     TrialMetrics metrics;
     EndReason reason = EndReason::kNone;
     Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost
+    // Of the network, needle and force path together: the round trip without the slave's hold time. Medians.
     double delay_achieved_s = std::numeric_limits<double>::quiet_NaN();
     double round_trip_s = std::numeric_limits<double>::quiet_NaN();
 };

@@ -27,8 +27,8 @@ class VirtualLoop {
 
   private:
     struct Entry {
-        Process* process;
-        SessionTime next;
+        Process* process = nullptr;
+        SessionTime next = kNever;
     };
     void run_instant(std::uint32_t due);
 

@@ -55,7 +55,7 @@ VirtualSession::Parts::Parts(const SystemSettings& s)
       handle(s.handle, s.person),
       actuator(s.cutaneous),
       display(s.visual.pipeline),
-      session(instance_of(Role::kSession), s.session,
+      session(instance_of(Role::kSession), session_settings(s),
               {{&control[0].a, &control[1].a, &control[2].a, &control[3].a, &control[4].a}, &record.b}),
       master(instance_of(Role::kMaster), s.master,
              {&control[4].b, &needle_up.a, &force_down_master.b, &percept_cutaneous.b, &percept_visual.b},

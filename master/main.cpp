@@ -10,7 +10,8 @@ using namespace thimble;
 class Master final : public NodeInstance {
   public:
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
-        : handle_(read_handle_settings(file.table("handle")), read_operator_parameters(file.table("operator"))),
+        : handle_(read_handle_settings(file.table("handle")),
+                  read_operator_parameters(file.table("operator"))),
           process_(instance, read_master_settings(file.table("master")),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
                     sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
@@ -35,7 +36,8 @@ int main(int argc, char** argv) {
     NodeProgram program;
     program.name = "thimble-master";
     program.description =
-        "Reads the handle 1000 times a second, sends the needle to thimble-slave-sim through thimble-netem, and gives "
+        "Reads the handle 1000 times a second, sends the needle to thimble-slave-sim through thimble-netem, "
+        "and gives "
         "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it.";
     program.example = "thimble-master --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "handle", "operator"};

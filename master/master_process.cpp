@@ -15,7 +15,7 @@ void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) 
     node_.start_trial(control.modality);
     person_->start_trial(
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
-    force_flow_.expect_from(now);
+    force_flow_.expect_from(now + first_answer_within(control));
     round_trip_.clear();
     percept_ = {};
     next_sample_ = now;

@@ -14,6 +14,15 @@ constexpr std::uint64_t kNumbersPerDelay = 16;
 
 }  // namespace
 
+LinkCounters& LinkCounters::operator+=(const LinkCounters& other) {
+    pushed += other.pushed;
+    lost += other.lost;
+    overflowed += other.overflowed;
+    oversized += other.oversized;
+    delivered += other.delivered;
+    return *this;
+}
+
 LinkModel::LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction)
     : settings_(settings),
       direction_(direction),

@@ -31,6 +31,8 @@ struct LinkCounters {
     std::uint64_t pushed = 0, lost = 0, overflowed = 0;
     std::uint64_t oversized = 0;  // larger than kMaxDatagramBytes, or empty
     std::uint64_t delivered = 0;
+
+    LinkCounters& operator+=(const LinkCounters& other);
 };
 
 // What the delivered packets really waited, from push to pop, since the last restart.

@@ -18,7 +18,8 @@ class Netem final : public NodeInstance {
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {
         for (const Relay& relay : process_.relays()) {
-            const LinkCounters& counters = relay.model.counters();
+            LinkCounters counters = relay.before;
+            counters += relay.model.counters();
             report["links"].push_back({{"pushed", counters.pushed},
                                        {"delivered", counters.delivered},
                                        {"lost", counters.lost},

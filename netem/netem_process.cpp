@@ -9,6 +9,7 @@ NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::
 
 void NetemProcess::begin_trial(SessionTime /*now*/, const SessionControl& control) {
     for (Relay& relay : relays_) {
+        relay.before += relay.model.counters();
         relay.model.restart({control.study_seed, control.experiment, control.subject, trial()});
     }
 }

@@ -11,10 +11,10 @@ namespace thimble {
 
 // What goes in at `from` comes out at `to`, later.
 struct RelayPlan {
-    Channel* from;
-    Channel* to;
+    Channel* from = nullptr;
+    Channel* to = nullptr;
     LinkSettings link;
-    std::uint32_t direction;  // tells the links of a session apart in random draws
+    std::uint32_t direction = 0;  // tells the links of a session apart in random draws
 };
 
 struct Relay {
@@ -24,6 +24,7 @@ struct Relay {
     Channel* from;
     Channel* to;
     LinkModel model;
+    LinkCounters before;  // of the trials before this one: the model starts anew with each
 };
 
 class NetemProcess final : public NodeProcess {

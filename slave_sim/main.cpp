@@ -27,8 +27,9 @@ int main(int argc, char** argv) {
     NodeProgram program;
     program.name = "thimble-slave-sim";
     program.description =
-        "The remote side, simulated: tissue, virtual fixture and proxy. Answers each needle command the moment it "
-        "arrives, and gives the beep after 5 s of unbroken contact with the fixture.";
+        "The remote side, simulated: tissue, virtual fixture and proxy. Answers each needle command the "
+        "moment it "
+        "arrives, and gives the beep after trial.contact_hold_s (5 s) of unbroken contact with the fixture.";
     program.example = "thimble-slave-sim --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "tissue", "fixture", "slave_sim"};
     program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {

@@ -14,16 +14,15 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
       channels_(channels),
       settings_(settings),
       node_(settings),
-      // The record comes first: a send through the network must not delay it, nor be delayed by it in virtual
-      // time.
+      // The master's copy leaves first: the loop waits for that one.
       force_flow_(Role::kSlaveSim, instance,
                   {channels.force_master, channels.force_cutaneous, channels.force_visual, channels.record}),
       beep_flow_(Role::kSlaveSim, instance, {channels.beep_visual}) {}
 
 void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(control);
-    needle_flow_.expect_from(now + kPeerTimeout);  // the master starts last
-    next_hold_ = now + 2 * kPeerTimeout;
+    needle_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
+    next_hold_ = needle_flow_.last_accepted() + kPeerTimeout;
     next_beep_ = kNever;
     beeps_left_ = 0;
 }

@@ -8,12 +8,12 @@
 namespace thimble {
 
 struct Scene {
-    double position_needle_m = 0;   // clipped to the surface once inside: the inserted part is never shown
+    double position_needle_m = 0;  // clipped to the surface once inside: the inserted part is never shown
     double position_surface_m = 0;
-    double bar_N = 0;               // 0 unless the modality is VF
+    double bar_N = 0;  // 0 unless the modality is VF
     double bar_full_scale_N = 12;
-    bool touching = false;          // the needle touches or has entered the tissue
-    SessionTime sample_time{};      // when the shown sample arrived at the display node
+    bool touching = false;      // the needle touches or has entered the tissue
+    SessionTime sample_time{};  // when the shown sample arrived at the display node
 };
 
 struct ShownScene {

@@ -12,11 +12,12 @@ class Visual final : public NodeInstance {
     Visual(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
         : settings_(read_visual_settings(file.table("visual"))),
           display_(settings_.pipeline),
-          process_(instance, settings_,
-                   {sockets.between(Port::kVisualControl, Port::kSessionVisual),
-                    sockets.inlet(Port::kVisualForce, Role::kNetem), sockets.inlet(Port::kVisualBeep, Role::kSlaveSim),
-                    sockets.outlet(Port::kMasterPerceptVisual)},
-                   display_) {}
+          process_(
+              instance, settings_,
+              {sockets.between(Port::kVisualControl, Port::kSessionVisual),
+               sockets.inlet(Port::kVisualForce, Role::kNetem),
+               sockets.inlet(Port::kVisualBeep, Role::kSlaveSim), sockets.outlet(Port::kMasterPerceptVisual)},
+              display_) {}
 
     NodeProcess& process() override { return process_; }
 
@@ -32,7 +33,8 @@ int main(int argc, char** argv) {
     NodeProgram program;
     program.name = "thimble-visual";
     program.description =
-        "Shows the needle outside the tissue and the surface, in VF the bar of the resisting force, and gives the beep. "
+        "Shows the needle outside the tissue and the surface, in VF the bar of the resisting force, and "
+        "gives the beep. "
         "Never shows the fixture or the inserted part of the needle. The display records frames.";
     program.example = "thimble-visual --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "visual"};

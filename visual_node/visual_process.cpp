@@ -12,7 +12,7 @@ VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& setti
 
 void VisualProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(now, control, trial());
-    force_flow_.expect_from(now + kPeerTimeout);  // the master starts last
+    force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
 }
 
 void VisualProcess::work(SessionTime now) {

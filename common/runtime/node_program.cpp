@@ -71,7 +71,8 @@ void save(const std::string& path, const nlohmann::ordered_json& report) {
     if (path.empty()) return;
     std::ofstream file(path);
     if (!(file << report.dump(2) << '\n')) {
-        throw Error(ExitCode::kData, fmt::format("cannot write the report '{}': does its folder exist?", path));
+        throw Error(ExitCode::kData,
+                    fmt::format("cannot write the report '{}': does its folder exist?", path));
     }
 }
 
@@ -88,10 +89,12 @@ void finish_config(const NodeProgram& program, const ConfigFile& file) {
 int check_deadlines(const Options& options, const RuntimeSettings& runtime, const LoopStatistics& loop) {
     const double fraction =
         loop.deadlines == 0 ? 0 : static_cast<double>(loop.missed) / static_cast<double>(loop.deadlines);
-    if (!options.strict_rt || fraction <= runtime.allowed_miss_fraction) return static_cast<int>(ExitCode::kOk);
-    spdlog::error("{} of {} deadlines missed by more than {} ms, worst {:.0f} us; --strict-rt allows a fraction of {}",
-                  loop.missed, loop.deadlines, kDeadlineSlack.count() / 1'000'000,
-                  microseconds(loop.lateness.worst()), runtime.allowed_miss_fraction);
+    if (!options.strict_rt || fraction <= runtime.allowed_miss_fraction)
+        return static_cast<int>(ExitCode::kOk);
+    spdlog::error(
+        "{} of {} deadlines missed by more than {} ms, worst {:.0f} us; --strict-rt allows a fraction of {}",
+        loop.missed, loop.deadlines, kDeadlineSlack.count() / 1'000'000, microseconds(loop.lateness.worst()),
+        runtime.allowed_miss_fraction);
     return static_cast<int>(ExitCode::kRealtime);
 }
 
@@ -136,20 +139,26 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
         Options options;
         app.add_option("-c,--config", options.config, "session file (TOML); without it the paper's defaults");
         app.add_option("--base-port", options.base_port, "first UDP port, instead of [network].base_port")
-            ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)));
-        app.add_option("--report", options.report, "write counters and lateness to this JSON file at the end");
+            ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+            ->type_name("PORT");
+        app.add_option("--report", options.report,
+                       "write counters and lateness to this JSON file at the end");
         app.add_flag("--strict-rt", options.strict_rt, "exit with 4 if too many deadlines were missed");
-        app.add_flag("--die-with-parent", options.die_with_parent, "stop when the launcher dies (thimble run sets it)");
+        app.add_flag("--die-with-parent", options.die_with_parent,
+                     "stop when the launcher dies (thimble run sets it)");
         for (const NumberOption& option : program.options) {
-            app.add_option(option.flag, *option.target, option.help)->check(CLI::Range(option.low, option.high));
+            app.add_option(option.flag, *option.target, option.help)
+                ->check(CLI::Range(option.low, option.high));
         }
         app.set_version_flag("--version", std::string(kVersion));
-        app.footer("Example:\n  " + program.example +
-                   "\n\nExit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.");
+        app.footer(
+            "Example:\n  " + program.example +
+            "\n\nExit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.");
         try {
             app.parse(argc, argv);
         } catch (const CLI::ParseError& error) {
-            return app.exit(error) == 0 ? static_cast<int>(ExitCode::kOk) : static_cast<int>(ExitCode::kUsage);
+            return app.exit(error) == 0 ? static_cast<int>(ExitCode::kOk)
+                                        : static_cast<int>(ExitCode::kUsage);
         }
         return run(program, options);
     });

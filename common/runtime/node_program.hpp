@@ -32,8 +32,8 @@ struct NumberOption {
 struct NodeProgram {
     std::string name, description, example;
     std::vector<NumberOption> options;
-    // Reads the node's tables and opens its channels. The program checks the file for unknown keys afterwards;
-    // `tables` are the ones this node reads itself.
+    // Reads the node's tables and opens its channels. The program checks the file for unknown keys
+    // afterwards; `tables` are the ones this node reads itself.
     std::vector<std::string_view> tables;
     std::function<std::unique_ptr<NodeInstance>(const ConfigFile&, Sockets&, std::uint64_t instance)> build;
 };

@@ -1,16 +1,15 @@
 #include "common/runtime/realtime_loop.hpp"
 
-#include <sched.h>
-#include <sys/epoll.h>
-#include <sys/prctl.h>
-#include <sys/timerfd.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <sched.h>
+#include <sys/epoll.h>
+#include <sys/prctl.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -58,7 +57,8 @@ std::string ask_for_realtime(const RuntimeSettings& settings) {
     parameter.sched_priority = settings.priority;
     if (sched_setscheduler(0, SCHED_FIFO, &parameter) == 0) return "";
     return fmt::format(
-        "no real-time scheduling ({}): deadlines depend on what else runs. Allow it with 'ulimit -r {}' or set "
+        "no real-time scheduling ({}): deadlines depend on what else runs. Allow it with 'ulimit -r {}' or "
+        "set "
         "realtime_scheduling = false in [runtime]",
         std::strerror(errno), settings.priority);
 }

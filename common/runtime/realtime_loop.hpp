@@ -1,5 +1,5 @@
-// Drives one process in real time: absolute deadlines, and at once when a datagram arrives. The whole loop fits on one
-// screen (realtime_loop.cpp).
+// Drives one process in real time: absolute deadlines, and at once when a datagram arrives. The whole loop
+// fits on one screen (realtime_loop.cpp).
 #pragma once
 
 #include <atomic>
@@ -27,7 +27,8 @@ void install_stop_signals();
 // SIGTERM to this process when the thread that started it ends, however it ends.
 void stop_with_parent();
 
-// Real-time scheduling and a 1 ns timer slack for this process. Returns "" or what to tell the user (said once).
+// Real-time scheduling and a 1 ns timer slack for this process. Returns "" or what to tell the user (said
+// once).
 std::string ask_for_realtime(const RuntimeSettings& settings);
 
 class RealtimeLoop {

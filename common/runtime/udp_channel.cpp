@@ -1,12 +1,11 @@
 #include "common/runtime/udp_channel.hpp"
 
 #include <arpa/inet.h>
+#include <cerrno>
+#include <cstring>
 #include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 
 #include <fmt/format.h>
 
@@ -42,7 +41,8 @@ const sockaddr* generic(const sockaddr_in& address) {
 
 }  // namespace
 
-UdpChannel::UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote) : remote_(resolve(remote)) {
+UdpChannel::UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote)
+    : remote_(resolve(remote)) {
     socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (socket_ < 0) {
         throw Error(ExitCode::kNetwork, fmt::format("cannot open a UDP socket: {}", std::strerror(errno)));
@@ -84,7 +84,8 @@ Bytes UdpChannel::receive() {
         socklen_t length = sizeof source;
         const auto size = recvfrom(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT,
                                    static_cast<sockaddr*>(static_cast<void*>(&source)), &length);
-        // An ICMP "nobody listens" for an earlier send is reported here once; it is the peer's watchdog's business.
+        // An ICMP "nobody listens" for an earlier send is reported here once; it is the peer's watchdog's
+        // business.
         if (size < 0 && (errno == ECONNREFUSED || errno == EINTR)) continue;
         if (size < 0) return {};
         if (source.sin_addr.s_addr != remote_.sin_addr.s_addr) {

@@ -1,9 +1,8 @@
 // Datagrams over UDP (IPv4), never blocking. One socket: bound to a local port, or only sending.
 #pragma once
 
-#include <netinet/in.h>
-
 #include <array>
+#include <netinet/in.h>
 #include <optional>
 
 #include "common/channel.hpp"
@@ -20,8 +19,9 @@ struct UdpCounters {
 
 class UdpChannel final : public Channel {
   public:
-    // `local`: where to listen; absent for a channel that only sends. `remote`: where to send, and the only host that is
-    // listened to. Throws Error (network) with the address if the port is taken or a name cannot be resolved.
+    // `local`: where to listen; absent for a channel that only sends. `remote`: where to send, and the only
+    // host that is listened to. Throws Error (network) with the address if the port is taken or a name cannot
+    // be resolved.
     UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote);
     ~UdpChannel() override;
 

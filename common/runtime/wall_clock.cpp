@@ -2,6 +2,7 @@
 
 #include <ctime>
 #include <random>
+#include <thread>
 
 namespace thimble {
 
@@ -10,6 +11,8 @@ SessionTime wall_now() {
     clock_gettime(CLOCK_MONOTONIC, &now);
     return from_nanoseconds(std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec);
 }
+
+void wall_sleep(Duration duration) { std::this_thread::sleep_for(duration); }
 
 std::uint64_t system_entropy() {
     std::random_device device;

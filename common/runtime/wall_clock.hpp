@@ -8,7 +8,11 @@ namespace thimble {
 // CLOCK_MONOTONIC: the same for all processes of one machine since it booted, never set back.
 SessionTime wall_now();
 
-// Random bits from the operating system, for instance numbers (never for anything that a seed should reproduce).
+// Sleeps this thread; for launchers and measurements, never for nodes.
+void wall_sleep(Duration duration);
+
+// Random bits from the operating system, for instance numbers (never for anything that a seed should
+// reproduce).
 std::uint64_t system_entropy();
 
 }  // namespace thimble

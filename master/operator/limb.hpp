@@ -1,10 +1,9 @@
-// Handle, pinch grip and forearm as one physical system, two masses on one axis (structure: Speich et al.
-// 2005).
-//     m_d x_d" = k_g (x_a - x_d) + b_g (x_a' - x_d') - b_d x_d' - F_f - F_dev         handle, x_d = hand
-//     position m_a x_a" = -k_g (x_a - x_d) - b_g (x_a' - x_d') - k_a (x_a - x_eq) - b_a (x_a' - v_cmd) + F_ff
-//     forearm b_g = 2 zeta_g sqrt(k_g m_d),  b_a = 2 zeta_a sqrt(k_a (m_a + m_d)) F_f = F_c z / z_d,  z' =
-//     x_d' - |x_d'| z / z_d                                  Dahl friction, |z| <= z_d F_ff = F_c tanh(v_cmd
-//     / v_0) + b_d v_cmd                      what the operator has learned of that friction
+// Handle, pinch grip and forearm as one physical system, two masses on one axis (structure: Speich et al. 2005).
+//     handle   m_d x_d" = k_g (x_a - x_d) + b_g (x_a' - x_d') - b_d x_d' - F_f - F_dev       x_d = hand position
+//     forearm  m_a x_a" = -k_g (x_a - x_d) - b_g (x_a' - x_d') - k_a (x_a - x_eq) - b_a (x_a' - v_cmd) + F_ff
+//     b_g = 2 zeta_g sqrt(k_g m_d),  b_a = 2 zeta_a sqrt(k_a (m_a + m_d))
+//     F_f = F_c z / z_d,  z' = x_d' - |x_d'| z / z_d         Dahl friction, |z| <= z_d
+//     F_ff = F_c tanh(v_cmd / v_0) + b_d v_cmd               what the operator has learned of that friction
 // z positive into the tissue; F_dev, the handle's force, positive pushes the hand out (towards -z).
 // Semi-implicit Euler; F_dev, x_eq and v_cmd are held between steps.
 #pragma once

@@ -1,5 +1,5 @@
-// What a session needs from whoever holds the handle. The virtual operator implements it in software; for a person
-// the same calls mean "start", "you would now feel this", and "done?".
+// What a session needs from whoever holds the handle. The virtual operator implements it in software; for a
+// person the same calls mean "start", "you would now feel this", and "done?".
 #pragma once
 
 #include <cstdint>

@@ -63,7 +63,7 @@ bool plausible_body(const Percept& m) {
            position(m.position_surface_shown_m) && span(m.sample_age_s) && m.finger <= Finger::kThumb;
 }
 bool plausible_body(const SessionControl& m) {
-    return position(m.fixture_position_m) && m.kind <= ControlKind::kShutdown &&
+    return position(m.fixture_position_m) && span(m.network_delay_s) && m.kind <= ControlKind::kShutdown &&
            m.modality <= Modality::kVF && m.reason <= EndReason::kInterrupted;
 }
 bool plausible_body(const Heartbeat& m) {
@@ -92,7 +92,7 @@ std::vector<Message> sample_messages() {
     return {{header, NeedleCommand{0.03, 0.06, 0.0299, 0.01, 0.02, 1.5}},
             {header, feedback},
             {header, Percept{0.9, 3.1, -0.004, 0.001, 0.052, Finger::kThumb, true, true}},
-            {header, SessionControl{99, 0.025, 3, 2, ControlKind::kFixtureChange, Modality::kCCF, true,
+            {header, SessionControl{99, 0.025, 0.05, 3, 2, ControlKind::kFixtureChange, Modality::kCCF, true,
                                     EndReason::kTimeout}},
             {header, Heartbeat{1000, 3, 0.101, 0.13, 0.0002, NodeState::kRunning, EndReason::kPeerLost}}};
 }

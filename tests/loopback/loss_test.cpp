@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Each, KilledNode,
                                          Victim{"thimble-cutaneous", Role::kCutaneous},
                                          Victim{"thimble-visual", Role::kVisual},
                                          Victim{"thimble-master", Role::kMaster}),
-                         [](const auto& info) { return std::string(to_string(info.param.role)); });
+                         [](const auto& victim) { return std::string(to_string(victim.param.role)); });
 
 // Without netem the others hear nothing of each other and all complain; the silent one is the culprit.
 TEST(FrozenNode, IsFoundByItsSilence) {

@@ -79,6 +79,13 @@ TEST_F(BadConfiguration, ValueOutOfRangeInTheProgramsOwnTable) {
     expect_refused("thimble", "[session]\n\n\ndelays_s = [0.0, -1.0]\n", ":4:");
 }
 
+TEST(Configuration, AnEmptyFileMeansDefaults) {
+    const Folder folder;
+    const Outcome outcome =
+        run_to_end(built_programs() / "thimble", {"check", folder.write("empty.toml", "").string()});
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+}
+
 TEST(PortInUse, ASecondNodeSaysWhichPort) {
     LoneNode first("thimble-visual");
     ASSERT_TRUE(first.ready()) << first.words();

@@ -1,6 +1,8 @@
 // Every way a datagram can be bad, and the name under which it is counted.
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <set>
@@ -24,7 +26,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Packet = std::vector<std::uint8_t>;
 
-Refusal verdict(Bytes bytes) {
+Refusal judged(Bytes bytes) {
     const Decoded decoded = decode(bytes);
     EXPECT_EQ(decoded.message.has_value(), decoded.refusal == Refusal::kCount);
     return decoded.refusal;
@@ -33,12 +35,12 @@ Refusal verdict(Bytes bytes) {
 template <class Body>
 Refusal verdict(const Body& body) {
     Encoder encoder;
-    return verdict(encoder.encode(Header{}, body));
+    return judged(encoder.encode(Header{}, body));
 }
 
 Refusal verdict(const Header& header) {
     Encoder encoder;
-    return verdict(encoder.encode(header, Heartbeat{}));
+    return judged(encoder.encode(header, Heartbeat{}));
 }
 
 Packet good_packet() {
@@ -57,7 +59,8 @@ struct alignas(8) ZeroBody {  // as large as the largest
 constexpr flatbuffers::voffset_t kHeaderField = 4;
 constexpr std::array<flatbuffers::voffset_t, 5> kBodyFields{6, 8, 10, 12, 14};
 
-Packet by_hand(bool header, const std::vector<flatbuffers::voffset_t>& bodies, const char* identifier = "THM1") {
+Packet by_hand(bool header, const std::vector<flatbuffers::voffset_t>& bodies,
+               const char* identifier = "THM1") {
     flatbuffers::FlatBufferBuilder builder;
     const ZeroHeader zero_header;
     const ZeroBody zero_body;
@@ -71,23 +74,23 @@ Packet by_hand(bool header, const std::vector<flatbuffers::voffset_t>& bodies, c
 TEST(CodecRefusal, TooShort) {
     const Packet good = good_packet();
     for (std::size_t size = 0; size < 8; ++size) {
-        EXPECT_EQ(verdict(Bytes(good.data(), size)), Refusal::kTooShort) << size;
+        EXPECT_EQ(judged(Bytes(good.data(), size)), Refusal::kTooShort) << size;
     }
 }
 
 TEST(CodecRefusal, TooLong) {
     Packet packet = good_packet();
     packet.resize(kMaxDatagramBytes);
-    EXPECT_EQ(verdict(packet), Refusal::kCount);  // what follows the message does not matter
+    EXPECT_EQ(judged(packet), Refusal::kCount);  // what follows the message does not matter
     packet.resize(kMaxDatagramBytes + 1);
-    EXPECT_EQ(verdict(packet), Refusal::kTooLong);
+    EXPECT_EQ(judged(packet), Refusal::kTooLong);
 }
 
 TEST(CodecRefusal, ForeignFormat) {
-    EXPECT_EQ(verdict(by_hand(true, {6}, "THM2")), Refusal::kForeignFormat);
-    EXPECT_EQ(verdict(Packet(100, 0)), Refusal::kForeignFormat);
+    EXPECT_EQ(judged(by_hand(true, {6}, "THM2")), Refusal::kForeignFormat);
+    EXPECT_EQ(judged(Packet(100, 0)), Refusal::kForeignFormat);
     const std::string text = "GET / HTTP/1.1\r\n";
-    EXPECT_EQ(verdict(Packet(text.begin(), text.end())), Refusal::kForeignFormat);
+    EXPECT_EQ(judged(Packet(text.begin(), text.end())), Refusal::kForeignFormat);
 }
 
 TEST(CodecRefusal, MalformedAtEveryCut) {
@@ -96,33 +99,33 @@ TEST(CodecRefusal, MalformedAtEveryCut) {
         // In a block of its own, where a sanitizer sees a read past its end.
         const auto block = std::make_unique<std::uint8_t[]>(size);
         std::copy_n(good.begin(), size, block.get());
-        EXPECT_EQ(verdict(Bytes(block.get(), size)), Refusal::kMalformed) << size;
+        EXPECT_EQ(judged(Bytes(block.get(), size)), Refusal::kMalformed) << size;
     }
 }
 
-TEST(CodecRefusal, MalformedWithoutHeader) { EXPECT_EQ(verdict(by_hand(false, {6})), Refusal::kMalformed); }
+TEST(CodecRefusal, MalformedWithoutHeader) { EXPECT_EQ(judged(by_hand(false, {6})), Refusal::kMalformed); }
 
 TEST(CodecRefusal, MalformedWhenTheTableLiesElsewhere) {
-    for (const std::uint8_t root : {0x00, 0x01, 0x7f, 0xff}) {
+    for (const std::uint8_t root : std::vector<std::uint8_t>{0x00, 0x01, 0x7f, 0xff}) {
         Packet packet = good_packet();
         packet[0] = root;
         packet[3] = root;
-        EXPECT_EQ(verdict(packet), Refusal::kMalformed) << int{root};
+        EXPECT_EQ(judged(packet), Refusal::kMalformed) << int{root};
     }
 }
 
 TEST(CodecRefusal, NotOneBody) {
-    EXPECT_EQ(verdict(by_hand(true, {})), Refusal::kNotOneBody);
+    EXPECT_EQ(judged(by_hand(true, {})), Refusal::kNotOneBody);
     for (const auto one : kBodyFields) {
-        EXPECT_EQ(verdict(by_hand(true, {one})), Refusal::kCount) << one;
+        EXPECT_EQ(judged(by_hand(true, {one})), Refusal::kCount) << one;
         for (const auto other : kBodyFields) {
             if (one != other) {
-                EXPECT_EQ(verdict(by_hand(true, {one, other})), Refusal::kNotOneBody) << one << ' ' << other;
+                EXPECT_EQ(judged(by_hand(true, {one, other})), Refusal::kNotOneBody) << one << ' ' << other;
             }
         }
     }
     // A body that a later version may add is none that we know.
-    EXPECT_EQ(verdict(by_hand(true, {16})), Refusal::kNotOneBody);
+    EXPECT_EQ(judged(by_hand(true, {16})), Refusal::kNotOneBody);
 }
 
 struct Number {
@@ -166,6 +169,7 @@ std::vector<Number> numbers() {
         field("surface shown", &P::position_surface_shown_m, -10, 10),
         field("sample age", &P::sample_age_s, 0, 1e6),
         field("fixture position", &SessionControl::fixture_position_m, -10, 10),
+        field("network delay", &SessionControl::network_delay_s, 0, 1e6),
         field("round trip median", &Heartbeat::round_trip_median_s, 0, 1e6),
         field("round trip worst", &Heartbeat::round_trip_worst_s, 0, 1e6),
         field("hold median", &Heartbeat::hold_median_s, 0, 1e6),
@@ -184,9 +188,9 @@ TEST(CodecRefusal, OutOfRangeInAnyField) {
     for (const Number& number : numbers()) {
         EXPECT_EQ(number.verdict_with(number.low), Refusal::kCount) << number.name;
         EXPECT_EQ(number.verdict_with(number.high), Refusal::kCount) << number.name;
-        for (const double beyond : {std::nextafter(number.low, -kInfinity),
-                                    std::nextafter(number.high, kInfinity),
-                                    std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()}) {
+        for (const double beyond :
+             {std::nextafter(number.low, -kInfinity), std::nextafter(number.high, kInfinity),
+              std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()}) {
             EXPECT_EQ(number.verdict_with(beyond), Refusal::kOutOfRange) << number.name << ' ' << beyond;
         }
     }
@@ -201,7 +205,9 @@ TEST(CodecRefusal, NotFiniteBeatsOutOfRange) {
 
 TEST(CodecRefusal, StampsOutOfRange) {
     constexpr std::int64_t kLast = std::int64_t{1} << 62;
-    const auto header = [](std::int64_t ns) { return verdict(Header{1, from_nanoseconds(ns), 1, 1, Role::kMaster}); };
+    const auto header = [](std::int64_t ns) {
+        return verdict(Header{1, from_nanoseconds(ns), 1, 1, Role::kMaster});
+    };
     const auto echo = [](std::int64_t ns) {
         ForceFeedback body;
         body.echo_time = from_nanoseconds(ns);

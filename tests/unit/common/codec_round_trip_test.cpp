@@ -1,4 +1,5 @@
 // Whatever a node may say arrives as it was said.
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <string>
@@ -32,7 +33,8 @@ double draw(double low, double high) {
         case 4:
             return low < 0 ? -std::numeric_limits<double>::min() : std::numeric_limits<double>::min();
         default:
-            return low + (high - low) * *rc::gen::inRange<std::int64_t>(0, 1LL << 53) * 0x1p-53;
+            return low + (high - low) * static_cast<double>(*rc::gen::inRange<std::int64_t>(0, 1LL << 53)) *
+                             0x1p-53;
     }
 }
 double draw(double limit) { return draw(-limit, limit); }
@@ -50,8 +52,8 @@ std::int64_t draw_stamp() {
 
 template <class Unsigned>
 Unsigned draw_bits() {
-    return *rc::gen::oneOf(rc::gen::just(std::numeric_limits<Unsigned>::max()),
-                           rc::gen::just(Unsigned{0}), rc::gen::arbitrary<Unsigned>());
+    return *rc::gen::oneOf(rc::gen::just(std::numeric_limits<Unsigned>::max()), rc::gen::just(Unsigned{0}),
+                           rc::gen::arbitrary<Unsigned>());
 }
 
 template <class Enum>
@@ -86,17 +88,13 @@ Body draw_body() {
                                  draw_bool(),
                                  draw_bool()};
         case 2:
-            return Percept{draw(0, 1e5),
-                           draw(0, 1e5),
-                           draw(10),
-                           draw(10),
-                           draw(0, 1e6),
-                           draw_enum(Finger::kThumb),
-                           draw_bool(),
-                           draw_bool()};
+            return Percept{draw(0, 1e5), draw(0, 1e5), draw(10),
+                           draw(10),     draw(0, 1e6), draw_enum(Finger::kThumb),
+                           draw_bool(),  draw_bool()};
         case 3:
             return SessionControl{draw_bits<std::uint64_t>(),
                                   draw(10),
+                                  draw(0, 1e6),
                                   draw_bits<std::uint32_t>(),
                                   draw_bits<std::uint32_t>(),
                                   draw_enum(ControlKind::kShutdown),
@@ -175,7 +173,8 @@ TEST(CodecRoundTrip, WireBytesOfANeedleCommand) {
     Packet body_bytes;
     for (const double value : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0}) {
         const auto bits = std::bit_cast<std::uint64_t>(value);
-        for (int shift = 0; shift < 64; shift += 8) body_bytes.push_back(static_cast<std::uint8_t>(bits >> shift));
+        for (int shift = 0; shift < 64; shift += 8)
+            body_bytes.push_back(static_cast<std::uint8_t>(bits >> shift));
     }
     EXPECT_NE(std::search(bytes.begin(), bytes.end(), body_bytes.begin(), body_bytes.end()), bytes.end());
 }

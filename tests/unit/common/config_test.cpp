@@ -4,6 +4,7 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -102,8 +103,16 @@ TEST(Config, RefusesWithFileLineAndKey) {
         {"k = 1", [](const ConfigTable& t) { t.boolean("k", false); }, "must be true or false"},
         {"k = 'true'", [](const ConfigTable& t) { t.boolean("k", false); }, "must be true or false"},
         {"k = 1", [](const ConfigTable& t) { t.text("k", ""); }, "must be text in quotes"},
-        {"k = 'pink'", [](const ConfigTable& t) { t.choice("k", 0, {"blue", "red"}); }, "one of blue, red"},
-        {"k = 1", [](const ConfigTable& t) { t.choice("k", 0, {"blue", "red"}); }, "must be text"},
+        {"k = 'pink'",
+         [](const ConfigTable& t) {
+             t.choice("k", 0, {"blue", "red"});
+         },
+         "one of blue, red"},
+        {"k = 1",
+         [](const ConfigTable& t) {
+             t.choice("k", 0, {"blue", "red"});
+         },
+         "must be text"},
         {"k = 2.0", [](const ConfigTable& t) { t.seconds("k", {}, {}, seconds{1}); }, "between 0 and 1"},
         {"k = '1s'", [](const ConfigTable& t) { t.seconds("k", {}, {}, seconds{1}); }, "must be a number"},
         {"k = 1", [](const ConfigTable& t) { t.numbers("k", {}, 0, 1); }, "must be a list"},

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "records.hpp"
+#include "tests/unit/experiment/records.hpp"
 
 namespace thimble {
 namespace {

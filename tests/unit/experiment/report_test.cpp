@@ -8,7 +8,7 @@
 #include "common/error.hpp"
 #include "experiment/report_tables.hpp"
 #include "experiment/subprocess.hpp"
-#include "records.hpp"
+#include "tests/unit/experiment/records.hpp"
 
 namespace thimble {
 namespace {

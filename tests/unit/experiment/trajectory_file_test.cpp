@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "records.hpp"
+#include "tests/unit/experiment/records.hpp"
 
 namespace thimble {
 namespace {

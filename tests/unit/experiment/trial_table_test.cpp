@@ -6,7 +6,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "common/error.hpp"
-#include "records.hpp"
+#include "tests/unit/experiment/records.hpp"
 
 namespace thimble {
 namespace {

@@ -1,0 +1,105 @@
+// The 50 ms delay experiment in virtual time: who oscillates, and what depends on which path.
+#include <cmath>
+#include <map>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "experiment/study.hpp"
+#include "experiment/virtual_session.hpp"
+#include "tests/scenario/rig.hpp"
+#include "tests/scenario/same_records.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+// The headline, over all 240 trials of seed 1.
+TEST(DelayExperiment, At50msOnlyTheHandleOscillates) {
+    struct Tally {
+        int trials = 0, oscillate = 0, completed = 0, losses = 0;
+    };
+    std::map<Modality, Tally> tallies;
+    const auto trials = all_trials(experiment_3(paper(), 10, 1));
+    run_trials(paper(), trials, 2, nullptr, [&](const TrialRecord& record) {
+        const TrialMetrics metrics = measure(record);
+        Tally& tally = tallies[record.conditions.modality];
+        ++tally.trials;
+        tally.oscillate += metrics.oscillates;
+        tally.completed += record.reason == EndReason::kCompleted && metrics.beeped;
+        tally.losses += static_cast<int>(metrics.contacts_lost);
+    });
+    ASSERT_EQ(trials.size(), 240U);
+    for (const auto& [modality, tally] : tallies) {
+        EXPECT_EQ(tally.trials, 60) << to_string(modality);
+        EXPECT_EQ(tally.completed, 60) << to_string(modality);
+        EXPECT_EQ(tally.oscillate, modality == Modality::kHF ? 60 : 0) << to_string(modality);
+        if (modality != Modality::kHF) EXPECT_EQ(tally.losses, 0) << to_string(modality);
+    }
+}
+
+// Without a force at the handle no mechanical loop is closed: what the network does to the force for the handle cannot
+// matter.
+TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
+    LinkSettings terrible;
+    terrible.delay = milliseconds{150};
+    terrible.jitter = Jitter::kNormal;
+    terrible.jitter_spread = milliseconds{40};
+    terrible.loss = 0.3;
+    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+        Rig good(paper(), {}, LinkSettings{}), bad(paper(), {}, terrible);
+        const TrialRecord& a = good.run(trial_of(modality));
+        const TrialRecord& b = bad.run(trial_of(modality));
+        EXPECT_EQ(same_samples(a, b), modality != Modality::kHF) << to_string(modality);
+    }
+}
+
+TEST(DelayExperiment, TheHandleDoesNotDependOnTheFingersNorTheBar) {
+    SystemSettings settings = paper();
+    settings.cutaneous.dead_time = milliseconds{200};
+    settings.cutaneous.force_limit_N = 0.5;
+    settings.visual.bar_full_scale_N = 3;
+    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kVF}) {
+        const TrialRecord a = run_virtual_trial(paper(), trial_of(modality));
+        const TrialRecord b = run_virtual_trial(settings, trial_of(modality));
+        EXPECT_EQ(same_samples(a, b), modality == Modality::kHF) << to_string(modality);
+    }
+}
+
+double mean_penetration_m(const SystemSettings& settings, Modality modality, Duration delay) {
+    double sum_m = 0;
+    int count = 0;
+    for (std::uint32_t subject = 1; subject <= 4; ++subject) {
+        for (std::uint32_t trial = 1; trial <= 3; ++trial) {
+            const TrialRecord record = run_virtual_trial(settings, trial_of(modality, delay, subject, trial));
+            sum_m += measure(record).penetration_mean_m;
+            ++count;
+        }
+    }
+    return sum_m / count;
+}
+
+// The paper's discussion: part of CF's depth is its actuators' 45 ms. At 15 mm/s of needle that is 0.68 mm.
+TEST(DelayExperiment, ActuatorsWithoutLagReducePenetrationByLagTimesSpeed) {
+    SystemSettings quick = paper();
+    quick.cutaneous.dead_time = {};
+    const double saved_m =
+        mean_penetration_m(paper(), Modality::kCF, {}) - mean_penetration_m(quick, Modality::kCF, {});
+    EXPECT_GT(saved_m, 0.4e-3);
+    EXPECT_LT(saved_m, 1.0e-3);
+}
+
+// Open loop: the network's 50 ms cost what the needle travels meanwhile, 0.75 mm, and nothing else.
+TEST(DelayExperiment, DelayCostsFingersAndBarDelayTimesSpeed) {
+    for (const Modality modality : {Modality::kCF, Modality::kVF}) {
+        const double cost_m =
+            mean_penetration_m(paper(), modality, kPaperDelay) - mean_penetration_m(paper(), modality, {});
+        EXPECT_GT(cost_m, 0.45e-3) << to_string(modality);
+        EXPECT_LT(cost_m, 1.1e-3) << to_string(modality);
+    }
+}
+
+}  // namespace
+}  // namespace thimble::test

@@ -1,0 +1,151 @@
+// The same seed gives the same bytes: again, on any number of threads, with more subjects, from any compiler.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "experiment/study.hpp"
+#include "experiment/virtual_session.hpp"
+#include "tests/scenario/same_records.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+std::string read(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+}
+
+class Determinism : public testing::Test {
+  protected:
+    // Named after the test, since ctest runs tests side by side.
+    Determinism()
+        : folder_(std::filesystem::path(testing::TempDir()) /
+                  fmt::format("thimble_{}", testing::UnitTest::GetInstance()->current_test_info()->name())) {
+        std::filesystem::remove_all(folder_);
+        std::filesystem::create_directories(folder_);
+    }
+    ~Determinism() override { std::filesystem::remove_all(folder_); }
+
+    static StudyOptions small_study() {
+        StudyOptions options;
+        options.protocol = experiment_3(paper(), 2, 1);
+        options.protocol.trials_per_modality = 1;
+        options.jobs = 1;
+        options.control = false;
+        return options;
+    }
+    // The bytes of trials.csv.
+    std::string study(StudyOptions options) {
+        options.out = folder_ / std::to_string(studies_++);
+        const StudyResult result = run_study(paper(), options);
+        EXPECT_TRUE(result.complete);
+        return read(options.out / "trials.csv");
+    }
+
+    std::filesystem::path folder_;
+    int studies_ = 0;
+};
+
+TEST_F(Determinism, TheSameSeedGivesTheSameBytesOnAnyNumberOfThreads) {
+    StudyOptions options = small_study();
+    const std::string first = study(options);
+    EXPECT_EQ(lines_of(first).size(), 1U + 2 * 4);
+    for (const unsigned jobs : {1U, 2U, 3U}) {
+        options.jobs = jobs;
+        EXPECT_EQ(study(options), first) << jobs << " threads";
+    }
+}
+
+TEST_F(Determinism, MoreSubjectsChangeNoRowOfTheOthers) {
+    StudyOptions options = small_study();
+    const std::string two = study(options);
+    options.protocol.subjects = 3;
+    const std::string three = study(options);
+    EXPECT_EQ(three.substr(0, two.size()), two);
+    EXPECT_EQ(lines_of(three).size(), 1U + 3 * 4);
+}
+
+TEST_F(Determinism, TheControlTrialsChangeNoRow) {
+    StudyOptions options = small_study();
+    const std::string without = study(options);
+    options.control = true;
+    EXPECT_EQ(study(options), without);
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "1" / "control.csv"));
+}
+
+TEST_F(Determinism, AnotherSeedIsAnotherStudy) {
+    StudyOptions options = small_study();
+    const std::vector<std::string> one = lines_of(study(options));
+    options.protocol.seed = 2;
+    const std::vector<std::string> two = lines_of(study(options));
+    ASSERT_EQ(one.size(), two.size());
+    EXPECT_EQ(one[0], two[0]);
+    for (std::size_t i = 1; i < one.size(); ++i) EXPECT_NE(one[i], two[i]);
+}
+
+// A trial does not know what was before it: in a session of its own or as the second of two, the same.
+TEST(DeterminismOfTrials, ATrialDoesNotDependOnTheOneBefore) {
+    const TrialConditions first = trial_of(Modality::kHF, {}, 1, 1),
+                          second = trial_of(Modality::kVF, {}, 1, 2);
+    VirtualSession session(paper());
+    session.run(first);
+    const TrialRecord after = session.run(second);
+    EXPECT_EQ(after.reason, EndReason::kCompleted);
+    const TrialRecord alone = run_virtual_trial(paper(), second);
+    EXPECT_TRUE(same_samples(after, alone)) << common_samples(after, alone) << " of " << alone.samples.size();
+}
+
+// Rows of trials.csv of the first trials of experiment 3, seed 1, subject 1, and behind each the hash of its
+// trajectory: committed as text, so that every compiler and build type is held to the same bits.
+class Golden : public Determinism {
+  protected:
+    static constexpr std::size_t kTrials = 8;
+
+    std::string rows() {
+        TrialTable table(folder_ / "trials.csv");
+        std::vector<std::uint64_t> hashes;
+        const auto trials = subject_trials(experiment_3(paper(), 1, 1), 1);
+        for (std::size_t i = 0; i < kTrials; ++i) {
+            const TrialRecord record = run_virtual_trial(paper(), trials[i]);
+            table.append(make_row(record));
+            hashes.push_back(TrajectoryHash(record).value());
+        }
+        const auto lines = lines_of(read(folder_ / "trials.csv"));
+        std::string text = lines[0] + ",trajectory_fnv1a\n";
+        for (std::size_t i = 0; i < kTrials; ++i)
+            text += fmt::format("{},{:016x}\n", lines[i + 1], hashes[i]);
+        return text;
+    }
+};
+
+TEST_F(Golden, FirstTrialsOfSeedOne) {
+    const std::filesystem::path golden =
+        std::filesystem::path(THIMBLE_SOURCE_DIR) / "tests/scenario/experiment3_seed1_subject1.csv";
+    const std::string text = rows();
+    if (text == read(golden)) return;
+    const std::filesystem::path given = std::filesystem::path(testing::TempDir()) / golden.filename();
+    std::ofstream(given, std::ios::binary) << text;
+    const auto expected_lines = lines_of(read(golden)), given_lines = lines_of(text);
+    for (std::size_t i = 0; i < given_lines.size() && i < expected_lines.size(); ++i) {
+        EXPECT_EQ(given_lines[i], expected_lines[i]);
+    }
+    ADD_FAILURE() << "the bits have changed. If the model was meant to: cp " << given.string() << ' '
+                  << golden.string();
+}
+
+}  // namespace
+}  // namespace thimble::test

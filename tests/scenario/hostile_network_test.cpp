@@ -1,0 +1,175 @@
+// A network that duplicates, reorders, loses, truncates and flips bits on every wire, and nodes that come back as
+// somebody else: a trial completes or ends cleanly, the record holds only numbers, and the counters say what happened.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/random.hpp"
+#include "tests/scenario/rig.hpp"
+#include "tests/scenario/same_records.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::seconds;
+
+// Probabilities, per datagram.
+struct Malice {
+    double duplicate = 0, reorder = 0, lose = 0, truncate = 0, flip = 0;
+};
+
+class HostileTap final : public Tap {
+  public:
+    HostileTap(Channel& end, const Malice& malice, std::uint32_t seed, std::uint32_t wire)
+        : Tap(end), malice_(malice), random_({.study = seed, .trial = wire, .purpose = Purpose::kLinkLoss}) {}
+
+    void send(Bytes datagram) override {
+        std::vector<std::uint8_t> packet(datagram.begin(), datagram.end());
+        if (chance(malice_.truncate)) packet.resize(random_.below(static_cast<std::uint32_t>(packet.size())));
+        if (chance(malice_.flip)) flip(packet);
+        if (chance(malice_.lose)) return;
+        if (kept_.empty() && chance(malice_.reorder)) {
+            kept_ = packet;  // leaves after the next one
+            return;
+        }
+        Tap::send(packet);
+        if (chance(malice_.duplicate)) Tap::send(packet);
+        if (!kept_.empty()) Tap::send(kept_);
+        kept_.clear();
+    }
+
+  private:
+    bool chance(double probability) { return random_.uniform() < probability; }
+    void flip(std::vector<std::uint8_t>& packet) {
+        if (packet.empty()) return;
+        const std::uint32_t byte = random_.below(static_cast<std::uint32_t>(packet.size()));
+        packet[byte] = static_cast<std::uint8_t>(packet[byte] ^ (1U << random_.below(8)));
+    }
+
+    Malice malice_;
+    RandomStream random_;
+    std::vector<std::uint8_t> kept_;
+};
+
+MakeTap hostile(const Malice& malice, std::uint32_t seed) {
+    return [malice, seed, wires = 0U](Wire, Channel& end) mutable -> std::unique_ptr<Tap> {
+        return std::make_unique<HostileTap>(end, malice, seed, ++wires);
+    };
+}
+
+bool only_numbers(const TrialRecord& record) {
+    return std::all_of(record.samples.begin(), record.samples.end(), [](const TrajectorySample& s) {
+        return std::isfinite(s.time_s) && std::isfinite(s.position_needle_m) &&
+               std::isfinite(s.position_surface_m) && std::isfinite(s.force_tissue_N) &&
+               std::isfinite(s.force_fixture_N) && std::isfinite(s.force_total_N) &&
+               std::isfinite(s.contact_time_s);
+    });
+}
+
+void expect_clean_end(Rig& rig, const TrialRecord& record) {
+    EXPECT_TRUE(rig.session().finished());
+    EXPECT_NE(record.reason, EndReason::kNone);
+    EXPECT_TRUE(only_numbers(record));
+    EXPECT_LT(rig.now(), SessionTime{seconds{70}});  // the trial's time-out and the nodes' last words
+    EXPECT_EQ(rig.handle().refused_forces(), 0U);
+}
+
+TEST(HostileNetwork, DuplicatesAreCountedAndChangeNothing) {
+    for (const Modality modality : {Modality::kHF, Modality::kVF}) {
+        Rig quiet(paper());
+        Rig rig(paper(), hostile({.duplicate = 0.3}, 1));
+        const TrialRecord& record = rig.run(trial_of(modality));
+        expect_clean_end(rig, record);
+        EXPECT_EQ(record.reason, EndReason::kCompleted);
+        EXPECT_TRUE(same_samples(record, quiet.run(trial_of(modality))));
+        EXPECT_GT(rig.counters().of(Refusal::kDuplicate), 1000U);
+    }
+}
+
+TEST(HostileNetwork, ReorderingLossAndTruncationAreSurvived) {
+    for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+        Rig rig(paper_with_delays({}, kPaperDelay),
+                hostile({.duplicate = 0.05, .reorder = 0.05, .lose = 0.05, .truncate = 0.05}, seed));
+        const TrialRecord& record = rig.run(trial_of(Modality::kCF, kPaperDelay));
+        expect_clean_end(rig, record);
+        EXPECT_EQ(record.reason, EndReason::kCompleted);
+        const FlowCounters counters = rig.counters();
+        for (const Refusal refusal :
+             {Refusal::kDuplicate, Refusal::kOutdated, Refusal::kMalformed, Refusal::kTooShort}) {
+            EXPECT_GT(counters.of(refusal), 10U) << to_string(refusal);
+        }
+    }
+}
+
+// A flipped bit in a number is a wrong number (the checksum against that is UDP's); in a sequence or a stamp it may
+// silence its flow. What must not happen: a NaN, a trial without end, a force that is not a number.
+TEST(HostileNetwork, FlippedBitsEndATrialCleanlyAtWorst) {
+    FlowCounters sum;
+    for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+        const auto modality = static_cast<Modality>(seed % 4);
+        Rig rig(paper(), hostile({.duplicate = 0.01, .reorder = 0.01, .truncate = 0.01, .flip = 0.02}, seed));
+        const TrialRecord& record = rig.run(trial_of(modality));
+        expect_clean_end(rig, record);
+        sum.add(rig.counters());
+    }
+    for (const Refusal refusal : {Refusal::kForeignFormat, Refusal::kMalformed, Refusal::kOutOfRange,
+                                  Refusal::kSecondSender, Refusal::kDuplicate, Refusal::kWrongTrial}) {
+        EXPECT_GT(sum.of(refusal), 0U) << to_string(refusal);
+    }
+}
+
+TEST(HostileNetwork, TheSameSeedOfMaliceGivesTheSameTrial) {
+    const Malice malice{.duplicate = 0.05, .reorder = 0.05, .lose = 0.05, .truncate = 0.05, .flip = 0.0005};
+    Rig a(paper(), hostile(malice, 7)), b(paper(), hostile(malice, 7));
+    const TrialRecord& first = a.run(trial_of(Modality::kHF));
+    const TrialRecord& second = b.run(trial_of(Modality::kHF));
+    EXPECT_TRUE(same_samples(first, second));
+    EXPECT_EQ(first.reason, second.reason);
+    EXPECT_EQ(a.counters().refused, b.counters().refused);
+}
+
+TEST(HostileNetwork, ARestartedMasterEndsItsTrialAndServesTheNext) {
+    Rig rig(paper());
+    rig.start(trial_of(Modality::kHF, {}, 1, 1));
+    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 1; }));
+    const SessionTime restart = rig.now();
+    rig.restart_master();
+    const TrialRecord& lost = rig.finish();
+    EXPECT_EQ(lost.reason, EndReason::kPeerLost);
+    EXPECT_EQ(lost.lost_peer, Role::kMaster);
+    EXPECT_LT(rig.now() - restart, seconds{1});
+    const TrialRecord& next = rig.run(trial_of(Modality::kCF, {}, 1, 2));
+    EXPECT_EQ(next.reason, EndReason::kCompleted);
+    EXPECT_FALSE(std::isnan(next.beep_time_s));
+}
+
+// Somebody else on the needle's wire, a stranger with a NeedleCommand of his own: locked out, counted, no effect.
+TEST(HostileNetwork, ASecondMasterIsLockedOut) {
+    class SecondMaster final : public Tap {
+      public:
+        explicit SecondMaster(Channel& end) : Tap(end), flow_(Role::kMaster, 666, {&end}) {}
+        void send(Bytes datagram) override {
+            Tap::send(datagram);
+            NeedleCommand command;
+            command.position_needle_m = command.position_needle_estimate_m = -1;
+            flow_.send(SessionTime{seconds{1000}}, 1, command);
+        }
+
+      private:
+        OutboundFlow flow_;
+    };
+    Rig quiet(paper());
+    Rig rig(paper(), [](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
+        return wire == Wire::kNeedle ? std::make_unique<SecondMaster>(end) : nullptr;
+    });
+    const TrialRecord& record = rig.run(trial_of(Modality::kHF));
+    EXPECT_EQ(record.reason, EndReason::kCompleted);
+    EXPECT_TRUE(same_samples(record, quiet.run(trial_of(Modality::kHF))));
+    EXPECT_GT(rig.slave().counters().of(Refusal::kSecondSender), 1000U);
+}
+
+}  // namespace
+}  // namespace thimble::test

@@ -1,0 +1,200 @@
+#include "tests/scenario/rig.hpp"
+
+#include <array>
+#include <vector>
+
+namespace thimble::test {
+namespace {
+
+struct Pipe {
+    QueueChannel a, b;
+    Pipe() {
+        a.connect(b);
+        b.connect(a);
+    }
+};
+
+// Keeps its place in the loop while what runs in it is replaced.
+class Replaceable final : public Process {
+  public:
+    void tick(SessionTime now) override { process->tick(now); }
+    SessionTime next_wakeup() const override { return process->next_wakeup(); }
+    bool stopped() const override { return process->stopped(); }
+
+    std::unique_ptr<MasterProcess> process;
+};
+
+std::uint64_t instance_of(Role role) { return 1000 + static_cast<std::uint64_t>(role); }
+
+}  // namespace
+
+struct Rig::Parts {
+    Parts(const SystemSettings& s, const MakeTap& tap, const std::optional<LinkSettings>& kinesthetic);
+    void wire();
+    Channel* tapped(Wire wire, Channel& end);
+    MasterProcess::Channels master_channels();
+
+    const MakeTap& make_tap;  // during construction
+    std::vector<std::unique_ptr<Tap>> taps;
+    SystemSettings settings;
+    std::array<Pipe, kNodeRoles.size()> control;  // a: session, b: node, in the order of kNodeRoles
+    std::array<Channel*, kNodeRoles.size()> orders{}, heartbeats{};
+    Pipe record, needle_up, needle_down, force_up_master, force_up_cutaneous, force_up_visual,
+        force_down_master, force_down_cutaneous, force_down_visual, beep, percept_cutaneous, percept_visual;
+    SimulatedHandle handle;
+    SimulatedActuator actuator;
+    RecordingDisplay display;
+    std::unique_ptr<SessionProcess> session;
+    Replaceable master;
+    std::unique_ptr<NetemProcess> netem;
+    std::unique_ptr<SlaveProcess> slave;
+    std::unique_ptr<CutaneousProcess> cutaneous;
+    std::unique_ptr<VisualProcess> visual;
+    VirtualLoop loop;
+    std::uint32_t session_bit = 0, master_bit = 0;
+};
+
+Channel* Rig::Parts::tapped(Wire wire, Channel& end) {
+    auto tap = make_tap ? make_tap(wire, end) : nullptr;
+    if (!tap) return &end;
+    taps.push_back(std::move(tap));
+    return taps.back().get();
+}
+
+MasterProcess::Channels Rig::Parts::master_channels() {
+    return {heartbeats[4], &needle_up.a, &force_down_master.b, &percept_cutaneous.b, &percept_visual.b};
+}
+
+Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap, const std::optional<LinkSettings>& kinesthetic)
+    : make_tap(tap),
+      settings(s),
+      handle(s.handle, s.person),
+      actuator(s.cutaneous),
+      display(s.visual.pipeline) {
+    for (std::size_t i = 0; i < control.size(); ++i) {
+        orders[i] = tapped(Wire::kOrders, control[i].a);
+        heartbeats[i] = tapped(Wire::kHeartbeats, control[i].b);
+    }
+    const LinkSettings to_handle = kinesthetic.value_or(s.netem.force);
+    session = std::make_unique<SessionProcess>(instance_of(Role::kSession), s.session,
+                                               SessionProcess::Channels{orders, &record.b});
+    master.process = std::make_unique<MasterProcess>(instance_of(Role::kMaster), s.master, master_channels(),
+                                                     handle, handle);
+    netem = std::make_unique<NetemProcess>(
+        instance_of(Role::kNetem), *heartbeats[0],
+        std::vector<RelayPlan>{
+            {&needle_up.b, tapped(Wire::kNeedle, needle_down.a), s.netem.needle, kDirectionNeedle},
+            {&force_up_master.b, tapped(Wire::kForceMaster, force_down_master.a), to_handle,
+             kDirectionForceMaster},
+            {&force_up_cutaneous.b, tapped(Wire::kForceCutaneous, force_down_cutaneous.a), s.netem.force,
+             kDirectionForceCutaneous},
+            {&force_up_visual.b, tapped(Wire::kForceVisual, force_down_visual.a), s.netem.force,
+             kDirectionForceVisual}});
+    slave = std::make_unique<SlaveProcess>(
+        instance_of(Role::kSlaveSim), s.slave,
+        SlaveProcess::Channels{heartbeats[1], &needle_down.b, &force_up_master.a, &force_up_cutaneous.a,
+                               &force_up_visual.a, tapped(Wire::kBeep, beep.a),
+                               tapped(Wire::kRecord, record.a)});
+    cutaneous = std::make_unique<CutaneousProcess>(
+        instance_of(Role::kCutaneous), s.cutaneous,
+        CutaneousProcess::Channels{heartbeats[2], &force_down_cutaneous.b,
+                                   tapped(Wire::kPerceptCutaneous, percept_cutaneous.a)},
+        actuator);
+    visual = std::make_unique<VisualProcess>(
+        instance_of(Role::kVisual), s.visual,
+        VisualProcess::Channels{heartbeats[3], &force_down_visual.b, &beep.b,
+                                tapped(Wire::kPerceptVisual, percept_visual.a)},
+        display);
+    wire();
+}
+
+void Rig::Parts::wire() {
+    std::uint32_t* mask = loop.wake_mask();
+    session_bit = loop.add(*session);
+    master_bit = loop.add(master);
+    const std::uint32_t netem_bit = loop.add(*netem);
+    const std::uint32_t slave_bit = loop.add(*slave);
+    const std::uint32_t cutaneous_bit = loop.add(*cutaneous);
+    const std::uint32_t visual_bit = loop.add(*visual);
+    const std::array node_bits{netem_bit, slave_bit, cutaneous_bit, visual_bit, master_bit};  // as kNodeRoles
+    for (std::size_t i = 0; i < control.size(); ++i) {
+        control[i].a.wake(mask, session_bit);
+        control[i].b.wake(mask, node_bits[i]);
+    }
+    record.b.wake(mask, session_bit);
+    for (Pipe* up : {&needle_up, &force_up_master, &force_up_cutaneous, &force_up_visual}) {
+        up->b.wake(mask, netem_bit);
+    }
+    needle_down.b.wake(mask, slave_bit);
+    for (Pipe* down : {&force_down_master, &percept_cutaneous, &percept_visual})
+        down->b.wake(mask, master_bit);
+    force_down_cutaneous.b.wake(mask, cutaneous_bit);
+    for (Pipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
+}
+
+Rig::Rig(const SystemSettings& settings, const MakeTap& make_tap,
+         const std::optional<LinkSettings>& kinesthetic)
+    : parts_(std::make_unique<Parts>(settings, make_tap, kinesthetic)) {}
+Rig::~Rig() = default;
+
+void Rig::start(const TrialConditions& conditions) {
+    parts_->session->start(conditions);
+    parts_->loop.poke(parts_->session_bit);
+}
+
+bool Rig::step() { return !parts_->session->finished() && parts_->loop.step(); }
+
+const TrialRecord& Rig::finish() {
+    while (step()) {
+    }
+    return parts_->session->record();
+}
+
+const TrialRecord& Rig::run(const TrialConditions& conditions) {
+    start(conditions);
+    return finish();
+}
+
+void Rig::run_until(SessionTime time) {
+    while (now() < time && step()) {
+    }
+}
+
+bool Rig::run_until_sample(const std::function<bool(const TrajectorySample&)>& seen) {
+    const auto& samples = session().record().samples;
+    std::size_t looked_at = samples.size();
+    while (step()) {
+        for (; looked_at < samples.size(); ++looked_at) {
+            if (seen(samples[looked_at])) return true;
+        }
+    }
+    return false;
+}
+
+SessionTime Rig::now() const { return parts_->loop.now(); }
+SessionProcess& Rig::session() { return *parts_->session; }
+SimulatedHandle& Rig::handle() { return parts_->handle; }
+const MasterProcess& Rig::master() const { return *parts_->master.process; }
+const NetemProcess& Rig::netem() const { return *parts_->netem; }
+const SlaveProcess& Rig::slave() const { return *parts_->slave; }
+const CutaneousProcess& Rig::cutaneous() const { return *parts_->cutaneous; }
+const VisualProcess& Rig::visual() const { return *parts_->visual; }
+const RecordingDisplay& Rig::display() const { return parts_->display; }
+
+void Rig::restart_master() {
+    parts_->master.process =
+        std::make_unique<MasterProcess>(instance_of(Role::kMaster) + 100, parts_->settings.master,
+                                        parts_->master_channels(), parts_->handle, parts_->handle);
+    parts_->loop.poke(parts_->master_bit);
+}
+
+FlowCounters Rig::counters() const {
+    FlowCounters sum;
+    for (const NodeProcess* node :
+         std::initializer_list<const NodeProcess*>{&master(), &netem(), &slave(), &cutaneous(), &visual()}) {
+        sum.add(node->counters());
+    }
+    return sum;
+}
+
+}  // namespace thimble::test

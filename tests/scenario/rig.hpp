@@ -1,0 +1,93 @@
+// A session in virtual time that can be opened: the wiring of VirtualSession, process by process, with a place
+// at the end of every wire where a test can listen, cut, or do worse. rig_test.cpp shows that, left alone, it
+// gives the bits of VirtualSession.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/queue_channel.hpp"
+#include "cutaneous_node/cutaneous_process.hpp"
+#include "cutaneous_node/simulated_actuator.hpp"
+#include "experiment/session_process.hpp"
+#include "experiment/system_settings.hpp"
+#include "experiment/virtual_loop.hpp"
+#include "master/master_process.hpp"
+#include "netem/netem_process.hpp"
+#include "slave_sim/slave_process.hpp"
+#include "visual_node/recording_display.hpp"
+#include "visual_node/visual_process.hpp"
+
+namespace thimble::test {
+
+// Ends of wires, named by who sends there and what.
+enum class Wire {
+    kOrders,            // session -> nodes, five of them
+    kHeartbeats,        // nodes -> session, five of them
+    kNeedle,            // netem -> slave
+    kForceMaster,       // netem -> master
+    kForceCutaneous,    // netem -> cutaneous
+    kForceVisual,       // netem -> visual
+    kBeep,              // slave -> visual
+    kRecord,            // slave -> session
+    kPerceptCutaneous,  // cutaneous -> master
+    kPerceptVisual,     // visual -> master
+};
+
+// A sender's end of a wire. What it receives passes untouched.
+class Tap : public Channel {
+  public:
+    explicit Tap(Channel& inner) : inner_(&inner) {}
+    void send(Bytes datagram) override { inner_->send(datagram); }
+    Bytes receive() final { return inner_->receive(); }
+
+  protected:
+    Channel& inner() { return *inner_; }
+
+  private:
+    Channel* inner_;
+};
+
+// Puts a tap on a wire; null leaves it as it is.
+using MakeTap = std::function<std::unique_ptr<Tap>(Wire, Channel&)>;
+
+class Rig {
+  public:
+    // `kinesthetic`: the link that carries the force to the handle, if it shall differ from the other two.
+    explicit Rig(const SystemSettings& settings, const MakeTap& make_tap = {},
+                 const std::optional<LinkSettings>& kinesthetic = {});
+    ~Rig();
+
+    void start(const TrialConditions& conditions);
+    bool step();  // false once the trial has ended
+    const TrialRecord& finish();
+    const TrialRecord& run(const TrialConditions& conditions);
+    // Steps until the session's clock has passed `time`, or the trial has ended.
+    void run_until(SessionTime time);
+    // Steps until there is a sample for which `seen` is true; false if the trial ended before.
+    bool run_until_sample(const std::function<bool(const TrajectorySample&)>& seen);
+
+    SessionTime now() const;
+    SessionProcess& session();
+    SimulatedHandle& handle();
+    const MasterProcess& master() const;
+    const NetemProcess& netem() const;
+    const SlaveProcess& slave() const;
+    const CutaneousProcess& cutaneous() const;
+    const VisualProcess& visual() const;
+    const RecordingDisplay& display() const;
+
+    // The master's program dies and comes up again, as another instance that knows nothing.
+    void restart_master();
+
+    // Over all nodes, since start.
+    FlowCounters counters() const;
+
+  private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace thimble::test

@@ -1,0 +1,170 @@
+// The session around a trial: time-outs, interruptions, a fixture that is taken away, nodes that do not answer.
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "experiment/metrics.hpp"
+#include "tests/scenario/rig.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+bool idle(const NodeProcess& node) { return node.state() == NodeState::kIdle; }
+
+void expect_all_stopped(Rig& rig, EndReason reason) {
+    for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
+             &rig.master(), &rig.netem(), &rig.slave(), &rig.cutaneous(), &rig.visual()}) {
+        EXPECT_TRUE(idle(*node)) << to_string(node->role());
+        EXPECT_EQ(node->reason(), reason) << to_string(node->role());
+    }
+    EXPECT_EQ(rig.handle().force_hand_N(), 0);
+}
+
+TEST(Session, ACompletedTrialLeavesEverybodyIdle) {
+    Rig rig(paper());
+    const TrialRecord& record = rig.run(trial_of(Modality::kHF));
+    EXPECT_EQ(record.reason, EndReason::kCompleted);
+    expect_all_stopped(rig, EndReason::kCompleted);
+    // Recorded from the first answer on, one per millisecond, none twice and none left out.
+    for (std::size_t i = 0; i < record.samples.size(); ++i) {
+        ASSERT_NEAR(record.samples[i].time_s, 1e-3 * static_cast<double>(i), 1e-9);
+    }
+    EXPECT_EQ(rig.session().missing_peers(rig.now(), seconds{1}), "");
+}
+
+TEST(Session, ATimeoutEndsTheTrialOnTime) {
+    SystemSettings settings = paper();
+    settings.session.trial_timeout = seconds{3};
+    Rig rig(settings);
+    const TrialRecord& record = rig.run(trial_of(Modality::kCF));
+    EXPECT_EQ(record.reason, EndReason::kTimeout);
+    EXPECT_TRUE(std::isnan(record.beep_time_s));
+    EXPECT_NEAR(record.samples.back().time_s, 3, 0.2);
+    expect_all_stopped(rig, EndReason::kTimeout);
+}
+
+TEST(Session, AnInterruptEndsTheTrialAtOnce) {
+    Rig rig(paper());
+    rig.start(trial_of(Modality::kHF));
+    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s > 1; }));
+    const SessionTime when = rig.now();
+    rig.session().abort(EndReason::kInterrupted);
+    const TrialRecord& record = rig.finish();
+    EXPECT_EQ(record.reason, EndReason::kInterrupted);
+    EXPECT_LT(rig.now() - when, milliseconds{200});
+    expect_all_stopped(rig, EndReason::kInterrupted);
+    rig.session().abort(EndReason::kInterrupted);  // harmless when none runs
+    EXPECT_EQ(rig.run(trial_of(Modality::kVF, {}, 1, 2)).reason, EndReason::kCompleted);
+}
+
+TEST(Session, AnAbortNamesWhoDied) {
+    Rig rig(paper());
+    rig.start(trial_of(Modality::kHF));
+    rig.run_until(SessionTime{seconds{1}});
+    rig.session().abort(EndReason::kPeerLost, Role::kVisual);
+    EXPECT_EQ(rig.finish().reason, EndReason::kPeerLost);
+    EXPECT_EQ(rig.session().record().lost_peer, Role::kVisual);
+}
+
+TEST(Session, AShutdownReachesEveryNode) {
+    Rig rig(paper());
+    rig.run(trial_of(Modality::kHF));
+    EXPECT_FALSE(rig.slave().stopped());
+    rig.session().shut_down(rig.now());
+    for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
+             &rig.master(), &rig.netem(), &rig.slave(), &rig.cutaneous(), &rig.visual()}) {
+        const_cast<NodeProcess*>(node)->tick(rig.now());
+        EXPECT_TRUE(node->stopped()) << to_string(node->role());
+    }
+}
+
+// Experiment 2: the fixture vanishes at the beep. A hand that leans on it falls through; fingers and eyes have nothing
+// to lean on.
+TEST(Session, AVanishedFixtureLetsOnlyTheKinestheticHandOvershoot) {
+    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+        Rig rig(paper());
+        rig.start(trial_of(modality));
+        ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 5; }));
+        const SessionTime when = rig.now();
+        const std::size_t before = rig.session().record().samples.size();
+        rig.session().change_fixture(false, 0);
+        const TrialRecord& record = rig.finish();
+        EXPECT_EQ(record.reason, EndReason::kCompleted);
+        EXPECT_TRUE(record.samples[before - 1].fixture_present);
+        EXPECT_FALSE(record.samples[before + 100].fixture_present) << to_nanoseconds(when);
+        EXPECT_EQ(record.samples.back().force_fixture_N, 0);
+        const double peak_m = measure(record).peak_displacement_m;
+        if (modality == Modality::kHF) {
+            EXPECT_GT(peak_m, 5e-3);
+        } else {
+            EXPECT_LT(peak_m, 1.5e-3) << to_string(modality);
+        }
+    }
+}
+
+TEST(Session, AMovedFixtureIsWhereItWasMoved) {
+    Rig rig(paper());
+    const TrialConditions trial = trial_of(Modality::kHF);
+    rig.start(trial);
+    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 2; }));
+    const double moved_m = trial.fixture_position_m - 0.002;
+    rig.session().change_fixture(true, moved_m);
+    ASSERT_TRUE(rig.run_until_sample([&](const TrajectorySample& s) {
+        return s.force_fixture_N != 0 &&
+               std::fabs(s.force_fixture_N + 3000 * (s.position_needle_m - moved_m)) < 1e-9;
+    }));
+}
+
+// Wires to and from one node.
+struct Node {
+    Role role;
+    std::size_t index;  // of kNodeRoles
+};
+
+class SilentNode : public testing::TestWithParam<Role> {
+  protected:
+    // Cuts `which` control wires of the node from the start.
+    MakeTap silence(bool orders, bool heartbeats) {
+        return [this, orders, heartbeats, index = std::array<std::size_t, 2>{}](
+                   Wire wire, Channel& end) mutable -> std::unique_ptr<Tap> {
+            if (wire != Wire::kOrders && wire != Wire::kHeartbeats) return nullptr;
+            const std::size_t i = index[wire == Wire::kOrders ? 0 : 1]++;
+            const bool cut = kNodeRoles[i] == GetParam() && (wire == Wire::kOrders ? orders : heartbeats);
+            return cut ? std::make_unique<Mute>(end) : nullptr;
+        };
+    }
+
+  private:
+    struct Mute final : Tap {
+        using Tap::Tap;
+        void send(Bytes) override {}
+    };
+};
+
+TEST_P(SilentNode, ADeadNodeIsNamedWhenItDoesNotStart) {
+    Rig rig(paper(), silence(true, true));
+    const TrialRecord& record = rig.run(trial_of(Modality::kHF));
+    EXPECT_EQ(record.reason, EndReason::kPeerLost);
+    EXPECT_EQ(record.lost_peer, GetParam()) << to_string(record.lost_peer);
+    EXPECT_EQ(rig.session().missing_peers(rig.now(), seconds{1}), to_string(GetParam()));
+    EXPECT_LT(rig.now(), SessionTime{2 * paper().session.peer_wait + seconds{1}});
+}
+
+TEST_P(SilentNode, ANodeThatIsHeardButDoesNotObeyIsNamed) {
+    Rig rig(paper(), silence(true, false));
+    const TrialRecord& record = rig.run(trial_of(Modality::kHF));
+    EXPECT_EQ(record.reason, EndReason::kPeerLost);
+    EXPECT_EQ(record.lost_peer, GetParam()) << to_string(record.lost_peer);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, SilentNode, testing::ValuesIn(kNodeRoles),
+                         [](const auto& info) { return std::string(to_string(info.param)); });
+
+}  // namespace
+}  // namespace thimble::test

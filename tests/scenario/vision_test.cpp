@@ -1,0 +1,108 @@
+// What the operator may see: never the inserted part of the needle, never the fixture, a bar only in VF.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/scenario/rig.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+struct Shown {
+    SessionTime when;
+    Percept percept;
+};
+
+class Watcher {
+  public:
+    MakeTap taps() {
+        return [this](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
+            return wire == Wire::kPerceptVisual ? std::make_unique<Eye>(end, shown) : nullptr;
+        };
+    }
+    std::vector<Shown> shown;
+
+  private:
+    struct Eye final : Tap {
+        Eye(Channel& end, std::vector<Shown>& target) : Tap(end), list(&target) {}
+        void send(Bytes datagram) override {
+            const Decoded decoded = decode(datagram);
+            ASSERT_TRUE(decoded.message);
+            list->push_back({decoded.message->header.send_time, std::get<Percept>(decoded.message->body)});
+            Tap::send(datagram);
+        }
+        std::vector<Shown>* list;
+    };
+};
+
+TEST(Vision, TheInsertedPartIsNeverShown) {
+    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+        Watcher watcher;
+        Rig rig(paper(), watcher.taps());
+        const TrialRecord& record = rig.run(trial_of(modality));
+        ASSERT_EQ(record.reason, EndReason::kCompleted);
+        double deepest_m = 0, deepest_shown_m = -1;
+        for (const TrajectorySample& s : record.samples) {
+            deepest_m = std::max(deepest_m, s.position_needle_m - s.position_surface_m);
+        }
+        ASSERT_GT(deepest_m, 0.05);  // there was something to hide
+        int hidden = 0;
+        for (const Shown& shown : watcher.shown) {
+            const Percept& p = shown.percept;
+            deepest_shown_m =
+                std::max(deepest_shown_m, p.position_needle_shown_m - p.position_surface_shown_m);
+            hidden += p.touching_shown && p.position_needle_shown_m == p.position_surface_shown_m;
+            EXPECT_EQ(p.force_N, 0);
+            if (modality != Modality::kVF) EXPECT_EQ(p.bar_N, 0);
+        }
+        EXPECT_LE(deepest_shown_m, 0);
+        EXPECT_GT(hidden, 100);
+        // 60 frames a second, and the beep.
+        EXPECT_NEAR(static_cast<double>(watcher.shown.size()), 60 * record.samples.back().time_s, 10);
+    }
+}
+
+TEST(Vision, TheBarIsShownInVF) {
+    Watcher watcher;
+    Rig rig(paper(), watcher.taps());
+    rig.run(trial_of(Modality::kVF));
+    double longest_N = 0;
+    for (const Shown& shown : watcher.shown) longest_N = std::max(longest_N, shown.percept.bar_N);
+    EXPECT_GT(longest_N, 5);
+    EXPECT_LE(longest_N, 12);
+}
+
+// Two trials that differ in nothing but the fixture's place look the same until the needle is at the nearer one, even
+// where the hand has been inside for seconds.
+TEST(Vision, NothingShownTellsWhereTheFixtureIs) {
+    Watcher near_watcher, far_watcher;
+    TrialConditions near = trial_of(Modality::kVF), far = near;
+    near.fixture_position_m = 0.110;
+    far.fixture_position_m = 0.135;
+    Rig near_rig(paper(), near_watcher.taps()), far_rig(paper(), far_watcher.taps());
+    const TrialRecord& record = near_rig.run(near);
+    far_rig.run(far);
+    double touched_s = 0;
+    for (const TrajectorySample& s : record.samples) {
+        if (s.contact_time_s > 0 || s.force_fixture_N != 0) break;
+        touched_s = s.time_s;
+    }
+    ASSERT_GT(touched_s, 3);
+    std::size_t compared = 0;
+    for (std::size_t i = 0; i < near_watcher.shown.size() && i < far_watcher.shown.size(); ++i) {
+        const Shown &a = near_watcher.shown[i], &b = far_watcher.shown[i];
+        if (to_seconds(a.when.time_since_epoch()) > touched_s) break;
+        ++compared;
+        ASSERT_EQ(a.when, b.when);
+        ASSERT_EQ(a.percept.bar_N, b.percept.bar_N);
+        ASSERT_EQ(a.percept.position_needle_shown_m, b.percept.position_needle_shown_m);
+        ASSERT_EQ(a.percept.position_surface_shown_m, b.percept.position_surface_shown_m);
+        ASSERT_EQ(a.percept.touching_shown, b.percept.touching_shown);
+    }
+    EXPECT_GT(compared, 150U);
+}
+
+}  // namespace
+}  // namespace thimble::test

@@ -1,0 +1,261 @@
+// Who gets in: one sender, newest first, for the running trial.
+#include "common/flow.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/queue_channel.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr SessionTime at(Duration time) { return SessionTime{time}; }
+
+// Says anything in anybody's name.
+struct Speaker {
+    Header header{7, at(seconds{1}), 100, 3, Role::kMaster};
+    Encoder encoder;
+
+    template <class Body>
+    Bytes say(const Body& body) {
+        return encoder.encode(header, body);
+    }
+    Bytes say() { return say(NeedleCommand{}); }
+    Bytes numbered(std::uint32_t sequence) {
+        header.sequence = sequence;
+        return say();
+    }
+};
+
+class InboundFlowTest : public testing::Test {
+  protected:
+    bool admits(Bytes datagram) { return flow.admit(now, datagram) != nullptr; }
+    std::uint64_t refused(Refusal refusal) const { return flow.counters().of(refusal); }
+
+    Speaker master;
+    InboundFlow flow{Role::kMaster};
+    SessionTime now = at(seconds{10});
+};
+
+TEST_F(InboundFlowTest, AdmitsTheExpectedSender) {
+    const Message* message = flow.admit(now, master.say(NeedleCommand{0.5, 0, 0, 0, 0, 0}));
+    ASSERT_NE(message, nullptr);
+    EXPECT_EQ(std::get<NeedleCommand>(message->body).position_needle_m, 0.5);
+    EXPECT_EQ(message->header.sequence, 100U);
+    EXPECT_EQ(flow.last_accepted(), now);
+    EXPECT_EQ(flow.counters().accepted, 1U);
+    EXPECT_EQ(flow.counters().refused_total(), 0U);
+}
+
+TEST_F(InboundFlowTest, NewestWins) {
+    ASSERT_TRUE(admits(master.numbered(100)));
+    EXPECT_TRUE(admits(master.numbered(105)));  // a gap is no reason to wait
+    EXPECT_FALSE(admits(master.numbered(104)));
+    EXPECT_FALSE(admits(master.numbered(1)));
+    EXPECT_EQ(refused(Refusal::kOutdated), 2U);
+    EXPECT_TRUE(admits(master.numbered(106)));
+}
+
+TEST_F(InboundFlowTest, DuplicatesAreCounted) {
+    ASSERT_TRUE(admits(master.numbered(100)));
+    EXPECT_FALSE(admits(master.numbered(100)));
+    EXPECT_FALSE(admits(master.numbered(100)));
+    EXPECT_EQ(refused(Refusal::kDuplicate), 2U);
+    EXPECT_EQ(flow.counters().accepted, 1U);
+}
+
+TEST_F(InboundFlowTest, SequencesWrap) {
+    ASSERT_TRUE(admits(master.numbered(0xfffffffe)));
+    EXPECT_TRUE(admits(master.numbered(0xffffffff)));
+    EXPECT_TRUE(admits(master.numbered(0)));
+    EXPECT_TRUE(admits(master.numbered(1)));
+    EXPECT_FALSE(admits(master.numbered(0xffffffff)));  // before the wrap: old
+    EXPECT_FALSE(admits(master.numbered(0)));
+    EXPECT_EQ(refused(Refusal::kOutdated), 2U);
+    // Half the circle is ahead, the other half behind.
+    EXPECT_FALSE(admits(master.numbered(1 + 0x80000000U)));
+    EXPECT_TRUE(admits(master.numbered(1 + 0x7fffffffU)));
+}
+
+TEST(SequenceAhead, CountsAcrossTheWrap) {
+    EXPECT_EQ(sequence_ahead(5, 3), 2);
+    EXPECT_EQ(sequence_ahead(3, 5), -2);
+    EXPECT_EQ(sequence_ahead(1, 0xffffffff), 2);
+    EXPECT_EQ(sequence_ahead(0xffffffff, 1), -2);
+}
+
+TEST_F(InboundFlowTest, StampsMayRestButNotGoBack) {
+    ASSERT_TRUE(admits(master.numbered(100)));
+    EXPECT_TRUE(admits(master.numbered(101)));  // two sends in one instant
+    master.header.send_time -= Duration{1};
+    EXPECT_FALSE(admits(master.numbered(102)));
+    EXPECT_EQ(refused(Refusal::kStampNotIncreasing), 1U);
+    master.header.send_time += Duration{1};
+    EXPECT_TRUE(admits(master.numbered(102)));  // the refused one left nothing behind
+}
+
+TEST_F(InboundFlowTest, ASecondSenderIsLockedOut) {
+    Speaker other;
+    other.header.instance = 8;
+    ASSERT_TRUE(admits(master.numbered(100)));
+    now += seconds{1};  // exactly the limit
+    EXPECT_FALSE(admits(other.numbered(5000)));
+    EXPECT_EQ(refused(Refusal::kSecondSender), 1U);
+    EXPECT_TRUE(admits(master.numbered(101)));
+}
+
+TEST_F(InboundFlowTest, ARestartedSenderGetsInAfterASecondOfSilence) {
+    Speaker restarted;
+    restarted.header.instance = 8;
+    restarted.header.send_time = at(milliseconds{1});  // its clock and numbers begin anew
+    ASSERT_TRUE(admits(master.numbered(100)));
+    now += seconds{1} + Duration{1};
+    EXPECT_TRUE(admits(restarted.numbered(1)));
+    EXPECT_TRUE(admits(restarted.numbered(2)));
+    EXPECT_FALSE(admits(master.numbered(101)));  // now the old one is the second
+    EXPECT_EQ(refused(Refusal::kSecondSender), 1U);
+}
+
+// A stranger who keeps knocking must not keep the seat warm for himself, nor for the one who left.
+TEST_F(InboundFlowTest, RefusedMessagesAreNoSignOfLife) {
+    Speaker other;
+    other.header.instance = 8;
+    ASSERT_TRUE(admits(master.numbered(100)));
+    const SessionTime heard = now;
+    for (int i = 0; i < 10; ++i) {
+        now += milliseconds{100};
+        EXPECT_FALSE(admits(other.say()));
+        EXPECT_FALSE(admits(master.numbered(100)));
+    }
+    EXPECT_EQ(flow.last_accepted(), heard);
+    EXPECT_TRUE(flow.silent_for(now, milliseconds{999}));
+    now += milliseconds{1};
+    EXPECT_TRUE(admits(other.say()));
+}
+
+TEST_F(InboundFlowTest, ATrialsFreshStartDoesNotUnlock) {
+    Speaker other;
+    other.header.instance = 8;
+    ASSERT_TRUE(admits(master.numbered(100)));
+    now += milliseconds{900};
+    flow.expect_from(now);
+    EXPECT_FALSE(flow.silent_for(now, Duration{0}));
+    EXPECT_FALSE(admits(other.say()));
+    now += milliseconds{101};
+    EXPECT_TRUE(flow.silent_for(now, milliseconds{100}));
+    EXPECT_TRUE(admits(other.say()));
+}
+
+TEST_F(InboundFlowTest, AWrongRoleIsRefusedAndLocksNobodyOut) {
+    master.header.sender = Role::kSlaveSim;
+    EXPECT_FALSE(admits(master.numbered(100)));
+    EXPECT_EQ(refused(Refusal::kUnexpectedKind), 1U);
+    master.header.sender = Role::kMaster;
+    EXPECT_TRUE(admits(master.numbered(100)));
+}
+
+TEST_F(InboundFlowTest, CountsWhatTheCodecRefuses) {
+    const std::vector<std::uint8_t> noise(20, 0x55);
+    EXPECT_FALSE(admits(noise));
+    EXPECT_FALSE(admits(Bytes(noise.data(), 3)));
+    EXPECT_EQ(refused(Refusal::kForeignFormat), 1U);
+    EXPECT_EQ(refused(Refusal::kTooShort), 1U);
+    EXPECT_EQ(flow.counters().refused_total(), 2U);
+}
+
+TEST_F(InboundFlowTest, RefusingAnAdmittedMessageMovesItsCount) {
+    ASSERT_TRUE(admits(master.numbered(100)));
+    flow.refuse_admitted(Refusal::kWrongTrial);
+    EXPECT_EQ(flow.counters().accepted, 0U);
+    EXPECT_EQ(refused(Refusal::kWrongTrial), 1U);
+}
+
+// Drains `flow` through a channel that holds what was said to it.
+class Drain : public InboundFlowTest {
+  protected:
+    Drain() { sender.connect(receiver); }
+    std::vector<std::uint32_t> drain(bool running, std::uint32_t trial) {
+        std::vector<std::uint32_t> used;
+        flow.drain<NeedleCommand>(
+            now, receiver, running, trial,
+            [&](const Header& header, const NeedleCommand&) { used.push_back(header.sequence); });
+        return used;
+    }
+    using Sequences = std::vector<std::uint32_t>;
+
+    QueueChannel sender, receiver;
+};
+
+TEST_F(Drain, UsesAllThatIsNewInOrder) {
+    for (const std::uint32_t sequence : {1U, 2U, 2U, 4U, 3U, 5U}) sender.send(master.numbered(sequence));
+    EXPECT_EQ(drain(true, 3), (Sequences{1, 2, 4, 5}));
+    EXPECT_EQ(refused(Refusal::kDuplicate), 1U);
+    EXPECT_EQ(refused(Refusal::kOutdated), 1U);
+    EXPECT_EQ(drain(true, 3), Sequences{});
+}
+
+TEST_F(Drain, OtherTrialsAreCountedNotUsed) {
+    sender.send(master.numbered(1));
+    master.header.trial = 4;
+    sender.send(master.numbered(2));
+    EXPECT_EQ(drain(true, 4), Sequences{2});
+    EXPECT_EQ(refused(Refusal::kWrongTrial), 1U);
+    EXPECT_EQ(flow.counters().accepted, 1U);
+}
+
+TEST_F(Drain, BetweenTrialsTheChannelIsKeptEmpty) {
+    sender.send(master.numbered(1));
+    sender.send(master.numbered(2));
+    EXPECT_EQ(drain(false, 3), Sequences{});
+    EXPECT_EQ(refused(Refusal::kWrongTrial), 2U);
+    EXPECT_TRUE(receiver.receive().empty());
+}
+
+TEST_F(Drain, OtherKindsAreCountedNotUsed) {
+    sender.send(master.say(ForceFeedback{}));
+    sender.send(master.numbered(101));
+    EXPECT_EQ(drain(true, 3), Sequences{101});
+    EXPECT_EQ(refused(Refusal::kUnexpectedKind), 1U);
+}
+
+TEST(OutboundFlow, NumbersStampsAndSendsToAll) {
+    QueueChannel near_a, near_b, far_a, far_b;
+    near_a.connect(far_a);
+    near_b.connect(far_b);
+    OutboundFlow out(Role::kSlaveSim, 99, {&near_a, &near_b});
+    out.send(at(seconds{1}), 4, Percept{});
+    out.send(at(seconds{2}), 5, Heartbeat{});
+    EXPECT_EQ(out.sequence(), 2U);
+    for (QueueChannel* far : {&far_a, &far_b}) {
+        for (std::uint32_t n = 1; n <= 2; ++n) {
+            const Decoded decoded = decode(far->receive());
+            ASSERT_TRUE(decoded.message);
+            const Header& header = decoded.message->header;
+            EXPECT_EQ(header.instance, 99U);
+            EXPECT_EQ(header.sender, Role::kSlaveSim);
+            EXPECT_EQ(header.sequence, n);
+            EXPECT_EQ(header.trial, 3 + n);
+            EXPECT_EQ(header.send_time, at(seconds{n}));
+        }
+        EXPECT_TRUE(far->receive().empty());
+    }
+}
+
+TEST(FlowCounters, Add) {
+    FlowCounters a, b;
+    a.accepted = 1;
+    b.accepted = 2;
+    b.refused[0] = 3;
+    a.add(b);
+    a.add(b);
+    EXPECT_EQ(a.accepted, 5U);
+    EXPECT_EQ(a.refused_total(), 6U);
+    EXPECT_EQ(a.of(Refusal::kTooShort), 6U);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,104 @@
+#include "common/histogram.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "tests/unit/master/allocation_count.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Durations of every size up to 2^41 ns, evenly over the octaves.
+std::vector<std::int64_t> draw_samples() {
+    std::vector<std::int64_t> samples;
+    const auto count = *rc::gen::inRange(1, 200);
+    for (int i = 0; i < count; ++i) {
+        const auto octave = *rc::gen::inRange(0, 42);
+        samples.push_back(*rc::gen::inRange<std::int64_t>(0, std::int64_t{1} << octave));
+    }
+    return samples;
+}
+
+TEST(Histogram, QuantilesAreTheSortedSamplesToTheirBound) {
+    EXPECT_TRUE(rc::check([] {
+        std::vector<std::int64_t> samples = draw_samples();
+        Histogram histogram;
+        for (const std::int64_t ns : samples) histogram.add(Duration{ns});
+        std::sort(samples.begin(), samples.end());
+        RC_ASSERT(histogram.count() == samples.size());
+        RC_ASSERT(histogram.best().count() == samples.front());
+        RC_ASSERT(histogram.worst().count() == samples.back());
+        for (const double q : {0.0, 0.25, 0.5, 0.9, 0.99, 1.0}) {
+            const auto rank = static_cast<std::size_t>(q * static_cast<double>(samples.size() - 1));
+            const auto expected = static_cast<double>(samples[rank]);
+            const auto given = static_cast<double>(histogram.quantile(q).count());
+            RC_ASSERT(std::fabs(given - expected) <= 0.004 * expected);
+        }
+    }));
+}
+
+TEST(Histogram, ConstantsAreExact) {
+    for (const Duration value : {Duration{0}, Duration{127}, Duration{129}, Duration{1'000'003},
+                                 Duration{milliseconds{50}}, Duration{std::chrono::seconds{1234}}}) {
+        Histogram histogram;
+        for (int i = 0; i < 1000; ++i) histogram.add(value);
+        for (const double q : {0.0, 0.5, 1.0}) EXPECT_EQ(histogram.quantile(q), value);
+        EXPECT_EQ(histogram.best(), value);
+        EXPECT_EQ(histogram.worst(), value);
+    }
+}
+
+TEST(Histogram, SmallValuesAreExact) {
+    Histogram histogram;
+    for (int ns = 0; ns <= 255; ++ns) histogram.add(Duration{ns});
+    for (int ns = 0; ns <= 255; ++ns) EXPECT_EQ(histogram.quantile(ns / 255.0).count(), ns);
+}
+
+TEST(Histogram, OneOutlierIsTheWorstAndNothingElse) {
+    Histogram histogram;
+    for (int i = 0; i < 9999; ++i) histogram.add(milliseconds{1});
+    histogram.add(std::chrono::seconds{3});
+    EXPECT_EQ(histogram.worst(), std::chrono::seconds{3});
+    EXPECT_NEAR(to_seconds(histogram.quantile(0.999)), 1e-3, 4e-6);
+    EXPECT_NEAR(to_seconds(histogram.quantile(1)), 3, 0.012);
+}
+
+TEST(Histogram, EmptyNegativeAndEndless) {
+    Histogram histogram;
+    EXPECT_EQ(histogram.quantile(0.5), Duration{0});
+    EXPECT_EQ(histogram.worst(), Duration{0});
+    histogram.add(Duration{-5});
+    EXPECT_EQ(histogram.best(), Duration{0});
+    histogram.add(Duration::max());
+    EXPECT_EQ(histogram.worst(), Duration::max());
+    EXPECT_EQ(histogram.count(), 2U);
+}
+
+TEST(Histogram, ClearForgetsEverything) {
+    Histogram histogram;
+    histogram.add(milliseconds{5});
+    histogram.clear();
+    EXPECT_EQ(histogram.count(), 0U);
+    histogram.add(milliseconds{7});
+    EXPECT_EQ(histogram.best(), milliseconds{7});
+    EXPECT_EQ(histogram.worst(), milliseconds{7});
+    EXPECT_EQ(histogram.quantile(0.5), milliseconds{7});
+}
+
+TEST(Histogram, AddingAllocatesNothing) {
+    Histogram histogram;
+    const std::uint64_t before = test::allocation_count();
+    for (int i = 0; i < 1000; ++i) histogram.add(Duration{std::int64_t{1} << (i % 62)});
+    const Duration median = histogram.quantile(0.5);
+    EXPECT_EQ(test::allocation_count() - before, 0U);
+    EXPECT_GT(median, Duration{0});
+}
+
+}  // namespace
+}  // namespace thimble

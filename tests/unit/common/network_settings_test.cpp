@@ -1,0 +1,71 @@
+#include "common/network_settings.hpp"
+
+#include <map>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr auto kPorts = static_cast<std::uint16_t>(Port::kCount);
+
+NetworkSettings read(const std::string& text) {
+    const ConfigFile file = ConfigFile::parse("[network]\n" + text, "network.toml");
+    const NetworkSettings settings = read_network_settings(file);
+    file.finish();
+    return settings;
+}
+
+TEST(NetworkSettings, EveryPortIsItsOwn) {
+    const NetworkSettings settings = read("");
+    std::set<std::uint16_t> ports;
+    for (std::uint16_t i = 0; i < kPorts; ++i) ports.insert(settings.at(static_cast<Port>(i)).port);
+    EXPECT_EQ(ports.size(), std::size_t{kPorts});
+    EXPECT_EQ(*ports.begin(), settings.base_port);
+    EXPECT_EQ(*ports.rbegin(), settings.base_port + kPorts - 1);
+}
+
+// The session has an end for each node and one for the record; every node one for its orders and one per
+// flow it takes.
+TEST(NetworkSettings, EveryPortBelongsToWhoListensThere) {
+    std::map<Role, int> owned;
+    for (std::uint16_t i = 0; i < kPorts; ++i) ++owned[owner(static_cast<Port>(i))];
+    const std::map<Role, int> expected{{Role::kSession, 6},   {Role::kMaster, 4}, {Role::kSlaveSim, 2},
+                                       {Role::kCutaneous, 2}, {Role::kVisual, 3}, {Role::kNetem, 5}};
+    EXPECT_EQ(owned, expected);
+    EXPECT_EQ(owner(Port::kSessionMaster), Role::kSession);
+    EXPECT_EQ(owner(Port::kMasterControl), Role::kMaster);
+    EXPECT_EQ(owner(Port::kNetemControl), Role::kNetem);
+    EXPECT_EQ(owner(Port::kVisualBeep), Role::kVisual);
+}
+
+TEST(NetworkSettings, HostsByRole) {
+    const NetworkSettings settings =
+        read("base_port = 50000\nhost_master = '10.0.0.1'\nhost_netem = 'relay'");
+    EXPECT_EQ(settings.at(Port::kMasterForce).host, "10.0.0.1");
+    EXPECT_EQ(settings.at(Port::kNetemNeedle).host, "relay");
+    EXPECT_EQ(settings.at(Port::kSlaveNeedle).host, "127.0.0.1");
+    EXPECT_EQ(settings.at(Port::kSessionMaster).port, 50000);
+}
+
+TEST(NetworkSettings, RefusesWhatDoesNotFit) {
+    const std::string last = std::to_string(65536 - kPorts);
+    EXPECT_EQ(read("base_port = " + last).at(Port::kNetemForceVisual).port, 65535);
+    for (const std::string& text : {"base_port = " + std::to_string(65536 - kPorts + 1),
+                                    std::string("base_port = 1023"), std::string("base_port = '47000'"),
+                                    std::string("host_slave = 'x'"), std::string("host_master = 1")}) {
+        EXPECT_THROW(read(text), Error) << text;
+    }
+}
+
+TEST(NetworkSettings, SessionTablesAreNamedOnce) {
+    const auto tables = session_tables();
+    EXPECT_EQ(std::set<std::string_view>(tables.begin(), tables.end()).size(), tables.size());
+}
+
+}  // namespace
+}  // namespace thimble

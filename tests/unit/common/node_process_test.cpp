@@ -1,0 +1,298 @@
+// Obey, report, and stop safely: what every node does, tried on a node that does nothing else.
+#include "common/node_process.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/queue_channel.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// Writes down what is asked of it.
+class TinyProcess final : public NodeProcess {
+  public:
+    explicit TinyProcess(Channel& control) : NodeProcess(Role::kVisual, 42, control) {}
+
+    std::vector<std::string> said;
+    SessionTime wanted = kNever;
+    bool alone = false;        // its peer has fallen silent
+    bool end_at_once = false;  // finishes in its own work
+    using NodeProcess::set_state;
+
+  protected:
+    void begin_trial(SessionTime, const SessionControl& control) override {
+        said.push_back("begin " + std::to_string(trial()) + ' ' + to_string(control.modality));
+    }
+    void end_trial(SessionTime) override { said.push_back("end " + std::to_string(trial())); }
+    void obey(SessionTime, const SessionControl& control) override {
+        said.push_back(control.kind == ControlKind::kFixtureChange ? "fixture" : "beep");
+    }
+    void work(SessionTime) override {
+        ++works;
+        if (running() && end_at_once) set_state(NodeState::kFinished);
+    }
+    SessionTime next_work() const override { return wanted; }
+    bool peer_lost(SessionTime) const override { return alone; }
+    void describe(Heartbeat& heartbeat) const override { heartbeat.hold_median_s = 0.25; }
+
+  public:
+    int works = 0;
+};
+
+class NodeProcessTest : public testing::Test {
+  protected:
+    NodeProcessTest() {
+        near.connect(far);
+        far.connect(near);
+        tick(milliseconds{0});
+        heartbeats();
+    }
+
+    void tick(Duration time) {
+        now = SessionTime{time};
+        process.tick(now);
+    }
+    void order(ControlKind kind, std::uint32_t trial = 1, EndReason reason = EndReason::kNone) {
+        SessionControl control;
+        control.kind = kind;
+        control.modality = Modality::kCF;
+        control.reason = reason;
+        session.send(now, trial, control);
+    }
+    // All that was reported since the last call.
+    std::vector<Message> heartbeats() {
+        std::vector<Message> messages;
+        for (Bytes bytes = far.receive(); !bytes.empty(); bytes = far.receive()) {
+            const Decoded decoded = decode(bytes);
+            EXPECT_TRUE(decoded.message);
+            if (decoded.message) messages.push_back(*decoded.message);
+        }
+        return messages;
+    }
+    // Exactly one heartbeat, with this trial and state.
+    void expect_heartbeat(std::uint32_t trial, NodeState state, EndReason reason = EndReason::kNone) {
+        const auto messages = heartbeats();
+        ASSERT_EQ(messages.size(), 1U);
+        const auto& heartbeat = std::get<Heartbeat>(messages[0].body);
+        EXPECT_EQ(messages[0].header.trial, trial);
+        EXPECT_EQ(messages[0].header.sender, Role::kVisual);
+        EXPECT_EQ(messages[0].header.instance, 42U);
+        EXPECT_EQ(heartbeat.state, state);
+        EXPECT_EQ(heartbeat.reason, reason);
+        EXPECT_EQ(heartbeat.hold_median_s, 0.25);
+    }
+    void start(std::uint32_t trial = 1) {
+        order(ControlKind::kTrialStart, trial);
+        tick(milliseconds{10});
+        heartbeats();
+        process.said.clear();
+    }
+    using Said = std::vector<std::string>;
+
+    QueueChannel near, far;
+    TinyProcess process{near};
+    OutboundFlow session{Role::kSession, 1, {&far}};
+    SessionTime now{};
+};
+
+TEST_F(NodeProcessTest, HeartbeatsTenTimesASecond) {
+    std::vector<SessionTime> sent;
+    for (int ms = 1; ms <= 1000; ++ms) {
+        tick(milliseconds{ms});
+        if (!heartbeats().empty()) sent.push_back(now);
+        EXPECT_EQ(process.next_wakeup(), SessionTime{milliseconds{100 * (ms / 100 + 1)}});
+    }
+    ASSERT_EQ(sent.size(), 10U);
+    for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(sent[i], SessionTime{milliseconds{100 * (i + 1)}});
+}
+
+TEST_F(NodeProcessTest, WakesForItsWorkToo) {
+    process.wanted = SessionTime{milliseconds{3}};
+    EXPECT_EQ(process.next_wakeup(), SessionTime{milliseconds{3}});
+    const int before = process.works;
+    tick(milliseconds{3});
+    EXPECT_EQ(process.works, before + 1);
+}
+
+TEST_F(NodeProcessTest, StartsAndAcknowledgesAtOnce) {
+    order(ControlKind::kTrialStart, 5);
+    tick(milliseconds{7});
+    EXPECT_EQ(process.said, Said{"begin 5 CF"});
+    EXPECT_EQ(process.state(), NodeState::kRunning);
+    expect_heartbeat(5, NodeState::kRunning);
+}
+
+TEST_F(NodeProcessTest, ARepeatedStartIsAcknowledgedButStartsNothing) {
+    start(5);
+    order(ControlKind::kTrialStart, 5);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, Said{});
+    expect_heartbeat(5, NodeState::kRunning);
+}
+
+TEST_F(NodeProcessTest, AnotherTrialEndsTheRunningOne) {
+    start(5);
+    order(ControlKind::kTrialStart, 6);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, (Said{"end 5", "begin 6 CF"}));
+}
+
+TEST_F(NodeProcessTest, EndsWithTheReasonGiven) {
+    start();
+    order(ControlKind::kTrialEnd, 1, EndReason::kTimeout);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, Said{"end 1"});
+    expect_heartbeat(1, NodeState::kIdle, EndReason::kTimeout);
+    order(ControlKind::kTrialEnd, 1, EndReason::kTimeout);
+    tick(milliseconds{30});
+    EXPECT_EQ(process.said, Said{"end 1"});  // once is enough
+    expect_heartbeat(1, NodeState::kIdle, EndReason::kTimeout);
+}
+
+TEST_F(NodeProcessTest, AStartThatComesLateDoesNotReviveATrial) {
+    start();
+    order(ControlKind::kTrialEnd, 1, EndReason::kCompleted);
+    order(ControlKind::kTrialStart, 1);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, Said{"end 1"});
+    EXPECT_EQ(process.state(), NodeState::kIdle);
+}
+
+TEST_F(NodeProcessTest, TheEndOfAnotherTrialIsNotMeant) {
+    start(5);
+    order(ControlKind::kTrialEnd, 4, EndReason::kCompleted);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, Said{});
+    EXPECT_EQ(process.state(), NodeState::kRunning);
+}
+
+TEST_F(NodeProcessTest, ObeysDuringItsTrialOnly) {
+    order(ControlKind::kFixtureChange, 1);
+    tick(milliseconds{5});
+    EXPECT_EQ(process.said, Said{});
+    start(1);
+    order(ControlKind::kFixtureChange, 2);
+    order(ControlKind::kFixtureChange, 1);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, Said{"fixture"});
+}
+
+TEST_F(NodeProcessTest, FinishingIsReportedAtOnceAndStillRunning) {
+    process.end_at_once = true;
+    start();
+    tick(milliseconds{11});
+    heartbeats();
+    process.end_at_once = false;
+    EXPECT_EQ(process.state(), NodeState::kFinished);
+    order(ControlKind::kTrialEnd, 1, EndReason::kCompleted);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, Said{"end 1"});
+}
+
+TEST_F(NodeProcessTest, ShutdownEndsTheTrialAndStops) {
+    start();
+    EXPECT_FALSE(process.stopped());
+    order(ControlKind::kShutdown);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, Said{"end 1"});
+    EXPECT_TRUE(process.stopped());
+    expect_heartbeat(1, NodeState::kIdle, EndReason::kInterrupted);
+}
+
+TEST_F(NodeProcessTest, ShutdownBetweenTrialsStopsToo) {
+    order(ControlKind::kShutdown, 0);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, Said{});
+    EXPECT_TRUE(process.stopped());
+}
+
+TEST_F(NodeProcessTest, ASilentSessionEndsTheTrial) {
+    start();  // at 10 ms
+    tick(milliseconds{10} + kPeerTimeout);
+    EXPECT_EQ(process.state(), NodeState::kRunning);  // exactly the limit
+    heartbeats();
+    tick(milliseconds{10} + kPeerTimeout + Duration{1});
+    EXPECT_EQ(process.said, Said{"end 1"});
+    expect_heartbeat(1, NodeState::kFailed, EndReason::kPeerLost);
+    EXPECT_EQ(process.reason(), EndReason::kPeerLost);
+    tick(seconds{2});
+    EXPECT_EQ(process.said, Said{"end 1"});
+}
+
+// Nobody ticks it: its own wake-ups must be enough to notice within the promised second.
+TEST_F(NodeProcessTest, ItsOwnWakeUpsNoticeTheSilence) {
+    start();
+    while (process.state() == NodeState::kRunning) {
+        ASSERT_LT(process.next_wakeup(), SessionTime{seconds{2}});
+        tick(process.next_wakeup().time_since_epoch());
+        heartbeats();
+    }
+    EXPECT_LT(now, SessionTime{seconds{1}});
+}
+
+TEST_F(NodeProcessTest, TheSessionsHeartbeatsKeepItAlive) {
+    start();
+    for (int ms = 100; ms <= 3000; ms += 100) {
+        now = SessionTime{milliseconds{ms}};
+        session.send(now, 1, Heartbeat{});
+        tick(milliseconds{ms});
+        heartbeats();
+    }
+    EXPECT_EQ(process.state(), NodeState::kRunning);
+}
+
+TEST_F(NodeProcessTest, ALostPeerEndsTheTrial) {
+    start();
+    process.alone = true;
+    tick(milliseconds{11});
+    EXPECT_EQ(process.said, Said{"end 1"});
+    expect_heartbeat(1, NodeState::kFailed, EndReason::kPeerLost);
+}
+
+TEST_F(NodeProcessTest, BetweenTrialsSilenceIsNoFailure) {
+    process.alone = true;
+    tick(seconds{5});
+    EXPECT_EQ(process.state(), NodeState::kIdle);
+    EXPECT_EQ(process.said, Said{});
+}
+
+TEST_F(NodeProcessTest, AFailedTrialIsAcknowledgedByItsEndAndTheNextStarts) {
+    start();
+    tick(seconds{1});
+    ASSERT_EQ(process.state(), NodeState::kFailed);
+    heartbeats();
+    order(ControlKind::kTrialEnd, 1, EndReason::kPeerLost);
+    tick(seconds{1} + milliseconds{1});
+    expect_heartbeat(1, NodeState::kIdle, EndReason::kPeerLost);
+    order(ControlKind::kTrialStart, 2);
+    tick(seconds{1} + milliseconds{2});
+    EXPECT_EQ(process.state(), NodeState::kRunning);
+    EXPECT_EQ(process.said, (Said{"end 1", "begin 2 CF"}));
+}
+
+TEST_F(NodeProcessTest, CountsWhatItHearsAndReportsIt) {
+    session.send(now, 0, NeedleCommand{});  // the session does not steer needles
+    session.send(now, 0, Heartbeat{});
+    OutboundFlow stranger(Role::kSession, 2, {&far});
+    stranger.send(now, 0, Heartbeat{});
+    far.send(std::vector<std::uint8_t>(9, 0x55));
+    tick(milliseconds{100});
+    const FlowCounters counters = process.counters();
+    EXPECT_EQ(counters.accepted, 1U);
+    EXPECT_EQ(counters.of(Refusal::kUnexpectedKind), 1U);
+    EXPECT_EQ(counters.of(Refusal::kSecondSender), 1U);
+    EXPECT_EQ(counters.of(Refusal::kForeignFormat), 1U);
+    const auto messages = heartbeats();
+    ASSERT_EQ(messages.size(), 1U);
+    EXPECT_EQ(std::get<Heartbeat>(messages[0].body).accepted, 1U);
+    EXPECT_EQ(std::get<Heartbeat>(messages[0].body).refused, 3U);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,127 @@
+// Order and wide bounds only: how well time is kept is measured elsewhere and never passes or fails a test.
+#include "common/runtime/realtime_loop.hpp"
+
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/runtime/udp_channel.hpp"
+#include "common/runtime/wall_clock.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// Wants to be called every period; remembers when it was.
+class Ticker final : public Process {
+  public:
+    Ticker(SessionTime first, Duration period, std::size_t count)
+        : next_(first), period_(period), count_(count) {}
+    void tick(SessionTime now) override {
+        ticks.push_back(now);
+        if (now >= next_) {
+            due.push_back(next_);
+            late.push_back(now - next_);
+            next_ += period_;
+        }
+    }
+    SessionTime next_wakeup() const override { return next_; }
+    bool stopped() const override { return due.size() >= count_; }
+
+    std::vector<SessionTime> ticks, due;
+    std::vector<Duration> late;
+
+  private:
+    SessionTime next_;
+    Duration period_;
+    std::size_t count_;
+};
+
+TEST(WallClock, GoesForward) {
+    SessionTime last = wall_now();
+    for (int i = 0; i < 1000; ++i) {
+        const SessionTime now = wall_now();
+        ASSERT_GE(now, last);
+        last = now;
+    }
+    EXPECT_NE(system_entropy(), system_entropy());
+}
+
+TEST(RealtimeLoop, NeverEarlyAndOncePerDeadline) {
+    Ticker ticker(wall_now() + milliseconds{2}, milliseconds{2}, 20);
+    RealtimeLoop loop({});
+    loop.run(ticker);
+    ASSERT_EQ(ticker.due.size(), 20U);
+    for (const Duration late : ticker.late) {
+        EXPECT_GE(late, Duration{0});
+        EXPECT_LT(late, seconds{20});  // a machine this slow tells nothing
+    }
+    EXPECT_EQ(loop.statistics().deadlines, 20U);
+    EXPECT_EQ(loop.statistics().lateness.count(), 20U);
+    EXPECT_LE(loop.statistics().missed, 20U);
+}
+
+TEST(RealtimeLoop, ADatagramWakesItBeforeItsDeadline) {
+    UdpChannel receiver(Endpoint{"127.0.0.1", 0}, Endpoint{"127.0.0.1", 0});
+    sockaddr_in address{};
+    socklen_t length = sizeof address;
+    getsockname(receiver.file_descriptor(), static_cast<sockaddr*>(static_cast<void*>(&address)), &length);
+    UdpChannel sender(std::nullopt, Endpoint{"127.0.0.1", ntohs(address.sin_port)});
+    const std::array descriptors{receiver.file_descriptor()};
+    RealtimeLoop loop(descriptors);
+    Ticker ticker(wall_now() + seconds{600}, seconds{1}, 1);
+    sender.send(std::vector<std::uint8_t>{1});
+    loop.step(ticker, kNever);
+    EXPECT_EQ(ticker.ticks.size(), 1U);
+    EXPECT_TRUE(ticker.due.empty());
+    EXPECT_EQ(loop.statistics().arrivals, 1U);
+    EXPECT_EQ(loop.statistics().deadlines, 0U);
+}
+
+TEST(RealtimeLoop, WaitsNoLongerThanItsCallerAllows) {
+    Ticker ticker(kNever, seconds{1}, 1);
+    RealtimeLoop loop({});
+    const SessionTime latest = wall_now() + milliseconds{5};
+    loop.step(ticker, latest);
+    ASSERT_EQ(ticker.ticks.size(), 1U);
+    EXPECT_GE(ticker.ticks[0], latest);
+    EXPECT_EQ(loop.statistics().deadlines, 0U);
+}
+
+TEST(RealtimeLoop, ADeadlineInThePastIsTakenAtOnce) {
+    Ticker ticker(wall_now() - milliseconds{50}, seconds{600}, 1);
+    RealtimeLoop loop({});
+    loop.run(ticker);
+    EXPECT_EQ(loop.statistics().deadlines, 1U);
+    EXPECT_EQ(loop.statistics().missed, 1U);
+    EXPECT_GE(loop.statistics().lateness.worst(), milliseconds{50});
+}
+
+TEST(RealtimeLoop, AStoppedProcessIsNotTicked) {
+    Ticker ticker(wall_now(), seconds{1}, 0);
+    RealtimeLoop loop({});
+    loop.run(ticker);
+    EXPECT_TRUE(ticker.ticks.empty());
+}
+
+// In a process of its own: the request stays for good.
+TEST(RealtimeLoopDeathTest, ATermSignalEndsTheLoop) {
+    EXPECT_EXIT(
+        {
+            install_stop_signals();
+            Ticker ticker(wall_now() + seconds{600}, seconds{1}, 1);
+            RealtimeLoop loop({});
+            std::raise(SIGTERM);
+            loop.run(ticker);
+            std::exit(stop_requested() ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,161 @@
+// Datagrams over the loopback interface. Order and counters only: nothing here measures time.
+#include "common/runtime/udp_channel.hpp"
+
+#include <cstring>
+#include <netinet/in.h>
+#include <poll.h>
+#include <string>
+#include <sys/socket.h>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "common/runtime/sockets.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using Packet = std::vector<std::uint8_t>;
+
+constexpr const char* kHere = "127.0.0.1";
+
+Packet copy(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
+
+// Any free port, so that tests can run side by side.
+std::uint16_t port_of(const UdpChannel& channel) {
+    sockaddr_in address{};
+    socklen_t length = sizeof address;
+    getsockname(channel.file_descriptor(), static_cast<sockaddr*>(static_cast<void*>(&address)), &length);
+    return ntohs(address.sin_port);
+}
+
+bool wait_for_datagram(const UdpChannel& channel) {
+    pollfd waiting{channel.file_descriptor(), POLLIN, 0};
+    return poll(&waiting, 1, 5000) == 1;
+}
+
+class UdpPair : public testing::Test {
+  protected:
+    UdpChannel receiver{Endpoint{kHere, 0}, Endpoint{kHere, 0}};
+    UdpChannel sender{std::nullopt, Endpoint{kHere, port_of(receiver)}};
+};
+
+TEST_F(UdpPair, SendsAndReceivesInOrder) {
+    sender.send(Packet{1, 2, 3});
+    sender.send(Packet(kMaxDatagramBytes, 4));
+    ASSERT_TRUE(wait_for_datagram(receiver));
+    EXPECT_EQ(copy(receiver.receive()), (Packet{1, 2, 3}));
+    ASSERT_TRUE(wait_for_datagram(receiver));
+    EXPECT_EQ(copy(receiver.receive()), Packet(kMaxDatagramBytes, 4));
+    EXPECT_TRUE(receiver.receive().empty());
+    EXPECT_EQ(sender.counters().sent, 2U);
+    EXPECT_EQ(receiver.counters().received, 2U);
+}
+
+TEST_F(UdpPair, NothingWaitingIsNoError) {
+    EXPECT_TRUE(receiver.receive().empty());
+    EXPECT_EQ(receiver.counters().received, 0U);
+}
+
+TEST_F(UdpPair, TooLongIsCountedAndSkipped) {
+    sender.send(Packet(kMaxDatagramBytes + 1, 1));
+    sender.send(Packet(5000, 1));
+    sender.send(Packet{9});
+    ASSERT_TRUE(wait_for_datagram(receiver));
+    EXPECT_EQ(copy(receiver.receive()), (Packet{9}));
+    EXPECT_EQ(receiver.counters().too_long, 2U);
+}
+
+TEST_F(UdpPair, AnEmptyDatagramIsNotTheEndOfTheQueue) {
+    sender.send({});
+    sender.send(Packet{9});
+    ASSERT_TRUE(wait_for_datagram(receiver));
+    EXPECT_EQ(copy(receiver.receive()), (Packet{9}));
+}
+
+TEST(UdpChannel, AForeignSourceIsCountedAndSkipped) {
+    UdpChannel receiver(Endpoint{kHere, 0}, Endpoint{"127.0.0.2", 0});  // listens to .2 only
+    const Endpoint target{kHere, port_of(receiver)};
+    UdpChannel stranger(Endpoint{"127.0.0.3", 0}, target);
+    UdpChannel peer(Endpoint{"127.0.0.2", 0}, target);
+    stranger.send(Packet{6});
+    peer.send(Packet{7});
+    ASSERT_TRUE(wait_for_datagram(receiver));
+    EXPECT_EQ(copy(receiver.receive()), (Packet{7}));
+    EXPECT_TRUE(receiver.receive().empty());
+    EXPECT_EQ(receiver.counters().foreign_source, 1U);
+    EXPECT_EQ(receiver.counters().received, 1U);
+}
+
+// Each direction of a control channel is the same socket.
+TEST(UdpChannel, BothWays) {
+    UdpChannel a(Endpoint{kHere, 0}, Endpoint{kHere, 0});
+    UdpChannel b(Endpoint{kHere, 0}, Endpoint{kHere, port_of(a)});
+    b.send(Packet{1});
+    ASSERT_TRUE(wait_for_datagram(a));
+    EXPECT_EQ(copy(a.receive()), (Packet{1}));
+    UdpChannel answer(std::nullopt, Endpoint{kHere, port_of(b)});
+    answer.send(Packet{2});
+    ASSERT_TRUE(wait_for_datagram(b));
+    EXPECT_EQ(copy(b.receive()), (Packet{2}));
+}
+
+TEST(UdpChannel, APortInUseIsNamedWithARemedy) {
+    const UdpChannel first(Endpoint{kHere, 0}, Endpoint{kHere, 1});
+    const std::uint16_t port = port_of(first);
+    try {
+        const UdpChannel second(Endpoint{kHere, port}, Endpoint{kHere, 1});
+        FAIL() << "two channels on one port";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kNetwork);
+        EXPECT_THAT(error.what(),
+                    AllOf(HasSubstr("127.0.0.1:" + std::to_string(port)), HasSubstr("base_port")));
+    }
+}
+
+TEST(UdpChannel, AHostThatIsNotOursOrNoneIsNamed) {
+    try {
+        const UdpChannel channel(Endpoint{"192.0.2.1", 0}, Endpoint{kHere, 1});  // TEST-NET-1
+        FAIL() << "listens at an address of nobody";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kNetwork);
+        EXPECT_THAT(error.what(), HasSubstr("192.0.2.1"));
+    }
+    const std::string impossible(300, 'x');  // longer than a name can be: no name server is asked
+    try {
+        const UdpChannel channel(std::nullopt, Endpoint{impossible, 1});
+        FAIL() << "resolved " << impossible;
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kNetwork);
+        EXPECT_THAT(error.what(), AllOf(HasSubstr(impossible), HasSubstr("[network]")));
+    }
+}
+
+TEST(UdpChannel, SendingToNobodyNeverThrowsNorBlocksReceiving) {
+    UdpChannel channel(Endpoint{kHere, 0}, Endpoint{kHere, 9});
+    for (int i = 0; i < 100; ++i) {
+        channel.send(Packet{1});
+        EXPECT_TRUE(channel.receive().empty());
+    }
+    EXPECT_EQ(channel.counters().sent + channel.counters().send_failed, 100U);
+}
+
+TEST(Sockets, SumsTheCountersAndWatchesWhatListens) {
+    NetworkSettings settings;
+    UdpChannel probe(Endpoint{kHere, 0}, Endpoint{kHere, 1});
+    settings.base_port = port_of(probe);  // outlets only: nothing is bound there
+    Sockets sockets(settings);
+    Channel* a = sockets.outlet(Port::kSlaveNeedle);
+    Channel* b = sockets.outlet(Port::kMasterForce);
+    a->send(Packet{1});
+    b->send(Packet{1});
+    EXPECT_TRUE(sockets.descriptors().empty());
+    EXPECT_EQ(sockets.counters().sent + sockets.counters().send_failed, 2U);
+}
+
+}  // namespace
+}  // namespace thimble
