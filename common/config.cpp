@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <sstream>
 
@@ -41,7 +42,9 @@ void collect_unknown(const toml::table& table, const std::string& path, const st
                      const std::string& name) {
     for (const auto& [key, node] : table) {
         const std::string full = join(path, key.str());
-        if (known.count(full) == 0) {
+        // A quoted key may hold a dot, but none of ours does: it must not pass for a key in a table.
+        const bool dotted = key.str().find('.') != std::string_view::npos;
+        if (dotted || known.count(full) == 0) {
             refuse(name, node.source().begin,
                    fmt::format("unknown key '{}': check the spelling, or remove it", full));
         }
@@ -57,13 +60,14 @@ ConfigFile::ConfigFile(ConfigFile&&) noexcept = default;
 ConfigFile& ConfigFile::operator=(ConfigFile&&) noexcept = default;
 
 ConfigFile ConfigFile::load(const std::filesystem::path& path) {
-    std::ifstream stream(path);
-    std::ostringstream text;
-    if (!stream || !(text << stream.rdbuf())) {
+    // A folder opens as a stream, too, and then throws when it is read.
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream.is_open() || std::filesystem::is_directory(path)) {
         throw Error(ExitCode::kUsage,
                     fmt::format("{}: cannot read this configuration file; does it exist?", path.string()));
     }
-    return parse(text.str(), path.string());
+    const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    return parse(text, path.string());
 }
 
 ConfigFile ConfigFile::parse(std::string_view text, std::string_view name) {
@@ -90,7 +94,7 @@ void ConfigFile::finish(const std::vector<std::string_view>& elsewhere) const {
         if (std::find(elsewhere.begin(), elsewhere.end(), key.str()) != elsewhere.end()) continue;
         toml::table one;
         const std::string full(key.str());
-        if (impl_->known.count(full) == 0) {
+        if (full.find('.') != std::string::npos || impl_->known.count(full) == 0) {
             refuse(impl_->name, node.source().begin,
                    fmt::format("unknown table or key '{}': check the spelling, or remove it", full));
         }

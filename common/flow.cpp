@@ -45,6 +45,8 @@ void InboundFlow::refuse_admitted(Refusal refusal) {
 
 Refusal InboundFlow::judge(SessionTime now, const Header& header) const {
     if (header.sender != sender_) return Refusal::kUnexpectedKind;
+    // Before the lock: what is left of an earlier trial must not keep a restarted sender out.
+    if (filter_ && (!running_ || header.trial != trial_)) return Refusal::kWrongTrial;
     if (!locked_) return Refusal::kCount;
     if (header.instance != instance_) {
         return now - heard_ > kReleaseAfter ? Refusal::kCount : Refusal::kSecondSender;

@@ -41,14 +41,14 @@ class InboundFlow {
     // `use`; the others are counted.
     template <class Wanted, class Use>
     void drain(SessionTime now, Channel& channel, bool running, std::uint32_t trial, Use&& use) {
+        filter_ = true;
+        running_ = running;
+        trial_ = trial;
         while (const Message* message = receive(now, channel)) {
-            const auto* body = std::get_if<Wanted>(&message->body);
-            if (body == nullptr) {
-                refuse_admitted(Refusal::kUnexpectedKind);
-            } else if (!running || message->header.trial != trial) {
-                refuse_admitted(Refusal::kWrongTrial);
-            } else {
+            if (const auto* body = std::get_if<Wanted>(&message->body)) {
                 use(message->header, *body);
+            } else {
+                refuse_admitted(Refusal::kUnexpectedKind);
             }
         }
     }
@@ -59,8 +59,11 @@ class InboundFlow {
     // When the newest message was admitted; SessionTime{} before the first.
     SessionTime last_accepted() const { return last_accepted_; }
     bool silent_for(SessionTime now, Duration limit) const { return now - last_accepted_ > limit; }
-    // Gives a fresh start to the silence clock (a trial begins).
-    void expect_from(SessionTime now) { last_accepted_ = now; }
+    // A trial begins: a fresh start for the silence clock, and for whoever speaks first in this trial.
+    void expect_from(SessionTime now) {
+        last_accepted_ = now;
+        locked_ = false;
+    }
     const FlowCounters& counters() const { return counters_; }
 
   private:
@@ -68,6 +71,9 @@ class InboundFlow {
     void remember(SessionTime now, const Header& header);
 
     Role sender_;
+    bool filter_ = false;  // by trial, once drain() was called
+    bool running_ = false;
+    std::uint32_t trial_ = 0;
     bool locked_ = false;
     std::uint64_t instance_ = 0;
     std::uint32_t newest_ = 0;

@@ -24,7 +24,7 @@ using SessionTime = SessionClock::time_point;
 
 inline constexpr SessionTime kNever = SessionTime::max();
 
-constexpr double to_seconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-9; }
+constexpr double to_seconds(Duration duration) { return static_cast<double>(duration.count()) / 1e9; }
 
 // Rounded to the nearest nanosecond, halves away from zero.
 inline Duration from_seconds(double seconds) { return Duration{std::llround(seconds * 1e9)}; }

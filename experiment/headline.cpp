@@ -27,14 +27,14 @@ std::vector<std::string> objections(const std::vector<ConditionSummary>& conditi
 std::vector<std::string> gaps(const std::vector<ConditionSummary>& conditions, double delay_s) {
     std::vector<std::string> reasons;
     for (const double at_s : {0.0, delay_s}) {
+        std::string missing;
         for (const Modality modality : kModalities) {
             const auto condition = find_condition(conditions, modality, at_s);
             const bool judged = condition != conditions.end() && condition->judged > 0;
-            if (!judged) {
-                reasons.push_back(fmt::format("no trial of {} at {} that can be judged", to_string(modality),
-                                              delay_text(at_s)));
-            }
+            if (!judged) missing += (missing.empty() ? "" : ", ") + std::string(to_string(modality));
         }
+        if (missing.empty()) continue;
+        reasons.push_back(fmt::format("no trial of {} at {} that can be judged", missing, delay_text(at_s)));
     }
     return reasons;
 }

@@ -156,6 +156,24 @@ const SessionProcess::Peer* SessionProcess::quietest() const {
     });
 }
 
+// Who keeps a start from succeeding: whoever is dead, else the first that is heard but has not obeyed, else the first
+// that has given up.
+const SessionProcess::Peer& SessionProcess::laggard(SessionTime now) const {
+    const Peer& quiet = *quietest();
+    if (quiet.flow.silent_for(now, kPeerTimeout)) return quiet;
+    const auto first = [&](auto stuck) {
+        return std::find_if(peers_.begin(), peers_.end(), [&](const Peer& peer) {
+            const bool its_turn = peer.role != Role::kMaster || stage_ == Stage::kStartingMaster;
+            return its_turn && stuck(peer);
+        });
+    };
+    auto found = first([&](const Peer& peer) { return peer.trial != trial_; });
+    if (found == peers_.end()) {
+        found = first([](const Peer& peer) { return peer.last.state != NodeState::kRunning; });
+    }
+    return found == peers_.end() ? quiet : *found;
+}
+
 // The others start before the master, so that its first sample finds everybody ready.
 void SessionProcess::advance(SessionTime now) {
     switch (stage_) {
@@ -177,7 +195,7 @@ void SessionProcess::advance(SessionTime now) {
     }
     const bool starting = stage_ == Stage::kStartingOthers || stage_ == Stage::kStartingMaster;
     if (starting && now - stage_since_ > settings_.peer_wait)
-        end(now, EndReason::kPeerLost, quietest()->role);
+        end(now, EndReason::kPeerLost, laggard(now).role);
 }
 
 void SessionProcess::watch(SessionTime now) {

@@ -78,6 +78,7 @@ class SessionProcess final : public Process {
     bool all(NodeState state, bool with_master) const;
     bool all_stopped(SessionTime now) const;
     const Peer* quietest() const;
+    const Peer& laggard(SessionTime now) const;
 
     SessionSettings settings_;
     Channels channels_;

@@ -28,8 +28,8 @@ auto fields(const Percept& m) {
     return std::tie(force, bar, needle, surface, age, finger, touching, beep);
 }
 auto fields(const SessionControl& m) {
-    const auto& [seed, fixture, subject, experiment, kind, modality, present, reason] = m;
-    return std::tie(seed, fixture, subject, experiment, kind, modality, present, reason);
+    const auto& [seed, fixture, network_delay, subject, experiment, kind, modality, present, reason] = m;
+    return std::tie(seed, fixture, network_delay, subject, experiment, kind, modality, present, reason);
 }
 auto fields(const Heartbeat& m) {
     const auto& [accepted, refused, median, worst, hold, state, reason] = m;

@@ -1,10 +1,12 @@
 // A node that dies or freezes in mid-trial: the others end the trial, what was recorded is kept, the culprit
 // is named.
 #include <csignal>
+#include <ostream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/runtime/wall_clock.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -14,6 +16,12 @@ struct Victim {
     const char* program;
     Role role;
 };
+
+// What ctest shows; without it, it would be the bytes of a pointer, others in every run.
+std::ostream& operator<<(std::ostream& out, const Victim& victim) { return out << victim.program; }
+
+// Promised is about a second. Waiting for the dead to acknowledge the end would take five.
+constexpr Duration kGivenUpWithin = std::chrono::seconds{4};
 
 SessionFile endless_session() {
     SessionFile session;
@@ -39,7 +47,11 @@ class KilledNode : public testing::TestWithParam<Victim> {};
 TEST_P(KilledNode, EndsTheTrialWithItsNameOnRecord) {
     RealRun run(endless_session());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
-    kill(run.node(GetParam().program), SIGKILL);
+    const pid_t victim = run.node(GetParam().program);
+    const SessionTime killed_at = wall_now();
+    kill(victim, SIGKILL);
+    EXPECT_THAT(run.first_trial_end(), testing::StartsWith("# ended: "));
+    EXPECT_LT(wall_now() - killed_at, kGivenUpWithin);
     expect_lost(run, GetParam());
     EXPECT_THAT(run.words(), testing::HasSubstr(std::string(GetParam().program) + " ended with code 137"));
     for (const char* program : kNodePrograms) {

@@ -49,9 +49,9 @@ INSTANTIATE_TEST_SUITE_P(InEachModality, Allocations,
                          testing::Values(Case{Modality::kHF, {}}, Case{Modality::kCF, {}},
                                          Case{Modality::kCCF, {}}, Case{Modality::kVF, {}},
                                          Case{Modality::kHF, kPaperDelay}, Case{Modality::kVF, kPaperDelay}),
-                         [](const auto& info) {
-                             return std::string(to_string(info.param.modality)) +
-                                    (info.param.delay == kPaperDelay ? "At50ms" : "WithoutDelay");
+                         [](const auto& test) {
+                             return std::string(to_string(test.param.modality)) +
+                                    (test.param.delay == kPaperDelay ? "At50ms" : "WithoutDelay");
                          });
 
 // A counter that does not count would prove nothing.

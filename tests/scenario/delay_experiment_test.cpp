@@ -1,7 +1,6 @@
 // The 50 ms delay experiment in virtual time: who oscillates, and what depends on which path.
 #include <cmath>
 #include <map>
-#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -36,7 +35,9 @@ TEST(DelayExperiment, At50msOnlyTheHandleOscillates) {
         EXPECT_EQ(tally.trials, 60) << to_string(modality);
         EXPECT_EQ(tally.completed, 60) << to_string(modality);
         EXPECT_EQ(tally.oscillate, modality == Modality::kHF ? 60 : 0) << to_string(modality);
-        if (modality != Modality::kHF) EXPECT_EQ(tally.losses, 0) << to_string(modality);
+        if (modality != Modality::kHF) {
+            EXPECT_EQ(tally.losses, 0) << to_string(modality);
+        }
     }
 }
 
@@ -60,7 +61,7 @@ TEST(DelayExperiment, TheHandleDoesNotDependOnTheFingersNorTheBar) {
     SystemSettings settings = paper();
     settings.cutaneous.dead_time = milliseconds{200};
     settings.cutaneous.force_limit_N = 0.5;
-    settings.visual.bar_full_scale_N = 3;
+    settings.visual.bar_full_scale_N = 1;  // never reaches what a subject takes for the fixture
     for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kVF}) {
         const TrialRecord a = run_virtual_trial(paper(), trial_of(modality));
         const TrialRecord b = run_virtual_trial(settings, trial_of(modality));

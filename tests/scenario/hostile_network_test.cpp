@@ -1,6 +1,7 @@
 // A network that duplicates, reorders, loses, truncates and flips bits on every wire, and nodes that come back as
 // somebody else: a trial completes or ends cleanly, the record holds only numbers, and the counters say what happened.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -108,16 +109,55 @@ TEST(HostileNetwork, ReorderingLossAndTruncationAreSurvived) {
 // silence its flow. What must not happen: a NaN, a trial without end, a force that is not a number.
 TEST(HostileNetwork, FlippedBitsEndATrialCleanlyAtWorst) {
     FlowCounters sum;
-    for (std::uint32_t seed = 1; seed <= 12; ++seed) {
+    std::size_t longest = 0;
+    for (std::uint32_t seed = 1; seed <= 18; ++seed) {
         const auto modality = static_cast<Modality>(seed % 4);
-        Rig rig(paper(), hostile({.duplicate = 0.01, .reorder = 0.01, .truncate = 0.01, .flip = 0.02}, seed));
+        const double flip = std::array{2e-2, 1e-3, 5e-5}[seed % 3];
+        Rig rig(paper(), hostile({.duplicate = 0.01, .reorder = 0.01, .truncate = 0.01, .flip = flip}, seed));
         const TrialRecord& record = rig.run(trial_of(modality));
         expect_clean_end(rig, record);
         sum.add(rig.counters());
+        longest = std::max(longest, record.samples.size());
     }
     for (const Refusal refusal : {Refusal::kForeignFormat, Refusal::kMalformed, Refusal::kOutOfRange,
                                   Refusal::kSecondSender, Refusal::kDuplicate, Refusal::kWrongTrial}) {
         EXPECT_GT(sum.of(refusal), 0U) << to_string(refusal);
+    }
+    EXPECT_GT(longest, 5000U);  // some get into the thick of it
+}
+
+// A sequence or a stamp from far ahead, once admitted, makes everything after it old: the trial is lost, but no more.
+TEST(HostileNetwork, OnePoisonedPacketCostsOneTrial) {
+    class Poison final : public Tap {
+      public:
+        Poison(Channel& end, bool& poisoned) : Tap(end), poisoned_(&poisoned) {}
+        void send(Bytes datagram) override {
+            const Decoded decoded = decode(datagram);
+            if (!*poisoned_ && decoded.message && decoded.message->header.sequence == 1000) {
+                *poisoned_ = true;
+                Message message = *decoded.message;
+                message.header.sequence += 1U << 30;
+                message.header.send_time += std::chrono::hours{1000};
+                Tap::send(encoder_.encode(message));
+            }
+            Tap::send(datagram);
+        }
+
+      private:
+        bool* poisoned_;
+        Encoder encoder_;
+    };
+    for (const Wire wire : {Wire::kNeedle, Wire::kForceMaster, Wire::kForceVisual}) {
+        bool poisoned = false;
+        Rig rig(paper(), [&](Wire which, Channel& end) -> std::unique_ptr<Tap> {
+            return which == wire ? std::make_unique<Poison>(end, poisoned) : nullptr;
+        });
+        EXPECT_EQ(rig.run(trial_of(Modality::kHF, {}, 1, 1)).reason, EndReason::kPeerLost);
+        EXPECT_TRUE(poisoned);
+        EXPECT_LT(rig.now(), SessionTime{seconds{2}});
+        EXPECT_EQ(rig.handle().force_hand_N(), 0);
+        EXPECT_GT(rig.counters().of(Refusal::kOutdated), 100U);
+        EXPECT_EQ(rig.run(trial_of(Modality::kHF, {}, 1, 2)).reason, EndReason::kCompleted);
     }
 }
 

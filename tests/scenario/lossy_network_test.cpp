@@ -1,4 +1,8 @@
 // A network that jitters and loses, and one that stops.
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "experiment/metrics.hpp"
@@ -125,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Outage{"ForceToTheHandle", {Wire::kForceMaster}}, Outage{"Needle", {Wire::kNeedle}},
                     Outage{"Everything",
                            {Wire::kNeedle, Wire::kForceMaster, Wire::kForceCutaneous, Wire::kForceVisual}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& test) { return std::string(test.param.name); });
 
 // A session that falls silent must not leave a hand at a force nobody watches.
 TEST(LossyNetwork, ASilentSessionStopsTheNodes) {

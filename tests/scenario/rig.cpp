@@ -76,7 +76,7 @@ Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap, const std::option
         heartbeats[i] = tapped(Wire::kHeartbeats, control[i].b);
     }
     const LinkSettings to_handle = kinesthetic.value_or(s.netem.force);
-    session = std::make_unique<SessionProcess>(instance_of(Role::kSession), s.session,
+    session = std::make_unique<SessionProcess>(instance_of(Role::kSession), session_settings(s),
                                                SessionProcess::Channels{orders, &record.b});
     master.process = std::make_unique<MasterProcess>(instance_of(Role::kMaster), s.master, master_channels(),
                                                      handle, handle);

@@ -1,7 +1,7 @@
 // The session around a trial: time-outs, interruptions, a fixture that is taken away, nodes that do not answer.
+#include <array>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -91,13 +91,12 @@ TEST(Session, AVanishedFixtureLetsOnlyTheKinestheticHandOvershoot) {
         Rig rig(paper());
         rig.start(trial_of(modality));
         ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 5; }));
-        const SessionTime when = rig.now();
         const std::size_t before = rig.session().record().samples.size();
         rig.session().change_fixture(false, 0);
         const TrialRecord& record = rig.finish();
         EXPECT_EQ(record.reason, EndReason::kCompleted);
         EXPECT_TRUE(record.samples[before - 1].fixture_present);
-        EXPECT_FALSE(record.samples[before + 100].fixture_present) << to_nanoseconds(when);
+        EXPECT_FALSE(record.samples[before + 100].fixture_present);
         EXPECT_EQ(record.samples.back().force_fixture_N, 0);
         const double peak_m = measure(record).peak_displacement_m;
         if (modality == Modality::kHF) {
@@ -121,11 +120,28 @@ TEST(Session, AMovedFixtureIsWhereItWasMoved) {
     }));
 }
 
-// Wires to and from one node.
-struct Node {
-    Role role;
-    std::size_t index;  // of kNodeRoles
-};
+// A trial of which the rest was never recorded must not pass for a whole one.
+TEST(Session, ATrialWhoseRecordBreaksOffIsNotCompleted) {
+    struct Cut final : Tap {
+        Cut(Channel& end, const bool& flag) : Tap(end), cut(&flag) {}
+        void send(Bytes datagram) override {
+            if (!*cut) Tap::send(datagram);
+        }
+        const bool* cut;
+    };
+    bool cut = false;
+    Rig rig(paper(), [&](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
+        return wire == Wire::kRecord ? std::make_unique<Cut>(end, cut) : nullptr;
+    });
+    rig.start(trial_of(Modality::kHF));
+    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 1; }));
+    cut = true;
+    const SessionTime when = rig.now();
+    const TrialRecord& record = rig.finish();
+    EXPECT_EQ(record.reason, EndReason::kPeerLost);
+    EXPECT_EQ(record.lost_peer, Role::kSlaveSim);
+    EXPECT_LT(rig.now() - when, seconds{1});
+}
 
 class SilentNode : public testing::TestWithParam<Role> {
   protected:
@@ -164,7 +180,7 @@ TEST_P(SilentNode, ANodeThatIsHeardButDoesNotObeyIsNamed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, SilentNode, testing::ValuesIn(kNodeRoles),
-                         [](const auto& info) { return std::string(to_string(info.param)); });
+                         [](const auto& test) { return std::string(to_string(test.param)); });
 
 }  // namespace
 }  // namespace thimble::test

@@ -1,5 +1,5 @@
 // What the operator may see: never the inserted part of the needle, never the fixture, a bar only in VF.
-#include <cmath>
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -55,7 +55,9 @@ TEST(Vision, TheInsertedPartIsNeverShown) {
                 std::max(deepest_shown_m, p.position_needle_shown_m - p.position_surface_shown_m);
             hidden += p.touching_shown && p.position_needle_shown_m == p.position_surface_shown_m;
             EXPECT_EQ(p.force_N, 0);
-            if (modality != Modality::kVF) EXPECT_EQ(p.bar_N, 0);
+            if (modality != Modality::kVF) {
+                EXPECT_EQ(p.bar_N, 0);
+            }
         }
         EXPECT_LE(deepest_shown_m, 0);
         EXPECT_GT(hidden, 100);

@@ -137,17 +137,26 @@ TEST_F(InboundFlowTest, RefusedMessagesAreNoSignOfLife) {
     EXPECT_TRUE(admits(other.say()));
 }
 
-TEST_F(InboundFlowTest, ATrialsFreshStartDoesNotUnlock) {
-    Speaker other;
-    other.header.instance = 8;
+// Whoever was restarted between two trials need not wait, whatever its clock and numbers say now.
+TEST_F(InboundFlowTest, ATrialBelongsToWhoSpeaksFirstInIt) {
+    Speaker restarted;
+    restarted.header.instance = 8;
+    restarted.header.send_time = at(milliseconds{1});
     ASSERT_TRUE(admits(master.numbered(100)));
-    now += milliseconds{900};
+    now += milliseconds{10};
     flow.expect_from(now);
     EXPECT_FALSE(flow.silent_for(now, Duration{0}));
-    EXPECT_FALSE(admits(other.say()));
-    now += milliseconds{101};
-    EXPECT_TRUE(flow.silent_for(now, milliseconds{100}));
-    EXPECT_TRUE(admits(other.say()));
+    EXPECT_TRUE(flow.silent_for(now + Duration{1}, Duration{0}));
+    EXPECT_TRUE(admits(restarted.numbered(1)));
+    EXPECT_FALSE(admits(master.numbered(101)));
+    EXPECT_EQ(refused(Refusal::kSecondSender), 1U);
+}
+
+// The first answer may take a while: its silence counts from a time to come.
+TEST_F(InboundFlowTest, ExpectedLaterIsNotSilentYet) {
+    flow.expect_from(now + milliseconds{300});
+    EXPECT_FALSE(flow.silent_for(now + milliseconds{400}, milliseconds{100}));
+    EXPECT_TRUE(flow.silent_for(now + milliseconds{401}, milliseconds{100}));
 }
 
 TEST_F(InboundFlowTest, AWrongRoleIsRefusedAndLocksNobodyOut) {
@@ -205,6 +214,18 @@ TEST_F(Drain, OtherTrialsAreCountedNotUsed) {
     EXPECT_EQ(drain(true, 4), Sequences{2});
     EXPECT_EQ(refused(Refusal::kWrongTrial), 1U);
     EXPECT_EQ(flow.counters().accepted, 1U);
+}
+
+// What is left of an earlier trial must neither take the seat nor spoil the numbers of the one that runs.
+TEST_F(Drain, AnEarlierTrialLocksNobodyOut) {
+    Speaker left_over;
+    left_over.header.trial = 2;
+    left_over.header.instance = 6;
+    sender.send(left_over.numbered(9000));
+    sender.send(master.numbered(1));
+    EXPECT_EQ(drain(true, 3), Sequences{1});
+    EXPECT_EQ(refused(Refusal::kWrongTrial), 1U);
+    EXPECT_EQ(refused(Refusal::kSecondSender), 0U);
 }
 
 TEST_F(Drain, BetweenTrialsTheChannelIsKeptEmpty) {
