@@ -1,5 +1,5 @@
-// Replaces the global operators of this test program, the aligned ones too (links and queues are aligned). In a source
-// of its own: where the compiler can inline only one of the pair, it warns of a mismatch.
+// Replaces the global operators of this test program, the aligned ones too (links and queues are aligned). In
+// a source of its own: where the compiler can inline only one of the pair, it warns of a mismatch.
 #include "tests/scenario/allocation_count.hpp"
 
 #include <atomic>

@@ -41,8 +41,8 @@ TEST(DelayExperiment, At50msOnlyTheHandleOscillates) {
     }
 }
 
-// Without a force at the handle no mechanical loop is closed: what the network does to the force for the handle cannot
-// matter.
+// Without a force at the handle no mechanical loop is closed: what the network does to the force for the
+// handle cannot matter.
 TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
     LinkSettings terrible;
     terrible.delay = milliseconds{150};

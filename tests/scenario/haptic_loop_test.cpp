@@ -1,5 +1,5 @@
-// Handle, needle, fixture and back: how old the force at the handle is, and what more age costs (the budget of the
-// haptic loop, docs/model.md).
+// Handle, needle, fixture and back: how old the force at the handle is, and what more age costs (the budget
+// of the haptic loop, docs/model.md).
 #include <gtest/gtest.h>
 
 #include "experiment/metrics.hpp"
@@ -80,8 +80,8 @@ TEST(HapticLoopBudget, OneSampleOfComputationIsAffordable) {
     }
 }
 
-// Without friction there is nothing but the hand's damping: at d = 0 samples it suffices (a single slip at most), one
-// sample later it is at its limit, from two on every hand is thrown off again and again.
+// Without friction there is nothing but the hand's damping: at d = 0 samples it suffices (a single slip at
+// most), one sample later it is at its limit, from two on every hand is thrown off again and again.
 TEST(HapticLoopBudget, AFrictionlessHandleHoldsAtZeroAndChattersFromTwoMilliseconds) {
     const Held none = hold_with(milliseconds{0}, 0), two = hold_with(milliseconds{2}, 0);
     EXPECT_LE(none.losses, 1U);
@@ -101,8 +101,8 @@ TEST(HapticLoopBudget, AtTenMillisecondsAFrictionlessHandleOscillates) {
     EXPECT_EQ(hold_with(milliseconds{10}, 0).oscillated, static_cast<int>(kSubjects));
 }
 
-// Only the sum counts for the hand: until the beep, whose way to the ear begins at the environment, the needle moves
-// the same however the 50 ms are split.
+// Only the sum counts for the hand: until the beep, whose way to the ear begins at the environment, the
+// needle moves the same however the 50 ms are split.
 TEST(DelaySplit, TheTrajectoryIsTheSameUntilTheBeep) {
     for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kVF}) {
         const TrialRecord whole = run_virtual_trial(paper(), trial_of(modality, kPaperDelay));

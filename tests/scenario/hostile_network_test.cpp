@@ -1,5 +1,6 @@
-// A network that duplicates, reorders, loses, truncates and flips bits on every wire, and nodes that come back as
-// somebody else: a trial completes or ends cleanly, the record holds only numbers, and the counters say what happened.
+// A network that duplicates, reorders, loses, truncates and flips bits on every wire, and nodes that come
+// back as somebody else: a trial completes or ends cleanly, the record holds only numbers, and the counters
+// say what happened.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -105,8 +106,8 @@ TEST(HostileNetwork, ReorderingLossAndTruncationAreSurvived) {
     }
 }
 
-// A flipped bit in a number is a wrong number (the checksum against that is UDP's); in a sequence or a stamp it may
-// silence its flow. What must not happen: a NaN, a trial without end, a force that is not a number.
+// A flipped bit in a number is a wrong number (the checksum against that is UDP's); in a sequence or a stamp
+// it may silence its flow. What must not happen: a NaN, a trial without end, a force that is not a number.
 TEST(HostileNetwork, FlippedBitsEndATrialCleanlyAtWorst) {
     FlowCounters sum;
     std::size_t longest = 0;
@@ -126,7 +127,8 @@ TEST(HostileNetwork, FlippedBitsEndATrialCleanlyAtWorst) {
     EXPECT_GT(longest, 5000U);  // some get into the thick of it
 }
 
-// A sequence or a stamp from far ahead, once admitted, makes everything after it old: the trial is lost, but no more.
+// A sequence or a stamp from far ahead, once admitted, makes everything after it old: the trial is lost, but
+// no more.
 TEST(HostileNetwork, OnePoisonedPacketCostsOneTrial) {
     class Poison final : public Tap {
       public:
@@ -186,7 +188,8 @@ TEST(HostileNetwork, ARestartedMasterEndsItsTrialAndServesTheNext) {
     EXPECT_FALSE(std::isnan(next.beep_time_s));
 }
 
-// Somebody else on the needle's wire, a stranger with a NeedleCommand of his own: locked out, counted, no effect.
+// Somebody else on the needle's wire, a stranger with a NeedleCommand of his own: locked out, counted, no
+// effect.
 TEST(HostileNetwork, ASecondMasterIsLockedOut) {
     class SecondMaster final : public Tap {
       public:

@@ -1,6 +1,6 @@
-// A slow press on the tissue through the encoder. One count of the handle is 0.03 mm of needle; in one millisecond
-// that looks like 30 mm/s, and B times that exceeds the puncture force. Only the velocity filter keeps the encoder from
-// piercing what the hand does not.
+// A slow press on the tissue through the encoder. One count of the handle is 0.03 mm of needle; in one
+// millisecond that looks like 30 mm/s, and B times that exceeds the puncture force. Only the velocity filter
+// keeps the encoder from piercing what the hand does not.
 #include <cmath>
 
 #include <gtest/gtest.h>

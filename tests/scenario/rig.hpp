@@ -1,6 +1,6 @@
-// A session in virtual time that can be opened: the wiring of VirtualSession, process by process, with a place
-// at the end of every wire where a test can listen, cut, or do worse. rig_test.cpp shows that, left alone, it
-// gives the bits of VirtualSession.
+// A session in virtual time that can be opened: the wiring of VirtualSession, process by process, with a
+// place at the end of every wire where a test can listen, cut, or do worse. rig_test.cpp shows that, left
+// alone, it gives the bits of VirtualSession.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,5 @@
-// The session around a trial: time-outs, interruptions, a fixture that is taken away, nodes that do not answer.
+// The session around a trial: time-outs, interruptions, a fixture that is taken away, nodes that do not
+// answer.
 #include <array>
 #include <cmath>
 #include <string>
@@ -84,8 +85,8 @@ TEST(Session, AShutdownReachesEveryNode) {
     }
 }
 
-// Experiment 2: the fixture vanishes at the beep. A hand that leans on it falls through; fingers and eyes have nothing
-// to lean on.
+// Experiment 2: the fixture vanishes at the beep. A hand that leans on it falls through; fingers and eyes
+// have nothing to lean on.
 TEST(Session, AVanishedFixtureLetsOnlyTheKinestheticHandOvershoot) {
     for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
         Rig rig(paper());
@@ -147,7 +148,7 @@ class SilentNode : public testing::TestWithParam<Role> {
   protected:
     // Cuts `which` control wires of the node from the start.
     MakeTap silence(bool orders, bool heartbeats) {
-        return [this, orders, heartbeats, index = std::array<std::size_t, 2>{}](
+        return [orders, heartbeats, index = std::array<std::size_t, 2>{}](
                    Wire wire, Channel& end) mutable -> std::unique_ptr<Tap> {
             if (wire != Wire::kOrders && wire != Wire::kHeartbeats) return nullptr;
             const std::size_t i = index[wire == Wire::kOrders ? 0 : 1]++;

@@ -76,8 +76,8 @@ TEST(Vision, TheBarIsShownInVF) {
     EXPECT_LE(longest_N, 12);
 }
 
-// Two trials that differ in nothing but the fixture's place look the same until the needle is at the nearer one, even
-// where the hand has been inside for seconds.
+// Two trials that differ in nothing but the fixture's place look the same until the needle is at the nearer
+// one, even where the hand has been inside for seconds.
 TEST(Vision, NothingShownTellsWhereTheFixtureIs) {
     Watcher near_watcher, far_watcher;
     TrialConditions near = trial_of(Modality::kVF), far = near;
