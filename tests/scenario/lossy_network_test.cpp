@@ -121,6 +121,10 @@ TEST_P(Outages, LetGoOfTheHandAndEndTheTrialWithinASecond) {
     EXPECT_LT(rig.now() - cut, seconds{1});
     EXPECT_EQ(rig.handle().force_hand_N(), 0);
     EXPECT_EQ(rig.handle().refused_forces(), 0U);
+    // Answers about a needle that is only held are no samples.
+    for (std::size_t i = 1; i < record.samples.size(); ++i) {
+        ASSERT_GT(record.samples[i].time_s, record.samples[i - 1].time_s);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(
