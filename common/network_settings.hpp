@@ -52,7 +52,8 @@ struct Endpoint {
 };
 
 struct NetworkSettings {
-    std::uint16_t base_port = 47000;
+    // Below 32768, where Linux starts to hand out ports to sockets that ask for none.
+    std::uint16_t base_port = 27000;
     std::array<std::string, 6> hosts{"127.0.0.1", "127.0.0.1", "127.0.0.1",
                                      "127.0.0.1", "127.0.0.1", "127.0.0.1"};  // by Role
 

@@ -182,6 +182,7 @@ int run_thimble(int argc, char** argv) {
     app.set_version_flag("--version", std::string(kVersion));
     app.require_subcommand(1);
     app.footer(
+        "Example:\n  thimble run deploy/sessions/delay50.toml --out out/run\n\n"
         "Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, 3 network, 4 real time, 5 "
         "data.");
     add_run(app, arguments);

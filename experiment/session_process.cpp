@@ -181,7 +181,9 @@ void SessionProcess::advance(SessionTime now) {
             if (all(NodeState::kRunning, false)) enter(now, Stage::kStartingMaster);
             break;
         case Stage::kStartingMaster:
-            if (all(NodeState::kRunning, true)) enter(now, Stage::kRunning);
+            if (!all(NodeState::kRunning, true)) break;
+            record_flow_.expect_from(now + settings_.network_delay);
+            enter(now, Stage::kRunning);
             break;
         case Stage::kEnding:
             if (all_stopped(now) || now - stage_since_ > settings_.peer_wait) finish();
@@ -209,6 +211,8 @@ void SessionProcess::watch(SessionTime now) {
         }
         if (peer.last.state == NodeState::kFinished) return end(now, EndReason::kCompleted);
     }
+    // A record with a hole in it is no record of this trial.
+    if (record_flow_.silent_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, Role::kSlaveSim);
     if (now - stage_since_ > settings_.trial_timeout) end(now, EndReason::kTimeout);
 }
 

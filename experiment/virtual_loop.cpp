@@ -23,6 +23,10 @@ bool VirtualLoop::step() {
     SessionTime next = woken_ != 0 ? now_ : kNever;
     for (const Entry& entry : entries_) next = std::min(next, entry.next);
     if (next == kNever) return false;
+    instants_at_now_ = next > now_ ? 0 : instants_at_now_ + 1;
+    if (instants_at_now_ > kMaxRoundsPerInstant) {
+        throw std::logic_error("virtual time stands still: a process is always due");
+    }
     now_ = std::max(now_, next);
     std::uint32_t due = 0;
     for (std::size_t i = 0; i < entries_.size(); ++i) {

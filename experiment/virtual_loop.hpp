@@ -36,6 +36,7 @@ class VirtualLoop {
     std::uint32_t woken_ = 0;
     SessionTime now_{};
     std::uint64_t ticks_ = 0;
+    int instants_at_now_ = 0;
 };
 
 }  // namespace thimble

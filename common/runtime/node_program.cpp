@@ -99,6 +99,7 @@ int check_deadlines(const Options& options, const RuntimeSettings& runtime, cons
 }
 
 int run(const NodeProgram& program, const Options& options) {
+    if (options.die_with_parent) stop_with_parent();
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
     NetworkSettings network = read_network_settings(file);
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
@@ -107,7 +108,6 @@ int run(const NodeProgram& program, const Options& options) {
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);
     install_stop_signals();
-    if (options.die_with_parent) stop_with_parent();
     if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
     RealtimeLoop loop(sockets.descriptors());
     spdlog::info("ready, ports from {}", network.base_port);

@@ -56,7 +56,7 @@ TEST(NetworkSettings, RefusesWhatDoesNotFit) {
     const std::string last = std::to_string(65536 - kPorts);
     EXPECT_EQ(read("base_port = " + last).at(Port::kNetemForceVisual).port, 65535);
     for (const std::string& text : {"base_port = " + std::to_string(65536 - kPorts + 1),
-                                    std::string("base_port = 1023"), std::string("base_port = '47000'"),
+                                    std::string("base_port = 1023"), std::string("base_port = '27000'"),
                                     std::string("host_slave = 'x'"), std::string("host_master = 1")}) {
         EXPECT_THROW(read(text), Error) << text;
     }
