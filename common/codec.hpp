@@ -37,6 +37,7 @@ struct Decoded {
     Refusal refusal = Refusal::kCount;  // meaningful without message
 };
 
+// `datagram` must begin at an address that is a multiple of 8, as every channel's buffer does.
 Decoded decode(Bytes datagram);
 // The same without moving the message afterwards. Refusal::kCount: `message` is good; else it is unspecified.
 Refusal decode_into(Bytes datagram, Message& message);
