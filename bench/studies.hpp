@@ -1,0 +1,8 @@
+// The studies of thimble-bench. Each takes its own command line, from its name on.
+#pragma once
+
+namespace thimble {
+
+int velocity_study(int argc, char** argv);  // velocity_study.cpp
+
+}  // namespace thimble
