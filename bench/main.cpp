@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "bench/studies.hpp"
+#include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 
 namespace {
