@@ -14,7 +14,7 @@ void virtual_trial(benchmark::State& state) {
     const SystemSettings settings = load_system_settings("");
     TrialConditions conditions;
     conditions.study_seed = 1;
-    conditions.fixture_position_m = settings.slave.fixture.position_m;
+    conditions.fixture_position_m = settings.slave.fixture_position_m();
     conditions.modality = static_cast<Modality>(state.range(0));
     conditions.delay_s = static_cast<double>(state.range(1)) * 1e-3;
     double simulated_s = 0;

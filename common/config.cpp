@@ -17,6 +17,7 @@ namespace thimble {
 
 struct ConfigFile::Impl {
     std::string name;
+    std::filesystem::path folder;
     toml::table root;
     mutable std::set<std::string> known;  // dotted paths that somebody asked for
 };
@@ -38,17 +39,33 @@ std::string type_name(const toml::node& node) {
     return text.str();
 }
 
-void collect_unknown(const toml::table& table, const std::string& path, const std::set<std::string>& known,
-                     const std::string& name) {
+// A quoted key may hold a dot or a bracket, but none of ours does: it must not pass for a key in a table.
+bool plain(std::string_view key) { return key.find_first_of(".[") == std::string_view::npos; }
+
+void refuse_unknown_keys(const toml::table& table, const std::string& path,
+                         const std::set<std::string>& known, const std::string& name);
+
+// What lies under a key that was asked for.
+void refuse_unknown_within(const toml::node& node, const std::string& path,
+                           const std::set<std::string>& known, const std::string& name) {
+    if (const toml::table* inner = node.as_table()) refuse_unknown_keys(*inner, path, known, name);
+    if (const toml::array* list = node.as_array()) {
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            refuse_unknown_within((*list)[i], fmt::format("{}[{}]", path, i), known, name);
+        }
+    }
+}
+
+void refuse_unknown_keys(const toml::table& table, const std::string& path,
+                         const std::set<std::string>& known, const std::string& name) {
     for (const auto& [key, node] : table) {
         const std::string full = join(path, key.str());
-        // A quoted key may hold a dot, but none of ours does: it must not pass for a key in a table.
-        const bool dotted = key.str().find('.') != std::string_view::npos;
-        if (dotted || known.count(full) == 0) {
+        if (!plain(key.str()) || known.count(full) == 0) {
             refuse(name, node.source().begin,
-                   fmt::format("unknown key '{}': check the spelling, or remove it", full));
+                   fmt::format("unknown {}key '{}': check the spelling, or remove it",
+                               path.empty() ? "table or " : "", full));
         }
-        if (const toml::table* inner = node.as_table()) collect_unknown(*inner, full, known, name);
+        refuse_unknown_within(node, full, known, name);
     }
 }
 
@@ -67,7 +84,9 @@ ConfigFile ConfigFile::load(const std::filesystem::path& path) {
                     fmt::format("{}: cannot read this configuration file; does it exist?", path.string()));
     }
     const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-    return parse(text, path.string());
+    ConfigFile file = parse(text, path.string());
+    file.impl_->folder = path.parent_path();
+    return file;
 }
 
 ConfigFile ConfigFile::parse(std::string_view text, std::string_view name) {
@@ -89,19 +108,16 @@ ConfigFile ConfigFile::empty() {
 
 ConfigTable ConfigFile::root() const { return {this, ""}; }
 
+const std::filesystem::path& ConfigFile::folder() const { return impl_->folder; }
+
 void ConfigFile::finish(const std::vector<std::string_view>& elsewhere) const {
+    toml::table own;
     for (const auto& [key, node] : impl_->root) {
-        if (std::find(elsewhere.begin(), elsewhere.end(), key.str()) != elsewhere.end()) continue;
-        toml::table one;
-        const std::string full(key.str());
-        if (full.find('.') != std::string::npos || impl_->known.count(full) == 0) {
-            refuse(impl_->name, node.source().begin,
-                   fmt::format("unknown table or key '{}': check the spelling, or remove it", full));
-        }
-        if (const toml::table* inner = node.as_table()) {
-            collect_unknown(*inner, full, impl_->known, impl_->name);
+        if (std::find(elsewhere.begin(), elsewhere.end(), key.str()) == elsewhere.end()) {
+            own.insert(key.str(), node);
         }
     }
+    refuse_unknown_keys(own, "", impl_->known, impl_->name);
 }
 
 // One key of the file: its node (null where absent), its dotted path, and how to refuse it.
@@ -134,6 +150,21 @@ ConfigTable ConfigTable::table(std::string_view key) const {
         found.refuse(fmt::format("must be a table, [{}]", found.path));
     }
     return {file_, found.path};
+}
+
+std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
+    const Found found = find(key);
+    if (found.node == nullptr) return {};
+    if (found.node->is_table()) return {{file_, found.path}};
+    const toml::array* list = found.node->as_array();
+    if (list == nullptr || !list->is_homogeneous<toml::table>()) {
+        found.refuse(fmt::format("must be a table, [{0}], or several, [[{0}]]", found.path));
+    }
+    std::vector<ConfigTable> all;
+    for (std::size_t i = 0; i < list->size(); ++i) {
+        all.push_back({file_, fmt::format("{}[{}]", found.path, i)});
+    }
+    return all;
 }
 
 double ConfigTable::number(std::string_view key, double fallback, double low, double high) const {

@@ -34,6 +34,8 @@ class ConfigTable {
     std::vector<std::string> texts(std::string_view key, const std::vector<std::string>& fallback) const;
     bool has(std::string_view key) const;
     ConfigTable table(std::string_view key) const;
+    // One table [key] or an array of tables [[key]], in the order of the file; none if absent.
+    std::vector<ConfigTable> tables(std::string_view key) const;
     // An Error (usage) that names file, line and key; for checks that span several keys.
     [[noreturn]] void fail(std::string_view key, std::string_view why) const;
 
@@ -57,8 +59,10 @@ class ConfigFile {
     ConfigFile& operator=(ConfigFile&&) noexcept;
 
     ConfigTable root() const;
+    // Where the file lies, which relative paths in it start from; empty for text that was no file.
+    const std::filesystem::path& folder() const;
     ConfigTable table(std::string_view key) const { return root().table(key); }
-    // Throws for each key that was never read. Tables in `elsewhere` belong to other programs of the session:
+    // Throws for each key that was never read, also in arrays of tables. Tables in `elsewhere` belong to other programs of the session:
     // their keys are theirs to check.
     void finish(const std::vector<std::string_view>& elsewhere = {}) const;
 

@@ -10,7 +10,7 @@ Protocol experiment_3(const SystemSettings& settings, std::uint32_t subjects, st
     Protocol protocol;
     protocol.subjects = subjects;
     protocol.seed = seed;
-    protocol.fixture_position_m = settings.slave.fixture.position_m;
+    protocol.fixture_position_m = settings.slave.fixture_position_m();
     protocol.fixture_jitter_m = settings.plan.fixture_jitter_m;
     return protocol;
 }

@@ -1,4 +1,4 @@
-// The simulated slave: a needle in tissue before a virtual fixture. Pure logic, no clock: time is what the
+// The simulated slave: a needle in a scene, tissue before a virtual fixture. Pure logic, no clock: time is what the
 // commands carry, on the master's clock.
 //
 // The tissue follows the smooth position of a command, whose slope is the estimated velocity: raw encoder
@@ -11,9 +11,8 @@
 #include "common/messages.hpp"
 #include "common/time.hpp"
 #include "slave_sim/contact_timer.hpp"
-#include "slave_sim/fixture.hpp"
+#include "slave_sim/needle_scene.hpp"
 #include "slave_sim/slave_settings.hpp"
-#include "slave_sim/tissue.hpp"
 
 namespace thimble {
 
@@ -23,9 +22,10 @@ class SlaveNode {
     // from before the clock's origin) is refused.
     static constexpr double kFarthestNeedleMetres = 10;
 
+    // The scene has tissue and a forbidden region (asserted).
     explicit SlaveNode(const SlaveSettings& settings);
 
-    // Tissue at rest, fixture as ordered, no contact. The next command only sets the needle.
+    // Everything at rest, fixture as ordered, no contact. The next command only sets the needle.
     void start_trial(const SessionControl& order);
     // Moves, removes or returns the fixture. Contact time goes on if the needle still touches it.
     void change_fixture(const SessionControl& order);
@@ -49,22 +49,21 @@ class SlaveNode {
     }
 
     bool in_trial() const { return in_trial_; }
-    // The tissue's transitions during the last command's step; offsets from the previous sample.
-    const TissueEvents& events() const { return events_; }
+    // What changed during the last command's step; offsets from the previous sample.
+    const Transitions& events() const { return scene_.transitions(); }
     std::uint64_t refused() const { return refused_; }
 
   private:
     void follow(SessionTime sample_time, const NeedleCommand& command);
-    void advance_tissue(SessionTime sample_time, double position_m);
+    void advance(SessionTime sample_time, const NeedleSample& needle);
+    void step(Duration duration, const NeedleSample& needle);
     ForceFeedback answer() const;
 
     SlaveSettings settings_;
-    Tissue tissue_;
-    Fixture fixture_;
+    NeedleScene scene_;
     ContactTimer timer_;
-    TissueEvents events_;
+    Duration scene_time_{};  // since the first command of the trial
     SessionTime sample_time_{};
-    double position_needle_m_ = 0;
     std::uint64_t refused_ = 0;
     std::uint32_t sequence_ = 0;
     bool in_trial_ = false;

@@ -1,5 +1,10 @@
 #include "slave_sim/slave_settings.hpp"
 
+#include <string>
+
+#include "slave_sim/element_types.hpp"
+#include "slave_sim/needle_scene.hpp"
+
 namespace thimble {
 
 namespace {
@@ -7,29 +12,50 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-TissueParameters read_tissue(const ConfigTable& table) {
-    TissueParameters t;
-    t.mass_kg = table.number("mass_kg", t.mass_kg, 1e-9, 1e6);
-    t.stiffness_N_per_m = table.number("stiffness_N_per_m", t.stiffness_N_per_m, 0, 1e6);
-    // Some damping, so that a surface left alone comes to rest.
-    t.damping_Ns_per_m = table.number("damping_Ns_per_m", t.damping_Ns_per_m, 1e-3, 1e6);
-    t.drag_Ns_per_m = table.number("drag_Ns_per_m", t.drag_Ns_per_m, 0, 1e6);
-    t.puncture_force_N = table.number("puncture_force_N", t.puncture_force_N, 1e-6, 1e6);
-    t.rest_position_m = table.number("rest_position_m", t.rest_position_m, -1, 1);
-    return t;
+// The paper's, with what the session's own tables say otherwise.
+SceneDeclaration own_scene(const ConfigFile& file) {
+    SceneDeclaration scene;
+    scene.name = kPaperScene;
+    read_tissue(file.table("tissue"), "tissue", scene);
+    read_fixture(file.table("fixture"), "fixture", scene);
+    return scene;
+}
+
+SceneDeclaration other_scene(const ConfigFile& file, const ConfigTable& own, const std::string& name) {
+    for (const char* table : {"tissue", "fixture"}) {
+        if (file.root().has(table)) {
+            file.root().fail(table, "stands beside slave_sim.scene: what exists is declared in one of them");
+        }
+    }
+    const std::filesystem::path beside = file.folder() / name;
+    SceneDeclaration scene = load_scene(std::filesystem::exists(beside) ? beside : std::filesystem::path(name));
+    const NeedleScene built(scene, solver_maker({}));
+    // The needle's depth is told from the surface, and a trial ends with contact at the fixture.
+    if (built.surface() == nullptr) own.fail("scene", "has no [tissue]: a trial needs a surface");
+    if (built.fixture() == nullptr) own.fail("scene", "has no [fixture]: a trial ends by contact with it");
+    return scene;
+}
+
+TissueMaker read_solver(const ConfigTable& own) {
+    SolverChoice choice;
+    choice.name = kSolverNames[own.choice("solver", 0, {kSolverNames.begin(), kSolverNames.end()})];
+    choice.longest_step_s = own.number("solver_step_s", choice.longest_step_s, 1e-7, 1);
+    return solver_maker(choice);
 }
 
 }  // namespace
 
+double SlaveSettings::fixture_position_m() const { return NeedleScene(scene, make_tissue).fixture()->position_m(); }
+
 SlaveSettings read_slave_settings(const ConfigFile& file) {
     SlaveSettings s;
-    s.tissue = read_tissue(file.table("tissue"));
-    const ConfigTable fixture = file.table("fixture");
-    s.fixture.stiffness_N_per_m = fixture.number("stiffness_N_per_m", s.fixture.stiffness_N_per_m, 0, 1e6);
-    s.fixture.position_m = fixture.number("position_m", s.fixture.position_m, -1, 1);
+    const ConfigTable own = file.table("slave_sim");
+    const std::string scene = own.text("scene", "");
+    s.scene = scene.empty() ? own_scene(file) : other_scene(file, own, scene);
+    s.make_tissue = read_solver(own);
+    const NeedleScene tried(s.scene, s.make_tissue);  // an unstable solver is refused here, not in the first trial
     s.contact_hold =
         file.table("trial").seconds("contact_hold_s", s.contact_hold, milliseconds(1), seconds(600));
-    const ConfigTable own = file.table("slave_sim");
     s.stale_after = own.seconds("stale_after_s", s.stale_after, milliseconds(1), seconds(10));
     s.longest_step = own.seconds("longest_step_s", s.longest_step, milliseconds(1), seconds(10));
     return s;

@@ -25,7 +25,7 @@ double pierced_at_m(const SystemSettings& settings) {
     order.fixture_position_m = 0.123;
     master.start_trial(Modality::kHF);
     slave.start_trial(order);
-    const double surface_m = settings.slave.tissue.rest_position_m;
+    const double surface_m = settings.slave.scene.elements.front().position_m;
     const double scale = settings.master.position_scale, count_m = settings.handle.encoder_resolution_m;
     for (std::uint32_t ms = 0;; ++ms) {
         const double needle_m = surface_m - 0.002 + kPress_needle_m_per_s * 1e-3 * ms;

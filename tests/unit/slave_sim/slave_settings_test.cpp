@@ -5,20 +5,31 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "slave_sim/needle_scene.hpp"
 
 namespace thimble {
 namespace {
 
+TissueParameters tissue_of(const SlaveSettings& s) {
+    return NeedleScene(s.scene, s.make_tissue).surface()->parameters();
+}
+
+double fixture_push_N(const SlaveSettings& s, double penetration_m) {
+    const NeedleScene scene(s.scene, s.make_tissue);
+    return -scene.fixture()->touch(s.fixture_position_m() + penetration_m).force_N;
+}
+
 TEST(SlaveSettings, NominalWithoutAFile) {
     const SlaveSettings s = read_slave_settings(ConfigFile::empty());
-    EXPECT_EQ(s.tissue.mass_kg, 1);
-    EXPECT_EQ(s.tissue.stiffness_N_per_m, 2);
-    EXPECT_EQ(s.tissue.damping_Ns_per_m, 5);
-    EXPECT_EQ(s.tissue.drag_Ns_per_m, 0.7);
-    EXPECT_EQ(s.tissue.puncture_force_N, 0.1);
-    EXPECT_EQ(s.tissue.rest_position_m, 0.020);
-    EXPECT_EQ(s.fixture.stiffness_N_per_m, 3000);
-    EXPECT_EQ(s.fixture.position_m, 0.123);
+    const TissueParameters tissue = tissue_of(s);
+    EXPECT_EQ(tissue.mass_kg, 1);
+    EXPECT_EQ(tissue.stiffness_N_per_m, 2);
+    EXPECT_EQ(tissue.damping_Ns_per_m, 5);
+    EXPECT_EQ(tissue.drag_Ns_per_m, 0.7);
+    EXPECT_EQ(tissue.puncture_force_N, 0.1);
+    EXPECT_EQ(tissue.rest_position_m, 0.020);
+    EXPECT_NEAR(fixture_push_N(s, 0.001), 3, 1e-12);
+    EXPECT_EQ(s.fixture_position_m(), 0.123);
     EXPECT_EQ(s.contact_hold, Duration{std::chrono::seconds(5)});
 }
 
@@ -42,15 +53,16 @@ longest_step_s = 0.2
 )",
                                               "test");
     const SlaveSettings s = read_slave_settings(file);
+    const TissueParameters tissue = tissue_of(s);
     EXPECT_NO_THROW(file.finish());
-    EXPECT_EQ(s.tissue.mass_kg, 2);
-    EXPECT_EQ(s.tissue.stiffness_N_per_m, 3);
-    EXPECT_EQ(s.tissue.damping_Ns_per_m, 4);
-    EXPECT_EQ(s.tissue.drag_Ns_per_m, 0.5);
-    EXPECT_EQ(s.tissue.puncture_force_N, 0.25);
-    EXPECT_EQ(s.tissue.rest_position_m, 0.03);
-    EXPECT_EQ(s.fixture.stiffness_N_per_m, 1000);
-    EXPECT_EQ(s.fixture.position_m, 0.1);
+    EXPECT_EQ(tissue.mass_kg, 2);
+    EXPECT_EQ(tissue.stiffness_N_per_m, 3);
+    EXPECT_EQ(tissue.damping_Ns_per_m, 4);
+    EXPECT_EQ(tissue.drag_Ns_per_m, 0.5);
+    EXPECT_EQ(tissue.puncture_force_N, 0.25);
+    EXPECT_EQ(tissue.rest_position_m, 0.03);
+    EXPECT_NEAR(fixture_push_N(s, 0.001), 1, 1e-12);
+    EXPECT_EQ(s.fixture_position_m(), 0.1);
     EXPECT_EQ(s.contact_hold, Duration{std::chrono::seconds(2)});
     EXPECT_EQ(s.stale_after, Duration{std::chrono::milliseconds(50)});
     EXPECT_EQ(s.longest_step, Duration{std::chrono::milliseconds(200)});

@@ -7,8 +7,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "slave_sim/fixture.hpp"
-#include "slave_sim/tissue.hpp"
+#include "slave_sim/elements/forbidden_region.hpp"
+#include "slave_sim/exact_tissue.hpp"
+#include "tests/unit/slave_sim/phases.hpp"
 
 namespace thimble {
 namespace {
@@ -29,13 +30,6 @@ struct Golden {
     std::vector<TimedEvent> events;
 };
 
-TissuePhase phase_named(const std::string& name) {
-    if (name == "free") return TissuePhase::kFree;
-    if (name == "contact") return TissuePhase::kContact;
-    if (name == "penetrated") return TissuePhase::kPenetrated;
-    throw std::runtime_error("unknown mode " + name);
-}
-
 double number(const json& text) { return std::stod(text.get<std::string>()); }
 
 std::vector<double> numbers(const json& texts) {
@@ -50,14 +44,15 @@ Golden parse(const json& j) {
     const json& p = j.at("params");
     g.parameters = {number(p.at("M")), number(p.at("K")),  number(p.at("B")),
                     number(p.at("V")), number(p.at("Fp")), number(p.at("zbar"))};
-    g.fixture = {number(p.at("Kvf")), number(p.at("zvf"))};
+    g.fixture.stiffness_N_per_m = number(p.at("Kvf"));
+    g.fixture.position_m = number(p.at("zvf"));
     g.t_s = numbers(j.at("t"));
     g.needle_m = numbers(j.at("z_needle"));
     g.surface_m = numbers(j.at("z_tissue"));
     g.velocity_m_per_s = numbers(j.at("v_tissue"));
     g.force_N = numbers(j.at("force"));
-    for (const json& mode : j.at("mode")) g.phase.push_back(phase_named(mode));
-    for (const json& e : j.at("events")) g.events.push_back({number(e.at("t")), phase_named(e.at("mode"))});
+    for (const json& mode : j.at("mode")) g.phase.push_back(phase_named(mode.get<std::string>()));
+    for (const json& e : j.at("events")) g.events.push_back({number(e.at("t")), phase_named(e.at("mode").get<std::string>())});
     return g;
 }
 
@@ -88,17 +83,17 @@ struct Walk {
 
 class TissueGolden : public testing::TestWithParam<Walk> {};
 
-void walk_interval(const Golden& g, std::size_t i, const Walk& walk, Tissue& tissue,
+void walk_interval(const Golden& g, std::size_t i, const Walk& walk, ExactTissue& tissue,
                    std::vector<TimedEvent>& found) {
     const double dt_s = walk.same_duration ? g.t_s[1] - g.t_s[0] : g.t_s[i] - g.t_s[i - 1];
     double before = 0;
     for (const double cut : walk.cuts) {
-        TissueEvents events;
+        Transitions events;
         const double to_m =
             cut == 1 ? g.needle_m[i] : g.needle_m[i - 1] + cut * (g.needle_m[i] - g.needle_m[i - 1]);
-        tissue.step((cut - before) * dt_s, to_m, events);
-        for (const TissueEvent& e : events) {
-            found.push_back({g.t_s[i - 1] + before * dt_s + e.offset_s, e.phase});
+        tissue.advance((cut - before) * dt_s, to_m, events);
+        for (const Transition& e : events) {
+            found.push_back({g.t_s[i - 1] + before * dt_s + e.offset_s, phase_named(e.phase)});
         }
         before = cut;
     }
@@ -108,7 +103,7 @@ TEST_P(TissueGolden, SamplesAndEvents) {
     ASSERT_EQ(golden_cases().size(), 6u);
     for (const Golden& g : golden_cases()) {
         SCOPED_TRACE(g.name);
-        Tissue tissue(g.parameters);
+        ExactTissue tissue(g.parameters);
         tissue.reset(g.needle_m[0]);
         std::vector<TimedEvent> found;
         std::size_t compared = 0;
@@ -119,7 +114,7 @@ TEST_P(TissueGolden, SamplesAndEvents) {
             ASSERT_EQ(s.phase, g.phase[i]) << "t " << g.t_s[i];
             ASSERT_NEAR(s.position_surface_m, g.surface_m[i], 1e-12) << "t " << g.t_s[i];
             ASSERT_NEAR(s.velocity_surface_m_per_s, g.velocity_m_per_s[i], 1e-10) << "t " << g.t_s[i];
-            const double force_N = s.force_N + Fixture(g.fixture).touch(g.needle_m[i]).force_N;
+            const double force_N = s.force_N + ForbiddenRegion(g.fixture).touch(g.needle_m[i]).force_N;
             ASSERT_NEAR(force_N, g.force_N[i], 1e-9) << "t " << g.t_s[i];
             ++compared;
         }

@@ -1,6 +1,4 @@
-#include "slave_sim/tissue.hpp"
-
-#include <cassert>
+#include "slave_sim/exact_tissue.hpp"
 
 #include "slave_sim/crossing.hpp"
 
@@ -17,79 +15,49 @@ constexpr double kProgress = 1e-6;
 }  // namespace
 
 // What is left of a step after the transitions found so far.
-struct Tissue::Leg {
+struct ExactTissue::Leg {
     double offset_s;      // of its start within the step
     double remaining_s;   // to the end of the step
     double needle_end_m;  // at the end of the step
     bool search;          // look for further transitions
-    TissueEvents* events;
+    Transitions* transitions;
 };
 
-Tissue::Tissue(const TissueParameters& parameters)
-    : parameters_(parameters),
+ExactTissue::ExactTissue(const TissueParameters& parameters)
+    : TissueSolver(parameters),
       laws_{SecondOrder(parameters.mass_kg, parameters.damping_Ns_per_m, parameters.stiffness_N_per_m),
             SecondOrder(parameters.mass_kg, parameters.damping_Ns_per_m + parameters.drag_Ns_per_m,
-                        parameters.stiffness_N_per_m)} {
-    assert(parameters.drag_Ns_per_m >= 0 && parameters.puncture_force_N > 0);
-}
+                        parameters.stiffness_N_per_m)} {}
 
-void Tissue::reset(double position_needle_m) {
-    needle_m_ = position_needle_m - parameters_.rest_position_m;
-    phase_ = needle_m_ > 0 ? TissuePhase::kPenetrated : TissuePhase::kFree;
-    surface_m_ = 0;
-    velocity_needle_m_per_s_ = 0;
-    velocity_surface_m_per_s_ = 0;
-}
-
-TissueState Tissue::state() const {
-    const double rest_m = parameters_.rest_position_m;
-    const double v_needle = velocity_needle_m_per_s_;
-    const double v_surface = velocity_surface_m_per_s_;
-    switch (phase_) {
-        case TissuePhase::kContact:
-            return {phase_, rest_m + needle_m_, v_needle, -contact_force_N(needle_m_, v_needle)};
-        case TissuePhase::kPenetrated:
-            return {phase_, rest_m + surface_m_, v_surface,
-                    -parameters_.drag_Ns_per_m * (v_needle - v_surface)};
-        case TissuePhase::kFree:
-            break;
-    }
-    return {phase_, rest_m + surface_m_, v_surface, 0};
-}
-
-void Tissue::step(double duration_s, double position_needle_m, TissueEvents& events) {
-    assert(duration_s >= 0);
-    if (duration_s == 0) return;
-    Leg leg{0, duration_s, position_needle_m - parameters_.rest_position_m, true, &events};
-    velocity_needle_m_per_s_ = (leg.needle_end_m - needle_m_) / duration_s;
-    unsigned transitions = 0;
+void ExactTissue::move(double duration_s, double needle_end_m, Transitions& transitions) {
+    Leg leg{0, duration_s, needle_end_m, true, &transitions};
+    unsigned count = 0;
     double since_s = 0;
     while (phase_ == TissuePhase::kContact ? contact_leg(leg) : moving_leg(leg)) {
         if (leg.offset_s - since_s > kProgress * duration_s) {
             since_s = leg.offset_s;
-            transitions = 0;
+            count = 0;
         }
-        if (++transitions == kMostTransitions) {
+        if (++count == kMostTransitions) {
             leg.search = false;
             ++unresolved_steps_;
         }
     }
-    needle_m_ = leg.needle_end_m;
 }
 
 // Records a transition and puts needle and surface on the instant; the gap is zero there by definition.
-void Tissue::enter(TissuePhase phase, double after_s, Leg& leg) {
+void ExactTissue::enter(TissuePhase phase, double after_s, Leg& leg) {
     phase_ = phase;
     needle_m_ = after_s < leg.remaining_s ? needle_m_ + velocity_needle_m_per_s_ * after_s : leg.needle_end_m;
     surface_m_ = needle_m_;
     leg.offset_s += after_s;
     leg.remaining_s -= after_s;
-    leg.events->push({leg.offset_s, phase});
+    leg.transitions->push(leg.offset_s, to_string(phase));
 }
 
 // When side * (f - limit) has become positive, given that it is at the end of the leg. The closed root can
 // lie a rounding error early, where the next phase would still see the guard unmet and come straight back.
-double Tissue::beyond_s(double limit_N, double side, const Leg& leg) const {
+double ExactTissue::beyond_s(double limit_N, double side, const Leg& leg) const {
     const double v = velocity_needle_m_per_s_;
     const double missing_N = limit_N - contact_force_N(needle_m_, v);
     double t_s = missing_N / (parameters_.stiffness_N_per_m * v);
@@ -102,7 +70,7 @@ double Tissue::beyond_s(double limit_N, double side, const Leg& leg) const {
 }
 
 // True if a transition ended the leg. The contact force is a line in time.
-bool Tissue::contact_leg(Leg& leg) {
+bool ExactTissue::contact_leg(Leg& leg) {
     const double v = velocity_needle_m_per_s_;
     const double limit_N = parameters_.puncture_force_N;
     const double first_N = contact_force_N(needle_m_, v);
@@ -125,7 +93,7 @@ bool Tissue::contact_leg(Leg& leg) {
 }
 
 // When the needle enters (free) or leaves (penetrated) within the leg.
-double Tissue::crossing(const Leg& leg, const SecondOrder& law, const Propagator& p,
+double ExactTissue::crossing(const Leg& leg, const SecondOrder& law, const Propagator& p,
                         double acceleration) const {
     GapMotion gap;
     gap.side = phase_ == TissuePhase::kFree ? 1 : -1;
@@ -142,7 +110,7 @@ double Tissue::crossing(const Leg& leg, const SecondOrder& law, const Propagator
 }
 
 // True if a transition ended the leg. Free or penetrated: the surface moves by its own law.
-bool Tissue::moving_leg(Leg& leg) {
+bool ExactTissue::moving_leg(Leg& leg) {
     const bool penetrated = phase_ == TissuePhase::kPenetrated;
     const SecondOrder& law = laws_[penetrated];
     Propagator& cached = cached_[penetrated];

@@ -1,0 +1,24 @@
+// The types of element a scene can hold. To add one: a file elements/NAME.cpp that defines read_NAME, and its
+// name in this list. docs/scenes.md does it step by step.
+#pragma once
+
+#include <span>
+
+#include "slave_sim/scene_declaration.hpp"
+
+#define THIMBLE_ELEMENT_TYPES(ELEMENT) \
+    ELEMENT(tissue)                    \
+    ELEMENT(vessel)                    \
+    ELEMENT(fixture)                   \
+    ELEMENT(guidance)
+
+namespace thimble {
+
+#define THIMBLE_DECLARE_READER(type) \
+    void read_##type(const ConfigTable& table, const std::string& name, SceneDeclaration& scene);
+THIMBLE_ELEMENT_TYPES(THIMBLE_DECLARE_READER)
+#undef THIMBLE_DECLARE_READER
+
+std::span<const ElementType> element_types();
+
+}  // namespace thimble

@@ -1,0 +1,37 @@
+// The tissue automaton stepped exactly: closed form within a phase, and the first root of each guard, however
+// long the step.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "slave_sim/second_order.hpp"
+#include "slave_sim/tissue_solver.hpp"
+
+namespace thimble {
+
+class ExactTissue final : public TissueSolver {
+  public:
+    explicit ExactTissue(const TissueParameters& parameters);
+
+    // Steps with 64 transitions in a millionth of their time, which ended without looking for more.
+    std::uint64_t unresolved_steps() const { return unresolved_steps_; }
+
+  protected:
+    void move(double duration_s, double needle_end_m, Transitions& transitions) override;
+
+  private:
+    struct Leg;
+
+    bool contact_leg(Leg& leg);
+    bool moving_leg(Leg& leg);
+    double crossing(const Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration) const;
+    double beyond_s(double limit_N, double side, const Leg& leg) const;
+    void enter(TissuePhase phase, double after_s, Leg& leg);
+
+    std::array<SecondOrder, 2> laws_;     // of the surface alone, and with the needle in it
+    std::array<Propagator, 2> cached_{};  // for the duration of the last step
+    std::uint64_t unresolved_steps_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,78 @@
+#include "slave_sim/scene_file.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/error.hpp"
+#include "slave_sim/element_types.hpp"
+
+namespace thimble {
+
+namespace {
+
+// The type's own name where there is one of it, else numbered from 1; or what the table says.
+std::string name_of(const ConfigTable& table, std::string_view type, std::size_t index, std::size_t count) {
+    std::string name = count == 1 ? std::string(type) : fmt::format("{}{}", type, index + 1);
+    name = table.text("name", name);
+    const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+        return c == '_' || c == '-' || c == '.' || (c < 128 && std::isalnum(c) != 0);
+    });
+    if (!plain) table.fail("name", "must be letters, digits, '_', '-' and '.': it stands in event lists");
+    return name;
+}
+
+void read_type(const ConfigFile& file, const ElementType& type, std::set<std::string>& names,
+               SceneDeclaration& scene) {
+    const std::vector<ConfigTable> tables = file.root().tables(type.table);
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+        const std::string name = name_of(tables[i], type.table, i, tables.size());
+        if (!names.insert(name).second) tables[i].fail("name", fmt::format("\"{}\" is taken", name));
+        type.read(tables[i], name, scene);
+    }
+}
+
+const BuiltInScene* built_in(std::string_view name) {
+    const auto& scenes = built_in_scenes();
+    const auto found = std::find_if(scenes.begin(), scenes.end(),
+                                    [name](const BuiltInScene& scene) { return scene.name == name; });
+    return found == scenes.end() ? nullptr : &*found;
+}
+
+ConfigFile open(const std::filesystem::path& path) {
+    if (std::filesystem::exists(path)) return ConfigFile::load(path);
+    if (const BuiltInScene* scene = built_in(path.filename().string()); scene && !path.has_root_path()) {
+        return ConfigFile::parse(scene->text, scene->name);
+    }
+    std::vector<std::string_view> names;
+    for (const BuiltInScene& scene : built_in_scenes()) names.push_back(scene.name);
+    throw Error(ExitCode::kUsage, fmt::format("{}: there is no such scene file, and the scenes that come with "
+                                              "the program are {}",
+                                              path.string(), fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+SceneDeclaration read_scene(const ConfigFile& file, std::string_view name) {
+    SceneDeclaration scene;
+    scene.name = name;
+    std::set<std::string> names;
+    for (const ElementType& type : element_types()) read_type(file, type, names, scene);
+    return scene;
+}
+
+SceneDeclaration paper_scene() {
+    return read_scene(ConfigFile::parse(built_in(kPaperScene)->text, kPaperScene), kPaperScene);
+}
+
+SceneDeclaration load_scene(const std::filesystem::path& path) {
+    const ConfigFile file = open(path);
+    SceneDeclaration scene = read_scene(file, path.string());
+    file.finish();
+    return scene;
+}
+
+}  // namespace thimble
