@@ -39,35 +39,38 @@ std::string type_name(const toml::node& node) {
     return text.str();
 }
 
-// A quoted key may hold a dot or a bracket, but none of ours does: it must not pass for a key in a table.
-bool plain(std::string_view key) { return key.find_first_of(".[") == std::string_view::npos; }
+// Keys of a file that nobody asked for.
+class UnknownKeys {
+  public:
+    UnknownKeys(const std::string& file, const std::set<std::string>& known) : file_(file), known_(known) {}
 
-void refuse_unknown_keys(const toml::table& table, const std::string& path,
-                         const std::set<std::string>& known, const std::string& name);
+    void refuse_entry(const std::string& path, std::string_view key, const toml::node& node) const {
+        const std::string full = join(path, key);
+        // A quoted key may hold a dot or a bracket, but none of ours does: it must not pass for a key in a
+        // table.
+        if (key.find_first_of(".[") == std::string_view::npos && known_.count(full) != 0) {
+            return refuse_within(full, node);
+        }
+        refuse(file_, node.source().begin,
+               fmt::format("unknown {} '{}': check the spelling, or remove it",
+                           path.empty() ? "table or key" : "key", full));
+    }
 
-// What lies under a key that was asked for.
-void refuse_unknown_within(const toml::node& node, const std::string& path,
-                           const std::set<std::string>& known, const std::string& name) {
-    if (const toml::table* inner = node.as_table()) refuse_unknown_keys(*inner, path, known, name);
-    if (const toml::array* list = node.as_array()) {
-        for (std::size_t i = 0; i < list->size(); ++i) {
-            refuse_unknown_within((*list)[i], fmt::format("{}[{}]", path, i), known, name);
+  private:
+    void refuse_within(const std::string& path, const toml::node& node) const {
+        if (const toml::table* inner = node.as_table()) {
+            for (const auto& [key, value] : *inner) refuse_entry(path, key.str(), value);
+        }
+        if (const toml::array* list = node.as_array()) {
+            for (std::size_t i = 0; i < list->size(); ++i) {
+                refuse_within(fmt::format("{}[{}]", path, i), (*list)[i]);
+            }
         }
     }
-}
 
-void refuse_unknown_keys(const toml::table& table, const std::string& path,
-                         const std::set<std::string>& known, const std::string& name) {
-    for (const auto& [key, node] : table) {
-        const std::string full = join(path, key.str());
-        if (!plain(key.str()) || known.count(full) == 0) {
-            refuse(name, node.source().begin,
-                   fmt::format("unknown {}key '{}': check the spelling, or remove it",
-                               path.empty() ? "table or " : "", full));
-        }
-        refuse_unknown_within(node, full, known, name);
-    }
-}
+    const std::string& file_;
+    const std::set<std::string>& known_;
+};
 
 }  // namespace
 
@@ -111,13 +114,12 @@ ConfigTable ConfigFile::root() const { return {this, ""}; }
 const std::filesystem::path& ConfigFile::folder() const { return impl_->folder; }
 
 void ConfigFile::finish(const std::vector<std::string_view>& elsewhere) const {
-    toml::table own;
+    const UnknownKeys unknown(impl_->name, impl_->known);
     for (const auto& [key, node] : impl_->root) {
         if (std::find(elsewhere.begin(), elsewhere.end(), key.str()) == elsewhere.end()) {
-            own.insert(key.str(), node);
+            unknown.refuse_entry("", key.str(), node);
         }
     }
-    refuse_unknown_keys(own, "", impl_->known, impl_->name);
 }
 
 // One key of the file: its node (null where absent), its dotted path, and how to refuse it.

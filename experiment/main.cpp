@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
@@ -17,8 +18,11 @@
 #include "experiment/combined_report.hpp"
 #include "experiment/condition_summary.hpp"
 #include "experiment/headline.hpp"
+#include "experiment/replay.hpp"
 #include "experiment/run.hpp"
 #include "experiment/study.hpp"
+#include "slave_sim/scene_file.hpp"
+#include "slave_sim/solvers.hpp"
 
 namespace {
 
@@ -26,6 +30,7 @@ using namespace thimble;
 
 struct Arguments {
     std::string config, out, run_folder, study_folder;
+    ReplayOptions replay;
     int experiment = 3;
     std::uint32_t subjects = 10;
     std::uint64_t seed = 1;
@@ -124,6 +129,29 @@ int command_check(const Arguments& arguments) {
     return 0;
 }
 
+int command_replay(Arguments& arguments) {
+    install_stop_signals();
+    arguments.replay.stop = &stop_requested();
+    const ReplayOptions& options = arguments.replay;
+    const ReplayResult result = replay(options);
+    if (arguments.json) {
+        const nlohmann::ordered_json summary{
+            {"scene", options.scene.string()},   {"solver", options.solver},
+            {"samples", result.samples},         {"duration_s", result.duration_s},
+            {"transitions", result.transitions}, {"force_peak_N", result.force_peak_N},
+            {"out", options.out.string()},       {"events", result.events.string()},
+            {"complete", result.complete}};
+        fmt::print("{}\n", summary.dump(2));
+    } else {
+        fmt::print(
+            "{} samples over {:g} s, {} transitions, greatest force {:.4g} N\nforces: {}\nevents: {}\n",
+            result.samples, result.duration_s, result.transitions, result.force_peak_N, options.out.string(),
+            result.events.string());
+    }
+    if (!result.complete) spdlog::error("interrupted; the {} samples done are kept", result.samples);
+    return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
+}
+
 void add_run(CLI::App& app, Arguments& a) {
     CLI::App* run =
         app.add_subcommand("run", "one trial per modality and delay, five real processes over UDP");
@@ -162,6 +190,35 @@ void add_study(CLI::App& app, Arguments& a) {
     study->footer("Example:\n  thimble study --experiment 3 --seed 1 --out out/study");
 }
 
+void add_replay(CLI::App& app, Arguments& a) {
+    ReplayOptions& r = a.replay;
+    std::vector<std::string> solvers(kSolverNames.begin(), kSolverNames.end());
+    CLI::App* sub = app.add_subcommand("replay", "a recorded or synthetic needle through a scene, offline");
+    sub->add_option("--scene", r.scene, "scene file (TOML), or one that comes with the program")
+        ->default_val(kPaperScene);
+    sub->add_option("--needle", r.needle, "CSV with columns time_s and position_needle_m")->required();
+    sub->add_option("-o,--out", r.out, "forces and surface, a line per sample; replaced if it exists")
+        ->required();
+    sub->add_option("--events", r.events, "transitions (default: OUT with .events.csv for .csv)");
+    sub->add_option("--solver", r.solver, "how tissue is stepped")
+        ->default_val(solvers.front())
+        ->check(CLI::IsMember(solvers));
+    sub->add_option("--solver-step-s", r.solver_step_s,
+                    "longest step of a solver that steps; exact needs none")
+        ->default_val(r.solver_step_s)
+        ->check(CLI::Range(1e-9, 1e3));
+    sub->add_option("--longest-gap-s", r.limits.longest_gap_s, "samples further apart are refused as a gap")
+        ->default_val(r.limits.longest_gap_s)
+        ->check(CLI::PositiveNumber);
+    sub->add_flag("--json", a.json, "print a summary as JSON on stdout");
+    std::string scenes;
+    for (const BuiltInScene& scene : built_in_scenes()) scenes += fmt::format(" {}", scene.name);
+    sub->footer(
+        fmt::format("Scenes that come with the program:{}\n"
+                    "Example:\n  thimble replay --scene paper.toml --needle needle.csv --out forces.csv",
+                    scenes));
+}
+
 void add_others(CLI::App& app, Arguments& a) {
     CLI::App* report = app.add_subcommand("report", "one report.html from a run, a study, or both");
     report->add_option("--run", a.run_folder, "folder of a thimble run");
@@ -187,6 +244,7 @@ int run_thimble(int argc, char** argv) {
         "data.");
     add_run(app, arguments);
     add_study(app, arguments);
+    add_replay(app, arguments);
     add_others(app, arguments);
     try {
         app.parse(argc, argv);
@@ -195,6 +253,7 @@ int run_thimble(int argc, char** argv) {
     }
     if (app.got_subcommand("run")) return command_run(arguments);
     if (app.got_subcommand("study")) return command_study(arguments);
+    if (app.got_subcommand("replay")) return command_replay(arguments);
     if (app.got_subcommand("report")) return command_report(arguments);
     return command_check(arguments);
 }

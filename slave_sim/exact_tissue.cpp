@@ -11,6 +11,7 @@ namespace {
 // step goes straight to its end.
 constexpr unsigned kMostTransitions = 64;
 constexpr double kProgress = 1e-6;
+constexpr std::string_view kUnresolved = "unresolved";  // the rest of the step was not searched
 
 }  // namespace
 
@@ -40,6 +41,7 @@ void ExactTissue::move(double duration_s, double needle_end_m, Transitions& tran
         }
         if (++count == kMostTransitions) {
             leg.search = false;
+            transitions.push(leg.offset_s, kUnresolved);
             ++unresolved_steps_;
         }
     }
@@ -94,7 +96,7 @@ bool ExactTissue::contact_leg(Leg& leg) {
 
 // When the needle enters (free) or leaves (penetrated) within the leg.
 double ExactTissue::crossing(const Leg& leg, const SecondOrder& law, const Propagator& p,
-                        double acceleration) const {
+                             double acceleration) const {
     GapMotion gap;
     gap.side = phase_ == TissuePhase::kFree ? 1 : -1;
     gap.gap_m = needle_m_ - surface_m_;

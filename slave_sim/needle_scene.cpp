@@ -2,7 +2,8 @@
 
 namespace thimble {
 
-NeedleScene::NeedleScene(const SceneDeclaration& declaration, const TissueMaker& make_tissue, std::size_t most_transitions)
+NeedleScene::NeedleScene(const SceneDeclaration& declaration, const TissueMaker& make_tissue,
+                         std::size_t most_transitions)
     : transitions_(most_transitions) {
     for (const ElementDeclaration& declared : declaration.elements) add(declared, make_tissue);
     reset({});
@@ -29,7 +30,8 @@ void NeedleScene::reset(const NeedleSample& needle) {
 void NeedleScene::step(double start_s, double duration_s, const NeedleSample& needle) {
     if (duration_s <= 0) return;
     const double velocity_m_per_s = (needle.position_m - needle_.position_m) / duration_s;
-    tissue_.step({start_s, duration_s, needle_.position_m, needle.position_m, velocity_m_per_s}, transitions_);
+    tissue_.step({start_s, duration_s, needle_.position_m, needle.position_m, velocity_m_per_s},
+                 transitions_);
     fixtures_.step(
         {start_s, duration_s, needle_.position_reading_m, needle.position_reading_m, velocity_m_per_s},
         transitions_);

@@ -21,7 +21,7 @@ class NeedleScene {
   public:
     // Throws Error (usage) if the solver cannot step a declared tissue.
     NeedleScene(const SceneDeclaration& declaration, const TissueMaker& make_tissue,
-          std::size_t most_transitions = 16);
+                std::size_t most_transitions = 16);
     NeedleScene(NeedleScene&&) = default;
     NeedleScene& operator=(NeedleScene&&) = default;
 

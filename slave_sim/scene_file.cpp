@@ -49,9 +49,10 @@ ConfigFile open(const std::filesystem::path& path) {
     }
     std::vector<std::string_view> names;
     for (const BuiltInScene& scene : built_in_scenes()) names.push_back(scene.name);
-    throw Error(ExitCode::kUsage, fmt::format("{}: there is no such scene file, and the scenes that come with "
-                                              "the program are {}",
-                                              path.string(), fmt::join(names, ", ")));
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: there is no such scene file, and the scenes that come with "
+                            "the program are {}",
+                            path.string(), fmt::join(names, ", ")));
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ SceneDeclaration other_scene(const ConfigFile& file, const ConfigTable& own, con
         }
     }
     const std::filesystem::path beside = file.folder() / name;
-    SceneDeclaration scene = load_scene(std::filesystem::exists(beside) ? beside : std::filesystem::path(name));
+    SceneDeclaration scene =
+        load_scene(std::filesystem::exists(beside) ? beside : std::filesystem::path(name));
     const NeedleScene built(scene, solver_maker({}));
     // The needle's depth is told from the surface, and a trial ends with contact at the fixture.
     if (built.surface() == nullptr) own.fail("scene", "has no [tissue]: a trial needs a surface");
@@ -45,7 +46,9 @@ TissueMaker read_solver(const ConfigTable& own) {
 
 }  // namespace
 
-double SlaveSettings::fixture_position_m() const { return NeedleScene(scene, make_tissue).fixture()->position_m(); }
+double SlaveSettings::fixture_position_m() const {
+    return NeedleScene(scene, make_tissue).fixture()->position_m();
+}
 
 SlaveSettings read_slave_settings(const ConfigFile& file) {
     SlaveSettings s;
@@ -53,7 +56,8 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
     const std::string scene = own.text("scene", "");
     s.scene = scene.empty() ? own_scene(file) : other_scene(file, own, scene);
     s.make_tissue = read_solver(own);
-    const NeedleScene tried(s.scene, s.make_tissue);  // an unstable solver is refused here, not in the first trial
+    const NeedleScene tried(s.scene,
+                            s.make_tissue);  // an unstable solver is refused here, not in the first trial
     s.contact_hold =
         file.table("trial").seconds("contact_hold_s", s.contact_hold, milliseconds(1), seconds(600));
     s.stale_after = own.seconds("stale_after_s", s.stale_after, milliseconds(1), seconds(10));

@@ -13,7 +13,8 @@ namespace thimble {
 namespace {
 
 double acceleration(const SurfaceLaw& law, const SurfaceMotion& at) {
-    return law.drive_m_per_s2 - law.damping_per_s * at.velocity_m_per_s - law.stiffness_per_s2 * at.position_m;
+    return law.drive_m_per_s2 - law.damping_per_s * at.velocity_m_per_s -
+           law.stiffness_per_s2 * at.position_m;
 }
 
 SurfaceLaw law_of(const TissueParameters& p, bool penetrated, double velocity_needle_m_per_s) {
@@ -97,12 +98,12 @@ SteppedTissue<Rule>::SteppedTissue(const TissueParameters& parameters, double lo
     : TissueSolver(parameters), longest_step_s_(longest_step_s) {
     assert(longest_step_s > 0);
     if (stable<Rule>(parameters, longest_step_s)) return;
-    throw Error(ExitCode::kUsage,
-                fmt::format("solver {} is unstable at a step of {:g} s for a tissue of {:g} kg, {:g} N/m and "
-                            "{:g} N s/m: take at most {:.3g} s, or the solver exact",
-                            Rule::kName, longest_step_s, parameters.mass_kg, parameters.stiffness_N_per_m,
-                            parameters.damping_Ns_per_m,
-                            longest_stable_step_s<Rule>(parameters, longest_step_s)));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("solver {} is unstable at a step of {:g} s for a tissue of {:g} kg, {:g} N/m and "
+                    "{:g} N s/m: take at most {:.3g} s, or the solver exact",
+                    Rule::kName, longest_step_s, parameters.mass_kg, parameters.stiffness_N_per_m,
+                    parameters.damping_Ns_per_m, longest_stable_step_s<Rule>(parameters, longest_step_s)));
 }
 
 template <class Rule>

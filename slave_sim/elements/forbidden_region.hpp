@@ -58,7 +58,9 @@ class ForbiddenRegion final : public Element {
         bool present;
     };
 
-    bool beyond(double position_needle_m) const { return now_.present && position_needle_m > now_.position_m; }
+    bool beyond(double position_needle_m) const {
+        return now_.present && position_needle_m > now_.position_m;
+    }
     double flip_offset_s(const NeedleStep& step, double from_s) const;
     double change_offset_s(const NeedleStep& step, double from_s) const;
     void flip(const NeedleStep& step, double offset_s, Transitions& transitions);

@@ -1,10 +1,11 @@
 // One named problem for each way a hybrid stepper goes wrong.
+#include "slave_sim/exact_tissue.hpp"
+
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "slave_sim/exact_tissue.hpp"
 #include "tests/unit/slave_sim/phases.hpp"
 
 namespace thimble {
@@ -146,7 +147,8 @@ TEST(ExactTissue, SeveralTransitionsInOneLongStep) {
     tissue.advance(0.02, 0.03, events);  // 2 m/s: f = 1 N on touch, pierces as soon as x > 0
     ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
     events.clear();
-    tissue.advance(2, 0.03, events);  // held: the surface overtakes it, swings back and is caught, then let go
+    tissue.advance(2, 0.03,
+                   events);  // held: the surface overtakes it, swings back and is caught, then let go
     ASSERT_GE(events.size(), 2u);
     EXPECT_EQ(phase_named(events[0].phase), kFree);
     EXPECT_EQ(phase_named(events[1].phase), kContact);
@@ -231,8 +233,8 @@ TEST(ExactTissue, EverySwingOfALongStepIsFound) {
 
 TEST(ExactTissue, ChatterIsBoundedAndTheStepEnds) {
     Swinging s;
-    s.tissue.advance(1e4, -0.2e-3, s.events);  // 1.6e9 swings
-    EXPECT_EQ(s.events.size() + s.events.overflows(), 64u);
+    s.tissue.advance(1e4, -0.2e-3, s.events);                     // 1.6e9 swings
+    EXPECT_EQ(s.events.size() + s.events.overflows(), 64u + 1u);  // and the word that it was given up
     EXPECT_EQ(s.tissue.unresolved_steps(), 1u);
     EXPECT_LE(std::abs(s.tissue.state().position_surface_m), 1.1e-3);
 }

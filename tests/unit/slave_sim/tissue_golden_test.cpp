@@ -52,7 +52,8 @@ Golden parse(const json& j) {
     g.velocity_m_per_s = numbers(j.at("v_tissue"));
     g.force_N = numbers(j.at("force"));
     for (const json& mode : j.at("mode")) g.phase.push_back(phase_named(mode.get<std::string>()));
-    for (const json& e : j.at("events")) g.events.push_back({number(e.at("t")), phase_named(e.at("mode").get<std::string>())});
+    for (const json& e : j.at("events"))
+        g.events.push_back({number(e.at("t")), phase_named(e.at("mode").get<std::string>())});
     return g;
 }
 
