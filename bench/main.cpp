@@ -19,7 +19,8 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 1> kStudies{{
+constexpr std::array<Study, 2> kStudies{{
+    {"scene-cost", "what a scene costs, against the number of layers", &scene_cost_study},
     {"velocity", "velocity estimators: noise against lag, puncture, fixture force", &velocity_study},
 }};
 

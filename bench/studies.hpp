@@ -3,6 +3,7 @@
 
 namespace thimble {
 
-int velocity_study(int argc, char** argv);  // velocity_study.cpp
+int scene_cost_study(int argc, char** argv);  // scene_cost_study.cpp
+int velocity_study(int argc, char** argv);    // velocity_study.cpp
 
 }  // namespace thimble
