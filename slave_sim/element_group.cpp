@@ -11,14 +11,11 @@ void ElementGroup::add(std::unique_ptr<Element> element, std::uint32_t index) {
 
 void ElementGroup::reset(double position_needle_m) {
     for (Member& member : members_) member.element->reset(position_needle_m);
-    needle_m_ = position_needle_m;
-    review();
+    review(position_needle_m);
 }
 
-void ElementGroup::review() { sort(needle_m_); }
-
-// Who sleeps and who is awake, with the needle here. Rare: only where somebody falls asleep or wakes.
-void ElementGroup::sort(double position_needle_m) {
+// Rare: only where somebody falls asleep or wakes.
+void ElementGroup::review(double position_needle_m) {
     awake_.clear();
     wake_beyond_m_ = std::numeric_limits<double>::infinity();
     for (Member& member : members_) {
@@ -31,8 +28,6 @@ void ElementGroup::sort(double position_needle_m) {
     }
 }
 
-void ElementGroup::wake(double position_needle_m) { sort(position_needle_m); }
-
 void ElementGroup::step_awake(const NeedleStep& step, Transitions& transitions) {
     bool somebody_rests = false;
     for (const Member* member : awake_) {
@@ -40,8 +35,7 @@ void ElementGroup::step_awake(const NeedleStep& step, Transitions& transitions) 
         member->element->step(step, transitions);
         somebody_rests = somebody_rests || step.to_m <= member->element->rests_above_m();
     }
-    needle_m_ = step.to_m;
-    if (somebody_rests) sort(step.to_m);
+    if (somebody_rests) review(step.to_m);
 }
 
 }  // namespace thimble

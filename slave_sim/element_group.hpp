@@ -17,7 +17,7 @@ class ElementGroup {
 
     // The cost does not depend on how many elements sleep.
     void step(const NeedleStep& step, Transitions& transitions) {
-        if (step.to_m > wake_beyond_m_) wake(step.to_m);
+        if (step.to_m > wake_beyond_m_) review(step.to_m);
         if (!awake_.empty()) step_awake(step, transitions);
     }
     // Sum over the elements that are awake; one that sleeps does not push.
@@ -26,8 +26,8 @@ class ElementGroup {
         for (const Member* member : awake_) sum_N += member->element->force_N();
         return sum_N;
     }
-    // After an element was changed from outside.
-    void review();
+    // Who sleeps with the needle here; to be called after an element was changed from outside.
+    void review(double position_needle_m);
 
     std::size_t awake() const { return awake_.size(); }
 
@@ -38,14 +38,11 @@ class ElementGroup {
         double rests_above_m;  // as long as it sleeps
     };
 
-    void wake(double position_needle_m);
     void step_awake(const NeedleStep& step, Transitions& transitions);
-    void sort(double position_needle_m);
 
     std::vector<Member> members_;
     std::vector<const Member*> awake_;  // in the order of members_
     double wake_beyond_m_ = std::numeric_limits<double>::infinity();
-    double needle_m_ = 0;
 };
 
 }  // namespace thimble

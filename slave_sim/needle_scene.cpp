@@ -40,8 +40,8 @@ void NeedleScene::step(double start_s, double duration_s, const NeedleSample& ne
 
 void NeedleScene::place_fixture(double position_m, bool present) {
     if (fixture_ == nullptr) return;
-    fixture_->place(position_m, present);
-    fixtures_.review();
+    fixture_->place(position_m, present, needle_.position_reading_m);
+    fixtures_.review(needle_.position_reading_m);
 }
 
 }  // namespace thimble

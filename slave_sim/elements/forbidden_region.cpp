@@ -14,9 +14,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 ForbiddenRegion::ForbiddenRegion(const FixtureParameters& parameters)
     : parameters_(parameters), placed_{parameters.position_m, true}, now_(placed_) {}
 
-void ForbiddenRegion::place(double position_m, bool present) {
+void ForbiddenRegion::place(double position_m, bool present, double position_needle_m) {
     placed_ = now_ = {position_m, present};
-    force_N_ = touch(needle_m_, velocity_m_per_s_).force_N;
+    force_N_ = touch(position_needle_m).force_N;
 }
 
 FixtureContact ForbiddenRegion::touch(double position_needle_m, double velocity_m_per_s) const {
@@ -31,14 +31,10 @@ void ForbiddenRegion::reset(double position_needle_m) {
     now_ = placed_;
     next_change_ = 0;
     touching_ = false;  // a needle that starts beyond the plane touches it as the first step begins
-    needle_m_ = position_needle_m;
-    velocity_m_per_s_ = 0;
-    force_N_ = touch(needle_m_).force_N;
+    force_N_ = touch(position_needle_m).force_N;
 }
 
 void ForbiddenRegion::step(const NeedleStep& step, Transitions& transitions) {
-    needle_m_ = step.to_m;
-    velocity_m_per_s_ = step.velocity_m_per_s;
     for (double offset_s = 0;;) {
         const double flip_s = flip_offset_s(step, offset_s);
         const double change_s = change_offset_s(step, offset_s);
@@ -50,7 +46,7 @@ void ForbiddenRegion::step(const NeedleStep& step, Transitions& transitions) {
             apply(parameters_.changes[next_change_++], offset_s, transitions);
         }
     }
-    force_N_ = touch(needle_m_, velocity_m_per_s_).force_N;
+    force_N_ = touch(step.to_m, step.velocity_m_per_s).force_N;
 }
 
 // When contact begins or ends; the plane stands still meanwhile, so where the needle ends decides whether.

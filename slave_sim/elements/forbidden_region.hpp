@@ -39,8 +39,9 @@ class ForbiddenRegion final : public Element {
   public:
     explicit ForbiddenRegion(const FixtureParameters& parameters);
 
-    // Moves, removes or returns the plane, also as the beginning of later trials.
-    void place(double position_m, bool present);
+    // Moves, removes or returns the plane, also as the beginning of later trials. The needle is here; its
+    // velocity counts from the next step on.
+    void place(double position_m, bool present, double position_needle_m);
     bool present() const { return now_.present; }
     double position_m() const { return now_.position_m; }
 
@@ -72,8 +73,6 @@ class ForbiddenRegion final : public Element {
     std::size_t next_change_ = 0;
     bool touching_ = false;
     double touching_since_s_ = 0;
-    double needle_m_ = 0;
-    double velocity_m_per_s_ = 0;
     double force_N_ = 0;
 };
 

@@ -1,5 +1,10 @@
 #include "slave_sim/elements/forbidden_region.hpp"
 
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace thimble {
@@ -25,7 +30,7 @@ TEST(ForbiddenRegion, LetsTheNeedleComeUpToIt) {
 
 TEST(ForbiddenRegion, AbsentItIsNotFelt) {
     ForbiddenRegion fixture({3000, 0, 0.123, {}});
-    fixture.place(0.123, false);
+    fixture.place(0.123, false, 0);
     EXPECT_FALSE(fixture.present());
     EXPECT_EQ(fixture.touch(0.2).force_N, 0);
     EXPECT_EQ(fixture.touch(0.2).penetration_m, 0);
@@ -34,9 +39,127 @@ TEST(ForbiddenRegion, AbsentItIsNotFelt) {
 
 TEST(ForbiddenRegion, MovesWhereItIsPut) {
     ForbiddenRegion fixture({3000, 0, 0.123, {}});
-    fixture.place(0.1, true);
+    fixture.place(0.1, true, 0);
     EXPECT_EQ(fixture.position_m(), 0.1);
     EXPECT_NEAR(fixture.touch(0.123).force_N, -69, 1e-10);
+}
+
+// Steps of 1 ms from where the needle is; collects what changes.
+struct Walker {
+    ForbiddenRegion fixture;
+    double time_s = 0;
+    double needle_m;
+    Transitions transitions{64};
+    std::vector<std::pair<double, std::string>> events{};
+
+    Walker(const FixtureParameters& parameters, double start_m) : fixture(parameters), needle_m(start_m) {
+        fixture.reset(start_m);
+    }
+    void to(double position_m, double duration_s) {
+        transitions.clear();
+        fixture.step({time_s, duration_s, needle_m, position_m, (position_m - needle_m) / duration_s},
+                     transitions);
+        for (const Transition& t : transitions) events.emplace_back(time_s + t.offset_s, t.phase);
+        needle_m = position_m;
+        time_s += duration_s;
+    }
+};
+
+FixtureParameters with_change(const FixtureChange& change) {
+    FixtureParameters p;
+    p.position_m = 0.5;
+    p.changes = {change};
+    return p;
+}
+
+TEST(ForbiddenRegion, TouchedAndLeftWhereTheLineCrosses) {
+    Walker w({1000, 0, 0.5, {}}, 0.25);
+    w.to(0.75, 2);
+    w.to(0.5, 1);
+    w.to(0.25, 1);
+    ASSERT_EQ(w.events.size(), 2u);
+    EXPECT_EQ(w.events[0], std::make_pair(1.0, std::string("touched")));
+    EXPECT_EQ(w.events[1], std::make_pair(3.0, std::string("left")));
+}
+
+TEST(ForbiddenRegion, DampingResistsButNeverPulls) {
+    Walker w({1000, 100, 0.5, {}}, 0.5);
+    w.to(0.51, 0.1);
+    EXPECT_NEAR(w.fixture.force_N(), -(1000 * 0.01 + 100 * 0.1), 1e-9);
+    w.to(0.505, 0.1);
+    EXPECT_NEAR(w.fixture.force_N(), -(1000 * 0.005 - 100 * 0.05), 1e-9);
+    w.to(0.501, 0.001);  // 4 m/s outwards: spring 1 N, damper would pull with 400 N
+    EXPECT_EQ(w.fixture.force_N(), 0);
+}
+
+TEST(ForbiddenRegion, VanishesAfterUnbrokenContact) {
+    Walker w(with_change({{}, 5.0, false, {}}), 0.25);
+    w.to(0.75, 1);  // touches at 0.5 s
+    w.to(0.75, 4);
+    EXPECT_LT(w.fixture.force_N(), 0);
+    w.to(0.75, 1);  // 5.5 s lies within
+    EXPECT_EQ(w.fixture.force_N(), 0);
+    EXPECT_FALSE(w.fixture.present());
+    ASSERT_EQ(w.events.size(), 3u);
+    EXPECT_EQ(w.events[1], std::make_pair(5.5, std::string("removed")));
+    EXPECT_EQ(w.events[2], std::make_pair(5.5, std::string("left")));
+}
+
+TEST(ForbiddenRegion, ABreakStartsTheContactAnew) {
+    Walker w(with_change({{}, 2.0, false, {}}), 0.5);
+    w.to(0.75, 1.5);
+    w.to(0.25, 1);  // leaves at 2.0 s, before the 2 s are over... which end at 2.0 s: leaving comes first
+    w.to(0.75, 1);
+    EXPECT_TRUE(w.fixture.present());
+    w.to(0.75, 3);
+    EXPECT_FALSE(w.fixture.present());
+    EXPECT_EQ(w.events.back().first, 5.0);  // touched again at 3.0 s
+}
+
+TEST(ForbiddenRegion, ChangesAtATimeWhetherOrNotTheNeedleIsNear) {
+    Walker w(with_change({1.5, {}, true, 0.125}), 0.25);
+    EXPECT_EQ(w.fixture.rests_above_m(), -std::numeric_limits<double>::infinity());
+    w.to(0.25, 1);
+    EXPECT_EQ(w.fixture.force_N(), 0);
+    w.to(0.25, 1);
+    EXPECT_NEAR(w.fixture.force_N(), -3000 * 0.125, 1e-9);
+    ASSERT_EQ(w.events.size(), 2u);
+    EXPECT_EQ(w.events[0], std::make_pair(1.5, std::string("moved")));
+    EXPECT_EQ(w.events[1], std::make_pair(1.5, std::string("touched")));
+}
+
+TEST(ForbiddenRegion, ChangesWaitForTheOneBefore) {
+    FixtureParameters p;
+    p.position_m = 0.5;
+    p.changes = {{2.0, {}, false, {}}, {1.0, {}, true, {}}};
+    Walker w(p, 0.75);
+    w.to(0.75, 1.5);
+    EXPECT_TRUE(w.fixture.present());
+    w.to(0.75, 1.5);  // gone and back at 2 s
+    EXPECT_TRUE(w.fixture.present());
+    std::vector<std::string> phases;
+    for (const auto& [time_s, phase] : w.events) phases.push_back(phase);
+    EXPECT_EQ(phases, (std::vector<std::string>{"touched", "removed", "left", "placed", "touched"}));
+}
+
+TEST(ForbiddenRegion, ResetBringsBackWhatWasPlaced) {
+    Walker w(with_change({1.0, {}, false, {}}), 0.75);
+    w.to(0.75, 2);
+    EXPECT_FALSE(w.fixture.present());
+    w.fixture.reset(0.75);
+    EXPECT_TRUE(w.fixture.present());
+    EXPECT_NEAR(w.fixture.force_N(), -750, 1e-9);
+}
+
+TEST(ForbiddenRegion, SleepsUntilTheNeedleIsThere) {
+    Walker w({3000, 0, 0.5, {}}, 0.25);
+    EXPECT_EQ(w.fixture.rests_above_m(), 0.5);
+    w.to(0.75, 1);
+    EXPECT_EQ(w.fixture.rests_above_m(), -std::numeric_limits<double>::infinity());
+    w.to(0.5, 1);
+    EXPECT_EQ(w.fixture.rests_above_m(), 0.5);
+    w.fixture.place(0.5, false, 0);
+    EXPECT_EQ(w.fixture.rests_above_m(), std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

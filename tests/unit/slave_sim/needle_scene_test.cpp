@@ -1,0 +1,209 @@
+// Several elements at once: who is stepped, who sleeps, and what the needle feels.
+#include "slave_sim/needle_scene.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "slave_sim/elements/tissue_table.hpp"
+#include "slave_sim/exact_tissue.hpp"
+#include "slave_sim/scene_file.hpp"
+#include "slave_sim/solvers.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr double kStep_s = 1e-3;
+
+SceneDeclaration scene_of(const char* text) { return read_scene(ConfigFile::parse(text, "test"), "test"); }
+
+NeedleScene build(const SceneDeclaration& declaration) { return {declaration, solver_maker({})}; }
+
+struct Walker {
+    NeedleScene scene;
+    double time_s = 0;
+
+    explicit Walker(const SceneDeclaration& declaration, double start_m = 0) : scene(build(declaration)) {
+        scene.reset({start_m, start_m});
+    }
+    void to(double needle_m, double duration_s = kStep_s) {
+        scene.step(time_s, duration_s, {needle_m, needle_m});
+        time_s += duration_s;
+    }
+    void stroke(double to_m, int steps) {
+        const double from_m = scene.needle().position_m;
+        for (int i = 1; i <= steps; ++i) to(from_m + (to_m - from_m) * i / steps);
+    }
+};
+
+// Counts how often it is asked for anything; rests while the needle is at or above 50 mm.
+struct Counter {
+    int steps = 0;
+};
+class CountingElement final : public Element {
+  public:
+    explicit CountingElement(Counter& counter) : counter_(counter) {}
+    void reset(double) override {}
+    void step(const NeedleStep& step, Transitions&) override {
+        ++counter_.steps;
+        end_m_ = step.to_m;
+    }
+    double force_N() const override { return -1; }
+    double rests_above_m() const override { return 0.05; }
+
+  private:
+    Counter& counter_;
+    double end_m_ = 0;
+};
+
+SceneDeclaration counting(Counter& counter, ElementKind kind) {
+    SceneDeclaration scene;
+    scene.elements.push_back({"counter", kind, 0.05, [&counter](const TissueMaker&) {
+                                  return std::make_unique<CountingElement>(counter);
+                              }});
+    return scene;
+}
+
+TEST(NeedleScene, AnElementIsNotSteppedWhileItRests) {
+    for (const ElementKind kind : {ElementKind::kTissue, ElementKind::kFixture}) {
+        Counter counter;
+        Walker w(counting(counter, kind));
+        w.stroke(0.05, 100);  // up to where it rests, not beyond
+        EXPECT_EQ(counter.steps, 0);
+        EXPECT_EQ(w.scene.awake(), 0u);
+        EXPECT_EQ(w.scene.force_tissue_N() + w.scene.force_fixture_N(), 0);
+        w.to(0.051);
+        EXPECT_EQ(counter.steps, 1);
+        EXPECT_EQ(w.scene.force_tissue_N() + w.scene.force_fixture_N(), -1);
+        w.to(0.049);  // the step that leaves
+        EXPECT_EQ(counter.steps, 2);
+        w.stroke(0.02, 50);
+        EXPECT_EQ(counter.steps, 2);
+        EXPECT_EQ(w.scene.awake(), 0u);
+    }
+}
+
+TEST(NeedleScene, NothingDeclaredIsNothingFelt) {
+    Walker w(SceneDeclaration{});
+    w.stroke(0.2, 100);
+    EXPECT_EQ(w.scene.surface(), nullptr);
+    EXPECT_EQ(w.scene.fixture(), nullptr);
+    EXPECT_EQ(w.scene.force_tissue_N(), 0);
+    EXPECT_EQ(w.scene.force_fixture_N(), 0);
+    EXPECT_EQ(w.scene.transitions().size(), 0u);
+}
+
+TEST(NeedleScene, LayersWakeOneAfterTheOther) {
+    Walker w(load_scene("layers.toml"));
+    EXPECT_EQ(w.scene.awake(), 0u);
+    w.stroke(0.0255, 100);
+    EXPECT_EQ(w.scene.awake(), 1u);  // skin
+    w.stroke(0.049, 100);
+    EXPECT_EQ(w.scene.awake(), 2u);  // and fat
+    w.stroke(0.06, 100);
+    EXPECT_EQ(w.scene.awake(), 3u);  // and muscle
+    w.stroke(0.11, 100);
+    EXPECT_EQ(w.scene.awake(), 4u);  // and the fixture
+    w.stroke(0.0, 100);
+    w.to(0.0, 60);  // everything comes to rest
+    w.to(0.0, 60);
+    EXPECT_EQ(w.scene.awake(), 0u);
+    EXPECT_EQ(w.scene.surface()->state().position_surface_m, 0.020);
+    EXPECT_EQ(w.scene.surface()->state().velocity_surface_m_per_s, 0);
+}
+
+// Each layer by a solver of its own, which never sleeps, is the oracle.
+TEST(NeedleScene, ForcesAndEventsAreThoseOfTheElements) {
+    const TissueParameters first{1, 2, 5, 0.7, 0.1, 0.02};
+    const TissueParameters second{0.2, 30, 2, 0.3, 0.4, 0.05};
+    SceneDeclaration declaration = scene_of("[fixture]\nposition_m = 0.08\n[guidance]\n");
+    declaration.elements.push_back(declare_tissue("a", first));
+    declaration.elements.push_back(declare_tissue("b", second));
+    Walker w(declaration);
+    ExactTissue a(first);
+    ExactTissue b(second);
+    a.reset(0);
+    b.reset(0);
+    std::size_t transitions = 0;
+    for (int i = 1; i <= 3000; ++i) {
+        const double needle_m = 0.05 - 0.05 * std::cos(0.01 * i);
+        Transitions own(64);
+        w.scene.clear_transitions();
+        w.to(needle_m);
+        a.advance(kStep_s, needle_m, own);
+        b.advance(kStep_s, needle_m, own);
+        ASSERT_NEAR(w.scene.force_tissue_N(), a.force_N() + b.force_N(), 1e-12) << i;
+        const double fixture_N = needle_m > 0.08 ? -3000 * (needle_m - 0.08) : 0;
+        ASSERT_NEAR(w.scene.force_fixture_N(), fixture_N - 50 * (needle_m - 0.1), 1e-9) << i;
+        std::size_t of_tissue = 0;
+        for (const Transition& t : w.scene.transitions()) {
+            of_tissue += w.scene.element_name(t.element).size() == 1 ? 1 : 0;
+        }
+        ASSERT_EQ(of_tissue, own.size()) << i;
+        transitions += own.size();
+    }
+    EXPECT_GE(transitions, 6u);
+}
+
+TEST(NeedleScene, FixturesFollowTheReadingAndTissueTheEstimate) {
+    NeedleScene scene = build(scene_of("[tissue]\n[fixture]\n"));
+    scene.reset({0.0, 0.0});
+    scene.step(0, kStep_s, {0.019, 0.124});
+    EXPECT_EQ(scene.surface()->state().phase, TissuePhase::kFree);
+    EXPECT_NEAR(scene.force_fixture_N(), -3, 1e-9);
+}
+
+TEST(NeedleScene, WithoutTimeNothingMoves) {
+    Walker w(scene_of("[tissue]\n[fixture]\n"));
+    w.stroke(0.05, 100);
+    const TissueState before = w.scene.surface()->state();
+    w.to(0.2, 0);
+    EXPECT_EQ(w.scene.needle().position_m, 0.05);
+    EXPECT_EQ(w.scene.surface()->state().position_surface_m, before.position_surface_m);
+    EXPECT_EQ(w.scene.force_fixture_N(), 0);
+}
+
+TEST(NeedleScene, AFixturePlacedOnTheNeedleIsFeltAtOnce) {
+    Walker w(scene_of("[tissue]\n[fixture]\n"));
+    w.stroke(0.1, 100);
+    EXPECT_EQ(w.scene.force_fixture_N(), 0);
+    w.scene.place_fixture(0.099, true);
+    EXPECT_NEAR(w.scene.force_fixture_N(), -3, 1e-9);
+    w.scene.place_fixture(0.099, false);
+    EXPECT_EQ(w.scene.force_fixture_N(), 0);
+    w.to(0.15);
+    EXPECT_EQ(w.scene.force_fixture_N(), 0);
+}
+
+TEST(NeedleScene, AVesselResistsAndGivesWayTwice) {
+    Walker w(load_scene("vessel.toml"));
+    std::vector<std::string> events;
+    double strongest_N = 0;
+    for (int i = 1; i <= 5000; ++i) {
+        w.scene.clear_transitions();
+        w.to(0.075 * i / 5000);  // 15 mm/s
+        for (const Transition& t : w.scene.transitions()) {
+            events.push_back(w.scene.element_name(t.element) + " " + std::string(t.phase));
+        }
+        strongest_N = std::max(strongest_N, -w.scene.force_tissue_N());
+    }
+    const std::vector<std::string> expected{"tissue contact",      "tissue penetrated",
+                                            "vessel.near contact", "vessel.near penetrated",
+                                            "vessel.far contact",  "vessel.far penetrated"};
+    EXPECT_EQ(events, expected);
+    EXPECT_GT(strongest_N, 0.5);
+}
+
+TEST(Guidance, DrawsFromBothSidesAndDamps) {
+    Walker w(scene_of("[guidance]\nstiffness_N_per_m = 10.0\ndamping_Ns_per_m = 2.0\nposition_m = 0.1\n"),
+             0.05);
+    EXPECT_NEAR(w.scene.force_fixture_N(), 0.5, 1e-12);  // pulled in
+    w.to(0.12, 1.0);
+    EXPECT_NEAR(w.scene.force_fixture_N(), -10 * 0.02 - 2 * 0.07, 1e-12);
+    w.to(0.12, 1.0);
+    EXPECT_NEAR(w.scene.force_fixture_N(), -0.2, 1e-12);
+}
+
+}  // namespace
+}  // namespace thimble
