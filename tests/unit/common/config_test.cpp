@@ -166,6 +166,39 @@ TEST(Config, AQuotedDotDoesNotPassForATable) {
     EXPECT_THAT(refusal_of([&] { file.finish(); }), StartsWith("trial.toml:1:"));
 }
 
+TEST(Config, ATableOrAnArrayOfTables) {
+    const ConfigFile one = parse("[layer]\nk = 1\n");
+    ASSERT_EQ(one.root().tables("layer").size(), 1u);
+    EXPECT_EQ(one.root().tables("layer")[0].number("k", 0, 0, 9), 1);
+    one.finish();
+    const ConfigFile two = parse("[[layer]]\nk = 1\n[[layer]]\nk = 2\n[[layer.event]]\nt = 3\n");
+    const std::vector<ConfigTable> layers = two.root().tables("layer");
+    ASSERT_EQ(layers.size(), 2u);
+    EXPECT_EQ(layers[0].number("k", 0, 0, 9), 1);
+    EXPECT_EQ(layers[1].number("k", 0, 0, 9), 2);
+    ASSERT_EQ(layers[1].tables("event").size(), 1u);
+    EXPECT_EQ(layers[1].tables("event")[0].number("t", 0, 0, 9), 3);
+    EXPECT_TRUE(layers[0].tables("event").empty());
+    two.finish();
+    EXPECT_TRUE(parse("").root().tables("layer").empty());
+}
+
+TEST(Config, ArraysOfTablesAreCheckedKeyByKey) {
+    const ConfigFile file = parse("[[layer]]\nk = 1\n[[layer]]\nk = 2\nK = 2\n");
+    for (const ConfigTable& layer : file.root().tables("layer")) layer.number("k", 0, 0, 9);
+    EXPECT_THAT(refusal_of([&] { file.finish(); }),
+                AllOf(StartsWith("trial.toml:5:"), HasSubstr("'layer[1].K'")));
+    EXPECT_THAT(refusal_of([] { parse("layer = 3\n").root().tables("layer"); }), HasSubstr("[[layer]]"));
+    EXPECT_THAT(refusal_of([] { parse("layer = [1, 2]\n").root().tables("layer"); }), HasSubstr("[[layer]]"));
+    // A quoted key with a bracket is no element of an array.
+    EXPECT_THAT(refusal_of([] {
+                    const ConfigFile quoted = parse("\"layer[0]\" = 1\n");
+                    quoted.root().tables("layer");
+                    quoted.finish();
+                }),
+                HasSubstr("layer[0]"));
+}
+
 TEST(Config, TablesOfOtherProgramsAreTheirs) {
     const ConfigFile file = parse("[mine]\nk = 1\n[theirs]\nwhatever = 1\n[theirs.inner]\nx = 'y'\n");
     file.table("mine").number("k", 0, 0, 1);

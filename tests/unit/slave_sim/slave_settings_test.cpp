@@ -1,11 +1,14 @@
 #include "slave_sim/slave_settings.hpp"
 
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
 #include "slave_sim/needle_scene.hpp"
+#include "slave_sim/stepped_tissue.hpp"
 
 namespace thimble {
 namespace {
@@ -73,6 +76,42 @@ TEST(SlaveSettings, RefusesWhatNoTissueIs) {
                              "[tissue]\npuncture_force_N = 0.0", "[fixture]\nstiffness_N_per_m = -1.0",
                              "[trial]\ncontact_hold_s = 0.0", "[slave_sim]\nstale_after_s = -1.0"}) {
         EXPECT_THROW(read_slave_settings(ConfigFile::parse(text, "test")), Error) << text;
+    }
+}
+
+SlaveSettings settings_of(const std::string& text) {
+    return read_slave_settings(ConfigFile::parse(text, "test"));
+}
+
+TEST(SlaveSettings, AnotherSceneAndAnotherSolver) {
+    const SlaveSettings s =
+        settings_of("[slave_sim]\nscene = 'vessel.toml'\nsolver = 'rk4'\nsolver_step_s = 1e-4\n");
+    EXPECT_EQ(s.scene.elements.size(), 4u);
+    EXPECT_EQ(s.fixture_position_m(), 0.123);
+    EXPECT_NE(dynamic_cast<const SteppedTissue<RungeKutta4>*>(NeedleScene(s.scene, s.make_tissue).surface()),
+              nullptr);
+}
+
+TEST(SlaveSettings, ASceneBesideTheSessionFileComesFirst) {
+    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "slave_settings";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "paper.toml") << "[tissue]\nmass_kg = 3\n[fixture]\nposition_m = 0.07\n";
+    std::ofstream(folder / "session.toml") << "[slave_sim]\nscene = 'paper.toml'\n";
+    const SlaveSettings s = read_slave_settings(ConfigFile::load(folder / "session.toml"));
+    EXPECT_EQ(tissue_of(s).mass_kg, 3);
+    EXPECT_EQ(s.fixture_position_m(), 0.07);
+    std::filesystem::remove_all(folder);
+}
+
+TEST(SlaveSettings, RefusesScenesThatNoTrialCanRunIn) {
+    for (const char* text : {
+             "[tissue]\n[slave_sim]\nscene = 'paper.toml'\n",             // two declarations
+             "[slave_sim]\nscene = 'tissue.toml'\n",                      // nothing ends the trial
+             "[slave_sim]\nscene = 'no-such-scene.toml'\n",               //
+             "[slave_sim]\nsolver = 'euler'\n",                           //
+             "[tissue]\nmass_kg = 1e-12\n[slave_sim]\nsolver = 'rk4'\n",  // unstable
+         }) {
+        EXPECT_THROW(settings_of(text), Error) << text;
     }
 }
 
