@@ -2,39 +2,9 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
+#include "master/velocity_settings.hpp"
 
 namespace thimble {
-
-namespace {
-
-constexpr double kNominalEncoderStep_hand_m = 1e-5;
-
-VelocitySettings read_velocity(const ConfigTable& table, const MasterSettings& master) {
-    using std::chrono::milliseconds;
-    using std::chrono::seconds;
-    VelocitySettings v;
-    v.sample_period = master.sample_period;
-    v.method =
-        static_cast<VelocityMethod>(table.choice("velocity_estimator", static_cast<std::size_t>(v.method),
-                                                 {kVelocityMethodNames.begin(), kVelocityMethodNames.end()}));
-    v.time_constant = table.seconds("velocity_time_constant_s", v.time_constant, Duration{0}, seconds{1});
-    v.window = table.seconds("velocity_window_s", std::max(v.window, master.sample_period),
-                             master.sample_period, seconds{1});
-    if (v.window > (SampleWindow::kCapacity - 1) * master.sample_period) {
-        table.fail("velocity_window_s",
-                   fmt::format("at most {} samples of sample_period_s fit into the window",
-                               SampleWindow::kCapacity - 1));
-    }
-    v.fit = table.choice("velocity_foaw_fit", 0, {"best", "end"}) == 0 ? FoawFit::kBest : FoawFit::kEnd;
-    v.quantum_m = table.number("velocity_quantum_needle_m",
-                               master.position_scale * kNominalEncoderStep_hand_m, 1e-9, 0.1);
-    v.acceleration_noise_m2_per_s3 =
-        table.number("velocity_process_noise_m2_per_s3", v.acceleration_noise_m2_per_s3, 1e-9, 1e6);
-    return v;
-}
-
-}  // namespace
 
 MasterSettings read_master_settings(const ConfigTable& table) {
     using std::chrono::microseconds;
@@ -45,7 +15,7 @@ MasterSettings read_master_settings(const ConfigTable& table) {
     s.force_limit_N = table.number("force_limit_N", s.force_limit_N, 0, 1000);
     s.sample_period = table.seconds("sample_period_s", s.sample_period, microseconds{100}, seconds{1});
     s.stale_after = table.seconds("stale_after_s", s.stale_after, s.sample_period, seconds{1});
-    s.velocity = read_velocity(table, s);
+    s.velocity = read_velocity_settings(table, s.sample_period, s.position_scale);
     return s;
 }
 
