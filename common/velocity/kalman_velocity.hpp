@@ -32,7 +32,7 @@ class KalmanVelocity {
 
   private:
     struct Covariance {
-        double position, mixed, velocity;
+        double position = 0, mixed = 0, velocity = 0;
     };
     struct Gain {
         double position, velocity_per_s;
@@ -44,7 +44,7 @@ class KalmanVelocity {
     double variance_;  // R
     Covariance covariance_;
     Covariance steady_;
-    double lag_s_;
+    double lag_s_ = 0;
     double position_m_ = 0;        // s
     double velocity_m_per_s_ = 0;  // w
 };
