@@ -1,13 +1,42 @@
-// Velocity of a sampled, quantised position: backward difference behind a first-order low-pass.
-//     y += alpha (x - y),  alpha = dt / (tau + dt),  velocity = (y_new - y_old) / dt
-// dt is the true distance between two samples, so lost and late samples do no harm. The smooth position y
-// belongs to the velocity: its slope between two samples *is* the velocity, which a first-order hold of the
-// needle relies on. y lags a steadily moving x by tau * velocity.
+// Velocity of a sampled, quantised position. Five methods behind one contract:
+//
+//   the velocity is the slope of the smooth position between two samples,  v_k = (y_k - y_{k-1}) / dt,
+//
+// which a first-order hold along y relies on: whoever moves from one smooth position to the next moves with
+// exactly the estimated velocity. dt is the true distance between two samples, so lost and late samples do no
+// harm. How y follows the samples, its lag and what one quantum does stand in each method's header;
+// docs/velocity.md compares them.
 #pragma once
 
+#include <array>
+#include <chrono>
+#include <string_view>
+#include <variant>
+
 #include "common/time.hpp"
+#include "common/velocity/foaw_velocity.hpp"
+#include "common/velocity/kalman_velocity.hpp"
+#include "common/velocity/low_pass_velocity.hpp"
+#include "common/velocity/raw_velocity.hpp"
+#include "common/velocity/windowed_velocity.hpp"
 
 namespace thimble {
+
+enum class VelocityMethod { kLowPass, kRaw, kWindowed, kFoaw, kKalman };
+
+// As configuration files name them, in the order of VelocityMethod.
+inline constexpr std::array<std::string_view, 5> kVelocityMethodNames{"low_pass", "raw", "windowed", "foaw",
+                                                                      "kalman"};
+
+struct VelocitySettings {
+    VelocityMethod method = VelocityMethod::kLowPass;
+    Duration time_constant = std::chrono::milliseconds{5};  // low_pass; >= 0
+    Duration window = std::chrono::milliseconds{20};        // windowed; foaw: the longest; > 0
+    FoawFit fit = FoawFit::kBest;                           // foaw
+    double quantum_m = 3e-5;                                // of the position; foaw's band, kalman; > 0
+    double acceleration_noise_m2_per_s3 = 1e-4;             // kalman; > 0
+    Duration sample_period = std::chrono::milliseconds{1};  // kalman's nominal step; > 0
+};
 
 class VelocityEstimator {
   public:
@@ -16,18 +45,19 @@ class VelocityEstimator {
         double position_estimate_m = 0;
     };
 
-    // tau >= 0; 0 is the raw backward difference. 5 ms keeps one encoder count at the needle (0.03 mm per 1
-    // ms) to 5 mm/s instead of 30 mm/s.
-    explicit VelocityEstimator(Duration time_constant = std::chrono::milliseconds(5));
+    explicit VelocityEstimator(const VelocitySettings& settings = {});
 
     // At rest at this position. The next sample only starts the clock.
     void reset(double position_m);
 
-    // A sample that is not later than the one before changes nothing.
+    // A sample that is not later than the one before, or not a number, changes nothing.
     Estimate update(SessionTime now, double position_m);
 
   private:
-    double time_constant_s_;
+    using Method = std::variant<LowPassVelocity, RawVelocity, WindowedVelocity, FoawVelocity, KalmanVelocity>;
+    static Method make_method(const VelocitySettings& settings);
+
+    Method method_;
     Estimate estimate_;
     SessionTime last_{};
     bool placed_ = false;   // the position is known

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "master/velocity_settings.hpp"
+
 namespace thimble {
 
 MasterSettings read_master_settings(const ConfigTable& table) {
@@ -12,14 +14,12 @@ MasterSettings read_master_settings(const ConfigTable& table) {
     s.force_scale = table.number("force_scale", s.force_scale, 0, 100);
     s.force_limit_N = table.number("force_limit_N", s.force_limit_N, 0, 1000);
     s.sample_period = table.seconds("sample_period_s", s.sample_period, microseconds{100}, seconds{1});
-    s.velocity_time_constant =
-        table.seconds("velocity_time_constant_s", s.velocity_time_constant, Duration{0}, seconds{1});
     s.stale_after = table.seconds("stale_after_s", s.stale_after, s.sample_period, seconds{1});
+    s.velocity = read_velocity_settings(table, s.sample_period, s.position_scale);
     return s;
 }
 
-MasterNode::MasterNode(const MasterSettings& settings)
-    : settings_(settings), estimator_(settings.velocity_time_constant) {}
+MasterNode::MasterNode(const MasterSettings& settings) : settings_(settings), estimator_(settings.velocity) {}
 
 void MasterNode::start_trial(Modality modality) {
     modality_ = modality;

@@ -18,8 +18,9 @@ struct MasterSettings {
     double force_scale = 1;     // handle force = scale x needle force
     double force_limit_N = 12;  // at the handle, before the device's own limit
     Duration sample_period = std::chrono::milliseconds{1};
-    Duration velocity_time_constant = std::chrono::milliseconds{5};  // velocity_estimator.hpp
-    Duration stale_after = std::chrono::milliseconds{100};           // feedback older than this: force zero
+    Duration stale_after = std::chrono::milliseconds{100};  // feedback older than this: force zero
+    // At the needle: velocity.quantum_m is position_scale x the encoder's step. sample_period is the one above.
+    VelocitySettings velocity;
 };
 
 // Tables [master]; throws Error (usage).

@@ -43,14 +43,14 @@ TEST(Quantisation, ASlowPressDoesNotPierceWithTheDefaultEstimator) {
 
 TEST(Quantisation, WithoutTheFilterTheEncoderPierces) {
     SystemSettings raw = paper();
-    raw.master.velocity_time_constant = {};
+    raw.master.velocity.method = VelocityMethod::kRaw;
     EXPECT_LT(pierced_at_m(raw), 0.001);
 }
 
 // It is the encoder, not the filter's lag: a fine encoder does not pierce even unfiltered.
 TEST(Quantisation, AFineEncoderNeedsNoFilter) {
     SystemSettings fine = paper();
-    fine.master.velocity_time_constant = {};
+    fine.master.velocity.method = VelocityMethod::kRaw;
     fine.handle.encoder_resolution_m = 1e-9;
     EXPECT_TRUE(std::isnan(pierced_at_m(fine)));
 }
