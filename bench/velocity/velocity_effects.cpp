@@ -42,8 +42,8 @@ Course drive(const SampledNeedle& needle, const std::vector<double>& smooth_m) {
             slave.on_needle(needle.times[k], static_cast<std::uint32_t>(k), command);
         course.force_N.push_back(feedback.force_tissue_N);
         course.transitions.push_back(slave.events().size());
-        for (const TissueEvent& event : slave.events()) {
-            if (event.phase == TissuePhase::kPenetrated)
+        for (const Transition& event : slave.events()) {
+            if (event.phase == to_string(TissuePhase::kPenetrated))
                 course.punctured_at = std::min(course.punctured_at, k);
         }
     }
@@ -61,7 +61,7 @@ Courses drive_both(const VelocitySettings& settings, const SampledNeedle& needle
     return {drive(needle, truth_m), drive(needle, smooth_m)};
 }
 
-double surface_m() { return SlaveSettings{}.tissue.rest_position_m; }
+double surface_m() { return SlaveSettings{}.scene.elements.front().position_m; }
 
 double depth_m(const SampledNeedle& needle, const Course& course) {
     if (course.punctured_at >= needle.truth.size()) return kNever_m;
@@ -99,7 +99,8 @@ struct ForceNoise {
 
 PressEffect measure_presses(const VelocitySettings& settings, const VelocityStudy& study) {
     RandomStream random = study.random(5);
-    const TissueParameters tissue = SlaveSettings{}.tissue;
+    const SlaveSettings paper;
+    const TissueParameters tissue = NeedleScene(paper.scene, paper.make_tissue).surface()->parameters();
     PressEffect effect;
     ForceNoise noise;
     const auto shortest = static_cast<std::size_t>(kShortest_s / to_seconds(study.encoder.period));
