@@ -29,12 +29,12 @@ inline constexpr std::array<std::string_view, 5> kVelocityMethodNames{"low_pass"
                                                                       "kalman"};
 
 struct VelocitySettings {
-    VelocityMethod method = VelocityMethod::kLowPass;
+    VelocityMethod method = VelocityMethod::kKalman;        // why: docs/velocity.md
     Duration time_constant = std::chrono::milliseconds{5};  // low_pass; >= 0
     Duration window = std::chrono::milliseconds{20};        // windowed; foaw: the longest; > 0
     FoawFit fit = FoawFit::kBest;                           // foaw
     double quantum_m = 3e-5;                                // of the position; foaw's band, kalman; > 0
-    double acceleration_noise_m2_per_s3 = 1e-4;             // kalman; > 0
+    double acceleration_noise_m2_per_s3 = 3e-4;             // kalman; > 0
     Duration sample_period = std::chrono::milliseconds{1};  // kalman's nominal step; > 0
 };
 
