@@ -1,4 +1,5 @@
 // Sessions in other scenes than the paper's, and by other solvers than the exact one.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
