@@ -6,12 +6,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "tests/unit/slave_sim/random_values.hpp"
+
 namespace thimble {
 namespace {
-
-double between(double low, double high) {
-    return low + (high - low) * 1e-6 * *rc::gen::resize(100, rc::gen::inRange(0, 1000001));
-}
 
 GapMotion random_gap(const SecondOrder& law) {
     GapMotion gap;
