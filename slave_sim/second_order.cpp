@@ -158,4 +158,12 @@ Inflections SecondOrder::inflections(double v0, double a0) const {
     return {apart_per_s > 0 ? std::log1p(apart_per_s * q_s) / apart_per_s : q_s, kInfinity};
 }
 
+// x = center + e^(-a t / 2) (C cos(w t) + D sin(w t)), with the equilibrium w2 center = a0 + a v0.
+Swing SecondOrder::swing(double v0, double a0) const {
+    const double center_m = (a0 + damping_per_s_ * v0) / stiffness_per_s2_;
+    const double cosine_m = -center_m;
+    const double sine_m = (v0 + half_damping_per_s_ * cosine_m) / root_per_s_;
+    return {center_m, std::sqrt(cosine_m * cosine_m + sine_m * sine_m), half_damping_per_s_};
+}
+
 }  // namespace thimble

@@ -24,6 +24,13 @@ struct Inflections {
     double spacing_s;
 };
 
+// Position since t = 0 stays within center +- amplitude e^(-fade t).
+struct Swing {
+    double center_m;
+    double amplitude_m;
+    double fade_per_s;
+};
+
 class SecondOrder {
   public:
     // mass > 0; damping and stiffness >= 0 (asserted).
@@ -47,6 +54,9 @@ class SecondOrder {
 
     // The zeros of x''(t) at t > 0.
     Inflections inflections(double velocity_m_per_s, double acceleration_m_per_s2) const;
+
+    // Of a motion whose inflections come again and again; meaningless otherwise.
+    Swing swing(double velocity_m_per_s, double acceleration_m_per_s2) const;
 
     // No |x''(t)|, t >= 0, exceeds this: y = x' obeys the homogeneous equation, whose energy y'^2 + w2 y^2
     // only falls.

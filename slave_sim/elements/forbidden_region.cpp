@@ -49,13 +49,16 @@ void ForbiddenRegion::step(const NeedleStep& step, Transitions& transitions) {
     force_N_ = touch(step.to_m, step.velocity_m_per_s).force_N;
 }
 
-// When contact begins or ends; the plane stands still meanwhile, so where the needle ends decides whether.
+// When contact begins or ends: at once if the plane was moved past the needle, else where the line crosses it.
 double ForbiddenRegion::flip_offset_s(const NeedleStep& step, double from_s) const {
-    if (beyond(step.to_m) == touching_) return kInfinity;
     const double travel_m = step.to_m - step.from_m;
-    if (!now_.present || travel_m == 0) return from_s;
-    const double at_s = (now_.position_m - step.from_m) / travel_m * step.duration_s;
-    return std::clamp(at_s, from_s, step.duration_s);
+    if (!now_.present || travel_m == 0) return beyond(step.to_m) == touching_ ? kInfinity : from_s;
+    const bool inwards = travel_m > 0;
+    // Rounding keeps the order of plane and needle's end, so this is within the step if the needle crosses.
+    const double cross_s = (now_.position_m - step.from_m) / travel_m * step.duration_s;
+    const bool beyond_now = inwards ? cross_s <= from_s : cross_s > from_s;
+    if (beyond_now != touching_) return from_s;
+    return inwards != touching_ && beyond(step.to_m) == inwards ? cross_s : kInfinity;
 }
 
 // A change that falls on the end of the step belongs to the next one: what is reported is a left limit.

@@ -6,12 +6,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "tests/unit/slave_sim/random_values.hpp"
+
 namespace thimble {
 namespace {
-
-double between(double low, double high) {
-    return low + (high - low) * 1e-6 * *rc::gen::resize(100, rc::gen::inRange(0, 1000001));
-}
 
 GapMotion random_gap(const SecondOrder& law) {
     GapMotion gap;
@@ -118,6 +116,23 @@ TEST(Crossing, SkipsNoOscillationOfALongStep) {
     const double rise_s = first_rise(gap, 100);
     EXPECT_NEAR(rise_s, scan(gap, 10, 2000000), 1e-5);
     EXPECT_NEAR(gap.at(rise_s).value_m, 0, 1e-12);
+}
+
+// 3e8 swings before the needle comes within reach at t = 1 s, and 3e8 after it in which it never would: both
+// are passed over. Within reach it is met in the next swing.
+TEST(Crossing, PassesOverSwingsThatCannotReachTheNeedle) {
+    const SecondOrder spring(1e-12, 0, 4e6);  // 2e9 rad/s
+    GapMotion gap;
+    gap.gap_m = -1e-3;
+    gap.velocity_surface_m_per_s = 2e5;  // amplitude 1e-4 m
+    gap.velocity_needle_m_per_s = 0.9e-3;
+    gap.law = &spring;
+    EXPECT_EQ(first_rise(gap, 0.999999), kNoCrossing);
+    EXPECT_NEAR(first_rise(gap, 2), 1, 1e-6);
+    gap.velocity_needle_m_per_s = 0;
+    EXPECT_EQ(first_rise(gap, 1e9), kNoCrossing);
+    gap.velocity_needle_m_per_s = 1e-13;  // within reach after 1e10 s: no phase is left, but it ends
+    EXPECT_GE(first_rise(gap, 2e10), 0.89e10);
 }
 
 TEST(Crossing, ALongStepOfADampedSurfaceEndsSoon) {

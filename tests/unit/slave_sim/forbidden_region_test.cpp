@@ -142,6 +142,35 @@ TEST(ForbiddenRegion, ChangesWaitForTheOneBefore) {
     EXPECT_EQ(phases, (std::vector<std::string>{"touched", "removed", "left", "placed", "touched"}));
 }
 
+using Events = std::vector<std::pair<double, std::string>>;
+
+// The plane jumps inwards past a needle that goes inwards: contact ends then, not with the step.
+TEST(ForbiddenRegion, APlaneThatJumpsAwayIsLeftThen) {
+    FixtureParameters p = with_change({0.5, {}, true, 0.875});
+    p.position_m = 0.375;
+    Walker w(p, 0.25);
+    w.to(0.75, 1);
+    EXPECT_EQ(w.events, (Events{{0.25, "touched"}, {0.5, "moved"}, {0.5, "left"}}));
+}
+
+// It jumps outwards past a needle that retreats but does not reach it.
+TEST(ForbiddenRegion, APlaneThatJumpsInFrontIsTouchedThen) {
+    FixtureParameters p = with_change({0.25, {}, true, 0.25});
+    p.position_m = 0.875;
+    Walker w(p, 0.75);
+    w.to(0.5, 1);
+    EXPECT_EQ(w.events, (Events{{0.25, "moved"}, {0.25, "touched"}}));
+}
+
+// The contact lies wholly within the step: where the needle ends says nothing about it.
+TEST(ForbiddenRegion, AContactWithinAStepIsTouchedAndLeft) {
+    FixtureParameters p = with_change({0.25, {}, true, 0.5});
+    p.position_m = 0.875;
+    Walker w(p, 0.75);
+    w.to(0.25, 1);
+    EXPECT_EQ(w.events, (Events{{0.25, "moved"}, {0.25, "touched"}, {0.5, "left"}}));
+}
+
 TEST(ForbiddenRegion, ResetBringsBackWhatWasPlaced) {
     Walker w(with_change({1.0, {}, false, {}}), 0.75);
     w.to(0.75, 2);

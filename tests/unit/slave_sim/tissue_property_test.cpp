@@ -7,15 +7,10 @@
 
 #include "slave_sim/exact_tissue.hpp"
 #include "tests/unit/slave_sim/phases.hpp"
+#include "tests/unit/slave_sim/random_values.hpp"
 
 namespace thimble {
 namespace {
-
-double between(double low, double high) {
-    return low + (high - low) * 1e-6 * *rc::gen::resize(100, rc::gen::inRange(0, 1000001));
-}
-
-double decade(double low, double high) { return std::pow(10.0, between(low, high)); }
 
 TissueParameters random_tissue() {
     TissueParameters p;

@@ -1,0 +1,226 @@
+// Hard cases of touching, piercing and leaving. The truth of each is written down here, from the formula of
+// its motion; docs/hard-cases.md lists them.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slave_sim/exact_tissue.hpp"
+#include "tests/unit/slave_sim/every_solver.hpp"
+
+namespace thimble {
+namespace {
+
+using enum TissuePhase;
+
+using Phases = std::vector<TissuePhase>;
+
+constexpr double kPi = 3.14159265358979323846;
+
+class HardContact : public EverySolver {};
+THIMBLE_EVERY_SOLVER(HardContact);
+
+// Without damping and drag a surface pierced at once at 1 m/s swings as sin(t), whatever the needle does in
+// it: 1 kg, 1 N/m. (It is held to F_p / K = 1e-9 m first, which changes the amplitude by 5e-19.)
+const TissueParameters kSwing{1, 1, 0, 0, 1e-9, 0};
+
+// Pierces at 1 m/s at t = 0, and stands at `needle_m` from t = needle_m on.
+void pierce_and_wait(TissueSolver& tissue, double needle_m, Transitions& events) {
+    tissue.reset(0);
+    tissue.advance(needle_m, needle_m, events);
+    EXPECT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+    events.clear();
+}
+
+// The surface comes within 1e-9 m of the needle, or passes it by as much for 90 microseconds.
+TEST(HardContactExact, GrazingIsSeenIfItPassesAndOnlyThen) {
+    Transitions events;
+    ExactTissue misses{kSwing};
+    pierce_and_wait(misses, 1 + 1e-9, events);
+    misses.advance(2, 1 + 1e-9, events);
+    EXPECT_EQ(events.size(), 0u);
+
+    const double needle_m = 1 - 1e-9;
+    ExactTissue passes{kSwing};
+    pierce_and_wait(passes, needle_m, events);
+    passes.advance(2, needle_m, events);
+    // Back on the needle it is caught, and pressed with K x = 1 N > F_p, so pierced.
+    ASSERT_EQ(phases(events), (Phases{kFree, kContact, kPenetrated}));
+    const double half_s = std::sqrt(2e-9);  // acos(1 - d) = sqrt(2 d) (1 + d / 12 ...)
+    // Where the slope is 4.5e-5 m/s a rounding error of 1e-16 m is 2e-12 s.
+    EXPECT_NEAR(needle_m + events[0].offset_s, kPi / 2 - half_s, 1e-11);
+    EXPECT_NEAR(needle_m + events[1].offset_s, kPi / 2 + half_s, 1e-11);
+    EXPECT_EQ(events[1].offset_s, events[2].offset_s);
+}
+
+// As deep as 1 mm the visit lasts 0.09 s, and no solver misses it.
+TEST_P(HardContact, APassingSurfaceIsMetTwice) {
+    const auto tissue = make(kSwing);
+    Transitions events;
+    const double needle_m = 1 - 1e-3;
+    pierce_and_wait(*tissue, needle_m, events);
+    tissue->advance(2, needle_m, events);
+    ASSERT_EQ(phases(events), (Phases{kFree, kContact, kPenetrated}));
+    const double half_s = std::acos(needle_m);
+    // semi_implicit_euler pierces up to a step late, and its swing is off by h / 2 (of a phase of 1 rad/s): of
+    // a visit so shallow each can take that divided by the slope of 0.045 m/s.
+    const double rounding_s = exact() ? 1e-12 : 2 * kStep_s / half_s;
+    EXPECT_NEAR(needle_m + events[0].offset_s, kPi / 2 - half_s, late_s() + rounding_s);
+    EXPECT_NEAR(needle_m + events[1].offset_s, kPi / 2 + half_s, late_s() + rounding_s);
+}
+
+// The surface reaches the needle at the top of its swing, with no speed at all. Whether that counts as a
+// transition is up to rounding; what follows must not be: the surface goes on as sin(t).
+TEST(HardContactExact, TouchAtZeroVelocityChangesNothing) {
+    ExactTissue tissue{kSwing};
+    Transitions events;
+    pierce_and_wait(tissue, 1, events);
+    tissue.advance(2, 1, events);
+    EXPECT_EQ(tissue.state().phase, kPenetrated);
+    EXPECT_NEAR(tissue.state().position_surface_m, std::sin(3.0), 1e-8);  // sqrt(1e-16) in time, at worst
+    EXPECT_EQ(tissue.unresolved_steps(), 0u);
+}
+
+// A needle that waits on the surface and then goes on touches with the first movement, not before.
+TEST_P(HardContact, NeedleAtRestOnTheSurfaceIsFreeUntilItMoves) {
+    const auto tissue = make(TissueParameters{});
+    Transitions events;
+    const double rest_m = tissue->parameters().rest_position_m;
+    tissue->reset(rest_m);
+    for (int i = 0; i < 1000; ++i) tissue->advance(0.001, rest_m, events);
+    EXPECT_EQ(events.size(), 0u);
+    EXPECT_EQ(tissue->state().phase, kFree);
+    EXPECT_EQ(tissue->state().force_N, 0);
+    tissue->advance(0.01, rest_m + 1e-5, events);
+    ASSERT_EQ(phases(events), Phases{kContact});
+    expect_time(events[0].offset_s, 0, 0);
+    EXPECT_NEAR(tissue->state().force_N, -(2 * 1e-5 + 5 * 1e-3), 1e-15);
+}
+
+// Powers of two, so K x is F_p to the last bit: that does not pierce, one ulp more does.
+TEST_P(HardContact, NeedleAtRestOnTheThresholdIsHeld) {
+    const auto tissue = make({1, 2, 0, 0.5, 0.125, 0});
+    Transitions events;
+    tissue->reset(0);
+    for (int i = 0; i < 100; ++i) tissue->advance(1, 0.0625, events);
+    EXPECT_EQ(phases(events), Phases{kContact});
+    EXPECT_EQ(tissue->state().force_N, -0.125);
+    tissue->advance(1, std::nextafter(0.0625, 1.0), events);
+    EXPECT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+}
+
+TEST_P(HardContact, TouchAndPunctureInOneInstant) {
+    const auto tissue = make(TissueParameters{});
+    Transitions events;
+    tissue->reset(0);
+    tissue->advance(0.5, 0.05, events);  // 0.1 m/s: f = 0.5 N on touch, five times F_p
+    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+    expect_time(events[0].offset_s, 0.2, 1e-15);
+    EXPECT_EQ(events[0].offset_s, events[1].offset_s);
+}
+
+// One step of 2 s: touch at 0.4 s, pierced where f = 2 x 0.015 (t - 0.4) + 5 x 0.015 = 0.1.
+TEST_P(HardContact, SeveralEventsInAStepOfTwoSeconds) {
+    const auto tissue = make(TissueParameters{});
+    Transitions events;
+    tissue->reset(0.014);
+    tissue->advance(2, 0.044, events);
+    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+    expect_time(events[0].offset_s, 0.4, 1e-14);
+    expect_time(events[1].offset_s, 0.4 + 0.025 / 0.03, 1e-13);
+}
+
+// Ten steps of 2 s against 20 000 of 1 ms along the same lines.
+TEST_P(HardContact, StepsOfTwoSecondsAreManySmallOnes) {
+    const auto long_steps = make(TissueParameters{});
+    const auto short_steps = make(TissueParameters{});
+    Transitions events(Transitions::kUnlimited);
+    Transitions pieces(Transitions::kUnlimited);
+    double needle_m = 0.01;
+    long_steps->reset(needle_m);
+    short_steps->reset(needle_m);
+    for (int i = 0; i < 10; ++i) {
+        const double to_m = i % 2 == 0 ? 0.035 + 0.001 * i : 0.005;
+        long_steps->advance(2, to_m, events);
+        for (int j = 1; j <= 2000; ++j) {
+            short_steps->advance(0.001, needle_m + (to_m - needle_m) * j / 2000, pieces);
+        }
+        needle_m = to_m;
+        EXPECT_NEAR(long_steps->state().position_surface_m, short_steps->state().position_surface_m, 1e-13);
+        EXPECT_NEAR(long_steps->state().force_N, short_steps->state().force_N, 1e-11);
+    }
+    EXPECT_EQ(phases(events), phases(pieces));
+    EXPECT_GE(events.size(), 10u);
+}
+
+TEST_P(HardContact, RepeatedTimesMoveNothing) {
+    const auto tissue = make(TissueParameters{});
+    const auto without = make(TissueParameters{});
+    Transitions events;
+    tissue->reset(0);
+    without->reset(0);
+    for (int i = 1; i <= 500; ++i) {
+        tissue->advance(0.001, 1e-4 * i, events);
+        tissue->advance(0, 1e-4 * i + 0.01, events);  // a second sample with the same stamp, elsewhere
+        without->advance(0.001, 1e-4 * i, events);
+        ASSERT_EQ(tissue->state().position_surface_m, without->state().position_surface_m);
+        ASSERT_EQ(tissue->state().force_N, without->state().force_N);
+        ASSERT_EQ(tissue->state().phase, without->state().phase);
+    }
+}
+
+// kSwing again, but the needle leaves: from 0.5 m at t = 0.5 it is out at 0.25 m when the surface is at
+// sin(t) > 0.25, and there the surface returns to it, at t = pi - asin(0.25).
+TEST_P(HardContact, SurfaceReturnsToTheWaitingNeedle) {
+    const auto tissue = make(kSwing);
+    Transitions events;
+    pierce_and_wait(*tissue, 0.5, events);
+    tissue->advance(0.25, 0.25, events);  // surface at 0.75 s: 0.68 m
+    ASSERT_EQ(phases(events), Phases{kFree});
+    tissue->advance(2.5, 0.25, events);
+    ASSERT_EQ(phases(events), (Phases{kFree, kContact, kPenetrated}));
+    // semi_implicit_euler runs up to a step and half a step ahead or behind, the others not.
+    const double phase_s = exact() ? 1e-13 : 2 * kStep_s;
+    expect_time(0.75 + events[1].offset_s, kPi - std::asin(0.25), phase_s);
+    EXPECT_NEAR(tissue->state().position_surface_m, 0.25 * std::cos(3.25 - kPi + std::asin(0.25)),
+                exact() ? 1e-13 : 4 * kStep_s);
+}
+
+// A needle that trembles by a micrometre about the surface, a different way each millisecond.
+TEST_P(HardContact, ChatteringAtTheSurfaceGoesOn) {
+    const auto tissue = make(TissueParameters{});
+    Transitions events;
+    const double rest_m = tissue->parameters().rest_position_m;
+    tissue->reset(rest_m);
+    std::uint64_t transitions = 0;
+    for (int i = 0; i < 100000; ++i) {
+        events.clear();
+        const double to_m = rest_m + 1e-6 * ((i * 7919) % 3 - 1);
+        tissue->advance(0.001, to_m, events);
+        transitions += events.size();
+        ASSERT_LE(events.size(), 3u);
+        ASSERT_LE(std::abs(tissue->state().force_N), 0.1);
+    }
+    EXPECT_GT(transitions, 10000u);
+    EXPECT_LE(std::abs(tissue->state().position_surface_m - rest_m), 1e-5);
+}
+
+// An encoder's step of 0.03 mm in 1 ms is 0.03 m/s, f = 0.15 N: pierced where the line meets the surface.
+TEST_P(HardContact, AQuantisedNeedlePiercesOnTouch) {
+    const auto tissue = make(TissueParameters{});
+    Transitions events;
+    const double quantum_m = 0.00003;
+    tissue->reset(quantum_m * 660);
+    int found = 0;
+    for (int i = 1; i <= 100 && found == 0; ++i) {
+        const double hand_m = 0.0198 + 1e-5 * i;  // 10 mm/s
+        tissue->advance(0.001, quantum_m * std::round(hand_m / quantum_m), events);
+        if (events.size() > 0) found = i;
+    }
+    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+    // From 666 to 667 quanta, 19.98 to 20.01 mm: two thirds of the step.
+    expect_time(0.001 * (found - 1) + events[0].offset_s, 0.019 + 0.001 * 2 / 3, 1e-12);
+}
+
+}  // namespace
+}  // namespace thimble

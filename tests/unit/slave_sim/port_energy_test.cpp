@@ -1,0 +1,216 @@
+// No solver creates energy: `exact` to rounding, the stepped ones within a bound of order h.
+#include "tests/unit/slave_sim/port_energy.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slave_sim/exact_tissue.hpp"
+#include "slave_sim/solvers.hpp"
+#include "tests/unit/slave_sim/random_values.hpp"
+
+namespace thimble {
+namespace {
+
+struct Sample {
+    double duration_s;
+    double needle_m;
+};
+using Path = std::vector<Sample>;
+
+struct Observed {
+    PortEnergy energy;
+    double deviation_m;  // of the solver's surface from the observer's, at worst
+    double variation_N;  // sum of |dF| over the samples
+    double fastest_m_per_s;
+};
+
+// `exact` along a path, watched.
+Observed observe(const TissueParameters& p, double start_m, const Path& path) {
+    ExactTissue tissue{p};
+    tissue.reset(start_m);
+    Observed seen{PortEnergy(p, start_m), 0, 0, 0};
+    double from_m = start_m;
+    double before_N = 0;
+    for (const Sample& sample : path) {
+        Transitions events(1000);
+        tissue.advance(sample.duration_s, sample.needle_m, events);
+        seen.energy.step(sample.duration_s, sample.needle_m, events);
+        const TissueState s = tissue.state();
+        seen.deviation_m =
+            std::max(seen.deviation_m, std::abs(s.position_surface_m - seen.energy.position_surface_m()));
+        seen.variation_N += std::abs(s.force_N - before_N);
+        before_N = s.force_N;
+        seen.fastest_m_per_s =
+            std::max(seen.fastest_m_per_s, std::abs(sample.needle_m - from_m) / sample.duration_s);
+        from_m = sample.needle_m;
+    }
+    return seen;
+}
+
+void move(Path& path, double& needle_m, double to_m, double speed_m_per_s, double step_s) {
+    const double steps = std::max(1.0, std::ceil(std::abs(to_m - needle_m) / speed_m_per_s / step_s));
+    for (double i = 1; i <= steps; ++i) {
+        path.push_back({step_s, i < steps ? needle_m + (to_m - needle_m) * i / steps : to_m});
+    }
+    needle_m = to_m;
+}
+
+// In, out and then still until the tissue rests: a closed cycle.
+Path insertion(double start_m, double end_m, double in_m_per_s, double out_m_per_s, double step_s = 1e-3) {
+    Path path;
+    double needle_m = start_m;
+    move(path, needle_m, end_m, in_m_per_s, step_s);
+    move(path, needle_m, start_m, out_m_per_s, step_s);
+    path.push_back({1e5, start_m});
+    return path;
+}
+
+TissueParameters random_tissue() {
+    TissueParameters p;
+    p.mass_kg = decade(-2, 1);
+    p.stiffness_N_per_m = decade(-0.5, 2);
+    p.damping_Ns_per_m = between(0, 1) < 0.1 ? 0 : decade(-1, 1);
+    p.drag_Ns_per_m = decade(-2, 0.5);
+    p.puncture_force_N = decade(-2, 0);
+    p.rest_position_m = 0.02;
+    return p;
+}
+
+Path random_path(double rest_m) {
+    Path path;
+    double needle_m = rest_m - 0.01;
+    for (int i = 0; i < 30; ++i) {
+        const double kind = between(0, 1);
+        if (kind < 0.5) needle_m += between(-0.01, 0.01);
+        if (kind > 0.8) needle_m = rest_m + between(-0.03, 0.03);
+        path.push_back({decade(-4, 0), needle_m});
+    }
+    return path;
+}
+
+TEST(PortEnergy, ExactCreatesNone) {
+    EXPECT_TRUE(rc::check("work + given = stored + dissipated", [] {
+        const TissueParameters p = random_tissue();
+        const Observed seen = observe(p, p.rest_position_m - 0.01, random_path(p.rest_position_m));
+        RC_ASSERT(seen.deviation_m <= 1e-13);
+        RC_ASSERT(std::abs(seen.energy.imbalance_J()) <= 1e-12 * seen.energy.turnover_J() + 1e-25);
+        RC_CLASSIFY(seen.energy.work_J() > 0);
+    }));
+}
+
+// From rest to rest nothing is stored: the operator gets back no more than the model gave the surface.
+TEST(PortEnergy, AClosedCycleReturnsAtMostWhatWasGiven) {
+    EXPECT_TRUE(rc::check("closed cycle", [] {
+        TissueParameters p = random_tissue();
+        p.damping_Ns_per_m += 0.1;
+        const double start_m = p.rest_position_m - 0.005;
+        Path path = random_path(p.rest_position_m);
+        double needle_m = path.back().needle_m;
+        move(path, needle_m, start_m, decade(-3, 0), 1e-3);
+        path.push_back({1e5, start_m});
+        const Observed seen = observe(p, p.rest_position_m - 0.01, path);
+        const double rounding_J = 1e-12 * seen.energy.turnover_J() + 1e-25;
+        RC_ASSERT(seen.energy.stored_J() <= 1e-12 * seen.energy.turnover_J());
+        RC_ASSERT(seen.energy.dissipated_J() >= 0);
+        RC_ASSERT(seen.energy.work_J() >= -seen.energy.given_J() - rounding_J);
+        RC_ASSERT(seen.energy.given_J() <= seen.energy.gifts_J() + rounding_J);
+        RC_CLASSIFY(seen.energy.work_J() < -rounding_J, "model returned energy");
+    }));
+}
+
+// One touch at v gives M v^2 / 2; the way x_p = (F_p - B v) / K to the puncture costs B v x_p beside the
+// spring. So in and out at one speed costs work if v <= B F_p / (K M / 2 + B^2): nothing later is given.
+TEST(PortEnergy, ASlowCycleCostsTheOperatorWork) {
+    EXPECT_TRUE(rc::check("slow cycle", [] {
+        TissueParameters p = random_tissue();
+        p.damping_Ns_per_m += 0.1;
+        const double b = p.damping_Ns_per_m;
+        const double slow_m_per_s = b * p.puncture_force_N / (p.stiffness_N_per_m * p.mass_kg / 2 + b * b);
+        const double v = slow_m_per_s * between(0.05, 1);
+        const double depth_m = between(0.1, 3) * p.puncture_force_N / p.stiffness_N_per_m;
+        const double start_m = p.rest_position_m - 0.005;
+        const Path path = insertion(start_m, p.rest_position_m + depth_m, v, v, (depth_m + 0.005) / v / 100);
+        const Observed seen = observe(p, start_m, path);
+        RC_ASSERT(seen.energy.work_J() >= -1e-12 * seen.energy.turnover_J());
+    }));
+}
+
+TEST(PortEnergy, ThePapersTissueCostsWorkAtEverySpeedInAndOut) {
+    const TissueParameters p;
+    for (const double v : {0.001, 0.005, 0.01, 0.019, 0.021, 0.05, 0.1, 0.3, 1.0}) {
+        const Observed seen = observe(p, 0.01, insertion(0.01, 0.06, v, v));
+        EXPECT_GT(seen.energy.work_J(), 0) << v;
+        EXPECT_LE(std::abs(seen.energy.imbalance_J()), 1e-12 * seen.energy.turnover_J()) << v;
+    }
+}
+
+// The model itself gives energy away: a needle that touches and pierces at once at v0 (B v0 >= F_p) has paid
+// nothing, and one that then slows to v1 < v0 is drawn along by the surface. Without spring and damper
+//     x' = v1 + (v0 - v1) e^(-V t / M),   work = -M v1 (v0 - v1) (1 - e^(-V t / M)),
+// at most half of the M v0^2 / 2 that were given.
+TEST(PortEnergy, TheModelReturnsHalfOfWhatATouchGave) {
+    const TissueParameters p{1, 0, 0, 0.7, 1e-9, 0};
+    const double v0 = 0.1;
+    const double v1 = 0.05;
+    ExactTissue tissue{{1, 0, 0.001, 0.7, 1e-9, 0}};  // pierced at once: B v0 > F_p
+    PortEnergy energy{tissue.parameters(), -0.01};
+    Transitions events;
+    tissue.reset(-0.01);
+    tissue.advance(0.1, 0, events);
+    energy.step(0.1, 0, events);
+    const double long_s = 3;
+    events.clear();
+    tissue.advance(1e-9, 1e-10, events);  // beyond the surface at v0
+    energy.step(1e-9, 1e-10, events);
+    ASSERT_EQ(tissue.state().phase, TissuePhase::kPenetrated);
+    events.clear();
+    tissue.advance(long_s, 1e-10 + v1 * long_s, events);
+    energy.step(long_s, 1e-10 + v1 * long_s, events);
+    EXPECT_NEAR(energy.gifts_J(), 0.5 * v0 * v0, 1e-12);
+    // The surface, faster, overtakes the needle: then it is free and the work ends at that instant.
+    const double until_s = events.size() > 0 ? events[0].offset_s : long_s;
+    const double truth_J = -p.mass_kg * v1 * (v0 - v1) * -std::expm1(-0.7 * until_s);
+    EXPECT_NEAR(energy.work_J(), truth_J, 1e-3 * std::abs(truth_J) + 1e-9);
+    EXPECT_LE(std::abs(energy.imbalance_J()), 1e-12 * energy.turnover_J());
+}
+
+// What the operator feels of a stepped solver: the force of each sample, held over the step before it.
+double felt_work_J(TissueSolver& tissue, double start_m, const Path& path) {
+    Transitions events;
+    tissue.reset(start_m);
+    double work_J = 0;
+    double from_m = start_m;
+    for (const Sample& sample : path) {
+        tissue.advance(sample.duration_s, sample.needle_m, events);
+        work_J -= tissue.state().force_N * (sample.needle_m - from_m);
+        from_m = sample.needle_m;
+    }
+    return work_J;
+}
+
+class SteppedEnergy : public testing::TestWithParam<std::string_view> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, SteppedEnergy, testing::ValuesIn(kSolverNames),
+                         [](const auto& solver) { return std::string(solver.param); });
+
+// Against the exact work over the same needle. A force held over a step is wrong by no more than it varies
+// there, and a transition comes no more than a step late: h v (sum of |dF|) for each, and as much again for
+// the surface, which is late itself. `exact` is held too, so the bound is the sampling's as much as the
+// solver's.
+TEST_P(SteppedEnergy, CreatesNoMoreThanAStepOfTheForcesVariation) {
+    for (const double h : {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4}) {
+        for (const double v : {0.002, 0.01, 0.05, 0.2}) {
+            const TissueParameters p;
+            const Path path = insertion(0.01, 0.05, v, 0.7 * v, h);
+            const Observed truth = observe(p, 0.01, path);
+            const auto tissue = solver_maker({GetParam(), h})(p);
+            const double bound_J = 3 * h * truth.fastest_m_per_s * truth.variation_N;
+            EXPECT_NEAR(felt_work_J(*tissue, 0.01, path), truth.energy.work_J(), bound_J)
+                << "h " << h << " v " << v;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace thimble
