@@ -19,8 +19,9 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 1> kStudies{{
+constexpr std::array<Study, 2> kStudies{{
     {"velocity", "velocity estimators: noise against lag, puncture, fixture force", &velocity_study},
+    {"work-precision", "tissue solvers: cost against error", &work_precision_study},
 }};
 
 void say_help() {
