@@ -19,9 +19,10 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 2> kStudies{{
+constexpr std::array<Study, 3> kStudies{{
     {"scene-cost", "what a scene costs, against the number of layers", &scene_cost_study},
     {"velocity", "velocity estimators: noise against lag, puncture, fixture force", &velocity_study},
+    {"work-precision", "tissue solvers: cost against error", &work_precision_study},
 }};
 
 void say_help() {

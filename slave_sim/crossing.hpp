@@ -5,6 +5,8 @@
 // the gap is monotone and has at most one. So no root is stepped over and none is found twice.
 #pragma once
 
+#include <cstdint>
+
 #include "slave_sim/second_order.hpp"
 
 namespace thimble {
@@ -27,9 +29,13 @@ class GapMotion {
     double velocity_surface_m_per_s = 0;
     double acceleration_surface_m_per_s2 = 0;
     const SecondOrder* law = nullptr;
+    mutable std::uint64_t propagators = 0;  // computed so far: what a search costs
 
     Sample at(const Propagator& p) const;
-    Sample at(double t_s) const { return at(law->propagator(t_s)); }
+    Sample at(double t_s) const {
+        ++propagators;
+        return at(law->propagator(t_s));
+    }
 };
 
 inline GapMotion::Sample GapMotion::at(const Propagator& p) const {

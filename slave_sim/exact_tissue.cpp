@@ -96,7 +96,7 @@ bool ExactTissue::contact_leg(Leg& leg) {
 
 // When the needle enters (free) or leaves (penetrated) within the leg.
 double ExactTissue::crossing(const Leg& leg, const SecondOrder& law, const Propagator& p,
-                             double acceleration) const {
+                             double acceleration) {
     GapMotion gap;
     gap.side = phase_ == TissuePhase::kFree ? 1 : -1;
     gap.gap_m = needle_m_ - surface_m_;
@@ -108,7 +108,9 @@ double ExactTissue::crossing(const Leg& leg, const SecondOrder& law, const Propa
                                  gap.side * (velocity_needle_m_per_s_ - velocity_surface_m_per_s_),
                                  law.acceleration_bound(velocity_surface_m_per_s_, acceleration)};
     if (cannot_rise(from, gap.at(p), leg.remaining_s)) return kNoCrossing;
-    return first_rise(gap, leg.remaining_s);
+    const double after_s = first_rise(gap, leg.remaining_s);
+    evaluations_ += gap.propagators;
+    return after_s;
 }
 
 // True if a transition ended the leg. Free or penetrated: the surface moves by its own law.
@@ -123,6 +125,7 @@ bool ExactTissue::moving_leg(Leg& leg) {
     const double after_s = leg.search ? crossing(leg, law, cached, acceleration) : kNoCrossing;
     const bool crossed = after_s != kNoCrossing;
     const Propagator p = crossed ? law.propagator(after_s) : cached;
+    ++evaluations_;
     const double v = velocity_surface_m_per_s_;
     velocity_surface_m_per_s_ = p.velocity_per_velocity * v + p.velocity_per_acceleration_s * acceleration;
     if (crossed) {

@@ -16,6 +16,8 @@ class ExactTissue final : public TissueSolver {
 
     // Steps with 64 transitions in a millionth of their time, which ended without looking for more.
     std::uint64_t unresolved_steps() const { return unresolved_steps_; }
+    // Propagators applied or tried, what a general-purpose solver's evaluations are compared with.
+    std::uint64_t evaluations() const { return evaluations_; }
 
   protected:
     void move(double duration_s, double needle_end_m, Transitions& transitions) override;
@@ -25,13 +27,14 @@ class ExactTissue final : public TissueSolver {
 
     bool contact_leg(Leg& leg);
     bool moving_leg(Leg& leg);
-    double crossing(const Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration) const;
+    double crossing(const Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration);
     double beyond_s(double limit_N, double side, const Leg& leg) const;
     void enter(TissuePhase phase, double after_s, Leg& leg);
 
     std::array<SecondOrder, 2> laws_;     // of the surface alone, and with the needle in it
     std::array<Propagator, 2> cached_{};  // for the duration of the last step
     std::uint64_t unresolved_steps_ = 0;
+    std::uint64_t evaluations_ = 0;
 };
 
 }  // namespace thimble

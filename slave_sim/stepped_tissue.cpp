@@ -121,6 +121,7 @@ void SteppedTissue<Rule>::move(double duration_s, double needle_end_m, Transitio
             const SurfaceLaw law =
                 law_of(parameters_, phase_ == TissuePhase::kPenetrated, velocity_needle_m_per_s_);
             const SurfaceMotion to = Rule::advance(law, {surface_m_, velocity_surface_m_per_s_}, h);
+            evaluations_ += Rule::kStages;
             surface_m_ = to.position_m;
             velocity_surface_m_per_s_ = to.velocity_m_per_s;
         }

@@ -11,6 +11,8 @@
 // All three are order 1 across a transition.
 #pragma once
 
+#include <cstdint>
+
 #include "slave_sim/tissue_solver.hpp"
 
 namespace thimble {
@@ -29,16 +31,19 @@ struct SurfaceMotion {
 
 struct SemiImplicitEuler {
     static constexpr const char* kName = "semi_implicit_euler";
+    static constexpr unsigned kStages = 1;
     static SurfaceMotion advance(const SurfaceLaw& law, const SurfaceMotion& from, double h);
 };
 
 struct RungeKutta4 {
     static constexpr const char* kName = "rk4";
+    static constexpr unsigned kStages = 4;
     static SurfaceMotion advance(const SurfaceLaw& law, const SurfaceMotion& from, double h);
 };
 
 struct ImplicitMidpoint {
     static constexpr const char* kName = "implicit_midpoint";
+    static constexpr unsigned kStages = 1;
     static SurfaceMotion advance(const SurfaceLaw& law, const SurfaceMotion& from, double h);
 };
 
@@ -49,6 +54,9 @@ class SteppedTissue final : public TissueSolver {
     // is not stable at that step, naming the longest one that is.
     SteppedTissue(const TissueParameters& parameters, double longest_step_s);
 
+    // Of the surface's acceleration: steps times stages.
+    std::uint64_t evaluations() const { return evaluations_; }
+
   protected:
     void move(double duration_s, double needle_end_m, Transitions& transitions) override;
 
@@ -57,6 +65,7 @@ class SteppedTissue final : public TissueSolver {
     void enter(TissuePhase phase, double offset_s, Transitions& transitions);
 
     double longest_step_s_;
+    std::uint64_t evaluations_ = 0;
 };
 
 extern template class SteppedTissue<SemiImplicitEuler>;

@@ -28,6 +28,8 @@ CASES = (
     (include_directions, "bench/b.cpp", '#include "experiment/a.hpp"\n', None),
     (include_directions, "bench/b.cpp", '#include "tests/a.hpp"\n', "bench/ must not know tests/"),
     (include_directions, "tests/b.cpp", '#include "experiment/a.hpp"\n', None),
+    (include_directions, "tests/b.cpp", '#include "bench/a.hpp"\n', None),
+    (include_directions, "experiment/b.cpp", '#include "bench/a.hpp"\n', "experiment/ must not know bench/"),
     (include_directions, "tests/b.cpp", '#include "a.hpp"\n', "not written from the project's root"),
     (include_directions, "netem/b.cpp", '#include "../common/a.hpp"\n', "not written from the project's root"),
     (include_directions, "netem/b.cpp", '#include "common/gone.hpp"\n', "does not exist"),

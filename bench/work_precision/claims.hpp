@@ -1,0 +1,21 @@
+// What this project claims of `exact`, each with the measured value.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/work_precision/entry.hpp"
+
+namespace thimble {
+
+struct Claim {
+    std::string text;
+    std::string measured;
+    bool holds;
+};
+
+std::vector<Claim> judge_claims(const std::vector<Entry>& entries, double asleep_ns_per_step);
+
+std::string claims_table(const std::vector<Claim>& claims);
+
+}  // namespace thimble
