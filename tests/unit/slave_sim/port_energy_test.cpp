@@ -58,12 +58,13 @@ void move(Path& path, double& needle_m, double to_m, double speed_m_per_s, doubl
 }
 
 // In, out and then still until the tissue rests: a closed cycle.
-Path insertion(double start_m, double end_m, double in_m_per_s, double out_m_per_s, double step_s = 1e-3) {
+Path insertion(double start_m, double end_m, double in_m_per_s, double out_m_per_s, double step_s = 1e-3,
+               double rest_s = 1e5) {
     Path path;
     double needle_m = start_m;
     move(path, needle_m, end_m, in_m_per_s, step_s);
     move(path, needle_m, start_m, out_m_per_s, step_s);
-    path.push_back({1e5, start_m});
+    path.push_back({rest_s, start_m});
     return path;
 }
 
@@ -202,7 +203,7 @@ TEST_P(SteppedEnergy, CreatesNoMoreThanAStepOfTheForcesVariation) {
     for (const double h : {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4}) {
         for (const double v : {0.002, 0.01, 0.05, 0.2}) {
             const TissueParameters p;
-            const Path path = insertion(0.01, 0.05, v, 0.7 * v, h);
+            const Path path = insertion(0.01, 0.05, v, 0.7 * v, h, 20);
             const Observed truth = observe(p, 0.01, path);
             const auto tissue = solver_maker({GetParam(), h})(p);
             const double bound_J = 3 * h * truth.fastest_m_per_s * truth.variation_N;
