@@ -76,7 +76,9 @@ Claim ratio_claim(const std::string& peer, std::span<const std::string_view> sol
 }  // namespace
 
 std::vector<Claim> judge_claims(const std::vector<Entry>& entries, double asleep_ns_per_step) {
-    constexpr std::array<std::string_view, 2> kCvode{CvodeTissue::kAdamsName, CvodeTissue::kBdfName};
+    constexpr std::array<std::string_view, 4> kCvode{CvodeTissue::kAdamsName, CvodeTissue::kBdfName,
+                                                     CvodeTissue::kAdamsGoesOnName,
+                                                     CvodeTissue::kBdfGoesOnName};
     constexpr std::array<std::string_view, 1> kOdeint{OdeintTissue::kName};
     const auto smooth = exact_on_smooth(entries);
     return {
