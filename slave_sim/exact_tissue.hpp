@@ -27,6 +27,7 @@ class ExactTissue final : public TissueSolver {
 
     bool contact_leg(Leg& leg);
     bool moving_leg(Leg& leg);
+    bool may_cross(const Leg& leg, const SecondOrder& law, double acceleration) const;
     double crossing(const Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration);
     double beyond_s(double limit_N, double side, const Leg& leg) const;
     void enter(TissuePhase phase, double after_s, Leg& leg);

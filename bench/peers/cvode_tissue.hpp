@@ -24,8 +24,7 @@ class CvodeTissue final : public PeerTissue {
     static constexpr const char* kBdfGoesOnName = "cvode_bdf_on";
 
     // tolerance > 0: absolute (m, m/s) and relative. Throws Error (run failed) if SUNDIALS refuses.
-    CvodeTissue(const TissueParameters& parameters, double tolerance, CvodeMethod method,
-                CvodeJump jump);
+    CvodeTissue(const TissueParameters& parameters, double tolerance, CvodeMethod method, CvodeJump jump);
     ~CvodeTissue() override;
 
   protected:

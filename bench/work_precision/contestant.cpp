@@ -85,9 +85,8 @@ const std::vector<std::string_view>& contestant_names() {
 std::vector<Contestant> sweep(bool quick) {
     using Values = std::vector<double>;
     const Values steps_s = quick ? Values{1e-3, 1e-4} : Values{1e-3, 1e-4, 1e-5, 1e-6};
-    const Values tolerances =
-        quick ? Values{1e-6, 1e-10}
-              : Values{1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14};
+    const Values tolerances = quick ? Values{1e-6, 1e-10} : Values{1e-4,  1e-5,  1e-6,  1e-7,  1e-8, 1e-9,
+                                                                   1e-10, 1e-11, 1e-12, 1e-13, 1e-14};
     std::vector<Contestant> all{exact()};
     for (const double step_s : steps_s) all.push_back(stepped<SemiImplicitEuler>(step_s));
     for (const double step_s : steps_s) all.push_back(stepped<RungeKutta4>(step_s));

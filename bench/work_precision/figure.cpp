@@ -26,9 +26,7 @@ constexpr std::array<std::string_view, 7> kColours{"#000000",  kSkyBlue, kGreen,
 constexpr std::array<int, 7> kMarks{3, 7, 5, 9, 11, 13, 15};
 
 // CVODE as it restarts at jumps; as it goes on it is in the table.
-std::span<const std::string_view> drawn() {
-    return std::span(contestant_names()).first(kColours.size());
-}
+std::span<const std::string_view> drawn() { return std::span(contestant_names()).first(kColours.size()); }
 
 // The most telling first: plain, ringing, stiff, rough.
 std::vector<const Problem*> chosen_panels(const std::vector<Entry>& entries) {
@@ -76,8 +74,8 @@ std::string curves(std::size_t panel) {
         text += fmt::format(
             "{}'{}.tsv' index {} using 1:2 with linespoints linewidth 1.4 pointtype {} pointsize {} "
             "linecolor '{}' notitle",
-            i > 0 ? ", \\\n     " : "", kName, panel * drawn().size() + i, kMarks[i],
-            i == 0 ? 1.6 : 0.7, kColours[i]);
+            i > 0 ? ", \\\n     " : "", kName, panel * drawn().size() + i, kMarks[i], i == 0 ? 1.6 : 0.7,
+            kColours[i]);
     }
     return text + "\n";
 }
