@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kName = "work_precision";
 constexpr int kPanelWidth_px = 500;
-constexpr int kPanelHeight_px = 380;
+constexpr int kPanelHeight_px = 400;
 constexpr int kLegend_px = 70;
 
 // An error of nothing has no place on a logarithmic axis.
@@ -112,9 +112,9 @@ std::string figure_script(const std::vector<const Problem*>& panels) {
         script += fmt::format(
             "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}; set tmargin at screen "
             "{:.4f}; set bmargin at screen {:.4f}\n",
-            left, left + 0.42, from_bottom(top_px + 30), from_bottom(top_px + kPanelHeight_px - 55));
+            left, left + 0.42, from_bottom(top_px + 30), from_bottom(top_px + kPanelHeight_px - 68));
         script += fmt::format(
-            "set title '{}: {}' offset 0,-0.6\nset xlabel 'greatest position error (m)'\n"
+            "set title '{}: {}' offset 0,-0.6\nset xlabel 'greatest position error (m)' offset 0,0.4\n"
             "set ylabel '{}' offset 1\n",
             panels[i]->name, panels[i]->about, i % 2 == 0 ? "ns per simulated ms" : "");
         script += curves(i);
