@@ -21,7 +21,7 @@ TEST(DelayExperiment, At50msOnlyTheHandleOscillates) {
         int trials = 0, oscillate = 0, completed = 0, losses = 0;
     };
     std::map<Modality, Tally> tallies;
-    const auto trials = all_trials(experiment_3(paper(), 10, 1));
+    const auto trials = all_trials({experiment_3(paper(), 10, 1)});
     run_trials(paper(), trials, 2, nullptr, [&](const TrialRecord& record) {
         const TrialMetrics metrics = measure(record);
         Tally& tally = tallies[record.conditions.modality];
