@@ -133,7 +133,9 @@ TEST(HostileFiles, NeedleFilesAreRefusedOrGood) {
     expect_no_flaw("tests/fuzz/seeds_needle", 20'000, check_needle_file);
 }
 
-TEST(HostileFiles, ScenesAreRefusedOrStayFinite) { expect_no_flaw("deploy/scenes", 1'000, check_scene_file); }
+TEST(HostileFiles, ScenesAreRefusedOrStayFinite) {
+    expect_no_flaw("deploy/scenes", 10'000, check_scene_file);
+}
 
 }  // namespace
 }  // namespace thimble

@@ -32,10 +32,12 @@ std::vector<std::string_view> lines_of(std::string_view text) {
 
 auto commas(std::string_view line) { return std::count(line.begin(), line.end(), ','); }
 
-// The first line that says something and is no comment; the parser has found one before.
-std::string_view header_of(const std::vector<std::string_view>& lines) {
+// The first line that is no comment; the parser has found one before.
+std::string_view header_of(std::vector<std::string_view> lines) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (lines[0].substr(0, 3) == kByteOrderMark) lines[0].remove_prefix(3);
     return *std::find_if(lines.begin(), lines.end(), [](std::string_view line) {
-        const std::size_t first = line.find_first_not_of(" \t\r\xEF\xBB\xBF");
+        const std::size_t first = line.find_first_not_of(" \t\r");
         return first != std::string_view::npos && line[first] != '#';
     });
 }
@@ -54,13 +56,13 @@ std::string flaw_of_pace(const NeedlePath::Sample& before, const NeedlePath::Sam
 std::string flaw_of_samples(const NeedlePath& path, std::string_view text) {
     if (path.samples.empty()) return "no sample";
     const std::vector<std::string_view> lines = lines_of(text);
+    const auto fields = commas(header_of(lines));
     const NeedlePath::Sample* before = nullptr;
     for (const NeedlePath::Sample& sample : path.samples) {
         if (!std::isfinite(sample.time_s)) return "a time that is not finite";
         if (!(std::abs(sample.position_m) <= NeedleLimits{}.farthest_m)) return "a needle out of reach";
         if (sample.line < 2 || sample.line > lines.size()) return "a line that the file does not have";
-        if (commas(lines[sample.line - 1]) != commas(header_of(lines)))
-            return "more or fewer fields than the header";
+        if (commas(lines[sample.line - 1]) != fields) return "more or fewer fields than the header";
         if (before != nullptr) {
             if (std::string flaw = flaw_of_pace(*before, sample); !flaw.empty()) return flaw;
         }
@@ -79,10 +81,9 @@ std::string flaw_of_second_reading(const NeedlePath& path) {
     const auto same = [](const NeedlePath::Sample& a, const NeedlePath::Sample& b) {
         return a.time_s == b.time_s && a.position_m == b.position_m;
     };
-    return std::equal(path.samples.begin(), path.samples.end(), again.samples.begin(), again.samples.end(),
-                      same)
-               ? ""
-               : "samples change when they are written and read again";
+    const bool unchanged = std::equal(path.samples.begin(), path.samples.end(), again.samples.begin(),
+                                      again.samples.end(), same);
+    return unchanged ? "" : "samples change when they are written and read again";
 }
 
 std::string flaw_of_replay(const NeedlePath& path) {
@@ -93,8 +94,8 @@ std::string flaw_of_replay(const NeedlePath& path) {
     for (const NeedlePath::Sample& sample : path.samples) {
         scene.clear_transitions();
         scene.step(before_s, sample.time_s - before_s, {sample.position_m, sample.position_m});
-        if (!std::isfinite(scene.force_tissue_N() + scene.force_fixture_N()))
-            return "a force that is not finite";
+        const double force_N = scene.force_tissue_N() + scene.force_fixture_N();
+        if (!std::isfinite(force_N)) return "a force that is not finite";
         before_s = sample.time_s;
     }
     return "";
@@ -104,8 +105,8 @@ std::string flaw_of_refusal(const Error& error, std::string_view text) {
     if (error.code() != ExitCode::kData) return "an Error that is not about data";
     std::size_t line = 0;
     int read = 0;
-    if (std::sscanf(error.what(), "fuzz.csv:%zu: %n", &line, &read) != 1 || read == 0)
-        return "an Error without file and line";
+    const int found = std::sscanf(error.what(), "fuzz.csv:%zu: %n", &line, &read);
+    if (found != 1 || read == 0) return "an Error without file and line";
     if (line < 1 || line > lines_of(text).size()) return "an Error about a line that the file does not have";
     return std::strlen(error.what()) > static_cast<std::size_t>(read) ? "" : "an Error that says nothing";
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <set>
@@ -10,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "slave_sim/exact_tissue.hpp"
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
@@ -18,6 +20,8 @@ namespace thimble {
 namespace {
 
 constexpr std::size_t kMostTransitions = 16;  // kept per step, as in a session
+// In a step and by one element, kept or not: each transition costs `exact` an evaluation.
+constexpr std::uint64_t kMostPerElement = ExactTissue::kMostEvaluations;
 
 struct Stop {
     double position_m;
@@ -35,7 +39,7 @@ std::vector<double> depths_of(const SceneDeclaration& declaration) {
 }
 
 // From above everything a scene can hold to beneath it and back: at each depth touching, pressing, passing and
-// waiting, so slowly and so fast.
+// waiting.
 std::vector<Stop> way_through(const SceneDeclaration& declaration) {
     constexpr double kHighest_m = -1.1;
     constexpr double kDeepest_m = 2.1;  // a vessel's far wall can lie at 2 m
@@ -95,12 +99,17 @@ std::string walk(NeedleScene scene, const SceneDeclaration& declaration, double 
     double now_s = 0;
     for (const Stop& stop : way) {
         const double duration_s = stop.parts * unit_s;
+        const std::uint64_t overflows = scene.transitions().overflows();
         scene.clear_transitions();
         scene.step(now_s, duration_s, {stop.position_m, stop.position_m});
         std::string flaw = flaw_of_state(scene, elements);
         if (flaw.empty()) flaw = flaw_of_transitions(scene, elements, duration_s);
-        if (!flaw.empty())
+        if (scene.transitions().overflows() - overflows > elements * kMostPerElement) {
+            flaw = "transitions without end";
+        }
+        if (!flaw.empty()) {
             return fmt::format("{} at {} m after {} s", flaw, stop.position_m, now_s + duration_s);
+        }
         now_s += duration_s;
     }
     return "";
@@ -122,8 +131,9 @@ std::string walk_with(const SceneDeclaration& declaration, SolverChoice choice) 
             if (advice == nullptr || std::sscanf(advice, "take at most %lf s", &advised_s) != 1) {
                 return fmt::format("a refusal without advice: {}", error.what());
             }
-            if (!(advised_s > 0 && advised_s < choice.longest_step_s))
+            if (!(advised_s > 0 && advised_s < choice.longest_step_s)) {
                 return fmt::format("useless advice: {}", error.what());
+            }
             choice.longest_step_s = advised_s;
         }
     }
