@@ -14,7 +14,7 @@ struct Protocol {
     std::uint32_t experiment = 3;
     std::uint32_t subjects = 10;
     std::uint32_t trials_per_modality = 6;
-    std::vector<Modality> modalities{Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF};
+    std::vector<Modality> modalities{kModalities.begin(), kModalities.end()};
     double delay_s = 0.05;
     std::uint64_t seed = 1;
     double fixture_position_m = 0.123;

@@ -1,7 +1,6 @@
 #include "experiment/system_settings.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -15,13 +14,6 @@ namespace {
 constexpr const char* kModalityHelp =
     "use HF (handle), CF (fingers of the acting hand), CCF (fingers of the other hand) or VF (bar on the "
     "screen)";
-
-std::optional<Modality> find_modality(const std::string& text) {
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
-        if (text == to_string(modality)) return modality;
-    }
-    return std::nullopt;
-}
 
 SessionPlan read_plan(const ConfigTable& table) {
     SessionPlan plan;

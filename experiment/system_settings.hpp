@@ -20,7 +20,7 @@ namespace thimble {
 
 // How trials are drawn and what `thimble run` runs. Table [session].
 struct SessionPlan {
-    std::vector<Modality> modalities{Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF};
+    std::vector<Modality> modalities{kModalities.begin(), kModalities.end()};
     std::vector<Duration> delays{Duration{0}, std::chrono::milliseconds{50}};  // of the force path, one-way
     std::uint64_t seed = 1;
     std::uint32_t subject = 1;

@@ -52,12 +52,9 @@ void write_modality(Out out, const TrialRow& row) {
 }
 
 void read_modality(const CsvField& field, TrialRow& row) {
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
-        if (field.text != to_string(modality)) continue;
-        row.conditions.modality = modality;
-        return;
-    }
-    field.fail("is none of HF, CF, CCF, VF");
+    const auto modality = find_modality(field.text);
+    if (!modality) field.fail("is none of HF, CF, CCF, VF");
+    row.conditions.modality = *modality;
 }
 
 void write_outcome(Out out, const TrialRow& row) {
