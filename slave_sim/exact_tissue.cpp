@@ -40,17 +40,20 @@ void ExactTissue::move(double duration_s, double needle_end_m, Transitions& tran
     Leg leg{0, duration_s, needle_end_m, true, &transitions};
     unsigned count = 0;
     double since_s = 0;
+    evaluations_before_ = evaluations_;
     while (phase_ == TissuePhase::kContact ? contact_leg(leg) : moving_leg(leg)) {
         if (leg.offset_s - since_s > kProgress * duration_s) {
             since_s = leg.offset_s;
             count = 0;
         }
-        if (++count == kMostTransitions) {
-            leg.search = false;
-            transitions.push(leg.offset_s, kUnresolved);
-            ++unresolved_steps_;
-        }
+        if (++count == kMostTransitions && leg.search) give_up(leg);
     }
+}
+
+void ExactTissue::give_up(Leg& leg) {
+    leg.search = false;
+    leg.transitions->push(leg.offset_s, kUnresolved);
+    ++unresolved_steps_;
 }
 
 // Records a transition and puts needle and surface on the instant; the gap is zero there by definition.
@@ -110,8 +113,7 @@ bool ExactTissue::may_cross(const Leg& leg, const SecondOrder& law, double accel
 }
 
 // When the needle enters (free) or leaves (penetrated) within the leg.
-double ExactTissue::crossing(const Leg& leg, const SecondOrder& law, const Propagator& p,
-                             double acceleration) {
+double ExactTissue::crossing(Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration) {
     GapMotion gap;
     gap.side = phase_ == TissuePhase::kFree ? 1 : -1;
     gap.gap_m = needle_m_ - surface_m_;
@@ -123,9 +125,13 @@ double ExactTissue::crossing(const Leg& leg, const SecondOrder& law, const Propa
                                  gap.side * (velocity_needle_m_per_s_ - velocity_surface_m_per_s_),
                                  law.acceleration_bound(velocity_surface_m_per_s_, acceleration)};
     if (cannot_rise(from, gap.at(p), leg.remaining_s)) return kNoCrossing;
+    const std::uint64_t spent = evaluations_ - evaluations_before_;
+    gap.most_propagators = spent < kMostEvaluations ? kMostEvaluations - spent : 0;
     const double after_s = first_rise(gap, leg.remaining_s);
     evaluations_ += gap.propagators;
-    return after_s;
+    if (after_s != kUnsearched) return after_s;
+    give_up(leg);
+    return kNoCrossing;
 }
 
 // True if a transition ended the leg. Free or penetrated: the surface moves by its own law.

@@ -49,7 +49,7 @@ TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
     terrible.jitter = Jitter::kNormal;
     terrible.jitter_spread = milliseconds{40};
     terrible.loss = 0.3;
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+    for (const Modality modality : kModalities) {
         Rig good(paper(), {}, LinkSettings{}), bad(paper(), {}, terrible);
         const TrialRecord& a = good.run(trial_of(modality));
         const TrialRecord& b = bad.run(trial_of(modality));
