@@ -46,7 +46,9 @@ TEST(Protocol, RemovalsStandAfterTheTwelfthAndTheLastTrial) {
         const bool removal = i % 26 == 12 || i % 26 == 25;
         EXPECT_EQ(trials[i].experiment, removal ? 2U : 1U) << i;
         EXPECT_EQ(trials[i].subject, i / 26 + 1);
-        if (removal) EXPECT_EQ(trials[i].trial, i % 26 == 12 ? 1U : 2U);
+        if (removal) {
+            EXPECT_EQ(trials[i].trial, i % 26 == 12 ? 1U : 2U);
+        }
     }
 }
 
