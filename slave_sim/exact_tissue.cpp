@@ -129,9 +129,16 @@ double ExactTissue::crossing(Leg& leg, const SecondOrder& law, const Propagator&
     gap.most_propagators = spent < kMostEvaluations ? kMostEvaluations - spent : 0;
     const double after_s = first_rise(gap, leg.remaining_s);
     evaluations_ += gap.propagators;
-    if (after_s != kUnsearched) return after_s;
-    give_up(leg);
-    return kNoCrossing;
+    if (after_s == kUnsearched) {
+        give_up(leg);
+        return kNoCrossing;
+    }
+    if (after_s < leg.remaining_s * (1 - 1e-15)) return after_s;
+    // Where the line ends is known better than where its slope leads: a needle that ends on the surface to
+    // the last bit has not passed it.
+    const double surface_end_m = surface_m_ + p.position_per_velocity_s * velocity_surface_m_per_s_ +
+                                 p.position_per_acceleration_s2 * acceleration;
+    return gap.side * (leg.needle_end_m - surface_end_m) > 0 ? after_s : kNoCrossing;
 }
 
 // True if a transition ended the leg. Free or penetrated: the surface moves by its own law.

@@ -81,6 +81,46 @@ TEST(HardContactExact, TouchAtZeroVelocityChangesNothing) {
     EXPECT_EQ(tissue.unresolved_steps(), 0u);
 }
 
+// As pierce_and_wait, with a first step so short that nobody pierces late.
+void pierce_in_time(TissueSolver& tissue, double needle_m, Transitions& events) {
+    tissue.reset(0);
+    tissue.advance(2e-9, 2e-9, events);
+    EXPECT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+    tissue.advance(needle_m - 2e-9, needle_m, events);
+    events.clear();
+}
+
+// At the top of the swing the last bit of 1 m is sqrt(2 x 2.2e-16) s wide.
+TEST_P(HardContact, TouchAtZeroVelocityChangesLittle) {
+    const auto tissue = make(kSwing);
+    Transitions events;
+    pierce_in_time(*tissue, 1, events);
+    tissue->advance(2, 1, events);
+    EXPECT_EQ(tissue->state().phase, kPenetrated);
+    EXPECT_NEAR(tissue->state().position_surface_m, std::sin(3.0), exact() ? 2.2e-8 : 2 * kStep_s);
+}
+
+// The visit of GrazingIsSeenIfItPassesAndOnlyThen lasts 90 us, and the nearest end of a step of 1 ms is 204 us
+// away: rk4 and implicit_midpoint cannot know of it. (semi_implicit_euler swings 1e-7 m too far, and stays
+// longer.) With steps of 10 us each sees it.
+TEST(HardContactStepped, AVisitShorterThanTheStepIsMissed) {
+    const double needle_m = 1 - 1e-9;
+    for (const std::string_view solver : {"rk4", "implicit_midpoint"}) {
+        SCOPED_TRACE(solver);
+        Transitions missed;
+        const auto coarse = solver_maker({solver, 1e-3})(kSwing);
+        pierce_in_time(*coarse, needle_m, missed);
+        coarse->advance(2, needle_m, missed);
+        EXPECT_EQ(phases(missed), Phases{});
+
+        Transitions seen;
+        const auto fine = solver_maker({solver, 1e-5})(kSwing);
+        pierce_in_time(*fine, needle_m, seen);
+        fine->advance(2, needle_m, seen);
+        EXPECT_EQ(phases(seen), (Phases{kFree, kContact, kPenetrated}));
+    }
+}
+
 // A needle that waits on the surface and then goes on touches with the first movement, not before.
 TEST_P(HardContact, NeedleAtRestOnTheSurfaceIsFreeUntilItMoves) {
     const auto tissue = make(TissueParameters{});
@@ -95,6 +135,23 @@ TEST_P(HardContact, NeedleAtRestOnTheSurfaceIsFreeUntilItMoves) {
     ASSERT_EQ(phases(events), Phases{kContact});
     expect_time(events[0].offset_s, 0, 0);
     EXPECT_NEAR(tissue->state().force_N, -(2 * 1e-5 + 5 * 1e-3), 1e-15);
+}
+
+// A step that ends on the surface to the last bit, whatever its slope is rounded to, has not passed it.
+TEST_P(HardContact, NeedleThatStopsOnTheSurfaceHasNotTouchedIt) {
+    const auto tissue = make(TissueParameters{});
+    const double rest_m = tissue->parameters().rest_position_m;
+    for (int i = 1; i <= 1000; ++i) {
+        Transitions events;
+        tissue->reset(rest_m - 1e-5 * i);
+        tissue->advance(0.00037 * (1 + i % 7), rest_m, events);
+        tissue->advance(0.001, rest_m, events);
+        ASSERT_EQ(events.size(), 0u) << i;
+        ASSERT_EQ(tissue->state().force_N, 0);
+        tissue->advance(0.001, rest_m + 1e-6, events);
+        ASSERT_EQ(phases(events), Phases{kContact}) << i;
+        expect_time(events[0].offset_s, 0, 0);
+    }
 }
 
 // Powers of two, so K x is F_p to the last bit: that does not pierce, one ulp more does.

@@ -1,7 +1,11 @@
 // No solver creates energy: `exact` to rounding, the stepped ones within a bound of order h.
 #include "tests/unit/slave_sim/port_energy.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -24,19 +28,21 @@ struct Observed {
     double deviation_m;  // of the solver's surface from the observer's, at worst
     double variation_N;  // sum of |dF| over the samples
     double fastest_m_per_s;
+    std::size_t transitions;
 };
 
 // `exact` along a path, watched.
 Observed observe(const TissueParameters& p, double start_m, const Path& path) {
     ExactTissue tissue{p};
     tissue.reset(start_m);
-    Observed seen{PortEnergy(p, start_m), 0, 0, 0};
+    Observed seen{PortEnergy(p, start_m), 0, 0, 0, 0};
     double from_m = start_m;
     double before_N = 0;
     for (const Sample& sample : path) {
         Transitions events(1000);
         tissue.advance(sample.duration_s, sample.needle_m, events);
         seen.energy.step(sample.duration_s, sample.needle_m, events);
+        seen.transitions += events.size();
         const TissueState s = tissue.state();
         seen.deviation_m =
             std::max(seen.deviation_m, std::abs(s.position_surface_m - seen.energy.position_surface_m()));
@@ -178,8 +184,8 @@ TEST(PortEnergy, TheModelReturnsHalfOfWhatATouchGave) {
 }
 
 // What the operator feels of a stepped solver: the force of each sample, held over the step before it.
-double felt_work_J(TissueSolver& tissue, double start_m, const Path& path) {
-    Transitions events;
+double felt_work_J(TissueSolver& tissue, double start_m, const Path& path,
+                   Transitions&& events = Transitions()) {
     tissue.reset(start_m);
     double work_J = 0;
     double from_m = start_m;
@@ -196,21 +202,53 @@ INSTANTIATE_TEST_SUITE_P(Solvers, SteppedEnergy, testing::ValuesIn(kSolverNames)
                          [](const auto& solver) { return std::string(solver.param); });
 
 // Against the exact work over the same needle. A force held over a step is wrong by no more than it varies
-// there, and a transition comes no more than a step late: h v (sum of |dF|) for each, and as much again for
-// the surface, which is late itself. `exact` is held too, so the bound is the sampling's as much as the
-// solver's.
+// there: h v (sum of |dF|), and where a transition falls in the step, up to F_p + V v that no sample shows. A
+// transition comes up to a step late, which costs as much again, and once more for the surface, which is late
+// itself: three times. `exact` is held too, so the bound is the sampling's as much as the solver's.
+double bound_J(const TissueParameters& p, const Observed& truth, double h) {
+    const double v = truth.fastest_m_per_s;
+    const double unseen_N =
+        static_cast<double>(truth.transitions) * (p.puncture_force_N + p.drag_Ns_per_m * v);
+    return 3 * h * v * (truth.variation_N + unseen_N);
+}
+
 TEST_P(SteppedEnergy, CreatesNoMoreThanAStepOfTheForcesVariation) {
+    double share = 0;
+    double worst_J = 0;
     for (const double h : {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4}) {
         for (const double v : {0.002, 0.01, 0.05, 0.2}) {
             const TissueParameters p;
             const Path path = insertion(0.01, 0.05, v, 0.7 * v, h, 20);
             const Observed truth = observe(p, 0.01, path);
             const auto tissue = solver_maker({GetParam(), h})(p);
-            const double bound_J = 3 * h * truth.fastest_m_per_s * truth.variation_N;
-            EXPECT_NEAR(felt_work_J(*tissue, 0.01, path), truth.energy.work_J(), bound_J)
-                << "h " << h << " v " << v;
+            const double off_J = std::abs(felt_work_J(*tissue, 0.01, path) - truth.energy.work_J());
+            EXPECT_LE(off_J, bound_J(p, truth, h)) << "h " << h << " v " << v;
+            share = std::max(share, off_J / bound_J(p, truth, h));
+            if (h == 1e-3) worst_J = std::max(worst_J, off_J / truth.energy.dissipated_J());
         }
     }
+    std::printf("[ measured ] %s: at most %.2g of the bound; at 1 ms %.2g of what the cycle dissipates\n",
+                std::string(GetParam()).c_str(), share, worst_J);
+}
+
+// Any straight insertion that the solver takes through the same transitions, in any tissue that does not ring
+// (where it does, a late one is felt for as many swings as there are) and whose motion the step resolves (close
+// to its limit a rule is stable, but not right).
+TEST_P(SteppedEnergy, CreatesNoMoreInAnyTissue) {
+    EXPECT_TRUE(rc::check("stepped insertion", [] {
+        TissueParameters p = random_tissue();
+        p.damping_Ns_per_m = std::max(p.damping_Ns_per_m, std::sqrt(p.stiffness_N_per_m * p.mass_kg));
+        const double h = std::min(decade(-4, -2.5), 0.2 * p.mass_kg / (p.damping_Ns_per_m + p.drag_Ns_per_m));
+        const double v = decade(-2, -0.5);
+        const Path path = insertion(0.01, between(0.021, 0.06), v, v * between(0.3, 1), h, 20);
+        const Observed truth = observe(p, 0.01, path);
+        const auto tissue = solver_maker({GetParam(), h})(p);
+        Transitions events(Transitions::kUnlimited);
+        const double work_J = felt_work_J(*tissue, 0.01, path, std::move(events));
+        const bool same = events.size() == truth.transitions;
+        RC_CLASSIFY(!same, "other transitions");
+        if (same) RC_ASSERT(std::abs(work_J - truth.energy.work_J()) <= bound_J(p, truth, h));
+    }));
 }
 
 }  // namespace
