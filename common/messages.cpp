@@ -23,6 +23,13 @@ const char* to_string(Modality modality) {
     return name_of(kNames, modality);
 }
 
+std::optional<Modality> find_modality(std::string_view text) {
+    for (const Modality modality : kModalities) {
+        if (text == to_string(modality)) return modality;
+    }
+    return std::nullopt;
+}
+
 const char* to_string(TissuePhase phase) {
     static constexpr std::array kNames{"free", "contact", "penetrated"};
     return name_of(kNames, phase);

@@ -3,7 +3,10 @@
 // operator.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <variant>
 
 #include "common/time.hpp"
@@ -13,6 +16,7 @@ namespace thimble {
 enum class Role : std::uint8_t { kSession, kMaster, kSlaveSim, kCutaneous, kVisual, kNetem };
 // HF: handle. CF: fingers of the acting hand. CCF: fingers of the other hand. VF: bar on the screen.
 enum class Modality : std::uint8_t { kHF, kCF, kCCF, kVF };
+inline constexpr std::array kModalities{Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF};
 enum class TissuePhase : std::uint8_t { kFree, kContact, kPenetrated };
 enum class Finger : std::uint8_t { kNone, kIndex, kThumb };
 enum class ControlKind : std::uint8_t { kTrialStart, kBeep, kFixtureChange, kTrialEnd, kShutdown };
@@ -102,6 +106,7 @@ struct Message {
 
 const char* to_string(Role role);
 const char* to_string(Modality modality);
+std::optional<Modality> find_modality(std::string_view text);  // "HF", as to_string writes it
 const char* to_string(TissuePhase phase);
 const char* to_string(EndReason reason);
 const char* to_string(NodeState state);

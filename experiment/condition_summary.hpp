@@ -59,8 +59,6 @@ struct ConditionSummary {
 // Sorted by delay, then modality. Experiments are not told apart: pass one, or those that may be pooled.
 std::vector<ConditionSummary> summarize(const std::vector<TrialRow>& rows);
 
-inline constexpr std::array kModalities{Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF};
-
 bool same_delay(double a_s, double b_s);  // to the nanosecond
 std::string delay_text(double delay_s);   // "50 ms"
 

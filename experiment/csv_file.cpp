@@ -1,6 +1,8 @@
 #include "experiment/csv_file.hpp"
 
 #include <cerrno>
+#include <fstream>
+#include <string>
 #include <system_error>
 #include <unistd.h>
 
@@ -61,6 +63,25 @@ void CsvFile::sync() {
 void CsvFile::fail(const char* doing) const {
     throw Error(ExitCode::kRunFailed, fmt::format("{}: cannot be {}: {}; check the disk's free space",
                                                   path_.string(), doing, reason()));
+}
+
+void keep_lines(const std::filesystem::path& path, std::size_t lines) {
+    std::ifstream in(path, std::ios::binary);
+    if (!in) return;
+    std::uintmax_t kept = 0;
+    std::uintmax_t read = 0;
+    std::size_t newlines = 0;
+    for (std::string line; newlines <= lines && std::getline(in, line) && !in.eof(); ++newlines) {
+        read += line.size() + 1;
+        kept = read;
+    }
+    in.close();
+    std::error_code failure;
+    if (kept < std::filesystem::file_size(path, failure)) std::filesystem::resize_file(path, kept, failure);
+    if (failure) {
+        throw Error(ExitCode::kRunFailed, fmt::format("{}: cannot be cut back to its whole lines: {}",
+                                                      path.string(), failure.message()));
+    }
 }
 
 }  // namespace thimble

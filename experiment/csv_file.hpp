@@ -32,4 +32,9 @@ class CsvFile {
     bool is_new_ = true;
 };
 
+// Cuts a table back to its header and at most `lines` whole lines: what a program that was killed while it
+// wrote leaves behind a last newline goes. Throws Error (run failed) if the file cannot be changed. Harmless
+// for a file that is not there.
+void keep_lines(const std::filesystem::path& path, std::size_t lines);
+
 }  // namespace thimble

@@ -1,8 +1,10 @@
 // thimble: launches and steers the nodes, runs studies, writes reports.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -31,13 +33,13 @@ using namespace thimble;
 struct Arguments {
     std::string config, out, run_folder, study_folder;
     ReplayOptions replay;
-    int experiment = 3;
-    std::uint32_t subjects = 10;
+    std::string experiment = "3", order;
+    std::uint32_t subjects = 0;
     std::uint64_t seed = 1;
     unsigned jobs = 0;
     int base_port = 0;
-    bool overwrite = false, json = false, trajectories = false, no_control = false, strict_rt = false,
-         attach = false;
+    bool overwrite = false, resume = false, json = false, trajectories = false, no_control = false,
+         strict_rt = false, attach = false;
     std::string command;
 };
 
@@ -50,47 +52,82 @@ std::filesystem::path program_folder() {
 
 std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", value); }
 
+void say_condition(std::uint32_t experiment, const ConditionSummary& c) {
+    const Statistic& displacement = c.of(Metric::kPeakDisplacement);
+    fmt::print(
+        "experiment {} {:>6} {:<4} {:3} trials, {:3} oscillate, maximum penetration {:>6} mm, completion "
+        "{:>5} "
+        "s{}\n",
+        experiment, delay_text(c.delay_s), to_string(c.modality), c.trials, c.oscillating,
+        number_text(1000 * c.of(Metric::kPenetrationMax).mean),
+        number_text(c.of(Metric::kCompletionTime).mean),
+        displacement.n > 0 ? fmt::format(", peak displacement {} mm", number_text(1000 * displacement.mean))
+                           : "");
+}
+
 void say_results(const Arguments& arguments, const std::filesystem::path& folder,
                  const std::vector<TrialRow>& rows) {
-    const auto conditions = summarize(rows);
     if (arguments.json) {
         std::ifstream summary(folder / "summary.json");
         std::cout << summary.rdbuf();
         return;
     }
-    for (const ConditionSummary& c : conditions) {
-        fmt::print(
-            "{:>6} {:<4} {:3} trials, {:3} oscillate, maximum penetration {:>6} mm, completion {:>5} s\n",
-            delay_text(c.delay_s), to_string(c.modality), c.trials, c.oscillating,
-            number_text(1000 * c.of(Metric::kPenetrationMax).mean),
-            number_text(c.of(Metric::kCompletionTime).mean));
+    for (const std::uint32_t experiment : {1U, 2U, 3U}) {
+        std::vector<TrialRow> own;
+        std::copy_if(rows.begin(), rows.end(), std::back_inserter(own),
+                     [&](const TrialRow& row) { return row.conditions.experiment == experiment; });
+        for (const ConditionSummary& c : summarize(own)) say_condition(experiment, c);
     }
-    fmt::print("{}\nreport: {}\n", judge_headline(conditions).sentence(), (folder / "report.html").string());
+    const auto delayed = [](const TrialRow& row) { return row.conditions.delay_s > 0; };
+    if (std::any_of(rows.begin(), rows.end(), delayed)) {
+        fmt::print("{}\n", judge_headline(summarize(without_removals(rows))).sentence());
+    }
+    fmt::print("report: {}\n", (folder / "report.html").string());
+}
+
+std::vector<Protocol> protocols_of(const Arguments& a, const SystemSettings& settings) {
+    const std::uint32_t without = a.subjects != 0 ? a.subjects : kSubjectsWithoutDelay;
+    const std::uint32_t with = a.subjects != 0 ? a.subjects : kSubjectsWithDelay;
+    const bool all = a.experiment == "all";
+    std::vector<Protocol> protocols;
+    if (all || a.experiment == "1") protocols.push_back(experiment_1(settings, without, a.seed));
+    if (all || a.experiment == "2") protocols.push_back(experiment_2(settings, without, a.seed));
+    if (all || a.experiment == "3") protocols.push_back(experiment_3(settings, with, a.seed));
+    return protocols;
+}
+
+// What gives the same results, without where they went and how they came: a resumed study equals another.
+std::string study_command(const Arguments& a) {
+    std::string command = fmt::format("thimble study --experiment {} --seed {}", a.experiment, a.seed);
+    if (a.subjects != 0) command += fmt::format(" --subjects {}", a.subjects);
+    if (!a.order.empty()) command += " --order " + a.order;
+    if (!a.config.empty()) command += " --config " + a.config;
+    if (a.no_control) command += " --no-control";
+    return command;
 }
 
 int command_study(const Arguments& arguments) {
-    if (arguments.experiment != 3) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("--experiment {} does not exist yet; 3, the delay experiment, does",
-                                arguments.experiment));
-    }
-    const SystemSettings settings = load_system_settings(arguments.config);
+    SystemSettings settings = load_system_settings(arguments.config);
+    if (!arguments.order.empty()) settings.plan.order = *parse_order(arguments.order);
     install_stop_signals();
     StudyOptions options;
-    options.protocol = experiment_3(settings, arguments.subjects, arguments.seed);
+    options.protocols = protocols_of(arguments, settings);
     options.out = arguments.out;
-    options.command = arguments.command;
+    options.command = study_command(arguments);
     options.jobs = arguments.jobs;
-    options.overwrite = arguments.overwrite;
+    if (arguments.overwrite) options.if_exists = IfExists::kReplace;
+    if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
     options.control = !arguments.no_control;
     options.stop = &stop_requested();
     const StudyResult result = run_study(settings, options);
+    if (result.resumed > 0) spdlog::info("{} trials were there already", result.resumed);
     spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
                  result.simulated_s / result.wall_s);
     say_results(arguments, options.out, result.rows);
     if (!result.complete)
-        spdlog::error("interrupted; the {} trials that had ended are kept", result.rows.size());
+        spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume",
+                      result.rows.size());
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
@@ -172,12 +209,17 @@ void add_run(CLI::App& app, Arguments& a) {
 }
 
 void add_study(CLI::App& app, Arguments& a) {
-    CLI::App* study = app.add_subcommand("study", "a whole experiment in virtual time");
-    study->add_option("-e,--experiment", a.experiment, "3 (the only one so far): 50 ms on the force path")
-        ->default_val(3);
-    study->add_option("-n,--subjects", a.subjects, "virtual subjects")
-        ->default_val(10)
+    CLI::App* study = app.add_subcommand("study", "the paper's experiments in virtual time");
+    study
+        ->add_option(
+            "-e,--experiment", a.experiment,
+            "1: no delay; 2: the fixture vanishes after 5 s of contact; 3: 50 ms on the force path; or all")
+        ->default_val("3")
+        ->check(CLI::IsMember({"1", "2", "3", "all"}));
+    study->add_option("-n,--subjects", a.subjects, "virtual subjects (default: 16, in experiment 3 10)")
         ->check(CLI::Range(1, 100000));
+    study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
+        ->check(CLI::IsMember({"shuffled", "williams"}));
     study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
     study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
     study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
@@ -185,9 +227,17 @@ void add_study(CLI::App& app, Arguments& a) {
         ->check(CLI::Range(0, 1024));
     study->add_flag("--no-control", a.no_control, "leave out the same trials without delay (control.csv)");
     study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV");
-    study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
+    CLI::Option* overwrite =
+        study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
+    study
+        ->add_flag("--resume", a.resume,
+                   "go on where an interrupted study of the same settings ended; the same bytes come out")
+        ->excludes(overwrite);
     study->add_flag("--json", a.json, "print summary.json on stdout");
-    study->footer("Example:\n  thimble study --experiment 3 --seed 1 --out out/study");
+    study->footer(
+        "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
+        "  thimble study --experiment 3 --subjects 40 --order williams --out out/large\n"
+        "  thimble study --experiment 3 --subjects 40 --order williams --out out/large --resume");
 }
 
 void add_replay(CLI::App& app, Arguments& a) {

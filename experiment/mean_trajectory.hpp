@@ -37,10 +37,27 @@ struct MeanCurve {
     std::uint32_t trials() const { return trials_with_beep + trials_without_beep; }
 };
 
+inline constexpr std::size_t kCurvePoints = 481;  // a step of 0.25 %
+
+// From kCurveBegin_percent to kCurveEnd_percent. points >= 2 (asserted).
+std::vector<double> curve_grid_percent(std::size_t points = kCurvePoints);
+
+// One trial on that axis; all that a mean trajectory needs of it.
+struct TrialCurve {
+    TrialConditions conditions;
+    bool entered = false;  // punctured the tissue; without, there is no axis, and nothing below
+    bool beeped = false;
+    // At each grid point, to 0.001 % (a tenth of a pixel, a micrometre); NaN where the trial has no samples on
+    // both sides of it.
+    std::vector<double> needle_percent, surface_percent;
+};
+TrialCurve trial_curve(const TrialRecord& record, std::size_t points = kCurvePoints);
+
 class MeanTrajectory {
   public:
-    explicit MeanTrajectory(std::size_t points = 481);  // >= 2; 481 is a step of 0.25 %
-    void add(const TrialRecord& record);
+    explicit MeanTrajectory(std::size_t points = kCurvePoints);
+    void add(const TrialCurve& trial);  // on the same grid
+    void add(const TrialRecord& record) { add(trial_curve(record, curve_.time_percent.size())); }
     const MeanCurve& curve() const { return curve_; }
 
   private:
@@ -56,7 +73,8 @@ struct TrajectoryPanel {
 // One mean trajectory per modality and delay, made when its first trial is added.
 class TrajectoryPanels {
   public:
-    void add(const TrialRecord& record);
+    void add(const TrialCurve& trial);
+    void add(const TrialRecord& record) { add(trial_curve(record)); }
     const std::vector<TrajectoryPanel>& panels() const { return panels_; }
 
   private:

@@ -82,15 +82,21 @@ class Reader {
             line_ = 1;
             fail(fmt::format("the file is empty; it must begin with the header {},{}", kTime, kPosition));
         }
-        for (std::string_view rest = header; !rest.empty(); ++columns_) {
-            const std::string_view column = trimmed(take_until(rest, ','));
-            if (column == kTime) time_column_ = columns_;
-            if (column == kPosition) position_column_ = columns_;
+        for (bool more = true; more; ++columns_) {
+            more = header.find(',') != std::string_view::npos;
+            const std::string_view column = trimmed(take_until(header, ','));
+            if (column == kTime) find_column(kTime, time_column_);
+            if (column == kPosition) find_column(kPosition, position_column_);
         }
         if (time_column_ == kNone || position_column_ == kNone) {
             fail(fmt::format("the header has no column {}; it must name {} and {}",
                              time_column_ == kNone ? kTime : kPosition, kTime, kPosition));
         }
+    }
+
+    void find_column(std::string_view name, std::size_t& column) const {
+        if (column != kNone) fail(fmt::format("the header names {} twice: which one is meant?", name));
+        column = columns_;
     }
 
     NeedlePath::Sample read_sample(std::string_view line) const {
@@ -109,11 +115,13 @@ class Reader {
     double number(std::string_view field, std::string_view column) const {
         if (field.empty()) fail(fmt::format("{} is empty: fill the gap or remove the line", column));
         std::string_view digits = field;
-        if (digits.front() == '+') digits.remove_prefix(1);
+        const bool plus = digits.front() == '+';
+        if (plus) digits.remove_prefix(1);
         double value = 0;
         const char* const end = digits.data() + digits.size();
         const auto [rest, error] = std::from_chars(digits.data(), end, value);
-        if (error != std::errc{} || rest != end || !std::isfinite(value)) {
+        const bool two_signs = plus && digits.substr(0, 1) == "-";
+        if (two_signs || error != std::errc{} || rest != end || !std::isfinite(value)) {
             fail(fmt::format("{} is '{}', which is not a finite number", column, field));
         }
         return value;

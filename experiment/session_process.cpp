@@ -129,6 +129,7 @@ void SessionProcess::store(const ForceFeedback& feedback) {
     sample.fixture_present = feedback.fixture_present;
     if (std::isnan(record_.beep_time_s) && sample.contact_time_s >= to_seconds(settings_.contact_hold)) {
         record_.beep_time_s = sample.time_s;
+        if (record_.conditions.removes_fixture) change_fixture(false, record_.conditions.fixture_position_m);
     }
     if (hook_) hook_(sample);
     record_.samples.push_back(sample);

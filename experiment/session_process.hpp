@@ -44,7 +44,8 @@ class SessionProcess final : public Process {
 
     // Ends the running trial (interrupt, a child process that died). Harmless when none runs.
     void abort(EndReason reason, Role lost_peer = Role::kSession);
-    // Removes or moves the fixture of the running trial (experiment 2).
+    // Removes or moves the fixture of the running trial. A trial that removes it does so by itself, when the
+    // sample arrives that the beep is due with.
     void change_fixture(bool present, double fixture_position_m);
     // Tells every node to exit.
     void shut_down(SessionTime now);

@@ -1,6 +1,8 @@
 #include "experiment/study.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <thread>
 
 #include <fmt/format.h>
@@ -10,6 +12,8 @@
 #include "common/version.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
+#include "experiment/study_folder.hpp"
+#include "experiment/subject_table.hpp"
 #include "experiment/trajectory_file.hpp"
 
 namespace thimble {
@@ -24,71 +28,120 @@ class Study {
 
     StudyResult run() {
         std::filesystem::create_directories(options_.out);
-        run_condition(options_.protocol, "trials.csv");
-        if (options_.control && options_.protocol.delay_s > 0 && result_.complete) {
-            Protocol control = options_.protocol;
+        run_table(options_.protocols, "trials");
+        if (wants_control() && result_.complete) {
+            Protocol control = options_.protocols[0];
             control.delay_s = 0;
-            run_condition(control, "control.csv");
+            run_table({control}, "control");
         }
+        // Not before a table: it is the one that refuses a folder with another study in it.
+        write_subjects(options_.out / "subjects.csv", IfExists::kReplace, settings_.person,
+                       options_.protocols);
         if (!result_.rows.empty()) report();
         return std::move(result_);
     }
 
   private:
-    void run_condition(const Protocol& protocol, const std::string& file_name) {
-        const std::vector<TrialConditions> trials = all_trials(protocol);
-        TrialTable table(options_.out / file_name,
-                         options_.overwrite ? IfExists::kReplace : IfExists::kRefuse);
-        std::size_t done = 0;
-        const SessionTime start = wall_now();
-        result_.complete =
-            run_trials(settings_, trials, jobs_, options_.stop, [&](const TrialRecord& record) {
-                keep(record, table);
-                ++done;
-                const std::string line =
-                    fmt::format("{} ms: {}/{} trials, subject {}, {}", 1000 * protocol.delay_s, done,
-                                trials.size(), record.conditions.subject, speed_text(start));
-                progress_.show(line, done == trials.size() || done % (trials.size() / 4 + 1) == 0);
-            });
-        result_.wall_s += to_seconds(wall_now() - start);
-        progress_.say(fmt::format("{} ms: {} of {} trials in {}", 1000 * protocol.delay_s, done,
-                                  trials.size(), (options_.out / file_name).string()));
+    bool wants_control() const {
+        return options_.control && options_.protocols.size() == 1 && options_.protocols[0].delay_s > 0;
     }
 
-    void keep(const TrialRecord& record, TrialTable& table) {
+    void run_table(const std::vector<Protocol>& protocols, const std::string& name) {
+        const std::vector<TrialConditions> planned = all_trials(protocols);
+        StudyTables tables(options_.out, name, options_.if_exists, planned);
+        for (const TrialRow& row : tables.rows()) result_.rows.push_back(row);
+        for (const TrialCurve& curve : tables.curves()) add_curve(curve);
+        std::size_t done = tables.rows().size();
+        result_.resumed += done;
+        const std::vector<TrialConditions> left(planned.begin() + static_cast<std::ptrdiff_t>(done),
+                                                planned.end());
+        const SessionTime start = wall_now();
+        result_.complete = run_trials(settings_, left, jobs_, options_.stop, [&](const TrialRecord& record) {
+            keep(record, tables);
+            show(record.conditions, ++done, planned.size(), start);
+        });
+        result_.wall_s += to_seconds(wall_now() - start);
+        progress_.say(fmt::format("{} of {} trials in {}", done, planned.size(),
+                                  (options_.out / (name + ".csv")).string()));
+    }
+
+    void show(const TrialConditions& c, std::size_t done, std::size_t all, SessionTime start) {
+        const double wall_s = result_.wall_s + to_seconds(wall_now() - start);
+        progress_.show(
+            fmt::format("{}/{} trials, experiment {}, {}, subject {}, {:.0f} x real time on {} threads", done,
+                        all, c.experiment, delay_text(c.delay_s), c.subject,
+                        result_.simulated_s / std::max(wall_s, 1e-9), jobs_),
+            done == all || done % (all / 4 + 1) == 0);
+    }
+
+    void keep(const TrialRecord& record, StudyTables& tables) {
         if (options_.trajectories) save_trajectory(record);
         result_.rows.push_back(make_row(record));
-        table.append(result_.rows.back());
-        panels_.add(record);
+        const TrialCurve curve = trial_curve(record);
+        tables.append(result_.rows.back(), curve);
+        add_curve(curve);
         if (!record.samples.empty()) result_.simulated_s += record.samples.back().time_s;
     }
+
+    void add_curve(const TrialCurve& curve) { panels_[curve.conditions.experiment].add(curve); }
 
     void save_trajectory(const TrialRecord& record) const {
         const TrialConditions& c = record.conditions;
         const auto folder = options_.out / "trajectories";
         std::filesystem::create_directories(folder);
-        TrajectoryWriter writer(folder / fmt::format("subject{:02}_trial{:02}_{}_{:g}ms.csv", c.subject,
-                                                     c.trial, to_string(c.modality), 1000 * c.delay_s),
-                                options_.overwrite ? IfExists::kReplace : IfExists::kRefuse);
+        const bool again = options_.if_exists != IfExists::kRefuse;
+        TrajectoryWriter writer(
+            folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms.csv", c.experiment,
+                                 c.subject, c.trial, to_string(c.modality), 1000 * c.delay_s),
+            again ? IfExists::kReplace : IfExists::kRefuse);
         writer.append(record.samples);
         writer.end(record.reason, record.lost_peer);
     }
 
-    std::string speed_text(SessionTime start) const {
-        const double wall_s = result_.wall_s + to_seconds(wall_now() - start);
-        return fmt::format("{:.0f} x real time on {} threads", result_.simulated_s / std::max(wall_s, 1e-9),
-                           jobs_);
+    ReportSection section(std::uint32_t experiment) const {
+        std::vector<TrialRow> rows;
+        std::copy_if(result_.rows.begin(), result_.rows.end(), std::back_inserter(rows),
+                     [&](const TrialRow& row) { return row.conditions.experiment == experiment; });
+        const auto conditions = summarize(rows);
+        const bool alone = panels_.size() == 1;
+        ReportSection section =
+            trials_section(alone ? "Virtual study" : fmt::format("Experiment {}", experiment), rows,
+                           draw_figures(panels_.at(experiment).panels(), conditions, options_.out,
+                                        alone ? "" : fmt::format("_experiment{}", experiment)));
+        if (experiment == delayed_experiment()) {
+            section.headline = judge_headline(summarize(without_removals(result_.rows)));
+        } else {
+            section.headline.reset();
+        }
+        return section;
+    }
+
+    // Whose stability is the headline, judged against all trials without delay; 0: nobody's.
+    std::uint32_t delayed_experiment() const {
+        for (const Protocol& protocol : options_.protocols) {
+            if (protocol.delay_s > 0) return protocol.experiment;
+        }
+        return 0;
+    }
+
+    std::string experiments() const {
+        std::string names;
+        for (const Protocol& protocol : options_.protocols) {
+            names += fmt::format("{}{}", names.empty() ? "" : ", ", protocol.experiment);
+        }
+        return names;
     }
 
     void report() const {
-        const auto conditions = summarize(result_.rows);
         ReportInput report;
-        report.title = fmt::format("Thimble: experiment {} in virtual time", options_.protocol.experiment);
-        report.sections.push_back(trials_section("Virtual study", result_.rows,
-                                                 draw_figures(panels_.panels(), conditions, options_.out)));
+        report.title = fmt::format("Thimble: experiment{} {} in virtual time",
+                                   options_.protocols.size() > 1 ? "s" : "", experiments());
+        for (const auto& [experiment, panels] : panels_) report.sections.push_back(section(experiment));
+        const Protocol& protocol = options_.protocols[0];
         report.provenance = {{"command", options_.command},
-                             {"seed", std::to_string(options_.protocol.seed)},
-                             {"subjects", std::to_string(options_.protocol.subjects)},
+                             {"seed", std::to_string(protocol.seed)},
+                             {"subjects", std::to_string(protocol.subjects)},
+                             {"order of trials", to_string(protocol.order)},
                              {"version", kVersion},
                              {"complete", result_.complete ? "yes" : "no, interrupted"}};
         write_report(report, options_.out / "report.html");
@@ -99,7 +152,7 @@ class Study {
     const StudyOptions& options_;
     unsigned jobs_;
     Progress progress_;
-    TrajectoryPanels panels_;
+    std::map<std::uint32_t, TrajectoryPanels> panels_;  // by experiment
     StudyResult result_;
 };
 

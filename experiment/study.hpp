@@ -1,4 +1,4 @@
-// `thimble study`: a whole experiment in virtual time, in this one process.
+// `thimble study`: whole experiments in virtual time, in this one process.
 #pragma once
 
 #include <atomic>
@@ -15,13 +15,14 @@
 namespace thimble {
 
 struct StudyOptions {
-    Protocol protocol;
+    std::vector<Protocol> protocols;  // one per experiment, in order
     std::filesystem::path out;
-    std::string command;  // as typed, for the report's provenance
-    unsigned jobs = 0;    // threads; 0: one per core
-    bool overwrite = false;
-    bool trajectories = false;                // one file per trial
-    bool control = true;                      // the same trials without delay, into control.csv
+    std::string command;                     // as typed, for the report's provenance
+    unsigned jobs = 0;                       // threads; 0: one per core
+    IfExists if_exists = IfExists::kRefuse;  // kContinue: goes on where an earlier study was interrupted
+    bool trajectories = false;               // one file per trial
+    // Of an experiment with delay that comes alone: the same trials without, into control.csv.
+    bool control = true;
     const std::atomic<bool>* stop = nullptr;  // asked between trials
 };
 
@@ -31,13 +32,14 @@ bool run_trials(const SystemSettings& settings, const std::vector<TrialCondition
                 const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take);
 
 struct StudyResult {
-    std::vector<TrialRow> rows;  // the delayed trials, then the control trials
+    std::vector<TrialRow> rows;  // of trials.csv, then of control.csv
     bool complete = true;
+    std::size_t resumed = 0;             // rows that were there already
     double simulated_s = 0, wall_s = 0;  // of the trials alone, without report
 };
 
-// Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, report.html, summary.json
-// and figures/ below options.out.
+// Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
+// subjects.csv, report.html, summary.json and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 }  // namespace thimble

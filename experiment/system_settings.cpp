@@ -1,7 +1,6 @@
 #include "experiment/system_settings.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -16,11 +15,11 @@ constexpr const char* kModalityHelp =
     "use HF (handle), CF (fingers of the acting hand), CCF (fingers of the other hand) or VF (bar on the "
     "screen)";
 
-std::optional<Modality> find_modality(const std::string& text) {
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
-        if (text == to_string(modality)) return modality;
-    }
-    return std::nullopt;
+TrialOrder read_order(const ConfigTable& table) {
+    const std::string name = table.text("order", to_string(TrialOrder::kShuffled));
+    const auto order = parse_order(name);
+    if (!order) table.fail("order", fmt::format("is \"{}\"; use shuffled or williams", name));
+    return *order;
 }
 
 SessionPlan read_plan(const ConfigTable& table) {
@@ -43,6 +42,7 @@ SessionPlan read_plan(const ConfigTable& table) {
     if (plan.delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
     plan.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, INT64_MAX));
     plan.subject = static_cast<std::uint32_t>(table.integer("subject", 1, 1, 1'000'000));
+    plan.order = read_order(table);
     plan.fixture_jitter_m = table.number("fixture_jitter_m", plan.fixture_jitter_m, 0, 1);
     plan.lanes = static_cast<int>(table.integer("lanes", 0, 0, 64));
     return plan;
@@ -75,6 +75,15 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
 }
 
 }  // namespace
+
+const char* to_string(TrialOrder order) { return order == TrialOrder::kWilliams ? "williams" : "shuffled"; }
+
+std::optional<TrialOrder> parse_order(std::string_view text) {
+    for (const TrialOrder order : {TrialOrder::kShuffled, TrialOrder::kWilliams}) {
+        if (text == to_string(order)) return order;
+    }
+    return std::nullopt;
+}
 
 SystemSettings read_system_settings(const ConfigFile& file) {
     SystemSettings s;

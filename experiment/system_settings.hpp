@@ -3,7 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/config.hpp"
@@ -18,12 +20,23 @@
 
 namespace thimble {
 
+enum class TrialOrder : std::uint8_t {
+    kShuffled,  // the paper's: all trials of a subject in random order (Fisher-Yates)
+    // Blocks of one trial per modality, each block a row of a Williams design (E. J. Williams 1949): within
+    // blocks every modality follows every other equally often, so that carry-over is balanced as well as
+    // position. Rows go round by subject and block; which modality is which letter is drawn once per study.
+    kWilliams,
+};
+const char* to_string(TrialOrder order);  // "shuffled", "williams"
+std::optional<TrialOrder> parse_order(std::string_view text);
+
 // How trials are drawn and what `thimble run` runs. Table [session].
 struct SessionPlan {
-    std::vector<Modality> modalities{Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF};
+    std::vector<Modality> modalities{kModalities.begin(), kModalities.end()};
     std::vector<Duration> delays{Duration{0}, std::chrono::milliseconds{50}};  // of the force path, one-way
     std::uint64_t seed = 1;
     std::uint32_t subject = 1;
+    TrialOrder order = TrialOrder::kShuffled;
     double fixture_jitter_m = 0.015;  // half width of the uniform draw around [fixture].position_m
     int lanes = 0;                    // conditions run side by side; 0: one per two cores
 };

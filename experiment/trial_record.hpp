@@ -17,6 +17,7 @@ struct TrialConditions {
     Modality modality = Modality::kHF;
     double delay_s = 0;             // one-way, virtual environment to handle, fingertips and bar
     double fixture_position_m = 0;  // drawn anew for every trial
+    bool removes_fixture = false;   // it vanishes with the beep (experiment 2)
 };
 
 // One answer of slave_sim. Forces act on the operator (negative resists insertion); z positive into the

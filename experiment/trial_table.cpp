@@ -1,5 +1,6 @@
 #include "experiment/trial_table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <iterator>
 #include <utility>
@@ -52,13 +53,16 @@ void write_modality(Out out, const TrialRow& row) {
 }
 
 void read_modality(const CsvField& field, TrialRow& row) {
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
-        if (field.text != to_string(modality)) continue;
-        row.conditions.modality = modality;
-        return;
-    }
-    field.fail("is none of HF, CF, CCF, VF");
+    const auto modality = find_modality(field.text);
+    if (!modality) field.fail("is none of HF, CF, CCF, VF");
+    row.conditions.modality = *modality;
 }
+
+void write_removal(Out out, const TrialRow& row) {
+    fmt::format_to(out, "{}", row.conditions.removes_fixture ? 1 : 0);
+}
+
+void read_removal(const CsvField& field, TrialRow& row) { row.conditions.removes_fixture = field.flag(); }
 
 void write_outcome(Out out, const TrialRow& row) {
     fmt::format_to(out, "{}", outcome_text(row.reason, row.lost_peer));
@@ -93,6 +97,7 @@ constexpr std::array kColumns{
     flag<&M::beeped>("beeped"),
     Column{"outcome", write_outcome, read_outcome},
     integer<&R::conditions, &C::study_seed>("seed"),
+    Column{"fixture_removed", write_removal, read_removal},
     number<&R::delay_achieved_s>("delay_achieved_s"),
     number<&R::round_trip_s>("round_trip_s"),
     number<&R::metrics, &M::puncture_time_s>("puncture_time_s"),
@@ -110,6 +115,13 @@ constexpr auto kNames = [] {
 TrialRow make_row(const TrialRecord& record) {
     return {record.conditions, measure(record),         record.reason,
             record.lost_peer,  record.achieved_delay_s, record.round_trip_s};
+}
+
+std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows) {
+    std::vector<TrialRow> kept;
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept),
+                 [](const TrialRow& row) { return !row.conditions.removes_fixture; });
+    return kept;
 }
 
 std::string outcome_text(EndReason reason, Role lost_peer) {

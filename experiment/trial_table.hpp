@@ -37,6 +37,9 @@ inline bool ran_to_its_end(const TrialRow& row) {
     return row.reason == EndReason::kCompleted || row.reason == EndReason::kTimeout;
 }
 
+// Those that end as they began: the others cannot be pooled with them.
+std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows);
+
 // Appends; each row is on the disk when append() returns, so that a crash costs the running trial only.
 class TrialTable {
   public:

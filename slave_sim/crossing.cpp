@@ -71,6 +71,12 @@ class Bends {
 
     double next_s() const { return next_s_; }
 
+    // Swings only fade. One that did not reach a needle that rests, or withdraws, is followed by none that does.
+    bool has_seen_all(double until_s) const {
+        const bool withdraws = gap_.side * gap_.velocity_needle_m_per_s <= 0;
+        return swings_ && withdraws && until_s >= 2 * bends_.spacing_s;
+    }
+
     // From `point`, which becomes the last bend before the needle comes within reach.
     void pass(Point& point) {
         if (swings_) {
@@ -105,6 +111,8 @@ double first_rise(const GapMotion& gap, double duration_s) {
     while (from.t_s < duration_s) {
         // Ends a long step of a surface whose oscillation has died away.
         if (cannot_rise(from.sample, last.sample, duration_s - from.t_s)) break;
+        if (bends.has_seen_all(from.t_s)) break;
+        if (gap.propagators >= gap.most_propagators) return kUnsearched;
         // After 2^52 swings there is no time between two of them, and no phase left to be right about.
         const bool resolved = bends.next_s() > from.t_s && bends.next_s() < duration_s;
         const Point to = resolved ? Point{bends.next_s(), gap.at(bends.next_s())} : last;

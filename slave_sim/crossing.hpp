@@ -6,12 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "slave_sim/second_order.hpp"
 
 namespace thimble {
 
 inline constexpr double kNoCrossing = -1;
+inline constexpr double kUnsearched = -2;  // the search was given up
 
 // side * (needle - surface) after t seconds. side = +1 asks for a needle that enters, -1 for one that leaves:
 // the event is always a rise above zero.
@@ -29,6 +31,8 @@ class GapMotion {
     double velocity_surface_m_per_s = 0;
     double acceleration_surface_m_per_s2 = 0;
     const SecondOrder* law = nullptr;
+    // A surface can swing 1e12 times within reach of the needle: a search that costs more is given up.
+    std::uint64_t most_propagators = std::numeric_limits<std::uint64_t>::max();
     mutable std::uint64_t propagators = 0;  // computed so far: what a search costs
 
     Sample at(const Propagator& p) const;
@@ -63,7 +67,8 @@ inline bool cannot_rise(const GapMotion::Sample& from, const GapMotion::Sample& 
 }
 
 // Time of the first rise above zero within (0, duration], 0 if the gap stands at zero or above and rises at
-// once, kNoCrossing if there is none. A gap at zero that falls or rests is no event.
+// once, kNoCrossing if there is none, kUnsearched if that would cost too much to say. A gap at zero that
+// falls or rests is no event.
 double first_rise(const GapMotion& gap, double duration_s);
 
 }  // namespace thimble

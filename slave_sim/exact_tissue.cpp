@@ -1,5 +1,7 @@
 #include "slave_sim/exact_tissue.hpp"
 
+#include <cmath>
+
 #include "slave_sim/crossing.hpp"
 
 namespace thimble {
@@ -12,6 +14,10 @@ namespace {
 constexpr unsigned kMostTransitions = 64;
 constexpr double kProgress = 1e-6;
 constexpr std::string_view kUnresolved = "unresolved";  // the rest of the step was not searched
+
+double velocity_after(const Propagator& p, double velocity_m_per_s, double acceleration_m_per_s2) {
+    return p.velocity_per_velocity * velocity_m_per_s + p.velocity_per_acceleration_s * acceleration_m_per_s2;
+}
 
 }  // namespace
 
@@ -34,17 +40,20 @@ void ExactTissue::move(double duration_s, double needle_end_m, Transitions& tran
     Leg leg{0, duration_s, needle_end_m, true, &transitions};
     unsigned count = 0;
     double since_s = 0;
+    evaluations_before_ = evaluations_;
     while (phase_ == TissuePhase::kContact ? contact_leg(leg) : moving_leg(leg)) {
         if (leg.offset_s - since_s > kProgress * duration_s) {
             since_s = leg.offset_s;
             count = 0;
         }
-        if (++count == kMostTransitions) {
-            leg.search = false;
-            transitions.push(leg.offset_s, kUnresolved);
-            ++unresolved_steps_;
-        }
+        if (++count == kMostTransitions && leg.search) give_up(leg);
     }
+}
+
+void ExactTissue::give_up(Leg& leg) {
+    leg.search = false;
+    leg.transitions->push(leg.offset_s, kUnresolved);
+    ++unresolved_steps_;
 }
 
 // Records a transition and puts needle and surface on the instant; the gap is zero there by definition.
@@ -94,9 +103,17 @@ bool ExactTissue::contact_leg(Leg& leg) {
     return true;
 }
 
+// False only if the needle is too far away for this leg: cheaper than a sample of the gap at its end.
+bool ExactTissue::may_cross(const Leg& leg, const SecondOrder& law, double acceleration) const {
+    const double v = velocity_surface_m_per_s_;
+    const double t_s = leg.remaining_s;
+    const double gap_m = std::abs(needle_m_ - surface_m_);
+    const double closing_m_per_s = std::abs(velocity_needle_m_per_s_ - v);
+    return gap_m <= (closing_m_per_s + 0.5 * law.acceleration_bound(v, acceleration) * t_s) * t_s;
+}
+
 // When the needle enters (free) or leaves (penetrated) within the leg.
-double ExactTissue::crossing(const Leg& leg, const SecondOrder& law, const Propagator& p,
-                             double acceleration) {
+double ExactTissue::crossing(Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration) {
     GapMotion gap;
     gap.side = phase_ == TissuePhase::kFree ? 1 : -1;
     gap.gap_m = needle_m_ - surface_m_;
@@ -108,8 +125,14 @@ double ExactTissue::crossing(const Leg& leg, const SecondOrder& law, const Propa
                                  gap.side * (velocity_needle_m_per_s_ - velocity_surface_m_per_s_),
                                  law.acceleration_bound(velocity_surface_m_per_s_, acceleration)};
     if (cannot_rise(from, gap.at(p), leg.remaining_s)) return kNoCrossing;
+    const std::uint64_t spent = evaluations_ - evaluations_before_;
+    gap.most_propagators = spent < kMostEvaluations ? kMostEvaluations - spent : 0;
     const double after_s = first_rise(gap, leg.remaining_s);
     evaluations_ += gap.propagators;
+    if (after_s == kUnsearched) {
+        give_up(leg);
+        return kNoCrossing;
+    }
     if (after_s < leg.remaining_s * (1 - 1e-15)) return after_s;
     // Where the line ends is known better than where its slope leads: a needle that ends on the surface to
     // the last bit has not passed it.
@@ -127,18 +150,19 @@ bool ExactTissue::moving_leg(Leg& leg) {
     const double drive_N = penetrated ? parameters_.drag_Ns_per_m * velocity_needle_m_per_s_ : 0;
     const double acceleration = law.acceleration(drive_N, surface_m_, velocity_surface_m_per_s_);
 
-    const double after_s = leg.search ? crossing(leg, law, cached, acceleration) : kNoCrossing;
-    const bool crossed = after_s != kNoCrossing;
-    const Propagator p = crossed ? law.propagator(after_s) : cached;
     ++evaluations_;
     const double v = velocity_surface_m_per_s_;
-    velocity_surface_m_per_s_ = p.velocity_per_velocity * v + p.velocity_per_acceleration_s * acceleration;
-    if (crossed) {
-        enter(penetrated ? TissuePhase::kFree : TissuePhase::kContact, after_s, leg);
-    } else {
-        surface_m_ += p.position_per_velocity_s * v + p.position_per_acceleration_s2 * acceleration;
+    if (leg.search && may_cross(leg, law, acceleration)) {
+        const double after_s = crossing(leg, law, cached, acceleration);
+        if (after_s != kNoCrossing) {
+            velocity_surface_m_per_s_ = velocity_after(law.propagator(after_s), v, acceleration);
+            enter(penetrated ? TissuePhase::kFree : TissuePhase::kContact, after_s, leg);
+            return true;
+        }
     }
-    return crossed;
+    velocity_surface_m_per_s_ = velocity_after(cached, v, acceleration);
+    surface_m_ += cached.position_per_velocity_s * v + cached.position_per_acceleration_s2 * acceleration;
+    return false;
 }
 
 }  // namespace thimble

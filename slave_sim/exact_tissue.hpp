@@ -12,9 +12,14 @@ namespace thimble {
 
 class ExactTissue final : public TissueSolver {
   public:
+    // What a step may cost, give or take one search: enough for a thousand transitions. One that would cost
+    // more is not searched to its end.
+    static constexpr std::uint64_t kMostEvaluations = 20'000;
+
     explicit ExactTissue(const TissueParameters& parameters);
 
-    // Steps with 64 transitions in a millionth of their time, which ended without looking for more.
+    // Steps with 64 transitions in a millionth of their time, or with more work than a step may cost, which
+    // ended without looking for more.
     std::uint64_t unresolved_steps() const { return unresolved_steps_; }
     // Propagators applied or tried, what a general-purpose solver's evaluations are compared with.
     std::uint64_t evaluations() const { return evaluations_; }
@@ -27,7 +32,9 @@ class ExactTissue final : public TissueSolver {
 
     bool contact_leg(Leg& leg);
     bool moving_leg(Leg& leg);
-    double crossing(const Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration);
+    bool may_cross(const Leg& leg, const SecondOrder& law, double acceleration) const;
+    void give_up(Leg& leg);
+    double crossing(Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration);
     double beyond_s(double limit_N, double side, const Leg& leg) const;
     void enter(TissuePhase phase, double after_s, Leg& leg);
 
@@ -35,6 +42,7 @@ class ExactTissue final : public TissueSolver {
     std::array<Propagator, 2> cached_{};  // for the duration of the last step
     std::uint64_t unresolved_steps_ = 0;
     std::uint64_t evaluations_ = 0;
+    std::uint64_t evaluations_before_ = 0;  // the step
 };
 
 }  // namespace thimble

@@ -25,13 +25,22 @@ std::string name_of(const ConfigTable& table, std::string_view type, std::size_t
     return name;
 }
 
+void claim(const ConfigTable& table, const std::string& name, std::set<std::string>& names) {
+    if (!names.insert(name).second) table.fail("name", fmt::format("\"{}\" is taken", name));
+}
+
+// Also the names that a type gives to parts of it are taken: a tissue must not be called "vessel.near".
 void read_type(const ConfigFile& file, const ElementType& type, std::set<std::string>& names,
                SceneDeclaration& scene) {
     const std::vector<ConfigTable> tables = file.root().tables(type.table);
     for (std::size_t i = 0; i < tables.size(); ++i) {
         const std::string name = name_of(tables[i], type.table, i, tables.size());
-        if (!names.insert(name).second) tables[i].fail("name", fmt::format("\"{}\" is taken", name));
+        claim(tables[i], name, names);
+        const std::size_t known = scene.elements.size();
         type.read(tables[i], name, scene);
+        for (std::size_t k = known; k < scene.elements.size(); ++k) {
+            if (scene.elements[k].name != name) claim(tables[i], scene.elements[k].name, names);
+        }
     }
 }
 

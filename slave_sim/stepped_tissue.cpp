@@ -58,6 +58,12 @@ double longest_stable_step_s(const TissueParameters& p, double unstable_s) {
     return low_s;
 }
 
+// To three digits, downwards: the step that an error advises must be one that is taken.
+double rounded_down(double value) {
+    const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+    return std::floor(value / unit) * unit;
+}
+
 }  // namespace
 
 SurfaceMotion SemiImplicitEuler::advance(const SurfaceLaw& law, const SurfaceMotion& from, double h) {
@@ -98,12 +104,12 @@ SteppedTissue<Rule>::SteppedTissue(const TissueParameters& parameters, double lo
     : TissueSolver(parameters), longest_step_s_(longest_step_s) {
     assert(longest_step_s > 0);
     if (stable<Rule>(parameters, longest_step_s)) return;
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("solver {} is unstable at a step of {:g} s for a tissue of {:g} kg, {:g} N/m and "
-                    "{:g} N s/m: take at most {:.3g} s, or the solver exact",
-                    Rule::kName, longest_step_s, parameters.mass_kg, parameters.stiffness_N_per_m,
-                    parameters.damping_Ns_per_m, longest_stable_step_s<Rule>(parameters, longest_step_s)));
+    throw Error(ExitCode::kUsage,
+                fmt::format("solver {} is unstable at a step of {:g} s for a tissue of {:g} kg, {:g} N/m and "
+                            "{:g} N s/m: take at most {:.3g} s, or the solver exact",
+                            Rule::kName, longest_step_s, parameters.mass_kg, parameters.stiffness_N_per_m,
+                            parameters.damping_Ns_per_m,
+                            rounded_down(longest_stable_step_s<Rule>(parameters, longest_step_s))));
 }
 
 template <class Rule>

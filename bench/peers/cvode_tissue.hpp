@@ -12,18 +12,19 @@ namespace thimble {
 
 enum class CvodeMethod { kAdams, kBdf };
 
-// What to do where the needle's velocity jumps. Restarting costs some twenty first-order steps each time;
-// going on leaves the jump, which is small for a smooth needle, to the error control.
+// What to do where the needle's velocity jumps. Restarting costs some first-order steps each time; going on
+// leaves the jump, which is small for a smooth needle, to an error control that was not made for it.
 enum class CvodeJump { kGoOn, kRestart };
 
 class CvodeTissue final : public PeerTissue {
   public:
-    static constexpr const char* kAdamsName = "cvode_adams";
+    static constexpr const char* kAdamsName = "cvode_adams";  // restarts at jumps
     static constexpr const char* kBdfName = "cvode_bdf";
+    static constexpr const char* kAdamsGoesOnName = "cvode_adams_on";
+    static constexpr const char* kBdfGoesOnName = "cvode_bdf_on";
 
     // tolerance > 0: absolute (m, m/s) and relative. Throws Error (run failed) if SUNDIALS refuses.
-    CvodeTissue(const TissueParameters& parameters, double tolerance, CvodeMethod method,
-                CvodeJump jump = CvodeJump::kGoOn);
+    CvodeTissue(const TissueParameters& parameters, double tolerance, CvodeMethod method, CvodeJump jump);
     ~CvodeTissue() override;
 
   protected:

@@ -30,7 +30,7 @@ struct Contestant {
 inline constexpr std::string_view kExactName = "exact";
 const std::vector<std::string_view>& contestant_names();
 
-// Steps from 1e-3 to 1e-6 s and tolerances from 1e-4 to 1e-12; fewer if `quick`.
+// Steps from 1e-3 to 1e-6 s and tolerances from 1e-4 to 1e-14; fewer if `quick`.
 std::vector<Contestant> sweep(bool quick);
 
 // One of each solver: steps of `step_s`, tolerances of 1e-9.

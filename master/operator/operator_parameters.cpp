@@ -107,7 +107,7 @@ OperatorParameters read_operator_parameters(const ConfigTable& table) {
 
 Subject draw_subject(const OperatorParameters& parameters, std::uint64_t study, std::uint32_t experiment,
                      std::uint32_t subject) {
-    RandomStream random({study, experiment, subject, 0, Purpose::kSubject});
+    RandomStream random({study, cohort_of(experiment), subject, 0, Purpose::kSubject});
     const auto around = [&random](double median, double spread) {
         return median * std::exp(spread * random.normal());
     };

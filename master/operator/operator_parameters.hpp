@@ -121,6 +121,9 @@ struct Subject {
 // (usage).
 OperatorParameters read_operator_parameters(const ConfigTable& table);
 
+// Whose people an experiment has: those of the paper's experiment 2 are those of experiment 1.
+inline std::uint32_t cohort_of(std::uint32_t experiment) { return experiment == 2 ? 1 : experiment; }
+
 // Lognormal about the parameters; a pure function of its arguments, so no subject depends on another.
 Subject draw_subject(const OperatorParameters& parameters, std::uint64_t study, std::uint32_t experiment,
                      std::uint32_t subject);

@@ -1,69 +1,22 @@
 // thimble-bench velocity, small: it runs, it gives the same bytes again, and its ruler is straight: where the
 // answer is known on paper, it measures that.
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <sstream>
-#include <string>
-#include <vector>
-
-#include <gtest/gtest.h>
-
-#include "experiment/subprocess.hpp"
+#include "tests/bench/study_run.hpp"
 
 namespace thimble::test {
 namespace {
 
-using Row = std::map<std::string, std::string>;
-
-std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> fields;
-    std::istringstream stream(line);
-    for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-    return fields;
-}
-
-class VelocityStudy : public testing::Test {
+class VelocityStudy : public StudyRun {
   protected:
-    VelocityStudy()
-        : folder_(std::filesystem::path(testing::TempDir()) /
-                  (std::string("thimble_velocity_") +
-                   testing::UnitTest::GetInstance()->current_test_info()->name())) {
-        std::filesystem::remove_all(folder_);
-        std::filesystem::create_directories(folder_);
-    }
-    ~VelocityStudy() override { std::filesystem::remove_all(folder_); }
-
-    ProgramResult bench(std::vector<std::string> arguments) const {
-        arguments.insert(arguments.begin(), "velocity");
-        return run_program(std::string(THIMBLE_BIN_DIR) + "/thimble-bench", arguments, folder_,
-                           "build thimble-bench");
-    }
-    std::string text(const std::string& file) const {
-        std::ifstream in(folder_ / file, std::ios::binary);
-        return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    ProgramResult bench(const std::vector<std::string>& arguments) const {
+        return study("velocity", arguments);
     }
     // By "method setting".
     std::map<std::string, Row> rows(const std::string& file) const {
-        std::istringstream stream(text(file));
-        std::string line;
-        std::getline(stream, line);
-        const std::vector<std::string> names = split(line);
         std::map<std::string, Row> found;
-        while (std::getline(stream, line)) {
-            const std::vector<std::string> fields = split(line);
-            Row row;
-            for (std::size_t i = 0; i < fields.size() && i < names.size(); ++i) row[names[i]] = fields[i];
-            found[fields.at(0) + ' ' + fields.at(1)] = row;
-        }
+        for (const Row& row : table(file)) found[row.at("method") + ' ' + row.at("setting")] = row;
         return found;
     }
-
-    std::filesystem::path folder_;
 };
-
-double number(const Row& row, const std::string& column) { return std::stod(row.at(column)); }
 
 TEST_F(VelocityStudy, MeasuresWhatIsKnownOnPaper) {
     const ProgramResult result = bench({"--quick", "--out", "a"});

@@ -4,6 +4,7 @@ import contextlib
 import io
 import sys
 
+import element_example
 import file_sizes
 import include_directions
 import purity
@@ -74,6 +75,37 @@ CASES = (
     (file_sizes, "master/long.cpp", "\n" * 400, None),
 )
 
+_HEADING = "# Scenes\n## Adding an element type\n"
+_FILE = "```cpp\nvoid read_gel(int) {}\n```\n"
+_LINE = "```cpp\n    ELEMENT(gel)\n```\n"
+_LIST = "#define LIST(ELEMENT) \\\n    ELEMENT(tissue) \\\n    ELEMENT(vessel)\n\n"
+
+# (page, list of types, part of the complaint, or None where there must be none)
+EXAMPLES = (
+    (_HEADING + _FILE + _LINE, _LIST, None),
+    (_HEADING + _FILE + _LINE + "## Next\n" + _FILE, _LIST, None),
+    ("```cpp\nint x;\n```\n" + _HEADING + _FILE + _LINE, _LIST, None),
+    (_FILE + _LINE, _LIST, "0 sections"),
+    (_HEADING + _FILE, _LIST, "0 blocks with just a line"),
+    (_HEADING + _LINE, _LIST, "0 blocks with an element's file"),
+    (_HEADING + _FILE + _FILE.replace("int", "double") + _LINE, _LIST, "2 blocks with an element's file"),
+    (_HEADING + _FILE + _LINE.replace("gel", "gum"), _LIST, "has no read_gum()"),
+    (_HEADING + _FILE.replace("cpp", "c++") + _LINE, _LIST, "0 blocks with an element's file"),
+    (_HEADING + _FILE + _LINE, _LIST.replace("tissue", "gel"), "has ELEMENT(gel) already"),
+    (_HEADING + _FILE + _LINE, "no list\n", "0 ends of the list"),
+)
+
+
+def example_disagreement(page, header, expected):
+    try:
+        files = element_example.make(page, header)
+    except element_example.Mismatch as mismatch:
+        return None if expected and expected in str(mismatch) else f"{page!r}: {mismatch}, expected {expected!r}"
+    if expected:
+        return f"element_example takes {page!r}, expected {expected!r}"
+    good = _LIST.replace("vessel)\n", "vessel) \\\n    ELEMENT(gel)\n")
+    return None if good in files.values() and "void read_gel(int) {}\n" in files.values() else f"{page!r}: {files}"
+
 
 def disagreement(check, path, text, expected):
     """What the check says wrongly about one file, or None."""
@@ -94,4 +126,5 @@ def report_disagreements():
 
 if __name__ == "__main__":
     wrong = [d for case in CASES if (d := disagreement(*case))] + report_disagreements()
-    sys.exit(report(wrong, len(CASES), "self-test", of="cases"))
+    wrong += [d for case in EXAMPLES if (d := example_disagreement(*case))]
+    sys.exit(report(wrong, len(CASES) + len(EXAMPLES), "self-test", of="cases"))

@@ -21,7 +21,7 @@ TEST(DelayExperiment, At50msOnlyTheHandleOscillates) {
         int trials = 0, oscillate = 0, completed = 0, losses = 0;
     };
     std::map<Modality, Tally> tallies;
-    const auto trials = all_trials(experiment_3(paper(), 10, 1));
+    const auto trials = all_trials({experiment_3(paper(), 10, 1)});
     run_trials(paper(), trials, 2, nullptr, [&](const TrialRecord& record) {
         const TrialMetrics metrics = measure(record);
         Tally& tally = tallies[record.conditions.modality];
@@ -49,7 +49,7 @@ TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
     terrible.jitter = Jitter::kNormal;
     terrible.jitter_spread = milliseconds{40};
     terrible.loss = 0.3;
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+    for (const Modality modality : kModalities) {
         Rig good(paper(), {}, LinkSettings{}), bad(paper(), {}, terrible);
         const TrialRecord& a = good.run(trial_of(modality));
         const TrialRecord& b = bad.run(trial_of(modality));

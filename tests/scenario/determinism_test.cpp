@@ -42,8 +42,8 @@ class Determinism : public testing::Test {
 
     static StudyOptions small_study() {
         StudyOptions options;
-        options.protocol = experiment_3(paper(), 2, 1);
-        options.protocol.trials_per_modality = 1;
+        options.protocols = {experiment_3(paper(), 2, 1)};
+        options.protocols[0].trials_per_modality = 1;
         options.jobs = 1;
         options.control = false;
         return options;
@@ -64,7 +64,7 @@ TEST_F(Determinism, TheSameSeedGivesTheSameBytesOnAnyNumberOfThreads) {
     StudyOptions options = small_study();
     const std::string first = study(options);
     const auto rows = read_trial_table(folder_ / "0" / "trials.csv");
-    const auto trials = all_trials(options.protocol);
+    const auto trials = all_trials(options.protocols);
     ASSERT_EQ(rows.size(), 2U * 4);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         EXPECT_EQ(rows[i].conditions.subject, trials[i].subject);
@@ -79,7 +79,7 @@ TEST_F(Determinism, TheSameSeedGivesTheSameBytesOnAnyNumberOfThreads) {
 TEST_F(Determinism, MoreSubjectsChangeNoRowOfTheOthers) {
     StudyOptions options = small_study();
     const std::string two = study(options);
-    options.protocol.subjects = 3;
+    options.protocols[0].subjects = 3;
     const std::string three = study(options);
     EXPECT_EQ(three.substr(0, two.size()), two);
     EXPECT_EQ(lines_of(three).size(), 1U + 3 * 4);
@@ -93,10 +93,36 @@ TEST_F(Determinism, TheControlTrialsChangeNoRow) {
     EXPECT_TRUE(std::filesystem::exists(folder_ / "1" / "control.csv"));
 }
 
+// Interrupted after some trials, gone on with, on another number of threads: the same bytes, in every file.
+TEST_F(Determinism, AResumedStudyIsTheUninterruptedOne) {
+    StudyOptions options = small_study();
+    options.protocols = {experiment_1(paper(), 2, 1), experiment_2(paper(), 2, 1),
+                         experiment_3(paper(), 1, 1)};
+    for (Protocol& protocol : options.protocols) protocol.trials_per_modality = 1;
+    const std::string whole = study(options);
+
+    options.out = folder_ / "interrupted";
+    std::filesystem::create_directories(options.out);
+    std::ofstream(options.out / "trials.csv", std::ios::binary) << whole.substr(0, whole.size() / 2);
+    const std::string curves = read(folder_ / "0" / "trials_curves.csv");
+    std::ofstream(options.out / "trials_curves.csv", std::ios::binary)
+        << curves.substr(0, curves.size() / 3 * 2);
+    options.if_exists = IfExists::kContinue;
+    options.jobs = 2;
+    const StudyResult result = run_study(paper(), options);
+    EXPECT_TRUE(result.complete);
+    EXPECT_GT(result.resumed, 0U);
+    EXPECT_LT(result.resumed, result.rows.size());
+    for (const char* file :
+         {"trials.csv", "trials_curves.csv", "subjects.csv", "summary.json", "report.html"}) {
+        EXPECT_EQ(read(options.out / file), read(folder_ / "0" / file)) << file;
+    }
+}
+
 TEST_F(Determinism, AnotherSeedIsAnotherStudy) {
     StudyOptions options = small_study();
     const std::vector<std::string> one = lines_of(study(options));
-    options.protocol.seed = 2;
+    options.protocols[0].seed = 2;
     const std::vector<std::string> two = lines_of(study(options));
     ASSERT_EQ(one.size(), two.size());
     EXPECT_EQ(one[0], two[0]);

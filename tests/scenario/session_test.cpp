@@ -88,7 +88,7 @@ TEST(Session, AShutdownReachesEveryNode) {
 // Experiment 2: the fixture vanishes at the beep. A hand that leans on it falls through; fingers and eyes
 // have nothing to lean on.
 TEST(Session, AVanishedFixtureLetsOnlyTheKinestheticHandOvershoot) {
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+    for (const Modality modality : kModalities) {
         Rig rig(paper());
         rig.start(trial_of(modality));
         ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 5; }));

@@ -38,7 +38,7 @@ class Watcher {
 };
 
 TEST(Vision, TheInsertedPartIsNeverShown) {
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF}) {
+    for (const Modality modality : kModalities) {
         Watcher watcher;
         Rig rig(paper(), watcher.taps());
         const TrialRecord& record = rig.run(trial_of(modality));

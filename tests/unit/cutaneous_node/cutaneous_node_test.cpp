@@ -13,7 +13,6 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 constexpr SessionTime at(Duration duration) { return SessionTime{duration}; }
-constexpr Modality kAllModalities[]{Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF};
 
 SessionControl trial(Modality modality) {
     SessionControl control;
@@ -65,7 +64,7 @@ TEST(CutaneousNode, PushingInPressesTheIndexFingerPullingOutTheThumb) {
 }
 
 TEST(CutaneousNode, OnlyCutaneousModalitiesPress) {
-    for (const Modality modality : kAllModalities) {
+    for (const Modality modality : kModalities) {
         Bench bench;
         bench.node.start_trial(at({}), trial(modality));
         bench.node.on_feedback(at({}), force(-1));

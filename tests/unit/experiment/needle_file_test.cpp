@@ -74,6 +74,7 @@ TEST(NeedleFile, NamesLineAndMistake) {
              Case{"0,-inf\n", "needle.csv:2:", "not a finite number"},
              Case{"0,1e999\n", "needle.csv:2:", "not a finite number"},
              Case{"0,+\n", "needle.csv:2:", "not a finite number"},
+             Case{"0,+-1\n", "needle.csv:2:", "'+-1', which is not a finite number"},
              Case{"0,0\n11,0\n", "needle.csv:3:", "a gap of 11 s since line 2"},
              Case{"0,12\n", "needle.csv:2:", "are these metres?"},
              Case{"0,0\n5e-324,1\n", "needle.csv:3:", "would have moved"},
@@ -87,6 +88,17 @@ TEST(NeedleFile, NamesAHeaderThatIsNone) {
     EXPECT_THAT(refusal_of(""), HasSubstr("must begin with the header time_s,position_needle_m"));
     EXPECT_THAT(refusal_of("0,0\n1,1\n"), AllOf(StartsWith("needle.csv:1:"), HasSubstr("no column time_s")));
     EXPECT_THAT(refusal_of("time_s,position_m\n0,0\n"), HasSubstr("no column position_needle_m"));
+}
+
+TEST(NeedleFile, ACommaThatEndsTheHeaderIsAColumn) {
+    EXPECT_EQ(parse("time_s,position_needle_m,\n0,0.25,\n").samples.back().position_m, 0.25);
+    EXPECT_THAT(refusal_of("time_s,position_needle_m,\n0,0.25\n"), HasSubstr("has 2 fields, the header 3"));
+}
+
+TEST(NeedleFile, AColumnNamedTwiceIsRefused) {
+    EXPECT_THAT(refusal_of("time_s,position_needle_m,position_needle_m\n0,0,1\n"),
+                AllOf(StartsWith("needle.csv:1:"), HasSubstr("names position_needle_m twice")));
+    EXPECT_THAT(refusal_of("time_s,time_s,position_needle_m\n0,1,1\n"), HasSubstr("names time_s twice"));
 }
 
 TEST(NeedleFile, AGapIsWhatTheCallerSays) {

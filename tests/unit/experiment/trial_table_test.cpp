@@ -59,7 +59,7 @@ TEST(TrialTable, HeaderNamesEveryColumnInSI) {
         read_text(directory / "trials.csv"),
         "experiment,subject,trial,modality,delay_s,fixture_position_m,penetration_mean_m,penetration_max_m,"
         "completion_time_s,peak_displacement_m,contacts_lost,oscillation_rms_m,oscillation_peak_to_peak_m,"
-        "oscillation_frequency_Hz,oscillates,beeped,outcome,seed,delay_achieved_s,round_trip_s,"
+        "oscillation_frequency_Hz,oscillates,beeped,outcome,seed,fixture_removed,delay_achieved_s,round_trip_s,"
         "puncture_time_s,first_contact_time_s\n");
 }
 
@@ -161,7 +161,7 @@ TEST(TrialTable, DamageIsNamedWithLineAndColumn) {
           Case{6, "1e999", ":2: column 7 (penetration_mean_m)"}, Case{3, "HFC", "column 4 (modality)"},
           Case{1, "-1", ":2: column 2 (subject)"}, Case{2, "4294967296", ":2: column 3 (trial)"},
           Case{14, "true", ":2: column 15 (oscillates)"}, Case{16, "done", ":2: column 17 (outcome)"},
-          Case{17, "18446744073709551616", ":2: column 18 (seed)"}, Case{0, "3,4", ":2: has 23 fields"}}) {
+          Case{17, "18446744073709551616", ":2: column 18 (seed)"}, Case{0, "3,4", ":2: has 24 fields"}}) {
         write_text(path, damaged(path, c.field, c.text));
         const std::string message = message_of([&] { read_trial_table(path); });
         EXPECT_NE(message.find(c.complaint), std::string::npos) << message;

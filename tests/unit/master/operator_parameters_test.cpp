@@ -70,7 +70,9 @@ TEST(Subject, BelongsToStudyExperimentAndNumberOnly) {
     EXPECT_EQ(alone.criterion_N, in_a_batch.criterion_N);
     EXPECT_EQ(alone.reaction_modality_factor, in_a_batch.reaction_modality_factor);
     EXPECT_NE(alone.criterion_N, draw_subject(OperatorParameters{}, 11, 1, 8).criterion_N);
-    EXPECT_NE(alone.criterion_N, draw_subject(OperatorParameters{}, 11, 2, 7).criterion_N);
+    EXPECT_NE(alone.criterion_N, draw_subject(OperatorParameters{}, 11, 3, 7).criterion_N);
+    // The people of experiment 2 are those of experiment 1.
+    EXPECT_EQ(alone.criterion_N, draw_subject(OperatorParameters{}, 11, 2, 7).criterion_N);
     EXPECT_NE(alone.criterion_N, draw_subject(OperatorParameters{}, 12, 1, 7).criterion_N);
 }
 

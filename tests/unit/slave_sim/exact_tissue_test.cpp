@@ -239,6 +239,28 @@ TEST(ExactTissue, ChatterIsBoundedAndTheStepEnds) {
     EXPECT_LE(std::abs(s.tissue.state().position_surface_m), 1.1e-3);
 }
 
+// Found by fuzz_scene: each swing comes back to just where the needle released it, and all of them were looked at.
+TEST(ExactTissue, SwingsUpToARestingNeedleAreNotCountedOneByOne) {
+    Swinging s;
+    s.tissue.advance(1e-3, -0.2e-3, s.events);
+    s.tissue.advance(1e-3, -0.2e-3, s.events);  // the needle is met, and waits there
+    s.events.clear();
+    const std::uint64_t before = s.tissue.evaluations();
+    s.tissue.advance(1e4, -0.2e-3, s.events);  // 1.6e9 swings
+    EXPECT_EQ(s.events.size(), 0u);
+    EXPECT_LT(s.tissue.evaluations() - before, 100u);
+    EXPECT_EQ(s.tissue.unresolved_steps(), 0u);
+}
+
+TEST(ExactTissue, AStepCostsNoMoreThanItMay) {
+    Swinging s;
+    s.tissue.advance(0.05, -0.2e-3, s.events);  // 8000 swings, each met, none within a millionth of the step
+    EXPECT_LT(s.tissue.evaluations(), ExactTissue::kMostEvaluations + 400);
+    EXPECT_EQ(s.tissue.unresolved_steps(), 1u);
+    EXPECT_EQ(s.tissue.state().phase, TissuePhase::kFree);
+    EXPECT_LE(std::abs(s.tissue.state().position_surface_m), 1.1e-3);
+}
+
 TEST(Transitions, AFullListCountsWhatItDrops) {
     Transitions events(5);
     for (int i = 0; i < 8; ++i) events.push(0.001, "contact");

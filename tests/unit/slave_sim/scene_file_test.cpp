@@ -58,6 +58,14 @@ TEST(SceneFile, SeveralOfATypeAreNumberedOrNamed) {
     EXPECT_THAT(names(scene_of("[vessel]\nname = 'artery'\n")), ElementsAre("artery.near", "artery.far"));
 }
 
+// Event lists could not have told the two apart.
+TEST(SceneFile, NamesOfPartsAreTakenToo) {
+    EXPECT_THAT(refusal_of("[tissue]\nname = 'vessel.near'\n[vessel]\n"),
+                HasSubstr("\"vessel.near\" is taken"));
+    EXPECT_THAT(refusal_of("[vessel]\nname = 'a'\n[fixture]\nname = 'a.far'\n"),
+                AllOf(StartsWith("scene.toml:4:"), HasSubstr("\"a.far\" is taken")));
+}
+
 TEST(SceneFile, LayersHaveTheirOwnKeys) {
     const SceneDeclaration scene = scene_of(
         "[[tissue]]\nrest_position_m = 0.05\nmass_kg = 2\n"

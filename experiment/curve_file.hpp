@@ -1,0 +1,30 @@
+// curves.csv: each trial of a study on the common axis of the trajectory figure, so that a study that was
+// interrupted can draw what it ran before, and anybody can draw it otherwise. A line per trial: conditions,
+// whether it entered the tissue and beeped, then needle and surface at each grid point in percent of the
+// fixture's depth (empty: no sample).
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "experiment/csv_file.hpp"
+#include "experiment/mean_trajectory.hpp"
+
+namespace thimble {
+
+class CurveFile {
+  public:
+    // Throws Error as CsvFile.
+    CurveFile(const std::filesystem::path& path, IfExists if_exists);
+    // In the kernel's hands when it returns: a killed program loses nothing, a machine without power may.
+    void append(const TrialCurve& trial);
+
+  private:
+    CsvFile file_;
+};
+
+// Throws Error (data) naming line and column of what cannot be read.
+std::vector<TrialCurve> read_curves(const std::filesystem::path& path);
+
+}  // namespace thimble

@@ -1,0 +1,136 @@
+// What a killed study leaves behind is taken up again, and nothing else is.
+#include "experiment/study_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "tests/unit/experiment/records.hpp"
+
+namespace thimble {
+namespace {
+
+class StudyFolder : public testing::Test {
+  protected:
+    StudyFolder() {
+        for (std::uint32_t trial = 1; trial <= 4; ++trial) {
+            TrialRecord record = sine_record(0.003, 0.001 * trial, 4);
+            record.conditions.trial = trial;
+            records_.push_back(record);
+            planned_.push_back(record.conditions);
+        }
+    }
+
+    void run(StudyTables& tables, std::size_t from, std::size_t to) const {
+        for (std::size_t i = from; i < to; ++i)
+            tables.append(make_row(records_[i]), trial_curve(records_[i]));
+    }
+    StudyTables resume() const { return {directory_.path(), "trials", IfExists::kContinue, planned_}; }
+    std::string table() const { return read_text(directory_ / "trials.csv"); }
+    std::string curves() const { return read_text(directory_ / "trials_curves.csv"); }
+    void append_text(const std::string& file, const std::string& text) const {
+        std::ofstream(directory_ / file, std::ios::binary | std::ios::app) << text;
+    }
+
+    TemporaryDirectory directory_;
+    std::vector<TrialRecord> records_;
+    std::vector<TrialConditions> planned_;
+};
+
+TEST_F(StudyFolder, GoesOnWhereItWasKilledWithTheSameBytes) {
+    {
+        StudyTables whole(directory_.path(), "trials", IfExists::kRefuse, planned_);
+        run(whole, 0, 4);
+    }
+    const std::string table_text = table();
+    const std::string curve_text = curves();
+    for (const std::size_t cut : {std::size_t{0}, std::size_t{1}, table_text.find('\n') + 1,
+                                  table_text.find('\n') + 30, table_text.size() - 1, table_text.size()}) {
+        std::filesystem::resize_file(directory_ / "trials.csv", cut);
+        StudyTables again = resume();
+        EXPECT_LT(again.rows().size(), 5U);
+        EXPECT_EQ(again.rows().size(), again.curves().size());
+        run(again, again.rows().size(), 4);
+        EXPECT_EQ(table(), table_text) << cut;
+        EXPECT_EQ(curves(), curve_text) << cut;
+    }
+}
+
+TEST_F(StudyFolder, WhatHasNoCurveIsRunAgain) {
+    {
+        StudyTables tables(directory_.path(), "trials", IfExists::kRefuse, planned_);
+        run(tables, 0, 3);
+    }
+    const std::string text = curves();
+    std::filesystem::resize_file(directory_ / "trials_curves.csv", text.size() - 5);
+    EXPECT_EQ(resume().rows().size(), 2U);
+}
+
+TEST_F(StudyFolder, CurvesReadBackToTheLastDigit) {
+    StudyTables tables(directory_.path(), "trials", IfExists::kRefuse, planned_);
+    TrialRecord nowhere = records_[0];
+    for (TrajectorySample& sample : nowhere.samples) sample.phase = TissuePhase::kFree;
+    tables.append(make_row(records_[0]), trial_curve(records_[0]));
+    tables.append(make_row(nowhere), trial_curve(nowhere));
+    const auto back = read_curves(directory_ / "trials_curves.csv");
+    ASSERT_EQ(back.size(), 2U);
+    const TrialCurve truth = trial_curve(records_[0]);
+    EXPECT_TRUE(back[0].entered && back[0].beeped);
+    EXPECT_FALSE(back[1].entered);
+    for (std::size_t i = 0; i < kCurvePoints; ++i) {
+        if (std::isnan(truth.needle_percent[i])) {
+            EXPECT_TRUE(std::isnan(back[0].needle_percent[i]));
+            continue;
+        }
+        EXPECT_EQ(back[0].needle_percent[i], truth.needle_percent[i]);
+        EXPECT_EQ(back[0].surface_percent[i], truth.surface_percent[i]);
+    }
+}
+
+TEST_F(StudyFolder, AnotherStudyIsNotGoneOnWith) {
+    {
+        StudyTables tables(directory_.path(), "trials", IfExists::kRefuse, planned_);
+        run(tables, 0, 2);
+    }
+    planned_[1].study_seed = 99;
+    try {
+        resume();
+        FAIL() << "a study with another seed was gone on with";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kUsage);
+        EXPECT_NE(std::string(error.what()).find("trials.csv:3"), std::string::npos) << error.what();
+    }
+    planned_.resize(1);
+    EXPECT_THROW(resume(), Error);
+}
+
+TEST_F(StudyFolder, DamageInTheMiddleIsNamedNotCutOff) {
+    {
+        StudyTables tables(directory_.path(), "trials", IfExists::kRefuse, planned_);
+        run(tables, 0, 1);
+    }
+    append_text("trials.csv", "nonsense\n");
+    try {
+        resume();
+        FAIL() << "a damaged table was gone on with";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kData);
+        EXPECT_NE(std::string(error.what()).find("trials.csv:3"), std::string::npos) << error.what();
+    }
+}
+
+TEST(KeepLines, CutsWhatHasNoNewline) {
+    const TemporaryDirectory directory;
+    const auto path = directory / "table.csv";
+    std::ofstream(path, std::ios::binary) << "header\n1\n2\n3";
+    keep_lines(path, 100);
+    EXPECT_EQ(read_text(path), "header\n1\n2\n");
+    keep_lines(path, 1);
+    EXPECT_EQ(read_text(path), "header\n1\n");
+    keep_lines(path, 1);
+    EXPECT_EQ(read_text(path), "header\n1\n");
+    keep_lines(directory / "nothing.csv", 1);
+    EXPECT_FALSE(std::filesystem::exists(directory / "nothing.csv"));
+}
+
+}  // namespace
+}  // namespace thimble
