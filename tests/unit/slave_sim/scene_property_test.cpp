@@ -136,9 +136,12 @@ void expect_guards(const TissueSolver& tissue, double needle_m) {
     }
 }
 
+// A step whose transitions would cost too much to find says so; the phase can then be wrong until the next
+// transition that is found.
 TEST(SceneProperty, PhasesAgreeWithTheirGuardsAndNothingIsNaN) {
     EXPECT_TRUE(rc::check("guards", [] {
         Insertion run;
+        std::vector<bool> lost(run.declaration.elements.size());
         for (const RandomStep& step : random_needle(run.declaration)) {
             run.step(step);
             RC_ASSERT(std::isfinite(run.scene.force_tissue_N()));
@@ -146,7 +149,12 @@ TEST(SceneProperty, PhasesAgreeWithTheirGuardsAndNothingIsNaN) {
             for (const auto& member : run.elements.members()) {
                 RC_ASSERT(std::isfinite(member.element->force_N()));
                 const auto* tissue = dynamic_cast<const TissueSolver*>(member.element.get());
-                if (tissue != nullptr) expect_guards(*tissue, step.needle.position_m);
+                if (tissue == nullptr) continue;
+                for (const Transition& t : run.scene.transitions()) {
+                    if (t.element == member.index) lost[t.element] = t.phase == "unresolved";
+                }
+                if (lost[member.index]) continue;
+                expect_guards(*tissue, step.needle.position_m);
             }
         }
     }));
@@ -189,13 +197,23 @@ TEST(SceneProperty, TransitionsFollowOneAnotherInTheOrderOfTimeAndOfTheAutomaton
     }));
 }
 
+double half_swings(const TissueSolver& tissue, double duration_s) {
+    const TissueParameters& p = tissue.parameters();
+    return duration_s * std::sqrt(p.stiffness_N_per_m / p.mass_kg) / std::numbers::pi;
+}
+
 // A stepped solver looks at its guards once in a step, where at most two follow one another. An exact one goes
 // through four for each half swing of its surface: let go, caught, pierced, come back.
 double most_transitions(const TissueSolver& tissue, const RandomSolver& solver, double duration_s) {
     if (solver.name != "exact") return 2 * std::ceil(duration_s / solver.step_s);
-    const TissueParameters& p = tissue.parameters();
-    const double half_swings = duration_s * std::sqrt(p.stiffness_N_per_m / p.mass_kg) / std::numbers::pi;
-    return 8 + 4 * half_swings;
+    return 8 + 4 * half_swings(tissue, duration_s);
+}
+
+bool unresolved(const Transitions& transitions, std::uint32_t element) {
+    for (const Transition& t : transitions) {
+        if (t.element == element && t.phase == "unresolved") return true;
+    }
+    return false;
 }
 
 TEST(SceneProperty, NoChatterWithoutProgress) {
@@ -205,7 +223,6 @@ TEST(SceneProperty, NoChatterWithoutProgress) {
             run.step(step);
             std::vector<double> count(run.declaration.elements.size(), 0);
             for (const Transition& t : run.scene.transitions()) {
-                RC_ASSERT(t.phase != "unresolved");
                 ++count[t.element];
             }
             for (const auto& member : run.elements.members()) {
@@ -214,6 +231,10 @@ TEST(SceneProperty, NoChatterWithoutProgress) {
                 const double most =
                     tissue == nullptr ? 12 : most_transitions(*tissue, run.solver, step.duration_s);
                 RC_ASSERT(count[member.index] <= most);
+                // Given up only where there are more swings than one looks at.
+                if (!unresolved(run.scene.transitions(), member.index)) continue;
+                RC_ASSERT(tissue != nullptr && run.solver.name == "exact");
+                RC_ASSERT(half_swings(*tissue, step.duration_s) > 100);
             }
         }
     }));
