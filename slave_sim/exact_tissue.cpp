@@ -23,6 +23,7 @@ double velocity_after(const Propagator& p, double velocity_m_per_s, double accel
 
 // What is left of a step after the transitions found so far.
 struct ExactTissue::Leg {
+    double duration_s;    // of the step
     double offset_s;      // of its start within the step
     double remaining_s;   // to the end of the step
     double needle_end_m;  // at the end of the step
@@ -37,7 +38,7 @@ ExactTissue::ExactTissue(const TissueParameters& parameters)
                         parameters.stiffness_N_per_m)} {}
 
 void ExactTissue::move(double duration_s, double needle_end_m, Transitions& transitions) {
-    Leg leg{0, duration_s, needle_end_m, true, &transitions};
+    Leg leg{duration_s, 0, duration_s, needle_end_m, true, &transitions};
     unsigned count = 0;
     double since_s = 0;
     evaluations_before_ = evaluations_;
@@ -47,6 +48,27 @@ void ExactTissue::move(double duration_s, double needle_end_m, Transitions& tran
             count = 0;
         }
         if (++count == kMostTransitions && leg.search) give_up(leg);
+    }
+    if (!leg.search) agree_with_guards(leg);
+}
+
+// After a step that was not searched: a needle beyond a free surface is taken to have pierced it, one outside a
+// pierced surface to have left it, and a contact ends that is pulled or pressed too hard. Nothing moves.
+void ExactTissue::agree_with_guards(const Leg& leg) {
+    const auto become = [&](TissuePhase phase) {
+        phase_ = phase;
+        leg.transitions->push(leg.duration_s, to_string(phase));
+    };
+    const double gap_m = leg.needle_end_m - surface_m_;
+    if (phase_ == TissuePhase::kFree && gap_m > 0) {
+        become(TissuePhase::kContact);
+        become(TissuePhase::kPenetrated);
+    } else if (phase_ == TissuePhase::kPenetrated && gap_m < 0) {
+        become(TissuePhase::kFree);
+    } else if (phase_ == TissuePhase::kContact) {
+        const double force_N = contact_force_N(leg.needle_end_m, velocity_needle_m_per_s_);
+        if (force_N < 0) become(TissuePhase::kFree);
+        if (force_N > parameters_.puncture_force_N) become(TissuePhase::kPenetrated);
     }
 }
 
@@ -61,7 +83,7 @@ void ExactTissue::enter(TissuePhase phase, double after_s, Leg& leg) {
     phase_ = phase;
     needle_m_ = after_s < leg.remaining_s ? needle_m_ + velocity_needle_m_per_s_ * after_s : leg.needle_end_m;
     surface_m_ = needle_m_;
-    leg.offset_s += after_s;
+    leg.offset_s = std::fmin(leg.offset_s + after_s, leg.duration_s);  // a sum of many rounds beyond it
     leg.remaining_s -= after_s;
     leg.transitions->push(leg.offset_s, to_string(phase));
 }

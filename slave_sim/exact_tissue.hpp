@@ -34,6 +34,7 @@ class ExactTissue final : public TissueSolver {
     bool moving_leg(Leg& leg);
     bool may_cross(const Leg& leg, const SecondOrder& law, double acceleration) const;
     void give_up(Leg& leg);
+    void agree_with_guards(const Leg& leg);
     double crossing(Leg& leg, const SecondOrder& law, const Propagator& p, double acceleration);
     double beyond_s(double limit_N, double side, const Leg& leg) const;
     void enter(TissuePhase phase, double after_s, Leg& leg);
