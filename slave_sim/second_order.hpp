@@ -65,6 +65,7 @@ class SecondOrder {
     }
 
     double stiffness_per_s2() const { return stiffness_per_s2_; }  // w2 = K / M
+    double damping_per_s() const { return damping_per_s_; }        // a = B / M
 
   private:
     struct Response;  // S, Q, c
