@@ -8,7 +8,7 @@
 namespace thimble {
 
 // Of (partial) eta squared behind an observed F: lambda / (lambda + df_1 + df_2 + 1), lambda the noncentrality's
-// interval (Smithson, "Confidence intervals", 2003, eq. 5.4). For independent groups df_1 + df_2 + 1 is the
+// interval (Smithson, "Confidence intervals", 2003). For independent groups df_1 + df_2 + 1 is the
 // number of values; for repeated measures it assumes sphericity. An end is 0 where even no effect makes an F
 // this large too easily. f finite and >= 0, degrees of freedom positive; throws Error (kData) otherwise.
 ConfidenceInterval eta_squared_interval(double f, double df_1, double df_2, double confidence = 0.95);

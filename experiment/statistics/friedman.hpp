@@ -29,7 +29,7 @@ struct Friedman {
 };
 
 // The exact distribution is given up after this many steps (one arrangement of one subject's ranks added to
-// one state), about a second. It reaches n = 40 with 4 conditions, 12 with 5, 6 with 6 where nothing ties.
+// one state), about half a second. It reaches n = 30 with 4 conditions, 10 with 5, 5 with 6 where nothing ties.
 inline constexpr std::size_t kFriedmanExactSteps = 5'000'000;
 
 // At least 2 subjects and 2 conditions; throws Error (kData) otherwise and where every subject has the same

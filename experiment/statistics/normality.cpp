@@ -11,7 +11,7 @@ namespace {
 constexpr const char* kWhat = "D'Agostino-Pearson test of normality";
 constexpr std::size_t kLeast = 8;
 
-// D'Agostino et al. 1990, eq. 8 to 14. Odd in the skewness: symmetric data give exactly 0.
+// D'Agostino 1970. Odd in the skewness: symmetric data give exactly 0.
 double z_of_skewness(double skewness, double n) {
     const double y = skewness * std::sqrt((n + 1) * (n + 3) / (6 * (n - 2)));
     const double beta_2 =
@@ -22,7 +22,7 @@ double z_of_skewness(double skewness, double n) {
     return delta * std::asinh(y / alpha);
 }
 
-// Ibid., eq. 15 to 20.
+// Anscombe and Glynn 1983.
 double z_of_kurtosis(double kurtosis, double n, const std::string& name) {
     const double expected = 3 * (n - 1) / (n + 1);
     const double variance = 24 * n * (n - 2) * (n - 3) / ((n + 1) * (n + 1) * (n + 3) * (n + 5));

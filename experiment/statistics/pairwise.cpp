@@ -24,6 +24,7 @@ ConfidenceInterval around(const Difference& difference, double confidence) {
 
 void adjust(std::vector<MeanPair>& pairs) {
     std::vector<double> p;
+    p.reserve(pairs.size());
     for (const MeanPair& pair : pairs) p.push_back(pair.p);
     const std::vector<double> by_bonferroni = bonferroni(p);
     const std::vector<double> by_holm = holm(p);
@@ -37,7 +38,8 @@ void adjust(std::vector<MeanPair>& pairs) {
 template <class DifferenceOf>
 std::vector<MeanPair> all_pairs(std::size_t conditions, double confidence,
                                 const DifferenceOf& difference_of) {
-    const auto family = static_cast<double>(conditions * (conditions - 1) / 2);
+    const std::size_t count = conditions * (conditions - 1) / 2;
+    const auto family = static_cast<double>(count);
     std::vector<MeanPair> pairs;
     for (std::size_t first = 0; first + 1 < conditions; ++first) {
         for (std::size_t second = first + 1; second < conditions; ++second) {

@@ -79,6 +79,7 @@ void SampleTable::require_shape(std::size_t least_subjects, std::size_t least_co
 CompleteRows complete_rows(const std::vector<NamedValues>& columns) {
     require_equal_columns(columns);
     std::vector<NamedValues> kept;
+    kept.reserve(columns.size());
     for (const NamedValues& column : columns) kept.push_back({column.name, {}});
     std::vector<std::size_t> dropped;
     for (std::size_t subject = 0; subject < columns.front().values.size(); ++subject) {

@@ -99,6 +99,8 @@ TEST(FriedmanExact, PublishedTable) {
 
 TEST(FriedmanExact, SaysWhenItGivesUp) {
     EXPECT_FALSE(friedman_exact_p(Rows(10, {2, 4, 6, 8}), 100, 1000).has_value());
+    EXPECT_TRUE(friedman_exact_p(Rows(30, {2, 4, 6, 8}), 100, kFriedmanExactSteps).has_value());
+    EXPECT_FALSE(friedman_exact_p(Rows(60, {2, 4, 6, 8}), 100, kFriedmanExactSteps).has_value());
     EXPECT_TRUE(friedman_exact_p(Rows(10, {2, 4, 6, 8}), 100, 1'000'000).has_value());
     // 24 conditions: neither do 24! arrangements fit, nor their sums into 64 bits.
     std::vector<std::int64_t> wide;
