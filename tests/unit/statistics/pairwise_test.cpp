@@ -82,6 +82,12 @@ TEST(Pairwise, Refuses) {
     expect_refused([] { paired_t_tests(table({{1}, {2}})); }, {"paired t", "1 subjects"});
     expect_refused([] { paired_t_tests(table({{1, 2}})); }, {"paired t", "1 conditions"});
     expect_refused([] { paired_t_tests(table({{1, 2}, {2, 5}}), 1.0); }, {"(0, 1)"});
+    // A tenth apart, but for what doubles of a million cannot hold.
+    expect_refused(
+        [] {
+            paired_t_tests(table({{1e5 + 0.1, 1e6 + 0.1}, {1e5 + 0.2, 1e6 + 0.2}}));
+        },
+        {"column 0", "column 1", "same amount"});
     expect_refused([] { pairs_after_repeated_anova(table({{1, 2}, {2, 5}})); }, {"2 subjects"});
     expect_refused([] { pairs_after_one_way_anova(columns({{1}, {2}})); }, {"single value"});
 }

@@ -28,6 +28,10 @@ TEST(Wilson, SolvesItsEquation) {
 TEST(Wilson, Edges) {
     EXPECT_EQ(wilson_interval(0, 10).low, 0);
     EXPECT_EQ(wilson_interval(10, 10).high, 1);
+    for (std::size_t n = 1; n < 500; ++n) {
+        EXPECT_EQ(wilson_interval(0, n).low, 0) << n;
+        EXPECT_EQ(wilson_interval(n, n).high, 1) << n;
+    }
     EXPECT_GT(wilson_interval(0, 10).high, 0.2);
     EXPECT_LT(wilson_interval(10, 10).low, 0.8);
     EXPECT_LT(wilson_interval(5, 10, 0.99).low, wilson_interval(5, 10, 0.9).low);
