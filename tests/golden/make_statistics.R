@@ -1,0 +1,130 @@
+# The R half of make_statistics.py: reads "kind name columns rows values..." lines (values row by row) from stdin
+# and writes "name key value..." lines, 17 digits. Base R only.
+
+say <- function(name, key, values) cat(name, key, sprintf("%.17g", values), "\n")
+
+all_pairs <- function(k) combn(k, 2, simplify = FALSE)
+
+say_pairs <- function(name, key, k, one) {
+    rows <- sapply(all_pairs(k), function(ij) one(ij[1], ij[2], choose(k, 2)))
+    p <- rows["p", ]
+    for (field in rownames(rows)) say(name, paste0(key, ".", field), rows[field, ])
+    say(name, paste0(key, ".p_bonferroni"), p.adjust(p, "bonferroni"))
+    say(name, paste0(key, ".p_holm"), p.adjust(p, "holm"))
+}
+
+pooled <- function(difference, error, df, family) {
+    half <- qt(0.025, df, lower.tail = FALSE) * error
+    half_all <- qt(0.025 / family, df, lower.tail = FALSE) * error
+    t <- difference / error
+    c(difference = difference, t = t, df = df, p = 2 * pt(abs(t), df, lower.tail = FALSE),
+      low = difference - half, high = difference + half,
+      low_all = difference - half_all, high_all = difference + half_all)
+}
+
+repeated <- function(name, m) {
+    n <- nrow(m)
+    k <- ncol(m)
+    d <- data.frame(y = c(m), condition = gl(k, n), subject = factor(rep(1:n, k)))
+    strata <- summary(aov(y ~ condition + Error(subject), data = d))
+    within <- strata[["Error: Within"]][[1]]
+    say(name, "anova.ss", c(within[1:2, "Sum Sq"], strata[["Error: subject"]][[1]][1, "Sum Sq"]))
+    say(name, "anova.df", within[1:2, "Df"])
+    say(name, "anova.f", within[1, "F value"])
+    say(name, "anova.p", within[1, "Pr(>F)"])
+    if (k <= n - 1) {
+        fit <- lm(m ~ 1)
+        # What anova.mlm prints with five digits only.
+        contrasts <- t(contr.helmert(k))
+        epsilons <- stats:::sphericity(SSD(fit), T = contrasts / sqrt(rowSums(contrasts^2)))
+        say(name, "anova.epsilons", c(epsilons$GG.eps, min(1, epsilons$HF.eps)))
+        spherical <- anova(fit, X = ~1, test = "Spherical")
+        say(name, "anova.p_corrected", c(spherical[1, "G-G Pr"], spherical[1, "H-F Pr"]))
+    }
+    mse <- within[2, "Mean Sq"]
+    say_pairs(name, "pooled", k, function(i, j, family)
+        pooled(mean(m[, i] - m[, j]), sqrt(2 * mse / n), within[2, "Df"], family))
+}
+
+paired <- function(name, m) {
+    say_pairs(name, "paired", ncol(m), function(i, j, family) {
+        one <- t.test(m[, i], m[, j], paired = TRUE)
+        all <- t.test(m[, i], m[, j], paired = TRUE, conf.level = 1 - 0.05 / family)
+        c(difference = unname(one$estimate), t = unname(one$statistic), df = unname(one$parameter),
+          p = one$p.value, low = one$conf.int[1], high = one$conf.int[2],
+          low_all = all$conf.int[1], high_all = all$conf.int[2])
+    })
+}
+
+friedman <- function(name, m) {
+    test <- friedman.test(m)
+    say(name, "friedman", c(test$statistic, test$parameter, test$p.value))
+}
+
+oneway <- function(name, groups) {
+    d <- stack(groups)
+    table <- anova(lm(values ~ ind, data = d))
+    say(name, "anova", c(table[1, "F value"], table[1:2, "Df"], table[1, "Pr(>F)"], table[1:2, "Sum Sq"]))
+    mse <- table[2, "Mean Sq"]
+    say_pairs(name, "pooled", length(groups), function(i, j, family)
+        pooled(mean(groups[[i]]) - mean(groups[[j]]),
+               sqrt(mse * (1 / length(groups[[i]]) + 1 / length(groups[[j]]))), table[2, "Df"], family))
+}
+
+ranksum <- function(name, a, b) {
+    u <- wilcox.test(a, b, exact = FALSE, correct = TRUE)
+    say(name, "ranksum", c(u$statistic, u$p.value))
+    if (!anyDuplicated(c(a, b)) && max(length(a), length(b)) <= 50) {
+        say(name, "exact", wilcox.test(a, b, exact = TRUE)$p.value)
+    }
+}
+
+interval <- function(name, x) {
+    say(name, "interval_95", t.test(x)$conf.int)
+    say(name, "interval_90", t.test(x, conf.level = 0.9)$conf.int)
+}
+
+# Noncentralities at which the observed statistic lies in the tails; NaN where even zero is too far.
+root <- function(f, low, high) uniroot(f, c(low, high), tol = 1e-13, maxiter = 10000)$root
+delta <- function(name, t, df) {
+    say(name, "delta", c(
+        root(function(d) pt(t, df, d, lower.tail = FALSE) - 0.025, max(-37, t - 20), min(37, t + 5)),
+        root(function(d) pt(t, df, d) - 0.025, max(-37, t - 5), min(37, t + 20))))
+}
+lambda <- function(name, f, a, b) {
+    say(name, "lambda", c(
+        if (pf(f, a, b, lower.tail = FALSE) > 0.025) NaN
+        else root(function(l) pf(f, a, b, l, lower.tail = FALSE) - 0.025, 0, 10 * f * a + 10),
+        if (pf(f, a, b) < 0.025) NaN
+        else root(function(l) pf(f, a, b, l) - 0.025, 0, 10 * f * a + 50)))
+}
+
+cat("r version", paste(R.version$major, R.version$minor, sep = "."), "\n")
+for (line in readLines(file("stdin"))) {
+    words <- strsplit(line, " ")[[1]]
+    kind <- words[1]
+    name <- words[2]
+    columns <- as.integer(strsplit(words[3], ",")[[1]])
+    x <- as.numeric(words[-(1:3)])
+    if (kind == "table") {
+        m <- matrix(x, ncol = columns, byrow = TRUE)
+        repeated(name, m)
+        friedman(name, m)
+    } else if (kind == "paired") {
+        paired(name, matrix(x, ncol = columns, byrow = TRUE))
+    } else if (kind == "groups") {
+        groups <- split(x, rep(seq_along(columns), columns))
+        oneway(name, groups)
+    } else if (kind == "two") {
+        ranksum(name, x[1:columns[1]], x[-(1:columns[1])])
+    } else if (kind == "interval") {
+        interval(name, x)
+    } else if (kind == "delta") {
+        delta(name, x[1], x[2])
+    } else if (kind == "lambda") {
+        lambda(name, x[1], x[2], x[3])
+    } else if (kind == "adjust") {
+        say(name, "bonferroni", p.adjust(x, "bonferroni"))
+        say(name, "holm", p.adjust(x, "holm"))
+    }
+}

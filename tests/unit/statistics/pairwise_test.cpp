@@ -1,0 +1,96 @@
+#include "experiment/statistics/pairwise.hpp"
+
+#include <gtest/gtest.h>
+
+#include "experiment/statistics/anova.hpp"
+#include "tests/unit/statistics/golden.hpp"
+
+namespace thimble {
+namespace {
+
+// What R works out with the table's offset taken off has lost up to `digits` to the subjects' spread.
+void expect_pairs(const std::vector<MeanPair>& pairs, const nlohmann::json& expected, double digits) {
+    ASSERT_EQ(pairs.size(), expected.at("p").size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const MeanPair& pair = pairs[i];
+        const auto of = [&](const char* field) { return expected.at(field)[i].get<double>(); };
+        // A difference near zero has no digits of its own: relative to the interval.
+        const double rounding = digits * (of("high") - of("low"));
+        EXPECT_TRUE(close(pair.difference, of("difference"), digits, rounding));
+        EXPECT_TRUE(close(pair.t, of("t"), digits, digits));
+        EXPECT_EQ(pair.df, of("df"));
+        EXPECT_TRUE(close(pair.p, of("p"), 100 * digits));
+        EXPECT_TRUE(close(pair.p_bonferroni, of("p_bonferroni"), 100 * digits));
+        EXPECT_TRUE(close(pair.p_holm, of("p_holm"), 100 * digits));
+        EXPECT_TRUE(close(pair.interval.low, of("low"), digits, rounding));
+        EXPECT_TRUE(close(pair.interval.high, of("high"), digits, rounding));
+        EXPECT_TRUE(close(pair.interval_simultaneous.low, of("low_all"), digits, rounding));
+        EXPECT_TRUE(close(pair.interval_simultaneous.high, of("high_all"), digits, rounding));
+    }
+}
+
+TEST(Pairwise, PooledAfterRepeatedAnovaAgreesWithR) {
+    for (const auto& g : golden("tables")) {
+        SCOPED_TRACE(g.at("name"));
+        expect_pairs(pairs_after_repeated_anova(SampleTable::from_columns(golden_columns(g.at("columns")))),
+                     g.at("pooled"), g.at("name") == "t.offset_of_subjects" ? 1e-9 : 1e-11);
+    }
+}
+
+TEST(Pairwise, PairedTAgreesWithR) {
+    int compared = 0;
+    for (const auto& g : golden("tables")) {
+        SCOPED_TRACE(g.at("name"));
+        const SampleTable values = SampleTable::from_columns(golden_columns(g.at("columns")));
+        if (g.at("paired").is_null()) {
+            expect_refused([&] { paired_t_tests(values); }, {"column 1", "column 2", "same amount"});
+            continue;
+        }
+        expect_pairs(paired_t_tests(values), g.at("paired"), 1e-11);
+        ++compared;
+    }
+    EXPECT_GE(compared, 10);
+}
+
+TEST(Pairwise, PooledAfterOneWayAnovaAgreesWithR) {
+    for (const auto& g : golden("groups")) {
+        SCOPED_TRACE(g.at("name"));
+        expect_pairs(pairs_after_one_way_anova(golden_columns(g.at("groups"))), g.at("pooled"), 1e-11);
+    }
+}
+
+TEST(Pairwise, TwoConditionsAreOneTestThreeTimes) {
+    const SampleTable values = table({{0, 5, 1, 4}, {1, 7, 4, 4}});
+    const MeanPair pooled = pairs_after_repeated_anova(values).front();
+    const MeanPair paired = paired_t_tests(values).front();
+    EXPECT_TRUE(close(pooled.t, paired.t, 1e-14));
+    EXPECT_TRUE(close(pooled.t * pooled.t, repeated_anova(values).f, 1e-14));
+    EXPECT_TRUE(close(pooled.p, repeated_anova(values).p, 1e-13));
+    EXPECT_EQ(pooled.p, pooled.p_bonferroni);
+    EXPECT_EQ(pooled.interval.low, pooled.interval_simultaneous.low);
+    EXPECT_EQ(pooled.difference, -1.5);
+}
+
+TEST(Pairwise, EqualColumnsDoNotDiffer) {
+    const auto pairs = pairs_after_repeated_anova(table({{1, 2, 4}, {1, 2, 4}, {2, 5, 4}}));
+    EXPECT_EQ(pairs[0].difference, 0);
+    EXPECT_EQ(pairs[0].t, 0);
+    EXPECT_EQ(pairs[0].p, 1);
+}
+
+TEST(Pairwise, Refuses) {
+    expect_refused([] { paired_t_tests(table({{1}, {2}})); }, {"paired t", "1 subjects"});
+    expect_refused([] { paired_t_tests(table({{1, 2}})); }, {"paired t", "1 conditions"});
+    expect_refused([] { paired_t_tests(table({{1, 2}, {2, 5}}), 1.0); }, {"(0, 1)"});
+    // A tenth apart, but for what doubles of a million cannot hold.
+    expect_refused(
+        [] {
+            paired_t_tests(table({{1e5 + 0.1, 1e6 + 0.1}, {1e5 + 0.2, 1e6 + 0.2}}));
+        },
+        {"column 0", "column 1", "same amount"});
+    expect_refused([] { pairs_after_repeated_anova(table({{1, 2}, {2, 5}})); }, {"2 subjects"});
+    expect_refused([] { pairs_after_one_way_anova(columns({{1}, {2}})); }, {"single value"});
+}
+
+}  // namespace
+}  // namespace thimble
