@@ -72,8 +72,8 @@ Claim ratio_claim(const std::string& peer, std::span<const std::string_view> sol
     if (ratios.empty()) return {text, fmt::format("{} does not get there on any of them", peer), false};
     std::sort(ratios.begin(), ratios.end());
     return {text,
-            fmt::format("{:.1f} x ({}), median {:.1f} x; on {} more {} does not get there", least,
-                        where, ratios[ratios.size() / 2], unreached, peer),
+            fmt::format("{:.1f} x ({}), median {:.1f} x; on {} more {} does not get there", least, where,
+                        ratios[ratios.size() / 2], unreached, peer),
             least >= at_least};
 }
 
