@@ -22,6 +22,7 @@
 #include "experiment/headline.hpp"
 #include "experiment/replay.hpp"
 #include "experiment/run.hpp"
+#include "experiment/seed_sweep.hpp"
 #include "experiment/study.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
@@ -34,7 +35,8 @@ struct Arguments {
     std::string config, out, run_folder, study_folder;
     ReplayOptions replay;
     std::string experiment = "3", order;
-    std::uint32_t subjects = 0;
+    std::string table, claims_out;
+    std::uint32_t subjects = 0, seeds = 1;
     std::uint64_t seed = 1;
     unsigned jobs = 0;
     int base_port = 0;
@@ -103,13 +105,51 @@ std::string study_command(const Arguments& a) {
     if (!a.order.empty()) command += " --order " + a.order;
     if (!a.config.empty()) command += " --config " + a.config;
     if (a.no_control) command += " --no-control";
+    if (a.seeds > 1) command += fmt::format(" --seeds {}", a.seeds);
     return command;
+}
+
+int sweep_seeds(const Arguments& arguments, const SystemSettings& settings) {
+    SweepOptions options;
+    options.protocols = protocols_of(arguments, settings);
+    options.seeds = arguments.seeds;
+    options.out = arguments.out;
+    options.command = study_command(arguments);
+    options.jobs = arguments.jobs;
+    if (arguments.overwrite) options.if_exists = IfExists::kReplace;
+    options.stop = &stop_requested();
+    const SweepResult result = run_sweep(settings, options);
+    for (const ClaimCount& c : result.claims) {
+        if (c.judged == 0) continue;
+        fmt::print("{:>4.0f} % of {} seeds {:<18} {}\n", 100 * c.fraction(), c.judged, c.claim.id,
+                   c.fragile() ? "fragile: " + c.claim.claim : c.claim.claim);
+    }
+    fmt::print("report: {}\n", (options.out / "report.html").string());
+    if (!result.complete) spdlog::error("interrupted; the {} seeds that were done are kept", result.seeds);
+    return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
+}
+
+int command_analyse(const Arguments& arguments) {
+    const std::filesystem::path given(arguments.table);
+    const auto table = std::filesystem::is_directory(given) ? given / "trials.csv" : given;
+    const std::vector<Claim> claims = judge_claims(read_trial_table(table));
+    if (!arguments.claims_out.empty()) write_claims(claims, arguments.claims_out);
+    for (const Claim& c : claims) {
+        fmt::print("{:<12} {:<18} {}\n{:<12} paper: {}\n{:<12} here:  {}\n",
+                   !c.reproduced   ? "not judged"
+                   : *c.reproduced ? "reproduced"
+                                   : "no",
+                   c.id, c.claim, "", c.paper, "", c.ours);
+    }
+    fmt::print("{}\n", claims_sentence(claims));
+    return 0;
 }
 
 int command_study(const Arguments& arguments) {
     SystemSettings settings = load_system_settings(arguments.config);
     if (!arguments.order.empty()) settings.plan.order = *parse_order(arguments.order);
     install_stop_signals();
+    if (arguments.seeds > 1) return sweep_seeds(arguments, settings);
     StudyOptions options;
     options.protocols = protocols_of(arguments, settings);
     options.out = arguments.out;
@@ -124,6 +164,7 @@ int command_study(const Arguments& arguments) {
     if (result.resumed > 0) spdlog::info("{} trials were there already", result.resumed);
     spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
                  result.simulated_s / result.wall_s);
+    if (!arguments.json) fmt::print("{}\n", claims_sentence(result.claims));
     say_results(arguments, options.out, result.rows);
     if (!result.complete)
         spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume",
@@ -221,6 +262,12 @@ void add_study(CLI::App& app, Arguments& a) {
     study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
         ->check(CLI::IsMember({"shuffled", "williams"}));
     study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
+    study
+        ->add_option(
+            "--seeds", a.seeds,
+            "the whole study with that many seeds, from --seed on: how often does each claim come out?")
+        ->default_val(1)
+        ->check(CLI::Range(1, 1000000));
     study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
     study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
     study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
@@ -236,6 +283,7 @@ void add_study(CLI::App& app, Arguments& a) {
     study->add_flag("--json", a.json, "print summary.json on stdout");
     study->footer(
         "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
+        "  thimble study --experiment all --seeds 100 --out out/seeds\n"
         "  thimble study --experiment 3 --subjects 40 --order williams --out out/large\n"
         "  thimble study --experiment 3 --subjects 40 --order williams --out out/large --resume");
 }
@@ -276,6 +324,11 @@ void add_others(CLI::App& app, Arguments& a) {
     report->add_option("-o,--out", a.out, "the report, replaced if it exists")
         ->default_val("out/report.html");
     report->footer("Example:\n  thimble report --run out/run --study out/study --out out/report.html");
+    CLI::App* analyse =
+        app.add_subcommand("analyse", "the paper's claims on a table of trials, by its tests");
+    analyse->add_option("table", a.table, "a trials.csv, or a folder that holds one")->required();
+    analyse->add_option("-o,--out", a.claims_out, "claims as JSON");
+    analyse->footer("Example:\n  thimble analyse out/study --out claims.json");
     CLI::App* check = app.add_subcommand("check", "read a session file and say what is wrong with it");
     check->add_option("session", a.config, "session file (TOML)")->required();
     check->footer("Example:\n  thimble check deploy/sessions/delay50.toml");
@@ -305,6 +358,7 @@ int run_thimble(int argc, char** argv) {
     if (app.got_subcommand("study")) return command_study(arguments);
     if (app.got_subcommand("replay")) return command_replay(arguments);
     if (app.got_subcommand("report")) return command_report(arguments);
+    if (app.got_subcommand("analyse")) return command_analyse(arguments);
     return command_check(arguments);
 }
 

@@ -37,6 +37,8 @@ class Study {
         // Not before a table: it is the one that refuses a folder with another study in it.
         write_subjects(options_.out / "subjects.csv", IfExists::kReplace, settings_.person,
                        options_.protocols);
+        result_.claims = judge_claims(result_.rows);
+        write_claims(result_.claims, options_.out / "claims.json");
         if (!result_.rows.empty()) report();
         return std::move(result_);
     }
@@ -98,6 +100,14 @@ class Study {
         writer.end(record.reason, record.lost_peer);
     }
 
+    ReportSection claims_section() const {
+        ReportSection section;
+        section.title = "The paper's claims";
+        section.text = claims_sentence(result_.claims) + ", with this seed. How often over many: --seeds.";
+        section.tables = {claims_table(result_.claims)};
+        return section;
+    }
+
     ReportSection section(std::uint32_t experiment) const {
         std::vector<TrialRow> rows;
         std::copy_if(result_.rows.begin(), result_.rows.end(), std::back_inserter(rows),
@@ -136,6 +146,7 @@ class Study {
         ReportInput report;
         report.title = fmt::format("Thimble: experiment{} {} in virtual time",
                                    options_.protocols.size() > 1 ? "s" : "", experiments());
+        report.sections.push_back(claims_section());
         for (const auto& [experiment, panels] : panels_) report.sections.push_back(section(experiment));
         const Protocol& protocol = options_.protocols[0];
         report.provenance = {{"command", options_.command},

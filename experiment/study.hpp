@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "experiment/claims.hpp"
 #include "experiment/mean_trajectory.hpp"
 #include "experiment/protocol.hpp"
 #include "experiment/system_settings.hpp"
@@ -33,13 +34,14 @@ bool run_trials(const SystemSettings& settings, const std::vector<TrialCondition
 
 struct StudyResult {
     std::vector<TrialRow> rows;  // of trials.csv, then of control.csv
+    std::vector<Claim> claims;
     bool complete = true;
     std::size_t resumed = 0;             // rows that were there already
     double simulated_s = 0, wall_s = 0;  // of the trials alone, without report
 };
 
 // Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
-// subjects.csv, report.html, summary.json and figures/ below options.out.
+// subjects.csv, claims.json, report.html, summary.json and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 }  // namespace thimble

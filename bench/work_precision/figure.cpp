@@ -107,7 +107,8 @@ std::string figure_script(const std::vector<const Problem*>& panels) {
         "set grid linecolor '#dddddd'\n";
     for (std::size_t i = 0; i < panels.size(); ++i) {
         const double left = i % 2 == 0 ? 0.075 : 0.565;
-        const double top_px = kLegend_px + static_cast<double>(i / 2) * kPanelHeight_px;
+        const std::size_t row = i / 2;
+        const double top_px = kLegend_px + static_cast<double>(row) * kPanelHeight_px;
         const auto from_bottom = [&](double y_px) { return 1 - y_px / height_px; };
         script += fmt::format(
             "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}; set tmargin at screen "

@@ -59,7 +59,8 @@ TEST(TrialTable, HeaderNamesEveryColumnInSI) {
         read_text(directory / "trials.csv"),
         "experiment,subject,trial,modality,delay_s,fixture_position_m,penetration_mean_m,penetration_max_m,"
         "completion_time_s,peak_displacement_m,contacts_lost,oscillation_rms_m,oscillation_peak_to_peak_m,"
-        "oscillation_frequency_Hz,oscillates,beeped,outcome,seed,fixture_removed,delay_achieved_s,round_trip_s,"
+        "oscillation_frequency_Hz,oscillates,beeped,outcome,seed,fixture_removed,delay_achieved_s,round_trip_"
+        "s,"
         "puncture_time_s,first_contact_time_s\n");
 }
 

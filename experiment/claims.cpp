@@ -1,0 +1,100 @@
+#include "experiment/claims.hpp"
+
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+#include "experiment/claim_list.hpp"
+#include "experiment/statistics/descriptive.hpp"
+
+namespace thimble {
+
+std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows) {
+    const StudyColumns one(rows, 1);
+    const StudyColumns two(rows, 2);
+    const StudyColumns three(rows, 3);
+    std::vector<Claim> claims;
+    claim_without_delay(one, claims);
+    claim_sudden_removal(two, claims);
+    claim_with_delay(one, three, claims);
+    claim_in_the_discussion(one, claims);
+    return claims;
+}
+
+void write_claims(const std::vector<Claim>& claims, const std::filesystem::path& json) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Claim& c : claims) {
+        nlohmann::ordered_json entry{{"id", c.id}, {"claim", c.claim}, {"paper", c.paper}, {"ours", c.ours}};
+        entry["reproduced"] = c.reproduced ? nlohmann::ordered_json(*c.reproduced) : nlohmann::ordered_json();
+        list.push_back(std::move(entry));
+    }
+    std::ofstream out(json, std::ios::binary);
+    out << list.dump(2) << '\n';
+    out.close();
+    if (!out) {
+        throw Error(ExitCode::kRunFailed,
+                    fmt::format("{}: cannot be written; check directory and free space", json.string()));
+    }
+}
+
+void add_claim(std::vector<Claim>& claims, const StudyColumns& columns, Claim claim,
+               const std::function<Finding()>& judge) {
+    if (columns.empty()) {
+        claim.ours = "no trials to judge it by";
+    } else {
+        try {
+            Finding finding = judge();
+            claim.ours = std::move(finding.ours);
+            claim.reproduced = finding.reproduced;
+        } catch (const Error& refused) {
+            claim.ours = fmt::format("not judged: {}", refused.what());
+        }
+    }
+    claims.push_back(std::move(claim));
+}
+
+std::string p_text(double p) { return p > 0 ? fmt::format("P = {:.2g}", p) : "P < 1e-300"; }
+
+std::string means_text(const SampleTable& table, Metric metric) {
+    std::string text;
+    for (std::size_t i = 0; i < table.conditions(); ++i) {
+        text += fmt::format("{}{} {:.{}f}", i > 0 ? ", " : "", table.name(i),
+                            sample_mean(table.column(i)) * info(metric).shown_per_si, info(metric).decimals);
+    }
+    return fmt::format("{}: {}", info(metric).label, text);
+}
+
+ReportTable claims_table(const std::vector<Claim>& claims) {
+    ReportTable table{"The paper's claims",
+                      "Reproduced: direction and the paper's significance both come out.",
+                      {"id", "claim", "the paper", "here", "reproduced"},
+                      {}};
+    for (const Claim& c : claims) {
+        table.rows.push_back({c.id, c.claim, c.paper, c.ours,
+                              !c.reproduced   ? "not judged"
+                              : *c.reproduced ? "yes"
+                                              : "no"});
+    }
+    return table;
+}
+
+std::string claims_sentence(const std::vector<Claim>& claims) {
+    unsigned judged = 0;
+    unsigned reproduced = 0;
+    std::string missing;
+    for (const Claim& c : claims) {
+        if (!c.reproduced) continue;
+        ++judged;
+        if (*c.reproduced) {
+            ++reproduced;
+        } else {
+            missing += (missing.empty() ? "; not: " : ", ") + c.id;
+        }
+    }
+    return fmt::format("{} of {} judged claims are reproduced{}", reproduced, judged, missing);
+}
+
+}  // namespace thimble

@@ -1,0 +1,37 @@
+// What the paper claims, judged on a table of trials: with the paper's tests, at the paper's significance, and
+// with the paper's direction. A claim is reproduced only if direction and significance both come out.
+//
+// Prattichizzo, Pacchierotti and Rosati, "Cutaneous Force Feedback as a Sensory Subtraction Technique in
+// Haptics", IEEE Transactions on Haptics 5(4), 2012.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/html.hpp"
+#include "experiment/trial_table.hpp"
+
+namespace thimble {
+
+struct Claim {
+    std::string id;                  // "E1.mean.order"
+    std::string claim;               // in words
+    std::string paper;               // the paper's test and figure
+    std::string ours;                // what came out here; why it could not be judged
+    std::optional<bool> reproduced;  // nothing: not judged
+};
+
+// Every claim of the paper that can be checked, in a fixed order. Rows of any experiments, also of none.
+std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows);
+
+// A list of objects id, claim, paper, ours, reproduced (null if not judged). Replaces the file; throws Error
+// (run failed) if it cannot be written.
+void write_claims(const std::vector<Claim>& claims, const std::filesystem::path& json);
+
+ReportTable claims_table(const std::vector<Claim>& claims);
+// "17 of 19 judged claims are reproduced; not: E3.max.vf_cf, E1.normal".
+std::string claims_sentence(const std::vector<Claim>& claims);
+
+}  // namespace thimble

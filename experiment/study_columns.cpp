@@ -1,0 +1,59 @@
+#include "experiment/study_columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace thimble {
+namespace {
+
+bool belongs(const TrialRow& row, std::uint32_t experiment) {
+    const bool delayed = row.conditions.delay_s > 0;
+    return row.conditions.experiment == experiment && delayed == (experiment == 3) && ran_to_its_end(row);
+}
+
+}  // namespace
+
+StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment) {
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(rows_),
+                 [&](const TrialRow& row) { return belongs(row, experiment); });
+    for (const TrialRow& row : rows_) subjects_.push_back(row.conditions.subject);
+    std::sort(subjects_.begin(), subjects_.end());
+    subjects_.erase(std::unique(subjects_.begin(), subjects_.end()), subjects_.end());
+}
+
+CompleteRows StudyColumns::table(Metric metric) const {
+    std::vector<NamedValues> columns;
+    for (const Modality modality : kModalities) {
+        NamedValues column{to_string(modality), {}};
+        for (const std::uint32_t subject : subjects_) {
+            double sum = 0;
+            int n = 0;
+            for (const TrialRow& row : rows_) {
+                if (row.conditions.subject != subject || row.conditions.modality != modality) continue;
+                const double value = info(metric).value(row.metrics);
+                if (std::isnan(value)) continue;
+                sum += value;
+                ++n;
+            }
+            column.values.push_back(n > 0 ? sum / n : std::nan(""));
+        }
+        columns.push_back(std::move(column));
+    }
+    return complete_rows(columns);
+}
+
+std::vector<NamedValues> StudyColumns::groups(Metric metric) const {
+    std::vector<NamedValues> groups;
+    for (const Modality modality : kModalities) {
+        NamedValues group{to_string(modality), {}};
+        for (const TrialRow& row : rows_) {
+            const double value = info(metric).value(row.metrics);
+            if (row.conditions.modality == modality && !std::isnan(value)) group.values.push_back(value);
+        }
+        groups.push_back(std::move(group));
+    }
+    return groups;
+}
+
+}  // namespace thimble

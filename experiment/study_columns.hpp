@@ -1,0 +1,35 @@
+// What the tests of one experiment start from: a table of subjects x modalities per measure, each subject's
+// trials averaged first, as in the paper.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "experiment/condition_summary.hpp"
+#include "experiment/statistics/sample_table.hpp"
+#include "experiment/trial_table.hpp"
+
+namespace thimble {
+
+class StudyColumns {
+  public:
+    // Of the rows those of this experiment that ran to their end, with its own delay: experiment 3 with one,
+    // the others without (the control trials of experiment 3 are not its own).
+    StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment);
+
+    bool empty() const { return rows_.empty(); }
+    const std::vector<TrialRow>& rows() const { return rows_; }
+    std::size_t subjects() const { return subjects_.size(); }
+
+    // Columns in the order of kModalities, SI. A subject without a value in a modality (no trial of it came to
+    // that measure) is left out of all: see `dropped`. Throws Error (data) if no subject has all four.
+    CompleteRows table(Metric metric) const;
+    // Each trial a value of its own, in groups by modality: experiment 2, where no subject meets all of them.
+    std::vector<NamedValues> groups(Metric metric) const;
+
+  private:
+    std::vector<TrialRow> rows_;
+    std::vector<std::uint32_t> subjects_;  // ascending
+};
+
+}  // namespace thimble

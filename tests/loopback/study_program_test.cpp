@@ -1,0 +1,55 @@
+// `thimble study` and `thimble analyse` as users start them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/loopback/programs.hpp"
+#include "tests/loopback/workbench.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+Outcome thimble_with(const std::vector<std::string>& arguments) {
+    return run_to_end(built_programs() / "thimble", arguments);
+}
+
+TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
+    const Folder folder;
+    const std::string out = (folder / "out").string();
+    const std::vector<std::string> command{"study", "--experiment", "2", "--subjects", "4", "--out", out};
+    const Outcome study = thimble_with(command);
+    EXPECT_EQ(study.code, 0) << study.words;
+    EXPECT_THAT(study.words, HasSubstr("peak displacement"));
+    EXPECT_THAT(read_text(folder / "out" / "subjects.csv"), StartsWith("cohort,subject,"));
+    const std::string table = read_text(folder / "out" / "trials.csv");
+
+    EXPECT_EQ(thimble_with(command).code, 2);  // refuses to overwrite
+    std::vector<std::string> resume = command;
+    resume.emplace_back("--resume");
+    const Outcome again = thimble_with(resume);
+    EXPECT_EQ(again.code, 0) << again.words;
+    EXPECT_THAT(again.words, HasSubstr("8 trials were there already"));
+    EXPECT_EQ(read_text(folder / "out" / "trials.csv"), table);
+    resume.insert(resume.end(), {"--seed", "2"});
+    EXPECT_EQ(thimble_with(resume).code, 2);
+
+    const Outcome analysed = thimble_with({"analyse", out, "--out", (folder / "claims.json").string()});
+    EXPECT_EQ(analysed.code, 0) << analysed.words;
+    EXPECT_THAT(analysed.words, HasSubstr("E2.peak.hf"));
+    EXPECT_EQ(read_text(folder / "claims.json"), read_text(folder / "out" / "claims.json"));
+}
+
+TEST(StudyProgram, MistakesAreNamed) {
+    const Folder folder;
+    EXPECT_EQ(thimble_with({"study", "--experiment", "4"}).code, 2);
+    EXPECT_EQ(thimble_with({"study", "--order", "latin"}).code, 2);
+    EXPECT_EQ(thimble_with({"study", "--resume", "--overwrite"}).code, 2);
+    const Outcome missing = thimble_with({"analyse", (folder / "nothing.csv").string()});
+    EXPECT_EQ(missing.code, 5) << missing.words;
+    EXPECT_THAT(missing.words, HasSubstr("nothing.csv"));
+}
+
+}  // namespace
+}  // namespace thimble

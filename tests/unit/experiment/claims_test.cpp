@@ -1,0 +1,177 @@
+// The paper's claims on tables that are made so that they hold, or do not.
+#include "experiment/claims.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "experiment/study_columns.hpp"
+#include "tests/unit/experiment/records.hpp"
+
+namespace thimble {
+namespace {
+
+using PerModality = std::array<double, 4>;  // HF, CF, CCF, VF
+
+// A spread over subjects and trials that is none of the modality's.
+double ripple(std::uint32_t subject, std::uint32_t modality) {
+    return std::sin(1.7 * subject) + 0.3 * std::sin(2.3 * subject + 1.1 * modality);
+}
+
+struct Table {
+    std::vector<TrialRow> rows;
+
+    void add(std::uint32_t experiment, std::uint32_t subjects, const PerModality& penetration_m,
+             const PerModality& time_s, double delay_s = 0) {
+        for (std::uint32_t subject = 1; subject <= subjects; ++subject) {
+            for (std::uint32_t m = 0; m < 4; ++m) {
+                TrialRow row;
+                row.conditions.experiment = experiment;
+                row.conditions.subject = subject;
+                row.conditions.modality = kModalities[m];
+                row.conditions.delay_s = delay_s;
+                row.reason = EndReason::kCompleted;
+                row.metrics.penetration_mean_m = penetration_m[m] + 1e-4 * ripple(subject, m);
+                row.metrics.penetration_max_m = penetration_m[m] * 1.1 + 1e-4 * ripple(subject, m);
+                row.metrics.completion_time_s = time_s[m] + 0.1 * ripple(subject, m);
+                row.metrics.oscillates = delay_s > 0 && m == 0;
+                rows.push_back(row);
+            }
+        }
+    }
+    void add_removals(const PerModality& displacement_m) {
+        for (std::uint32_t i = 0; i < 32; ++i) {
+            TrialRow row;
+            row.conditions.experiment = 2;
+            row.conditions.subject = i / 2 + 1;
+            row.conditions.modality = kModalities[i % 4];
+            row.conditions.removes_fixture = true;
+            row.reason = EndReason::kCompleted;
+            row.metrics.peak_displacement_m = displacement_m[i % 4] + 1e-4 * ripple(i, 0);
+            rows.push_back(row);
+        }
+    }
+};
+
+Claim claim_of(const std::vector<Claim>& claims, const std::string& id) {
+    const auto found = std::find_if(claims.begin(), claims.end(), [&](const Claim& c) { return c.id == id; });
+    EXPECT_NE(found, claims.end()) << id;
+    return found == claims.end() ? Claim{} : *found;
+}
+
+Table the_papers() {
+    Table table;
+    table.add(1, 16, {0.001, 0.004, 0.0055, 0.008}, {11, 11, 11, 11});
+    table.add_removals({0.02, 0.001, 0.001, 0.001});
+    table.add(3, 10, {0.030, 0.004, 0.0055, 0.008}, {15, 11, 11, 11}, 0.05);
+    return table;
+}
+
+TEST(Claims, WithoutTrialsNothingIsJudged) {
+    const std::vector<Claim> claims = judge_claims({});
+    std::set<std::string> ids;
+    for (const Claim& c : claims) {
+        EXPECT_FALSE(c.reproduced) << c.id;
+        EXPECT_FALSE(c.ours.empty() || c.claim.empty() || c.paper.empty()) << c.id;
+        EXPECT_TRUE(ids.insert(c.id).second) << c.id;
+    }
+    for (const char* id :
+         {"E1.mean.order",  "E1.mean.pairs",   "E1.max.order",   "E1.max.pairs",       "E1.normal",
+          "E1.time.same",   "E2.peak.differs", "E2.peak.hf",     "E2.peak.rest",       "E3.stable",
+          "E3.max.differs", "E3.max.hf_cf",    "E3.max.hf_ccf",  "E3.max.vf_cf",       "E3.time.differs",
+          "E3.time.hf_vf",  "E3.time.hf_cf",   "E3.time.hf_ccf", "E3.time.only_delay", "D.indistinct"}) {
+        EXPECT_EQ(ids.count(id), 1U) << id;
+    }
+}
+
+TEST(Claims, ATableMadeForThemReproducesThem) {
+    const std::vector<Claim> claims = judge_claims(the_papers().rows);
+    for (const char* id : {"E1.mean.order", "E1.mean.pairs", "E1.max.order", "E1.max.pairs", "E1.time.same",
+                           "E2.peak.differs", "E2.peak.hf", "E2.peak.rest", "E3.stable", "E3.max.differs",
+                           "E3.max.hf_cf", "E3.max.hf_ccf", "E3.time.differs", "E3.time.only_delay"}) {
+        const Claim c = claim_of(claims, id);
+        EXPECT_EQ(c.reproduced, true) << id << ": " << c.ours;
+    }
+    EXPECT_NE(claim_of(claims, "E1.mean.order").ours.find("F(3, 45)"), std::string::npos);
+    EXPECT_NE(claim_of(claims, "E2.peak.differs").ours.find("F(3, 28)"), std::string::npos);
+    // Whom HF always outranks cannot outrank the others by the 2.17 that P < .001 takes.
+    EXPECT_EQ(claim_of(claims, "E3.max.vf_cf").reproduced, false);
+}
+
+// Significance in the wrong direction is no reproduction.
+TEST(Claims, TheDirectionCounts) {
+    Table table;
+    table.add(1, 16, {0.008, 0.0055, 0.004, 0.001}, {11, 12, 13, 14});
+    table.add_removals({0.001, 0.02, 0.02, 0.02});
+    table.add(3, 10, {0.001, 0.004, 0.0055, 0.008}, {10, 11, 12, 13}, 0.05);
+    const std::vector<Claim> claims = judge_claims(table.rows);
+    for (const char* id : {"E1.mean.order", "E1.mean.pairs", "E1.max.order", "E1.time.same", "E2.peak.hf",
+                           "E3.max.hf_cf", "E3.time.hf_vf", "E3.time.only_delay"}) {
+        EXPECT_EQ(claim_of(claims, id).reproduced, false) << id;
+    }
+    EXPECT_EQ(claim_of(claims, "E2.peak.differs").reproduced, true);
+}
+
+TEST(Claims, StabilityNeedsAllOthersToHold) {
+    Table table = the_papers();
+    table.rows.back().metrics.oscillates = true;  // VF at 50 ms
+    EXPECT_EQ(claim_of(judge_claims(table.rows), "E3.stable").reproduced, false);
+}
+
+TEST(Claims, DataThatATestRefusesAreNotJudgedAndSayWhy) {
+    Table few;
+    few.add(1, 2, {0.001, 0.004, 0.0055, 0.008}, {11, 11, 11, 11});
+    const Claim order = claim_of(judge_claims(few.rows), "E1.mean.order");
+    EXPECT_FALSE(order.reproduced);
+    EXPECT_NE(order.ours.find("not judged"), std::string::npos) << order.ours;
+    Table interrupted = the_papers();
+    for (TrialRow& row : interrupted.rows) row.reason = EndReason::kInterrupted;
+    for (const Claim& c : judge_claims(interrupted.rows)) EXPECT_FALSE(c.reproduced) << c.id;
+}
+
+// Experiment 3's control trials have no delay and are not experiment 1's.
+TEST(StudyColumns, TakeAnExperimentsOwnTrials) {
+    Table table;
+    table.add(3, 10, {0.03, 0.004, 0.005, 0.008}, {15, 11, 11, 11}, 0.05);
+    table.add(3, 10, {0.001, 0.004, 0.005, 0.008}, {11, 11, 11, 11}, 0);
+    EXPECT_TRUE(StudyColumns(table.rows, 1).empty());
+    const StudyColumns three(table.rows, 3);
+    EXPECT_EQ(three.rows().size(), 40U);
+    const SampleTable max = three.table(Metric::kPenetrationMax).table;
+    EXPECT_EQ(max.subjects(), 10U);
+    EXPECT_EQ(max.name(0), "HF");
+    EXPECT_GT(max.at(0, 0), 0.03);
+}
+
+TEST(StudyColumns, AverageASubjectsTrialsAndLeaveOutWhoHasNone) {
+    Table table;
+    table.add(1, 3, {0.001, 0.002, 0.003, 0.004}, {11, 11, 11, 11});
+    table.add(1, 3, {0.003, 0.004, 0.005, 0.006}, {11, 11, 11, 11});
+    for (TrialRow& row : table.rows) {
+        if (row.conditions.subject == 2 && row.conditions.modality == Modality::kVF) {
+            row.metrics.penetration_mean_m = TrialMetrics::kNone;
+        }
+    }
+    const CompleteRows complete = StudyColumns(table.rows, 1).table(Metric::kPenetrationMean);
+    EXPECT_EQ(complete.table.subjects(), 2U);
+    EXPECT_EQ(complete.dropped, std::vector<std::size_t>{1});
+    EXPECT_NEAR(complete.table.at(0, 0), 0.002 + 1e-4 * ripple(1, 0), 1e-12);
+}
+
+TEST(Claims, JsonIsAListOfObjects) {
+    const TemporaryDirectory directory;
+    write_claims(judge_claims(the_papers().rows), directory / "claims.json");
+    const auto json = nlohmann::json::parse(read_text(directory / "claims.json"));
+    ASSERT_TRUE(json.is_array());
+    ASSERT_GE(json.size(), 20U);
+    for (const auto& entry : json) {
+        for (const char* key : {"id", "claim", "paper", "ours"}) EXPECT_TRUE(entry.at(key).is_string());
+        EXPECT_TRUE(entry.at("reproduced").is_boolean());
+    }
+}
+
+}  // namespace
+}  // namespace thimble
