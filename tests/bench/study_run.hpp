@@ -37,8 +37,8 @@ class StudyRun : public testing::Test {
 
     ProgramResult study(const std::string& name, std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), name);
-        return run_program(std::string(THIMBLE_BIN_DIR) + "/thimble-bench", arguments, folder_,
-                           "build thimble-bench");
+        return run_program((std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-bench").string(), arguments,
+                           folder_, "build thimble-bench");
     }
     std::string text(const std::string& file) const {
         std::ifstream in(folder_ / file, std::ios::binary);
