@@ -1,6 +1,7 @@
 #include "bench/peers/cvode_tissue.hpp"
 
 #include <cassert>
+#include <cstdlib>
 #include <cvode/cvode.h>
 #include <limits>
 #include <nvector/nvector_serial.h>
@@ -21,8 +22,8 @@ namespace {
 
 void require(int flag, const char* what) {
     if (flag >= 0) return;
-    throw Error(ExitCode::kRunFailed,
-                fmt::format("CVODE: {} failed ({})", what, CVodeGetReturnFlagName(flag)));
+    const std::unique_ptr<char, decltype(&std::free)> name(CVodeGetReturnFlagName(flag), &std::free);
+    throw Error(ExitCode::kRunFailed, fmt::format("CVODE: {} failed ({})", what, name.get()));
 }
 
 // The tolerances are swept over values at which CVODE must be expected to give up; it says so by its flag.

@@ -11,8 +11,8 @@ template <class Visit>
 void each_tie(std::span<const double> values, const Visit& visit) {
     std::vector<std::size_t> order(values.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
     for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
         while (last < order.size() && values[order[last]] == values[order[first]]) ++last;
         visit(first, last, order);
