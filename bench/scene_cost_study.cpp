@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "bench/studies.hpp"
-#include "common/error.hpp"
+#include "common/runtime/node_program.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/gnuplot.hpp"
@@ -171,11 +171,7 @@ int scene_cost_study(int argc, char** argv) {
     app.add_option("-o,--out", out, "folder for scene_cost.csv and the figure")->capture_default_str();
     app.add_flag("--quick", quick, "few steps: shows that it runs, the figures mean little");
     app.footer("Example:\n  thimble-bench scene-cost --out out/scene-cost");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
-    }
+    if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     std::filesystem::create_directories(out);
     std::vector<Case> cases = make_cases();
     measure(cases, quick ? 1 : 15, quick ? kPeriod : 200 * kPeriod);

@@ -349,11 +349,7 @@ int run_thimble(int argc, char** argv) {
     add_study(app, arguments);
     add_replay(app, arguments);
     add_others(app, arguments);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
-    }
+    if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     if (app.got_subcommand("run")) return command_run(arguments);
     if (app.got_subcommand("study")) return command_study(arguments);
     if (app.got_subcommand("replay")) return command_replay(arguments);
