@@ -41,6 +41,18 @@ TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
     EXPECT_EQ(read_text(folder / "claims.json"), read_text(folder / "out" / "claims.json"));
 }
 
+// Commands that share an option's variable once shared its default too: results went into "out/report.html".
+TEST(StudyProgram, GoesIntoItsOwnFolderIfNoneIsNamed) {
+    const Folder folder;
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::create_directory(folder / "here");
+    std::filesystem::current_path(folder / "here");
+    const Outcome study = thimble_with({"study", "--experiment", "2", "--subjects", "1"});
+    std::filesystem::current_path(before);
+    EXPECT_EQ(study.code, 0) << study.words;
+    EXPECT_TRUE(std::filesystem::exists(folder / "here" / "out" / "study" / "trials.csv"));
+}
+
 TEST(StudyProgram, MistakesAreNamed) {
     const Folder folder;
     EXPECT_EQ(thimble_with({"study", "--experiment", "4"}).code, 2);
