@@ -1,6 +1,5 @@
 #include "experiment/claims.hpp"
 
-#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include "common/error.hpp"
 #include "experiment/claim_list.hpp"
 #include "experiment/statistics/descriptive.hpp"
+#include "experiment/text_file.hpp"
 
 namespace thimble {
 
@@ -31,13 +31,7 @@ void write_claims(const std::vector<Claim>& claims, const std::filesystem::path&
         entry["reproduced"] = c.reproduced ? nlohmann::ordered_json(*c.reproduced) : nlohmann::ordered_json();
         list.push_back(std::move(entry));
     }
-    std::ofstream out(json, std::ios::binary);
-    out << list.dump(2) << '\n';
-    out.close();
-    if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", json.string()));
-    }
+    write_text_file(json, list.dump(2) + "\n");
 }
 
 void add_claim(std::vector<Claim>& claims, const StudyColumns& columns, Claim claim,

@@ -1,18 +1,17 @@
 #include "experiment/seed_sweep.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.hpp"
 #include "common/version.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
 #include "experiment/statistics/wilson.hpp"
 #include "experiment/study.hpp"
+#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -79,13 +78,7 @@ void write_json(const std::vector<ClaimCount>& counts, const std::filesystem::pa
         }
         list.push_back(std::move(entry));
     }
-    std::ofstream out(path, std::ios::binary);
-    out << list.dump(2) << '\n';
-    out.close();
-    if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", path.string()));
-    }
+    write_text_file(path, list.dump(2) + "\n");
 }
 
 void report(const SweepOptions& options, const SweepResult& result) {
