@@ -24,13 +24,17 @@ std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows) {
     return claims;
 }
 
+nlohmann::ordered_json to_json(const Claim& claim) {
+    nlohmann::ordered_json json{
+        {"id", claim.id}, {"claim", claim.claim}, {"paper", claim.paper}, {"ours", claim.ours}};
+    json["reproduced"] =
+        claim.reproduced ? nlohmann::ordered_json(*claim.reproduced) : nlohmann::ordered_json();
+    return json;
+}
+
 void write_claims(const std::vector<Claim>& claims, const std::filesystem::path& json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const Claim& c : claims) {
-        nlohmann::ordered_json entry{{"id", c.id}, {"claim", c.claim}, {"paper", c.paper}, {"ours", c.ours}};
-        entry["reproduced"] = c.reproduced ? nlohmann::ordered_json(*c.reproduced) : nlohmann::ordered_json();
-        list.push_back(std::move(entry));
-    }
+    for (const Claim& claim : claims) list.push_back(to_json(claim));
     write_text_file(json, list.dump(2) + "\n");
 }
 

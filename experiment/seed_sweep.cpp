@@ -1,6 +1,7 @@
 #include "experiment/seed_sweep.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -67,9 +68,9 @@ ReportTable counts_table(std::string title, const std::vector<ClaimCount>& count
 void write_json(const std::vector<ClaimCount>& counts, const std::filesystem::path& path) {
     Json list = Json::array();
     for (const ClaimCount& c : counts) {
-        Json entry{
-            {"id", c.claim.id}, {"claim", c.claim.claim}, {"paper", c.claim.paper}, {"ours", c.claim.ours}};
-        entry["reproduced"] = c.judged == 0 ? Json() : Json(!c.fragile());
+        Claim over_all_seeds = c.claim;
+        over_all_seeds.reproduced = c.judged == 0 ? std::nullopt : std::optional(!c.fragile());
+        Json entry = to_json(over_all_seeds);
         entry["seeds_judged"] = c.judged;
         entry["seeds_reproduced"] = c.reproduced;
         if (c.judged > 0) {
