@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -25,9 +24,7 @@ std::vector<TrialRow> rows_of(const SystemSettings& settings, const SweepOptions
     std::vector<Protocol> protocols = options.protocols;
     for (Protocol& protocol : protocols) protocol.seed = seed;
     std::vector<TrialRow> rows;
-    const unsigned jobs =
-        options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
-    complete = run_trials(settings, all_trials(protocols), jobs, options.stop,
+    complete = run_trials(settings, all_trials(protocols), thread_count(options.jobs), options.stop,
                           [&](const TrialRecord& record) { rows.push_back(make_row(record)); });
     return rows;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -22,9 +21,7 @@ namespace {
 class Study {
   public:
     Study(const SystemSettings& settings, const StudyOptions& options)
-        : settings_(settings),
-          options_(options),
-          jobs_(options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency())) {}
+        : settings_(settings), options_(options), jobs_(thread_count(options.jobs)) {}
 
     StudyResult run() {
         std::filesystem::create_directories(options_.out);
