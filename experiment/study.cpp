@@ -1,7 +1,6 @@
 #include "experiment/study.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 
 #include <fmt/format.h>
@@ -106,9 +105,7 @@ class Study {
     }
 
     ReportSection section(std::uint32_t experiment) const {
-        std::vector<TrialRow> rows;
-        std::copy_if(result_.rows.begin(), result_.rows.end(), std::back_inserter(rows),
-                     [&](const TrialRow& row) { return row.conditions.experiment == experiment; });
+        const std::vector<TrialRow> rows = of_experiment(result_.rows, experiment);
         const auto conditions = summarize(rows);
         const bool alone = panels_.size() == 1;
         ReportSection section =

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 #include <string>
 
 #include <fmt/format.h>
@@ -39,10 +38,9 @@ void say_results(bool json, const std::filesystem::path& folder, const std::vect
         return;
     }
     for (const std::uint32_t experiment : {1U, 2U, 3U}) {
-        std::vector<TrialRow> own;
-        std::copy_if(rows.begin(), rows.end(), std::back_inserter(own),
-                     [&](const TrialRow& row) { return row.conditions.experiment == experiment; });
-        for (const ConditionSummary& c : summarize(own)) say_condition(experiment, c);
+        for (const ConditionSummary& c : summarize(of_experiment(rows, experiment))) {
+            say_condition(experiment, c);
+        }
     }
     const auto delayed = [](const TrialRow& row) { return row.conditions.delay_s > 0; };
     if (std::any_of(rows.begin(), rows.end(), delayed)) {
