@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -82,7 +83,7 @@ std::vector<Case> make_cases() {
 std::vector<double> stroke(const Case& c) {
     std::vector<double> needle_m(kPeriod);
     for (std::size_t i = 0; i < kPeriod; ++i) {
-        const double phase = 2 * 3.14159265358979 * static_cast<double>(i) / kPeriod;
+        const double phase = 2 * std::numbers::pi * static_cast<double>(i) / kPeriod;
         needle_m[i] = c.low_m + (c.high_m - c.low_m) * (0.5 - 0.5 * std::cos(phase));
     }
     return needle_m;

@@ -31,8 +31,7 @@ class Study {
             run_table({control}, "control");
         }
         // Not before a table: it is the one that refuses a folder with another study in it.
-        write_subjects(options_.out / "subjects.csv", IfExists::kReplace, settings_.person,
-                       options_.protocols);
+        write_subjects(options_.out / "subjects.csv", settings_.person, options_.protocols);
         result_.claims = judge_claims(result_.rows);
         write_claims(result_.claims, options_.out / "claims.json");
         if (!result_.rows.empty()) report();

@@ -19,9 +19,8 @@ std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::fo
 void say_condition(std::uint32_t experiment, const ConditionSummary& c) {
     const Statistic& displacement = c.of(Metric::kPeakDisplacement);
     fmt::print(
-        "experiment {} {:>6} {:<4} {:3} trials, {:3} oscillate, maximum penetration {:>6} mm, completion "
-        "{:>5} "
-        "s{}\n",
+        "experiment {} {:>6} {:<4} {:3} trials, {:3} oscillate, maximum penetration {:>6} mm, "
+        "completion {:>5} s{}\n",
         experiment, delay_text(c.delay_s), to_string(c.modality), c.trials, c.oscillating,
         number_text(1000 * c.of(Metric::kPenetrationMax).mean),
         number_text(c.of(Metric::kCompletionTime).mean),
