@@ -113,25 +113,29 @@ Command add_study(CLI::App& app) {
     study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
         ->check(CLI::IsMember({"shuffled", "williams"}));
     study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
-    study
-        ->add_option(
-            "--seeds", a.seeds,
-            "the whole study with that many seeds, from --seed on: how often does each claim come out?")
-        ->default_val(1)
-        ->check(CLI::Range(1, 1000000));
+    CLI::Option* seeds =
+        study
+            ->add_option(
+                "--seeds", a.seeds,
+                "the whole study with that many seeds, from --seed on: how often does each claim come out?")
+            ->default_val(1)
+            ->check(CLI::Range(1, 1000000));
     study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
     study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
     study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
         ->check(CLI::Range(0, 1024));
     study->add_flag("--no-control", a.no_control, "leave out the same trials without delay (control.csv)");
-    study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV");
+    // Of a sweep only the claims are kept.
+    study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV")
+        ->excludes(seeds);
     CLI::Option* overwrite =
         study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
     study
         ->add_flag("--resume", a.resume,
                    "go on where an interrupted study of the same settings ended; the same bytes come out")
-        ->excludes(overwrite);
-    study->add_flag("--json", a.json, "print summary.json on stdout");
+        ->excludes(overwrite)
+        ->excludes(seeds);
+    study->add_flag("--json", a.json, "print summary.json on stdout")->excludes(seeds);
     study->footer(
         "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
         "  thimble study --experiment all --seeds 100 --out out/seeds\n"

@@ -8,6 +8,7 @@
 namespace thimble {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -58,6 +59,13 @@ TEST(StudyProgram, MistakesAreNamed) {
     EXPECT_EQ(thimble_with({"study", "--experiment", "4"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--order", "latin"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--resume", "--overwrite"}).code, 2);
+    for (const char* option : {"--resume", "--trajectories", "--json"}) {
+        const std::string out = (folder / "out").string();
+        const Outcome refused = thimble_with({"study", "--seeds", "2", option, "--out", out});
+        EXPECT_EQ(refused.code, 2) << refused.words;
+        EXPECT_THAT(refused.words, AllOf(HasSubstr("--seeds"), HasSubstr(option)));
+        EXPECT_FALSE(std::filesystem::exists(out));
+    }
     const Outcome missing = thimble_with({"analyse", (folder / "nothing.csv").string()});
     EXPECT_EQ(missing.code, 5) << missing.words;
     EXPECT_THAT(missing.words, HasSubstr("nothing.csv"));
