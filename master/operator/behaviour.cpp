@@ -37,16 +37,20 @@ Behaviour::Behaviour(const OperatorParameters& parameters, const Subject& subjec
       cocontracts_(task.modality == Modality::kHF),
       lag_gain_(-std::expm1(-kTickSeconds / parameters.behaviour.speed_lag_s)),
       brake_ticks_(std::max<std::int64_t>(ticks(parameters.behaviour.brake_s), 1)),
-      push_ticks_(std::max<std::int64_t>(ticks(parameters.behaviour.push_s), 1)),
+      stride_ticks_(std::max<std::int64_t>(
+          ticks(parameters.behaviour.recovery == Recovery::kPush ? parameters.behaviour.push_s
+                                                                 : parameters.behaviour.relax_s),
+          1)),
       refractory_ticks_(ticks(parameters.behaviour.refractory_s)),
       reaction_(parameters.reaction, subject, task),
       speed_noise_(stream_key(task, Purpose::kSpeedNoise), parameters.noise.speed_noise_correlation_s,
                    kBrainTick) {}
 
-const Intention& Behaviour::step(const Sensation& sensation, bool touching, bool beep) {
+const Intention& Behaviour::step(const Sensation& sensation, bool touching, bool beep,
+                                 double position_arm_m) {
     if (phase_ == BehaviourPhase::kDone) return intention_;
     perceive(sensation, touching, beep);
-    decide();
+    decide(position_arm_m);
     move();
     ++now_;
     return intention_;
@@ -64,6 +68,7 @@ void Behaviour::perceive(const Sensation& sensation, bool touching, bool beep) {
         case BehaviourPhase::kBrake:
         case BehaviourPhase::kHold:
         case BehaviourPhase::kPush:
+        case BehaviourPhase::kRelax:
             perceive_loss(sensation);
             break;
         default:
@@ -84,7 +89,7 @@ void Behaviour::perceive_loss(const Sensation& sensation) {
     if (ready && sensation.contact_lost && next_ == kUndecided) next_ = now_ + reaction_.to_fixture();
 }
 
-void Behaviour::decide() {
+void Behaviour::decide(double position_arm_m) {
     const std::int64_t spent = now_ - entered_;
     if (withdraw_ <= now_ && phase_ != BehaviourPhase::kWithdraw) return enter(BehaviourPhase::kWithdraw);
     switch (phase_) {
@@ -98,10 +103,13 @@ void Behaviour::decide() {
             if (spent >= brake_ticks_) enter(BehaviourPhase::kHold);
             break;
         case BehaviourPhase::kHold:
-            if (next_ <= now_) enter(BehaviourPhase::kPush);
+            if (next_ <= now_) recover(position_arm_m);
             break;
         case BehaviourPhase::kPush:
-            if (spent >= push_ticks_) enter(BehaviourPhase::kHold);
+            if (spent >= stride_ticks_) enter(BehaviourPhase::kHold);
+            break;
+        case BehaviourPhase::kRelax:
+            if (spent >= stride_ticks_) enter(BehaviourPhase::kInsert);
             break;
         case BehaviourPhase::kWithdraw:
             if (intention_.position_m < 0) enter(BehaviourPhase::kDone);
@@ -117,11 +125,19 @@ void Behaviour::enter(BehaviourPhase phase) {
     next_ = kUndecided;
     entry_m_per_s_ = intention_.velocity_m_per_s;
     if (phase == BehaviourPhase::kHold) last_action_ = now_;
-    if (phase == BehaviourPhase::kPush) {
-        ++pushes_;
+}
+
+void Behaviour::recover(double position_arm_m) {
+    ++recoveries_;
+    if (parameters_.recovery == Recovery::kPush) {
         stride_m_ = push_m_;
         push_m_ *= parameters_.push_growth;
+        return enter(BehaviourPhase::kPush);
     }
+    // Never forward: an arm that was thrown beyond what was meant is no reason to push.
+    stride_m_ = std::min(position_arm_m - intention_.position_m, 0.0);
+    slowing_ = std::max(slowing_ * parameters_.slowing, parameters_.slowest);
+    enter(BehaviourPhase::kRelax);
 }
 
 void Behaviour::move() {
@@ -133,14 +149,15 @@ void Behaviour::move() {
             approach_speed(parameters_.speed_free_needle_m_per_s / parameters_.position_scale);
             break;
         case BehaviourPhase::kInsert:
-            approach_speed(insert_m_per_s_ * (1 + speed_noise_fraction_ * speed_noise_.next()));
+            approach_speed(slowing_ * insert_m_per_s_ * (1 + speed_noise_fraction_ * speed_noise_.next()));
             break;
         case BehaviourPhase::kBrake:
             velocity = entry_m_per_s_ * braking(spent / static_cast<double>(brake_ticks_));
             break;
         case BehaviourPhase::kPush:
-            velocity = stride_m_ / (static_cast<double>(push_ticks_) * kTickSeconds) *
-                       minimum_jerk_speed(spent / static_cast<double>(push_ticks_));
+        case BehaviourPhase::kRelax:
+            velocity = stride_m_ / (static_cast<double>(stride_ticks_) * kTickSeconds) *
+                       minimum_jerk_speed(spent / static_cast<double>(stride_ticks_));
             break;
         case BehaviourPhase::kWithdraw:
             approach_speed(-parameters_.speed_withdraw_needle_m_per_s / parameters_.position_scale);
@@ -169,6 +186,8 @@ const char* to_string(BehaviourPhase phase) {
             return "hold";
         case BehaviourPhase::kPush:
             return "push";
+        case BehaviourPhase::kRelax:
+            return "relax";
         case BehaviourPhase::kWithdraw:
             return "withdraw";
         case BehaviourPhase::kDone:

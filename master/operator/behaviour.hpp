@@ -1,12 +1,16 @@
 // What the operator intends, from the first touch to the withdrawal: an intermittent controller of the hand's
 // equilibrium point (x_cmd, v_cmd). "Insert until you perceive the fixture, stop, wait for the beep,
-// withdraw", taken literally: nobody retreats from too deep a stop, and whoever loses contact pushes again,
-// harder each time.
+// withdraw", taken literally: nobody retreats from too deep a stop. Who loses contact recovers it in one of
+// two ways:
 //
-//     APPROACH --touch seen--> INSERT --fixture felt--> BRAKE --> HOLD <--contact lost--> PUSH
+//     APPROACH --touch seen--> INSERT --fixture felt--> BRAKE --> HOLD
+//     kApproach:  HOLD --contact lost--> RELAX --> INSERT, slower each time
+//     kPush:      HOLD --contact lost--> PUSH --> HOLD, harder each time
 //     any of these --beep--> WITHDRAW --x_cmd < 0--> DONE
 //
-// Each arrow with a cause comes one reaction time after it.
+// Each arrow with a cause comes one reaction time after it. RELAX moves x_cmd to where the arm is felt to be,
+// so that it pushes no longer: move and wait is what people do under delay (Ferrell 1965, 1966), and after a
+// mistake they are slower (Rabbitt 1966).
 #pragma once
 
 #include <limits>
@@ -15,7 +19,16 @@
 
 namespace thimble {
 
-enum class BehaviourPhase : std::uint8_t { kApproach, kInsert, kBrake, kHold, kPush, kWithdraw, kDone };
+enum class BehaviourPhase : std::uint8_t {
+    kApproach,
+    kInsert,
+    kBrake,
+    kHold,
+    kPush,
+    kRelax,
+    kWithdraw,
+    kDone
+};
 
 // Of the hand: intended position and velocity, and how stiff the limb is held (1 = relaxed).
 struct Intention {
@@ -28,31 +41,34 @@ class Behaviour {
   public:
     Behaviour(const OperatorParameters& parameters, const Subject& subject, const OperatorTask& task);
 
-    // Once per brain tick. `touching` and `beep` must stay true once they were.
-    const Intention& step(const Sensation& sensation, bool touching, bool beep);
+    // Once per brain tick. `touching` and `beep` must stay true once they were. `position_arm_m`: of the own
+    // arm, as it is felt; what that takes is part of the reaction time.
+    const Intention& step(const Sensation& sensation, bool touching, bool beep, double position_arm_m);
 
     BehaviourPhase phase() const { return phase_; }
     const Intention& intention() const { return intention_; }
     unsigned contact_losses() const { return contact_losses_; }  // perceived, after the stop
-    unsigned pushes() const { return pushes_; }
+    unsigned recoveries() const { return recoveries_; }          // begun
 
   private:
     static constexpr std::int64_t kUndecided = std::numeric_limits<std::int64_t>::max();
 
     void perceive(const Sensation& sensation, bool touching, bool beep);
     void perceive_loss(const Sensation& sensation);
-    void decide();
+    void decide(double position_arm_m);
     void enter(BehaviourPhase phase);
+    void recover(double position_arm_m);
     void move();
     void approach_speed(double target_m_per_s);
 
     BehaviourParameters parameters_;
     double push_m_;          // of the next push, at the hand
+    double slowing_ = 1;     // of the insertion, after losses
     double insert_m_per_s_;  // of this trial, at the hand
     double speed_noise_fraction_;
     bool cocontracts_;  // only who feels the kicks
     double lag_gain_;
-    std::int64_t brake_ticks_, push_ticks_, refractory_ticks_;
+    std::int64_t brake_ticks_, stride_ticks_, refractory_ticks_;
     ReactionTimes reaction_;
     OrnsteinUhlenbeck speed_noise_;
 
@@ -64,9 +80,9 @@ class Behaviour {
     std::int64_t next_ = kUndecided;  // when the decision that ends this phase takes effect
     std::int64_t withdraw_ = kUndecided;
     double entry_m_per_s_ = 0;  // v_cmd when the phase began
-    double stride_m_ = 0;       // of the push under way
+    double stride_m_ = 0;       // of the push or the relaxation under way
     bool was_lost_ = false;
-    unsigned contact_losses_ = 0, pushes_ = 0;
+    unsigned contact_losses_ = 0, recoveries_ = 0;
 };
 
 const char* to_string(BehaviourPhase phase);

@@ -74,6 +74,9 @@ void read_behaviour(const Reader& read, BehaviourParameters& behaviour) {
     read("speed_trial_variation", behaviour.speed_trial_variation, 0, 0.3);
     read("brake_s", behaviour.brake_s, 0.001, 2);
     read("refractory_s", behaviour.refractory_s, 0, 5);
+    read("relax_s", behaviour.relax_s, 0.01, 5);
+    read("slowing", behaviour.slowing, 0.1, 1);
+    read("slowest", behaviour.slowest, 0.01, 1);
     read("push_m", behaviour.push_m, 0, 0.02);
     read("push_growth", behaviour.push_growth, 1, 3);
     read("push_s", behaviour.push_s, 0.01, 5);
@@ -101,6 +104,8 @@ OperatorParameters read_operator_parameters(const ConfigTable& table) {
     read_perception(read, parameters.perception);
     read_reaction(read, parameters.reaction);
     read_behaviour(read, parameters.behaviour);
+    parameters.behaviour.recovery = static_cast<Recovery>(table.choice(
+        "recovery", static_cast<std::size_t>(parameters.behaviour.recovery), {"approach", "push"}));
     read_spread(read, parameters.spread);
     return parameters;
 }

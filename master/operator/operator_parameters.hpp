@@ -69,6 +69,9 @@ struct ReactionParameters {
     double trial_variation = 0.18;  // [M] coefficient of variation between decisions
 };
 
+// What an operator does who has lost the contact with the fixture (behaviour.hpp).
+enum class Recovery : std::uint8_t { kApproach, kPush };
+
 struct BehaviourParameters {
     double position_scale = 3;                     // [P] needle per hand; the three speeds are the needle's
     double speed_free_needle_m_per_s = 0.060;      // [A] must exceed F_p / B_t = 20 mm/s
@@ -78,9 +81,13 @@ struct BehaviourParameters {
     double speed_trial_variation = 0.10;           // [M] vigour literature
     double brake_s = 0.150;                        // [A]
     double refractory_s = 0.250;                   // [V] van de Kamp 2013
-    double push_m = 1.0e-3;                        // [A] first advance after a lost contact, at the hand
-    double push_growth = 1.6;                      // [A] each further one
-    double push_s = 0.25;                          // [A]
+    Recovery recovery = Recovery::kApproach;       // [M] move and wait: Ferrell 1965, 1966
+    double relax_s = 0.25;                         // [A] kApproach: to push no longer
+    double slowing = 0.6;  // [A] kApproach: of the speed, per loss; slower after a mistake: Rabbitt 1966 [M]
+    double slowest = 0.1;  // [A] kApproach: of the speed, at the least
+    double push_m = 1.0e-3;            // [A] kPush: first advance, at the hand
+    double push_growth = 1.6;          // [A] kPush: each further one
+    double push_s = 0.25;              // [A] kPush
     double cocontraction = 0.25;       // [A] Tee and Burdet 2004 [V]: stiffness rises with instability
     double cocontraction_limit = 1.0;  // [A]
 };

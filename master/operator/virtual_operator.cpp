@@ -17,8 +17,8 @@ VirtualOperator::VirtualOperator(const OperatorParameters& parameters, const Ope
               parameters.noise.tremor_damping_ratio, kBrainTick) {}
 
 LimbCommand VirtualOperator::tick(double force_hand_N, const Percept& percept, double position_arm_m) {
-    const Intention& intention =
-        behaviour_.step(perception_.sense(force_hand_N, percept), percept.touching_shown, percept.beep);
+    const Intention& intention = behaviour_.step(perception_.sense(force_hand_N, percept),
+                                                 percept.touching_shown, percept.beep, position_arm_m);
     if (finished()) return {0, 0, intention.stiffness_factor};
     const double effort_m = std::fabs(intention.position_m - position_arm_m);
     double equilibrium_m = intention.position_m;

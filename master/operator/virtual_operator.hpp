@@ -12,7 +12,7 @@ class VirtualOperator {
     VirtualOperator(const OperatorParameters& parameters, const OperatorTask& task);
 
     // One brain tick. The sensory side sees only the handle's force and the percept; `position_arm_m` sets
-    // how hard the muscles pull, and with that their noise.
+    // how hard the muscles pull, and with that their noise; it is also where the limb relaxes to.
     //     x_eq = x_cmd + sway + tremor + CV |x_cmd - x_a| n_F          (force noise divided by k_a)
     LimbCommand tick(double force_hand_N, const Percept& percept, double position_arm_m);
 

@@ -22,12 +22,12 @@ class Actor {
     int until(BehaviourPhase phase, const Sensation& sensation, int limit = 20000) {
         for (int ticks = 0; ticks <= limit; ++ticks) {
             if (behaviour_.phase() == phase) return ticks;
-            behaviour_.step(sensation, touching, beep);
+            behaviour_.step(sensation, touching, beep, arm_m);
         }
         return -1;
     }
     void spend(int ticks, const Sensation& sensation) {
-        for (int i = 0; i < ticks; ++i) behaviour_.step(sensation, touching, beep);
+        for (int i = 0; i < ticks; ++i) behaviour_.step(sensation, touching, beep, arm_m);
     }
     // Up to a quiet hold on the fixture.
     void hold() {
@@ -42,6 +42,7 @@ class Actor {
     double velocity_m_per_s() const { return behaviour_.intention().velocity_m_per_s; }
 
     bool touching = false, beep = false;
+    double arm_m = 0;
 
   private:
     Behaviour behaviour_;
@@ -104,18 +105,64 @@ TEST(Behaviour, HoldsStillWhileInContact) {
     const double there_m = actor.position_m();
     actor.spend(10000, kFixture);
     EXPECT_EQ(actor.position_m(), there_m);
-    EXPECT_EQ(actor.behaviour().pushes(), 0U);
+    EXPECT_EQ(actor.behaviour().recoveries(), 0U);
+}
+
+OperatorParameters pushing_parameters() {
+    OperatorParameters parameters = calm_parameters();
+    parameters.behaviour.recovery = Recovery::kPush;
+    return parameters;
+}
+
+TEST(Behaviour, RelaxesToWhereTheArmIsAndApproachesAgainSlower) {
+    Actor actor(Modality::kVF);
+    actor.hold();
+    for (const double slowing : {0.6, 0.36}) {
+        actor.arm_m = actor.position_m() - 0.002;
+        const double thrown_to_m = actor.arm_m;
+        ASSERT_EQ(actor.until(BehaviourPhase::kRelax, kNothing), 241);
+        EXPECT_EQ(actor.until(BehaviourPhase::kInsert, kNothing), 250);
+        EXPECT_NEAR(actor.position_m(), thrown_to_m, 1e-5);  // the first tick of the insertion is in it
+        actor.spend(1500, kNothing);
+        EXPECT_NEAR(actor.velocity_m_per_s(), slowing * 0.005, 1e-6);
+        ASSERT_GT(actor.until(BehaviourPhase::kHold, kFixture), 0);
+        actor.spend(1000, kFixture);
+    }
+    EXPECT_EQ(actor.behaviour().recoveries(), 2U);
+    EXPECT_EQ(actor.behaviour().contact_losses(), 2U);
+}
+
+TEST(Behaviour, SlowsDownNoFurtherThanItsSlowest) {
+    Actor actor(Modality::kHF);
+    actor.hold();
+    for (int loss = 0; loss < 8; ++loss) {
+        actor.until(BehaviourPhase::kInsert, kNothing);
+        actor.until(BehaviourPhase::kHold, kFixture);
+    }
+    actor.until(BehaviourPhase::kInsert, kNothing);
+    actor.spend(2000, kNothing);
+    EXPECT_NEAR(actor.velocity_m_per_s(), 0.1 * 0.005, 1e-7);
+}
+
+TEST(Behaviour, AnArmThatWasThrownForwardIsNoReasonToPush) {
+    Actor actor(Modality::kHF);
+    actor.hold();
+    const double there_m = actor.position_m();
+    actor.arm_m = there_m + 0.002;
+    actor.until(BehaviourPhase::kRelax, kNothing);
+    actor.spend(200, kNothing);
+    EXPECT_EQ(actor.position_m(), there_m);
 }
 
 TEST(Behaviour, PushesHarderEachTimeContactBreaks) {
-    Actor actor(Modality::kVF);
+    Actor actor(Modality::kVF, pushing_parameters());
     actor.hold();
     double stride_m = 1.0e-3, from_m = actor.position_m();
     for (unsigned push = 1; push <= 3; ++push) {
         ASSERT_EQ(actor.until(BehaviourPhase::kPush, kNothing), 241);
         EXPECT_EQ(actor.until(BehaviourPhase::kHold, kFixture), 250);
         EXPECT_NEAR(actor.position_m() - from_m, stride_m, 1e-7);
-        EXPECT_EQ(actor.behaviour().pushes(), push);
+        EXPECT_EQ(actor.behaviour().recoveries(), push);
         actor.spend(1000, kFixture);
         from_m = actor.position_m();
         stride_m *= 1.6;
@@ -124,7 +171,7 @@ TEST(Behaviour, PushesHarderEachTimeContactBreaks) {
 }
 
 TEST(Behaviour, DoesNotPushBeforeTheRefractoryTimeIsOver) {
-    Actor actor(Modality::kHF);
+    Actor actor(Modality::kHF, pushing_parameters());
     actor.touching = true;
     actor.spend(3000, kNothing);
     actor.until(BehaviourPhase::kHold, kFixture);
@@ -160,7 +207,7 @@ TEST(Behaviour, WithdrawsAfterTheBeepFromAnyPhase) {
 }
 
 TEST(Behaviour, APushMayStartBeforeTheWithdrawalAndIsOverriddenByIt) {
-    Actor actor(Modality::kHF);
+    Actor actor(Modality::kHF, pushing_parameters());
     actor.hold();
     const double there_m = actor.position_m();
     actor.beep = true;  // and the fixture vanishes
@@ -168,7 +215,7 @@ TEST(Behaviour, APushMayStartBeforeTheWithdrawalAndIsOverriddenByIt) {
     EXPECT_EQ(actor.until(BehaviourPhase::kWithdraw, kNothing), 32);
     EXPECT_GT(actor.position_m(), there_m);
     EXPECT_GT(actor.until(BehaviourPhase::kDone, kNothing), 0);
-    EXPECT_EQ(actor.behaviour().pushes(), 1U);
+    EXPECT_EQ(actor.behaviour().recoveries(), 1U);
 }
 
 TEST(Behaviour, WithdrawsAtItsSpeed) {

@@ -35,8 +35,15 @@ class DelayLine {
     std::array<double, kLongest_ms> forces_N_{};
 };
 
-Outcome run(Modality modality, int delay_ms, std::uint32_t subject) {
-    SimulatedHandle handle(HandleSettings{}, OperatorParameters{});
+OperatorParameters recovering_by(Recovery recovery) {
+    OperatorParameters person;
+    person.behaviour.recovery = recovery;
+    return person;
+}
+
+Outcome run(Modality modality, int delay_ms, std::uint32_t subject,
+            Recovery recovery = OperatorParameters{}.behaviour.recovery) {
+    SimulatedHandle handle(HandleSettings{}, recovering_by(recovery));
     handle.start_trial(at(Duration{0}), task_of(modality, subject));
     DelayLine line;
     Outcome outcome;
@@ -78,14 +85,28 @@ TEST(ClosedLoop, WithoutDelayEverySubjectHoldsTheFixture) {
     }
 }
 
+// Who leans on goes deep: the handle swings between nothing and its 12 N.
 TEST(ClosedLoop, FiftyMillisecondsMakeTheHandOscillate) {
     for (std::uint32_t subject = 1; subject <= 20; ++subject) {
-        const Outcome outcome = run(Modality::kHF, 50, subject);
+        const Outcome outcome = run(Modality::kHF, 50, subject, Recovery::kPush);
         EXPECT_GE(outcome.contacts, 5U) << subject;
         EXPECT_GT(outcome.frequency_Hz, 3.0);
         EXPECT_LT(outcome.frequency_Hz, 5.5);
         EXPECT_GT(outcome.deepest_m, 0.020);
     }
+}
+
+TEST(ClosedLoop, WhoRelaxesAndApproachesAgainIsThrownOutAsWellButLessDeep) {
+    int thrown_out = 0;
+    for (std::uint32_t subject = 1; subject <= 20; ++subject) {
+        const Outcome gentle = run(Modality::kHF, 50, subject, Recovery::kApproach);
+        const Outcome pushing = run(Modality::kHF, 50, subject, Recovery::kPush);
+        thrown_out += gentle.contacts >= 3;
+        EXPECT_LT(gentle.deepest_m, pushing.deepest_m / 2) << subject;
+        EXPECT_GT(gentle.deepest_m, 0.001) << subject;
+        EXPECT_TRUE(gentle.finished) << subject;
+    }
+    EXPECT_GE(thrown_out, 16);
 }
 
 TEST(ClosedLoop, WithoutForceOnTheHandleDelayOnlyDeepensTheStop) {
