@@ -19,7 +19,7 @@ struct Candidate {
     VelocitySettings settings;
 };
 
-std::vector<Candidate> candidates(const Encoder& encoder) {
+std::vector<Candidate> candidates(const NeedleEncoder& encoder) {
     VelocitySettings base;
     base.quantum_m = encoder.quantum_m;
     base.sample_period = encoder.period;

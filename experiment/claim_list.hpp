@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,14 @@ inline constexpr double kNoDifference = 0.1;
 void claim_without_delay(const StudyColumns& one, std::vector<Claim>& claims);
 void claim_sudden_removal(const StudyColumns& two, std::vector<Claim>& claims);
 void claim_with_delay(const StudyColumns& one, const StudyColumns& three, std::vector<Claim>& claims);
-void claim_in_the_discussion(const StudyColumns& one, std::vector<Claim>& claims);
+void claim_in_the_discussion(const StudyColumns& one, const StudyColumns& no_lag, std::vector<Claim>& claims);
+void claim_session_length(const StudyColumns& one, const StudyColumns& two, const StudyColumns& three,
+                          std::vector<Claim>& claims);
 
 struct Finding {
     std::string ours;
     bool reproduced = false;
+    std::optional<bool> direction = {};
 };
 // Appends a claim (id, claim and paper given) with what `judge` finds. Without trials, or where a test refuses
 // the data, it is not judged, and `ours` says why.

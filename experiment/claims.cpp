@@ -12,7 +12,7 @@
 
 namespace thimble {
 
-std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows) {
+std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows, const std::vector<TrialRow>& no_lag) {
     const StudyColumns one(rows, 1);
     const StudyColumns two(rows, 2);
     const StudyColumns three(rows, 3);
@@ -20,15 +20,19 @@ std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows) {
     claim_without_delay(one, claims);
     claim_sudden_removal(two, claims);
     claim_with_delay(one, three, claims);
-    claim_in_the_discussion(one, claims);
+    claim_in_the_discussion(one, StudyColumns(no_lag, 1), claims);
+    claim_session_length(one, two, three, claims);
     return claims;
 }
 
 nlohmann::ordered_json to_json(const Claim& claim) {
+    const auto verdict = [](const std::optional<bool>& value) {
+        return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+    };
     nlohmann::ordered_json json{
         {"id", claim.id}, {"claim", claim.claim}, {"paper", claim.paper}, {"ours", claim.ours}};
-    json["reproduced"] =
-        claim.reproduced ? nlohmann::ordered_json(*claim.reproduced) : nlohmann::ordered_json();
+    json["reproduced"] = verdict(claim.reproduced);
+    json["direction"] = verdict(claim.direction);
     return json;
 }
 
@@ -47,6 +51,7 @@ void add_claim(std::vector<Claim>& claims, const StudyColumns& columns, Claim cl
             Finding finding = judge();
             claim.ours = std::move(finding.ours);
             claim.reproduced = finding.reproduced;
+            claim.direction = finding.direction;
         } catch (const Error& refused) {
             claim.ours = fmt::format("not judged: {}", refused.what());
         }
@@ -72,9 +77,10 @@ ReportTable claims_table(const std::vector<Claim>& claims) {
                       {}};
     for (const Claim& c : claims) {
         table.rows.push_back({c.id, c.claim, c.paper, c.ours,
-                              !c.reproduced   ? "not judged"
-                              : *c.reproduced ? "yes"
-                                              : "no"});
+                              !c.reproduced         ? "not judged"
+                              : *c.reproduced       ? "yes"
+                              : c.direction == true ? "no, but the direction"
+                                                    : "no"});
     }
     return table;
 }

@@ -23,12 +23,17 @@ struct Claim {
     std::string paper;               // the paper's test and figure
     std::string ours;                // what came out here; why it could not be judged
     std::optional<bool> reproduced;  // nothing: not judged
+    // Whether the direction alone comes out, whatever its significance; nothing where a claim has none
+    // ("differs", "does not differ") or was not judged.
+    std::optional<bool> direction;
 };
 
 // Every claim of the paper that can be checked, in a fixed order. Rows of any experiments, also of none.
-std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows);
+// `no_lag`: trials of experiment 1 with CF again, the same but for actuators without lag (no_lag.csv).
+std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows, const std::vector<TrialRow>& no_lag = {});
 
-// An object id, claim, paper, ours, reproduced (null if not judged), in this order.
+// An object id, claim, paper, ours, reproduced (null if not judged), direction (null if there is none), in
+// this order.
 nlohmann::ordered_json to_json(const Claim& claim);
 
 // A list of such objects. Replaces the file; throws Error

@@ -34,7 +34,7 @@ Finding dunn_finding(const StudyColumns& columns, Metric metric, std::string_vie
         if (!forwards && !backwards) continue;
         const double difference = forwards ? pair.mean_rank_difference : -pair.mean_rank_difference;
         return {fmt::format("mean rank difference {:.2f}, {}", difference, p_text(pair.p_adjusted)),
-                difference > 0 && pair.p_adjusted < level};
+                difference > 0 && pair.p_adjusted<level, difference> 0};
     }
     return {"no such pair", false};
 }
@@ -85,7 +85,7 @@ constexpr std::array<DunnClaim, 6> kDunn{{
 void add_dunn(const StudyColumns& three, Metric metric, std::vector<Claim>& claims) {
     for (const DunnClaim& c : kDunn) {
         if (c.metric != metric) continue;
-        add_claim(claims, three, {c.id, c.claim, c.paper, "", {}},
+        add_claim(claims, three, {c.id, c.claim, c.paper, "", {}, {}},
                   [&] { return dunn_finding(three, c.metric, c.larger, c.smaller, c.level); });
     }
 }
@@ -93,14 +93,20 @@ void add_dunn(const StudyColumns& three, Metric metric, std::vector<Claim>& clai
 }  // namespace
 
 void claim_with_delay(const StudyColumns& one, const StudyColumns& three, std::vector<Claim>& claims) {
-    add_claim(
-        claims, three,
-        {"E3.stable", "at 50 ms only HF oscillates; VF, CF and CCF hold a stable contact", "figure", "", {}},
-        [&] { return stability_finding(three); });
-    add_claim(claims, three, {"E3.max.differs", "maximum penetration differs", "Friedman, P < .0001", "", {}},
+    add_claim(claims, three,
+              {"E3.stable",
+               "at 50 ms only HF oscillates; VF, CF and CCF hold a stable contact",
+               "figure",
+               "",
+               {},
+               {}},
+              [&] { return stability_finding(three); });
+    add_claim(claims, three,
+              {"E3.max.differs", "maximum penetration differs", "Friedman, P < .0001", "", {}, {}},
               [&] { return friedman_finding(three, Metric::kPenetrationMax); });
     add_dunn(three, Metric::kPenetrationMax, claims);
-    add_claim(claims, three, {"E3.time.differs", "completion time differs", "Friedman, P < .0001", "", {}},
+    add_claim(claims, three,
+              {"E3.time.differs", "completion time differs", "Friedman, P < .0001", "", {}, {}},
               [&] { return friedman_finding(three, Metric::kCompletionTime); });
     add_dunn(three, Metric::kCompletionTime, claims);
     add_claim(claims, one.empty() ? one : three,
@@ -108,6 +114,7 @@ void claim_with_delay(const StudyColumns& one, const StudyColumns& three, std::v
                "HF's penalty in time is absent without delay",
                "E1.time.same with E3.time.differs",
                "",
+               {},
                {}},
               [&] {
                   const double without = friedman(one.table(Metric::kCompletionTime).table).p();

@@ -126,6 +126,7 @@ double peak_displacement_m(Samples samples, const Contact& in_contact) {
 TrialMetrics measure(const TrialRecord& record) {
     TrialMetrics metrics;
     metrics.beeped = std::isfinite(record.beep_time_s);
+    if (!record.samples.empty()) metrics.duration_s = record.samples.back().time_s;
     const Contact in_contact{record.conditions.fixture_position_m};
 
     const auto puncture =

@@ -7,6 +7,7 @@
 
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
+#include "experiment/no_lag.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
 #include "experiment/study_folder.hpp"
@@ -23,15 +24,16 @@ class Study {
 
     StudyResult run() {
         std::filesystem::create_directories(options_.out);
-        run_table(options_.protocols, "trials");
+        run_table(all_trials(options_.protocols), "trials");
         if (wants_control() && result_.complete) {
             Protocol control = options_.protocols[0];
             control.delay_s = 0;
-            run_table({control}, "control");
+            run_table(all_trials({control}), "control");
         }
+        if (options_.control && result_.complete) run_without_lag();
         // Not before a table: it is the one that refuses a folder with another study in it.
         write_subjects(options_.out / "subjects.csv", settings_.person, options_.protocols);
-        result_.claims = judge_claims(result_.rows);
+        result_.claims = judge_claims(result_.rows, no_lag_);
         write_claims(result_.claims, options_.out / "claims.json");
         if (!result_.rows.empty()) report();
         return std::move(result_);
@@ -42,18 +44,35 @@ class Study {
         return options_.control && options_.protocols.size() == 1 && options_.protocols[0].delay_s > 0;
     }
 
-    void run_table(const std::vector<Protocol>& protocols, const std::string& name) {
-        const std::vector<TrialConditions> planned = all_trials(protocols);
+    void run_table(const std::vector<TrialConditions>& planned, const std::string& name) {
+        run_table(settings_, planned, name, result_.rows, [&](const TrialCurve& curve) { add_curve(curve); });
+    }
+
+    // Its rows are no part of the study's: they only tell what the lag costs.
+    void run_without_lag() {
+        const std::vector<TrialConditions> planned = no_lag_trials(options_.protocols);
+        if (planned.empty()) return;
+        run_table(without_lag(settings_), planned, "no_lag", no_lag_, [](const TrialCurve&) {});
+    }
+
+    template <class TakeCurve>
+    void run_table(const SystemSettings& settings, const std::vector<TrialConditions>& planned,
+                   const std::string& name, std::vector<TrialRow>& rows, const TakeCurve& take_curve) {
         StudyTables tables(options_.out, name, options_.if_exists, planned);
-        for (const TrialRow& row : tables.rows()) result_.rows.push_back(row);
-        for (const TrialCurve& curve : tables.curves()) add_curve(curve);
+        for (const TrialRow& row : tables.rows()) rows.push_back(row);
+        for (const TrialCurve& curve : tables.curves()) take_curve(curve);
         std::size_t done = tables.rows().size();
         result_.resumed += done;
         const std::vector<TrialConditions> left(planned.begin() + static_cast<std::ptrdiff_t>(done),
                                                 planned.end());
         const SessionTime start = wall_now();
-        result_.complete = run_trials(settings_, left, jobs_, options_.stop, [&](const TrialRecord& record) {
-            keep(record, tables);
+        result_.complete = run_trials(settings, left, jobs_, options_.stop, [&](const TrialRecord& record) {
+            if (options_.trajectories) save_trajectory(record, name);
+            rows.push_back(make_row(record));
+            const TrialCurve curve = trial_curve(record);
+            tables.append(rows.back(), curve);
+            take_curve(curve);
+            if (!record.samples.empty()) result_.simulated_s += record.samples.back().time_s;
             show(record.conditions, ++done, planned.size(), start);
         });
         result_.wall_s += to_seconds(wall_now() - start);
@@ -70,26 +89,17 @@ class Study {
             done == all || done % (all / 4 + 1) == 0);
     }
 
-    void keep(const TrialRecord& record, StudyTables& tables) {
-        if (options_.trajectories) save_trajectory(record);
-        result_.rows.push_back(make_row(record));
-        const TrialCurve curve = trial_curve(record);
-        tables.append(result_.rows.back(), curve);
-        add_curve(curve);
-        if (!record.samples.empty()) result_.simulated_s += record.samples.back().time_s;
-    }
-
     void add_curve(const TrialCurve& curve) { panels_[curve.conditions.experiment].add(curve); }
 
-    void save_trajectory(const TrialRecord& record) const {
+    void save_trajectory(const TrialRecord& record, const std::string& table) const {
         const TrialConditions& c = record.conditions;
         const auto folder = options_.out / "trajectories";
         std::filesystem::create_directories(folder);
         const bool again = options_.if_exists != IfExists::kRefuse;
-        TrajectoryWriter writer(
-            folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms.csv", c.experiment,
-                                 c.subject, c.trial, to_string(c.modality), 1000 * c.delay_s),
-            again ? IfExists::kReplace : IfExists::kRefuse);
+        TrajectoryWriter writer(folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms{}.csv",
+                                                     c.experiment, c.subject, c.trial, to_string(c.modality),
+                                                     1000 * c.delay_s, table == "no_lag" ? "_no_lag" : ""),
+                                again ? IfExists::kReplace : IfExists::kRefuse);
         writer.append(record.samples);
         writer.end(record.reason, record.lost_peer);
     }
@@ -156,6 +166,7 @@ class Study {
     unsigned jobs_;
     Progress progress_;
     std::map<std::uint32_t, TrajectoryPanels> panels_;  // by experiment
+    std::vector<TrialRow> no_lag_;
     StudyResult result_;
 };
 

@@ -22,7 +22,8 @@ struct StudyOptions {
     unsigned jobs = 0;                       // threads; 0: one per core
     IfExists if_exists = IfExists::kRefuse;  // kContinue: goes on where an earlier study was interrupted
     bool trajectories = false;               // one file per trial
-    // Of an experiment with delay that comes alone: the same trials without, into control.csv.
+    // Of an experiment with delay that comes alone: the same trials without, into control.csv. Of experiment 1:
+    // its trials with CF, with actuators without lag, into no_lag.csv.
     bool control = true;
     const std::atomic<bool>* stop = nullptr;  // asked between trials
 };
@@ -44,7 +45,7 @@ struct StudyResult {
 };
 
 // Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
-// subjects.csv, claims.json, report.html, summary.json and figures/ below options.out.
+// no_lag.csv, subjects.csv, claims.json, report.html, summary.json and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 }  // namespace thimble

@@ -22,23 +22,25 @@ StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t expe
 
 CompleteRows StudyColumns::table(Metric metric) const {
     std::vector<NamedValues> columns;
-    for (const Modality modality : kModalities) {
-        NamedValues column{to_string(modality), {}};
-        for (const std::uint32_t subject : subjects_) {
-            double sum = 0;
-            int n = 0;
-            for (const TrialRow& row : rows_) {
-                if (row.conditions.subject != subject || row.conditions.modality != modality) continue;
-                const double value = info(metric).value(row.metrics);
-                if (std::isnan(value)) continue;
-                sum += value;
-                ++n;
-            }
-            column.values.push_back(n > 0 ? sum / n : std::nan(""));
-        }
-        columns.push_back(std::move(column));
-    }
+    for (const Modality modality : kModalities) columns.push_back(column(metric, modality));
     return complete_rows(columns);
+}
+
+NamedValues StudyColumns::column(Metric metric, Modality modality) const {
+    NamedValues column{to_string(modality), {}};
+    for (const std::uint32_t subject : subjects_) {
+        double sum = 0;
+        int n = 0;
+        for (const TrialRow& row : rows_) {
+            if (row.conditions.subject != subject || row.conditions.modality != modality) continue;
+            const double value = info(metric).value(row.metrics);
+            if (std::isnan(value)) continue;
+            sum += value;
+            ++n;
+        }
+        column.values.push_back(n > 0 ? sum / n : std::nan(""));
+    }
+    return column;
 }
 
 std::vector<NamedValues> StudyColumns::groups(Metric metric) const {

@@ -23,6 +23,9 @@ class StudyColumns {
     // Columns in the order of kModalities, SI. A subject without a value in a modality (no trial of it came to
     // that measure) is left out of all: see `dropped`. Throws Error (data) if no subject has all four.
     CompleteRows table(Metric metric) const;
+    // One modality, a value per subject in ascending order, NaN where there is none.
+    NamedValues column(Metric metric, Modality modality) const;
+    const std::vector<std::uint32_t>& subjects() const { return subjects_; }
     // Each trial a value of its own, in groups by modality: experiment 2, where no subject meets all of them.
     std::vector<NamedValues> groups(Metric metric) const;
 

@@ -102,6 +102,7 @@ constexpr std::array kColumns{
     number<&R::round_trip_s>("round_trip_s"),
     number<&R::metrics, &M::puncture_time_s>("puncture_time_s"),
     number<&R::metrics, &M::first_contact_time_s>("first_contact_time_s"),
+    number<&R::metrics, &M::duration_s>("duration_s"),
 };
 
 constexpr auto kNames = [] {

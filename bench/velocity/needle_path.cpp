@@ -47,7 +47,7 @@ NeedlePath reach(const Reach& reach) {
     };
 }
 
-SampledNeedle sample(const NeedlePath& path, double duration_s, const Encoder& encoder,
+SampledNeedle sample(const NeedlePath& path, double duration_s, const NeedleEncoder& encoder,
                      RandomStream& random) {
     SampledNeedle needle;
     const auto count = static_cast<std::int64_t>(duration_s / to_seconds(encoder.period));

@@ -36,7 +36,7 @@ struct Reach {
 };
 NeedlePath reach(const Reach& reach);
 
-struct Encoder {
+struct NeedleEncoder {
     double quantum_m = 3e-5;  // 0.01 mm at the hand
     Duration period = std::chrono::milliseconds{1};
     Duration jitter{};  // samples are this much early or late at most
@@ -48,6 +48,7 @@ struct SampledNeedle {
     std::vector<double> encoder_m;
 };
 
-SampledNeedle sample(const NeedlePath& path, double duration_s, const Encoder& encoder, RandomStream& random);
+SampledNeedle sample(const NeedlePath& path, double duration_s, const NeedleEncoder& encoder,
+                     RandomStream& random);
 
 }  // namespace thimble

@@ -78,7 +78,7 @@ void measure_lag(const VelocitySettings& settings, const VelocityStudy& study, V
     Reach shape;
     shape.start_m = random.uniform(0, study.encoder.quantum_m);
     const NeedlePath path = reach(shape);
-    Encoder encoder = study.encoder;
+    NeedleEncoder encoder = study.encoder;
     const SampledNeedle needle = sample(path, shape.duration_s(), encoder, random);
     const Estimates estimates = estimate(settings, needle);
     quality.lag_s = best_lag_s(needle, estimates, path);

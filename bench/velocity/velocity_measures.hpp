@@ -10,7 +10,7 @@ namespace thimble {
 
 // What the study runs over.
 struct VelocityStudy {
-    Encoder encoder;
+    NeedleEncoder encoder;
     std::uint64_t seed = 1;
     int repeats = 32;  // of each steady motion, each from another place within the quantum
 

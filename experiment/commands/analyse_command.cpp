@@ -21,7 +21,10 @@ struct AnalyseArguments {
 int judge_table(const AnalyseArguments& arguments) {
     const std::filesystem::path given(arguments.table);
     const auto table = std::filesystem::is_directory(given) ? given / "trials.csv" : given;
-    const std::vector<Claim> claims = judge_claims(read_trial_table(table));
+    const auto no_lag = table.parent_path() / "no_lag.csv";
+    const std::vector<Claim> claims =
+        judge_claims(read_trial_table(table),
+                     std::filesystem::exists(no_lag) ? read_trial_table(no_lag) : std::vector<TrialRow>{});
     if (!arguments.claims_out.empty()) write_claims(claims, arguments.claims_out);
     for (const Claim& c : claims) {
         fmt::print("{:<12} {:<18} {}\n{:<12} paper: {}\n{:<12} here:  {}\n",

@@ -12,8 +12,8 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/commands/say_results.hpp"
-#include "experiment/seed_sweep.hpp"
 #include "experiment/study.hpp"
+#include "experiment/sweeps/seed_sweep.hpp"
 
 namespace thimble {
 namespace {
@@ -59,13 +59,14 @@ int sweep_seeds(const StudyArguments& arguments, const SystemSettings& settings)
     if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     options.stop = &stop_requested();
     const SweepResult result = run_sweep(settings, options);
-    for (const ClaimCount& c : result.claims) {
+    for (const ClaimCount& c : result.tally.counts()) {
         if (c.judged == 0) continue;
         fmt::print("{:>4.0f} % of {} seeds {:<18} {}\n", 100 * c.fraction(), c.judged, c.claim.id,
                    c.fragile() ? "fragile: " + c.claim.claim : c.claim.claim);
     }
     fmt::print("report: {}\n", (options.out / "report.html").string());
-    if (!result.complete) spdlog::error("interrupted; the {} seeds that were done are kept", result.seeds);
+    if (!result.complete)
+        spdlog::error("interrupted; the {} seeds that were done are kept", result.tally.studies());
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 

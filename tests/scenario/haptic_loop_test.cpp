@@ -97,8 +97,11 @@ TEST(HapticLoopBudget, AtFiveMillisecondsFrictionDecides) {
     EXPECT_GT(without.losses, 20 * kSubjects);
 }
 
-TEST(HapticLoopBudget, AtTenMillisecondsAFrictionlessHandleOscillates) {
-    EXPECT_EQ(hold_with(milliseconds{10}, 0).oscillated, static_cast<int>(kSubjects));
+TEST(HapticLoopBudget, AFrictionlessHandleChattersAtTenMillisecondsAndSwingsFromTwenty) {
+    const Held ten = hold_with(milliseconds{10}, 0), twenty = hold_with(milliseconds{20}, 0);
+    EXPECT_EQ(ten.lost_contact, static_cast<int>(kSubjects));
+    EXPECT_GT(ten.losses, 20 * kSubjects);
+    EXPECT_EQ(twenty.oscillated, static_cast<int>(kSubjects));
 }
 
 // Only the sum counts for the hand: until the beep, whose way to the ear begins at the environment, the

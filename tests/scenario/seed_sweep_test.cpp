@@ -1,5 +1,5 @@
 // The whole study with one seed after another.
-#include "experiment/seed_sweep.hpp"
+#include "experiment/sweeps/seed_sweep.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -23,7 +23,7 @@ TEST(SeedSweep, CountsWhatEachSeedJudges) {
     options.out = folder;
     const SweepResult result = run_sweep(paper(), options);
     EXPECT_TRUE(result.complete);
-    EXPECT_EQ(result.seeds, 2U);
+    EXPECT_EQ(result.tally.studies(), 2U);
 
     std::uint32_t stable = 0;
     for (const std::uint64_t seed : {5U, 6U}) {
@@ -37,7 +37,7 @@ TEST(SeedSweep, CountsWhatEachSeedJudges) {
         }
     }
     bool found = false;
-    for (const ClaimCount& c : result.claims) {
+    for (const ClaimCount& c : result.tally.counts()) {
         if (c.claim.id == "E1.mean.order") {
             EXPECT_EQ(c.judged, 0U);
         }
@@ -52,7 +52,7 @@ TEST(SeedSweep, CountsWhatEachSeedJudges) {
     std::ifstream table(folder / "claims_seeds.csv");
     std::size_t lines = 0;
     for (std::string line; std::getline(table, line);) ++lines;
-    EXPECT_EQ(lines, 1 + 2 * result.claims.size());
+    EXPECT_EQ(lines, 1 + 2 * result.tally.counts().size());
     EXPECT_TRUE(std::filesystem::exists(folder / "claims.json"));
     EXPECT_TRUE(std::filesystem::exists(folder / "report.html"));
     std::filesystem::remove_all(folder);

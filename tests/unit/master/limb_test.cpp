@@ -110,7 +110,7 @@ TEST(Limb, FrictionNeverExceedsItsLimitAtAnySpeed) {
     for (unsigned i = 0; i < kSecond; ++i) {
         limb.advance(1, i / 500 % 2 == 0 ? 300 : -300);
         fastest_m_per_s = std::max(fastest_m_per_s, std::fabs(limb.velocity_hand_m_per_s()));
-        ASSERT_LE(std::fabs(limb.friction_N()), 0.5);
+        ASSERT_LE(std::fabs(limb.friction_N()), HandleMechanics{}.friction_N);
     }
     EXPECT_GT(fastest_m_per_s, 1.0);
 }

@@ -1,0 +1,69 @@
+// How often each claim comes out, over studies that differ in seed or in parameters.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "experiment/claims.hpp"
+#include "experiment/html.hpp"
+#include "experiment/statistics/confidence_interval.hpp"
+
+namespace thimble {
+
+// A claim that comes out less often is called fragile.
+inline constexpr double kFragileBelow = 0.8;
+// One that comes out at least so often is called reproduced.
+inline constexpr double kReproducedFrom = 0.9;
+
+enum class ClaimClass : std::uint8_t {
+    kNotJudged,
+    kReproduced,  // at the paper's own significance in at least kReproducedFrom of the studies
+    kDirection,   // less often, but its direction in at least kReproducedFrom of them
+    kLess,        // neither; or a claim without a direction that comes out less often
+};
+const char* to_string(ClaimClass c);  // "not judged", "reproduced", "in direction", "not reproduced"
+
+struct ClaimCount {
+    Claim claim;  // as judged in the first study
+    std::uint32_t judged = 0;
+    std::uint32_t reproduced = 0;
+    std::uint32_t directed = 0;  // studies in which it had a direction
+    std::uint32_t direction = 0;
+
+    double fraction() const { return judged > 0 ? static_cast<double>(reproduced) / judged : 0; }
+    double direction_fraction() const { return directed > 0 ? static_cast<double>(direction) / directed : 0; }
+    ConfidenceInterval interval() const;  // of fraction(), Wilson, 95 %; judged > 0
+    bool fragile() const { return judged > 0 && fraction() < kFragileBelow; }
+    ClaimClass classified() const;
+};
+
+class ClaimTally {
+  public:
+    // All claims of one study, every time in the same order.
+    void add(const std::vector<Claim>& claims);
+    const std::vector<ClaimCount>& counts() const { return counts_; }
+    std::uint32_t studies() const { return studies_; }
+    std::size_t fragile() const;
+
+  private:
+    std::vector<ClaimCount> counts_;
+    std::uint32_t studies_ = 0;
+};
+
+// "1", "0", or nothing: for tables of claims.
+std::string flag_text(const std::optional<bool>& verdict);
+
+// `what`: "seeds", "draws". Fractions with their intervals, class, and what came out in the first study.
+ReportTable tally_table(std::string title, const ClaimTally& tally, const std::string& what,
+                        bool only_fragile);
+// A claim's object (claims.hpp) with class, studies_judged, studies_reproduced, fraction, interval and
+// direction_fraction; `reproduced` says whether it is not fragile.
+nlohmann::ordered_json to_json(const ClaimCount& count);
+void write_tally(const ClaimTally& tally, const std::filesystem::path& json);
+
+}  // namespace thimble

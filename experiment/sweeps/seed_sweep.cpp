@@ -1,0 +1,61 @@
+#include "experiment/sweeps/seed_sweep.hpp"
+
+#include <fmt/format.h>
+
+#include "common/version.hpp"
+#include "experiment/progress.hpp"
+#include "experiment/report.hpp"
+
+namespace thimble {
+namespace {
+
+void report(const SweepOptions& options, const SweepResult& result) {
+    ReportInput report;
+    report.title = fmt::format("Thimble: the paper's claims over {} seeds", result.tally.studies());
+    ReportSection section;
+    section.title = fmt::format("{} of {} claims are fragile: below {:.0f} % of seeds",
+                                result.tally.fragile(), result.tally.counts().size(), 100 * kFragileBelow);
+    if (result.tally.fragile() > 0) {
+        section.tables.push_back(tally_table("Fragile claims", result.tally, "seeds", true));
+    }
+    section.tables.push_back(tally_table("All claims", result.tally, "seeds", false));
+    report.sections.push_back(std::move(section));
+    report.provenance = {{"command", options.command},
+                         {"first seed", std::to_string(options.protocols[0].seed)},
+                         {"seeds", std::to_string(result.tally.studies())},
+                         {"version", kVersion},
+                         {"complete", result.complete ? "yes" : "no, interrupted"}};
+    write_report(report, options.out / "report.html");
+}
+
+}  // namespace
+
+SweepResult run_sweep(const SystemSettings& settings, const SweepOptions& options) {
+    std::filesystem::create_directories(options.out);
+    CsvFile file(options.out / "claims_seeds.csv", options.if_exists);
+    file.write("seed,id,reproduced,direction\n");
+    SweepResult result;
+    Progress progress;
+    for (std::uint32_t i = 0; i < options.seeds; ++i) {
+        const std::uint64_t seed = options.protocols[0].seed + i;
+        const auto claims = judge_study(settings, options, seed);
+        if (!claims) {
+            result.complete = false;
+            break;
+        }
+        result.tally.add(*claims);
+        for (const Claim& c : *claims) {
+            file.write(
+                fmt::format("{},{},{},{}\n", seed, c.id, flag_text(c.reproduced), flag_text(c.direction)));
+        }
+        file.sync();
+        progress.show(
+            fmt::format("seed {}: {} of {}; {}", seed, i + 1, options.seeds, claims_sentence(*claims)), true);
+    }
+    if (result.tally.studies() == 0) return result;
+    write_tally(result.tally, options.out / "claims.json");
+    report(options, result);
+    return result;
+}
+
+}  // namespace thimble

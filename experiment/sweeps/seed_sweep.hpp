@@ -1,0 +1,18 @@
+// The whole study again with one seed after another: in which fraction of seeds does each claim come out?
+#pragma once
+
+#include "experiment/sweeps/claim_tally.hpp"
+#include "experiment/sweeps/judged_study.hpp"
+
+namespace thimble {
+
+struct SweepResult {
+    ClaimTally tally;  // a study per seed that was done
+    bool complete = true;
+};
+
+// Writes claims_seeds.csv (seed, id, reproduced, direction; as each seed ends), claims.json (write_tally) and
+// report.html, fragile claims first. Trials are not kept.
+SweepResult run_sweep(const SystemSettings& settings, const SweepOptions& options);
+
+}  // namespace thimble
