@@ -17,7 +17,7 @@ namespace thimble {
 struct HandleMechanics {
     double moving_mass_kg = 0.25;   // [A] 0.15-0.4
     double damping_Ns_per_m = 1.0;  // [A]
-    double friction_N = 0.6;  // [A] handle and clamps, 0-2; delayed contact oscillates only below about 1 N
+    double friction_N = 0.65;  // [A] handle and clamps, 0-2; delayed contact oscillates only below about 1 N
     double friction_travel_m = 3e-5;  // [A] z_d, presliding
 };
 
