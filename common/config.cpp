@@ -109,6 +109,22 @@ ConfigFile ConfigFile::empty() {
     return ConfigFile(std::move(impl));
 }
 
+void ConfigFile::set(std::string_view dotted_key, double value) {
+    toml::table* table = &impl_->root;
+    std::string_view rest = dotted_key;
+    for (std::size_t dot = rest.find('.'); dot != std::string_view::npos; dot = rest.find('.')) {
+        const std::string_view name = rest.substr(0, dot);
+        rest.remove_prefix(dot + 1);
+        if (!table->contains(name)) table->insert(name, toml::table{});
+        table = table->get(name)->as_table();
+        if (table == nullptr) {
+            refuse(impl_->name, {}, fmt::format("'{}': '{}' is no table", dotted_key, name));
+        }
+    }
+    if (rest.empty()) refuse(impl_->name, {}, fmt::format("'{}' names no key", dotted_key));
+    table->insert_or_assign(rest, value);
+}
+
 ConfigTable ConfigFile::root() const { return {this, ""}; }
 
 const std::filesystem::path& ConfigFile::folder() const { return impl_->folder; }

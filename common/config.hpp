@@ -58,6 +58,10 @@ class ConfigFile {
     ConfigFile(ConfigFile&&) noexcept;
     ConfigFile& operator=(ConfigFile&&) noexcept;
 
+    // The same as if the file said `value` under this dotted key ("operator.criterion_N"). Throws Error (usage)
+    // if a table on the way is none. Positions in later messages are then those of what is left of the file.
+    void set(std::string_view dotted_key, double value);
+
     ConfigTable root() const;
     // Where the file lies, which relative paths in it start from; empty for text that was no file.
     const std::filesystem::path& folder() const;

@@ -24,6 +24,7 @@ enum class Purpose : std::uint32_t {
     kLinkLoss = 12,
     kInstance = 13,
     kSpeedNoise = 14,
+    kParameter = 15,
 };
 
 struct StreamKey {

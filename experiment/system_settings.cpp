@@ -112,8 +112,11 @@ SessionSettings session_settings(const SystemSettings& settings) {
     return session;
 }
 
-SystemSettings load_system_settings(const std::filesystem::path& path) {
-    return read_system_settings(path.empty() ? ConfigFile::empty() : ConfigFile::load(path));
+SystemSettings load_system_settings(const std::filesystem::path& path,
+                                    const std::vector<SettingChange>& changes) {
+    ConfigFile file = path.empty() ? ConfigFile::empty() : ConfigFile::load(path);
+    for (const SettingChange& change : changes) file.set(change.key, change.value);
+    return read_system_settings(file);
 }
 
 }  // namespace thimble

@@ -55,8 +55,14 @@ struct SystemSettings {
 
 // Throws Error (usage) on anything unknown or out of range.
 SystemSettings read_system_settings(const ConfigFile& file);
-// An empty path gives the defaults, which are the paper's.
-SystemSettings load_system_settings(const std::filesystem::path& path);
+// One key of the file with another value: "handle.friction_N", SI.
+struct SettingChange {
+    std::string key;
+    double value = 0;
+};
+// An empty path gives the defaults, which are the paper's. The changes stand as if they were in the file.
+SystemSettings load_system_settings(const std::filesystem::path& path,
+                                    const std::vector<SettingChange>& changes = {});
 
 // Those of the session, its network_delay filled in from both links.
 SessionSettings session_settings(const SystemSettings& settings);

@@ -12,8 +12,8 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/commands/say_results.hpp"
+#include "experiment/commands/sweep.hpp"
 #include "experiment/study.hpp"
-#include "experiment/sweeps/seed_sweep.hpp"
 
 namespace thimble {
 namespace {
@@ -24,6 +24,7 @@ struct StudyArguments {
     std::uint32_t subjects = 0, seeds = 1;
     std::uint64_t seed = 1;
     unsigned jobs = 0;
+    SweepRequest sweep;
     bool overwrite = false, resume = false, json = false, trajectories = false, no_control = false;
 };
 
@@ -46,10 +47,12 @@ std::string study_command(const StudyArguments& a) {
     if (!a.config.empty()) command += " --config " + a.config;
     if (a.no_control) command += " --no-control";
     if (a.seeds > 1) command += fmt::format(" --seeds {}", a.seeds);
+    for (const std::string& range : a.sweep.vary) command += " --vary " + range;
+    if (a.sweep.draws > 0) command += fmt::format(" --draws {}", a.sweep.draws);
     return command;
 }
 
-int sweep_seeds(const StudyArguments& arguments, const SystemSettings& settings) {
+SweepOptions sweep_options(const StudyArguments& arguments, const SystemSettings& settings) {
     SweepOptions options;
     options.protocols = protocols_of(arguments, settings);
     options.seeds = arguments.seeds;
@@ -58,23 +61,17 @@ int sweep_seeds(const StudyArguments& arguments, const SystemSettings& settings)
     options.jobs = arguments.jobs;
     if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     options.stop = &stop_requested();
-    const SweepResult result = run_sweep(settings, options);
-    for (const ClaimCount& c : result.tally.counts()) {
-        if (c.judged == 0) continue;
-        fmt::print("{:>4.0f} % of {} seeds {:<18} {}\n", 100 * c.fraction(), c.judged, c.claim.id,
-                   c.fragile() ? "fragile: " + c.claim.claim : c.claim.claim);
-    }
-    fmt::print("report: {}\n", (options.out / "report.html").string());
-    if (!result.complete)
-        spdlog::error("interrupted; the {} seeds that were done are kept", result.tally.studies());
-    return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
+    return options;
 }
 
 int run_one_study(const StudyArguments& arguments) {
     SystemSettings settings = load_system_settings(arguments.config);
     if (!arguments.order.empty()) settings.plan.order = *parse_order(arguments.order);
     install_stop_signals();
-    if (arguments.seeds > 1) return sweep_seeds(arguments, settings);
+    if (arguments.sweep.asked()) {
+        return sweep_parameters(arguments.config, arguments.sweep, sweep_options(arguments, settings));
+    }
+    if (arguments.seeds > 1) return sweep_seeds(settings, sweep_options(arguments, settings));
     StudyOptions options;
     options.protocols = protocols_of(arguments, settings);
     options.out = arguments.out;
@@ -121,6 +118,20 @@ Command add_study(CLI::App& app) {
                 "the whole study with that many seeds, from --seed on: how often does each claim come out?")
             ->default_val(1)
             ->check(CLI::Range(1, 1000000));
+    CLI::Option* vary =
+        study
+            ->add_option("--vary", a.sweep.vary,
+                         "a parameter of operator or rig from LOW to HIGH in POINTS steps, --seeds studies "
+                         "each: which claims survive? May be given several times, one after another")
+            ->type_name("NAME=LOW:HIGH:POINTS")
+            ->allow_extra_args(false);
+    CLI::Option* draws =
+        study
+            ->add_option("--draws", a.sweep.draws,
+                         "that many studies, each with all uncertain parameters drawn anew within their "
+                         "ranges (or those of --vary NAME=LOW:HIGH)")
+            ->check(CLI::Range(1, 1000000))
+            ->excludes(seeds);
     study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
     study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
     study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
@@ -128,18 +139,27 @@ Command add_study(CLI::App& app) {
     study->add_flag("--no-control", a.no_control, "leave out the same trials without delay (control.csv)");
     // Of a sweep only the claims are kept.
     study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV")
-        ->excludes(seeds);
+        ->excludes(seeds)
+        ->excludes(vary)
+        ->excludes(draws);
     CLI::Option* overwrite =
         study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
     study
         ->add_flag("--resume", a.resume,
                    "go on where an interrupted study of the same settings ended; the same bytes come out")
         ->excludes(overwrite)
-        ->excludes(seeds);
-    study->add_flag("--json", a.json, "print summary.json on stdout")->excludes(seeds);
+        ->excludes(seeds)
+        ->excludes(vary)
+        ->excludes(draws);
+    study->add_flag("--json", a.json, "print summary.json on stdout")
+        ->excludes(seeds)
+        ->excludes(vary)
+        ->excludes(draws);
     study->footer(
         "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
         "  thimble study --experiment all --seeds 100 --out out/seeds\n"
+        "  thimble study --vary handle.friction_N=0.3:1:8 --seeds 12 --out out/friction\n"
+        "  thimble study --experiment all --draws 300 --out out/robust\n"
         "  thimble study --experiment 3 --subjects 40 --order williams --out out/large\n"
         "  thimble study --experiment 3 --subjects 40 --order williams --out out/large --resume");
     return {study, [arguments] { return run_one_study(*arguments); }};

@@ -35,7 +35,7 @@ const char* to_string(ClaimClass c) {
     return "?";
 }
 
-ConfidenceInterval ClaimCount::interval() const { return wilson_interval(reproduced, judged); }
+ConfidenceInterval ClaimCount::interval() const { return wilson_interval(reproduced, studies); }
 
 ClaimClass ClaimCount::classified() const {
     if (judged == 0) return ClaimClass::kNotJudged;
@@ -50,6 +50,7 @@ void ClaimTally::add(const std::vector<Claim>& claims) {
     }
     for (std::size_t i = 0; i < claims.size(); ++i) {
         ClaimCount& count = counts_[i];
+        ++count.studies;
         count.judged += claims[i].reproduced.has_value();
         count.reproduced += claims[i].reproduced.value_or(false);
         count.directed += claims[i].direction.has_value();
@@ -78,7 +79,7 @@ ReportTable tally_table(std::string title, const ClaimTally& tally, const std::s
         {}};
     for (const ClaimCount& c : tally.counts()) {
         if (only_fragile && !c.fragile()) continue;
-        table.rows.push_back({c.claim.id, c.claim.claim, c.claim.paper, fmt::format("{}", c.judged),
+        table.rows.push_back({c.claim.id, c.claim.claim, c.claim.paper, fmt::format("{}", c.studies),
                               fraction_text(c),
                               c.directed > 0 ? fmt::format("{:.0f} %", 100 * c.direction_fraction()) : "",
                               to_string(c.classified()), c.claim.ours});
@@ -92,6 +93,7 @@ nlohmann::ordered_json to_json(const ClaimCount& count) {
     if (over_all.direction) over_all.direction = count.direction_fraction() >= kReproducedFrom;
     nlohmann::ordered_json entry = to_json(over_all);
     entry["class"] = to_string(count.classified());
+    entry["studies"] = count.studies;
     entry["studies_judged"] = count.judged;
     entry["studies_reproduced"] = count.reproduced;
     if (count.judged > 0) {

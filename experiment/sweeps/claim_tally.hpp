@@ -30,13 +30,15 @@ const char* to_string(ClaimClass c);  // "not judged", "reproduced", "in directi
 
 struct ClaimCount {
     Claim claim;  // as judged in the first study
-    std::uint32_t judged = 0;
+    std::uint32_t studies = 0;
+    std::uint32_t judged = 0;  // 0: by none, as of an experiment that was not run
     std::uint32_t reproduced = 0;
     std::uint32_t directed = 0;  // studies in which it had a direction
     std::uint32_t direction = 0;
 
-    double fraction() const { return judged > 0 ? static_cast<double>(reproduced) / judged : 0; }
-    double direction_fraction() const { return directed > 0 ? static_cast<double>(direction) / directed : 0; }
+    // Of all studies: where a test refuses the data, the claim does not come out.
+    double fraction() const { return judged > 0 ? static_cast<double>(reproduced) / studies : 0; }
+    double direction_fraction() const { return directed > 0 ? static_cast<double>(direction) / studies : 0; }
     ConfidenceInterval interval() const;  // of fraction(), Wilson, 95 %; judged > 0
     bool fragile() const { return judged > 0 && fraction() < kFragileBelow; }
     ClaimClass classified() const;

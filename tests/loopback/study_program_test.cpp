@@ -66,6 +66,13 @@ TEST(StudyProgram, MistakesAreNamed) {
         EXPECT_THAT(refused.words, AllOf(HasSubstr("--seeds"), HasSubstr(option)));
         EXPECT_FALSE(std::filesystem::exists(out));
     }
+    for (const char* range : {"handle.fricion_N=0:1:3", "handle.friction_N=0:1", "handle.friction_N=0:9:3"}) {
+        const std::string out = (folder / "varied").string();
+        const Outcome refused = thimble_with({"study", "--vary", range, "--out", out});
+        EXPECT_EQ(refused.code, 2) << refused.words;
+        EXPECT_THAT(refused.words, HasSubstr("handle.fric"));
+        EXPECT_FALSE(std::filesystem::exists(out));
+    }
     const Outcome missing = thimble_with({"analyse", (folder / "nothing.csv").string()});
     EXPECT_EQ(missing.code, 5) << missing.words;
     EXPECT_THAT(missing.words, HasSubstr("nothing.csv"));

@@ -1,0 +1,30 @@
+// All uncertain parameters drawn at once, a study for each draw: how much of a claim depends on the point that
+// was chosen for them?
+#pragma once
+
+#include "experiment/sweeps/claim_tally.hpp"
+#include "experiment/sweeps/judged_study.hpp"
+#include "experiment/sweeps/parameter_range.hpp"
+
+namespace thimble {
+
+struct JointDraw {
+    std::uint64_t seed = 0;      // of the study, and of the draw
+    std::vector<double> values;  // of the parameters, in their order, SI
+};
+
+// Independent and uniform within the ranges. A pure function of its arguments; a further parameter changes no
+// other.
+JointDraw draw_jointly(const std::vector<ParameterRange>& ranges, std::uint64_t seed);
+
+struct DrawsResult {
+    ClaimTally tally;
+    bool complete = true;
+};
+
+// options.seeds draws. Writes draws.csv (seed, then a column per parameter), claims_draws.csv (seed, id,
+// reproduced, direction), both as each study ends, claims.json and report.html.
+DrawsResult run_draws(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
+                      const SweepOptions& options);
+
+}  // namespace thimble

@@ -1,0 +1,107 @@
+// Studies along a parameter and over joint draws of several, small enough to run in a moment.
+#include "experiment/sweeps/variation.hpp"
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "experiment/no_lag.hpp"
+#include "experiment/study.hpp"
+#include "experiment/sweeps/joint_draws.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+class Sweeps : public testing::Test {
+  protected:
+    Sweeps() : folder_(std::filesystem::path(testing::TempDir()) / "thimble_sweeps") {
+        std::filesystem::remove_all(folder_);
+        options_.protocols = {experiment_3(paper(), 3, 5)};
+        options_.protocols[0].trials_per_modality = 1;
+        options_.out = folder_;
+    }
+    ~Sweeps() override { std::filesystem::remove_all(folder_); }
+
+    std::string text(const char* name) const {
+        std::ostringstream all;
+        all << std::ifstream(folder_ / name).rdbuf();
+        return all.str();
+    }
+    std::size_t lines(const char* name) const {
+        const std::string all = text(name);
+        return static_cast<std::size_t>(std::count(all.begin(), all.end(), '\n'));
+    }
+
+    std::filesystem::path folder_;
+    SweepOptions options_;
+};
+
+double stable_fraction(const VariedPoint& point) {
+    for (const ClaimCount& c : point.tally.counts()) {
+        if (c.claim.id == "E3.stable") return c.fraction();
+    }
+    return -1;
+}
+
+// With 3 N of friction no first touch is thrown out, with 0.4 N every one is.
+TEST_F(Sweeps, AParameterDecidesWhichClaimsSurvive) {
+    const VariationResult result =
+        run_variations("", {parse_parameter_range("handle.friction_N=0.4:3:2")}, options_);
+    EXPECT_TRUE(result.complete);
+    ASSERT_EQ(result.variations.size(), 1U);
+    ASSERT_EQ(result.variations[0].points.size(), 2U);
+    EXPECT_EQ(stable_fraction(result.variations[0].points[0]), 1);
+    EXPECT_EQ(stable_fraction(result.variations[0].points[1]), 0);
+    EXPECT_EQ(lines("claims_vary.csv"), 1 + 2 * result.variations[0].points[0].tally.counts().size());
+    EXPECT_NE(text("report.html").find("handle.friction_N"), std::string::npos);
+    EXPECT_NE(text("vary.json").find("E3.stable"), std::string::npos);
+}
+
+TEST_F(Sweeps, NothingIsWrittenIfAnyPointIsRefused) {
+    const std::vector<ParameterRange> ranges{parse_parameter_range("handle.friction_N=0.4:1:2"),
+                                             parse_parameter_range("operator.brake_s=0.1:9:2")};
+    EXPECT_THROW(run_variations("", ranges, options_), Error);
+    EXPECT_THROW(run_draws("", {parse_parameter_range("operator.brake_s=0.1:9")}, options_), Error);
+    EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+TEST_F(Sweeps, DrawsAreKeptWithWhatCameOut) {
+    options_.seeds = 2;
+    const std::vector<ParameterRange> ranges{parse_parameter_range("handle.friction_N=0.4:1"),
+                                             parse_parameter_range("operator.brake_s=0.1:0.2")};
+    const DrawsResult result = run_draws("", ranges, options_);
+    EXPECT_TRUE(result.complete);
+    EXPECT_EQ(result.tally.studies(), 2U);
+    EXPECT_EQ(lines("draws.csv"), 3U);
+    EXPECT_EQ(text("draws.csv").rfind("seed,handle.friction_N,operator.brake_s\n5,", 0), 0U);
+    EXPECT_EQ(lines("claims_draws.csv"), 1 + 2 * result.tally.counts().size());
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "claims.json"));
+}
+
+TEST_F(Sweeps, AnInterruptKeepsWhatWasDone) {
+    const std::atomic<bool> stop = true;
+    options_.stop = &stop;
+    EXPECT_FALSE(run_variations("", {parse_parameter_range("handle.friction_N=0.4:1:2")}, options_).complete);
+    EXPECT_EQ(lines("claims_vary.csv"), 1U);
+}
+
+// The trials of experiment 1 themselves, but for the lag: shallower in every subject.
+TEST(NoLag, OnlyTheLagDiffers) {
+    const Protocol one = experiment_1(paper(), 2, 1);
+    const std::vector<TrialConditions> again = no_lag_trials({one, experiment_3(paper(), 2, 1)});
+    EXPECT_EQ(again.size(), 12U);
+    for (const TrialConditions& trial : again) EXPECT_EQ(trial.modality, Modality::kCF);
+    const TrialMetrics with = measure(run_virtual_trial(paper(), again[0]));
+    const TrialMetrics without = measure(run_virtual_trial(without_lag(paper()), again[0]));
+    EXPECT_EQ(with.first_contact_time_s, without.first_contact_time_s);
+    EXPECT_GT(with.penetration_max_m, without.penetration_max_m + 0.0002);
+    EXPECT_LT(with.penetration_max_m, without.penetration_max_m + 0.002);
+}
+
+}  // namespace
+}  // namespace thimble::test
