@@ -52,6 +52,7 @@ Finding lag_finding(const StudyColumns& one, const StudyColumns& no_lag) {
 double session_s(const StudyColumns& columns) {
     double sum_s = 0;
     for (const TrialRow& row : columns.rows()) sum_s += row.metrics.duration_s;
+    if (std::isnan(sum_s)) throw Error(ExitCode::kData, "a trial's duration is missing");
     return sum_s / static_cast<double>(columns.subjects().size());
 }
 

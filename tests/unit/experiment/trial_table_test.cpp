@@ -61,7 +61,7 @@ TEST(TrialTable, HeaderNamesEveryColumnInSI) {
         "completion_time_s,peak_displacement_m,contacts_lost,oscillation_rms_m,oscillation_peak_to_peak_m,"
         "oscillation_frequency_Hz,oscillates,beeped,outcome,seed,fixture_removed,delay_achieved_s,round_trip_"
         "s,"
-        "puncture_time_s,first_contact_time_s\n");
+        "puncture_time_s,first_contact_time_s,duration_s\n");
 }
 
 TEST(TrialTable, RowIsInTheFileWhenAppendReturns) {
