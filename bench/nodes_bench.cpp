@@ -2,6 +2,7 @@
 //   build/release/bin/thimble-bench --benchmark_filter=part
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <benchmark/benchmark.h>
 
@@ -24,7 +25,7 @@ void part_slave_node(benchmark::State& state) {
     std::array<NeedleCommand, 4096> commands{};
     for (std::size_t i = 0; i < commands.size(); ++i) {
         const double phase =
-            2 * 3.14159265358979 * static_cast<double>(i) / static_cast<double>(commands.size());
+            2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(commands.size());
         commands[i].position_needle_m = commands[i].position_needle_estimate_m =
             0.05 - 0.05 * std::cos(phase);
     }

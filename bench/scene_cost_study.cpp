@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "bench/studies.hpp"
-#include "common/error.hpp"
+#include "common/runtime/node_program.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/gnuplot.hpp"
@@ -82,7 +83,7 @@ std::vector<Case> make_cases() {
 std::vector<double> stroke(const Case& c) {
     std::vector<double> needle_m(kPeriod);
     for (std::size_t i = 0; i < kPeriod; ++i) {
-        const double phase = 2 * 3.14159265358979 * static_cast<double>(i) / kPeriod;
+        const double phase = 2 * std::numbers::pi * static_cast<double>(i) / kPeriod;
         needle_m[i] = c.low_m + (c.high_m - c.low_m) * (0.5 - 0.5 * std::cos(phase));
     }
     return needle_m;
@@ -171,11 +172,7 @@ int scene_cost_study(int argc, char** argv) {
     app.add_option("-o,--out", out, "folder for scene_cost.csv and the figure")->capture_default_str();
     app.add_flag("--quick", quick, "few steps: shows that it runs, the figures mean little");
     app.footer("Example:\n  thimble-bench scene-cost --out out/scene-cost");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
-    }
+    if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     std::filesystem::create_directories(out);
     std::vector<Case> cases = make_cases();
     measure(cases, quick ? 1 : 15, quick ? kPeriod : 200 * kPeriod);

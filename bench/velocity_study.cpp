@@ -7,6 +7,7 @@
 #include "bench/studies.hpp"
 #include "bench/velocity/velocity_report.hpp"
 #include "common/error.hpp"
+#include "common/runtime/node_program.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/progress.hpp"
 
@@ -139,11 +140,7 @@ int velocity_study(int argc, char** argv) {
         ->capture_default_str();
     app.add_flag("--quick", options.quick, "2 repeats instead of 32: for a look, not for a table");
     app.footer("Example:\n  thimble-bench velocity --seed 1 --out out/velocity");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
-    }
+    if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     options.study.encoder.jitter = from_seconds(options.jitter_s);
     if (options.quick) options.study.repeats = 2;
     run_study(options);

@@ -12,7 +12,7 @@
 #include "bench/work_precision/figure.hpp"
 #include "bench/work_precision/real_time.hpp"
 #include "bench/work_precision/tables.hpp"
-#include "common/error.hpp"
+#include "common/runtime/node_program.hpp"
 #include "experiment/progress.hpp"
 
 namespace thimble {
@@ -92,11 +92,7 @@ int work_precision_study(int argc, char** argv) {
         "Example:\n  thimble-bench work-precision --problem insert_100mm_s underdamped --out "
         "out/work-precision\n\n"
         "Exit codes: 0 ok (whatever was measured), 1 failed, 2 usage.");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
-    }
+    if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     return run(options);
 }
 

@@ -10,6 +10,10 @@
 
 namespace thimble {
 
+// Where the paper says P < .0001, and where it says that nothing differs, P > .1.
+inline constexpr double kHighlySignificant = 1e-4;
+inline constexpr double kNoDifference = 0.1;
+
 void claim_without_delay(const StudyColumns& one, std::vector<Claim>& claims);
 void claim_sudden_removal(const StudyColumns& two, std::vector<Claim>& claims);
 void claim_with_delay(const StudyColumns& one, const StudyColumns& three, std::vector<Claim>& claims);

@@ -1,6 +1,5 @@
 #include "experiment/claims.hpp"
 
-#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include "common/error.hpp"
 #include "experiment/claim_list.hpp"
 #include "experiment/statistics/descriptive.hpp"
+#include "experiment/text_file.hpp"
 
 namespace thimble {
 
@@ -24,20 +24,18 @@ std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows) {
     return claims;
 }
 
+nlohmann::ordered_json to_json(const Claim& claim) {
+    nlohmann::ordered_json json{
+        {"id", claim.id}, {"claim", claim.claim}, {"paper", claim.paper}, {"ours", claim.ours}};
+    json["reproduced"] =
+        claim.reproduced ? nlohmann::ordered_json(*claim.reproduced) : nlohmann::ordered_json();
+    return json;
+}
+
 void write_claims(const std::vector<Claim>& claims, const std::filesystem::path& json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const Claim& c : claims) {
-        nlohmann::ordered_json entry{{"id", c.id}, {"claim", c.claim}, {"paper", c.paper}, {"ours", c.ours}};
-        entry["reproduced"] = c.reproduced ? nlohmann::ordered_json(*c.reproduced) : nlohmann::ordered_json();
-        list.push_back(std::move(entry));
-    }
-    std::ofstream out(json, std::ios::binary);
-    out << list.dump(2) << '\n';
-    out.close();
-    if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", json.string()));
-    }
+    for (const Claim& claim : claims) list.push_back(to_json(claim));
+    write_text_file(json, list.dump(2) + "\n");
 }
 
 void add_claim(std::vector<Claim>& claims, const StudyColumns& columns, Claim claim,

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "experiment/html.hpp"
 #include "experiment/trial_table.hpp"
 
@@ -26,7 +28,10 @@ struct Claim {
 // Every claim of the paper that can be checked, in a fixed order. Rows of any experiments, also of none.
 std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows);
 
-// A list of objects id, claim, paper, ours, reproduced (null if not judged). Replaces the file; throws Error
+// An object id, claim, paper, ours, reproduced (null if not judged), in this order.
+nlohmann::ordered_json to_json(const Claim& claim);
+
+// A list of such objects. Replaces the file; throws Error
 // (run failed) if it cannot be written.
 void write_claims(const std::vector<Claim>& claims, const std::filesystem::path& json);
 

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "experiment/claim_list.hpp"
-#include "experiment/headline.hpp"
 #include "experiment/statistics/friedman.hpp"
 
 namespace thimble {
@@ -22,7 +21,7 @@ Finding friedman_finding(const StudyColumns& columns, Metric metric) {
         fmt::format("{}; mean ranks {}; chi^2 = {:.2f}, {} (asymptotic {})", means_text(table, metric), ranks,
                     test.chi_squared, test.p_exact ? "exact " + p_text(*test.p_exact) : "no exact P",
                     p_text(test.p_asymptotic)),
-        test.p() < 1e-4};
+        test.p() < kHighlySignificant};
 }
 
 // The first is larger than the second, at the paper's level.
@@ -115,7 +114,7 @@ void claim_with_delay(const StudyColumns& one, const StudyColumns& three, std::v
                   const double with = friedman(three.table(Metric::kCompletionTime).table).p();
                   return Finding{
                       fmt::format("time: {} without delay, {} with", p_text(without), p_text(with)),
-                      without > 0.1 && with < 1e-4};
+                      without > kNoDifference && with < kHighlySignificant};
               });
 }
 

@@ -1,7 +1,4 @@
 // Experiments 1 and 2, and what the paper's discussion says of them.
-#include <algorithm>
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "experiment/claim_list.hpp"
@@ -29,7 +26,7 @@ Finding order_finding(const StudyColumns& columns, Metric metric) {
     return {fmt::format("{}; F({:g}, {:g}) = {:.1f}, {}, Greenhouse-Geisser {}, partial eta^2 = {:.2f}",
                         means_text(table, metric), anova.df_conditions, anova.df_error, anova.f,
                         p_text(anova.p), p_text(anova.p_greenhouse_geisser), anova.partial_eta_squared),
-            in_order(table) && anova.p < 1e-4};
+            in_order(table) && anova.p < kHighlySignificant};
 }
 
 // All six pairs in the paper's direction, each at its limit.
@@ -92,7 +89,7 @@ std::string group_means(const std::vector<NamedValues>& groups) {
     return text + " mm";
 }
 
-// The pairs that `wanted` chooses by whether HF is in them: text, and whether `good` holds for all.
+// The pairs with HF in them, or those without it: text, and whether `good` holds for all.
 template <class Good>
 Finding removal_pairs(const StudyColumns& columns, bool with_handle, const Good& good) {
     const auto groups = columns.groups(Metric::kPeakDisplacement);
@@ -150,7 +147,7 @@ void claim_without_delay(const StudyColumns& one, std::vector<Claim>& claims) {
             return Finding{
                 fmt::format("{}; chi^2 = {:.2f}, {}, W = {:.2f}", means_text(table, Metric::kCompletionTime),
                             test.chi_squared, p_text(test.p()), test.kendalls_w),
-                test.p() > 0.1};
+                test.p() > kNoDifference};
         });
 }
 
@@ -163,7 +160,7 @@ void claim_sudden_removal(const StudyColumns& two, std::vector<Claim>& claims) {
             const OneWayAnova anova = one_way_anova(groups);
             return Finding{fmt::format("{}; F({:g}, {:g}) = {:.1f}, {}", group_means(groups),
                                        anova.df_between, anova.df_within, anova.f, p_text(anova.p)),
-                           anova.p < 1e-4};
+                           anova.p < kHighlySignificant};
         });
     add_claim(claims, two,
               {"E2.peak.hf",

@@ -69,11 +69,9 @@ void keep_lines(const std::filesystem::path& path, std::size_t lines) {
     std::ifstream in(path, std::ios::binary);
     if (!in) return;
     std::uintmax_t kept = 0;
-    std::uintmax_t read = 0;
     std::size_t newlines = 0;
     for (std::string line; newlines <= lines && std::getline(in, line) && !in.eof(); ++newlines) {
-        read += line.size() + 1;
-        kept = read;
+        kept += line.size() + 1;
     }
     in.close();
     std::error_code failure;

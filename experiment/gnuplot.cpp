@@ -10,21 +10,12 @@
 
 #include "common/error.hpp"
 #include "experiment/subprocess.hpp"
+#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {
 
 constexpr const char* kRemedy = "install gnuplot (Debian: gnuplot-nox) to get the figures";
-
-void write_file(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream out(path, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", path.string()));
-    }
-}
 
 void replace_all(std::string& text, std::string_view from, const std::string& to) {
     for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
@@ -70,8 +61,8 @@ std::string run_gnuplot(const std::filesystem::path& directory, const std::strin
                         const std::string& data, const std::string& script) {
     std::error_code failure;
     std::filesystem::create_directories(directory, failure);  // what went wrong shows when writing
-    write_file(directory / (name + ".tsv"), data);
-    write_file(directory / (name + ".gp"), script);
+    write_text_file(directory / (name + ".tsv"), data);
+    write_text_file(directory / (name + ".gp"), script);
     const std::filesystem::path picture = directory / (name + ".svg");
     std::filesystem::remove(picture, failure);  // a picture of an earlier run must not pass for this one
 

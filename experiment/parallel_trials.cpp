@@ -1,5 +1,6 @@
 // run_trials: worker threads that take the next trial from a counter and leave its record in a window of
 // slots, from which one thread takes them in order.
+#include <algorithm>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -89,6 +90,10 @@ class Pool {
 };
 
 }  // namespace
+
+unsigned thread_count(unsigned jobs) {
+    return jobs != 0 ? jobs : std::max(1U, std::thread::hardware_concurrency());
+}
 
 bool run_trials(const SystemSettings& settings, const std::vector<TrialConditions>& trials, unsigned jobs,
                 const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take) {

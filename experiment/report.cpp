@@ -1,12 +1,11 @@
 #include "experiment/report.hpp"
 
-#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "common/error.hpp"
 #include "experiment/report_tables.hpp"
+#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -88,13 +87,7 @@ void write_report(const ReportInput& report, const std::filesystem::path& html) 
     std::string body = html_element("h1", report.title) + "\n" + headlines_html(report);
     for (const ReportSection& section : report.sections) body += section_html(section);
     body += provenance_html(report);
-    std::ofstream out(html, std::ios::binary);
-    out << html_page(report.title, body);
-    out.close();
-    if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", html.string()));
-    }
+    write_text_file(html, html_page(report.title, body));
 }
 
 }  // namespace thimble

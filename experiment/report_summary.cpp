@@ -1,10 +1,7 @@
-#include <fstream>
-
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.hpp"
 #include "experiment/report.hpp"
+#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -66,13 +63,7 @@ void write_summary(const ReportInput& report, const std::filesystem::path& json_
     for (const auto& [key, value] : report.provenance) json["provenance"][key] = value;
     json["sections"] = Json::array();
     for (const ReportSection& section : report.sections) json["sections"].push_back(to_json(section));
-    std::ofstream out(json_path, std::ios::binary);
-    out << json.dump(2) << '\n';
-    out.close();
-    if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", json_path.string()));
-    }
+    write_text_file(json_path, json.dump(2) + "\n");
 }
 
 }  // namespace thimble

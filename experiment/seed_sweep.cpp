@@ -1,18 +1,17 @@
 #include "experiment/seed_sweep.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <thread>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.hpp"
 #include "common/version.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
 #include "experiment/statistics/wilson.hpp"
 #include "experiment/study.hpp"
+#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -25,9 +24,7 @@ std::vector<TrialRow> rows_of(const SystemSettings& settings, const SweepOptions
     std::vector<Protocol> protocols = options.protocols;
     for (Protocol& protocol : protocols) protocol.seed = seed;
     std::vector<TrialRow> rows;
-    const unsigned jobs =
-        options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency());
-    complete = run_trials(settings, all_trials(protocols), jobs, options.stop,
+    complete = run_trials(settings, all_trials(protocols), thread_count(options.jobs), options.stop,
                           [&](const TrialRecord& record) { rows.push_back(make_row(record)); });
     return rows;
 }
@@ -68,9 +65,9 @@ ReportTable counts_table(std::string title, const std::vector<ClaimCount>& count
 void write_json(const std::vector<ClaimCount>& counts, const std::filesystem::path& path) {
     Json list = Json::array();
     for (const ClaimCount& c : counts) {
-        Json entry{
-            {"id", c.claim.id}, {"claim", c.claim.claim}, {"paper", c.claim.paper}, {"ours", c.claim.ours}};
-        entry["reproduced"] = c.judged == 0 ? Json() : Json(!c.fragile());
+        Claim over_all_seeds = c.claim;
+        over_all_seeds.reproduced = c.judged == 0 ? std::nullopt : std::optional(!c.fragile());
+        Json entry = to_json(over_all_seeds);
         entry["seeds_judged"] = c.judged;
         entry["seeds_reproduced"] = c.reproduced;
         if (c.judged > 0) {
@@ -79,13 +76,7 @@ void write_json(const std::vector<ClaimCount>& counts, const std::filesystem::pa
         }
         list.push_back(std::move(entry));
     }
-    std::ofstream out(path, std::ios::binary);
-    out << list.dump(2) << '\n';
-    out.close();
-    if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", path.string()));
-    }
+    write_text_file(path, list.dump(2) + "\n");
 }
 
 void report(const SweepOptions& options, const SweepResult& result) {

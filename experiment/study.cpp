@@ -1,9 +1,7 @@
 #include "experiment/study.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <map>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -22,9 +20,7 @@ namespace {
 class Study {
   public:
     Study(const SystemSettings& settings, const StudyOptions& options)
-        : settings_(settings),
-          options_(options),
-          jobs_(options.jobs != 0 ? options.jobs : std::max(1U, std::thread::hardware_concurrency())) {}
+        : settings_(settings), options_(options), jobs_(thread_count(options.jobs)) {}
 
     StudyResult run() {
         std::filesystem::create_directories(options_.out);
@@ -35,8 +31,7 @@ class Study {
             run_table({control}, "control");
         }
         // Not before a table: it is the one that refuses a folder with another study in it.
-        write_subjects(options_.out / "subjects.csv", IfExists::kReplace, settings_.person,
-                       options_.protocols);
+        write_subjects(options_.out / "subjects.csv", settings_.person, options_.protocols);
         result_.claims = judge_claims(result_.rows);
         write_claims(result_.claims, options_.out / "claims.json");
         if (!result_.rows.empty()) report();
@@ -109,9 +104,7 @@ class Study {
     }
 
     ReportSection section(std::uint32_t experiment) const {
-        std::vector<TrialRow> rows;
-        std::copy_if(result_.rows.begin(), result_.rows.end(), std::back_inserter(rows),
-                     [&](const TrialRow& row) { return row.conditions.experiment == experiment; });
+        const std::vector<TrialRow> rows = of_experiment(result_.rows, experiment);
         const auto conditions = summarize(rows);
         const bool alone = panels_.size() == 1;
         ReportSection section =

@@ -27,6 +27,9 @@ struct StudyOptions {
     const std::atomic<bool>* stop = nullptr;  // asked between trials
 };
 
+// How many threads `jobs` asks for: 0 is one per core, if that is known.
+unsigned thread_count(unsigned jobs);
+
 // Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end
 // in; so nothing that is made from them depends on the number of threads. False if `stop` cut it short.
 bool run_trials(const SystemSettings& settings, const std::vector<TrialConditions>& trials, unsigned jobs,

@@ -2,21 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 namespace thimble {
 namespace {
 
-bool belongs(const TrialRow& row, std::uint32_t experiment) {
-    const bool delayed = row.conditions.delay_s > 0;
-    return row.conditions.experiment == experiment && delayed == (experiment == 3) && ran_to_its_end(row);
+bool has_own_delay(const TrialRow& row) {
+    return (row.conditions.delay_s > 0) == (row.conditions.experiment == 3);
 }
 
 }  // namespace
 
-StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment) {
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(rows_),
-                 [&](const TrialRow& row) { return belongs(row, experiment); });
+StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment)
+    : rows_(of_experiment(rows, experiment)) {
+    std::erase_if(rows_, [](const TrialRow& row) { return !has_own_delay(row) || !ran_to_its_end(row); });
     for (const TrialRow& row : rows_) subjects_.push_back(row.conditions.subject);
     std::sort(subjects_.begin(), subjects_.end());
     subjects_.erase(std::unique(subjects_.begin(), subjects_.end()), subjects_.end());

@@ -19,7 +19,6 @@ class StudyColumns {
 
     bool empty() const { return rows_.empty(); }
     const std::vector<TrialRow>& rows() const { return rows_; }
-    std::size_t subjects() const { return subjects_.size(); }
 
     // Columns in the order of kModalities, SI. A subject without a value in a modality (no trial of it came to
     // that measure) is left out of all: see `dropped`. Throws Error (data) if no subject has all four.

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "experiment/csv.hpp"
+#include "experiment/csv_file.hpp"
 
 namespace thimble {
 namespace {
@@ -33,14 +34,14 @@ std::string line_of(const Subject& drawn, std::uint32_t cohort, std::uint32_t su
 
 }  // namespace
 
-void write_subjects(const std::filesystem::path& path, IfExists if_exists,
-                    const OperatorParameters& parameters, const std::vector<Protocol>& protocols) {
+void write_subjects(const std::filesystem::path& path, const OperatorParameters& parameters,
+                    const std::vector<Protocol>& protocols) {
     std::map<std::uint32_t, std::uint32_t> cohorts;  // its number of subjects
     for (const Protocol& protocol : protocols) {
         std::uint32_t& subjects = cohorts[cohort_of(protocol.experiment)];
         subjects = std::max(subjects, protocol.subjects);
     }
-    CsvFile file(path, if_exists);
+    CsvFile file(path, IfExists::kReplace);
     file.write(kHeader);
     for (const auto& [cohort, subjects] : cohorts) {
         const std::uint64_t seed = protocols.front().seed;

@@ -117,6 +117,13 @@ TrialRow make_row(const TrialRecord& record) {
             record.lost_peer,  record.achieved_delay_s, record.round_trip_s};
 }
 
+std::vector<TrialRow> of_experiment(const std::vector<TrialRow>& rows, std::uint32_t experiment) {
+    std::vector<TrialRow> kept;
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept),
+                 [&](const TrialRow& row) { return row.conditions.experiment == experiment; });
+    return kept;
+}
+
 std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows) {
     std::vector<TrialRow> kept;
     std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept),

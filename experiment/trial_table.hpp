@@ -1,6 +1,7 @@
 // The table of trials, one CSV line each: conditions, metrics, how it ended. SI units, named in the columns.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -39,6 +40,8 @@ inline bool ran_to_its_end(const TrialRow& row) {
     return row.reason == EndReason::kCompleted || row.reason == EndReason::kTimeout;
 }
 
+// Those of one experiment, its control trials included.
+std::vector<TrialRow> of_experiment(const std::vector<TrialRow>& rows, std::uint32_t experiment);
 // Those that end as they began: the others cannot be pooled with them.
 std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows);
 

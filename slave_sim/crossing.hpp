@@ -47,8 +47,7 @@ inline GapMotion::Sample GapMotion::at(const Propagator& p) const {
     const double a = acceleration_surface_m_per_s2;
     const double t = p.duration_s;
     // As changes since t = 0, so that a gap that starts at zero keeps its digits.
-    const double moved_m =
-        velocity_needle_m_per_s * t - (p.position_per_velocity_s * v + p.position_per_acceleration_s2 * a);
+    const double moved_m = velocity_needle_m_per_s * t - p.moved_m(v, a);
     const double slowed_m_per_s =
         law->stiffness_per_s2() * p.position_per_acceleration_s2 * v - p.velocity_per_acceleration_s * a;
     const double rate_m_per_s = (velocity_needle_m_per_s - v) + slowed_m_per_s;

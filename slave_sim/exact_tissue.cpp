@@ -15,10 +15,6 @@ constexpr unsigned kMostTransitions = 64;
 constexpr double kProgress = 1e-6;
 constexpr std::string_view kUnresolved = "unresolved";  // the rest of the step was not searched
 
-double velocity_after(const Propagator& p, double velocity_m_per_s, double acceleration_m_per_s2) {
-    return p.velocity_per_velocity * velocity_m_per_s + p.velocity_per_acceleration_s * acceleration_m_per_s2;
-}
-
 }  // namespace
 
 // What is left of a step after the transitions found so far.
@@ -162,7 +158,7 @@ double ExactTissue::crossing(Leg& leg, const SecondOrder& law, const Propagator&
     }
     if (after_s < leg.remaining_s * (1 - 1e-15)) return after_s;
     // Where the line ends is known better than where its slope leads: a needle that ends on the surface to
-    // the last bit has not passed it.
+    // the last bit has not passed it. (Summed from the left, not by moved_m(): that rounds otherwise.)
     const double surface_end_m = surface_m_ + p.position_per_velocity_s * velocity_surface_m_per_s_ +
                                  p.position_per_acceleration_s2 * acceleration;
     return gap.side * (leg.needle_end_m - surface_end_m) > 0 ? after_s : kNoCrossing;
@@ -182,13 +178,13 @@ bool ExactTissue::moving_leg(Leg& leg) {
     if (leg.search && may_cross(leg, law, acceleration)) {
         const double after_s = crossing(leg, law, cached, acceleration);
         if (after_s != kNoCrossing) {
-            velocity_surface_m_per_s_ = velocity_after(law.propagator(after_s), v, acceleration);
+            velocity_surface_m_per_s_ = law.propagator(after_s).velocity_after_m_per_s(v, acceleration);
             enter(penetrated ? TissuePhase::kFree : TissuePhase::kContact, after_s, leg);
             return true;
         }
     }
-    velocity_surface_m_per_s_ = velocity_after(cached, v, acceleration);
-    surface_m_ += cached.position_per_velocity_s * v + cached.position_per_acceleration_s2 * acceleration;
+    velocity_surface_m_per_s_ = cached.velocity_after_m_per_s(v, acceleration);
+    surface_m_ += cached.moved_m(v, acceleration);
     return false;
 }
 

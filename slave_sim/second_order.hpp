@@ -15,6 +15,15 @@ struct Propagator {
     double velocity_per_acceleration_s = 0;   // S
     double position_per_velocity_s = 0;       // P
     double position_per_acceleration_s2 = 0;  // Q
+
+    // x(t) - x(0) and v(t), from v(0) and x''(0).
+    double moved_m(double velocity_m_per_s, double acceleration_m_per_s2) const {
+        return position_per_velocity_s * velocity_m_per_s +
+               position_per_acceleration_s2 * acceleration_m_per_s2;
+    }
+    double velocity_after_m_per_s(double velocity_m_per_s, double acceleration_m_per_s2) const {
+        return velocity_per_velocity * velocity_m_per_s + velocity_per_acceleration_s * acceleration_m_per_s2;
+    }
 };
 
 // Where x''(t), a damped exponential or sinusoid, is zero: at first_s, then every spacing_s. Infinite if

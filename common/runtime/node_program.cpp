@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -119,6 +118,15 @@ int run(const NodeProgram& program, const Options& options) {
 
 }  // namespace
 
+std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
+    }
+    return std::nullopt;
+}
+
 int guarded_main(const std::string& name, const std::function<int()>& body) {
     spdlog::set_default_logger(spdlog::stderr_color_mt(name));
     spdlog::set_pattern("%n: %^%l%$: %v");
@@ -154,12 +162,7 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
         app.footer(
             "Example:\n  " + program.example +
             "\n\nExit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.");
-        try {
-            app.parse(argc, argv);
-        } catch (const CLI::ParseError& error) {
-            return app.exit(error) == 0 ? static_cast<int>(ExitCode::kOk)
-                                        : static_cast<int>(ExitCode::kUsage);
-        }
+        if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
         return run(program, options);
     });
 }

@@ -85,7 +85,7 @@ Sitting::Answer Sitting::before(const std::optional<Step>& step) {
 }
 
 Sitting::Answer Sitting::ask(const std::string& prompt) {
-    options_.say(fmt::format("{}. {}", prompt, kCommandHelp));
+    options_.say(fmt::format("{}. {}", prompt, kPromptHelp));
     for (;;) {
         if (stopped()) return Answer::kStop;
         if (const auto line = options_.lines->take_line()) return obey(*line);
@@ -98,22 +98,22 @@ Sitting::Answer Sitting::ask(const std::string& prompt) {
 }
 
 Sitting::Answer Sitting::obey(const std::string& line) {
-    const Command command = parse_command(line);
+    const PromptCommand command = parse_prompt_line(line);
     switch (command.kind) {
-        case CommandKind::kGoOn:
+        case PromptKind::kGoOn:
             return go_on();
-        case CommandKind::kQuit:
+        case PromptKind::kQuit:
             return Answer::kStop;
-        case CommandKind::kReject:
+        case PromptKind::kReject:
             mark_last(ExclusionKind::kRejected, command.reason);
             break;
-        case CommandKind::kExclude:
+        case PromptKind::kExclude:
             mark_last(ExclusionKind::kExcluded, command.reason);
             break;
-        case CommandKind::kNoReason:
+        case PromptKind::kNoReason:
             options_.say("say why, e.g.: r sneezed");
             break;
-        case CommandKind::kUnknown:
+        case PromptKind::kUnknown:
             options_.say(fmt::format("'{}' is no command", line));
             break;
     }
@@ -175,6 +175,7 @@ SittingResult Sitting::result(ExitCode code, std::string problem) const {
                                        [](const SittingRecord& record) { return record.repeat_of != 0; });
     return {code,
             std::move(problem),
+            options_.participant,
             agenda_.begun(),
             agenda_.order.size(),
             agenda_.records.size(),

@@ -10,9 +10,9 @@
 
 #include "common/error.hpp"
 #include "experiment/sitting/agenda.hpp"
-#include "experiment/sitting/commands.hpp"
 #include "experiment/sitting/dataset.hpp"
 #include "experiment/sitting/line_source.hpp"
+#include "experiment/sitting/prompt.hpp"
 #include "experiment/trial_record.hpp"
 
 namespace thimble {
@@ -51,6 +51,7 @@ struct SittingOptions {
 struct SittingResult {
     ExitCode code = ExitCode::kOk;
     std::string problem;  // why it ended early; empty if the sitting is complete
+    std::uint32_t participant = 0;
     std::size_t trials_begun = 0, trials_planned = 0;
     std::size_t records = 0, repeats = 0;
 };

@@ -8,6 +8,7 @@
 namespace thimble {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -41,11 +42,30 @@ TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
     EXPECT_EQ(read_text(folder / "claims.json"), read_text(folder / "out" / "claims.json"));
 }
 
+// Commands that share an option's variable once shared its default too: results went into "out/report.html".
+TEST(StudyProgram, GoesIntoItsOwnFolderIfNoneIsNamed) {
+    const Folder folder;
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::create_directory(folder / "here");
+    std::filesystem::current_path(folder / "here");
+    const Outcome study = thimble_with({"study", "--experiment", "2", "--subjects", "1"});
+    std::filesystem::current_path(before);
+    EXPECT_EQ(study.code, 0) << study.words;
+    EXPECT_TRUE(std::filesystem::exists(folder / "here" / "out" / "study" / "trials.csv"));
+}
+
 TEST(StudyProgram, MistakesAreNamed) {
     const Folder folder;
     EXPECT_EQ(thimble_with({"study", "--experiment", "4"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--order", "latin"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--resume", "--overwrite"}).code, 2);
+    for (const char* option : {"--resume", "--trajectories", "--json"}) {
+        const std::string out = (folder / "out").string();
+        const Outcome refused = thimble_with({"study", "--seeds", "2", option, "--out", out});
+        EXPECT_EQ(refused.code, 2) << refused.words;
+        EXPECT_THAT(refused.words, AllOf(HasSubstr("--seeds"), HasSubstr(option)));
+        EXPECT_FALSE(std::filesystem::exists(out));
+    }
     const Outcome missing = thimble_with({"analyse", (folder / "nothing.csv").string()});
     EXPECT_EQ(missing.code, 5) << missing.words;
     EXPECT_THAT(missing.words, HasSubstr("nothing.csv"));

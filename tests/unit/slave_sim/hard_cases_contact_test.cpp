@@ -1,6 +1,7 @@
 // Hard cases of touching, piercing and leaving. The truth of each is written down here, from the formula of
 // its motion; docs/hard-cases.md lists them.
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ using enum TissuePhase;
 
 using Phases = std::vector<TissuePhase>;
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 class HardContact : public EverySolver {};
 THIMBLE_EVERY_SOLVER(HardContact);

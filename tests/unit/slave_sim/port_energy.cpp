@@ -74,12 +74,10 @@ void PortEnergy::leg(double duration_s, double needle_end_m) {
         const double drive_N = penetrated ? parameters_.drag_Ns_per_m * v : 0;
         const double a = law.acceleration(drive_N, surface_m_, velocity_surface_m_per_s_);
         const Propagator p = law.propagator(duration_s);
-        const double moved_m =
-            p.position_per_velocity_s * velocity_surface_m_per_s_ + p.position_per_acceleration_s2 * a;
+        const double moved_m = p.moved_m(velocity_surface_m_per_s_, a);
         if (penetrated) add(work_J_, parameters_.drag_Ns_per_m * v * (v * duration_s - moved_m));
         surface_m_ += moved_m;
-        velocity_surface_m_per_s_ =
-            p.velocity_per_velocity * velocity_surface_m_per_s_ + p.velocity_per_acceleration_s * a;
+        velocity_surface_m_per_s_ = p.velocity_after_m_per_s(velocity_surface_m_per_s_, a);
     }
     needle_m_ = needle_end_m;
 }
@@ -102,8 +100,7 @@ void PortEnergy::dissipate(double duration_s) {
     const double a = law.acceleration(drag * velocity_needle_m_per_s_, surface_m_, v);
     const auto loss = [&](double t_s) {
         if (phase_ == TissuePhase::kContact) return loss_W(velocity_needle_m_per_s_);
-        const Propagator at = law.propagator(t_s);
-        return loss_W(at.velocity_per_velocity * v + at.velocity_per_acceleration_s * a);
+        return loss_W(law.propagator(t_s).velocity_after_m_per_s(v, a));
     };
     const double damping_per_s = (p.damping_Ns_per_m + drag) / p.mass_kg;
     const double natural_per_s = std::sqrt(p.stiffness_N_per_m / p.mass_kg);

@@ -9,7 +9,7 @@
 
 namespace thimble {
 
-enum class CommandKind : std::uint8_t {
+enum class PromptKind : std::uint8_t {
     kGoOn,     // an empty line
     kReject,   // r WHY: the last trial is run again
     kExclude,  // x WHY: the last trial is left out of the analysis and not repeated
@@ -18,15 +18,15 @@ enum class CommandKind : std::uint8_t {
     kUnknown,
 };
 
-struct Command {
-    CommandKind kind = CommandKind::kUnknown;
+struct PromptCommand {
+    PromptKind kind = PromptKind::kUnknown;
     std::string reason;
 };
 
-inline constexpr const char* kCommandHelp =
+inline constexpr const char* kPromptHelp =
     "Enter: go on; r WHY: run the last trial again; x WHY: leave the last trial out; q: stop here";
 
-Command parse_command(std::string_view line);
+PromptCommand parse_prompt_line(std::string_view line);
 
 // A rest: over after its minimum, and, if somebody is asked, not before Enter.
 class Rest {

@@ -1,0 +1,30 @@
+// thimble check: what is wrong with a session file.
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "experiment/commands/commands.hpp"
+#include "experiment/system_settings.hpp"
+
+namespace thimble {
+namespace {
+
+int check_config(const std::string& config) {
+    load_system_settings(config);
+    fmt::print("{}: good\n", config);
+    return 0;
+}
+
+}  // namespace
+
+Command add_check(CLI::App& app) {
+    const auto config = std::make_shared<std::string>();
+    CLI::App* check = app.add_subcommand("check", "read a session file and say what is wrong with it");
+    check->add_option("session", *config, "session file (TOML)")->required();
+    check->footer("Example:\n  thimble check deploy/sessions/delay50.toml");
+    return {check, [config] { return check_config(*config); }};
+}
+
+}  // namespace thimble

@@ -1,0 +1,149 @@
+// thimble study: the paper's experiments in virtual time, once or over many seeds.
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "experiment/commands/commands.hpp"
+#include "experiment/commands/say_results.hpp"
+#include "experiment/seed_sweep.hpp"
+#include "experiment/sitting/dataset.hpp"
+#include "experiment/study.hpp"
+
+namespace thimble {
+namespace {
+
+struct StudyArguments {
+    std::string config, out;
+    std::string experiment = "3", order;
+    std::uint32_t subjects = 0, seeds = 1;
+    std::uint64_t seed = 1;
+    unsigned jobs = 0;
+    bool overwrite = false, resume = false, json = false, trajectories = false, no_control = false;
+};
+
+std::vector<Protocol> protocols_of(const StudyArguments& a, const SystemSettings& settings) {
+    const std::uint32_t without = a.subjects != 0 ? a.subjects : kSubjectsWithoutDelay;
+    const std::uint32_t with = a.subjects != 0 ? a.subjects : kSubjectsWithDelay;
+    const bool all = a.experiment == "all";
+    std::vector<Protocol> protocols;
+    if (all || a.experiment == "1") protocols.push_back(experiment_1(settings, without, a.seed));
+    if (all || a.experiment == "2") protocols.push_back(experiment_2(settings, without, a.seed));
+    if (all || a.experiment == "3") protocols.push_back(experiment_3(settings, with, a.seed));
+    return protocols;
+}
+
+// What gives the same results, without where they went and how they came: a resumed study equals another.
+std::string study_command(const StudyArguments& a) {
+    std::string command = fmt::format("thimble study --experiment {} --seed {}", a.experiment, a.seed);
+    if (a.subjects != 0) command += fmt::format(" --subjects {}", a.subjects);
+    if (!a.order.empty()) command += " --order " + a.order;
+    if (!a.config.empty()) command += " --config " + a.config;
+    if (a.no_control) command += " --no-control";
+    if (a.seeds > 1) command += fmt::format(" --seeds {}", a.seeds);
+    return command;
+}
+
+int sweep_seeds(const StudyArguments& arguments, const SystemSettings& settings) {
+    SweepOptions options;
+    options.protocols = protocols_of(arguments, settings);
+    options.seeds = arguments.seeds;
+    options.out = arguments.out;
+    options.command = study_command(arguments);
+    options.jobs = arguments.jobs;
+    if (arguments.overwrite) options.if_exists = IfExists::kReplace;
+    options.stop = &stop_requested();
+    const SweepResult result = run_sweep(settings, options);
+    for (const ClaimCount& c : result.claims) {
+        if (c.judged == 0) continue;
+        fmt::print("{:>4.0f} % of {} seeds {:<18} {}\n", 100 * c.fraction(), c.judged, c.claim.id,
+                   c.fragile() ? "fragile: " + c.claim.claim : c.claim.claim);
+    }
+    fmt::print("report: {}\n", (options.out / "report.html").string());
+    if (!result.complete) spdlog::error("interrupted; the {} seeds that were done are kept", result.seeds);
+    return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
+}
+
+int run_one_study(const StudyArguments& arguments) {
+    SystemSettings settings = load_system_settings(arguments.config);
+    if (!arguments.order.empty()) settings.plan.order = *parse_order(arguments.order);
+    refuse_dataset(arguments.out);
+    install_stop_signals();
+    if (arguments.seeds > 1) return sweep_seeds(arguments, settings);
+    StudyOptions options;
+    options.protocols = protocols_of(arguments, settings);
+    options.out = arguments.out;
+    options.command = study_command(arguments);
+    options.jobs = arguments.jobs;
+    if (arguments.overwrite) options.if_exists = IfExists::kReplace;
+    if (arguments.resume) options.if_exists = IfExists::kContinue;
+    options.trajectories = arguments.trajectories;
+    options.control = !arguments.no_control;
+    options.stop = &stop_requested();
+    const StudyResult result = run_study(settings, options);
+    if (result.resumed > 0) spdlog::info("{} trials were there already", result.resumed);
+    spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
+                 result.simulated_s / result.wall_s);
+    if (!arguments.json) fmt::print("{}\n", claims_sentence(result.claims));
+    say_results(arguments.json, options.out, result.rows);
+    if (!result.complete)
+        spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume",
+                      result.rows.size());
+    return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
+}
+
+}  // namespace
+
+Command add_study(CLI::App& app) {
+    const auto arguments = std::make_shared<StudyArguments>();
+    StudyArguments& a = *arguments;
+    CLI::App* study = app.add_subcommand("study", "the paper's experiments in virtual time");
+    study
+        ->add_option(
+            "-e,--experiment", a.experiment,
+            "1: no delay; 2: the fixture vanishes after 5 s of contact; 3: 50 ms on the force path; or all")
+        ->default_val("3")
+        ->check(CLI::IsMember({"1", "2", "3", "all"}));
+    study->add_option("-n,--subjects", a.subjects, "virtual subjects (default: 16, in experiment 3 10)")
+        ->check(CLI::Range(1, 100000));
+    study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
+        ->check(CLI::IsMember({"shuffled", "williams"}));
+    study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
+    CLI::Option* seeds =
+        study
+            ->add_option(
+                "--seeds", a.seeds,
+                "the whole study with that many seeds, from --seed on: how often does each claim come out?")
+            ->default_val(1)
+            ->check(CLI::Range(1, 1000000));
+    study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
+    study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
+    study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
+        ->check(CLI::Range(0, 1024));
+    study->add_flag("--no-control", a.no_control, "leave out the same trials without delay (control.csv)");
+    // Of a sweep only the claims are kept.
+    study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV")
+        ->excludes(seeds);
+    CLI::Option* overwrite =
+        study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
+    study
+        ->add_flag("--resume", a.resume,
+                   "go on where an interrupted study of the same settings ended; the same bytes come out")
+        ->excludes(overwrite)
+        ->excludes(seeds);
+    study->add_flag("--json", a.json, "print summary.json on stdout")->excludes(seeds);
+    study->footer(
+        "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
+        "  thimble study --experiment all --seeds 100 --out out/seeds\n"
+        "  thimble study --experiment 3 --subjects 40 --order williams --out out/large\n"
+        "  thimble study --experiment 3 --subjects 40 --order williams --out out/large --resume");
+    return {study, [arguments] { return run_one_study(*arguments); }};
+}
+
+}  // namespace thimble
