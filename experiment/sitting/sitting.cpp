@@ -70,11 +70,11 @@ std::string Sitting::name_of(const Step& step) const {
 
 Sitting::Answer Sitting::before(const std::optional<Step>& step) {
     const bool asks = options_.lines != nullptr;
-    if (rest_is_due(step) && !rest_) {
+    if (rest_is_due(step) && !rest_ && (asks || options_.rests)) {
         const Duration minimum = options_.rests ? options_.protocol.break_minimum : Duration{0};
         rest_.emplace(runner_.now(), minimum, asks);
         options_.say(
-            fmt::format("break, at least {:.0f} s. {}", to_seconds(minimum), options_.protocol.break_text));
+            fmt::format("break, at least {:g} s. {}", to_seconds(minimum), options_.protocol.break_text));
     }
     if (!asks) {
         while (rest_ && !rest_->over_by_itself(runner_.now()) && !stopped()) runner_.idle(kLook);
