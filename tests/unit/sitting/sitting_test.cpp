@@ -122,13 +122,14 @@ TEST_F(SittingTest, GoesOnWhereItWasStoppedWithTheSameBytes) {
     const std::string whole = table();
     for (std::size_t stop_after = 1; stop_after <= 4; ++stop_after) {
         std::filesystem::remove(dataset_.records(2));
+        trials_.seen = 0;  // new programs
         trials_.stop_after = trials_.numbers.size() + stop_after;
         const SittingResult first = sit();
         EXPECT_EQ(first.code, ExitCode::kRunFailed);
         EXPECT_EQ(first.records, stop_after);
         EXPECT_THAT(first.problem, HasSubstr("--resume"));
         trials_.stop = false;
-        trials_.seen = 0;  // new programs
+        trials_.seen = 0;
         EXPECT_EQ(sit().code, ExitCode::kOk);
         EXPECT_EQ(table(), whole) << stop_after;
     }
@@ -177,7 +178,7 @@ TEST_F(SittingTest, GivesUpWhenPeersAreLostAgainAndAgain) {
 TEST_F(SittingTest, TheExperimenterRejectsAndExcludes) {
     settings_.break_minimum = seconds{0};
     // Before each trial a line is asked for; what marks the last trial comes before its Enter.
-    WrittenLines lines({"r too early", "", "", "r sneezed", "", "", "x phone rang", "", "", "", ""});
+    WrittenLines lines({"r too early", "", "", "r sneezed", "", "x phone rang", "", "", "", "", ""});
     EXPECT_EQ(sit(&lines).code, ExitCode::kOk);
     EXPECT_THAT(said_, Contains(HasSubstr("there is no trial yet")));
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 2, 4, 5));
