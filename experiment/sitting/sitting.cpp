@@ -73,8 +73,9 @@ Sitting::Answer Sitting::before(const std::optional<Step>& step) {
     if (rest_is_due(step) && !rest_ && (asks || options_.rests)) {
         const Duration minimum = options_.rests ? options_.protocol.break_minimum : Duration{0};
         rest_.emplace(runner_.now(), minimum, asks);
-        options_.say(
-            fmt::format("break, at least {:g} s. {}", to_seconds(minimum), options_.protocol.break_text));
+        options_.say(minimum > Duration{0} ? fmt::format("break, at least {:g} s. {}", to_seconds(minimum),
+                                                         options_.protocol.break_text)
+                                           : "break. " + options_.protocol.break_text);
     }
     if (!asks) {
         while (rest_ && !rest_->over_by_itself(runner_.now()) && !stopped()) runner_.idle(kLook);
