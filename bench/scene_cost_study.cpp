@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "bench/studies.hpp"
-#include "common/runtime/node_program.hpp"
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/gnuplot.hpp"

@@ -7,7 +7,7 @@
 #include "bench/studies.hpp"
 #include "bench/velocity/velocity_report.hpp"
 #include "common/error.hpp"
-#include "common/runtime/node_program.hpp"
+#include "common/runtime/command_line.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/progress.hpp"
 

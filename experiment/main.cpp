@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/version.hpp"
 #include "experiment/commands/commands.hpp"

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 #include "experiment/progress.hpp"

@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -117,15 +118,6 @@ int run(const NodeProgram& program, const Options& options) {
 }
 
 }  // namespace
-
-std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
-    }
-    return std::nullopt;
-}
 
 int guarded_main(const std::string& name, const std::function<int()>& body) {
     spdlog::set_default_logger(spdlog::stderr_color_mt(name));

@@ -3,7 +3,6 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,10 +11,6 @@
 #include "common/config.hpp"
 #include "common/node_process.hpp"
 #include "common/runtime/sockets.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace thimble {
 
@@ -45,10 +40,6 @@ struct NodeProgram {
 
 // Runs until SIGINT, SIGTERM or a shutdown from the session; returns the exit code.
 int run_node_program(const NodeProgram& program, int argc, char** argv);
-
-// Nothing if the program is to go on, else its exit code: what was asked for (--help, --version) or is wrong has
-// been said.
-std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 
 // Calls `body`, turning Error and other exceptions into a message on stderr and an exit code.
 int guarded_main(const std::string& name, const std::function<int()>& body);
