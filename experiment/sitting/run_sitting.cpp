@@ -52,9 +52,20 @@ void check_delay(const SystemSettings& settings, const std::vector<OrderEntry>& 
                     order.front().conditions.experiment, delay_s, theirs_s));
 }
 
-// The written one, which wins: whoever sits there has begun with it.
+// In what the settings would give another order than the written one; empty if in nothing.
+std::string what_differs(const SystemSettings& settings, std::uint32_t participant,
+                         const std::vector<OrderEntry>& written) {
+    try {
+        return difference(written, plan_order(settings, participant));
+    } catch (const Error& no_longer_planned) {
+        return no_longer_planned.what();
+    }
+}
+
+// The written one wins over what the settings would give now: the participant has begun with it, and cannot
+// begin anew.
 std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& dataset,
-                                 std::uint32_t participant, bool resume, bool& differs) {
+                                 std::uint32_t participant, bool resume, bool& written) {
     const auto file = dataset.order(participant);
     if (!is_table(file)) {
         if (!resume) return plan_order(settings, participant);
@@ -66,12 +77,11 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
     const std::vector<OrderEntry> order = read_order(file, participant);
     if (order.empty()) throw Error(ExitCode::kData, fmt::format("{}: has no trials", file.string()));
     if (!resume) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("{} has begun already ({} records): say --resume to go on, or check the number",
-                        participant_id(participant), read_records(dataset.records(participant)).size()));
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{} has begun already: say --resume to go on, or check the number",
+                                participant_id(participant)));
     }
-    differs = true;
+    written = true;
     return order;
 }
 
@@ -125,7 +135,7 @@ SittingResult run_sitting(const SystemSettings& settings, const SittingRun& run)
     const std::string line = add_participant(dataset, participant, kind, run.person);
     if (!line.empty()) trials.say(fmt::format("participants.tsv keeps what it says: {}", line));
     if (!written) write_order(dataset.order(participant), order);
-    const std::string other = written ? difference(order, plan_order(settings, participant)) : "";
+    const std::string other = written ? what_differs(settings, participant, order) : "";
     if (!other.empty()) {
         trials.say(
             fmt::format("warning: the order in {} is not the one of this session file: {}. The written "

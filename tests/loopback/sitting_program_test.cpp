@@ -122,16 +122,20 @@ TEST(SittingProgram, APersonsSittingIsCutAndGoesOn) {
     EXPECT_EQ(again.code, 2);
     EXPECT_THAT(again.words, HasSubstr("--resume"));
 
+    // Whatever the file says meanwhile, the order is the one that was begun with.
+    static_cast<void>(sittings.write("session.toml", std::string(kPerson) + "\nseed = 2"));
     std::vector<std::string> resume = person;
     resume.emplace_back("--resume");
     const Outcome rest = sittings.run(resume);
     EXPECT_EQ(rest.code, 0) << rest.words;
+    EXPECT_THAT(rest.words, HasSubstr("The written one is used"));
     EXPECT_EQ(read_text(sittings.dataset().order(7)), order);
     const auto records = sittings.records();
     ASSERT_EQ(records.size(), 2U);
     for (const SittingRecord& record : records) {
         EXPECT_EQ(record.row.reason, EndReason::kCompleted);
         EXPECT_EQ(record.repeat_of, 0U);
+        EXPECT_EQ(record.row.conditions.study_seed, 1U);
         EXPECT_EQ(record.row.conditions.trial, record.position);
     }
     EXPECT_GT(records[1].number, 2U) << "the nodes have seen number 2";
