@@ -5,7 +5,7 @@
 
 #include "experiment/sitting/run_sitting.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
 }
 

@@ -45,7 +45,7 @@ std::string add_participant(const Dataset& dataset, std::uint32_t participant, S
                             const PersonDescription& person) {
     const std::vector<std::string> ours = line_of(participant, kind, person);
     if (is_table(dataset.participants())) {
-        TsvFile(dataset.participants(), kColumns);  // cuts half a line off
+        keep_whole_lines(dataset.participants());
         CsvReader reader(dataset.participants(), kColumns, '\t');
         while (reader.next()) {
             if (parse_participant(reader.field(0).text) != participant) continue;

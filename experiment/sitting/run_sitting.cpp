@@ -74,7 +74,7 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
                                 "leave --resume out",
                                 participant_id(participant), dataset.folder().string()));
     }
-    const std::vector<OrderEntry> order = read_order(file, participant);
+    std::vector<OrderEntry> order = read_order(file, participant);
     if (order.empty()) throw Error(ExitCode::kData, fmt::format("{}: has no trials", file.string()));
     if (!resume) {
         throw Error(ExitCode::kUsage,

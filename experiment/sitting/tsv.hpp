@@ -20,7 +20,10 @@ std::string tsv_text(std::string_view words);
 // A field that is not there, as CsvField's conversions expect it: empty.
 CsvField without_na(CsvField field);
 
-// Opens tables of whole lines only: what a program that was killed left half written is cut off first.
+// Cuts off the line that a program which was killed left half written. Harmless where there is no file.
+void keep_whole_lines(const std::filesystem::path& path);
+
+// Of whole lines only.
 class TsvFile {
   public:
     // New, or to be continued. Throws Error: data, if it holds other columns; usage, if it cannot be created.
@@ -32,7 +35,7 @@ class TsvFile {
     CsvFile file_;
 };
 
-// A table that may not be there yet: then `read` is not called. Half a line at the end is not read.
+// There, and not empty.
 bool is_table(const std::filesystem::path& path);
 
 // Replaces a file as a whole: whoever reads it, also after a power cut, finds the old text or the new one.
