@@ -13,6 +13,7 @@
 #include "experiment/commands/commands.hpp"
 #include "experiment/commands/say_results.hpp"
 #include "experiment/commands/sweep.hpp"
+#include "experiment/sitting/dataset.hpp"
 #include "experiment/study.hpp"
 
 namespace thimble {
@@ -67,6 +68,7 @@ SweepOptions sweep_options(const StudyArguments& arguments, const SystemSettings
 int run_one_study(const StudyArguments& arguments) {
     SystemSettings settings = load_system_settings(arguments.config);
     if (!arguments.order.empty()) settings.plan.order = *parse_order(arguments.order);
+    refuse_dataset(arguments.out);
     install_stop_signals();
     if (arguments.sweep.asked()) {
         return sweep_parameters(arguments.config, arguments.sweep, sweep_options(arguments, settings));

@@ -162,7 +162,7 @@ TEST(TrialTable, DamageIsNamedWithLineAndColumn) {
           Case{6, "1e999", ":2: column 7 (penetration_mean_m)"}, Case{3, "HFC", "column 4 (modality)"},
           Case{1, "-1", ":2: column 2 (subject)"}, Case{2, "4294967296", ":2: column 3 (trial)"},
           Case{14, "true", ":2: column 15 (oscillates)"}, Case{16, "done", ":2: column 17 (outcome)"},
-          Case{17, "18446744073709551616", ":2: column 18 (seed)"}, Case{0, "3,4", ":2: has 24 fields"}}) {
+          Case{17, "18446744073709551616", ":2: column 18 (seed)"}, Case{0, "3,4", ":2: has 25 fields"}}) {
         write_text(path, damaged(path, c.field, c.text));
         const std::string message = message_of([&] { read_trial_table(path); });
         EXPECT_NE(message.find(c.complaint), std::string::npos) << message;
