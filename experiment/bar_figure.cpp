@@ -102,11 +102,10 @@ std::string bar_caption(const std::vector<ConditionSummary>& conditions) {
 
 }  // namespace
 
-Figure draw_bars(const std::vector<ConditionSummary>& conditions, const std::filesystem::path& directory,
-                 const std::string& name) {
+FigureSource bar_figure(const std::vector<ConditionSummary>& conditions, const std::string& name) {
     const std::vector<double> delays_s = delays_of(conditions);
-    return {name, "Penetration and completion time", bar_caption(conditions),
-            run_gnuplot(directory, name, bar_data(conditions, delays_s), bar_script(name, delays_s))};
+    return {name, "Penetration and completion time", bar_caption(conditions), bar_data(conditions, delays_s),
+            bar_script(name, delays_s)};
 }
 
 }  // namespace thimble

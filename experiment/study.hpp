@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "experiment/analysis.hpp"
 #include "experiment/claims.hpp"
 #include "experiment/mean_trajectory.hpp"
 #include "experiment/protocol.hpp"
@@ -24,6 +25,7 @@ struct StudyOptions {
     bool trajectories = false;               // one file per trial
     // Of an experiment with delay that comes alone: the same trials without, into control.csv.
     bool control = true;
+    AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
     const std::atomic<bool>* stop = nullptr;  // asked between trials
 };
 
@@ -44,7 +46,7 @@ struct StudyResult {
 };
 
 // Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
-// subjects.csv, claims.json, report.html, summary.json and figures/ below options.out.
+// subjects.csv, claims.json, analysis.json, report.html, summary.json and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 }  // namespace thimble
