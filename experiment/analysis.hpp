@@ -91,6 +91,8 @@ std::vector<MeasureAnalysis> analyse_trials(const std::vector<TrialRow>& rows, A
 // The finding in words with its numbers: the test, the order of the means, each pair, and (full) whether the
 // other tests agree.
 std::string finding_text(const MeasureAnalysis& measure);
+// The test, the order of the means, and which pairs differ.
+std::string finding_in_brief(const MeasureAnalysis& measure);
 // In how many trials, of how many subjects, the needle oscillated, per modality.
 std::string stability_text(const StudyColumns& columns);
 

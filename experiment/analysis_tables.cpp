@@ -8,12 +8,8 @@ namespace {
 constexpr std::string_view kDash = "–";
 using Row = std::vector<std::string>;
 
-std::string shown(double value, Metric metric) {
-    return fmt::format("{:.{}f}", value * info(metric).shown_per_si, info(metric).decimals);
-}
-
 std::string range(const ConfidenceInterval& interval, Metric metric) {
-    return fmt::format("{} to {}", shown(interval.low, metric), shown(interval.high, metric));
+    return fmt::format("{} to {}", shown_text(interval.low, metric), shown_text(interval.high, metric));
 }
 
 std::string range(const ConfidenceInterval& interval) {
@@ -113,9 +109,10 @@ ReportTable column_table(const std::vector<MeasureAnalysis>& measures) {
         for (const ColumnAnalysis& c : m.columns) {
             table.rows.push_back(
                 {std::string(info(m.metric).label), c.values.name, fmt::format("{}", c.values.values.size()),
-                 shown(c.mean, m.metric), cell(c.sd, [&](double sd) { return shown(sd, m.metric); }),
+                 shown_text(c.mean, m.metric),
+                 cell(c.sd, [&](double sd) { return shown_text(sd, m.metric); }),
                  cell(c.mean_interval, [&](const auto& interval) { return range(interval, m.metric); }),
-                 shown(c.median, m.metric), range({c.lower_quartile, c.upper_quartile}, m.metric),
+                 shown_text(c.median, m.metric), range({c.lower_quartile, c.upper_quartile}, m.metric),
                  cell(c.normality, [](const Normality& n) { return fmt::format("{:.2f}", n.k2); }),
                  cell(c.normality, [](const Normality& n) { return p_cell(n.p); })});
         }
@@ -127,7 +124,7 @@ Row pair_row(const MeasureAnalysis& m, const PairAnalysis& pair, bool full) {
     const ColumnAnalysis& first = m.columns[pair.first];
     const ColumnAnalysis& second = m.columns[pair.second];
     Row row{std::string(info(m.metric).label), fmt::format("{} - {}", first.values.name, second.values.name),
-            shown(first.mean - second.mean, m.metric),
+            shown_text(first.mean - second.mean, m.metric),
             m.chosen == ChosenTest::kFriedman ? "Dunn" : "Bonferroni", cell(m.p_of(pair), p_cell)};
     if (!full) return row;
     const std::optional<MeanPair>& by_means = pair.paired ? pair.paired : pair.pooled;

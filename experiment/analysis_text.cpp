@@ -36,22 +36,25 @@ Words words_of(Metric metric) {
 
 class Narrator {
   public:
-    explicit Narrator(const MeasureAnalysis& measure) : m_(measure), words_(words_of(measure.metric)) {}
+    Narrator(const MeasureAnalysis& measure, bool detailed)
+        : m_(measure),
+          words_(words_of(measure.metric)),
+          full_(detailed && measure.kind == AnalysisKind::kFull) {}
 
     std::string tell() const {
         if (!m_.p()) return fmt::format("{} could not be tested{}", words_.name, problems(": "));
         std::string text = test_sentence() + normality_sentence() + pairs_sentence();
-        if (m_.kind == AnalysisKind::kFull) text += agreement_sentence();
+        if (full_) text += agreement_sentence();
         text += left_out_sentence();
         return text + (m_.problems.empty() ? "" : " Not computed" + problems(": "));
     }
 
+    std::string tell_briefly() const { return m_.p() ? test_sentence() + told_apart_sentence() : tell(); }
+
   private:
     const std::string& name(std::size_t column) const { return m_.columns[column].values.name; }
 
-    std::string shown(double value) const {
-        return fmt::format("{:.{}f}", value * info(m_.metric).shown_per_si, info(m_.metric).decimals);
-    }
+    std::string shown(double value) const { return shown_text(value, m_.metric); }
 
     std::string interval(const ConfidenceInterval& of) const {
         return fmt::format("95 % CI {} to {} {}", shown(of.low), shown(of.high), words_.unit);
@@ -86,7 +89,7 @@ class Narrator {
     std::string anova_text(const RepeatedAnova& anova) const {
         std::string text = fmt::format("F({:g}, {:g}) = {:.2f}, {}", anova.df_conditions, anova.df_error,
                                        anova.f, p_text(anova.p));
-        if (m_.kind == AnalysisKind::kPaper) return text;
+        if (!full_) return text;
         return text + fmt::format("; Greenhouse-Geisser epsilon = {:.2f}, {}; {}, generalised eta^2 = {:.2f}",
                                   anova.epsilon_greenhouse_geisser, p_text(anova.p_greenhouse_geisser),
                                   eta_squared("partial eta^2", anova.partial_eta_squared),
@@ -96,14 +99,14 @@ class Narrator {
     std::string anova_text(const OneWayAnova& anova) const {
         std::string text = fmt::format("F({:g}, {:g}) = {:.2f}, {}", anova.df_between, anova.df_within,
                                        anova.f, p_text(anova.p));
-        if (m_.kind == AnalysisKind::kPaper) return text;
+        if (!full_) return text;
         return text + "; " + eta_squared("eta^2", anova.eta_squared);
     }
 
     std::string friedman_text(const Friedman& test) const {
         std::string text = fmt::format("chi^2({:g}) = {:.2f}, {}{}", test.df, test.chi_squared,
                                        test.p_exact ? "exact " : "asymptotic ", p_text(test.p()));
-        if (m_.kind == AnalysisKind::kPaper) return text;
+        if (!full_) return text;
         return text + fmt::format("; Kendall's W = {:.2f}", test.kendalls_w);
     }
 
@@ -146,17 +149,21 @@ class Narrator {
         return m_.columns[pair.first].mean - m_.columns[pair.second].mean;
     }
 
-    std::string detail(const PairAnalysis& pair) const {
+    // `sign` -1: of second minus first, where the sentence has already said who is larger.
+    std::string detail(const PairAnalysis& pair, int sign) const {
         std::string text = p_text(*m_.p_of(pair));
         if (m_.chosen == ChosenTest::kFriedman) {
             const auto& ranks = m_.friedman->mean_ranks;
             text =
                 fmt::format("mean ranks {:.2f} and {:.2f}, {}", ranks[pair.first], ranks[pair.second], text);
         }
-        if (m_.kind == AnalysisKind::kPaper) return text;
-        if (const auto& of = pair.paired ? pair.paired : pair.pooled)
-            text = interval(of->interval) + ", " + text;
-        if (pair.d_z) text += fmt::format(", d_z = {:.2f}", pair.d_z->d_z);
+        if (!full_) return text;
+        if (const auto& of = pair.paired ? pair.paired : pair.pooled) {
+            const auto [low, high] = of->interval;
+            text = interval(sign > 0 ? ConfidenceInterval{low, high} : ConfidenceInterval{-high, -low}) +
+                   ", " + text;
+        }
+        if (pair.d_z) text += fmt::format(", d_z = {:.2f}", sign * pair.d_z->d_z);
         return text;
     }
 
@@ -164,44 +171,64 @@ class Narrator {
     // sentence says so rather than giving a difference of the wrong sign.
     std::string pair_sentence(const PairAnalysis& pair) const {
         const double mean = difference(pair);
-        if (pair.dunn && m_.chosen == ChosenTest::kFriedman && pair.dunn->mean_rank_difference * mean < 0) {
-            return fmt::format("{} ranked {} {}, although its mean is {} ({})", name(pair.first),
+        if (m_.chosen == ChosenTest::kFriedman && pair.dunn->mean_rank_difference * mean < 0) {
+            return fmt::format("{} ranked {} {}, although its mean is {} by {} {} ({})", name(pair.first),
                                mean < 0 ? "above" : "below", name(pair.second), mean < 0 ? "lower" : "higher",
-                               detail(pair));
+                               shown(std::abs(mean)), words_.unit, detail(pair, mean < 0 ? -1 : 1));
         }
         return fmt::format("{} {} {} {} {} {} ({})", name(pair.first), words_.verb, shown(std::abs(mean)),
                            words_.unit, mean > 0 ? words_.more : words_.less, name(pair.second),
-                           detail(pair));
+                           detail(pair, mean > 0 ? 1 : -1));
+    }
+
+    // The pairs that the comparison of the chosen test tells apart, or not.
+    std::vector<const PairAnalysis*> pairs_told_apart(bool apart) const {
+        std::vector<const PairAnalysis*> pairs;
+        for (const PairAnalysis& pair : m_.pairs) {
+            const auto p = m_.p_of(pair);
+            if (p && (*p < kAnalysisLevel) == apart) pairs.push_back(&pair);
+        }
+        return pairs;
+    }
+
+    const char* comparison() const { return m_.chosen == ChosenTest::kFriedman ? "Dunn" : "Bonferroni"; }
+
+    std::string told_apart_sentence() const {
+        if (!m_.differs()) return "";
+        std::string list;
+        for (const PairAnalysis* pair : pairs_told_apart(true)) {
+            list +=
+                fmt::format("{}{} and {}", list.empty() ? "" : ", ", name(pair->first), name(pair->second));
+        }
+        return fmt::format(" Pairs that differ at {:g} ({}): {}.", kAnalysisLevel, comparison(),
+                           list.empty() ? "none" : list);
     }
 
     std::string pairs_sentence() const {
         if (!m_.differs()) return widest_sentence();
-        std::string different, alike;
-        for (const PairAnalysis& pair : m_.pairs) {
-            const auto p = m_.p_of(pair);
-            if (!p) continue;
-            if (*p < kAnalysisLevel) {
-                different += (different.empty() ? " " : "; ") + pair_sentence(pair);
-            } else {
-                alike += fmt::format("{}{} and {} ({})", alike.empty() ? "" : "; ", name(pair.first),
-                                     name(pair.second), detail(pair));
-            }
+        std::string apart;
+        for (const PairAnalysis* pair : pairs_told_apart(true)) {
+            apart += (apart.empty() ? " " : "; ") + pair_sentence(*pair);
         }
-        const std::string by = m_.chosen == ChosenTest::kFriedman ? "Dunn" : "Bonferroni";
-        if (different.empty()) different = " no pair differs by itself";
-        if (!alike.empty()) alike = " Not shown to differ: " + alike + ".";
-        return fmt::format(" Pair by pair ({}):{}.{}", by, different, alike);
+        if (apart.empty()) apart = " no pair differs by itself";
+        std::string alike;
+        for (const PairAnalysis* pair : pairs_told_apart(false)) {
+            alike += fmt::format("{}{} - {} = {} {} ({})", alike.empty() ? "" : "; ", name(pair->first),
+                                 name(pair->second), shown(difference(*pair)), words_.unit, detail(*pair, 1));
+        }
+        if (!alike.empty()) alike = " Not told apart: " + alike + ".";
+        return fmt::format(" Pair by pair ({}):{}.{}", comparison(), apart, alike);
     }
 
     // What "not shown to differ" leaves open.
     std::string widest_sentence() const {
+        if (!full_) return "";
         double widest = 0;
         for (const PairAnalysis& pair : m_.pairs) {
             const auto& of = pair.paired ? pair.paired : pair.pooled;
             if (!of) return "";
             widest = std::max({widest, std::abs(of->interval.low), std::abs(of->interval.high)});
         }
-        if (m_.kind == AnalysisKind::kPaper) return "";
         return fmt::format(" The pairs' 95 % CIs leave room for differences up to {} {}.", shown(widest),
                            words_.unit);
     }
@@ -252,11 +279,16 @@ class Narrator {
 
     const MeasureAnalysis& m_;
     Words words_;
+    bool full_;
 };
 
 }  // namespace
 
-std::string finding_text(const MeasureAnalysis& measure) { return Narrator(measure).tell(); }
+std::string finding_text(const MeasureAnalysis& measure) { return Narrator(measure, true).tell(); }
+
+std::string finding_in_brief(const MeasureAnalysis& measure) {
+    return Narrator(measure, false).tell_briefly();
+}
 
 std::string stability_text(const StudyColumns& columns) {
     std::string text;

@@ -1,11 +1,10 @@
-#include <iterator>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "experiment/figure_grid.hpp"
 #include "experiment/figures.hpp"
 #include "experiment/gnuplot.hpp"
 #include "experiment/measure_panels.hpp"
@@ -13,6 +12,12 @@
 
 namespace thimble {
 namespace {
+
+constexpr std::string_view kSubject = "with points pointtype 6 pointsize 0.35 linecolor '#777777'";
+constexpr std::string_view kAllAtOnce =
+    "with xerrorbars pointtype 7 pointsize 0.1 linewidth 1 linecolor 'black'";
+constexpr std::string_view kMean =
+    "with xerrorbars pointtype 7 pointsize 0.7 linewidth 3 linecolor '#0072B2'";
 
 struct Differences {
     Metric metric;
@@ -94,27 +99,33 @@ std::string pair_axis(const Differences& of, std::size_t half) {
 }
 
 std::string difference_script(const std::vector<Differences>& measures, const std::string& name) {
-    FigureGrid grid{measures.size(), kHalves};
+    FigureGrid grid = measure_grid(measures.size());
+    grid.rows = kHalves;
     grid.panel_height_px = 120;
     grid.between_px = 100;
-    grid.left_px = 100;
     grid.beneath_px = 62;
+    grid.foot_px = 62;
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
     script += "set yrange [-2.5:0.6]; set xrange [*<0:0<*]; set border 1 linecolor '#444444'\n";
     script += "set arrow 1 from 0, graph 0 to 0, graph 1 nohead dashtype (4,3) linecolor '#444444' back\n";
-    script += "set offsets graph 0.03, graph 0.03, 0, 0\nset multiplot\n";
+    script += "set offsets graph 0.03, graph 0.03, 0, 0\nunset key\nset multiplot\n";
     for (std::size_t i = 0; i < measures.size() * kHalves; ++i) {
         script += grid.margins(i % kHalves, i / kHalves) + pair_axis(measures[i / kHalves], i % kHalves);
-        script += i == 0 ? grid.key_place(18) : "unset key\n";
-        fmt::format_to(
-            std::back_inserter(script),
-            R"(plot '{name}.tsv' index {subjects} using 2:1 with points pointtype 6 pointsize 0.35 linecolor '#777777' title 'one subject', \
-     '{name}.tsv' index {means} using 2:1:5:6 with xerrorbars pointtype 7 pointsize 0.1 linewidth 1 linecolor 'black' title 'all six at once', \
-     '{name}.tsv' index {means} using 2:1:3:4 with xerrorbars pointtype 7 pointsize 0.7 linewidth 3 linecolor '{colour}' title 'mean, 95 % CI'
-)",
-            fmt::arg("name", name), fmt::arg("means", 2 * i), fmt::arg("subjects", 2 * i + 1),
-            fmt::arg("colour", kBlue));
+        const bool of_subjects = !measures[i / kHalves].columns.empty();
+        script += fmt::format(
+            "plot {subjects}'{name}.tsv' index {means} using 2:1:5:6 {all}, \\\n"
+            "     '{name}.tsv' index {means} using 2:1:3:4 {mean}\n",
+            fmt::arg("name", name), fmt::arg("means", 2 * i), fmt::arg("all", kAllAtOnce),
+            fmt::arg("mean", kMean),
+            fmt::arg("subjects", of_subjects ? fmt::format("'{}.tsv' index {} using 2:1 {}, \\\n     ", name,
+                                                           2 * i + 1, kSubject)
+                                             : ""));
     }
+    // Lines: the key of an error bar needs a point within the range, which would also be drawn.
+    script += grid.key(fmt::format(
+        "{}NaN with lines linewidth 3 linecolor '{}' title 'mean, 95 % CI', "
+        "NaN with lines linewidth 1 linecolor 'black' title '95 % CI, all six at once'",
+        measures[0].columns.empty() ? "" : fmt::format("NaN {} title 'one subject', ", kSubject), kBlue));
     return script + "unset multiplot\n";
 }
 

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "experiment/figure_grid.hpp"
 #include "experiment/figures.hpp"
 #include "experiment/gnuplot.hpp"
 #include "experiment/measure_panels.hpp"
@@ -71,7 +70,7 @@ std::vector<double> all_values(const StudyColumns& columns, Metric metric) {
 
 std::string distribution_script(const StudyColumns& columns, const std::vector<Metric>& metrics,
                                 const std::string& name) {
-    FigureGrid grid{metrics.size()};
+    FigureGrid grid = measure_grid(metrics.size());
     grid.head_px = 14;
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
     script += modality_axis() + "unset key; set boxwidth 0.26 absolute\nset multiplot\n";

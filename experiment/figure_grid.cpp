@@ -25,11 +25,16 @@ std::string FigureGrid::margins(std::size_t row, std::size_t column) const {
         1 - (top + panel_height_px) / height);
 }
 
-std::string FigureGrid::key_place(int y_px) const {
-    const double middle = (left_px + width_px() - right_px) / (2.0 * width_px());
+std::string FigureGrid::key(const std::string& entries) const {
+    constexpr int kHeight_px = 36;
     return fmt::format(
-        "set key at screen {:.4f}, screen {:.4f} center center horizontal samplen 2.5 width 1\n", middle,
-        1 - 1.0 * y_px / height_px());
+        "unset border; unset tics; unset xlabel; unset ylabel; unset title; unset arrow; unset logscale\n"
+        "set xrange [0:1]; set yrange [0:1]; set offsets 0, 0, 0, 0\n"
+        "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}; set tmargin at screen 1; "
+        "set bmargin at screen {:.4f}\n"
+        "set key center center horizontal samplen 2.5 textcolor '#222222'\nplot {}\n",
+        1.0 * left_px / width_px(), 1 - 1.0 * right_px / width_px(), 1 - 1.0 * kHeight_px / height_px(),
+        entries);
 }
 
 }  // namespace thimble

@@ -10,6 +10,13 @@
 
 namespace thimble {
 
+FigureGrid measure_grid(std::size_t measures) {
+    FigureGrid grid;
+    grid.columns = measures;
+    if (measures == 1) grid.panel_width_px = 480;
+    return grid;
+}
+
 std::string modality_axis() {
     std::string tics;
     for (std::size_t i = 0; i < kModalities.size(); ++i) {
@@ -39,9 +46,13 @@ std::string measure_axis(Metric metric, std::span<const double> values) {
     const bool logarithm = wants_logarithm(values);
     // Linear axes start at zero, so that sizes compare, unless there are values below it.
     const bool below_zero = std::any_of(values.begin(), values.end(), [](double value) { return value < 0; });
+    // Decades alone would leave some panels with one tic.
+    constexpr std::string_view kTics =
+        "(0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)";
     return fmt::format("set ylabel '{}{}'\n{}set yrange [{}:*]; set offsets 0, 0, {}, 0\n",
                        info(metric).label, logarithm ? ", log scale" : "",
-                       logarithm ? "set logscale y; " : "unset logscale y; ",
+                       logarithm ? fmt::format("set logscale y; set ytics {}; ", kTics)
+                                 : "unset logscale y; set ytics autofreq; ",
                        logarithm || below_zero ? "*" : "0", logarithm ? "0" : "graph 0.04");
 }
 

@@ -5,8 +5,12 @@
 #include <string>
 
 #include "experiment/condition_summary.hpp"
+#include "experiment/figure_grid.hpp"
 
 namespace thimble {
+
+// A panel per measure, side by side; of a single one wider, so that key and axis fit.
+FigureGrid measure_grid(std::size_t measures);
 
 // HF, CF, CCF, VF at 0 to 3, with room beside them.
 std::string modality_axis();

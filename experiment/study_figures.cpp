@@ -43,7 +43,7 @@ DrawnFigures part_of(const DrawnFigures& drawn, const std::vector<FigureSource>&
 }
 
 std::string with_experiment(const MeasureAnalysis& measure) {
-    return fmt::format("Experiment {}. {}", measure.experiment, finding_text(measure));
+    return fmt::format("Experiment {}. {}", measure.experiment, finding_in_brief(measure));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
-#include <iterator>
+#include <cmath>
+#include <string_view>
 
 #include <fmt/format.h>
 
-#include "experiment/figure_grid.hpp"
 #include "experiment/figures.hpp"
 #include "experiment/gnuplot.hpp"
 #include "experiment/measure_panels.hpp"
@@ -10,6 +10,11 @@
 
 namespace thimble {
 namespace {
+
+constexpr std::string_view kSubject =
+    "with linespoints pointtype 6 pointsize 0.35 linewidth 0.7 linecolor '#777777'";
+constexpr std::string_view kMean =
+    "with linespoints pointtype 7 pointsize 0.9 linewidth 2.5 linecolor 'black'";
 
 NamedValues present(const NamedValues& column) {
     NamedValues values{column.name, {}};
@@ -49,20 +54,18 @@ std::vector<double> all_values(const StudyColumns& columns, Metric metric) {
 
 std::string subject_script(const StudyColumns& columns, const std::vector<Metric>& metrics,
                            const std::string& name) {
-    const FigureGrid grid{metrics.size()};
+    const FigureGrid grid = measure_grid(metrics.size());
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
-    script += modality_axis() + "set multiplot\n";
+    script += modality_axis() + "unset key\nset multiplot\n";
     for (std::size_t i = 0; i < metrics.size(); ++i) {
         script += grid.margins(0, i) + measure_axis(metrics[i], all_values(columns, metrics[i]));
-        script += i == 0 ? grid.key_place(18) : "unset key\n";
-        fmt::format_to(
-            std::back_inserter(script),
-            R"(plot for [subject=3:{last}] '{name}.tsv' index {i} using 1:subject with linespoints pointtype 6 pointsize 0.35 linewidth 0.7 linecolor '#777777' notitle, \
-     '{name}.tsv' index {i} using 1:2 with linespoints pointtype 7 pointsize 0.9 linewidth 2.5 linecolor 'black' title 'mean', \
-     NaN with linespoints pointtype 6 pointsize 0.35 linewidth 0.7 linecolor '#777777' title 'one subject'
-)",
-            fmt::arg("last", columns.subjects().size() + 2), fmt::arg("name", name), fmt::arg("i", i));
+        script += fmt::format(
+            "plot for [subject=3:{last}] '{name}.tsv' index {i} using 1:subject {subject} notitle, \\\n"
+            "     '{name}.tsv' index {i} using 1:2 {mean} notitle\n",
+            fmt::arg("last", columns.subjects().size() + 2), fmt::arg("name", name), fmt::arg("i", i),
+            fmt::arg("subject", kSubject), fmt::arg("mean", kMean));
     }
+    script += grid.key(fmt::format("NaN {} title 'one subject', NaN {} title 'mean'", kSubject, kMean));
     return script + "unset multiplot\n";
 }
 

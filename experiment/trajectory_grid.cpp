@@ -96,7 +96,7 @@ FigureGrid layout(const TrajectoryGrid& of) {
     grid.rows = of.row_labels.size();
     grid.left_px = 87;
     grid.head_px = kHead_px;
-    grid.foot_px = 50;
+    grid.foot_px = 68;
     grid.between_px = 21;
     grid.beneath_px = 48;
     grid.panel_width_px =
