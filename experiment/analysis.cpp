@@ -1,7 +1,7 @@
 #include "experiment/analysis.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <set>
 #include <utility>
 
 #include "common/error.hpp"
@@ -35,13 +35,14 @@ class Analyst {
   private:
     bool full() const { return result_.kind == AnalysisKind::kFull; }
 
-    // What `compute` gives; if a test refuses the data, nothing, and its reason once among the problems.
+    // What `compute` gives; if a test refuses the data, nothing, and its reason among the problems: of `what`
+    // (the same test of another column or pair) the first one only.
     template <class Compute>
-    auto attempt(const Compute& compute) -> std::optional<decltype(compute())> {
+    auto attempt(const char* what, const Compute& compute) -> std::optional<decltype(compute())> {
         try {
             return compute();
         } catch (const Error& refused) {
-            note(refused.what());
+            if (refused_.insert(what).second) note(refused.what());
             return std::nullopt;
         }
     }
@@ -68,9 +69,9 @@ class Analyst {
         column.median = sample_median(values);
         column.lower_quartile = sample_quantile(values, 0.25);
         column.upper_quartile = sample_quantile(values, 0.75);
-        column.sd = attempt([&] { return sample_sd(values); });
-        column.mean_interval = attempt([&] { return mean_interval(values, 1 - kAnalysisLevel); });
-        column.normality = attempt([&] { return normality(values); });
+        column.sd = attempt("sd", [&] { return sample_sd(values); });
+        column.mean_interval = attempt("mean", [&] { return mean_interval(values, 1 - kAnalysisLevel); });
+        column.normality = attempt("normality", [&] { return normality(values); });
         column.values = std::move(values);
         result_.columns.push_back(std::move(column));
     }
@@ -96,7 +97,7 @@ class Analyst {
     }
 
     void analyse_within() {
-        const auto complete = attempt([&] { return columns_.table(result_.metric); });
+        const auto complete = attempt("table", [&] { return columns_.table(result_.metric); });
         if (!complete) return;
         const SampleTable& table = complete->table;
         result_.subjects = table.subjects();
@@ -110,24 +111,25 @@ class Analyst {
     }
 
     void by_means(const SampleTable& table) {
-        result_.repeated_anova = attempt([&] { return repeated_anova(table); });
+        result_.repeated_anova = attempt("anova", [&] { return repeated_anova(table); });
         if (!result_.repeated_anova) return;
         const RepeatedAnova& anova = *result_.repeated_anova;
-        keep(attempt([&] { return pairs_after_repeated_anova(table, 1 - kAnalysisLevel); }),
+        keep(attempt("pairs", [&] { return pairs_after_repeated_anova(table, 1 - kAnalysisLevel); }),
              &PairAnalysis::pooled);
         if (full()) add_eta_squared(anova.f, anova.df_conditions, anova.df_error);
     }
 
     void by_ranks(const SampleTable& table) {
-        result_.friedman = attempt([&] { return friedman(table); });
+        result_.friedman = attempt("friedman", [&] { return friedman(table); });
         if (!result_.friedman) return;
-        keep(attempt([&] { return dunn_after_friedman(table); }), &PairAnalysis::dunn);
+        keep(attempt("dunn", [&] { return dunn_after_friedman(table); }), &PairAnalysis::dunn);
     }
 
     void by_differences(const SampleTable& table) {
-        keep(attempt([&] { return paired_t_tests(table, 1 - kAnalysisLevel); }), &PairAnalysis::paired);
+        keep(attempt("paired", [&] { return paired_t_tests(table, 1 - kAnalysisLevel); }),
+             &PairAnalysis::paired);
         for (PairAnalysis& pair : result_.pairs) {
-            pair.d_z = attempt([&] {
+            pair.d_z = attempt("d_z", [&] {
                 return cohens_dz(table.column(pair.first), table.column(pair.second), 1 - kAnalysisLevel);
             });
         }
@@ -139,20 +141,21 @@ class Analyst {
         for (const NamedValues& group : groups) describe(group);
         make_pairs();
         result_.chosen = ChosenTest::kOneWayAnova;
-        result_.one_way_anova = attempt([&] { return one_way_anova(groups); });
+        result_.one_way_anova = attempt("anova", [&] { return one_way_anova(groups); });
         if (!result_.one_way_anova) return;
         const OneWayAnova& anova = *result_.one_way_anova;
-        keep(attempt([&] { return pairs_after_one_way_anova(groups, 1 - kAnalysisLevel); }),
+        keep(attempt("pairs", [&] { return pairs_after_one_way_anova(groups, 1 - kAnalysisLevel); }),
              &PairAnalysis::pooled);
         if (full()) add_eta_squared(anova.f, anova.df_between, anova.df_within);
     }
 
     void add_eta_squared(double f, double df_1, double df_2) {
         result_.eta_squared_interval =
-            attempt([&] { return eta_squared_interval(f, df_1, df_2, 1 - kAnalysisLevel); });
+            attempt("eta", [&] { return eta_squared_interval(f, df_1, df_2, 1 - kAnalysisLevel); });
     }
 
     const StudyColumns& columns_;
+    std::set<std::string> refused_;
     MeasureAnalysis result_;
 };
 

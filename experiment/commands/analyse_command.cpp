@@ -1,4 +1,5 @@
 // thimble analyse: the paper's claims and the analysis of every measure on any table of trials.
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
