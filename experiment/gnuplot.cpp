@@ -69,7 +69,7 @@ std::string gnuplot_preamble(const std::string& name, int width_px, int height_p
     return fmt::format(
         R"(reset
 if (exists("as_pdf")) {{
-    set terminal pdfcairo size {}in,{}in font 'DejaVu Sans,9.5' linewidth 1.2 background 'white'
+    set terminal pdfcairo size {}in,{}in font 'DejaVu Sans,13' linewidth 1.2 background 'white'
     set output '{name}.pdf'
 }} else {{
     set terminal svg size {},{} font 'DejaVu Sans,Helvetica,Arial,sans-serif,13' linewidth 1.2 background 'white'
