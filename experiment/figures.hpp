@@ -30,7 +30,8 @@ struct FigureSource {
 // A panel per delay (rows) and modality (columns): needle and surface, mean with a band of one SD, over
 // trials.
 FigureSource trajectory_figure(const std::vector<TrajectoryPanel>& panels, const std::string& name);
-// Maximum penetration and completion time per modality and delay, mean with one SD over subjects.
+// Maximum penetration (peak displacement where the fixture was removed) and completion time per modality and
+// delay, mean with one SD over subjects.
 FigureSource bar_figure(const std::vector<ConditionSummary>& conditions, const std::string& name);
 
 // The experiments side by side, a column each: their trajectories, a row per modality; and their bars, with the

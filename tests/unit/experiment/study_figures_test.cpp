@@ -81,6 +81,14 @@ TEST(DifferenceFigure, IsLeftOutWhereNothingCanBeTested) {
     EXPECT_TRUE(draw_figures(std::vector<FigureSource>(2), "/nowhere").problem.empty());
 }
 
+TEST(BarFigure, ShowsTheJumpWhereTheFixtureWasRemoved) {
+    auto rows = rows_of(normal_columns(3, kMeans));
+    EXPECT_THAT(bar_figure(summarize(rows), "b").script, HasSubstr("peak displacement"));
+    for (TrialRow& row : rows) row.metrics.peak_displacement_m = std::nan("");
+    EXPECT_THAT(bar_figure(summarize(rows), "b").script,
+                testing::AllOf(HasSubstr("maximum penetration"), Not(HasSubstr("displacement"))));
+}
+
 TEST(MeasureAxis, IsLogarithmicOnlyForFarOutPositiveValues) {
     EXPECT_FALSE(wants_logarithm(std::array{1.0, 2.0, 3.0, 9.0}));
     EXPECT_TRUE(wants_logarithm(std::array{1.0, 2.0, 3.0, 90.0, std::nan("")}));
