@@ -11,13 +11,23 @@
 namespace thimble {
 namespace {
 
-constexpr std::array kShown{Metric::kPenetrationMax, Metric::kCompletionTime};
+using Shown = std::array<Metric, 2>;
+
+// Depth and time; where the fixture was removed the depth that counts is how far the needle then jumped.
+Shown shown_of(const std::vector<ConditionSummary>& conditions) {
+    const bool removed = std::any_of(conditions.begin(), conditions.end(), [](const ConditionSummary& c) {
+        return c.of(Metric::kPeakDisplacement).n > 0;
+    });
+    return {removed ? Metric::kPeakDisplacement : Metric::kPenetrationMax, Metric::kCompletionTime};
+}
+
 constexpr std::array kDelayColours{kSkyBlue, kVermilion, kGreen, kPurple, kBlue};
 // Width that the bars of one modality share; the rest of 1 is the gap to the next.
 constexpr double kGroup = 0.76;
 
 // A block per delay, a line per modality: place on the axis, then mean and SD of each metric as shown.
-std::string bar_data(const std::vector<ConditionSummary>& conditions, const std::vector<double>& delays_s) {
+std::string bar_data(const std::vector<ConditionSummary>& conditions, const std::vector<double>& delays_s,
+                     const Shown& shown) {
     std::string data = "# x, then for each metric: mean, sd\n";
     const double width = kGroup / static_cast<double>(delays_s.size());
     for (std::size_t block = 0; block < delays_s.size(); ++block) {
@@ -26,7 +36,7 @@ std::string bar_data(const std::vector<ConditionSummary>& conditions, const std:
             const auto condition = find_condition(conditions, kModalities[i], delays_s[block]);
             const double offset = -kGroup / 2 + width * (static_cast<double>(block) + 0.5);
             write_cell(data, static_cast<double>(i) + offset);
-            for (const Metric metric : kShown) {
+            for (const Metric metric : shown) {
                 const Statistic statistic =
                     condition == conditions.end() ? Statistic{} : condition->of(metric);
                 write_cell(data, statistic.mean * info(metric).shown_per_si);
@@ -39,9 +49,10 @@ std::string bar_data(const std::vector<ConditionSummary>& conditions, const std:
     return data;
 }
 
-std::string bar_panel(const std::string& name, std::size_t panel, const std::vector<double>& delays_s) {
+std::string bar_panel(const std::string& name, std::size_t panel, const std::vector<double>& delays_s,
+                      const Shown& shown) {
     const std::size_t mean = 2 + 2 * panel;
-    std::string script = fmt::format("set ylabel '{}'\nplot ", info(kShown[panel]).label);
+    std::string script = fmt::format("set ylabel '{}'\nplot ", info(shown[panel]).label);
     for (std::size_t block = 0; block < delays_s.size(); ++block) {
         script += fmt::format(
             "'{}.tsv' index {} using 1:{} with boxes fillstyle solid 0.85 noborder linecolor '{}' "
@@ -58,7 +69,7 @@ std::string bar_panel(const std::string& name, std::size_t panel, const std::vec
     return script;
 }
 
-std::string bar_script(const std::string& name, const std::vector<double>& delays_s) {
+std::string bar_script(const std::string& name, const std::vector<double>& delays_s, const Shown& shown) {
     std::string script = gnuplot_preamble(name, 1000, 380);
     script += fmt::format(R"(set boxwidth {:.4f} absolute
 set xrange [-0.6:3.6]; set yrange [0:*]; set offsets 0, 0, graph 0.06, 0; set xtics scale 0 (
@@ -75,13 +86,13 @@ set tmargin at screen 0.87; set bmargin at screen 0.16
 set multiplot
 set lmargin at screen 0.075; set rmargin at screen 0.485
 )";
-    script += bar_panel(name, 0, delays_s);
+    script += bar_panel(name, 0, delays_s, shown);
     script += "unset key\nset lmargin at screen 0.575; set rmargin at screen 0.985\n";
-    script += bar_panel(name, 1, delays_s);
+    script += bar_panel(name, 1, delays_s, shown);
     return script + "unset multiplot\n";
 }
 
-std::string bar_caption(const std::vector<ConditionSummary>& conditions) {
+std::string bar_caption(const std::vector<ConditionSummary>& conditions, const Shown& shown) {
     std::uint32_t subjects_low = ~0U, subjects_high = 0, trials_low = ~0U, trials_high = 0;
     for (const ConditionSummary& condition : conditions) {
         subjects_low = std::min(subjects_low, condition.subjects);
@@ -90,23 +101,28 @@ std::string bar_caption(const std::vector<ConditionSummary>& conditions) {
         trials_high = std::max(trials_high, condition.judged);
     }
     return fmt::format(
-        "By one-way delay: maximum penetration beyond the fixture between first contact and beep, and time "
-        "from tissue entry "
-        "to the "
-        "beep: mean and standard deviation over n = {} subjects, whose trials are averaged first ({} trials "
-        "per "
-        "bar). Trials without a beep have no completion time.",
+        "By one-way delay: {}, and time from tissue entry to the beep: mean and standard deviation over n = "
+        "{} "
+        "subjects, whose trials are averaged first ({} trials per bar). Trials without a beep have no "
+        "completion "
+        "time.",
+        shown[0] == Metric::kPeakDisplacement
+            ? "how far the needle jumps when the fixture vanishes"
+            : "maximum penetration beyond the fixture between first contact and beep",
         range_text(std::min(subjects_low, subjects_high), subjects_high),
         range_text(std::min(trials_low, trials_high), trials_high));
 }
 
 }  // namespace
 
-Figure draw_bars(const std::vector<ConditionSummary>& conditions, const std::filesystem::path& directory,
-                 const std::string& name) {
+FigureSource bar_figure(const std::vector<ConditionSummary>& conditions, const std::string& name) {
     const std::vector<double> delays_s = delays_of(conditions);
-    return {name, "Penetration and completion time", bar_caption(conditions),
-            run_gnuplot(directory, name, bar_data(conditions, delays_s), bar_script(name, delays_s))};
+    const Shown shown = shown_of(conditions);
+    return {name,
+            shown[0] == Metric::kPeakDisplacement ? "Displacement and completion time"
+                                                  : "Penetration and completion time",
+            bar_caption(conditions, shown), bar_data(conditions, delays_s, shown),
+            bar_script(name, delays_s, shown)};
 }
 
 }  // namespace thimble

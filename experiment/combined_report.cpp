@@ -59,6 +59,7 @@ ReportSection read_section(const Json& json, const std::filesystem::path& folder
     ReportSection section;
     section.title = json.at("title").get<std::string>();
     section.text = json.at("text").get<std::string>();
+    section.findings = json.value("findings", std::vector<std::string>{});
     if (json.contains("headline")) section.headline = read_headline(json.at("headline"));
     for (const Json& figure : json.at("figures"))
         section.drawn.figures.push_back(read_figure(figure, folder));

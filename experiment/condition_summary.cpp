@@ -75,6 +75,12 @@ Statistic over_subjects(const SubjectMeans& subjects, std::size_t metric) {
 
 const MetricInfo& info(Metric metric) { return kInfo[static_cast<std::size_t>(metric)]; }
 
+std::string shown_text(double value, Metric metric) {
+    std::string text = fmt::format("{:.{}f}", value * info(metric).shown_per_si, info(metric).decimals);
+    if (text.starts_with('-') && text.find_first_of("123456789") == std::string::npos) text.erase(0, 1);
+    return text;
+}
+
 std::vector<ConditionSummary> summarize(const std::vector<TrialRow>& rows) {
     std::map<ConditionKey, std::pair<ConditionSummary, SubjectMeans>> conditions;
     for (const TrialRow& row : rows) {

@@ -34,6 +34,8 @@ struct MetricInfo {
     double (*value)(const TrialMetrics&);  // SI
 };
 const MetricInfo& info(Metric metric);
+// An SI value as it is shown, without the unit: "3.93"; never "-0.00".
+std::string shown_text(double value, Metric metric);
 
 struct Statistic {
     std::uint32_t n = 0;                                     // subjects that have the metric

@@ -1,10 +1,12 @@
-// One run of gnuplot: data and script in, SVG out.
+// gnuplot: data and scripts in, SVG and PDF out.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace thimble {
 
@@ -16,7 +18,8 @@ inline constexpr std::string_view kGreen = "#009E73";
 inline constexpr std::string_view kPurple = "#CC79A7";
 inline constexpr std::string_view kGrey = "#999999";
 
-// The lines every script begins with: terminal, output, fonts, borders.
+// The lines every script begins with: terminal, output, fonts, borders. With the lines that are put behind it
+// (write_gnuplot_files) a script draws itself twice: NAME.svg, then, where gnuplot has pdfcairo, NAME.pdf.
 std::string gnuplot_preamble(const std::string& name, int width_px, int height_px);
 
 // One value and a tab; NaN as gnuplot's missing value. Six digits are more than any picture shows.
@@ -28,9 +31,23 @@ std::string range_text(std::uint32_t low, std::uint32_t high);
 // The <svg> element of a whole SVG file, its ids prefixed with `name` so that several can stand in one page.
 std::string embeddable_svg(std::string text, const std::string& name);
 
-// Writes NAME.tsv and NAME.gp into `directory`, runs gnuplot there and returns the <svg> element of NAME.svg,
-// its ids prefixed with the name. Throws Error (run failed) that says what to install or what gnuplot
-// complained about.
+// What one picture is drawn from; NAME.svg is drawn by `gnuplot -d NAME.gp` beside NAME.tsv.
+struct GnuplotFiles {
+    std::string name, data, script;
+};
+// Writes NAME.tsv and NAME.gp of each into `directory`, made if missing; removes its pictures of earlier runs.
+// Throws Error (run failed) naming a file that cannot be written.
+void write_gnuplot_files(const std::filesystem::path& directory, const std::vector<GnuplotFiles>& figures);
+// Draws them in one process, since half of a small figure's time is gnuplot's start. Returns what gnuplot
+// complained about, nothing if all went well; what follows the one it failed on is not drawn. Throws Error (run
+// failed) that says what to install if it cannot be started.
+std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
+                                             const std::vector<std::string>& names);
+// The <svg> element of NAME.svg, its ids prefixed with the name; nothing if it is not there to its end.
+std::optional<std::string> drawn_svg(const std::filesystem::path& directory, const std::string& name);
+
+// All of it for one picture. Throws Error (run failed) that says what to install or what gnuplot complained
+// about.
 std::string run_gnuplot(const std::filesystem::path& directory, const std::string& name,
                         const std::string& data, const std::string& script);
 

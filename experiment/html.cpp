@@ -1,5 +1,6 @@
 #include "experiment/html.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 #include <fmt/format.h>
@@ -25,8 +26,23 @@ table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabu
 th, td { padding: .25rem .8rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; }
 th { border-bottom: 2px solid var(--soft); } td.number { text-align: right; white-space: nowrap; }
 figure { margin: 1rem 0 2rem; } figure svg { max-width: 100%; height: auto; background: #ffffff; }
+.finding { max-width: 62rem; }
 figcaption, .note { color: var(--soft); font-size: .88rem; max-width: 62rem; }
+@page { margin: 15mm; }
+@media print {
+  :root { color-scheme: light; --ink: #000000; --soft: #333333; --line: #999999; --ground: #ffffff; --tint: #ffffff; }
+  body { font-size: 10pt; max-width: none; margin: 0; padding: 0; }
+  h1, h2, h3 { break-after: avoid; } .figure, figure, .headline, .problem, tr { break-inside: avoid; }
+  figure svg { max-height: 205mm; } .wide { overflow: visible; } table { font-size: 7.5pt; }
+  th, td { padding: .1rem .35rem; } thead { display: table-header-group; } p { orphans: 3; widows: 3; }
+}
 )";
+
+// Characters, not bytes: UTF-8's continuation bytes take no room.
+std::size_t width_of(std::string_view text) {
+    const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+    return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continues));
+}
 
 bool looks_like_number(std::string_view text) {
     return !text.empty() && text.find_first_of("0123456789") != std::string_view::npos &&
@@ -86,6 +102,25 @@ std::string html_table(const ReportTable& table) {
     html += "</tbody></table></div>\n";
     if (!table.note.empty()) html += fmt::format("<p class=\"note\">{}</p>\n", html_escape(table.note));
     return html;
+}
+
+std::string plain_table(const ReportTable& table) {
+    std::vector<std::vector<std::string>> lines{table.columns};
+    lines.insert(lines.end(), table.rows.begin(), table.rows.end());
+    std::vector<std::size_t> widths(table.columns.size(), 0);
+    for (const auto& line : lines) {
+        for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], width_of(line[i]));
+    }
+    std::string text = table.title + "\n";
+    for (const auto& line : lines) {
+        std::string padded;
+        for (std::size_t i = 0; i < line.size(); ++i) {
+            padded += "  " + line[i] + std::string(widths[i] - width_of(line[i]), ' ');
+        }
+        padded.erase(padded.find_last_not_of(' ') + 1);
+        text += padded + "\n";
+    }
+    return text + (table.note.empty() ? "" : "  " + table.note + "\n");
 }
 
 std::string html_page(std::string_view title, std::string_view body) {

@@ -19,6 +19,8 @@ std::string html_escape(std::string_view text);
 std::string html_element(std::string_view tag, std::string_view text);  // escapes the text
 // Cells that are numbers stand to the right.
 std::string html_table(const ReportTable& table);
+// The same for a terminal: title, columns padded to one width, note.
+std::string plain_table(const ReportTable& table);
 std::string html_page(std::string_view title, std::string_view body);  // body is HTML
 
 }  // namespace thimble

@@ -35,13 +35,19 @@ std::string headlines_html(const ReportInput& report) {
 std::string section_html(const ReportSection& section) {
     std::string html = html_element("h2", section.title) + "\n";
     if (!section.text.empty()) html += html_element("p", section.text) + "\n";
+    for (const std::string& finding : section.findings) {
+        html += fmt::format("<p class=\"finding\">{}</p>\n", html_escape(finding));
+    }
     if (!section.drawn.problem.empty()) {
-        html += fmt::format("<p class=\"problem\">No figures: {}</p>\n", html_escape(section.drawn.problem));
+        html += fmt::format("<p class=\"problem\">{}: {}</p>\n",
+                            section.drawn.figures.empty() ? "No figures" : "Not all figures",
+                            html_escape(section.drawn.problem));
     }
     for (const Figure& figure : section.drawn.figures) {
-        html += html_element("h3", figure.title);
-        html += fmt::format("\n<figure>\n{}\n<figcaption>{}</figcaption>\n</figure>\n", figure.svg,
-                            html_escape(figure.caption));
+        html += fmt::format(
+            "<section "
+            "class=\"figure\">\n{}\n<figure>\n{}\n<figcaption>{}</figcaption>\n</figure>\n</section>\n",
+            html_element("h3", figure.title), figure.svg, html_escape(figure.caption));
     }
     for (const ReportTable& table : section.tables) html += html_table(table);
     return html;

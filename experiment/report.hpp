@@ -28,6 +28,7 @@ namespace thimble {
 struct ReportSection {
     std::string title;
     std::string text;
+    std::vector<std::string> findings;         // a paragraph each
     std::optional<Headline> headline;          // also shown at the top of the report
     std::vector<ConditionSummary> conditions;  // for summary.json; the tables hold them for people
     DrawnFigures drawn;

@@ -40,6 +40,7 @@ Json to_json(const ReportTable& table) {
 
 Json to_json(const ReportSection& section) {
     Json json{{"title", section.title}, {"text", section.text}};
+    if (!section.findings.empty()) json["findings"] = section.findings;
     if (section.headline) json["headline"] = to_json(*section.headline);
     json["conditions"] = Json::array();
     for (const ConditionSummary& condition : section.conditions)

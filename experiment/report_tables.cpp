@@ -19,7 +19,7 @@ constexpr std::array kTaskAndRemoval{Metric::kPenetrationMean, Metric::kPenetrat
 
 std::string shown(double value, Metric metric) {
     if (std::isnan(value)) return std::string(kDash);
-    return fmt::format("{:.{}f}", value * info(metric).shown_per_si, info(metric).decimals);
+    return shown_text(value, metric);
 }
 
 ReportTable statistics_table(std::string title, const std::vector<ConditionSummary>& conditions,

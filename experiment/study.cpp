@@ -1,7 +1,6 @@
 #include "experiment/study.hpp"
 
 #include <algorithm>
-#include <map>
 
 #include <fmt/format.h>
 
@@ -10,6 +9,7 @@
 #include "experiment/no_lag.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
+#include "experiment/study_figures.hpp"
 #include "experiment/study_folder.hpp"
 #include "experiment/subject_table.hpp"
 #include "experiment/trajectory_file.hpp"
@@ -112,14 +112,14 @@ class Study {
         return section;
     }
 
-    ReportSection section(std::uint32_t experiment) const {
+    ReportSection section(std::uint32_t experiment, const StudyFigures& figures,
+                          const std::vector<MeasureAnalysis>& measures) const {
         const std::vector<TrialRow> rows = of_experiment(result_.rows, experiment);
-        const auto conditions = summarize(rows);
         const bool alone = panels_.size() == 1;
         ReportSection section =
             trials_section(alone ? "Virtual study" : fmt::format("Experiment {}", experiment), rows,
-                           draw_figures(panels_.at(experiment).panels(), conditions, options_.out,
-                                        alone ? "" : fmt::format("_experiment{}", experiment)));
+                           figures.experiments.at(experiment));
+        add_analysis(section, result_.rows, experiment, measures);
         if (experiment == delayed_experiment()) {
             section.headline = judge_headline(summarize(without_removals(result_.rows)));
         } else {
@@ -148,8 +148,14 @@ class Study {
         ReportInput report;
         report.title = fmt::format("Thimble: experiment{} {} in virtual time",
                                    options_.protocols.size() > 1 ? "s" : "", experiments());
+        const std::vector<MeasureAnalysis> measures = analyse_trials(result_.rows, options_.analysis);
+        write_analysis(measures, options_.analysis, options_.out / "analysis.json");
+        const StudyFigures figures = draw_study(result_.rows, panels_, options_.out);
+        if (panels_.size() > 1) report.sections.push_back(overview_section(measures, figures.side_by_side));
         report.sections.push_back(claims_section());
-        for (const auto& [experiment, panels] : panels_) report.sections.push_back(section(experiment));
+        for (const auto& [experiment, panels] : panels_) {
+            report.sections.push_back(section(experiment, figures, measures));
+        }
         const Protocol& protocol = options_.protocols[0];
         report.provenance = {{"command", options_.command},
                              {"seed", std::to_string(protocol.seed)},
@@ -165,7 +171,7 @@ class Study {
     const StudyOptions& options_;
     unsigned jobs_;
     Progress progress_;
-    std::map<std::uint32_t, TrajectoryPanels> panels_;  // by experiment
+    PanelsByExperiment panels_;
     std::vector<TrialRow> no_lag_;
     StudyResult result_;
 };

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "experiment/analysis.hpp"
 #include "experiment/claims.hpp"
 #include "experiment/mean_trajectory.hpp"
 #include "experiment/protocol.hpp"
@@ -25,7 +26,8 @@ struct StudyOptions {
     // Of an experiment with delay that comes alone: the same trials without, into control.csv. Of experiment 1:
     // its trials with CF, with actuators without lag, into no_lag.csv.
     bool control = true;
-    const std::atomic<bool>* stop = nullptr;  // asked between trials
+    AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
+    const std::atomic<bool>* stop = nullptr;      // asked between trials
 };
 
 // How many threads `jobs` asks for: 0 is one per core, if that is known.
@@ -45,7 +47,7 @@ struct StudyResult {
 };
 
 // Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
-// no_lag.csv, subjects.csv, claims.json, report.html, summary.json and figures/ below options.out.
+// no_lag.csv, subjects.csv, claims.json, analysis.json, report.html, summary.json and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 }  // namespace thimble

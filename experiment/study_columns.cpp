@@ -13,18 +13,20 @@ bool has_own_delay(const TrialRow& row) {
 }  // namespace
 
 StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment)
-    : rows_(of_experiment(rows, experiment)) {
+    : experiment_(experiment), rows_(of_experiment(rows, experiment)) {
     std::erase_if(rows_, [](const TrialRow& row) { return !has_own_delay(row) || !ran_to_its_end(row); });
     for (const TrialRow& row : rows_) subjects_.push_back(row.conditions.subject);
     std::sort(subjects_.begin(), subjects_.end());
     subjects_.erase(std::unique(subjects_.begin(), subjects_.end()), subjects_.end());
 }
 
-CompleteRows StudyColumns::table(Metric metric) const {
+std::vector<NamedValues> StudyColumns::subject_means(Metric metric) const {
     std::vector<NamedValues> columns;
     for (const Modality modality : kModalities) columns.push_back(column(metric, modality));
-    return complete_rows(columns);
+    return columns;
 }
+
+CompleteRows StudyColumns::table(Metric metric) const { return complete_rows(subject_means(metric)); }
 
 NamedValues StudyColumns::column(Metric metric, Modality modality) const {
     NamedValues column{to_string(modality), {}};

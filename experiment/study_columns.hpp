@@ -19,17 +19,22 @@ class StudyColumns {
 
     bool empty() const { return rows_.empty(); }
     const std::vector<TrialRow>& rows() const { return rows_; }
+    std::uint32_t experiment() const { return experiment_; }
+    const std::vector<std::uint32_t>& subjects() const { return subjects_; }  // ascending
 
+    // Each subject's mean per modality, columns in the order of kModalities, subjects as above; NaN: no trial
+    // of that modality came to that measure.
+    std::vector<NamedValues> subject_means(Metric metric) const;
     // Columns in the order of kModalities, SI. A subject without a value in a modality (no trial of it came to
     // that measure) is left out of all: see `dropped`. Throws Error (data) if no subject has all four.
     CompleteRows table(Metric metric) const;
     // One modality, a value per subject in ascending order, NaN where there is none.
     NamedValues column(Metric metric, Modality modality) const;
-    const std::vector<std::uint32_t>& subjects() const { return subjects_; }
     // Each trial a value of its own, in groups by modality: experiment 2, where no subject meets all of them.
     std::vector<NamedValues> groups(Metric metric) const;
 
   private:
+    std::uint32_t experiment_;
     std::vector<TrialRow> rows_;
     std::vector<std::uint32_t> subjects_;  // ascending
 };

@@ -1,4 +1,5 @@
-// thimble analyse: the paper's claims on any table of trials.
+// thimble analyse: the paper's claims and the analysis of every measure on any table of trials.
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -6,7 +7,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "experiment/analysis.hpp"
 #include "experiment/claims.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/sitting/counted_trials.hpp"
@@ -16,7 +19,8 @@ namespace thimble {
 namespace {
 
 struct AnalyseArguments {
-    std::string table, claims_out;
+    std::string table, claims_out, analysis = "full";
+    bool json = false;
 };
 
 std::vector<TrialRow> rows_of(const std::filesystem::path& given) {
@@ -24,7 +28,7 @@ std::vector<TrialRow> rows_of(const std::filesystem::path& given) {
     const Dataset dataset(given);
     if (!dataset.kind()) return read_trial_table(given / "trials.csv");
     const CountedTrials counted = counted_trials(dataset);
-    for (const std::string& line : describe(counted)) fmt::print("{}\n", line);
+    for (const std::string& line : describe(counted)) fmt::print(stderr, "{}\n", line);
     return counted.rows;
 }
 
@@ -35,9 +39,7 @@ std::vector<TrialRow> no_lag_rows(const std::filesystem::path& given) {
     return std::filesystem::exists(table) ? read_trial_table(table) : std::vector<TrialRow>{};
 }
 
-int judge_table(const AnalyseArguments& arguments) {
-    const std::vector<Claim> claims = judge_claims(rows_of(arguments.table), no_lag_rows(arguments.table));
-    if (!arguments.claims_out.empty()) write_claims(claims, arguments.claims_out);
+void say_claims(const std::vector<Claim>& claims) {
     for (const Claim& c : claims) {
         fmt::print("{:<12} {:<18} {}\n{:<12} paper: {}\n{:<12} here:  {}\n",
                    !c.reproduced   ? "not judged"
@@ -46,6 +48,36 @@ int judge_table(const AnalyseArguments& arguments) {
                    c.id, c.claim, "", c.paper, "", c.ours);
     }
     fmt::print("{}\n", claims_sentence(claims));
+}
+
+void say_analysis(const std::vector<MeasureAnalysis>& measures) {
+    for (const std::uint32_t experiment : {1U, 2U, 3U}) {
+        std::vector<MeasureAnalysis> own;
+        for (const MeasureAnalysis& measure : measures) {
+            if (measure.experiment == experiment) own.push_back(measure);
+        }
+        if (own.empty()) continue;
+        fmt::print("\nExperiment {}\n", experiment);
+        for (const MeasureAnalysis& measure : own) fmt::print("{}\n", finding_text(measure));
+        for (const ReportTable& table : analysis_tables(own)) fmt::print("\n{}", plain_table(table));
+    }
+}
+
+int analyse_table(const AnalyseArguments& arguments) {
+    const std::vector<TrialRow> rows = rows_of(arguments.table);
+    const std::vector<Claim> claims = judge_claims(rows, no_lag_rows(arguments.table));
+    if (!arguments.claims_out.empty()) write_claims(claims, arguments.claims_out);
+    const AnalysisKind kind = *parse_analysis(arguments.analysis);
+    const std::vector<MeasureAnalysis> measures = analyse_trials(rows, kind);
+    if (arguments.json) {
+        nlohmann::ordered_json json{{"claims", nlohmann::ordered_json::array()}};
+        for (const Claim& claim : claims) json["claims"].push_back(to_json(claim));
+        json["analysis"] = to_json(measures, kind);
+        fmt::print("{}\n", json.dump(2));
+    } else {
+        say_claims(claims);
+        say_analysis(measures);
+    }
     return 0;
 }
 
@@ -54,14 +86,24 @@ int judge_table(const AnalyseArguments& arguments) {
 Command add_analyse(CLI::App& app) {
     const auto arguments = std::make_shared<AnalyseArguments>();
     AnalyseArguments& a = *arguments;
-    CLI::App* analyse =
-        app.add_subcommand("analyse", "the paper's claims on a table of trials, by its tests");
+    CLI::App* analyse = app.add_subcommand(
+        "analyse", "the paper's claims and an analysis of every measure on a table of trials");
     analyse
         ->add_option("table", a.table, "a trials.csv, a folder that holds one, or a dataset of participants")
         ->required();
     analyse->add_option("-o,--out", a.claims_out, "claims as JSON");
-    analyse->footer("Example:\n  thimble analyse out/study --out claims.json");
-    return {analyse, [arguments] { return judge_table(*arguments); }};
+    analyse
+        ->add_option(
+            "--analysis", a.analysis,
+            "paper: its tests, chosen by its normality rule; full: also corrections, effect sizes and "
+            "confidence intervals")
+        ->default_val("full")
+        ->check(CLI::IsMember({"paper", "full"}));
+    analyse->add_flag("--json", a.json, "print claims and analysis as JSON on stdout");
+    analyse->footer(
+        "Examples:\n  thimble analyse out/study --out claims.json\n"
+        "  thimble analyse out/study/trials.csv --analysis paper --json");
+    return {analyse, [arguments] { return analyse_table(*arguments); }};
 }
 
 }  // namespace thimble

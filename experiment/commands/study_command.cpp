@@ -21,7 +21,7 @@ namespace {
 
 struct StudyArguments {
     std::string config, out;
-    std::string experiment = "3", order;
+    std::string experiment = "3", order, analysis = "full";
     std::uint32_t subjects = 0, seeds = 1;
     std::uint64_t seed = 1;
     unsigned jobs = 0;
@@ -47,6 +47,7 @@ std::string study_command(const StudyArguments& a) {
     if (!a.order.empty()) command += " --order " + a.order;
     if (!a.config.empty()) command += " --config " + a.config;
     if (a.no_control) command += " --no-control";
+    if (a.analysis != "full") command += " --analysis " + a.analysis;
     if (a.seeds > 1) command += fmt::format(" --seeds {}", a.seeds);
     for (const std::string& range : a.sweep.vary) command += " --vary " + range;
     if (a.sweep.draws > 0) command += fmt::format(" --draws {}", a.sweep.draws);
@@ -83,6 +84,7 @@ int run_one_study(const StudyArguments& arguments) {
     if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
     options.control = !arguments.no_control;
+    options.analysis = *parse_analysis(arguments.analysis);
     options.stop = &stop_requested();
     const StudyResult result = run_study(settings, options);
     if (result.resumed > 0) spdlog::info("{} trials were there already", result.resumed);
@@ -140,6 +142,14 @@ Command add_study(CLI::App& app) {
         ->check(CLI::Range(0, 1024));
     study->add_flag("--no-control", a.no_control, "leave out the same trials without delay (control.csv)");
     // Of a sweep only the claims are kept.
+    study
+        ->add_option(
+            "--analysis", a.analysis,
+            "paper: its tests, chosen by its normality rule; full: also corrections, effect sizes and "
+            "confidence intervals")
+        ->default_val("full")
+        ->check(CLI::IsMember({"paper", "full"}))
+        ->excludes(seeds);
     study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV")
         ->excludes(seeds)
         ->excludes(vary)

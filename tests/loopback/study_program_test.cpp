@@ -1,7 +1,10 @@
 // `thimble study` and `thimble analyse` as users start them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "common/error.hpp"
+#include "experiment/subprocess.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 
@@ -10,7 +13,9 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
+using Json = nlohmann::ordered_json;
 
 Outcome thimble_with(const std::vector<std::string>& arguments) {
     return run_to_end(built_programs() / "thimble", arguments);
@@ -39,7 +44,39 @@ TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
     const Outcome analysed = thimble_with({"analyse", out, "--out", (folder / "claims.json").string()});
     EXPECT_EQ(analysed.code, 0) << analysed.words;
     EXPECT_THAT(analysed.words, HasSubstr("E2.peak.hf"));
+    EXPECT_THAT(analysed.words, HasSubstr("Peak displacement"));
     EXPECT_EQ(read_text(folder / "claims.json"), read_text(folder / "out" / "claims.json"));
+
+    const Outcome json = thimble_with({"analyse", out, "--json"});
+    EXPECT_EQ(json.code, 0) << json.words;
+    const auto parsed = Json::parse(json.words);
+    EXPECT_EQ(parsed["claims"].dump(), Json::parse(read_text(folder / "out" / "claims.json")).dump());
+    EXPECT_EQ(parsed["analysis"].dump(), Json::parse(read_text(folder / "out" / "analysis.json")).dump());
+    const Outcome paper = thimble_with({"analyse", out, "--analysis", "paper", "--json"});
+    EXPECT_EQ(paper.code, 0) << paper.words;
+    const auto measure = Json::parse(paper.words)["analysis"]["measures"].at(0);
+    EXPECT_EQ(measure["test"], "one-way ANOVA");
+    EXPECT_TRUE(measure["p"].is_number());
+    EXPECT_FALSE(measure["one_way_anova"].contains("eta_squared"));
+}
+
+TEST(StudyProgram, FiguresAreAlsoPdf) {
+    try {
+        run_program("gnuplot", {"-V"}, ".", "");
+    } catch (const Error&) {
+        GTEST_SKIP() << "gnuplot is not installed";
+    }
+    const Folder folder;
+    const Outcome study =
+        thimble_with({"study", "--experiment", "2", "--subjects", "4", "--out", (folder / "out").string()});
+    EXPECT_EQ(study.code, 0) << study.words;
+    for (const char* figure : {"trajectories", "bars", "subjects", "distributions", "differences"}) {
+        EXPECT_THAT(read_text(folder / "out" / "figures" / (std::string(figure) + ".pdf")),
+                    StartsWith("%PDF"));
+        EXPECT_THAT(read_text(folder / "out" / "figures" / (std::string(figure) + ".svg")),
+                    HasSubstr("</svg>"));
+    }
+    EXPECT_THAT(read_text(folder / "out" / "report.html"), Not(HasSubstr("o figures:")));
 }
 
 // Commands that share an option's variable once shared its default too: results went into "out/report.html".
@@ -59,6 +96,9 @@ TEST(StudyProgram, MistakesAreNamed) {
     EXPECT_EQ(thimble_with({"study", "--experiment", "4"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--order", "latin"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--resume", "--overwrite"}).code, 2);
+    EXPECT_EQ(thimble_with({"study", "--analysis", "mine"}).code, 2);
+    EXPECT_EQ(thimble_with({"study", "--seeds", "2", "--analysis", "paper"}).code, 2);
+    EXPECT_EQ(thimble_with({"analyse", "x.csv", "--analysis", "mine"}).code, 2);
     for (const char* option : {"--resume", "--trajectories", "--json"}) {
         const std::string out = (folder / "out").string();
         const Outcome refused = thimble_with({"study", "--seeds", "2", option, "--out", out});

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -27,6 +28,15 @@ std::vector<std::string> lines_of(const std::string& text) {
     std::istringstream stream(text);
     for (std::string line; std::getline(stream, line);) lines.push_back(line);
     return lines;
+}
+
+// Every file of figures/ with its bytes; the pictures too, if gnuplot drew them.
+std::map<std::string, std::string> figures_of(const std::filesystem::path& study) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(study / "figures")) {
+        files[entry.path().filename().string()] = read(entry.path());
+    }
+    return files;
 }
 
 class Determinism : public testing::Test {
@@ -73,6 +83,9 @@ TEST_F(Determinism, TheSameSeedGivesTheSameBytesOnAnyNumberOfThreads) {
     for (const unsigned jobs : {1U, 2U, 3U}) {
         options.jobs = jobs;
         EXPECT_EQ(study(options), first) << jobs << " threads";
+        const auto other = folder_ / std::to_string(studies_ - 1);
+        EXPECT_EQ(read(other / "analysis.json"), read(folder_ / "0" / "analysis.json")) << jobs << " threads";
+        EXPECT_EQ(figures_of(other), figures_of(folder_ / "0")) << jobs << " threads";
     }
 }
 
@@ -113,10 +126,11 @@ TEST_F(Determinism, AResumedStudyIsTheUninterruptedOne) {
     EXPECT_TRUE(result.complete);
     EXPECT_GT(result.resumed, 0U);
     EXPECT_LT(result.resumed, result.rows.size());
-    for (const char* file :
-         {"trials.csv", "trials_curves.csv", "subjects.csv", "summary.json", "report.html"}) {
+    for (const char* file : {"trials.csv", "trials_curves.csv", "subjects.csv", "claims.json",
+                             "analysis.json", "summary.json", "report.html"}) {
         EXPECT_EQ(read(options.out / file), read(folder_ / "0" / file)) << file;
     }
+    EXPECT_EQ(figures_of(options.out), figures_of(folder_ / "0"));
 }
 
 TEST_F(Determinism, AnotherSeedIsAnotherStudy) {

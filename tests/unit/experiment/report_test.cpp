@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "experiment/gnuplot.hpp"
 #include "experiment/report_tables.hpp"
 #include "experiment/subprocess.hpp"
 #include "tests/unit/experiment/records.hpp"
@@ -113,7 +114,8 @@ TEST(Report, WithoutGnuplotTheTablesRemain) {
     {
         const Path nothing(directory.path().string());
         try {
-            draw_bars(conditions, directory / "figures");
+            const FigureSource bars = bar_figure(conditions, "bars");
+            run_gnuplot(directory / "figures", bars.name, bars.data, bars.script);
             ADD_FAILURE() << "gnuplot was found in an empty PATH";
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ExitCode::kRunFailed);
@@ -137,7 +139,8 @@ TEST(Report, AFailingGnuplotSaysWhy) {
     std::filesystem::permissions(directory / "gnuplot", std::filesystem::perms::owner_all);
     const Path fake(directory.path().string());
     try {
-        draw_bars(summarize(small_study().rows), directory / "figures");
+        const FigureSource bars = bar_figure(summarize(small_study().rows), "bars");
+        run_gnuplot(directory / "figures", bars.name, bars.data, bars.script);
         FAIL() << "a failing gnuplot went unnoticed";
     } catch (const Error& error) {
         const std::string what = error.what();

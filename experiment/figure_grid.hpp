@@ -1,0 +1,25 @@
+// Panels of equal size in rows and columns of one picture, in pixels.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace thimble {
+
+struct FigureGrid {
+    std::size_t columns = 1, rows = 1;
+    int panel_width_px = 260, panel_height_px = 240;
+    int left_px = 92, right_px = 12;       // of the whole picture
+    int head_px = 44, foot_px = 48;        // of the whole picture
+    int between_px = 82, beneath_px = 48;  // from a panel to the next beside it, and below it
+
+    int width_px() const;
+    int height_px() const;
+    // The gnuplot lines that put what is plotted next there; row 0 is on top.
+    std::string margins(std::size_t row, std::size_t column) const;
+    // A key as wide as all panels in the head, from entries as of gnuplot's plot ("NaN with lines title 'a'"), of a
+    // multiplot's last plot: one that belongs to a panel would be stacked to fit that panel.
+    std::string key(const std::string& entries) const;
+};
+
+}  // namespace thimble

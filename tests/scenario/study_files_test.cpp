@@ -1,0 +1,81 @@
+// What a study of all experiments leaves behind.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "experiment/study.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+std::string read(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+TEST(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
+    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_study_files";
+    std::filesystem::remove_all(folder);
+    StudyOptions options;
+    options.protocols = {experiment_1(paper(), 3, 1), experiment_2(paper(), 4, 1),
+                         experiment_3(paper(), 3, 1)};
+    for (Protocol& protocol : options.protocols) protocol.trials_per_modality = 1;
+    options.out = folder;
+    run_study(paper(), options);
+
+    for (const char* file : {"trials.csv", "claims.json", "summary.json", "report.html"}) {
+        EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
+    }
+    for (const char* of : {"trajectories", "bars", "subjects", "distributions", "differences"}) {
+        for (const char* experiment : {"_experiment1", "_experiment2", "_experiment3"}) {
+            const std::string name = std::string(of) + experiment;
+            EXPECT_FALSE(read(folder / "figures" / (name + ".tsv")).empty()) << name;
+            EXPECT_FALSE(read(folder / "figures" / (name + ".gp")).empty()) << name;
+        }
+    }
+    const auto analysis = nlohmann::json::parse(read(folder / "analysis.json"));
+    EXPECT_EQ(analysis["analysis"], "full");
+    ASSERT_EQ(analysis["measures"].size(), 7U);
+    const std::string html = read(folder / "report.html");
+    for (const auto& measure : analysis["measures"]) {
+        EXPECT_TRUE(measure["p"].is_number()) << measure.dump();
+        const std::string finding = measure["finding"].get<std::string>();
+        // To the first sign that HTML writes otherwise.
+        EXPECT_NE(html.find(finding.substr(0, finding.find_first_of("&<>\""))), std::string::npos) << finding;
+    }
+    // Side by side before the claims, the claims before the experiments.
+    EXPECT_LT(html.find("The experiments side by side"), html.find("The paper's claims"));
+    std::filesystem::remove_all(folder);
+}
+
+// One subject is no sample: every test says why, and the study is whole.
+TEST(StudyFiles, TooFewSubjectsForAnyTest) {
+    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_study_of_one";
+    std::filesystem::remove_all(folder);
+    StudyOptions options;
+    options.protocols = {experiment_3(paper(), 1, 1)};
+    options.protocols[0].trials_per_modality = 1;
+    options.control = false;
+    options.analysis = AnalysisKind::kPaper;
+    options.out = folder;
+    EXPECT_TRUE(run_study(paper(), options).complete);
+    const auto analysis = nlohmann::json::parse(read(folder / "analysis.json"));
+    EXPECT_EQ(analysis["analysis"], "paper");
+    ASSERT_EQ(analysis["measures"].size(), 3U);
+    for (const auto& measure : analysis["measures"]) {
+        EXPECT_TRUE(measure["p"].is_null());
+        EXPECT_FALSE(measure["problems"].empty());
+        EXPECT_NE(measure["finding"].get<std::string>().find("could not be tested"), std::string::npos);
+    }
+    EXPECT_TRUE(std::filesystem::exists(folder / "report.html"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "figures" / "differences.gp"));
+    std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace thimble::test
