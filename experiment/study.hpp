@@ -26,7 +26,7 @@ struct StudyOptions {
     // Of an experiment with delay that comes alone: the same trials without, into control.csv.
     bool control = true;
     AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
-    const std::atomic<bool>* stop = nullptr;  // asked between trials
+    const std::atomic<bool>* stop = nullptr;      // asked between trials
 };
 
 // How many threads `jobs` asks for: 0 is one per core, if that is known.
