@@ -146,6 +146,11 @@ bool ConfigTable::has(std::string_view key) const {
     return file_->impl_->root.at_path(join(path_, key)).node() != nullptr;
 }
 
+bool ConfigTable::is_text(std::string_view key) const {
+    const Found found = find(key);
+    return found.node != nullptr && found.node->is_string();
+}
+
 ConfigTable ConfigTable::table(std::string_view key) const {
     const Found found = find(key);
     if (found.node != nullptr && !found.node->is_table()) {

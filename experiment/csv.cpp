@@ -56,8 +56,8 @@ void CsvField::fail(std::string_view why) const {
                             file->string(), line, column, name, text, why));
 }
 
-CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_view> columns)
-    : file_(std::move(file)), columns_(columns), text_(read_whole(file_)) {
+CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator)
+    : file_(std::move(file)), columns_(columns), separator_(separator), text_(read_whole(file_)) {
     split(take_line());
     if (fields_.size() != columns_.size()) {
         fail(fmt::format(
@@ -102,9 +102,10 @@ std::string_view CsvReader::take_line() {
 
 void CsvReader::split(std::string_view line) {
     fields_.clear();
-    for (std::size_t comma = line.find(','); comma != std::string_view::npos; comma = line.find(',')) {
-        fields_.push_back(line.substr(0, comma));
-        line.remove_prefix(comma + 1);
+    for (std::size_t end = line.find(separator_); end != std::string_view::npos;
+         end = line.find(separator_)) {
+        fields_.push_back(line.substr(0, end));
+        line.remove_prefix(end + 1);
     }
     fields_.push_back(line);
 }

@@ -1,5 +1,5 @@
-// The project's own CSV files, read strictly: a header line of known columns, then lines of plain fields (no
-// quoting is needed, no field holds a comma), comment lines from '#'. What is wrong is named with line and
+// The project's own CSV and TSV files, read strictly: a header line of known columns, then lines of plain
+// fields (no quoting is needed, no field holds the separator), comment lines from '#'. What is wrong is named with line and
 // column.
 #pragma once
 
@@ -32,7 +32,7 @@ class CsvReader {
   public:
     // Throws Error (data) if the file cannot be read or its header is not exactly `columns` (which must
     // outlive the reader).
-    CsvReader(std::filesystem::path file, std::span<const std::string_view> columns);
+    CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator = ',');
     CsvReader(const CsvReader&) = delete;
     CsvReader& operator=(const CsvReader&) = delete;
 
@@ -50,6 +50,7 @@ class CsvReader {
 
     std::filesystem::path file_;
     std::span<const std::string_view> columns_;
+    char separator_;
     std::string text_;
     std::size_t position_ = 0;
     std::size_t line_ = 0;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@
 
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/sockets.hpp"
 #include "experiment/child.hpp"
 #include "experiment/session_process.hpp"
 #include "experiment/trajectory_file.hpp"
@@ -31,7 +34,7 @@ struct LanePlan {
 };
 
 struct LaneEvents {
-    std::function<void(const TrialRecord&)> trial_done;
+    std::function<void(const TrialRecord&)> trial_done;  // may be empty, as the next two
     std::function<void(const TrialConditions&, const TrajectorySample&)> progress;  // twice a second
     std::function<bool()> stop;
 };
@@ -42,7 +45,50 @@ struct LaneResult {
     std::vector<nlohmann::ordered_json> reports;  // one per node that could still write it
 };
 
-// Runs the lane to its end. Throws Error if it cannot start: network, with the words of the node that failed.
+class Lane {
+  public:
+    // `plan` and `events` outlive the lane. Throws Error: network, if a port is taken.
+    Lane(const LanePlan& plan, const LaneEvents& events);
+
+    // Starts the nodes, unless they run already, and waits for them. Throws Error: network, with the words of
+    // the node that failed.
+    void open();
+    // Runs one trial to its end, which may be that a peer was lost or a stop was asked for. `number` tells it
+    // apart from the last one on the wire (session_process.hpp).
+    const TrialRecord& run_trial(const TrialConditions& trial, std::uint32_t number,
+                                 const std::filesystem::path& trajectory);
+    std::uint32_t last_number() const { return session_.last_number(); }
+    // Keeps in touch with the nodes between trials, for at most `limit`.
+    void idle(Duration limit);
+    // A node has ended, or was lost: this lane runs no further trial.
+    bool broken() { return result_.code != ExitCode::kOk || dead_child(); }
+    // What happened so far: not ok once a peer was lost, or a stop was asked for.
+    const LaneResult& result() const { return result_; }
+    // Ends the nodes that open() started and collects their reports.
+    LaneResult close();
+
+  private:
+    SessionProcess::Channels open_channels();
+    std::filesystem::path report_path(std::size_t node) const;
+    void launch();
+    std::optional<std::size_t> dead_child();
+    std::string obituary(std::size_t i);
+    void wait_for_nodes();
+    void look_around(SessionTime next, SessionTime& next_poll);
+    void close_trial();
+
+    const LanePlan& plan_;
+    const LaneEvents& events_;
+    Sockets sockets_;
+    SessionProcess session_;
+    RealtimeLoop loop_;
+    std::vector<Child> children_;
+    std::optional<TrajectoryWriter> writer_;
+    TrajectorySample last_;
+    LaneResult result_;
+};
+
+// Runs the trials of the plan. Throws Error as Lane does.
 LaneResult run_lane(const LanePlan& plan, const LaneEvents& events);
 
 }  // namespace thimble

@@ -146,6 +146,12 @@ std::vector<TrialConditions> subject_trials(const Protocol& protocol, std::uint3
     return trials;
 }
 
+std::vector<TrialConditions> sitting_trials(const Protocol& protocol, const Protocol* further,
+                                            std::uint32_t subject) {
+    const std::vector<TrialConditions> own = subject_trials(protocol, subject);
+    return further != nullptr ? interleaved(own, subject_trials(*further, subject)) : own;
+}
+
 std::vector<TrialConditions> all_trials(const std::vector<Protocol>& protocols) {
     std::vector<TrialConditions> trials;
     for (std::size_t i = 0; i < protocols.size(); ++i) {
@@ -153,9 +159,7 @@ std::vector<TrialConditions> all_trials(const std::vector<Protocol>& protocols) 
                                       ? &protocols[i + 1]
                                       : nullptr;
         for (std::uint32_t subject = 1; subject <= protocols[i].subjects; ++subject) {
-            const std::vector<TrialConditions> own = subject_trials(protocols[i], subject);
-            const std::vector<TrialConditions> sitting =
-                further ? interleaved(own, subject_trials(*further, subject)) : own;
+            const std::vector<TrialConditions> sitting = sitting_trials(protocols[i], further, subject);
             trials.insert(trials.end(), sitting.begin(), sitting.end());
         }
         if (further != nullptr) ++i;

@@ -32,7 +32,7 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
                                         Heartbeat{},       0};
                         })) {}
 
-void SessionProcess::start(const TrialConditions& conditions) {
+void SessionProcess::start(const TrialConditions& conditions, std::uint32_t number) {
     record_.conditions = conditions;
     record_.samples.clear();
     record_.samples.reserve(static_cast<std::size_t>(to_seconds(settings_.trial_timeout) * 1000) + 1000);
@@ -46,12 +46,20 @@ void SessionProcess::start(const TrialConditions& conditions) {
     order_.fixture_position_m = conditions.fixture_position_m;
     order_.modality = conditions.modality;
     order_.network_delay_s = to_seconds(settings_.network_delay);
-    trial_ = conditions.trial;
+    trial_ = number;
+    free_since_s_ = std::nan("");
+    withdrawn_ = false;
     fresh_ = true;
     fixture_changed_ = false;
     abort_.reset();
     next_send_ = {};
     stage_ = Stage::kStartingOthers;
+}
+
+std::uint32_t SessionProcess::last_number() const {
+    return std::max_element(peers_.begin(), peers_.end(),
+                            [](const Peer& a, const Peer& b) { return a.trial < b.trial; })
+        ->trial;
 }
 
 void SessionProcess::abort(EndReason reason, Role lost_peer) {
@@ -131,8 +139,19 @@ void SessionProcess::store(const ForceFeedback& feedback) {
         record_.beep_time_s = sample.time_s;
         if (record_.conditions.removes_fixture) change_fixture(false, record_.conditions.fixture_position_m);
     }
+    watch_withdrawal(sample);
     if (hook_) hook_(sample);
     record_.samples.push_back(sample);
+}
+
+// A while, not one sample: the record may return to `free` for an instant (docs/model.md).
+void SessionProcess::watch_withdrawal(const TrajectorySample& sample) {
+    if (std::isnan(record_.beep_time_s) || sample.phase != TissuePhase::kFree) {
+        free_since_s_ = std::nan("");
+        return;
+    }
+    if (std::isnan(free_since_s_)) free_since_s_ = sample.time_s;
+    withdrawn_ = sample.time_s - free_since_s_ >= to_seconds(kWithdrawnFor);
 }
 
 bool SessionProcess::all(NodeState state, bool with_master) const {
@@ -212,6 +231,7 @@ void SessionProcess::watch(SessionTime now) {
         }
         if (peer.last.state == NodeState::kFinished) return end(now, EndReason::kCompleted);
     }
+    if (settings_.ends_by_withdrawal && withdrawn_) return end(now, EndReason::kCompleted);
     // A record with a hole in it is no record of this trial.
     if (record_flow_.silent_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, Role::kSlaveSim);
     if (now - stage_since_ > settings_.trial_timeout) end(now, EndReason::kTimeout);

@@ -18,10 +18,15 @@ struct SessionSettings {
     Duration contact_hold = std::chrono::seconds{5};  // as slave_sim's; tells when the beep was due
     Duration network_delay{};                         // needle and force path together, jitter included
     Duration peer_wait = std::chrono::seconds{5};     // for a node to answer a start or an end
+    // Of a person, whose handle may not know when a trial is over: it has also ended once the needle, after
+    // the beep, was free of the tissue for kWithdrawnFor.
+    bool ends_by_withdrawal = false;
 };
 
 inline constexpr std::array kNodeRoles{Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual,
                                        Role::kMaster};
+
+inline constexpr Duration kWithdrawnFor = std::chrono::milliseconds{300};
 
 class SessionProcess final : public Process {
   public:
@@ -34,9 +39,12 @@ class SessionProcess final : public Process {
 
     SessionProcess(std::uint64_t instance, const SessionSettings& settings, const Channels& channels);
 
-    // Starts a trial with the next tick; none may be running. Its number must differ from the last one that
-    // the same nodes saw: it tells the trials apart on the wire.
-    void start(const TrialConditions& conditions);
+    // Starts a trial with the next tick; none may be running. `number` tells the trials apart on the wire: it
+    // must differ from the last one that the same nodes saw. It also keys the virtual operator's draws.
+    void start(const TrialConditions& conditions, std::uint32_t number);
+    void start(const TrialConditions& conditions) { start(conditions, conditions.trial); }
+    // The greatest number that a node has reported, 0 if none ran a trial yet.
+    std::uint32_t last_number() const;
     void set_sample_hook(SampleHook hook) { hook_ = std::move(hook); }
 
     bool finished() const { return stage_ == Stage::kDone; }
@@ -70,6 +78,7 @@ class SessionProcess final : public Process {
     void take_heartbeats(SessionTime now);
     void take_records(SessionTime now);
     void store(const ForceFeedback& feedback);
+    void watch_withdrawal(const TrajectorySample& sample);
     void advance(SessionTime now);
     void watch(SessionTime now);
     void send_orders(SessionTime now);
@@ -96,6 +105,8 @@ class SessionProcess final : public Process {
     SessionTime stage_since_{};
     SessionTime next_send_{};
     SessionTime first_echo_{};
+    double free_since_s_ = 0;  // after the beep, in the record's time; NaN: in touch with the tissue
+    bool withdrawn_ = false;
     bool fixture_changed_ = false;
 };
 

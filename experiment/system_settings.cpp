@@ -22,6 +22,23 @@ TrialOrder read_order(const ConfigTable& table) {
     return *order;
 }
 
+void read_subject(const ConfigTable& table, SessionPlan& plan) {
+    if (!table.is_text("subject")) {
+        plan.subject = static_cast<std::uint32_t>(table.integer("subject", 1, 1, 1'000'000));
+        if (table.has("participant")) table.fail("participant", "is of subject = \"human\" only");
+        return;
+    }
+    if (table.text("subject", "") != "human") table.fail("subject", "must be a number, or \"human\"");
+    plan.kind = SubjectKind::kHuman;
+    const std::string name = table.text("participant", "");
+    const auto participant = parse_participant(name);
+    if (!participant && table.has("participant")) {
+        table.fail("participant",
+                   fmt::format("is \"{}\"; use P and a number, e.g. \"P07\", never a name", name));
+    }
+    plan.subject = participant.value_or(0);
+}
+
 SessionPlan read_plan(const ConfigTable& table) {
     SessionPlan plan;
     std::vector<std::string> names;
@@ -41,7 +58,7 @@ SessionPlan read_plan(const ConfigTable& table) {
     }
     if (plan.delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
     plan.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, INT64_MAX));
-    plan.subject = static_cast<std::uint32_t>(table.integer("subject", 1, 1, 1'000'000));
+    read_subject(table, plan);
     plan.order = read_order(table);
     plan.fixture_jitter_m = table.number("fixture_jitter_m", plan.fixture_jitter_m, 0, 1);
     plan.lanes = static_cast<int>(table.integer("lanes", 0, 0, 64));
@@ -99,6 +116,9 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     s.session = read_session(file);
     s.session.contact_hold = s.slave.contact_hold;
     s.plan = read_plan(file.table("session"));
+    const ConfigTable protocol = file.table("protocol");
+    if (file.root().has("protocol")) s.protocol = read_protocol_settings(protocol);
+    s.dataset = read_dataset_settings(file.table("dataset"));
     check_agreement(file, s);
     file.finish();
     return s;

@@ -10,6 +10,8 @@
 
 #include "common/config.hpp"
 #include "cutaneous_node/cutaneous_settings.hpp"
+#include "experiment/participant.hpp"
+#include "experiment/protocol_settings.hpp"
 #include "experiment/session_process.hpp"
 #include "master/devices/simulated_handle.hpp"
 #include "master/master_node.hpp"
@@ -35,7 +37,8 @@ struct SessionPlan {
     std::vector<Modality> modalities{kModalities.begin(), kModalities.end()};
     std::vector<Duration> delays{Duration{0}, std::chrono::milliseconds{50}};  // of the force path, one-way
     std::uint64_t seed = 1;
-    std::uint32_t subject = 1;
+    std::uint32_t subject = 1;  // of a human subject: the participant, 0 where the file names none
+    SubjectKind kind = SubjectKind::kVirtual;
     TrialOrder order = TrialOrder::kShuffled;
     double fixture_jitter_m = 0.015;  // half width of the uniform draw around [fixture].position_m
     int lanes = 0;                    // conditions run side by side; 0: one per two cores
@@ -51,6 +54,8 @@ struct SystemSettings {
     NetemSettings netem;
     SessionSettings session;
     SessionPlan plan;
+    std::optional<ProtocolSettings> protocol;  // there if the file has a table [protocol]
+    DatasetSettings dataset;
 };
 
 // Throws Error (usage) on anything unknown or out of range.

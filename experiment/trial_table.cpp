@@ -150,6 +150,16 @@ bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer) {
     return false;
 }
 
+std::span<const std::string_view> trial_columns() { return kNames; }
+
+void write_trial_field(fmt::memory_buffer& out, const TrialRow& row, std::size_t column) {
+    kColumns[column].write(std::back_inserter(out), row);
+}
+
+void read_trial_field(const CsvField& field, std::size_t column, TrialRow& row) {
+    kColumns[column].read(field, row);
+}
+
 TrialTable::TrialTable(const std::filesystem::path& path, IfExists if_exists) : file_(path, if_exists) {
     if (!file_.is_new()) {
         read_trial_table(path);  // to append to a damaged table would hide the damage

@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "experiment/csv.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/metrics.hpp"
 #include "experiment/trial_record.hpp"
@@ -42,6 +44,12 @@ inline bool ran_to_its_end(const TrialRow& row) {
 std::vector<TrialRow> of_experiment(const std::vector<TrialRow>& rows, std::uint32_t experiment);
 // Those that end as they began: the others cannot be pooled with them.
 std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows);
+
+// The columns of a row, for tables that hold more than a row: their names, and one field, written without a
+// separator and read back. A value that is not there is an empty field.
+std::span<const std::string_view> trial_columns();
+void write_trial_field(fmt::memory_buffer& out, const TrialRow& row, std::size_t column);
+void read_trial_field(const CsvField& field, std::size_t column, TrialRow& row);
 
 // Appends; each row is on the disk when append() returns, so that a crash costs the running trial only.
 class TrialTable {

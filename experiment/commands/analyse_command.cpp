@@ -12,6 +12,7 @@
 #include "experiment/analysis.hpp"
 #include "experiment/claims.hpp"
 #include "experiment/commands/commands.hpp"
+#include "experiment/sitting/counted_trials.hpp"
 #include "experiment/trial_table.hpp"
 
 namespace thimble {
@@ -21,6 +22,16 @@ struct AnalyseArguments {
     std::string table, claims_out, analysis = "full";
     bool json = false;
 };
+
+// `counted` gets which trials of a dataset count, and why others do not.
+std::vector<TrialRow> rows_of(const std::filesystem::path& given, std::vector<std::string>& counted) {
+    if (!std::filesystem::is_directory(given)) return read_trial_table(given);
+    const Dataset dataset(given);
+    if (!dataset.kind()) return read_trial_table(given / "trials.csv");
+    const CountedTrials trials = counted_trials(dataset);
+    counted = describe(trials);
+    return trials.rows;
+}
 
 void say_claims(const std::vector<Claim>& claims) {
     for (const Claim& c : claims) {
@@ -47,19 +58,20 @@ void say_analysis(const std::vector<MeasureAnalysis>& measures) {
 }
 
 int analyse_table(const AnalyseArguments& arguments) {
-    const std::filesystem::path given(arguments.table);
-    const auto table = std::filesystem::is_directory(given) ? given / "trials.csv" : given;
-    const std::vector<TrialRow> rows = read_trial_table(table);
+    std::vector<std::string> counted;
+    const std::vector<TrialRow> rows = rows_of(arguments.table, counted);
     const std::vector<Claim> claims = judge_claims(rows);
     if (!arguments.claims_out.empty()) write_claims(claims, arguments.claims_out);
     const AnalysisKind kind = *parse_analysis(arguments.analysis);
     const std::vector<MeasureAnalysis> measures = analyse_trials(rows, kind);
     if (arguments.json) {
-        nlohmann::ordered_json json{{"claims", nlohmann::ordered_json::array()}};
+        nlohmann::ordered_json json{{"counted", counted}};
+        json["claims"] = nlohmann::ordered_json::array();
         for (const Claim& claim : claims) json["claims"].push_back(to_json(claim));
         json["analysis"] = to_json(measures, kind);
         fmt::print("{}\n", json.dump(2));
     } else {
+        for (const std::string& line : counted) fmt::print("{}\n", line);
         say_claims(claims);
         say_analysis(measures);
     }
@@ -73,7 +85,9 @@ Command add_analyse(CLI::App& app) {
     AnalyseArguments& a = *arguments;
     CLI::App* analyse = app.add_subcommand(
         "analyse", "the paper's claims and an analysis of every measure on a table of trials");
-    analyse->add_option("table", a.table, "a trials.csv, or a folder that holds one")->required();
+    analyse
+        ->add_option("table", a.table, "a trials.csv, a folder that holds one, or a dataset of participants")
+        ->required();
     analyse->add_option("-o,--out", a.claims_out, "claims as JSON");
     analyse
         ->add_option(

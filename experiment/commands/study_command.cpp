@@ -13,6 +13,7 @@
 #include "experiment/commands/commands.hpp"
 #include "experiment/commands/say_results.hpp"
 #include "experiment/seed_sweep.hpp"
+#include "experiment/sitting/dataset.hpp"
 #include "experiment/study.hpp"
 
 namespace thimble {
@@ -73,6 +74,7 @@ int sweep_seeds(const StudyArguments& arguments, const SystemSettings& settings)
 int run_one_study(const StudyArguments& arguments) {
     SystemSettings settings = load_system_settings(arguments.config);
     if (!arguments.order.empty()) settings.plan.order = *parse_order(arguments.order);
+    refuse_dataset(arguments.out);
     install_stop_signals();
     if (arguments.seeds > 1) return sweep_seeds(arguments, settings);
     StudyOptions options;

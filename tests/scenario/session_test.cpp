@@ -50,6 +50,36 @@ TEST(Session, ATimeoutEndsTheTrialOnTime) {
     expect_all_stopped(rig, EndReason::kTimeout);
 }
 
+// Of a person: the handle need not know that the trial is over. A slow hand is seen before it is back at rest.
+TEST(Session, AWithdrawnNeedleEndsAPersonsTrial) {
+    SystemSettings settings = paper();
+    settings.person.behaviour.speed_withdraw_needle_m_per_s = 0.01;
+    const auto last_of = [&](bool ends_by_withdrawal) {
+        settings.session.ends_by_withdrawal = ends_by_withdrawal;
+        Rig rig(settings);
+        const TrialRecord& record = rig.run(trial_of(Modality::kCF));
+        EXPECT_EQ(record.reason, EndReason::kCompleted);
+        expect_all_stopped(rig, EndReason::kCompleted);
+        return record.samples.back();
+    };
+    const TrajectorySample seen = last_of(true);
+    const TrajectorySample reported = last_of(false);
+    EXPECT_EQ(seen.phase, TissuePhase::kFree);
+    EXPECT_GT(seen.position_needle_m, 0.005);
+    EXPECT_LT(seen.time_s, reported.time_s - 0.3);
+    EXPECT_LT(reported.position_needle_m, 0.005);
+}
+
+TEST(Session, ANumberOfItsOwnOnTheWire) {
+    Rig rig(paper());
+    EXPECT_EQ(rig.session().last_number(), 0U);
+    rig.session().start(trial_of(Modality::kHF), 17);
+    const TrialRecord& record = rig.finish();
+    EXPECT_EQ(record.reason, EndReason::kCompleted);
+    EXPECT_EQ(record.conditions.trial, 1U);
+    EXPECT_EQ(rig.session().last_number(), 17U);
+}
+
 TEST(Session, AnInterruptEndsTheTrialAtOnce) {
     Rig rig(paper());
     rig.start(trial_of(Modality::kHF));

@@ -1,0 +1,41 @@
+// Tables [protocol] and [dataset] of a session file: the sitting of one participant after another, and what
+// the data are called. Without [protocol] `thimble run` runs one trial per modality and delay.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/config.hpp"
+
+namespace thimble {
+
+enum class RepeatWhen : std::uint8_t { kEndOfBlock, kAtOnce };
+
+struct ProtocolSettings {
+    std::vector<std::uint32_t> experiments{3};  // [1], [2], [1, 2] or [3]: a sitting has one delay
+    std::uint32_t subjects = 10;                // planned: participants P01 to P<subjects>
+    std::uint32_t trials_per_modality = 6;
+    std::uint32_t removals = 2;  // of the fixture, per participant; experiment 2
+    std::uint32_t practice_trials = 4;
+    // After so many trials the participant rests; what lies between two breaks is a block. 0: no breaks.
+    std::uint32_t break_every = 12;
+    std::string break_text = "Please take your hand off the handle and rest.";
+    Duration break_minimum = std::chrono::seconds{30};
+    // A trial that failed or was rejected is run again ...
+    RepeatWhen repeat = RepeatWhen::kEndOfBlock;
+    std::uint32_t repeats_limit = 2;  // ... at most so often on its own account; by command without limit
+    bool repeat_timeouts = true;
+};
+
+struct DatasetSettings {
+    std::string name = "Needle insertion by touch";
+    std::string license;  // e.g. "CC0"; empty: left out
+    std::vector<std::string> authors, ethics_approvals;
+};
+
+// Throw Error (usage).
+ProtocolSettings read_protocol_settings(const ConfigTable& table);
+DatasetSettings read_dataset_settings(const ConfigTable& table);
+
+}  // namespace thimble

@@ -1,0 +1,36 @@
+// Lines that somebody types, or a test pipes in, without waiting for them.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace thimble {
+
+class LineSource {
+  public:
+    virtual ~LineSource() = default;
+    LineSource() = default;
+    LineSource(const LineSource&) = delete;
+    LineSource& operator=(const LineSource&) = delete;
+
+    // The next whole line, without its end; nothing if none is there yet.
+    virtual std::optional<std::string> take_line() = 0;
+    // No line will come any more.
+    virtual bool ended() const = 0;
+};
+
+class DescriptorLines final : public LineSource {
+  public:
+    explicit DescriptorLines(int descriptor) : descriptor_(descriptor) {}
+    std::optional<std::string> take_line() override;
+    bool ended() const override { return ended_ && buffer_.empty(); }
+
+  private:
+    void read_what_is_there();
+
+    int descriptor_;
+    std::string buffer_;
+    bool ended_ = false;
+};
+
+}  // namespace thimble

@@ -1,0 +1,63 @@
+#include "experiment/sitting/real_trials.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "experiment/condition_summary.hpp"
+
+namespace thimble {
+namespace {
+
+// The logs of an earlier start stay.
+std::filesystem::path next_start(const std::filesystem::path& nodes) {
+    std::error_code absent;
+    unsigned start = 1;
+    while (std::filesystem::exists(nodes / fmt::format("start{:02}", start), absent)) ++start;
+    return nodes / fmt::format("start{:02}", start);
+}
+
+}  // namespace
+
+RealTrials::RealTrials(LanePlan plan, const std::atomic<bool>* stop)
+    : plan_(std::move(plan)), nodes_(plan_.out) {
+    events_.stop = [stop] { return stop != nullptr && *stop; };
+    events_.progress = [this](const TrialConditions& c, const TrajectorySample& s) {
+        progress_.show(fmt::format("{} {}: {:.1f} s, needle {:.1f} mm, force {:.2f} N, contact {:.1f} s",
+                                   delay_text(c.delay_s), to_string(c.modality), s.time_s,
+                                   1000 * s.position_needle_m, s.force_total_N, s.contact_time_s),
+                       false);
+    };
+}
+
+void RealTrials::prepare() {
+    if (lane_ && !lane_->broken()) return;
+    close();
+    plan_.out = next_start(nodes_);
+    lane_.emplace(plan_, events_);
+    lane_->open();
+}
+
+TrialRecord RealTrials::run(const TrialConditions& conditions, std::uint32_t number,
+                            const std::filesystem::path& trajectory) {
+    TrialRecord record = lane_->run_trial(conditions, number, trajectory);
+    problem_ = lane_->result().problem;
+    return record;
+}
+
+void RealTrials::idle(Duration limit) {
+    if (lane_) return lane_->idle(limit);
+    wall_sleep(limit);
+}
+
+SessionTime RealTrials::now() const { return wall_now(); }
+
+LaneResult RealTrials::close() {
+    LaneResult result;
+    if (lane_) result = lane_->close();
+    lane_.reset();
+    return result;
+}
+
+}  // namespace thimble

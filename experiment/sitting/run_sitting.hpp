@@ -1,0 +1,36 @@
+// `thimble run` with a session file that has a table [protocol]: one participant's whole sitting.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <optional>
+
+#include "common/network_settings.hpp"
+#include "experiment/sitting/participants_table.hpp"
+#include "experiment/sitting/sitting.hpp"
+#include "experiment/system_settings.hpp"
+
+namespace thimble {
+
+struct SittingRun {
+    std::filesystem::path config, programs, out;
+    NetworkSettings network;
+    std::string participant;  // "P07"; empty: as in the session file
+    PersonDescription person;
+    bool attach = false;
+    bool strict_rt = false;
+    bool resume = false;
+    bool commands = false;  // read them from standard input, also if it is no terminal
+    const std::atomic<bool>* stop = nullptr;
+};
+
+// Throws Error: usage, if participant, order, folder and what was said do not fit together (nothing is
+// written then); network, if the nodes cannot be reached; data, if a file of the dataset is damaged.
+SittingResult run_sitting(const SystemSettings& settings, const SittingRun& run);
+
+// Marks a trial of a participant, by its position in the order, as excluded. Throws Error: usage, if there is
+// no such trial or it is excluded already.
+void exclude_trial(const std::filesystem::path& folder, const std::string& participant,
+                   std::uint32_t position, const std::string& reason);
+
+}  // namespace thimble

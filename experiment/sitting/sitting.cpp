@@ -1,0 +1,186 @@
+#include "experiment/sitting/sitting.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "experiment/condition_summary.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kLook = std::chrono::milliseconds{20};  // for a line, for a stop
+constexpr unsigned kLostInARow = 3;                        // then it is not the trial
+
+// What an interrupted program wrote of a trial without a record is kept, under another name.
+void keep_aside(const std::filesystem::path& file) {
+    std::error_code absent;
+    if (!std::filesystem::exists(file, absent)) return;
+    for (unsigned i = 1;; ++i) {
+        const auto aside = file.parent_path() / fmt::format("{}_cut{}.csv", file.stem().string(), i);
+        if (std::filesystem::exists(aside, absent)) continue;
+        std::filesystem::rename(file, aside);
+        return;
+    }
+}
+
+}  // namespace
+
+Sitting::Sitting(SittingOptions options, TrialRunner& runner)
+    : options_(std::move(options)), runner_(runner), table_(options_.dataset.records(options_.participant)) {
+    agenda_.participant = options_.participant;
+    agenda_.order = read_order(options_.dataset.order(options_.participant), options_.participant);
+    agenda_.records = read_records(options_.dataset.records(options_.participant));
+    agenda_.exclusions = read_exclusions(options_.dataset.exclusions());
+}
+
+SittingResult Sitting::run() {
+    if (agenda_.next(options_.protocol)) runner_.prepare();  // before anybody is asked for anything
+    for (;;) {
+        const std::optional<Step> step = agenda_.next(options_.protocol);
+        const Answer answer = before(step);
+        if (answer == Answer::kAskAgain) continue;
+        if (answer == Answer::kStop || stopped()) {
+            return result(ExitCode::kRunFailed,
+                          "interrupted; the trials that had ended are kept: go on with --resume");
+        }
+        if (!step) return result(ExitCode::kOk, "");
+        do_trial(*step);
+        if (lost_in_a_row_ == kLostInARow) {
+            return result(
+                ExitCode::kNetwork,
+                fmt::format("{} trials in a row were lost: {}; put it right and go on with --resume",
+                            kLostInARow, runner_.problem()));
+        }
+    }
+}
+
+bool Sitting::rest_is_due(const std::optional<Step>& step) const {
+    return step && last_block_ && *last_block_ != step->entry.block && options_.protocol.break_every > 0;
+}
+
+std::string Sitting::name_of(const Step& step) const {
+    const TrialConditions& c = step.entry.conditions;
+    return fmt::format("trial {} of {} ({}experiment {}, {}){}", step.entry.position, agenda_.order.size(),
+                       step.entry.practice ? "practice, " : "", c.experiment, to_string(c.modality),
+                       step.repeat_of == 0 ? "" : fmt::format(" again: {}", step.reason));
+}
+
+Sitting::Answer Sitting::before(const std::optional<Step>& step) {
+    const bool asks = options_.lines != nullptr;
+    if (rest_is_due(step) && !rest_ && (asks || options_.rests)) {
+        const Duration minimum = options_.rests ? options_.protocol.break_minimum : Duration{0};
+        rest_.emplace(runner_.now(), minimum, asks);
+        options_.say(minimum > Duration{0} ? fmt::format("break, at least {:g} s. {}", to_seconds(minimum),
+                                                         options_.protocol.break_text)
+                                           : "break. " + options_.protocol.break_text);
+    }
+    if (!asks) {
+        while (rest_ && !rest_->over_by_itself(runner_.now()) && !stopped()) runner_.idle(kLook);
+        return Answer::kGo;
+    }
+    if (!step && !last_block_) return Answer::kGo;  // it was complete before
+    return ask(step ? "next: " + name_of(*step) : "that was the last trial");
+}
+
+Sitting::Answer Sitting::ask(const std::string& prompt) {
+    options_.say(fmt::format("{}. {}", prompt, kPromptHelp));
+    for (;;) {
+        if (stopped()) return Answer::kStop;
+        if (const auto line = options_.lines->take_line()) return obey(*line);
+        if (options_.lines->ended()) {
+            options_.say("nobody answers any more: the input has ended");
+            return Answer::kStop;
+        }
+        runner_.idle(kLook);
+    }
+}
+
+Sitting::Answer Sitting::obey(const std::string& line) {
+    const PromptCommand command = parse_prompt_line(line);
+    switch (command.kind) {
+        case PromptKind::kGoOn:
+            return go_on();
+        case PromptKind::kQuit:
+            return Answer::kStop;
+        case PromptKind::kReject:
+            mark_last(ExclusionKind::kRejected, command.reason);
+            break;
+        case PromptKind::kExclude:
+            mark_last(ExclusionKind::kExcluded, command.reason);
+            break;
+        case PromptKind::kNoReason:
+            options_.say("say why, e.g.: r sneezed");
+            break;
+        case PromptKind::kUnknown:
+            options_.say(fmt::format("'{}' is no command", line));
+            break;
+    }
+    return Answer::kAskAgain;
+}
+
+Sitting::Answer Sitting::go_on() {
+    if (!rest_ || rest_->over_by_enter(runner_.now())) return Answer::kGo;
+    options_.say(
+        fmt::format("the break lasts another {:.0f} s", std::ceil(to_seconds(rest_->left(runner_.now())))));
+    return Answer::kAskAgain;
+}
+
+void Sitting::mark_last(ExclusionKind kind, const std::string& reason) {
+    if (agenda_.records.empty()) return options_.say("there is no trial yet");
+    const SittingRecord& last = agenda_.records.back();
+    const Exclusion mark{options_.participant, last.position, last.record, kind, reason};
+    const Exclusion* there = find_exclusion(agenda_.exclusions, options_.participant, last.record);
+    if (there != nullptr && (there->kind == kind || there->kind == ExclusionKind::kExcluded)) {
+        return options_.say(
+            fmt::format("trial {} is {} already: {}", last.position, to_string(there->kind), there->reason));
+    }
+    add_exclusion(options_.dataset.exclusions(), mark);
+    agenda_.exclusions.push_back(mark);
+    options_.say(fmt::format("trial {} is {}: {}", last.position, to_string(kind), reason));
+}
+
+void Sitting::do_trial(const Step& step) {
+    rest_.reset();
+    runner_.prepare();
+    const TrialConditions& c = step.entry.conditions;
+    SittingRecord record;
+    record.record = static_cast<std::uint32_t>(agenda_.records.size() + 1);
+    record.position = step.entry.position;
+    record.block = step.entry.block;
+    record.practice = step.entry.practice;
+    record.repeat_of = step.repeat_of;
+    record.repeat_reason = step.reason;
+    // The same for a trial that was begun before, unless nodes that went on running have seen it.
+    record.number = std::max({record.record, runner_.last_number() + 1, last_number_ + 1});
+    const auto trajectory = options_.dataset.source(options_.participant) / "trajectories" /
+                            fmt::format("record{:03}_experiment{}_trial{:02}_{}_{:g}ms.csv", record.record,
+                                        c.experiment, c.trial, to_string(c.modality), 1000 * c.delay_s);
+    keep_aside(trajectory);
+    record.row = make_row(runner_.run(c, record.number, trajectory));
+    table_.append(record);
+    agenda_.records.push_back(record);
+    last_number_ = record.number;
+    last_block_ = step.entry.block;
+    lost_in_a_row_ = record.row.reason == EndReason::kPeerLost ? lost_in_a_row_ + 1 : 0;
+    options_.say(fmt::format("{}: {}, {:.1f} s, maximum penetration {:.2f} mm", name_of(step),
+                             outcome_text(record.row.reason, record.row.lost_peer),
+                             record.row.metrics.completion_time_s,
+                             1000 * record.row.metrics.penetration_max_m));
+}
+
+SittingResult Sitting::result(ExitCode code, std::string problem) const {
+    const auto repeats = std::count_if(agenda_.records.begin(), agenda_.records.end(),
+                                       [](const SittingRecord& record) { return record.repeat_of != 0; });
+    return {code,
+            std::move(problem),
+            options_.participant,
+            agenda_.begun(),
+            agenda_.order.size(),
+            agenda_.records.size(),
+            static_cast<std::size_t>(repeats)};
+}
+
+}  // namespace thimble

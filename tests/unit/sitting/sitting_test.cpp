@@ -1,0 +1,226 @@
+// A whole sitting with trials that are over at once and an experimenter whose lines are written beforehand.
+#include "experiment/sitting/sitting.hpp"
+
+#include <deque>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "tests/unit/sitting/sittings.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::seconds;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class InstantTrials final : public TrialRunner {
+  public:
+    void prepare() override { ++prepared; }
+    std::uint32_t last_number() const override { return seen; }
+    TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
+                    const std::filesystem::path& trajectory) override {
+        std::filesystem::create_directories(trajectory.parent_path());
+        std::ofstream(trajectory) << "samples\n";
+        numbers.push_back(number);
+        seen = number;
+        TrialRecord record = sine_record(0.003, 0.001, 4);
+        record.conditions = conditions;
+        if (!outcomes.empty()) {
+            record.reason = outcomes.front();
+            outcomes.pop_front();
+        }
+        clock += seconds{10};
+        if (numbers.size() == stop_after) stop = true;
+        return record;
+    }
+    void idle(Duration limit) override { clock += limit; }
+    SessionTime now() const override { return clock; }
+    std::string problem() const override { return "the cable"; }
+
+    std::deque<EndReason> outcomes;
+    std::vector<std::uint32_t> numbers;
+    std::uint32_t seen = 0;
+    std::size_t stop_after = 0;
+    int prepared = 0;
+    SessionTime clock{};
+    std::atomic<bool> stop = false;
+};
+
+class WrittenLines final : public LineSource {
+  public:
+    explicit WrittenLines(std::deque<std::string> lines) : lines_(std::move(lines)) {}
+    std::optional<std::string> take_line() override {
+        if (lines_.empty()) return std::nullopt;
+        std::string line = lines_.front();
+        lines_.pop_front();
+        return line;
+    }
+    bool ended() const override { return lines_.empty(); }
+
+  private:
+    std::deque<std::string> lines_;
+};
+
+class SittingTest : public testing::Test {
+  protected:
+    SittingTest() : dataset_(directory_ / "d"), settings_(*short_settings().protocol) {
+        settings_.break_minimum = seconds{30};
+        write_order(dataset_.order(2), plan_order(short_settings(), 2));  // practice | 2, 3 | 4, 5
+    }
+
+    SittingResult sit(LineSource* lines = nullptr) {
+        SittingOptions options{
+            dataset_, 2, settings_, lines, rests_, &trials_.stop, [this](const std::string& line) {
+                said_.push_back(line);
+            }};
+        return Sitting(std::move(options), trials_).run();
+    }
+    std::vector<std::uint32_t> positions() const {
+        std::vector<std::uint32_t> list;
+        for (const SittingRecord& record : read_records(dataset_.records(2))) list.push_back(record.position);
+        return list;
+    }
+    std::string table() const { return read_text(dataset_.records(2)); }
+
+    TemporaryDirectory directory_;
+    Dataset dataset_;
+    ProtocolSettings settings_;
+    InstantTrials trials_;
+    std::vector<std::string> said_;
+    bool rests_ = true;
+};
+
+TEST_F(SittingTest, RunsTheOrderAndRests) {
+    const SittingResult result = sit();
+    EXPECT_EQ(result.code, ExitCode::kOk) << result.problem;
+    EXPECT_EQ(result.trials_begun, 5U);
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));
+    EXPECT_THAT(trials_.numbers, ElementsAre(1, 2, 3, 4, 5));
+    EXPECT_THAT(said_, Contains(HasSubstr(settings_.break_text)).Times(2));
+    EXPECT_GE(trials_.clock - SessionTime{}, seconds{5 * 10 + 2 * 30});
+}
+
+TEST_F(SittingTest, VirtualSubjectsDoNotRest) {
+    rests_ = false;
+    sit();
+    EXPECT_EQ(trials_.clock - SessionTime{}, seconds{50});
+}
+
+TEST_F(SittingTest, AMissingOrderIsNeverMadeUp) {
+    std::filesystem::remove(dataset_.order(2));
+    EXPECT_THROW(sit(), Error);
+    EXPECT_TRUE(trials_.numbers.empty());
+}
+
+TEST_F(SittingTest, GoesOnWhereItWasStoppedWithTheSameBytes) {
+    sit();
+    const std::string whole = table();
+    for (std::size_t stop_after = 1; stop_after <= 4; ++stop_after) {
+        std::filesystem::remove(dataset_.records(2));
+        trials_.seen = 0;  // new programs
+        trials_.stop_after = trials_.numbers.size() + stop_after;
+        const SittingResult first = sit();
+        EXPECT_EQ(first.code, ExitCode::kRunFailed);
+        EXPECT_EQ(first.records, stop_after);
+        EXPECT_THAT(first.problem, HasSubstr("--resume"));
+        trials_.stop = false;
+        trials_.seen = 0;
+        EXPECT_EQ(sit().code, ExitCode::kOk);
+        EXPECT_EQ(table(), whole) << stop_after;
+    }
+    const std::size_t trials = trials_.numbers.size();
+    EXPECT_EQ(sit().code, ExitCode::kOk);  // complete
+    EXPECT_EQ(trials_.numbers.size(), trials);
+}
+
+TEST_F(SittingTest, NodesThatGoOnRunningNeverSeeANumberTwice) {
+    trials_.seen = 3;  // the last one was cut off: no record
+    sit();
+    EXPECT_THAT(trials_.numbers, ElementsAre(4, 5, 6, 7, 8));
+}
+
+TEST_F(SittingTest, TheSamplesOfATrialThatWasCutOffAreKept) {
+    const auto folder = dataset_.source(2) / "trajectories";
+    const OrderEntry first = read_order(dataset_.order(2), 2).front();
+    const auto name =
+        fmt::format("record001_experiment1_trial1001_{}_0ms", to_string(first.conditions.modality));
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / (name + ".csv")) << "half a trial";
+    sit();
+    EXPECT_EQ(read_text(folder / (name + "_cut1.csv")), "half a trial");
+    EXPECT_EQ(read_text(folder / (name + ".csv")), "samples\n");
+}
+
+TEST_F(SittingTest, FailuresAreRepeatedAtTheEndOfTheirBlock) {
+    trials_.outcomes = {EndReason::kCompleted, EndReason::kTimeout, EndReason::kPeerLost};
+    EXPECT_EQ(sit().repeats, 2U);
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 2, 3, 4, 5));
+    const auto records = read_records(dataset_.records(2));
+    EXPECT_EQ(records[1].row.reason, EndReason::kTimeout);  // its line stays
+    EXPECT_EQ(records[3].repeat_of, 2U);
+    EXPECT_EQ(records[3].repeat_reason, "timeout");
+    EXPECT_EQ(records[4].repeat_of, 3U);
+}
+
+TEST_F(SittingTest, GivesUpWhenPeersAreLostAgainAndAgain) {
+    trials_.outcomes.assign(9, EndReason::kPeerLost);
+    const SittingResult result = sit();
+    EXPECT_EQ(result.code, ExitCode::kNetwork);
+    EXPECT_EQ(result.records, 3U);
+    EXPECT_THAT(result.problem, HasSubstr("the cable"));
+}
+
+TEST_F(SittingTest, TheExperimenterRejectsAndExcludes) {
+    settings_.break_minimum = seconds{0};
+    // Before each trial a line is asked for; what marks the last trial comes before its Enter.
+    WrittenLines lines({"r too early", "", "", "r sneezed", "", "x phone rang", "", "", "", "", ""});
+    EXPECT_EQ(sit(&lines).code, ExitCode::kOk);
+    EXPECT_THAT(said_, Contains(HasSubstr("there is no trial yet")));
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 2, 4, 5));
+    const auto marks = read_exclusions(dataset_.exclusions());
+    ASSERT_EQ(marks.size(), 2U);
+    EXPECT_EQ(marks[0].kind, ExclusionKind::kRejected);
+    EXPECT_EQ(marks[0].record, 2U);
+    EXPECT_EQ(marks[0].reason, "sneezed");
+    EXPECT_EQ(marks[1].kind, ExclusionKind::kExcluded);
+    EXPECT_EQ(marks[1].record, 3U);
+    EXPECT_EQ(read_records(dataset_.records(2))[3].repeat_reason, "sneezed");
+}
+
+TEST_F(SittingTest, TheLastTrialCanBeRejectedToo) {
+    rests_ = false;
+    WrittenLines lines({"", "", "", "", "", "r slipped", "", ""});
+    EXPECT_EQ(sit(&lines).code, ExitCode::kOk);
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5, 5));
+}
+
+TEST_F(SittingTest, EnterEndsABreakOnlyAfterItsMinimum) {
+    settings_.break_minimum = std::chrono::hours{1};
+    WrittenLines lines({"", "", "q"});
+    EXPECT_EQ(sit(&lines).code, ExitCode::kRunFailed);
+    EXPECT_THAT(positions(), ElementsAre(1));
+    EXPECT_THAT(said_, Contains(HasSubstr("another 3600 s")));
+}
+
+TEST_F(SittingTest, WhoDoesNotAnswerAnyMoreEndsItInOrder) {
+    WrittenLines lines({"", "nonsense", "r"});
+    const SittingResult result = sit(&lines);
+    EXPECT_EQ(result.code, ExitCode::kRunFailed);
+    EXPECT_THAT(positions(), ElementsAre(1));
+    EXPECT_THAT(said_, Contains(HasSubstr("'nonsense' is no command")));
+    EXPECT_THAT(said_, Contains(HasSubstr("say why")));
+}
+
+TEST_F(SittingTest, NodesAreThereBeforeAnybodyIsAsked) {
+    WrittenLines lines({"q"});
+    sit(&lines);
+    EXPECT_EQ(trials_.prepared, 1);
+}
+
+}  // namespace
+}  // namespace thimble
