@@ -23,13 +23,14 @@ struct AnalyseArguments {
     bool json = false;
 };
 
-std::vector<TrialRow> rows_of(const std::filesystem::path& given) {
+// `counted` gets which trials of a dataset count, and why others do not.
+std::vector<TrialRow> rows_of(const std::filesystem::path& given, std::vector<std::string>& counted) {
     if (!std::filesystem::is_directory(given)) return read_trial_table(given);
     const Dataset dataset(given);
     if (!dataset.kind()) return read_trial_table(given / "trials.csv");
-    const CountedTrials counted = counted_trials(dataset);
-    for (const std::string& line : describe(counted)) fmt::print(stderr, "{}\n", line);
-    return counted.rows;
+    const CountedTrials trials = counted_trials(dataset);
+    counted = describe(trials);
+    return trials.rows;
 }
 
 // What a study wrote beside its trials; none, and the claim is not judged.
@@ -64,17 +65,20 @@ void say_analysis(const std::vector<MeasureAnalysis>& measures) {
 }
 
 int analyse_table(const AnalyseArguments& arguments) {
-    const std::vector<TrialRow> rows = rows_of(arguments.table);
+    std::vector<std::string> counted;
+    const std::vector<TrialRow> rows = rows_of(arguments.table, counted);
     const std::vector<Claim> claims = judge_claims(rows, no_lag_rows(arguments.table));
     if (!arguments.claims_out.empty()) write_claims(claims, arguments.claims_out);
     const AnalysisKind kind = *parse_analysis(arguments.analysis);
     const std::vector<MeasureAnalysis> measures = analyse_trials(rows, kind);
     if (arguments.json) {
-        nlohmann::ordered_json json{{"claims", nlohmann::ordered_json::array()}};
+        nlohmann::ordered_json json{{"counted", counted}};
+        json["claims"] = nlohmann::ordered_json::array();
         for (const Claim& claim : claims) json["claims"].push_back(to_json(claim));
         json["analysis"] = to_json(measures, kind);
         fmt::print("{}\n", json.dump(2));
     } else {
+        for (const std::string& line : counted) fmt::print("{}\n", line);
         say_claims(claims);
         say_analysis(measures);
     }
