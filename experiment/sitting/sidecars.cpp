@@ -54,6 +54,7 @@ constexpr std::array kMeanings{
     ColumnMeaning{"round_trip_s", "Median time from an encoder sample to its force at the handle", "s"},
     ColumnMeaning{"puncture_time_s", "Since the start of the trial", "s"},
     ColumnMeaning{"first_contact_time_s", "With the fixture, since the start of the trial", "s"},
+    ColumnMeaning{"duration_s", "Of the whole trial, withdrawal included", "s"},
 };
 
 std::string behaviour_json() {

@@ -30,7 +30,7 @@ const char* to_string(ClaimClass c) {
         case ClaimClass::kDirection:
             return "in direction";
         case ClaimClass::kLess:
-            return "not reproduced";
+            return "less often";
     }
     return "?";
 }

@@ -26,7 +26,7 @@ enum class ClaimClass : std::uint8_t {
     kDirection,   // less often, but its direction in at least kReproducedFrom of them
     kLess,        // neither; or a claim without a direction that comes out less often
 };
-const char* to_string(ClaimClass c);  // "not judged", "reproduced", "in direction", "not reproduced"
+const char* to_string(ClaimClass c);  // "not judged", "reproduced", "in direction", "less often"
 
 struct ClaimCount {
     Claim claim;  // as judged in the first study

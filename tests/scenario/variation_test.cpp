@@ -1,17 +1,20 @@
 // Studies along a parameter and over joint draws of several, small enough to run in a moment.
 #include "experiment/sweeps/variation.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
 #include "experiment/no_lag.hpp"
 #include "experiment/study.hpp"
 #include "experiment/sweeps/joint_draws.hpp"
+#include "experiment/virtual_session.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {
@@ -19,7 +22,10 @@ namespace {
 
 class Sweeps : public testing::Test {
   protected:
-    Sweeps() : folder_(std::filesystem::path(testing::TempDir()) / "thimble_sweeps") {
+    Sweeps()
+        : folder_(std::filesystem::path(testing::TempDir()) /
+                  fmt::format("thimble_sweeps_{}",
+                              testing::UnitTest::GetInstance()->current_test_info()->name())) {
         std::filesystem::remove_all(folder_);
         options_.protocols = {experiment_3(paper(), 3, 5)};
         options_.protocols[0].trials_per_modality = 1;

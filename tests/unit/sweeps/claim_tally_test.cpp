@@ -60,7 +60,7 @@ TEST(ClaimTally, RefusedDataAreNoReproduction) {
     EXPECT_EQ(tally.counts()[0].judged, 1U);
     EXPECT_EQ(tally.counts()[0].fraction(), 0.5);
     const auto json = to_json(tally.counts()[0]);
-    EXPECT_EQ(json.at("class"), "not reproduced");
+    EXPECT_EQ(json.at("class"), "less often");
     EXPECT_EQ(json.at("studies_judged"), 1);
     EXPECT_EQ(json.at("studies"), 2);
     EXPECT_EQ(json.at("fraction"), 0.5);
