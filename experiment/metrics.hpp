@@ -39,7 +39,7 @@ struct TrialMetrics {
     double oscillation_frequency_Hz = kNone;  // NaN with fewer than two upward crossings of the mean
     double puncture_time_s = kNone;
     double first_contact_time_s = kNone;
-    double duration_s = kNone;  // of the whole trial, withdrawal included
+    double duration_s = kNone;        // of the whole trial, withdrawal included
     std::uint32_t contacts_lost = 0;  // between first contact and beep
     bool beeped = false;
     bool oscillates = false;
