@@ -47,6 +47,7 @@ void add_claim(std::vector<Claim>& claims, const StudyColumns& columns, Claim cl
     if (columns.empty()) {
         claim.ours = "no trials to judge it by";
     } else {
+        claim.had_trials = true;
         try {
             Finding finding = judge();
             claim.ours = std::move(finding.ours);

@@ -26,6 +26,7 @@ struct Claim {
     // Whether the direction alone comes out, whatever its significance; nothing where a claim has none
     // ("differs", "does not differ") or was not judged.
     std::optional<bool> direction;
+    bool had_trials = false;  // false: its experiment was not run
 };
 
 // Every claim of the paper that can be checked, in a fixed order. Rows of any experiments, also of none.

@@ -1,5 +1,8 @@
 // What abstract, discussion and text say without a test of their own.
+#include <array>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -29,10 +32,20 @@ Finding indistinct_finding(const StudyColumns& columns) {
             of_depth.p() < 0.05 && of_time.p() < 0.05};
 }
 
+// Study, subject and trial of each.
+std::set<std::array<std::uint64_t, 3>> trials_with_cf(const StudyColumns& columns) {
+    std::set<std::array<std::uint64_t, 3>> trials;
+    for (const TrialRow& row : columns.rows()) {
+        const TrialConditions& c = row.conditions;
+        if (c.modality == Modality::kCF) trials.insert({c.study_seed, c.subject, c.trial});
+    }
+    return trials;
+}
+
 // The same people, the same trials, only the lag gone: what is left of CF's distance to HF is not the lag's.
 Finding lag_finding(const StudyColumns& one, const StudyColumns& no_lag) {
-    if (one.subjects() != no_lag.subjects()) {
-        throw Error(ExitCode::kData, "not the same subjects with and without the actuators' lag");
+    if (trials_with_cf(one) != trials_with_cf(no_lag)) {
+        throw Error(ExitCode::kData, "not the same trials with and without the actuators' lag");
     }
     const auto metric = Metric::kPenetrationMean;
     NamedValues with = one.column(metric, Modality::kCF), without = no_lag.column(metric, Modality::kCF);
@@ -56,8 +69,16 @@ double session_s(const StudyColumns& columns) {
     return sum_s / static_cast<double>(columns.subjects().size());
 }
 
+// Throws Error (data) if a subject has fewer than another: an unfinished sitting says nothing of its length.
 double trials_per_subject(const StudyColumns& columns) {
-    return static_cast<double>(columns.rows().size()) / static_cast<double>(columns.subjects().size());
+    std::map<std::uint32_t, std::size_t> trials;
+    for (const TrialRow& row : columns.rows()) ++trials[row.conditions.subject];
+    for (const auto& [subject, count] : trials) {
+        if (count == trials.begin()->second) continue;
+        throw Error(ExitCode::kData, fmt::format("subject {} has another number of trials than subject {}",
+                                                 subject, trials.begin()->first));
+    }
+    return static_cast<double>(trials.begin()->second);
 }
 
 // What lies between trials is in no model: it is taken from the paper's first sitting (less half a minute's

@@ -24,6 +24,7 @@ class Study {
 
     StudyResult run() {
         std::filesystem::create_directories(options_.out);
+        if (options_.if_exists == IfExists::kReplace) remove_side_tables();
         run_table(all_trials(options_.protocols), "trials");
         if (wants_control() && result_.complete) {
             Protocol control = options_.protocols[0];
@@ -46,6 +47,13 @@ class Study {
 
     void run_table(const std::vector<TrialConditions>& planned, const std::string& name) {
         run_table(settings_, planned, name, result_.rows, [&](const TrialCurve& curve) { add_curve(curve); });
+    }
+
+    // A study that is then interrupted must not go on with those of another.
+    void remove_side_tables() const {
+        for (const char* name : {"control.csv", "control_curves.csv", "no_lag.csv", "no_lag_curves.csv"}) {
+            std::filesystem::remove(options_.out / name);
+        }
     }
 
     // Its rows are no part of the study's: they only tell what the lag costs.

@@ -22,6 +22,7 @@ StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t expe
 
 std::vector<NamedValues> StudyColumns::subject_means(Metric metric) const {
     std::vector<NamedValues> columns;
+    columns.reserve(kModalities.size());
     for (const Modality modality : kModalities) columns.push_back(column(metric, modality));
     return columns;
 }

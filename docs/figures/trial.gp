@@ -2,8 +2,8 @@
 #   build/release/bin/thimble study --subjects 1 --no-control --trajectories --out out/one
 #   gnuplot -c docs/figures/trial.gp out/one/trajectories docs/figures/trial.svg
 folder = ARG1
-cf = folder . '/subject01_trial04_CF_50ms.csv'
-hf = folder . '/subject01_trial01_HF_50ms.csv'
+cf = folder . '/experiment3_subject01_trial04_CF_50ms.csv'
+hf = folder . '/experiment3_subject01_trial01_HF_50ms.csv'
 set terminal svg size 1160,350 font 'DejaVu Sans,Helvetica,Arial,sans-serif,13' linewidth 1.2 background 'white'
 set output ARG2
 set datafile separator comma
@@ -28,7 +28,7 @@ plot cf using 1:(1000 * $2) every 4 with lines linewidth 2 linecolor '#0072B2' t
      cf using 1:(1000 * $4) every 4 axes x1y2 with lines linewidth 1.5 linecolor '#999999' title 'force (right)'
 unset y2tics; unset y2label; set border 3
 
-set xrange [0:20]; set yrange [-60:70]
+set xrange [0:26]; set yrange [-60:30]
 unset key
 set arrow 1 from graph 0, first 0 to graph 1, first 0 nohead dashtype (6,4) linecolor 'black' back
 set ylabel 'needle beyond the fixture (mm)' offset 1

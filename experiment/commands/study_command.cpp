@@ -98,23 +98,8 @@ int run_one_study(const StudyArguments& arguments) {
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
-}  // namespace
-
-Command add_study(CLI::App& app) {
-    const auto arguments = std::make_shared<StudyArguments>();
-    StudyArguments& a = *arguments;
-    CLI::App* study = app.add_subcommand("study", "the paper's experiments in virtual time");
-    study
-        ->add_option(
-            "-e,--experiment", a.experiment,
-            "1: no delay; 2: the fixture vanishes after 5 s of contact; 3: 50 ms on the force path; or all")
-        ->default_val("3")
-        ->check(CLI::IsMember({"1", "2", "3", "all"}));
-    study->add_option("-n,--subjects", a.subjects, "virtual subjects (default: 16, in experiment 3 10)")
-        ->check(CLI::Range(1, 100000));
-    study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
-        ->check(CLI::IsMember({"shuffled", "williams"}));
-    study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
+// Options that make it many studies.
+std::vector<CLI::Option*> add_sweeps(CLI::App* study, StudyArguments& a) {
     CLI::Option* seeds =
         study
             ->add_option(
@@ -136,37 +121,59 @@ Command add_study(CLI::App& app) {
                          "ranges (or those of --vary NAME=LOW:HIGH)")
             ->check(CLI::Range(1, 1000000))
             ->excludes(seeds);
+    return {seeds, vary, draws};
+}
+
+// Options of a study by itself: of many, only the claims are kept.
+void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Option*>& sweeps) {
+    CLI::Option* no_control = study->add_flag(
+        "--no-control", a.no_control,
+        "leave out the same trials without delay (control.csv) and without the actuators' lag (no_lag.csv)");
+    CLI::Option* analysis =
+        study
+            ->add_option(
+                "--analysis", a.analysis,
+                "paper: its tests, chosen by its normality rule; full: also corrections, effect sizes and "
+                "confidence intervals")
+            ->default_val("full")
+            ->check(CLI::IsMember({"paper", "full"}));
+    CLI::Option* trajectories =
+        study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV");
+    CLI::Option* overwrite =
+        study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
+    CLI::Option* resume =
+        study
+            ->add_flag("--resume", a.resume,
+                       "go on where an interrupted study of the same settings ended; the same bytes come out")
+            ->excludes(overwrite);
+    CLI::Option* json = study->add_flag("--json", a.json, "print summary.json on stdout");
+    for (CLI::Option* of_one_study : {no_control, analysis, trajectories, resume, json}) {
+        for (CLI::Option* of_many : sweeps) of_one_study->excludes(of_many);
+    }
+}
+
+}  // namespace
+
+Command add_study(CLI::App& app) {
+    const auto arguments = std::make_shared<StudyArguments>();
+    StudyArguments& a = *arguments;
+    CLI::App* study = app.add_subcommand("study", "the paper's experiments in virtual time");
+    study
+        ->add_option(
+            "-e,--experiment", a.experiment,
+            "1: no delay; 2: the fixture vanishes after 5 s of contact; 3: 50 ms on the force path; or all")
+        ->default_val("3")
+        ->check(CLI::IsMember({"1", "2", "3", "all"}));
+    study->add_option("-n,--subjects", a.subjects, "virtual subjects (default: 16, in experiment 3 10)")
+        ->check(CLI::Range(1, 100000));
+    study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
+        ->check(CLI::IsMember({"shuffled", "williams"}));
+    study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
     study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
     study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
     study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
         ->check(CLI::Range(0, 1024));
-    study->add_flag("--no-control", a.no_control, "leave out the same trials without delay (control.csv)");
-    // Of a sweep only the claims are kept.
-    study
-        ->add_option(
-            "--analysis", a.analysis,
-            "paper: its tests, chosen by its normality rule; full: also corrections, effect sizes and "
-            "confidence intervals")
-        ->default_val("full")
-        ->check(CLI::IsMember({"paper", "full"}))
-        ->excludes(seeds);
-    study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV")
-        ->excludes(seeds)
-        ->excludes(vary)
-        ->excludes(draws);
-    CLI::Option* overwrite =
-        study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
-    study
-        ->add_flag("--resume", a.resume,
-                   "go on where an interrupted study of the same settings ended; the same bytes come out")
-        ->excludes(overwrite)
-        ->excludes(seeds)
-        ->excludes(vary)
-        ->excludes(draws);
-    study->add_flag("--json", a.json, "print summary.json on stdout")
-        ->excludes(seeds)
-        ->excludes(vary)
-        ->excludes(draws);
+    add_single(study, a, add_sweeps(study, a));
     study->footer(
         "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
         "  thimble study --experiment all --seeds 100 --out out/seeds\n"

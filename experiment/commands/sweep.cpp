@@ -14,14 +14,15 @@ namespace thimble {
 namespace {
 
 int finish(const SweepOptions& options, bool complete, const std::string& what) {
-    fmt::print("report: {}\n", (options.out / "report.html").string());
+    const auto report = options.out / "report.html";
+    if (std::filesystem::exists(report)) fmt::print("report: {}\n", report.string());
     if (!complete) spdlog::error("interrupted; {} that were done are kept", what);
     return static_cast<int>(complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
 void say(const ClaimTally& tally, const char* what) {
     for (const ClaimCount& c : tally.counts()) {
-        if (c.judged == 0) continue;
+        if (!c.had_trials) continue;
         fmt::print("{:>4.0f} % of {} {} {:<18} {}\n", 100 * c.fraction(), c.studies, what, c.claim.id,
                    c.fragile() ? "fragile: " + c.claim.claim : c.claim.claim);
     }
@@ -32,8 +33,7 @@ void say(const Variation& variation) {
     for (const VariedPoint& point : variation.points) fmt::print(" {:>7g}", point.value);
     fmt::print("\n");
     const auto& claims = variation.points.front().tally.counts();
-    for (std::size_t i = 0; i < claims.size(); ++i) {
-        if (claims[i].judged == 0) continue;
+    for (const std::size_t i : shown_claims(variation)) {
         fmt::print("{:<18}", claims[i].claim.id);
         for (const VariedPoint& point : variation.points) {
             fmt::print(" {:>5.0f} %", 100 * point.tally.counts()[i].fraction());
@@ -60,7 +60,7 @@ std::vector<ParameterRange> ranges_of(const SweepRequest& request) {
 }  // namespace
 
 int sweep_seeds(const SystemSettings& settings, const SweepOptions& options) {
-    const SweepResult result = run_sweep(settings, options);
+    const TallyResult result = run_sweep(settings, options);
     say(result.tally, "seeds");
     return finish(options, result.complete, fmt::format("the {} seeds", result.tally.studies()));
 }
@@ -73,7 +73,7 @@ int sweep_parameters(const std::filesystem::path& config, const SweepRequest& re
         return finish(options, result.complete, "the studies");
     }
     options.seeds = request.draws;
-    const DrawsResult result = run_draws(config, ranges.empty() ? documented_ranges() : ranges, options);
+    const TallyResult result = run_draws(config, ranges.empty() ? documented_ranges() : ranges, options);
     say(result.tally, "draws");
     return finish(options, result.complete, fmt::format("the {} draws", result.tally.studies()));
 }

@@ -13,7 +13,7 @@ namespace thimble {
 namespace {
 
 std::string fraction_text(const ClaimCount& c) {
-    if (c.judged == 0) return "not judged";
+    if (!c.had_trials) return "not judged";
     const ConfidenceInterval interval = c.interval();
     return fmt::format("{:.0f} % ({:.0f} to {:.0f})", 100 * c.fraction(), 100 * interval.low,
                        100 * interval.high);
@@ -38,7 +38,7 @@ const char* to_string(ClaimClass c) {
 ConfidenceInterval ClaimCount::interval() const { return wilson_interval(reproduced, studies); }
 
 ClaimClass ClaimCount::classified() const {
-    if (judged == 0) return ClaimClass::kNotJudged;
+    if (!had_trials) return ClaimClass::kNotJudged;
     if (fraction() >= kReproducedFrom) return ClaimClass::kReproduced;
     return directed > 0 && direction_fraction() >= kReproducedFrom ? ClaimClass::kDirection
                                                                    : ClaimClass::kLess;
@@ -46,11 +46,15 @@ ClaimClass ClaimCount::classified() const {
 
 void ClaimTally::add(const std::vector<Claim>& claims) {
     if (counts_.empty()) {
-        for (const Claim& claim : claims) counts_.push_back({.claim = claim});
+        for (const Claim& claim : claims) {
+            counts_.emplace_back();
+            counts_.back().claim = claim;
+        }
     }
     for (std::size_t i = 0; i < claims.size(); ++i) {
         ClaimCount& count = counts_[i];
         ++count.studies;
+        count.had_trials = count.had_trials || claims[i].had_trials;
         count.judged += claims[i].reproduced.has_value();
         count.reproduced += claims[i].reproduced.value_or(false);
         count.directed += claims[i].direction.has_value();
@@ -89,14 +93,15 @@ ReportTable tally_table(std::string title, const ClaimTally& tally, const std::s
 
 nlohmann::ordered_json to_json(const ClaimCount& count) {
     Claim over_all = count.claim;
-    over_all.reproduced = count.judged == 0 ? std::nullopt : std::optional(!count.fragile());
-    if (over_all.direction) over_all.direction = count.direction_fraction() >= kReproducedFrom;
+    over_all.reproduced = over_all.direction = std::nullopt;
+    if (count.had_trials) over_all.reproduced = count.fraction() >= kReproducedFrom;
+    if (count.directed > 0) over_all.direction = count.direction_fraction() >= kReproducedFrom;
     nlohmann::ordered_json entry = to_json(over_all);
     entry["class"] = to_string(count.classified());
     entry["studies"] = count.studies;
     entry["studies_judged"] = count.judged;
     entry["studies_reproduced"] = count.reproduced;
-    if (count.judged > 0) {
+    if (count.had_trials) {
         entry["fraction"] = count.fraction();
         entry["interval"] = {count.interval().low, count.interval().high};
     }

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "common/random.hpp"
-#include "common/version.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
 
@@ -27,7 +26,7 @@ ReportTable ranges_table(const std::vector<ParameterRange>& ranges) {
 }
 
 void report(const std::vector<ParameterRange>& ranges, const SweepOptions& options,
-            const DrawsResult& result) {
+            const TallyResult& result) {
     ReportInput report;
     report.title = fmt::format("Thimble: the paper's claims over {} joint draws of the parameters",
                                result.tally.studies());
@@ -36,11 +35,7 @@ void report(const std::vector<ParameterRange>& ranges, const SweepOptions& optio
                                 result.tally.fragile(), result.tally.counts().size(), 100 * kFragileBelow);
     section.tables = {tally_table("All claims", result.tally, "draws", false), ranges_table(ranges)};
     report.sections.push_back(std::move(section));
-    report.provenance = {{"command", options.command},
-                         {"first seed", std::to_string(options.protocols[0].seed)},
-                         {"draws", std::to_string(result.tally.studies())},
-                         {"version", kVersion},
-                         {"complete", result.complete ? "yes" : "no, interrupted"}};
+    report.provenance = sweep_provenance(options, "draws", result.tally.studies(), result.complete);
     write_report(report, options.out / "report.html");
 }
 
@@ -81,7 +76,7 @@ JointDraw draw_jointly(const std::vector<ParameterRange>& ranges, std::uint64_t 
     return draw;
 }
 
-DrawsResult run_draws(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
+TallyResult run_draws(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
                       const SweepOptions& options) {
     // Both ends of every range must be readable before anything is written.
     for (const double share : {0.0, 1.0}) {
@@ -89,9 +84,9 @@ DrawsResult run_draws(const std::filesystem::path& config, const std::vector<Par
         for (const ParameterRange& range : ranges) end.values.push_back(range.within(share));
         settings_of(config, ranges, end);
     }
-    std::filesystem::create_directories(options.out);
+    claim_folder(options);
     DrawFiles files(ranges, options);
-    DrawsResult result;
+    TallyResult result;
     Progress progress;
     for (std::uint32_t i = 0; i < options.seeds; ++i) {
         const JointDraw draw = draw_jointly(ranges, options.protocols[0].seed + i);

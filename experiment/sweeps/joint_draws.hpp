@@ -17,14 +17,9 @@ struct JointDraw {
 // other.
 JointDraw draw_jointly(const std::vector<ParameterRange>& ranges, std::uint64_t seed);
 
-struct DrawsResult {
-    ClaimTally tally;
-    bool complete = true;
-};
-
 // options.seeds draws. Writes draws.csv (seed, then a column per parameter), claims_draws.csv (seed, id,
 // reproduced, direction), both as each study ends, claims.json and report.html.
-DrawsResult run_draws(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
+TallyResult run_draws(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
                       const SweepOptions& options);
 
 }  // namespace thimble

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiment/claims.hpp"
@@ -24,6 +25,14 @@ struct SweepOptions {
     IfExists if_exists = IfExists::kRefuse;
     const std::atomic<bool>* stop = nullptr;
 };
+
+// The folder of a sweep, empty of an earlier report: throws Error (usage) if there is one that may not be
+// replaced.
+void claim_folder(const SweepOptions& options);
+// For the report of `studies` studies, each a `what` ("seeds").
+std::vector<std::pair<std::string, std::string>> sweep_provenance(const SweepOptions& options,
+                                                                  const std::string& what,
+                                                                  std::uint32_t studies, bool complete);
 
 // The protocols with this seed, and what the claims need besides (no_lag.hpp); nothing if it was stopped.
 std::optional<std::vector<Claim>> judge_study(const SystemSettings& settings, const SweepOptions& options,

@@ -51,6 +51,10 @@ ParameterRange parse_parameter_range(std::string_view text) {
     range.keys = {std::string(take_until(rest, '='))};
     if (range.name().find('.') == std::string::npos)
         refuse(text, "the name needs its table, as operator.criterion_N");
+    if (range.name() == "netem.force.delay_s") refuse(text, "an experiment has its own delay");
+    for (const ParameterRange& known : documented_ranges()) {
+        if (known.name() == range.name()) range.keys = known.keys;
+    }
     const auto low = parse<double>(take_until(rest, ':')), high = parse<double>(take_until(rest, ':'));
     if (!low || !high || !std::isfinite(*low) || !std::isfinite(*high))
         refuse(text, "both ends must be numbers");

@@ -23,11 +23,11 @@ struct ParameterRange {
     void set(std::vector<SettingChange>& changes, double value) const;
 };
 
-// "operator.criterion_N=1:4" or "operator.criterion_N=1:4:7". Throws Error (usage) that says what is wrong.
+// "operator.criterion_N=1:4" or "operator.criterion_N=1:4:7"; of a documented range all its keys. Throws Error (usage) that says what is wrong.
 ParameterRange parse_parameter_range(std::string_view text);
 
-// Every parameter of operator and rig that no source fixes, with its published or plausible range. Sources
-// stand at each in operator_parameters.hpp.
+// Parameters of operator and rig whose values no source fixes, or fixes only within a range. Not all there are:
+// those that may move a claim.
 const std::vector<ParameterRange>& documented_ranges();
 
 }  // namespace thimble

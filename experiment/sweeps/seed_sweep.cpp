@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include "common/version.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
 
 namespace thimble {
 namespace {
 
-void report(const SweepOptions& options, const SweepResult& result) {
+void report(const SweepOptions& options, const TallyResult& result) {
     ReportInput report;
     report.title = fmt::format("Thimble: the paper's claims over {} seeds", result.tally.studies());
     ReportSection section;
@@ -20,21 +19,17 @@ void report(const SweepOptions& options, const SweepResult& result) {
     }
     section.tables.push_back(tally_table("All claims", result.tally, "seeds", false));
     report.sections.push_back(std::move(section));
-    report.provenance = {{"command", options.command},
-                         {"first seed", std::to_string(options.protocols[0].seed)},
-                         {"seeds", std::to_string(result.tally.studies())},
-                         {"version", kVersion},
-                         {"complete", result.complete ? "yes" : "no, interrupted"}};
+    report.provenance = sweep_provenance(options, "seeds", result.tally.studies(), result.complete);
     write_report(report, options.out / "report.html");
 }
 
 }  // namespace
 
-SweepResult run_sweep(const SystemSettings& settings, const SweepOptions& options) {
-    std::filesystem::create_directories(options.out);
+TallyResult run_sweep(const SystemSettings& settings, const SweepOptions& options) {
+    claim_folder(options);
     CsvFile file(options.out / "claims_seeds.csv", options.if_exists);
     file.write("seed,id,reproduced,direction\n");
-    SweepResult result;
+    TallyResult result;
     Progress progress;
     for (std::uint32_t i = 0; i < options.seeds; ++i) {
         const std::uint64_t seed = options.protocols[0].seed + i;

@@ -6,13 +6,8 @@
 
 namespace thimble {
 
-struct SweepResult {
-    ClaimTally tally;  // a study per seed that was done
-    bool complete = true;
-};
-
 // Writes claims_seeds.csv (seed, id, reproduced, direction; as each seed ends), claims.json (write_tally) and
 // report.html, fragile claims first. Trials are not kept.
-SweepResult run_sweep(const SystemSettings& settings, const SweepOptions& options);
+TallyResult run_sweep(const SystemSettings& settings, const SweepOptions& options);
 
 }  // namespace thimble

@@ -8,16 +8,6 @@
 namespace thimble {
 namespace {
 
-// Claims that were judged at the first point, in their order.
-std::vector<std::size_t> shown(const Variation& variation) {
-    std::vector<std::size_t> indices;
-    const auto& claims = variation.points.front().tally.counts();
-    for (std::size_t i = 0; i < claims.size(); ++i) {
-        if (claims[i].judged > 0) indices.push_back(i);
-    }
-    return indices;
-}
-
 // A line per cell: column, row from the top, percent.
 std::string cells(const Variation& variation, const std::vector<std::size_t>& indices) {
     std::string data = "# point, claim, percent of seeds\n";
@@ -71,7 +61,7 @@ DrawnFigures draw_survival(const Variation& variation, const std::filesystem::pa
     figure.caption =
         fmt::format("Percent of seeds in which each claim comes out, over {}.", variation.range.name());
     try {
-        const std::vector<std::size_t> indices = shown(variation);
+        const std::vector<std::size_t> indices = shown_claims(variation);
         const auto directory = output / "figures";
         std::filesystem::create_directories(directory);
         figure.svg = run_gnuplot(directory, figure.name, cells(variation, indices),

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "common/version.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
 #include "experiment/sweeps/survival_figure.hpp"
@@ -21,13 +20,10 @@ ReportTable survival_table(const Variation& variation) {
                       {}};
     for (const VariedPoint& point : variation.points)
         table.columns.push_back(fmt::format("{:g}", point.value));
-    const auto& claims = variation.points.front().tally.counts();
-    for (std::size_t i = 0; i < claims.size(); ++i) {
-        if (claims[i].judged == 0) continue;
-        std::vector<std::string> row{claims[i].claim.id};
+    for (const std::size_t i : shown_claims(variation)) {
+        std::vector<std::string> row{variation.points.front().tally.counts()[i].claim.id};
         for (const VariedPoint& point : variation.points) {
-            const ClaimCount& count = point.tally.counts()[i];
-            row.push_back(count.judged > 0 ? fmt::format("{:.0f}", 100 * count.fraction()) : "");
+            row.push_back(fmt::format("{:.0f}", 100 * point.tally.counts()[i].fraction()));
         }
         table.rows.push_back(std::move(row));
     }
@@ -38,9 +34,9 @@ nlohmann::ordered_json to_json(const Variation& variation) {
     nlohmann::ordered_json points = nlohmann::ordered_json::array();
     for (const VariedPoint& point : variation.points) {
         nlohmann::ordered_json claims = nlohmann::ordered_json::array();
-        for (const ClaimCount& c : point.tally.counts()) {
-            if (c.judged == 0) continue;
-            claims.push_back({{"id", c.claim.id}, {"fraction", c.fraction()}, {"judged", c.judged}});
+        for (const std::size_t i : shown_claims(variation)) {
+            const ClaimCount& c = point.tally.counts()[i];
+            claims.push_back({{"id", c.claim.id}, {"fraction", c.fraction()}, {"studies", c.studies}});
         }
         points.push_back({{"value", point.value}, {"claims", std::move(claims)}});
     }
@@ -58,7 +54,7 @@ class Sweep {
         for (const ParameterRange& range : ranges_) {
             for (unsigned i = 0; i < range.points; ++i) settings_of(range, range.at(i));
         }
-        std::filesystem::create_directories(options_.out);
+        claim_folder(options_);
         CsvFile file(options_.out / "claims_vary.csv", options_.if_exists);
         file.write("parameter,value,seed,id,reproduced,direction\n");
         for (const ParameterRange& range : ranges_) {
@@ -80,7 +76,7 @@ class Sweep {
         for (unsigned i = 0; i < range.points && result_.complete; ++i) {
             VariedPoint point{range.at(i), {}};
             judge(range, point, file);
-            if (point.tally.studies() > 0) variation.points.push_back(std::move(point));
+            if (result_.complete) variation.points.push_back(std::move(point));
         }
         if (!variation.points.empty()) result_.variations.push_back(std::move(variation));
     }
@@ -113,11 +109,7 @@ class Sweep {
         ReportInput report;
         report.title = "Thimble: which claims survive";
         for (const Variation& variation : result_.variations) report.sections.push_back(section(variation));
-        report.provenance = {{"command", options_.command},
-                             {"first seed", std::to_string(options_.protocols[0].seed)},
-                             {"seeds per point", std::to_string(options_.seeds)},
-                             {"version", kVersion},
-                             {"complete", result_.complete ? "yes" : "no, interrupted"}};
+        report.provenance = sweep_provenance(options_, "seeds per point", options_.seeds, result_.complete);
         write_report(report, options_.out / "report.html");
     }
 
@@ -138,6 +130,15 @@ class Sweep {
 };
 
 }  // namespace
+
+std::vector<std::size_t> shown_claims(const Variation& variation) {
+    std::vector<std::size_t> indices;
+    const auto& claims = variation.points.front().tally.counts();
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        if (claims[i].had_trials) indices.push_back(i);
+    }
+    return indices;
+}
 
 VariationResult run_variations(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
                                const SweepOptions& options) {

@@ -17,12 +17,15 @@ struct Variation {
     std::vector<VariedPoint> points;
 };
 
+// Claims whose experiment was run, as indices into a tally's counts, in their order.
+std::vector<std::size_t> shown_claims(const Variation& variation);
+
 struct VariationResult {
     std::vector<Variation> variations;
     bool complete = true;
 };
 
-// `config`: the session file, "" for the defaults; every range has points. Writes claims_vary.csv (parameter,
+// A point that was interrupted is left out. `config`: the session file, "" for the defaults; every range has points. Writes claims_vary.csv (parameter,
 // value, seed, id, reproduced, direction; as each study ends), vary.json and report.html with a figure for each
 // parameter. All settings are read before the first trial: an unknown key or a value out of range costs
 // nothing (Error, usage).

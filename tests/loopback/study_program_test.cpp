@@ -99,16 +99,23 @@ TEST(StudyProgram, MistakesAreNamed) {
     EXPECT_EQ(thimble_with({"study", "--analysis", "mine"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--seeds", "2", "--analysis", "paper"}).code, 2);
     EXPECT_EQ(thimble_with({"analyse", "x.csv", "--analysis", "mine"}).code, 2);
-    for (const char* option : {"--resume", "--trajectories", "--json"}) {
-        const std::string out = (folder / "out").string();
-        const Outcome refused = thimble_with({"study", "--seeds", "2", option, "--out", out});
-        EXPECT_EQ(refused.code, 2) << refused.words;
-        EXPECT_THAT(refused.words, AllOf(HasSubstr("--seeds"), HasSubstr(option)));
-        EXPECT_FALSE(std::filesystem::exists(out));
+    const std::string out = (folder / "out").string();
+    for (const std::vector<std::string>& sweep : {std::vector<std::string>{"--seeds", "2"},
+                                                  {"--draws", "2"},
+                                                  {"--vary", "handle.friction_N=0.5:1:2"}}) {
+        for (const char* option :
+             {"--resume", "--trajectories", "--json", "--no-control", "--analysis=paper"}) {
+            std::vector<std::string> command{"study", option, "--out", out};
+            command.insert(command.end(), sweep.begin(), sweep.end());
+            const Outcome refused = thimble_with(command);
+            EXPECT_EQ(refused.code, 2) << refused.words;
+            EXPECT_THAT(refused.words, HasSubstr(sweep[0]));
+            EXPECT_FALSE(std::filesystem::exists(out));
+        }
     }
     for (const char* range : {"handle.fricion_N=0:1:3", "handle.friction_N=0:1", "handle.friction_N=0:9:3"}) {
-        const std::string out = (folder / "varied").string();
-        const Outcome refused = thimble_with({"study", "--vary", range, "--out", out});
+        const std::string varied = (folder / "varied").string();
+        const Outcome refused = thimble_with({"study", "--vary", range, "--out", varied});
         EXPECT_EQ(refused.code, 2) << refused.words;
         EXPECT_THAT(refused.words, HasSubstr("handle.fric"));
         EXPECT_FALSE(std::filesystem::exists(out));

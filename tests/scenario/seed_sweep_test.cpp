@@ -21,7 +21,7 @@ TEST(SeedSweep, CountsWhatEachSeedJudges) {
     options.protocols[0].trials_per_modality = 1;
     options.seeds = 2;
     options.out = folder;
-    const SweepResult result = run_sweep(paper(), options);
+    const TallyResult result = run_sweep(paper(), options);
     EXPECT_TRUE(result.complete);
     EXPECT_EQ(result.tally.studies(), 2U);
 

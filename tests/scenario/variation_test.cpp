@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -80,7 +82,7 @@ TEST_F(Sweeps, DrawsAreKeptWithWhatCameOut) {
     options_.seeds = 2;
     const std::vector<ParameterRange> ranges{parse_parameter_range("handle.friction_N=0.4:1"),
                                              parse_parameter_range("operator.brake_s=0.1:0.2")};
-    const DrawsResult result = run_draws("", ranges, options_);
+    const TallyResult result = run_draws("", ranges, options_);
     EXPECT_TRUE(result.complete);
     EXPECT_EQ(result.tally.studies(), 2U);
     EXPECT_EQ(lines("draws.csv"), 3U);
@@ -90,13 +92,41 @@ TEST_F(Sweeps, DrawsAreKeptWithWhatCameOut) {
 }
 
 TEST_F(Sweeps, AnInterruptKeepsWhatWasDone) {
-    const std::atomic<bool> stop = true;
+    std::atomic<bool> stop = false;
     options_.stop = &stop;
-    EXPECT_FALSE(run_variations("", {parse_parameter_range("handle.friction_N=0.4:1:2")}, options_).complete);
-    EXPECT_EQ(lines("claims_vary.csv"), 1U);
+    options_.seeds = 1000000;  // would take days
+    std::thread user([&] {
+        while (lines("claims_draws.csv") < 2) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        stop = true;
+    });
+    const TallyResult result = run_draws("", {parse_parameter_range("handle.friction_N=0.4:1")}, options_);
+    user.join();
+    EXPECT_FALSE(result.complete);
+    EXPECT_GE(result.tally.studies(), 1U);
+    EXPECT_EQ(lines("draws.csv"), 1 + result.tally.studies());
+    EXPECT_EQ(lines("claims_draws.csv"), 1 + result.tally.studies() * result.tally.counts().size());
+    EXPECT_NE(text("report.html").find("interrupted"), std::string::npos);
 }
 
-// The trials of experiment 1 themselves, but for the lag: shallower in every subject.
+TEST_F(Sweeps, APointThatWasInterruptedIsNoPoint) {
+    const std::atomic<bool> stop = true;
+    options_.stop = &stop;
+    const VariationResult result =
+        run_variations("", {parse_parameter_range("handle.friction_N=0.4:1:2")}, options_);
+    EXPECT_FALSE(result.complete);
+    EXPECT_TRUE(result.variations.empty());
+    EXPECT_EQ(lines("claims_vary.csv"), 1U);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "report.html"));
+}
+
+TEST_F(Sweeps, AnotherReportIsNotReplacedUnasked) {
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "report.html") << "mine";
+    EXPECT_THROW(run_draws("", {parse_parameter_range("handle.friction_N=0.4:1")}, options_), Error);
+    EXPECT_EQ(text("report.html"), "mine");
+}
+
+// The trials of experiment 1 themselves, but for the lag.
 TEST(NoLag, OnlyTheLagDiffers) {
     const Protocol one = experiment_1(paper(), 2, 1);
     const std::vector<TrialConditions> again = no_lag_trials({one, experiment_3(paper(), 2, 1)});

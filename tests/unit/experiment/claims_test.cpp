@@ -147,7 +147,7 @@ TEST(Claims, WhatTheLagCostsIsAPairedDifference) {
     EXPECT_EQ(worse.reproduced, false);
     EXPECT_EQ(worse.direction, false);
     without.rows.pop_back();
-    EXPECT_NE(claim_of(judge_claims(with.rows, without.rows), "D.delay45").ours.find("not the same subjects"),
+    EXPECT_NE(claim_of(judge_claims(with.rows, without.rows), "D.delay45").ours.find("not the same trials"),
               std::string::npos);
 }
 

@@ -7,8 +7,8 @@
 namespace thimble {
 namespace {
 
-Claim claim(std::optional<bool> reproduced, std::optional<bool> direction) {
-    return {"E0.test", "a claim", "a test", "a number", reproduced, direction};
+Claim claim(std::optional<bool> reproduced, std::optional<bool> direction, bool had_trials = true) {
+    return {"E0.test", "a claim", "a test", "a number", reproduced, direction, had_trials};
 }
 
 ClaimTally tally_of(int studies, int reproduced, int direction) {
@@ -49,18 +49,30 @@ TEST(ClaimTally, WithoutADirectionThereIsOnlyTheFraction) {
     EXPECT_FALSE(to_json(count).contains("direction_fraction"));
 }
 
-// Whose data a test refuses has not reproduced the claim; an experiment that was never run says nothing.
-TEST(ClaimTally, RefusedDataAreNoReproduction) {
+TEST(ClaimTally, AnExperimentThatWasNotRunSaysNothing) {
     ClaimTally tally;
-    tally.add({claim({}, {})});
+    tally.add({claim({}, {}, false)});
     EXPECT_EQ(tally.counts()[0].classified(), ClaimClass::kNotJudged);
     EXPECT_EQ(tally.fragile(), 0U);
     EXPECT_TRUE(to_json(tally.counts()[0]).at("reproduced").is_null());
+    EXPECT_FALSE(to_json(tally.counts()[0]).contains("fraction"));
+}
+
+// Whose data a test refuses has not reproduced the claim, in the first study as in any other.
+TEST(ClaimTally, RefusedDataAreNoReproduction) {
+    ClaimTally tally;
+    tally.add({claim({}, {})});
+    EXPECT_EQ(tally.counts()[0].classified(), ClaimClass::kLess);
+    EXPECT_EQ(tally.fragile(), 1U);
+    EXPECT_EQ(to_json(tally.counts()[0]).at("fraction"), 0.0);
     tally.add({claim(true, true)});
     EXPECT_EQ(tally.counts()[0].judged, 1U);
     EXPECT_EQ(tally.counts()[0].fraction(), 0.5);
+    EXPECT_EQ(tally.counts()[0].direction_fraction(), 0.5);
     const auto json = to_json(tally.counts()[0]);
     EXPECT_EQ(json.at("class"), "less often");
+    EXPECT_EQ(json.at("reproduced"), false);
+    EXPECT_EQ(json.at("direction"), false);
     EXPECT_EQ(json.at("studies_judged"), 1);
     EXPECT_EQ(json.at("studies"), 2);
     EXPECT_EQ(json.at("fraction"), 0.5);
