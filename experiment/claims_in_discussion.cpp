@@ -54,11 +54,12 @@ Finding lag_finding(const StudyColumns& one, const StudyColumns& no_lag) {
     const SampleTable table = complete_rows({one.column(metric, Modality::kHF), with, without}).table;
     const double cost_m = sample_mean(table.column(1)) - sample_mean(table.column(0));
     const MeanPair lag = paired_t_tests(table).back();  // CF with and without
+    const bool costs = lag.difference > 0;
     return {fmt::format(
                 "{}; of the {:.2f} mm from HF to CF the lag costs {:.2f} mm ({:.2f} to {:.2f}), {:.0f} %, {}",
                 means_text(table, metric), 1e3 * cost_m, 1e3 * lag.difference, 1e3 * lag.interval.low,
                 1e3 * lag.interval.high, 100 * lag.difference / cost_m, p_text(lag.p)),
-            lag.difference > 0 && lag.difference < cost_m && lag.p<1e-3, lag.difference> 0};
+            costs && lag.difference < cost_m && lag.p < 1e-3, costs};
 }
 
 // Of all trials of a subject, averaged over subjects.

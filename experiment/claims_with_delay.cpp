@@ -40,8 +40,9 @@ Finding dunn_finding(const StudyColumns& columns, Metric metric, std::string_vie
         const bool backwards = table.name(pair.first) == smaller && table.name(pair.second) == larger;
         if (!forwards && !backwards) continue;
         const double difference = forwards ? pair.mean_rank_difference : -pair.mean_rank_difference;
+        const bool is_larger = difference > 0;
         return {fmt::format("mean rank difference {:.2f}, {}", difference, p_text(pair.p_adjusted)),
-                difference > 0 && pair.p_adjusted<level, difference> 0};
+                is_larger && pair.p_adjusted < level, is_larger};
     }
     return {"no such pair", false};
 }

@@ -11,6 +11,7 @@
 
 #include "experiment/analysis.hpp"
 #include "experiment/claims.hpp"
+#include "experiment/commands/analysis_option.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/sitting/counted_trials.hpp"
 #include "experiment/trial_table.hpp"
@@ -96,13 +97,7 @@ Command add_analyse(CLI::App& app) {
         ->add_option("table", a.table, "a trials.csv, a folder that holds one, or a dataset of participants")
         ->required();
     analyse->add_option("-o,--out", a.claims_out, "claims as JSON");
-    analyse
-        ->add_option(
-            "--analysis", a.analysis,
-            "paper: its tests, chosen by its normality rule; full: also corrections, effect sizes and "
-            "confidence intervals")
-        ->default_val("full")
-        ->check(CLI::IsMember({"paper", "full"}));
+    add_analysis_option(*analyse, a.analysis);
     analyse->add_flag("--json", a.json, "print claims and analysis as JSON on stdout");
     analyse->footer(
         "Examples:\n  thimble analyse out/study --out claims.json\n"

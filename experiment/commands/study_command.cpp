@@ -10,6 +10,7 @@
 
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "experiment/commands/analysis_option.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/commands/say_results.hpp"
 #include "experiment/commands/sweep.hpp"
@@ -129,14 +130,7 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
     CLI::Option* no_control = study->add_flag(
         "--no-control", a.no_control,
         "leave out the same trials without delay (control.csv) and without the actuators' lag (no_lag.csv)");
-    CLI::Option* analysis =
-        study
-            ->add_option(
-                "--analysis", a.analysis,
-                "paper: its tests, chosen by its normality rule; full: also corrections, effect sizes and "
-                "confidence intervals")
-            ->default_val("full")
-            ->check(CLI::IsMember({"paper", "full"}));
+    CLI::Option* analysis = add_analysis_option(*study, a.analysis);
     CLI::Option* trajectories =
         study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV");
     CLI::Option* overwrite =

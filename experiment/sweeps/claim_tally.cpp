@@ -68,7 +68,10 @@ std::size_t ClaimTally::fragile() const {
         std::count_if(counts_.begin(), counts_.end(), [](const ClaimCount& c) { return c.fragile(); }));
 }
 
-std::string flag_text(const std::optional<bool>& verdict) { return !verdict ? "" : *verdict ? "1" : "0"; }
+std::string claim_cells(const Claim& claim) {
+    const auto flag = [](const std::optional<bool>& verdict) { return !verdict ? "" : *verdict ? "1" : "0"; };
+    return fmt::format("{},{},{}\n", claim.id, flag(claim.reproduced), flag(claim.direction));
+}
 
 ReportTable tally_table(std::string title, const ClaimTally& tally, const std::string& what,
                         bool only_fragile) {

@@ -58,8 +58,9 @@ class ClaimTally {
     std::uint32_t studies_ = 0;
 };
 
-// "1", "0", or nothing: for tables of claims.
-std::string flag_text(const std::optional<bool>& verdict);
+// "E1.mean.order,1,0\n": id, reproduced, direction; each 1, 0, or nothing. How a line of every table of claims
+// ends.
+std::string claim_cells(const Claim& claim);
 
 // A study per seed or per draw.
 struct TallyResult {

@@ -53,10 +53,7 @@ class DrawFiles {
         std::string line = std::to_string(draw.seed);
         for (const double value : draw.values) line += fmt::format(",{}", value);
         draws_.write(line + "\n");
-        for (const Claim& c : claims) {
-            claims_.write(fmt::format("{},{},{},{}\n", draw.seed, c.id, flag_text(c.reproduced),
-                                      flag_text(c.direction)));
-        }
+        for (const Claim& c : claims) claims_.write(fmt::format("{},{}", draw.seed, claim_cells(c)));
         draws_.sync();
         claims_.sync();
     }

@@ -39,10 +39,7 @@ TallyResult run_sweep(const SystemSettings& settings, const SweepOptions& option
             break;
         }
         result.tally.add(*claims);
-        for (const Claim& c : *claims) {
-            file.write(
-                fmt::format("{},{},{},{}\n", seed, c.id, flag_text(c.reproduced), flag_text(c.direction)));
-        }
+        for (const Claim& c : *claims) file.write(fmt::format("{},{}", seed, claim_cells(c)));
         file.sync();
         progress.show(
             fmt::format("seed {}: {} of {}; {}", seed, i + 1, options.seeds, claims_sentence(*claims)), true);

@@ -92,8 +92,7 @@ class Sweep {
             }
             point.tally.add(*claims);
             for (const Claim& c : *claims) {
-                file.write(fmt::format("{},{},{},{},{},{}\n", range.name(), point.value, seed, c.id,
-                                       flag_text(c.reproduced), flag_text(c.direction)));
+                file.write(fmt::format("{},{},{},{}", range.name(), point.value, seed, claim_cells(c)));
             }
             file.sync();
             progress_.show(fmt::format("{} = {:g}, seed {}: {}", range.name(), point.value, seed,
