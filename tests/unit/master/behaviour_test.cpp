@@ -193,6 +193,21 @@ TEST(Behaviour, StiffensWithEachLossButOnlyWhoFeelsTheKicks) {
     EXPECT_EQ(kinesthetic.behaviour().contact_losses(), 6U);
 }
 
+// Felt again and lost within the reaction time to the feeling: the second insertion ends in a loss of its own.
+TEST(Behaviour, ALossBeforeTheStopOfTheNextInsertionIsAnother) {
+    Actor actor(Modality::kHF);
+    actor.hold();
+    ASSERT_GT(actor.until(BehaviourPhase::kRelax, kNothing), 0);
+    ASSERT_GT(actor.until(BehaviourPhase::kInsert, kNothing), 0);
+    actor.spend(500, kNothing);  // on the way there nothing is felt, and that is no loss
+    EXPECT_EQ(actor.behaviour().contact_losses(), 1U);
+    actor.spend(1, kFixture);
+    ASSERT_GT(actor.until(BehaviourPhase::kBrake, kNothing), 0);
+    actor.spend(1, kNothing);
+    EXPECT_EQ(actor.behaviour().contact_losses(), 2U);
+    EXPECT_DOUBLE_EQ(actor.behaviour().intention().stiffness_factor, 1.5);
+}
+
 TEST(Behaviour, WithdrawsAfterTheBeepFromAnyPhase) {
     for (const int spent : {100, 1500, 3100, 3200, 4000}) {
         Actor actor(Modality::kHF);
