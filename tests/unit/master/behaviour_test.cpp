@@ -221,6 +221,15 @@ TEST(Behaviour, WithdrawsAfterTheBeepFromAnyPhase) {
     }
 }
 
+TEST(Behaviour, WithdrawsAfterTheBeepFromARelaxation) {
+    Actor actor(Modality::kHF);
+    actor.hold();
+    ASSERT_GT(actor.until(BehaviourPhase::kRelax, kNothing), 0);
+    actor.beep = true;
+    EXPECT_EQ(actor.until(BehaviourPhase::kWithdraw, kNothing), 148);
+    EXPECT_GT(actor.until(BehaviourPhase::kDone, kNothing), 0);
+}
+
 TEST(Behaviour, APushMayStartBeforeTheWithdrawalAndIsOverriddenByIt) {
     Actor actor(Modality::kHF, pushing_parameters());
     actor.hold();
