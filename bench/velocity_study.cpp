@@ -98,14 +98,14 @@ VelocityRow measure_ideal(VelocityStudy study) {
     return row;
 }
 
-struct Options {
+struct VelocityOptions {
     std::filesystem::path out = "out/velocity";
     double jitter_s = 0;
     bool quick = false;
     VelocityStudy study;
 };
 
-void run_study(const Options& options) {
+void run_study(const VelocityOptions& options) {
     std::error_code failure;
     std::filesystem::create_directories(options.out, failure);  // what went wrong shows when writing
     CsvFile csv(options.out / "velocity.csv", IfExists::kReplace);
@@ -128,7 +128,7 @@ void run_study(const Options& options) {
 }  // namespace
 
 int velocity_study(int argc, char** argv) {
-    Options options;
+    VelocityOptions options;
     CLI::App app("Velocity estimators: noise against lag, and what each does to puncture and fixture force.",
                  "thimble-bench velocity");
     app.add_option("-o,--out", options.out, "folder for velocity.csv and velocity.svg, replaced")

@@ -19,13 +19,13 @@ namespace thimble {
 
 namespace {
 
-struct Options {
+struct WorkPrecisionOptions {
     std::string out = "out/work-precision";
     std::vector<std::string> names;
     bool quick = false;
 };
 
-std::vector<const Problem*> chosen_problems(const Options& options) {
+std::vector<const Problem*> chosen_problems(const WorkPrecisionOptions& options) {
     constexpr std::array<std::string_view, 3> kQuick{"insert_300mm_s", "underdamped", "coarse"};
     std::vector<const Problem*> chosen;
     for (const std::string& name : options.names) chosen.push_back(&problem_named(name));
@@ -59,7 +59,7 @@ std::vector<RealTimeRow> run_rates(bool quick, Progress& progress) {
     return rows;
 }
 
-int run(const Options& options) {
+int run(const WorkPrecisionOptions& options) {
     const std::vector<const Problem*> chosen = chosen_problems(options);
     const std::filesystem::path folder(options.out);
     std::error_code failure;
@@ -80,7 +80,7 @@ int run(const Options& options) {
 }  // namespace
 
 int work_precision_study(int argc, char** argv) {
-    Options options;
+    WorkPrecisionOptions options;
     CLI::App app("Speed against error of the tissue solvers, against a solution of 40 digits and more.",
                  "thimble-bench work-precision");
     app.add_option("-o,--out", options.out, "folder for work_precision.csv, real_time.csv and the figure")

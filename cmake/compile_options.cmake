@@ -11,15 +11,20 @@ if(THIMBLE_SANITIZE)
     target_link_options(thimble_options INTERFACE -fsanitize=${THIMBLE_SANITIZE})
 endif()
 
+# Unity builds (the sanitizers' presets, .ci/run) include sources on purpose.
+set(THIMBLE_IN_UNITY UNITY_BUILD_CODE_BEFORE_INCLUDE "// NOLINTNEXTLINE(bugprone-suspicious-include)")
+
 # thimble_library(name SOURCES... ) and thimble_program(name SOURCES...): a room's library and its program.
 function(thimble_library name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_library(${name} STATIC ${ARG_SOURCES})
+    set_target_properties(${name} PROPERTIES ${THIMBLE_IN_UNITY})
     target_link_libraries(${name} PUBLIC thimble_options ${ARG_LINK})
 endfunction()
 
 function(thimble_program name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
+    set_target_properties(${name} PROPERTIES ${THIMBLE_IN_UNITY})
     target_link_libraries(${name} PRIVATE thimble_options ${ARG_LINK})
 endfunction()

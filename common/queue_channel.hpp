@@ -42,4 +42,13 @@ class QueueChannel final : public Channel {
     std::uint32_t bit_ = 0;
 };
 
+// Two channels that are each other's other end; each arrival at an end wakes its owner.
+struct QueuePipe {
+    QueueChannel a, b;
+    QueuePipe() {
+        a.connect(b);
+        b.connect(a);
+    }
+};
+
 }  // namespace thimble

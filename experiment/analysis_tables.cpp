@@ -5,7 +5,6 @@
 namespace thimble {
 namespace {
 
-constexpr std::string_view kDash = "–";
 using Row = std::vector<std::string>;
 
 std::string range(const ConfidenceInterval& interval, Metric metric) {

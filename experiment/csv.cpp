@@ -45,6 +45,10 @@ std::uint64_t CsvField::integer(std::uint64_t max) const {
     return value;
 }
 
+std::uint32_t CsvField::whole() const {
+    return static_cast<std::uint32_t>(integer(std::numeric_limits<std::uint32_t>::max()));
+}
+
 bool CsvField::flag() const {
     if (text != "0" && text != "1") fail("is neither 0 nor 1");
     return text == "1";

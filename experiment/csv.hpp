@@ -24,7 +24,8 @@ struct CsvField {
 
     double number() const;  // finite; empty is NaN
     std::uint64_t integer(std::uint64_t max) const;
-    bool flag() const;  // 0 or 1
+    std::uint32_t whole() const;  // an integer of 32 bits
+    bool flag() const;            // 0 or 1
     [[noreturn]] void fail(std::string_view why) const;
 };
 

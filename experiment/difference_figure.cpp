@@ -13,10 +13,10 @@
 namespace thimble {
 namespace {
 
-constexpr std::string_view kSubject = "with points pointtype 6 pointsize 0.35 linecolor '#777777'";
+constexpr std::string_view kSubjectPoint = "with points pointtype 6 pointsize 0.35 linecolor '#777777'";
 constexpr std::string_view kAllAtOnce =
     "with xerrorbars pointtype 7 pointsize 0.1 linewidth 1 linecolor 'black'";
-constexpr std::string_view kMean =
+constexpr std::string_view kMeanPoint =
     "with xerrorbars pointtype 7 pointsize 0.7 linewidth 3 linecolor '#0072B2'";
 
 struct Differences {
@@ -116,16 +116,17 @@ std::string difference_script(const std::vector<Differences>& measures, const st
             "plot {subjects}'{name}.tsv' index {means} using 2:1:5:6 {all}, \\\n"
             "     '{name}.tsv' index {means} using 2:1:3:4 {mean}\n",
             fmt::arg("name", name), fmt::arg("means", 2 * i), fmt::arg("all", kAllAtOnce),
-            fmt::arg("mean", kMean),
+            fmt::arg("mean", kMeanPoint),
             fmt::arg("subjects", of_subjects ? fmt::format("'{}.tsv' index {} using 2:1 {}, \\\n     ", name,
-                                                           2 * i + 1, kSubject)
+                                                           2 * i + 1, kSubjectPoint)
                                              : ""));
     }
     // Lines: the key of an error bar needs a point within the range, which would also be drawn.
     script += grid.key(fmt::format(
         "{}NaN with lines linewidth 3 linecolor '{}' title 'mean, 95 % CI', "
         "NaN with lines linewidth 1 linecolor 'black' title '95 % CI, all six at once'",
-        measures[0].columns.empty() ? "" : fmt::format("NaN {} title 'one subject', ", kSubject), kBlue));
+        measures[0].columns.empty() ? "" : fmt::format("NaN {} title 'one subject', ", kSubjectPoint),
+        kBlue));
     return script + "unset multiplot\n";
 }
 

@@ -60,7 +60,7 @@ std::string distribution_data(const StudyColumns& columns, const std::vector<Met
     return data;
 }
 
-std::vector<double> all_values(const StudyColumns& columns, Metric metric) {
+std::vector<double> trial_values(const StudyColumns& columns, Metric metric) {
     std::vector<double> values;
     for (const NamedValues& group : columns.groups(metric)) {
         values.insert(values.end(), group.values.begin(), group.values.end());
@@ -75,7 +75,7 @@ std::string distribution_script(const StudyColumns& columns, const std::vector<M
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
     script += modality_axis() + "unset key; set boxwidth 0.26 absolute\nset multiplot\n";
     for (std::size_t i = 0; i < metrics.size(); ++i) {
-        script += grid.margins(0, i) + measure_axis(metrics[i], all_values(columns, metrics[i]));
+        script += grid.margins(0, i) + measure_axis(metrics[i], trial_values(columns, metrics[i]));
         fmt::format_to(
             std::back_inserter(script),
             R"(plot '{name}.tsv' index {points} using 1:2 with points pointtype 7 pointsize 0.3 linecolor '{colour}', \

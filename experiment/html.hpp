@@ -8,6 +8,8 @@
 
 namespace thimble {
 
+inline constexpr std::string_view kDash = "–";  // the cell of what does not exist
+
 struct ReportTable {
     std::string title;
     std::string note;  // below the table; may be empty

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "experiment/take_until.hpp"
 
 namespace thimble {
 
@@ -17,20 +18,13 @@ namespace {
 
 constexpr std::string_view kTime = "time_s";
 constexpr std::string_view kPosition = "position_needle_m";
-constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNoColumn = std::numeric_limits<std::size_t>::max();
 
 std::string_view trimmed(std::string_view text) {
     constexpr std::string_view kBlank = " \t\r";
     const std::size_t first = text.find_first_not_of(kBlank);
     if (first == std::string_view::npos) return {};
     return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::string_view take_until(std::string_view& text, char end) {
-    const std::size_t at = text.find(end);
-    const std::string_view part = text.substr(0, at);
-    text.remove_prefix(at == std::string_view::npos ? text.size() : at + 1);
-    return part;
 }
 
 class Reader {
@@ -88,14 +82,14 @@ class Reader {
             if (column == kTime) find_column(kTime, time_column_);
             if (column == kPosition) find_column(kPosition, position_column_);
         }
-        if (time_column_ == kNone || position_column_ == kNone) {
+        if (time_column_ == kNoColumn || position_column_ == kNoColumn) {
             fail(fmt::format("the header has no column {}; it must name {} and {}",
-                             time_column_ == kNone ? kTime : kPosition, kTime, kPosition));
+                             time_column_ == kNoColumn ? kTime : kPosition, kTime, kPosition));
         }
     }
 
     void find_column(std::string_view name, std::size_t& column) const {
-        if (column != kNone) fail(fmt::format("the header names {} twice: which one is meant?", name));
+        if (column != kNoColumn) fail(fmt::format("the header names {} twice: which one is meant?", name));
         column = columns_;
     }
 
@@ -157,8 +151,8 @@ class Reader {
     const NeedleLimits& limits_;
     std::size_t line_ = 0;
     std::size_t columns_ = 0;
-    std::size_t time_column_ = kNone;
-    std::size_t position_column_ = kNone;
+    std::size_t time_column_ = kNoColumn;
+    std::size_t position_column_ = kNoColumn;
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace thimble {
 
 namespace {
 
-constexpr std::size_t kBuffer = std::size_t{1} << 16;
+constexpr std::size_t kBlock_bytes = std::size_t{1} << 16;
 
 // Lines collected and written in blocks.
 class LineFile {
@@ -28,7 +28,7 @@ class LineFile {
     template <class... Fields>
     void line(fmt::format_string<Fields...> format, Fields&&... fields) {
         fmt::format_to(std::back_inserter(text_), format, std::forward<Fields>(fields)...);
-        if (text_.size() > kBuffer) flush();
+        if (text_.size() > kBlock_bytes) flush();
     }
     void flush() {
         file_.write(text_);

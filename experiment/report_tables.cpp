@@ -10,7 +10,6 @@
 namespace thimble {
 namespace {
 
-constexpr std::string_view kDash = "–";
 constexpr std::array kOscillation{Metric::kOscillationPeakToPeak, Metric::kOscillationRms,
                                   Metric::kOscillationFrequency, Metric::kContactsLost};
 constexpr std::array kTask{Metric::kPenetrationMean, Metric::kPenetrationMax, Metric::kCompletionTime};

@@ -11,9 +11,9 @@
 namespace thimble {
 namespace {
 
-constexpr std::string_view kSubject =
+constexpr std::string_view kSubjectLine =
     "with linespoints pointtype 6 pointsize 0.35 linewidth 0.7 linecolor '#777777'";
-constexpr std::string_view kMean =
+constexpr std::string_view kMeanLine =
     "with linespoints pointtype 7 pointsize 0.9 linewidth 2.5 linecolor 'black'";
 
 NamedValues present(const NamedValues& column) {
@@ -44,7 +44,7 @@ std::string subject_data(const StudyColumns& columns, const std::vector<Metric>&
     return data;
 }
 
-std::vector<double> all_values(const StudyColumns& columns, Metric metric) {
+std::vector<double> all_subject_means(const StudyColumns& columns, Metric metric) {
     std::vector<double> values;
     for (const NamedValues& column : columns.subject_means(metric)) {
         for (const double value : column.values) values.push_back(value);
@@ -58,14 +58,15 @@ std::string subject_script(const StudyColumns& columns, const std::vector<Metric
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
     script += modality_axis() + "unset key\nset multiplot\n";
     for (std::size_t i = 0; i < metrics.size(); ++i) {
-        script += grid.margins(0, i) + measure_axis(metrics[i], all_values(columns, metrics[i]));
+        script += grid.margins(0, i) + measure_axis(metrics[i], all_subject_means(columns, metrics[i]));
         script += fmt::format(
             "plot for [subject=3:{last}] '{name}.tsv' index {i} using 1:subject {subject} notitle, \\\n"
             "     '{name}.tsv' index {i} using 1:2 {mean} notitle\n",
             fmt::arg("last", columns.subjects().size() + 2), fmt::arg("name", name), fmt::arg("i", i),
-            fmt::arg("subject", kSubject), fmt::arg("mean", kMean));
+            fmt::arg("subject", kSubjectLine), fmt::arg("mean", kMeanLine));
     }
-    script += grid.key(fmt::format("NaN {} title 'one subject', NaN {} title 'mean'", kSubject, kMean));
+    script +=
+        grid.key(fmt::format("NaN {} title 'one subject', NaN {} title 'mean'", kSubjectLine, kMeanLine));
     return script + "unset multiplot\n";
 }
 

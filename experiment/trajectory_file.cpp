@@ -18,7 +18,7 @@ constexpr std::array kNumbers{&TrajectorySample::time_s,
                               &TrajectorySample::force_fixture_N,
                               &TrajectorySample::force_total_N,
                               &TrajectorySample::contact_time_s};
-constexpr std::array<std::string_view, kNumbers.size() + 2> kNames{
+constexpr std::array<std::string_view, kNumbers.size() + 2> kSampleColumns{
     "time_s",        "position_needle_m", "position_surface_m", "force_tissue_N", "force_fixture_N",
     "force_total_N", "contact_time_s",    "tissue_phase",       "fixture_present"};
 constexpr std::size_t kPhase = kNumbers.size();
@@ -48,7 +48,7 @@ TrajectorySample read_sample(const CsvReader& reader) {
 
 TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, IfExists if_exists)
     : file_(path, if_exists), buffer_(kBuffer) {
-    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(kNames, ",")));
+    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(kSampleColumns, ",")));
 }
 
 void TrajectoryWriter::append(const TrajectorySample& sample) {
@@ -79,7 +79,7 @@ void TrajectoryWriter::end(EndReason reason, Role lost_peer) {
 }
 
 Trajectory read_trajectory(const std::filesystem::path& path) {
-    CsvReader reader(path, kNames);
+    CsvReader reader(path, kSampleColumns);
     Trajectory trajectory;
     while (reader.next()) {
         if (!reader.comments().empty()) reader.field(0).fail("stands after the trial's end");

@@ -105,7 +105,7 @@ constexpr std::array kColumns{
     number<&R::metrics, &M::duration_s>("duration_s"),
 };
 
-constexpr auto kNames = [] {
+constexpr auto kColumnNames = [] {
     std::array<std::string_view, kColumns.size()> names;
     for (std::size_t i = 0; i < names.size(); ++i) names[i] = kColumns[i].name;
     return names;
@@ -151,7 +151,7 @@ bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer) {
     return false;
 }
 
-std::span<const std::string_view> trial_columns() { return kNames; }
+std::span<const std::string_view> trial_columns() { return kColumnNames; }
 
 void write_trial_field(fmt::memory_buffer& out, const TrialRow& row, std::size_t column) {
     kColumns[column].write(std::back_inserter(out), row);
@@ -166,7 +166,7 @@ TrialTable::TrialTable(const std::filesystem::path& path, IfExists if_exists) : 
         read_trial_table(path);  // to append to a damaged table would hide the damage
         return;
     }
-    file_.write(fmt::format("{}\n", fmt::join(kNames, ",")));
+    file_.write(fmt::format("{}\n", fmt::join(kColumnNames, ",")));
     file_.sync();
 }
 
@@ -182,7 +182,7 @@ void TrialTable::append(const TrialRow& row) {
 }
 
 std::vector<TrialRow> read_trial_table(const std::filesystem::path& path) {
-    CsvReader reader(path, kNames);
+    CsvReader reader(path, kColumnNames);
     std::vector<TrialRow> rows;
     while (reader.next()) {
         TrialRow row;

@@ -12,15 +12,6 @@
 namespace thimble {
 namespace {
 
-// Two ends of one pipe; each arrival at an end wakes its owner.
-struct Pipe {
-    QueueChannel a, b;
-    Pipe() {
-        a.connect(b);
-        b.connect(a);
-    }
-};
-
 std::uint64_t instance_of(Role role) {
     RandomStream stream({0, 0, 0, static_cast<std::uint32_t>(role), Purpose::kInstance});
     return stream();
@@ -34,8 +25,8 @@ struct VirtualSession::Parts {
 
     SystemSettings settings;
     // control[i] joins the session (a) with node kNodeRoles[i] (b).
-    std::array<Pipe, kNodeRoles.size()> control;
-    Pipe record, needle_up, needle_down, force_up_master, force_up_cutaneous, force_up_visual,
+    std::array<QueuePipe, kNodeRoles.size()> control;
+    QueuePipe record, needle_up, needle_down, force_up_master, force_up_cutaneous, force_up_visual,
         force_down_master, force_down_cutaneous, force_down_visual, beep, percept_cutaneous, percept_visual;
     SimulatedHandle handle;
     SimulatedActuator actuator;
@@ -90,14 +81,14 @@ void VirtualSession::Parts::wire() {
         control[i].b.wake(mask, node_bits[i]);
     }
     record.b.wake(mask, session_bit);
-    for (Pipe* up : {&needle_up, &force_up_master, &force_up_cutaneous, &force_up_visual}) {
+    for (QueuePipe* up : {&needle_up, &force_up_master, &force_up_cutaneous, &force_up_visual}) {
         up->b.wake(mask, netem_bit);
     }
     needle_down.b.wake(mask, slave_bit);
-    for (Pipe* down : {&force_down_master, &percept_cutaneous, &percept_visual})
+    for (QueuePipe* down : {&force_down_master, &percept_cutaneous, &percept_visual})
         down->b.wake(mask, master_bit);
     force_down_cutaneous.b.wake(mask, cutaneous_bit);
-    for (Pipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
+    for (QueuePipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
 }
 
 VirtualSession::VirtualSession(const SystemSettings& settings) : parts_(std::make_unique<Parts>(settings)) {}

@@ -10,7 +10,7 @@ namespace thimble {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNever_s = std::numeric_limits<double>::infinity();
 
 struct Point {
     double t_s;
@@ -52,7 +52,7 @@ double reach_s(const GapMotion& gap, const Swing& swing, double t_s) {
     // A little more than the envelope, for its rounding.
     const double reach_m = swing.amplitude_m * (1 + 1e-9) * std::exp(-swing.fade_per_s * t_s);
     if (!(line_m + speed_m_per_s * t_s + reach_m < 0)) return t_s;
-    return speed_m_per_s > 0 ? -(line_m + reach_m) / speed_m_per_s : kInfinity;
+    return speed_m_per_s > 0 ? -(line_m + reach_m) / speed_m_per_s : kNever_s;
 }
 
 // The bends of a motion, one after the other. A step can hold 1e12 swings: those that cannot reach the needle
@@ -62,7 +62,7 @@ class Bends {
     explicit Bends(const GapMotion& gap)
         : gap_(gap),
           bends_(gap.law->inflections(gap.velocity_surface_m_per_s, gap.acceleration_surface_m_per_s2)),
-          swings_(bends_.spacing_s < kInfinity),
+          swings_(bends_.spacing_s < kNever_s),
           next_s_(bends_.first_s) {
         if (swings_) {
             swing_ = gap.law->swing(gap.velocity_surface_m_per_s, gap.acceleration_surface_m_per_s2);
@@ -85,7 +85,7 @@ class Bends {
             if (skipped >= 1) {
                 passed_ += skipped;
                 point.t_s = at_s(passed_);
-                if (point.t_s < kInfinity) point.sample = gap_.at(point.t_s);
+                if (point.t_s < kNever_s) point.sample = gap_.at(point.t_s);
             }
         }
         next_s_ = at_s(++passed_);

@@ -17,7 +17,7 @@ struct SecondOrder::Response {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoTurn_s = std::numeric_limits<double>::infinity();
 
 // The series is used for a t and w2 t^2 below these; beyond them the closed forms no longer cancel.
 constexpr double kSeriesDamping = 1.5;
@@ -153,9 +153,9 @@ Inflections SecondOrder::inflections(double v0, double a0) const {
     }
     // Two exponentials cross at most once: e^(2 w t) = 1 + 2 w q. At critical damping t = q.
     const double q_s = a0 / (slow_per_s_ * a0 + stiffness_per_s2_ * v0);
-    if (!(q_s > 0)) return {kInfinity, kInfinity};
+    if (!(q_s > 0)) return {kNoTurn_s, kNoTurn_s};
     const double apart_per_s = 2 * root_per_s_;
-    return {apart_per_s > 0 ? std::log1p(apart_per_s * q_s) / apart_per_s : q_s, kInfinity};
+    return {apart_per_s > 0 ? std::log1p(apart_per_s * q_s) / apart_per_s : q_s, kNoTurn_s};
 }
 
 // x = center + e^(-a t / 2) (C cos(w t) + D sin(w t)), with the equilibrium w2 center = a0 + a v0.

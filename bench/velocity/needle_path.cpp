@@ -8,8 +8,8 @@ namespace thimble {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr std::array kTremor_Hz{8.3, 11.1};  // the band of physiological tremor
-constexpr double kFirstSample_s = 1;         // jitter shall not lead before the clock's origin
+constexpr std::array kTremorBand_Hz{8.3, 11.1};  // the band of physiological tremor
+constexpr double kFirstSample_s = 1;             // jitter shall not lead before the clock's origin
 
 // From 0 to 1 within 0 <= u <= 1, and its slope.
 NeedleState minimum_jerk(double u) {
@@ -38,7 +38,7 @@ NeedlePath reach(const Reach& reach) {
         const NeedleState out = minimum_jerk((time_s - r.rest_s - r.move_s - r.hold_s) / r.move_s);
         NeedleState state{r.start_m + r.depth_m * (in.position_m - out.position_m),
                           r.depth_m / r.move_s * (in.velocity_m_per_s - out.velocity_m_per_s)};
-        for (const double frequency_Hz : kTremor_Hz) {
+        for (const double frequency_Hz : kTremorBand_Hz) {
             const NeedleState shake = oscillation(0, r.tremor_m, frequency_Hz)(time_s);
             state.position_m += shake.position_m;
             state.velocity_m_per_s += shake.velocity_m_per_s;

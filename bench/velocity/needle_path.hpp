@@ -11,6 +11,8 @@
 
 namespace thimble {
 
+inline constexpr double kTremor_Hz = 10;  // the middle of the physiological band
+
 struct NeedleState {
     double position_m;
     double velocity_m_per_s;

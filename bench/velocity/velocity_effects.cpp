@@ -19,7 +19,6 @@ constexpr double kFalse_m = 0.001;    // a puncture closer to touch than this is
 constexpr double kShortest_s = 0.25;  // of a contact whose force is judged
 constexpr double kNever_m = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFixtureDamping_Ns_per_m = 5;
-constexpr double kTremor_Hz = 10;
 
 // One needle through the tissue, sample by sample.
 struct Course {

@@ -14,7 +14,6 @@ namespace {
 constexpr std::array kSpeeds_m_per_s{0.002, 0.005, 0.010, 0.020, 0.060, 0.100};
 constexpr double kSettle_s = 1;
 constexpr double kMeasure_s = 1;
-constexpr double kTremor_Hz = 10;
 constexpr double kTremorAmplitude_m = 1.5e-4 * std::numbers::sqrt2;
 
 using Estimates = std::vector<VelocityEstimator::Estimate>;

@@ -1,7 +1,6 @@
 #include "experiment/sitting/exclusions.hpp"
 
 #include <array>
-#include <limits>
 
 #include "common/error.hpp"
 #include "experiment/participant.hpp"
@@ -10,17 +9,16 @@
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 5> kColumns{"participant_id", "position", "record", "kind", "reason"};
+constexpr std::array<std::string_view, 5> kExclusionColumns{"participant_id", "position", "record", "kind",
+                                                            "reason"};
 
-constexpr std::uint64_t kMax = std::numeric_limits<std::uint32_t>::max();
-
-Exclusion read_line(const CsvReader& reader) {
+Exclusion read_exclusion(const CsvReader& reader) {
     Exclusion e;
     const auto participant = parse_participant(reader.field(0).text);
     if (!participant) reader.field(0).fail("is no participant, e.g. sub-07");
     e.participant = *participant;
-    e.position = static_cast<std::uint32_t>(reader.field(1).integer(kMax));
-    e.record = static_cast<std::uint32_t>(reader.field(2).integer(kMax));
+    e.position = reader.field(1).whole();
+    e.record = reader.field(2).whole();
     const std::string_view kind = reader.field(3).text;
     if (kind != "excluded" && kind != "rejected") reader.field(3).fail("is neither excluded nor rejected");
     e.kind = kind == "excluded" ? ExclusionKind::kExcluded : ExclusionKind::kRejected;
@@ -39,7 +37,7 @@ void add_exclusion(const std::filesystem::path& file, const Exclusion& e) {
     if (reason == kNotAvailable) {
         throw Error(ExitCode::kUsage, "a trial is left out with a reason only: say why");
     }
-    TsvFile(file, kColumns)
+    TsvFile(file, kExclusionColumns)
         .append({participant_id(e.participant), std::to_string(e.position), std::to_string(e.record),
                  to_string(e.kind), reason});
 }
@@ -47,8 +45,8 @@ void add_exclusion(const std::filesystem::path& file, const Exclusion& e) {
 std::vector<Exclusion> read_exclusions(const std::filesystem::path& file) {
     std::vector<Exclusion> all;
     if (!is_table(file)) return all;
-    CsvReader reader(file, kColumns, '\t');
-    while (reader.next()) all.push_back(read_line(reader));
+    CsvReader reader(file, kExclusionColumns, '\t');
+    while (reader.next()) all.push_back(read_exclusion(reader));
     return all;
 }
 

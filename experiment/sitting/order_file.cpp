@@ -13,7 +13,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 10> kColumns{
+constexpr std::array<std::string_view, 10> kOrderColumns{
     "position", "block",   "practice",           "experiment",      "trial",
     "modality", "delay_s", "fixture_position_m", "fixture_removed", "seed"};
 
@@ -26,18 +26,14 @@ std::vector<std::string> fields_of(const OrderEntry& entry) {
             c.removes_fixture ? "1" : "0",  std::to_string(c.study_seed)};
 }
 
-std::uint32_t whole(const CsvField& field) {
-    return static_cast<std::uint32_t>(field.integer(std::numeric_limits<std::uint32_t>::max()));
-}
-
-OrderEntry read_line(const CsvReader& line, std::uint32_t participant) {
+OrderEntry read_entry(const CsvReader& line, std::uint32_t participant) {
     OrderEntry entry;
     TrialConditions& c = entry.conditions;
-    entry.position = whole(line.field(0));
-    entry.block = whole(line.field(1));
+    entry.position = line.field(0).whole();
+    entry.block = line.field(1).whole();
     entry.practice = line.field(2).flag();
-    c.experiment = whole(line.field(3));
-    c.trial = whole(line.field(4));
+    c.experiment = line.field(3).whole();
+    c.trial = line.field(4).whole();
     const auto modality = find_modality(line.field(5).text);
     if (!modality) line.field(5).fail("is none of HF, CF, CCF, VF");
     c.modality = *modality;
@@ -104,17 +100,17 @@ std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t
 }
 
 void write_order(const std::filesystem::path& file, const std::vector<OrderEntry>& order) {
-    std::string text = fmt::format("{}\n", fmt::join(kColumns, "\t"));
+    std::string text = fmt::format("{}\n", fmt::join(kOrderColumns, "\t"));
     for (const OrderEntry& entry : order) text += fmt::format("{}\n", fmt::join(fields_of(entry), "\t"));
     std::filesystem::create_directories(file.parent_path());
     write_whole(file, text);
 }
 
 std::vector<OrderEntry> read_order(const std::filesystem::path& file, std::uint32_t participant) {
-    CsvReader reader(file, kColumns, '\t');
+    CsvReader reader(file, kOrderColumns, '\t');
     std::vector<OrderEntry> order;
     while (reader.next()) {
-        order.push_back(read_line(reader, participant));
+        order.push_back(read_entry(reader, participant));
         if (order.back().position != order.size()) reader.field(0).fail("is not the next position");
     }
     return order;
@@ -124,9 +120,9 @@ std::string difference(const std::vector<OrderEntry>& written, const std::vector
     for (std::size_t i = 0; i < std::min(written.size(), planned.size()); ++i) {
         const auto ours = fields_of(written[i]);
         const auto theirs = fields_of(planned[i]);
-        for (std::size_t column = 0; column < kColumns.size(); ++column) {
+        for (std::size_t column = 0; column < kOrderColumns.size(); ++column) {
             if (ours[column] == theirs[column]) continue;
-            return fmt::format("at position {} {} is {}, the settings give {}", i + 1, kColumns[column],
+            return fmt::format("at position {} {} is {}, the settings give {}", i + 1, kOrderColumns[column],
                                ours[column], theirs[column]);
         }
     }

@@ -12,7 +12,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 8> kColumns{
+constexpr std::array<std::string_view, 8> kPersonColumns{
     "participant_id", "species", "age", "sex", "handedness", "haptic_experience", "subject_kind", "consent"};
 
 std::vector<std::string> line_of(std::uint32_t participant, SubjectKind kind, const PersonDescription& p) {
@@ -46,22 +46,22 @@ std::string add_participant(const Dataset& dataset, std::uint32_t participant, S
     const std::vector<std::string> ours = line_of(participant, kind, person);
     if (is_table(dataset.participants())) {
         keep_whole_lines(dataset.participants());
-        CsvReader reader(dataset.participants(), kColumns, '\t');
+        CsvReader reader(dataset.participants(), kPersonColumns, '\t');
         while (reader.next()) {
             if (parse_participant(reader.field(0).text) != participant) continue;
             std::vector<std::string> there;
-            for (std::size_t i = 0; i < kColumns.size(); ++i) there.emplace_back(reader.field(i).text);
+            for (std::size_t i = 0; i < kPersonColumns.size(); ++i) there.emplace_back(reader.field(i).text);
             return there == ours ? std::string() : fmt::format("{}", fmt::join(there, ", "));
         }
     }
-    TsvFile(dataset.participants(), kColumns).append(ours);
+    TsvFile(dataset.participants(), kPersonColumns).append(ours);
     return {};
 }
 
 std::vector<std::uint32_t> read_participants(const Dataset& dataset) {
     std::vector<std::uint32_t> all;
     if (!is_table(dataset.participants())) return all;
-    CsvReader reader(dataset.participants(), kColumns, '\t');
+    CsvReader reader(dataset.participants(), kPersonColumns, '\t');
     while (reader.next()) {
         const auto participant = parse_participant(reader.field(0).text);
         if (!participant) reader.field(0).fail("is no participant, e.g. sub-07");

@@ -1,7 +1,6 @@
 #include "experiment/sitting/record_table.hpp"
 
 #include <array>
-#include <limits>
 
 namespace thimble {
 namespace {
@@ -14,19 +13,15 @@ std::filesystem::path in_its_folder(const std::filesystem::path& file) {
     return file;
 }
 
-std::uint32_t whole(const CsvField& field) {
-    return static_cast<std::uint32_t>(field.integer(std::numeric_limits<std::uint32_t>::max()));
-}
-
-SittingRecord read_line(const CsvReader& line) {
+SittingRecord read_record(const CsvReader& line) {
     SittingRecord r;
-    r.record = whole(line.field(0));
-    r.position = whole(line.field(1));
-    r.block = whole(line.field(2));
+    r.record = line.field(0).whole();
+    r.position = line.field(1).whole();
+    r.block = line.field(2).whole();
     r.practice = line.field(3).flag();
-    if (line.field(4).text != kNotAvailable) r.repeat_of = whole(line.field(4));
+    if (line.field(4).text != kNotAvailable) r.repeat_of = line.field(4).whole();
     r.repeat_reason = without_na(line.field(5)).text;
-    r.number = whole(line.field(6));
+    r.number = line.field(6).whole();
     for (std::size_t i = 0; i < trial_columns().size(); ++i) {
         read_trial_field(without_na(line.field(kOwnColumns.size() + i)), i, r.row);
     }
@@ -66,7 +61,7 @@ std::vector<SittingRecord> read_records(const std::filesystem::path& file) {
     const auto columns = record_columns();
     CsvReader reader(file, columns, '\t');
     while (reader.next()) {
-        records.push_back(read_line(reader));
+        records.push_back(read_record(reader));
         if (records.back().record != records.size()) reader.field(0).fail("is not the next record");
     }
     return records;

@@ -10,7 +10,7 @@
 namespace thimble {
 namespace {
 
-constexpr const char* kWhat = "Friedman test";
+constexpr const char* kFriedman = "Friedman test";
 
 // Everything in doubled ranks, so that it is whole and exact.
 struct RankedTable {
@@ -40,11 +40,11 @@ RankedTable rank(const SampleTable& table) {
 }
 
 RankedTable checked_ranks(const SampleTable& table) {
-    table.require_shape(2, 2, kWhat);
+    table.require_shape(2, 2, kFriedman);
     RankedTable ranked = rank(table);
     if (ranked.spread_of_ranks == 0) {
-        refuse(kWhat, "every subject has the same value in all columns ('" + table.name(0) +
-                          "' ...), so there is no order to test; check where the values come from");
+        refuse(kFriedman, "every subject has the same value in all columns ('" + table.name(0) +
+                              "' ...), so there is no order to test; check where the values come from");
     }
     return ranked;
 }

@@ -10,7 +10,7 @@
 namespace thimble {
 namespace {
 
-constexpr const char* kWhat = "Mann-Whitney test";
+constexpr const char* kMannWhitney = "Mann-Whitney test";
 
 // P(U <= u) with groups of n_1 and n_2, all orders equally likely. Ways to reach each U: the largest of all
 // values is in the first group, and beats all n_2 of the second, or in the second and beats none.
@@ -50,8 +50,9 @@ std::vector<double> joined(const NamedValues& first, const NamedValues& second) 
     std::vector<double> all = first.values;
     all.insert(all.end(), second.values.begin(), second.values.end());
     if (std::all_of(all.begin(), all.end(), [&](double value) { return value == all.front(); })) {
-        refuse(kWhat, "all values of '" + first.name + "' and '" + second.name +
-                          "' are equal, so there is no order to test; check where the values come from");
+        refuse(kMannWhitney,
+               "all values of '" + first.name + "' and '" + second.name +
+                   "' are equal, so there is no order to test; check where the values come from");
     }
     return all;
 }
@@ -60,8 +61,8 @@ std::vector<double> joined(const NamedValues& first, const NamedValues& second) 
 
 MannWhitney mann_whitney(const NamedValues& first, const NamedValues& second) {
     for (const NamedValues* group : {&first, &second}) {
-        require_numbers(*group, kWhat);
-        require_at_least(*group, 1, kWhat);
+        require_numbers(*group, kMannWhitney);
+        require_at_least(*group, 1, kMannWhitney);
     }
     const std::vector<double> all = joined(first, second);
     const std::size_t n_1 = first.values.size();

@@ -12,10 +12,10 @@
 namespace thimble {
 namespace {
 
-constexpr const char* kWhat = "confidence interval from a noncentral distribution";
+constexpr const char* kNoncentralInterval = "confidence interval from a noncentral distribution";
 constexpr int kDoublings = 100;
 
-using InDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+using RootInDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 
 // The root of a rising function between two points of opposite sign.
 template <class Function>
@@ -24,11 +24,12 @@ double root(const Function& function, double low, double high) {
     const double at_high = function(high);
     if (at_low == 0) return low;
     if (at_high == 0) return high;
-    if (at_low > 0 || at_high < 0) refuse(kWhat, "no bound found; check the data for extreme values");
+    if (at_low > 0 || at_high < 0)
+        refuse(kNoncentralInterval, "no bound found; check the data for extreme values");
     const boost::math::tools::eps_tolerance<double> tolerance(50);
     std::uintmax_t evaluations = 200;
     const auto [below, above] = boost::math::tools::toms748_solve(function, low, high, at_low, at_high,
-                                                                  tolerance, evaluations, InDouble());
+                                                                  tolerance, evaluations, RootInDouble());
     return below + (above - below) / 2;
 }
 
@@ -54,7 +55,7 @@ double root_from_zero(const Function& function, double step) {
 }  // namespace
 
 ConfidenceInterval noncentrality_of_t(double t, double df, double confidence) {
-    require_confidence(confidence, kWhat);
+    require_confidence(confidence, kNoncentralInterval);
     const double tail = (1 - confidence) / 2;
     // P(T >= t) rises with delta, P(T <= t) falls: each bound is solved for its own small tail.
     const auto low = [&](double delta) { return noncentral_t_upper(t, df, delta) - tail; };
@@ -64,7 +65,7 @@ ConfidenceInterval noncentrality_of_t(double t, double df, double confidence) {
 }
 
 ConfidenceInterval noncentrality_of_f(double f, double df_1, double df_2, double confidence) {
-    require_confidence(confidence, kWhat);
+    require_confidence(confidence, kNoncentralInterval);
     const double tail = (1 - confidence) / 2;
     const auto low = [&](double lambda) { return noncentral_f_upper(f, df_1, df_2, lambda) - tail; };
     const auto high = [&](double lambda) { return tail - noncentral_f_lower(f, df_1, df_2, lambda); };

@@ -8,7 +8,7 @@
 namespace thimble {
 namespace {
 
-constexpr const char* kWhat = "D'Agostino-Pearson test of normality";
+constexpr const char* kNormality = "D'Agostino-Pearson test of normality";
 constexpr std::size_t kLeast = 8;
 
 // D'Agostino 1970. Odd in the skewness: symmetric data give exactly 0.
@@ -33,8 +33,9 @@ double z_of_kurtosis(double kurtosis, double n, const std::string& name) {
     // Not positive only near the least kurtosis there is, 1 (two values, equally often), from n = 35 on.
     const double denominator = 1 + x * std::sqrt(2 / (a - 4));
     if (!(denominator > 0)) {
-        refuse(kWhat, "column '" + name + "' has a kurtosis of " + std::to_string(kurtosis) +
-                          ", flatter than the approximation reaches (two values only?); it is not normal");
+        refuse(kNormality,
+               "column '" + name + "' has a kurtosis of " + std::to_string(kurtosis) +
+                   ", flatter than the approximation reaches (two values only?); it is not normal");
     }
     const double term = std::cbrt((1 - 2 / a) / denominator);
     return (1 - 2 / (9 * a) - term) / std::sqrt(2 / (9 * a));
@@ -43,9 +44,9 @@ double z_of_kurtosis(double kurtosis, double n, const std::string& name) {
 }  // namespace
 
 Normality normality(const NamedValues& column) {
-    require_numbers(column, kWhat);
-    require_at_least(column, kLeast, kWhat);
-    require_variation(column, kWhat);
+    require_numbers(column, kNormality);
+    require_at_least(column, kLeast, kNormality);
+    require_variation(column, kNormality);
     const Moments m = moments(column.values);
     const auto n = static_cast<double>(m.n);
     const double scale = std::sqrt(m.squares / n);

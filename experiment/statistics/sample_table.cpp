@@ -5,30 +5,30 @@
 namespace thimble {
 namespace {
 
-constexpr const char* kWhat = "table of subjects and conditions";
+constexpr const char* kTable = "table of subjects and conditions";
 
 void require_names(const std::vector<NamedValues>& columns) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
         if (columns[i].name.empty())
-            refuse(kWhat, "column " + std::to_string(i + 1) + " has no name; give it one");
+            refuse(kTable, "column " + std::to_string(i + 1) + " has no name; give it one");
         for (std::size_t j = 0; j < i; ++j) {
             if (columns[j].name != columns[i].name) continue;
-            refuse(kWhat, "two columns are named '" + columns[i].name + "'; rename one or merge them");
+            refuse(kTable, "two columns are named '" + columns[i].name + "'; rename one or merge them");
         }
     }
 }
 
 void require_equal_columns(const std::vector<NamedValues>& columns) {
-    if (columns.empty()) refuse(kWhat, "there is no column; pass one per condition");
+    if (columns.empty()) refuse(kTable, "there is no column; pass one per condition");
     require_names(columns);
     for (const NamedValues& column : columns) {
         if (column.values.size() == columns.front().values.size()) continue;
-        refuse(kWhat, "column '" + column.name + "' has " + std::to_string(column.values.size()) +
-                          " values, '" + columns.front().name + "' has " +
-                          std::to_string(columns.front().values.size()) +
-                          "; every subject needs one value per condition, NaN where it is missing");
+        refuse(kTable, "column '" + column.name + "' has " + std::to_string(column.values.size()) +
+                           " values, '" + columns.front().name + "' has " +
+                           std::to_string(columns.front().values.size()) +
+                           "; every subject needs one value per condition, NaN where it is missing");
     }
-    require_at_least(columns.front(), 1, kWhat);
+    require_at_least(columns.front(), 1, kTable);
 }
 
 bool is_complete(const std::vector<NamedValues>& columns, std::size_t subject) {
@@ -46,7 +46,7 @@ SampleTable SampleTable::from_columns(const std::vector<NamedValues>& columns) {
     table.subjects_ = columns.front().values.size();
     table.cells_.reserve(table.subjects_ * columns.size());
     for (const NamedValues& column : columns) {
-        require_numbers(column, kWhat);
+        require_numbers(column, kTable);
         table.names_.push_back(column.name);
     }
     for (std::size_t subject = 0; subject < table.subjects_; ++subject) {
@@ -89,7 +89,7 @@ CompleteRows complete_rows(const std::vector<NamedValues>& columns) {
         }
         for (std::size_t c = 0; c < columns.size(); ++c) kept[c].values.push_back(columns[c].values[subject]);
     }
-    if (kept.front().values.empty()) refuse(kWhat, "every subject misses a value; no row is complete");
+    if (kept.front().values.empty()) refuse(kTable, "every subject misses a value; no row is complete");
     return {SampleTable::from_columns(kept), dropped};
 }
 

@@ -7,11 +7,12 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "experiment/take_until.hpp"
 
 namespace thimble {
 namespace {
 
-[[noreturn]] void refuse(std::string_view text, const std::string& why) {
+[[noreturn]] void refuse_range(std::string_view text, const std::string& why) {
     throw Error(ExitCode::kUsage,
                 fmt::format("--vary {}: {}; write NAME=LOW:HIGH or NAME=LOW:HIGH:POINTS, e.g. "
                             "handle.friction_N=0.3:1:8",
@@ -24,13 +25,6 @@ std::optional<T> parse(std::string_view text) {
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc{} || rest != text.data() + text.size()) return std::nullopt;
     return value;
-}
-
-std::string_view take_until(std::string_view& rest, char mark) {
-    const std::size_t at = rest.find(mark);
-    const std::string_view part = rest.substr(0, at);
-    rest.remove_prefix(at == std::string_view::npos ? rest.size() : at + 1);
-    return part;
 }
 
 }  // namespace
@@ -50,20 +44,21 @@ ParameterRange parse_parameter_range(std::string_view text) {
     ParameterRange range;
     range.keys = {std::string(take_until(rest, '='))};
     if (range.name().find('.') == std::string::npos)
-        refuse(text, "the name needs its table, as operator.criterion_N");
-    if (range.name() == "netem.force.delay_s") refuse(text, "an experiment has its own delay");
+        refuse_range(text, "the name needs its table, as operator.criterion_N");
+    if (range.name() == "netem.force.delay_s") refuse_range(text, "an experiment has its own delay");
     for (const ParameterRange& known : documented_ranges()) {
         if (known.name() == range.name()) range.keys = known.keys;
     }
     const auto low = parse<double>(take_until(rest, ':')), high = parse<double>(take_until(rest, ':'));
     if (!low || !high || !std::isfinite(*low) || !std::isfinite(*high))
-        refuse(text, "both ends must be numbers");
-    if (*low >= *high) refuse(text, "the low end must lie below the high end");
+        refuse_range(text, "both ends must be numbers");
+    if (*low >= *high) refuse_range(text, "the low end must lie below the high end");
     range.low = *low;
     range.high = *high;
     if (rest.empty()) return range;
     const auto points = parse<unsigned>(rest);
-    if (!points || *points < 2 || *points > 1000) refuse(text, "the number of points must be 2 to 1000");
+    if (!points || *points < 2 || *points > 1000)
+        refuse_range(text, "the number of points must be 2 to 1000");
     range.points = *points;
     return range;
 }

@@ -9,8 +9,6 @@ namespace {
 
 constexpr double kTickSeconds = to_seconds(kBrainTick);
 
-std::int64_t ticks(double seconds) { return std::llround(seconds / kTickSeconds); }
-
 // Speed of a raised-cosine stop from 1 to 0, u in [0, 1].
 double braking(double u) { return 0.5 * (1 + std::cos(std::numbers::pi * u)); }
 
@@ -36,12 +34,12 @@ Behaviour::Behaviour(const OperatorParameters& parameters, const Subject& subjec
       speed_noise_fraction_(parameters.noise.speed_noise_fraction),
       cocontracts_(task.modality == Modality::kHF),
       lag_gain_(-std::expm1(-kTickSeconds / parameters.behaviour.speed_lag_s)),
-      brake_ticks_(std::max<std::int64_t>(ticks(parameters.behaviour.brake_s), 1)),
+      brake_ticks_(std::max<std::int64_t>(brain_ticks(parameters.behaviour.brake_s), 1)),
       stride_ticks_(std::max<std::int64_t>(
-          ticks(parameters.behaviour.recovery == Recovery::kPush ? parameters.behaviour.push_s
-                                                                 : parameters.behaviour.relax_s),
+          brain_ticks(parameters.behaviour.recovery == Recovery::kPush ? parameters.behaviour.push_s
+                                                                       : parameters.behaviour.relax_s),
           1)),
-      refractory_ticks_(ticks(parameters.behaviour.refractory_s)),
+      refractory_ticks_(brain_ticks(parameters.behaviour.refractory_s)),
       reaction_(parameters.reaction, subject, task),
       speed_noise_(stream_key(task, Purpose::kSpeedNoise), parameters.noise.speed_noise_correlation_s,
                    kBrainTick) {}

@@ -6,8 +6,6 @@
 namespace thimble {
 namespace {
 
-std::int64_t ticks(double seconds) { return std::llround(seconds / to_seconds(kBrainTick)); }
-
 double weber_fraction(const PerceptionParameters& parameters, Modality modality) {
     switch (modality) {
         case Modality::kHF:
@@ -56,7 +54,7 @@ Perception::Perception(const PerceptionParameters& parameters, const Subject& su
       criterion_N_(std::min(subject.criterion_N,
                             parameters.criterion_cap_fraction * full_scale_N(parameters, task.modality))),
       lost_N_(parameters.lost_N),
-      lost_after_(ticks(parameters.lost_after_s)),
+      lost_after_(brain_ticks(parameters.lost_after_s)),
       noise_(stream_key(task, Purpose::kPerception), parameters.weber_correlation_s, kBrainTick) {}
 
 double Perception::stimulus_N(double force_hand_N, const Percept& percept) const {
@@ -88,7 +86,7 @@ ReactionTimes::ReactionTimes(const ReactionParameters& parameters, const Subject
       random_(stream_key(task, Purpose::kReaction)) {}
 
 std::int64_t ReactionTimes::draw(double median_s) {
-    return ticks(median_s * std::exp(sigma_ * random_.normal() - 0.5 * sigma_ * sigma_));
+    return brain_ticks(median_s * std::exp(sigma_ * random_.normal() - 0.5 * sigma_ * sigma_));
 }
 
 }  // namespace thimble

@@ -5,6 +5,9 @@
 // Display and actuator delays are not here: a percept arrives when skin or eye get it.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
+
 #include "master/operator/noise.hpp"
 #include "master/operator/operator_parameters.hpp"
 #include "master/operator/operator_port.hpp"
@@ -13,6 +16,7 @@ namespace thimble {
 
 // The brain's clock.
 inline constexpr Duration kBrainTick = std::chrono::milliseconds(1);
+inline std::int64_t brain_ticks(double seconds) { return std::llround(seconds / to_seconds(kBrainTick)); }
 
 struct Sensation {
     double signal_N = 0;  // s

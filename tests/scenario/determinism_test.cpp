@@ -12,16 +12,12 @@
 
 #include "experiment/study.hpp"
 #include "experiment/virtual_session.hpp"
+#include "tests/read_text.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {
 namespace {
-
-std::string read(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 std::vector<std::string> lines_of(const std::string& text) {
     std::vector<std::string> lines;
@@ -34,7 +30,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 std::map<std::string, std::string> figures_of(const std::filesystem::path& study) {
     std::map<std::string, std::string> files;
     for (const auto& entry : std::filesystem::directory_iterator(study / "figures")) {
-        files[entry.path().filename().string()] = read(entry.path());
+        files[entry.path().filename().string()] = read_text(entry.path());
     }
     return files;
 }
@@ -63,7 +59,7 @@ class Determinism : public testing::Test {
         options.out = folder_ / std::to_string(studies_++);
         const StudyResult result = run_study(paper(), options);
         EXPECT_TRUE(result.complete);
-        return read(options.out / "trials.csv");
+        return read_text(options.out / "trials.csv");
     }
 
     std::filesystem::path folder_;
@@ -84,7 +80,8 @@ TEST_F(Determinism, TheSameSeedGivesTheSameBytesOnAnyNumberOfThreads) {
         options.jobs = jobs;
         EXPECT_EQ(study(options), first) << jobs << " threads";
         const auto other = folder_ / std::to_string(studies_ - 1);
-        EXPECT_EQ(read(other / "analysis.json"), read(folder_ / "0" / "analysis.json")) << jobs << " threads";
+        EXPECT_EQ(read_text(other / "analysis.json"), read_text(folder_ / "0" / "analysis.json"))
+            << jobs << " threads";
         EXPECT_EQ(figures_of(other), figures_of(folder_ / "0")) << jobs << " threads";
     }
 }
@@ -117,7 +114,7 @@ TEST_F(Determinism, AResumedStudyIsTheUninterruptedOne) {
     options.out = folder_ / "interrupted";
     std::filesystem::create_directories(options.out);
     std::ofstream(options.out / "trials.csv", std::ios::binary) << whole.substr(0, whole.size() / 2);
-    const std::string curves = read(folder_ / "0" / "trials_curves.csv");
+    const std::string curves = read_text(folder_ / "0" / "trials_curves.csv");
     std::ofstream(options.out / "trials_curves.csv", std::ios::binary)
         << curves.substr(0, curves.size() / 3 * 2);
     options.if_exists = IfExists::kContinue;
@@ -128,7 +125,7 @@ TEST_F(Determinism, AResumedStudyIsTheUninterruptedOne) {
     EXPECT_LT(result.resumed, result.rows.size());
     for (const char* file : {"trials.csv", "trials_curves.csv", "subjects.csv", "claims.json",
                              "analysis.json", "summary.json", "report.html"}) {
-        EXPECT_EQ(read(options.out / file), read(folder_ / "0" / file)) << file;
+        EXPECT_EQ(read_text(options.out / file), read_text(folder_ / "0" / file)) << file;
     }
     EXPECT_EQ(figures_of(options.out), figures_of(folder_ / "0"));
 }
@@ -170,7 +167,7 @@ class Golden : public Determinism {
             table.append(make_row(record));
             hashes.push_back(TrajectoryHash(record).value());
         }
-        const auto lines = lines_of(read(folder_ / "trials.csv"));
+        const auto lines = lines_of(read_text(folder_ / "trials.csv"));
         std::string text = lines[0] + ",trajectory_fnv1a\n";
         for (std::size_t i = 0; i < kTrials; ++i)
             text += fmt::format("{},{:016x}\n", lines[i + 1], hashes[i]);
@@ -182,10 +179,10 @@ TEST_F(Golden, FirstTrialsOfSeedOne) {
     const std::filesystem::path golden =
         std::filesystem::path(THIMBLE_SOURCE_DIR) / "tests/scenario/experiment3_seed1_subject1.csv";
     const std::string text = rows();
-    if (text == read(golden)) return;
+    if (text == read_text(golden)) return;
     const std::filesystem::path given = std::filesystem::path(testing::TempDir()) / golden.filename();
     std::ofstream(given, std::ios::binary) << text;
-    const auto expected_lines = lines_of(read(golden)), given_lines = lines_of(text);
+    const auto expected_lines = lines_of(read_text(golden)), given_lines = lines_of(text);
     for (std::size_t i = 0; i < given_lines.size() && i < expected_lines.size(); ++i) {
         EXPECT_EQ(given_lines[i], expected_lines[i]);
     }

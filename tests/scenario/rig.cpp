@@ -6,29 +6,21 @@
 namespace thimble::test {
 namespace {
 
-struct Pipe {
-    QueueChannel a, b;
-    Pipe() {
-        a.connect(b);
-        b.connect(a);
-    }
-};
-
-// Keeps its place in the loop while what runs in it is replaced.
-class Replaceable final : public Process {
-  public:
-    void tick(SessionTime now) override { process->tick(now); }
-    SessionTime next_wakeup() const override { return process->next_wakeup(); }
-    bool stopped() const override { return process->stopped(); }
-
-    std::unique_ptr<MasterProcess> process;
-};
-
 std::uint64_t instance_of(Role role) { return 1000 + static_cast<std::uint64_t>(role); }
 
 }  // namespace
 
 struct Rig::Parts {
+    // Keeps its place in the loop while what runs in it is replaced.
+    class Replaceable final : public Process {
+      public:
+        void tick(SessionTime now) override { process->tick(now); }
+        SessionTime next_wakeup() const override { return process->next_wakeup(); }
+        bool stopped() const override { return process->stopped(); }
+
+        std::unique_ptr<MasterProcess> process;
+    };
+
     Parts(const SystemSettings& s, const MakeTap& tap, const std::optional<LinkSettings>& kinesthetic);
     void wire();
     Channel* tapped(Wire wire, Channel& end);
@@ -37,9 +29,9 @@ struct Rig::Parts {
     const MakeTap& make_tap;  // during construction
     std::vector<std::unique_ptr<Tap>> taps;
     SystemSettings settings;
-    std::array<Pipe, kNodeRoles.size()> control;  // a: session, b: node, in the order of kNodeRoles
+    std::array<QueuePipe, kNodeRoles.size()> control;  // a: session, b: node, in the order of kNodeRoles
     std::array<Channel*, kNodeRoles.size()> orders{}, heartbeats{};
-    Pipe record, needle_up, needle_down, force_up_master, force_up_cutaneous, force_up_visual,
+    QueuePipe record, needle_up, needle_down, force_up_master, force_up_cutaneous, force_up_visual,
         force_down_master, force_down_cutaneous, force_down_visual, beep, percept_cutaneous, percept_visual;
     SimulatedHandle handle;
     SimulatedActuator actuator;
@@ -122,14 +114,14 @@ void Rig::Parts::wire() {
         control[i].b.wake(mask, node_bits[i]);
     }
     record.b.wake(mask, session_bit);
-    for (Pipe* up : {&needle_up, &force_up_master, &force_up_cutaneous, &force_up_visual}) {
+    for (QueuePipe* up : {&needle_up, &force_up_master, &force_up_cutaneous, &force_up_visual}) {
         up->b.wake(mask, netem_bit);
     }
     needle_down.b.wake(mask, slave_bit);
-    for (Pipe* down : {&force_down_master, &percept_cutaneous, &percept_visual})
+    for (QueuePipe* down : {&force_down_master, &percept_cutaneous, &percept_visual})
         down->b.wake(mask, master_bit);
     force_down_cutaneous.b.wake(mask, cutaneous_bit);
-    for (Pipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
+    for (QueuePipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
 }
 
 Rig::Rig(const SystemSettings& settings, const MakeTap& make_tap,

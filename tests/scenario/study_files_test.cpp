@@ -1,22 +1,16 @@
 // What a study of all experiments leaves behind.
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "experiment/study.hpp"
+#include "tests/read_text.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {
 namespace {
-
-std::string read(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 TEST(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
     const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_study_files";
@@ -34,14 +28,14 @@ TEST(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
     for (const char* of : {"trajectories", "bars", "subjects", "distributions", "differences"}) {
         for (const char* experiment : {"_experiment1", "_experiment2", "_experiment3"}) {
             const std::string name = std::string(of) + experiment;
-            EXPECT_FALSE(read(folder / "figures" / (name + ".tsv")).empty()) << name;
-            EXPECT_FALSE(read(folder / "figures" / (name + ".gp")).empty()) << name;
+            EXPECT_FALSE(read_text(folder / "figures" / (name + ".tsv")).empty()) << name;
+            EXPECT_FALSE(read_text(folder / "figures" / (name + ".gp")).empty()) << name;
         }
     }
-    const auto analysis = nlohmann::json::parse(read(folder / "analysis.json"));
+    const auto analysis = nlohmann::json::parse(read_text(folder / "analysis.json"));
     EXPECT_EQ(analysis["analysis"], "full");
     ASSERT_EQ(analysis["measures"].size(), 7U);
-    const std::string html = read(folder / "report.html");
+    const std::string html = read_text(folder / "report.html");
     for (const auto& measure : analysis["measures"]) {
         EXPECT_TRUE(measure["p"].is_number()) << measure.dump();
         const std::string finding = measure["finding"].get<std::string>();
@@ -64,7 +58,7 @@ TEST(StudyFiles, TooFewSubjectsForAnyTest) {
     options.analysis = AnalysisKind::kPaper;
     options.out = folder;
     EXPECT_TRUE(run_study(paper(), options).complete);
-    const auto analysis = nlohmann::json::parse(read(folder / "analysis.json"));
+    const auto analysis = nlohmann::json::parse(read_text(folder / "analysis.json"));
     EXPECT_EQ(analysis["analysis"], "paper");
     ASSERT_EQ(analysis["measures"].size(), 3U);
     for (const auto& measure : analysis["measures"]) {

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "common/codec.hpp"
+#include "tests/unit/common/packet.hpp"
 
 namespace thimble {
 
@@ -23,8 +24,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-using Packet = std::vector<std::uint8_t>;
 
 Refusal judged(Bytes bytes) {
     const Decoded decoded = decode(bytes);

@@ -10,12 +10,11 @@
 
 #include "common/codec.hpp"
 #include "tests/fuzz/packets.hpp"
+#include "tests/unit/common/packet.hpp"
 #include "tests/unit/master/allocation_count.hpp"
 
 namespace thimble {
 namespace {
-
-using Packet = std::vector<std::uint8_t>;
 
 constexpr std::int64_t kMaxStamp_ns = std::int64_t{1} << 62;
 
@@ -111,8 +110,6 @@ Body draw_body() {
                              draw_enum(EndReason::kInterrupted)};
     }
 }
-
-Packet copy(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
 TEST(CodecRoundTrip, EveryLegalMessageArrivesAsItWasSent) {
     Encoder first, second;

@@ -6,14 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
+#include "tests/unit/session_time.hpp"
 
 namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-constexpr SessionTime at(Duration time) { return SessionTime{time}; }
 
 // Says anything in anybody's name.
 struct Speaker {

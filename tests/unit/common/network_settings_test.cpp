@@ -13,7 +13,7 @@ namespace {
 
 constexpr auto kPorts = static_cast<std::uint16_t>(Port::kCount);
 
-NetworkSettings read(const std::string& text) {
+NetworkSettings network_settings(const std::string& text) {
     const ConfigFile file = ConfigFile::parse("[network]\n" + text, "network.toml");
     const NetworkSettings settings = read_network_settings(file);
     file.finish();
@@ -21,7 +21,7 @@ NetworkSettings read(const std::string& text) {
 }
 
 TEST(NetworkSettings, EveryPortIsItsOwn) {
-    const NetworkSettings settings = read("");
+    const NetworkSettings settings = network_settings("");
     std::set<std::uint16_t> ports;
     for (std::uint16_t i = 0; i < kPorts; ++i) ports.insert(settings.at(static_cast<Port>(i)).port);
     EXPECT_EQ(ports.size(), std::size_t{kPorts});
@@ -45,7 +45,7 @@ TEST(NetworkSettings, EveryPortBelongsToWhoListensThere) {
 
 TEST(NetworkSettings, HostsByRole) {
     const NetworkSettings settings =
-        read("base_port = 50000\nhost_master = '10.0.0.1'\nhost_netem = 'relay'");
+        network_settings("base_port = 50000\nhost_master = '10.0.0.1'\nhost_netem = 'relay'");
     EXPECT_EQ(settings.at(Port::kMasterForce).host, "10.0.0.1");
     EXPECT_EQ(settings.at(Port::kNetemNeedle).host, "relay");
     EXPECT_EQ(settings.at(Port::kSlaveNeedle).host, "127.0.0.1");
@@ -54,11 +54,11 @@ TEST(NetworkSettings, HostsByRole) {
 
 TEST(NetworkSettings, RefusesWhatDoesNotFit) {
     const std::string last = std::to_string(65536 - kPorts);
-    EXPECT_EQ(read("base_port = " + last).at(Port::kNetemForceVisual).port, 65535);
+    EXPECT_EQ(network_settings("base_port = " + last).at(Port::kNetemForceVisual).port, 65535);
     for (const std::string& text : {"base_port = " + std::to_string(65536 - kPorts + 1),
                                     std::string("base_port = 1023"), std::string("base_port = '27000'"),
                                     std::string("host_slave = 'x'"), std::string("host_master = 1")}) {
-        EXPECT_THROW(read(text), Error) << text;
+        EXPECT_THROW(network_settings(text), Error) << text;
     }
 }
 

@@ -5,14 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/common/packet.hpp"
 #include "tests/unit/master/allocation_count.hpp"
 
 namespace thimble {
 namespace {
-
-using Packet = std::vector<std::uint8_t>;
-
-Packet copy(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
 TEST(QueueChannel, FirstInFirstOutBothWays) {
     QueueChannel a, b;

@@ -9,7 +9,7 @@
 namespace thimble {
 namespace {
 
-RuntimeSettings read(const std::string& text) {
+RuntimeSettings runtime_settings(const std::string& text) {
     const ConfigFile file = ConfigFile::parse("[runtime]\n" + text, "runtime.toml");
     const RuntimeSettings settings = read_runtime_settings(file);
     file.finish();
@@ -17,17 +17,18 @@ RuntimeSettings read(const std::string& text) {
 }
 
 TEST(RuntimeSettings, ReadsEveryKey) {
-    const RuntimeSettings s = read("realtime_scheduling = false\npriority = 98\nallowed_miss_fraction = 0.5");
+    const RuntimeSettings s =
+        runtime_settings("realtime_scheduling = false\npriority = 98\nallowed_miss_fraction = 0.5");
     EXPECT_FALSE(s.realtime_scheduling);
     EXPECT_EQ(s.priority, 98);
     EXPECT_EQ(s.allowed_miss_fraction, 0.5);
-    EXPECT_TRUE(read("").realtime_scheduling);
+    EXPECT_TRUE(runtime_settings("").realtime_scheduling);
 }
 
 TEST(RuntimeSettings, RefusesWhatIsOutOfRange) {
     for (const char* text : {"priority = 0", "priority = 99", "realtime_scheduling = 1",
                              "allowed_miss_fraction = 1.5", "prio = 3"}) {
-        EXPECT_THROW(read(text), Error) << text;
+        EXPECT_THROW(runtime_settings(text), Error) << text;
     }
 }
 

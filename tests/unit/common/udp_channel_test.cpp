@@ -13,17 +13,14 @@
 
 #include "common/error.hpp"
 #include "common/runtime/sockets.hpp"
+#include "tests/unit/common/packet.hpp"
 
 namespace thimble {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using Packet = std::vector<std::uint8_t>;
-
 constexpr const char* kHere = "127.0.0.1";
-
-Packet copy(Bytes bytes) { return {bytes.begin(), bytes.end()}; }
 
 // Any free port, so that tests can run side by side.
 std::uint16_t port_of(const UdpChannel& channel) {

@@ -5,14 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "cutaneous_node/simulated_actuator.hpp"
+#include "tests/unit/session_time.hpp"
 
 namespace thimble {
 namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
-
-constexpr SessionTime at(Duration duration) { return SessionTime{duration}; }
 
 SessionControl trial(Modality modality) {
     SessionControl control;

@@ -7,14 +7,13 @@
 #include <rapidcheck.h>
 
 #include "tests/unit/netem/allocation_count.hpp"
+#include "tests/unit/session_time.hpp"
 
 namespace thimble {
 namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
-
-constexpr SessionTime at(Duration duration) { return SessionTime{duration}; }
 
 CutaneousSettings lagging(Duration dead_time, Duration time_constant) {
     CutaneousSettings settings;

@@ -7,8 +7,6 @@
 namespace thimble {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 TEST(MeanTrajectory, IdenticalTrialsHaveNoSpread) {
     MeanTrajectory mean;
     const TrialRecord record = sine_record(0.004, 0.003, 1.3);

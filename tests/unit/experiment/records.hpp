@@ -3,9 +3,8 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <unistd.h>
@@ -13,9 +12,11 @@
 #include <gtest/gtest.h>
 
 #include "experiment/trial_record.hpp"
+#include "tests/read_text.hpp"
 
 namespace thimble {
 
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kFixture_m = 0.125;
 inline constexpr double kPuncture_s = 1.0;
 inline constexpr double kContact_s = 2.0;
@@ -45,11 +46,6 @@ inline TrialRecord sine_record(double mean_m, double amplitude_m, double frequen
     return make_record([=](double time_s) {
         return mean_m + amplitude_m * std::cos(2 * std::numbers::pi * frequency_Hz * time_s);
     });
-}
-
-inline std::string read_text(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
 // A directory of the test's own, removed with all that is in it.

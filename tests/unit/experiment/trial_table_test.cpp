@@ -11,8 +11,6 @@
 namespace thimble {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 TrialRow sample_row() {
     TrialRow row = make_row(sine_record(0.1 / 3, 0.003, 4));
     row.conditions.study_seed = ~std::uint64_t{0};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "master/operator/virtual_operator.hpp"
+#include "tests/unit/session_time.hpp"
 
 namespace thimble::test {
 
@@ -21,7 +22,5 @@ inline OperatorParameters calm_parameters() {
 inline OperatorTask task_of(Modality modality, std::uint32_t subject = 1, std::uint32_t experiment = 1) {
     return {.study_seed = 7, .experiment = experiment, .subject = subject, .trial = 1, .modality = modality};
 }
-
-inline SessionTime at(Duration since_start) { return SessionTime{since_start}; }
 
 }  // namespace thimble::test

@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "netem/link_model.hpp"
+#include "tests/unit/session_time.hpp"
 
 namespace thimble::test {
 
 inline constexpr StreamKey kKey{.study = 7, .experiment = 3, .subject = 5, .trial = 2};
 inline constexpr Duration kMillisecond = std::chrono::milliseconds{1};
-
-inline SessionTime at(Duration duration) { return SessionTime{duration}; }
 
 // `size` bytes: the number in the first four, its last byte repeated in the rest.
 class NumberedPacket {

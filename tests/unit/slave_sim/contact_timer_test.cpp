@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/session_time.hpp"
+
 namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-SessionTime at(Duration time) { return SessionTime{time}; }
 
 TEST(ContactTimer, BeepsOnceAtTheSampleThatReachesTheHold) {
     ContactTimer timer{seconds(5)};

@@ -45,14 +45,15 @@ TEST(ForbiddenRegion, MovesWhereItIsPut) {
 }
 
 // Steps of 1 ms from where the needle is; collects what changes.
-struct Walker {
+struct FixtureWalker {
     ForbiddenRegion fixture;
     double time_s = 0;
     double needle_m;
     Transitions transitions{64};
     std::vector<std::pair<double, std::string>> events{};
 
-    Walker(const FixtureParameters& parameters, double start_m) : fixture(parameters), needle_m(start_m) {
+    FixtureWalker(const FixtureParameters& parameters, double start_m)
+        : fixture(parameters), needle_m(start_m) {
         fixture.reset(start_m);
     }
     void to(double position_m, double duration_s) {
@@ -73,7 +74,7 @@ FixtureParameters with_change(const FixtureChange& change) {
 }
 
 TEST(ForbiddenRegion, TouchedAndLeftWhereTheLineCrosses) {
-    Walker w({1000, 0, 0.5, {}}, 0.25);
+    FixtureWalker w({1000, 0, 0.5, {}}, 0.25);
     w.to(0.75, 2);
     w.to(0.5, 1);
     w.to(0.25, 1);
@@ -83,7 +84,7 @@ TEST(ForbiddenRegion, TouchedAndLeftWhereTheLineCrosses) {
 }
 
 TEST(ForbiddenRegion, DampingResistsButNeverPulls) {
-    Walker w({1000, 100, 0.5, {}}, 0.5);
+    FixtureWalker w({1000, 100, 0.5, {}}, 0.5);
     w.to(0.51, 0.1);
     EXPECT_NEAR(w.fixture.force_N(), -(1000 * 0.01 + 100 * 0.1), 1e-9);
     w.to(0.505, 0.1);
@@ -93,7 +94,7 @@ TEST(ForbiddenRegion, DampingResistsButNeverPulls) {
 }
 
 TEST(ForbiddenRegion, VanishesAfterUnbrokenContact) {
-    Walker w(with_change({{}, 5.0, false, {}}), 0.25);
+    FixtureWalker w(with_change({{}, 5.0, false, {}}), 0.25);
     w.to(0.75, 1);  // touches at 0.5 s
     w.to(0.75, 4);
     EXPECT_LT(w.fixture.force_N(), 0);
@@ -106,7 +107,7 @@ TEST(ForbiddenRegion, VanishesAfterUnbrokenContact) {
 }
 
 TEST(ForbiddenRegion, ABreakStartsTheContactAnew) {
-    Walker w(with_change({{}, 2.0, false, {}}), 0.5);
+    FixtureWalker w(with_change({{}, 2.0, false, {}}), 0.5);
     w.to(0.75, 1.5);
     w.to(0.25, 1);  // leaves at 2.0 s, before the 2 s are over... which end at 2.0 s: leaving comes first
     w.to(0.75, 1);
@@ -117,7 +118,7 @@ TEST(ForbiddenRegion, ABreakStartsTheContactAnew) {
 }
 
 TEST(ForbiddenRegion, ChangesAtATimeWhetherOrNotTheNeedleIsNear) {
-    Walker w(with_change({1.5, {}, true, 0.125}), 0.25);
+    FixtureWalker w(with_change({1.5, {}, true, 0.125}), 0.25);
     EXPECT_EQ(w.fixture.rests_above_m(), -std::numeric_limits<double>::infinity());
     w.to(0.25, 1);
     EXPECT_EQ(w.fixture.force_N(), 0);
@@ -132,7 +133,7 @@ TEST(ForbiddenRegion, ChangesWaitForTheOneBefore) {
     FixtureParameters p;
     p.position_m = 0.5;
     p.changes = {{2.0, {}, false, {}}, {1.0, {}, true, {}}};
-    Walker w(p, 0.75);
+    FixtureWalker w(p, 0.75);
     w.to(0.75, 1.5);
     EXPECT_TRUE(w.fixture.present());
     w.to(0.75, 1.5);  // gone and back at 2 s
@@ -148,7 +149,7 @@ using Events = std::vector<std::pair<double, std::string>>;
 TEST(ForbiddenRegion, APlaneThatJumpsAwayIsLeftThen) {
     FixtureParameters p = with_change({0.5, {}, true, 0.875});
     p.position_m = 0.375;
-    Walker w(p, 0.25);
+    FixtureWalker w(p, 0.25);
     w.to(0.75, 1);
     EXPECT_EQ(w.events, (Events{{0.25, "touched"}, {0.5, "moved"}, {0.5, "left"}}));
 }
@@ -157,7 +158,7 @@ TEST(ForbiddenRegion, APlaneThatJumpsAwayIsLeftThen) {
 TEST(ForbiddenRegion, APlaneThatJumpsInFrontIsTouchedThen) {
     FixtureParameters p = with_change({0.25, {}, true, 0.25});
     p.position_m = 0.875;
-    Walker w(p, 0.75);
+    FixtureWalker w(p, 0.75);
     w.to(0.5, 1);
     EXPECT_EQ(w.events, (Events{{0.25, "moved"}, {0.25, "touched"}}));
 }
@@ -166,13 +167,13 @@ TEST(ForbiddenRegion, APlaneThatJumpsInFrontIsTouchedThen) {
 TEST(ForbiddenRegion, AContactWithinAStepIsTouchedAndLeft) {
     FixtureParameters p = with_change({0.25, {}, true, 0.5});
     p.position_m = 0.875;
-    Walker w(p, 0.75);
+    FixtureWalker w(p, 0.75);
     w.to(0.25, 1);
     EXPECT_EQ(w.events, (Events{{0.25, "moved"}, {0.25, "touched"}, {0.5, "left"}}));
 }
 
 TEST(ForbiddenRegion, ResetBringsBackWhatWasPlaced) {
-    Walker w(with_change({1.0, {}, false, {}}), 0.75);
+    FixtureWalker w(with_change({1.0, {}, false, {}}), 0.75);
     w.to(0.75, 2);
     EXPECT_FALSE(w.fixture.present());
     w.fixture.reset(0.75);
@@ -181,7 +182,7 @@ TEST(ForbiddenRegion, ResetBringsBackWhatWasPlaced) {
 }
 
 TEST(ForbiddenRegion, SleepsUntilTheNeedleIsThere) {
-    Walker w({3000, 0, 0.5, {}}, 0.25);
+    FixtureWalker w({3000, 0, 0.5, {}}, 0.25);
     EXPECT_EQ(w.fixture.rests_above_m(), 0.5);
     w.to(0.75, 1);
     EXPECT_EQ(w.fixture.rests_above_m(), -std::numeric_limits<double>::infinity());

@@ -20,11 +20,12 @@ SceneDeclaration scene_of(const char* text) { return read_scene(ConfigFile::pars
 
 NeedleScene build(const SceneDeclaration& declaration) { return {declaration, solver_maker({})}; }
 
-struct Walker {
+struct SceneWalker {
     NeedleScene scene;
     double time_s = 0;
 
-    explicit Walker(const SceneDeclaration& declaration, double start_m = 0) : scene(build(declaration)) {
+    explicit SceneWalker(const SceneDeclaration& declaration, double start_m = 0)
+        : scene(build(declaration)) {
         scene.reset({start_m, start_m});
     }
     void to(double needle_m, double duration_s = kStep_s) {
@@ -68,7 +69,7 @@ SceneDeclaration counting(Counter& counter, ElementKind kind) {
 TEST(NeedleScene, AnElementIsNotSteppedWhileItRests) {
     for (const ElementKind kind : {ElementKind::kTissue, ElementKind::kFixture}) {
         Counter counter;
-        Walker w(counting(counter, kind));
+        SceneWalker w(counting(counter, kind));
         w.stroke(0.05, 100);  // up to where it rests, not beyond
         EXPECT_EQ(counter.steps, 0);
         EXPECT_EQ(w.scene.awake(), 0u);
@@ -85,7 +86,7 @@ TEST(NeedleScene, AnElementIsNotSteppedWhileItRests) {
 }
 
 TEST(NeedleScene, NothingDeclaredIsNothingFelt) {
-    Walker w(SceneDeclaration{});
+    SceneWalker w(SceneDeclaration{});
     w.stroke(0.2, 100);
     EXPECT_EQ(w.scene.surface(), nullptr);
     EXPECT_EQ(w.scene.fixture(), nullptr);
@@ -95,7 +96,7 @@ TEST(NeedleScene, NothingDeclaredIsNothingFelt) {
 }
 
 TEST(NeedleScene, LayersWakeOneAfterTheOther) {
-    Walker w(load_scene("layers.toml"));
+    SceneWalker w(load_scene("layers.toml"));
     EXPECT_EQ(w.scene.awake(), 0u);
     w.stroke(0.0255, 100);
     EXPECT_EQ(w.scene.awake(), 1u);  // skin
@@ -120,7 +121,7 @@ TEST(NeedleScene, ForcesAndEventsAreThoseOfTheElements) {
     SceneDeclaration declaration = scene_of("[fixture]\nposition_m = 0.08\n[guidance]\n");
     declaration.elements.push_back(declare_tissue("a", first));
     declaration.elements.push_back(declare_tissue("b", second));
-    Walker w(declaration);
+    SceneWalker w(declaration);
     ExactTissue a(first);
     ExactTissue b(second);
     a.reset(0);
@@ -155,7 +156,7 @@ TEST(NeedleScene, FixturesFollowTheReadingAndTissueTheEstimate) {
 }
 
 TEST(NeedleScene, WithoutTimeNothingMoves) {
-    Walker w(scene_of("[tissue]\n[fixture]\n"));
+    SceneWalker w(scene_of("[tissue]\n[fixture]\n"));
     w.stroke(0.05, 100);
     const TissueState before = w.scene.surface()->state();
     w.to(0.2, 0);
@@ -165,7 +166,7 @@ TEST(NeedleScene, WithoutTimeNothingMoves) {
 }
 
 TEST(NeedleScene, AFixturePlacedOnTheNeedleIsFeltAtOnce) {
-    Walker w(scene_of("[tissue]\n[fixture]\n"));
+    SceneWalker w(scene_of("[tissue]\n[fixture]\n"));
     w.stroke(0.1, 100);
     EXPECT_EQ(w.scene.force_fixture_N(), 0);
     w.scene.place_fixture(0.099, true);
@@ -177,7 +178,7 @@ TEST(NeedleScene, AFixturePlacedOnTheNeedleIsFeltAtOnce) {
 }
 
 TEST(NeedleScene, AVesselResistsAndGivesWayTwice) {
-    Walker w(load_scene("vessel.toml"));
+    SceneWalker w(load_scene("vessel.toml"));
     std::vector<std::string> events;
     double strongest_N = 0;
     for (int i = 1; i <= 5000; ++i) {
@@ -196,8 +197,8 @@ TEST(NeedleScene, AVesselResistsAndGivesWayTwice) {
 }
 
 TEST(Guidance, DrawsFromBothSidesAndDamps) {
-    Walker w(scene_of("[guidance]\nstiffness_N_per_m = 10.0\ndamping_Ns_per_m = 2.0\nposition_m = 0.1\n"),
-             0.05);
+    SceneWalker w(
+        scene_of("[guidance]\nstiffness_N_per_m = 10.0\ndamping_Ns_per_m = 2.0\nposition_m = 0.1\n"), 0.05);
     EXPECT_NEAR(w.scene.force_fixture_N(), 0.5, 1e-12);  // pulled in
     w.to(0.12, 1.0);
     EXPECT_NEAR(w.scene.force_fixture_N(), -10 * 0.02 - 2 * 0.07, 1e-12);

@@ -74,7 +74,7 @@ void expect_exact(double m, double b, double k, double h) {
     EXPECT_LE(error(p.position_per_velocity_s, truth.P), digits * (scale_s + a * scale_q));
 }
 
-double decade(std::mt19937_64& bits, double low, double high) {
+double drawn_decade(std::mt19937_64& bits, double low, double high) {
     const double unit = static_cast<double>(bits() >> 11) * 0x1p-53;
     return std::pow(10.0, low + (high - low) * unit);
 }
@@ -82,10 +82,10 @@ double decade(std::mt19937_64& bits, double low, double high) {
 TEST(SecondOrder, MatchesHighPrecisionOverTwentyDecades) {
     std::mt19937_64 bits(1);
     for (int i = 0; i < 3000; ++i) {
-        const double m = decade(bits, -9, 6);
-        const double b = i % 5 == 0 ? 0 : decade(bits, -3, 3);
-        const double k = i % 7 == 0 ? 0 : decade(bits, -9, 6);
-        const double h = decade(bits, -7, 0.5);
+        const double m = drawn_decade(bits, -9, 6);
+        const double b = i % 5 == 0 ? 0 : drawn_decade(bits, -3, 3);
+        const double k = i % 7 == 0 ? 0 : drawn_decade(bits, -9, 6);
+        const double h = drawn_decade(bits, -7, 0.5);
         // Beyond a million radians the phase itself has no meaning left in a double.
         if (std::sqrt(k / m) * h < 1e6) expect_exact(m, b, k, h);
     }

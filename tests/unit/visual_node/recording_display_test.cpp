@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/netem/allocation_count.hpp"
+#include "tests/unit/session_time.hpp"
 
 namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
-
-constexpr SessionTime at(Duration duration) { return SessionTime{duration}; }
 
 Scene scene(double bar_N) {
     Scene drawn;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "tests/unit/session_time.hpp"
 #include "visual_node/recording_display.hpp"
 
 namespace thimble {
@@ -13,8 +14,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-constexpr SessionTime at(Duration duration) { return SessionTime{duration}; }
 
 SessionControl trial(Modality modality, std::uint64_t seed = 1) {
     SessionControl control;
