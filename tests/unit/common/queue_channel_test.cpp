@@ -48,7 +48,9 @@ TEST(QueueChannel, WhatIsBeingReadIsNotOverwritten) {
             for (std::uint8_t i = 0; i < before; ++i) {
                 a.send(Packet{i});
                 EXPECT_EQ(copy(b.receive()), (Packet{i}));
-                if (drained) EXPECT_TRUE(b.receive().empty());
+                if (drained) {
+                    EXPECT_TRUE(b.receive().empty());
+                }
             }
             a.send(Packet{7, 7});
             const Bytes held = b.receive();
