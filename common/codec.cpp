@@ -184,23 +184,20 @@ Heartbeat from_wire(const wire::Heartbeat& w, Judge& judge) {
             judge.choice(raw(w.reason()), EndReason::kInterrupted)};
 }
 
-int count_bodies(const wire::Packet& p) {
-    return (p.needle_command() != nullptr) + (p.force_feedback() != nullptr) + (p.percept() != nullptr) +
-           (p.session_control() != nullptr) + (p.heartbeat() != nullptr);
-}
-
-void read_body(const wire::Packet& p, Judge& judge, Body& body) {
-    if (p.force_feedback() != nullptr) {
-        body = from_wire(*p.force_feedback(), judge);
-    } else if (p.needle_command() != nullptr) {
-        body = from_wire(*p.needle_command(), judge);
-    } else if (p.percept() != nullptr) {
-        body = from_wire(*p.percept(), judge);
-    } else if (p.session_control() != nullptr) {
-        body = from_wire(*p.session_control(), judge);
-    } else {
-        body = from_wire(*p.heartbeat(), judge);
-    }
+// Returns how many there are; `body` becomes the last of them.
+int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
+    int count = 0;
+    const auto read = [&](const auto* wire_body) {
+        if (wire_body == nullptr) return;
+        body = from_wire(*wire_body, judge);
+        ++count;
+    };
+    read(p.needle_command());
+    read(p.force_feedback());
+    read(p.percept());
+    read(p.session_control());
+    read(p.heartbeat());
+    return count;
 }
 
 constexpr std::size_t kMinBytes = sizeof(flatbuffers::uoffset_t) + flatbuffers::kFileIdentifierLength;
@@ -219,10 +216,9 @@ Refusal decode_into(Bytes datagram, Message& message) {
     flatbuffers::Verifier verifier(datagram.data(), datagram.size(), 4, 8);
     if (!verifier.VerifyBuffer<wire::Packet>(nullptr)) return Refusal::kMalformed;
     const wire::Packet& packet = *wire::GetPacket(datagram.data());
-    if (count_bodies(packet) != 1) return Refusal::kNotOneBody;
     Judge judge;
     message.header = from_wire(*packet.header(), judge);
-    read_body(packet, judge, message.body);
+    if (read_bodies(packet, judge, message.body) != 1) return Refusal::kNotOneBody;
     return judge.verdict();
 }
 

@@ -28,7 +28,11 @@ void QueueChannel::deliver(Bytes datagram) {
 }
 
 Bytes QueueChannel::receive() {
-    if (head_ == tail_) return {};
+    if (head_ == tail_) {
+        // Nothing is being read any more: a channel that is drained at once uses one slot, always in the cache.
+        head_ = tail_ = 0;
+        return {};
+    }
     const Slot& slot = slots_[head_++ & (capacity_ - 1)];
     return {slot.bytes, slot.size};
 }

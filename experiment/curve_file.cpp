@@ -79,12 +79,10 @@ void CurveFile::append(const TrialCurve& trial) {
     file_.flush();
 }
 
-std::vector<TrialCurve> read_curves(const std::filesystem::path& path) {
+void read_curves(const std::filesystem::path& path, const TakeCurve& take) {
     const std::vector<std::string_view> names(column_names().begin(), column_names().end());
     CsvReader reader(path, names);
-    std::vector<TrialCurve> trials;
-    while (reader.next()) trials.push_back(read_line(reader));
-    return trials;
+    while (reader.next()) take(read_line(reader));
 }
 
 }  // namespace thimble

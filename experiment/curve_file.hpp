@@ -6,7 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <vector>
+#include <functional>
 
 #include "experiment/csv_file.hpp"
 #include "experiment/mean_trajectory.hpp"
@@ -24,7 +24,9 @@ class CurveFile {
     CsvFile file_;
 };
 
+using TakeCurve = std::function<void(const TrialCurve&)>;
+// Hands over one curve after the other, in order: a curve is forty times a row, and nobody needs them together.
 // Throws Error (data) naming line and column of what cannot be read.
-std::vector<TrialCurve> read_curves(const std::filesystem::path& path);
+void read_curves(const std::filesystem::path& path, const TakeCurve& take);
 
 }  // namespace thimble

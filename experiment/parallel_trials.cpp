@@ -16,7 +16,7 @@ namespace {
 
 class Pool {
   public:
-    Pool(const SystemSettings& settings, const std::vector<TrialConditions>& trials, unsigned jobs,
+    Pool(const SystemSettings& settings, std::span<const TrialConditions> trials, unsigned jobs,
          const std::atomic<bool>* stop)
         : settings_(settings), trials_(trials), stop_(stop), slots_(2 * std::size_t{jobs}) {
         for (unsigned i = 0; i < jobs; ++i) workers_.emplace_back([this] { work(); });
@@ -78,7 +78,7 @@ class Pool {
     }
 
     const SystemSettings& settings_;
-    const std::vector<TrialConditions>& trials_;
+    std::span<const TrialConditions> trials_;
     const std::atomic<bool>* stop_;
     std::mutex mutex_;
     std::condition_variable changed_;
@@ -95,7 +95,7 @@ unsigned thread_count(unsigned jobs) {
     return jobs != 0 ? jobs : std::max(1U, std::thread::hardware_concurrency());
 }
 
-bool run_trials(const SystemSettings& settings, const std::vector<TrialConditions>& trials, unsigned jobs,
+bool run_trials(const SystemSettings& settings, std::span<const TrialConditions> trials, unsigned jobs,
                 const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take) {
     Pool pool(settings, trials, jobs == 0 ? 1 : jobs, stop);
     for (std::size_t i = 0; i < trials.size(); ++i) {

@@ -63,16 +63,13 @@ class Study {
         run_table(without_lag(settings_), planned, "no_lag", no_lag_, [](const TrialCurve&) {});
     }
 
-    template <class TakeCurve>
     void run_table(const SystemSettings& settings, const std::vector<TrialConditions>& planned,
                    const std::string& name, std::vector<TrialRow>& rows, const TakeCurve& take_curve) {
-        StudyTables tables(options_.out, name, options_.if_exists, planned);
-        for (const TrialRow& row : tables.rows()) rows.push_back(row);
-        for (const TrialCurve& curve : tables.curves()) take_curve(curve);
+        StudyTables tables(options_.out, name, options_.if_exists, planned, take_curve);
+        rows.insert(rows.end(), tables.rows().begin(), tables.rows().end());
         std::size_t done = tables.rows().size();
         result_.resumed += done;
-        const std::vector<TrialConditions> left(planned.begin() + static_cast<std::ptrdiff_t>(done),
-                                                planned.end());
+        const auto left = std::span(planned).subspan(done);
         const SessionTime start = wall_now();
         result_.complete = run_trials(settings, left, jobs_, options_.stop, [&](const TrialRecord& record) {
             if (options_.trajectories) save_trajectory(record, name);

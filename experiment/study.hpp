@@ -4,6 +4,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ unsigned thread_count(unsigned jobs);
 
 // Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end
 // in; so nothing that is made from them depends on the number of threads. False if `stop` cut it short.
-bool run_trials(const SystemSettings& settings, const std::vector<TrialConditions>& trials, unsigned jobs,
+bool run_trials(const SystemSettings& settings, std::span<const TrialConditions> trials, unsigned jobs,
                 const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take);
 
 struct StudyResult {

@@ -1,6 +1,5 @@
 #include "experiment/study_folder.hpp"
 
-#include <algorithm>
 #include <limits>
 
 #include <fmt/format.h>
@@ -35,33 +34,36 @@ bool is_there(const std::filesystem::path& file) {
     return std::filesystem::exists(file, ignored);
 }
 
-}  // namespace
-
 // Without power the curves, which are not forced to the disk, can be behind the table: what has no curve is
 // run again.
-StudyTables::Earlier StudyTables::recover(const std::filesystem::path& table,
-                                          const std::filesystem::path& curves) {
-    Earlier earlier;
+std::vector<TrialRow> recover(const std::filesystem::path& table, const std::filesystem::path& curves,
+                              const TakeCurve& take_curve) {
     keep_lines(table, kAll);
-    keep_lines(curves, kAll);
-    if (is_there(table) && std::filesystem::file_size(table) > 0) earlier.rows = read_trial_table(table);
-    if (is_there(curves) && std::filesystem::file_size(curves) > 0) earlier.curves = read_curves(curves);
-    const std::size_t both = std::min(earlier.rows.size(), earlier.curves.size());
+    std::vector<TrialRow> rows;
+    if (is_there(table) && std::filesystem::file_size(table) > 0) rows = read_trial_table(table);
+    keep_lines(curves, rows.size());
+    std::size_t both = 0;
+    if (is_there(curves) && std::filesystem::file_size(curves) > 0) {
+        read_curves(curves, [&](const TrialCurve& curve) {
+            take_curve(curve);
+            ++both;
+        });
+    }
     keep_lines(table, both);
-    keep_lines(curves, both);
-    earlier.rows.resize(both);
-    earlier.curves.resize(both);
-    return earlier;
+    rows.resize(both);
+    return rows;
 }
 
+}  // namespace
+
 StudyTables::StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
-                         const std::vector<TrialConditions>& planned)
+                         const std::vector<TrialConditions>& planned, const TakeCurve& take_curve)
     : earlier_(if_exists == IfExists::kContinue
-                   ? recover(folder / (name + ".csv"), folder / (name + "_curves.csv"))
-                   : Earlier{}),
+                   ? recover(folder / (name + ".csv"), folder / (name + "_curves.csv"), take_curve)
+                   : std::vector<TrialRow>{}),
       table_(folder / (name + ".csv"), if_exists),
       curves_(folder / (name + "_curves.csv"), if_exists) {
-    check_plan(folder / (name + ".csv"), earlier_.rows, planned);
+    check_plan(folder / (name + ".csv"), earlier_, planned);
 }
 
 void StudyTables::append(const TrialRow& row, const TrialCurve& curve) {

@@ -41,13 +41,15 @@ void VirtualLoop::run_instant(std::uint32_t due) {
         if (round > kMaxRoundsPerInstant)
             throw std::logic_error("virtual time stands still: endless messages");
         // One sweep in order of addition; what a process wakes behind itself waits for the next sweep.
-        for (std::size_t i = 0; i < entries_.size(); ++i) {
-            const std::uint32_t bit = std::uint32_t{1} << i;
-            if (((due | woken_) & bit) == 0) continue;
+        std::uint32_t ahead = ~std::uint32_t{0};
+        while (const std::uint32_t pending = (due | woken_) & ahead) {
+            const std::uint32_t bit = pending & -pending;  // the lowest
+            ahead = ~(bit | (bit - 1));
             due &= ~bit;
             woken_ &= ~bit;
-            entries_[i].process->tick(now_);
-            entries_[i].next = entries_[i].process->next_wakeup();
+            Entry& entry = entries_[static_cast<std::size_t>(std::countr_zero(bit))];
+            entry.process->tick(now_);
+            entry.next = entry.process->next_wakeup();
             ++ticks_;
         }
     }

@@ -15,15 +15,16 @@ void RecordingDisplay::draw(SessionTime now, const Scene& scene) {
         ++dropped_;
         return;
     }
-    at(drawn_++) = {scene, now + pipeline_};
+    at(drawn_) = {scene, now + pipeline_};
+    if (shown_ == drawn_++) next_shown_ = now + pipeline_;
 }
 
 std::optional<ShownScene> RecordingDisplay::shown(SessionTime now) {
-    if (now < next_shown()) return std::nullopt;
-    return at(shown_++);
+    if (now < next_shown_) return std::nullopt;
+    const ShownScene& scene = at(shown_++);
+    next_shown_ = shown_ == drawn_ ? kNever : at(shown_).shown_at;
+    return scene;
 }
-
-SessionTime RecordingDisplay::next_shown() const { return shown_ == drawn_ ? kNever : at(shown_).shown_at; }
 
 std::size_t RecordingDisplay::remembered() const {
     const std::uint64_t overwritten = drawn_ - std::min<std::uint64_t>(drawn_, ring_.size());

@@ -17,7 +17,7 @@ class RecordingDisplay final : public Display {
     // With `capacity` frames on their way already, the new one is dropped and counted.
     void draw(SessionTime now, const Scene& scene) override;
     std::optional<ShownScene> shown(SessionTime now) override;
-    SessionTime next_shown() const override;
+    SessionTime next_shown() const override { return next_shown_; }
 
     std::uint64_t shown_total() const { return shown_; }
     std::uint64_t dropped_total() const { return dropped_; }
@@ -35,6 +35,7 @@ class RecordingDisplay final : public Display {
     std::uint64_t drawn_ = 0;  // frames [shown_, drawn_) are on their way, those before are history
     std::uint64_t shown_ = 0;
     std::uint64_t dropped_ = 0;
+    SessionTime next_shown_ = kNever;  // asked for on every tick: kept, not looked up
 };
 
 }  // namespace thimble

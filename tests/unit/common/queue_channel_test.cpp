@@ -38,12 +38,26 @@ TEST(QueueChannel, OverflowLosesTheNewestAndCounts) {
 
 // "Valid until the next call": also while the peer goes on sending.
 TEST(QueueChannel, WhatIsBeingReadIsNotOverwritten) {
-    QueueChannel a, b(4);
-    a.connect(b);
-    a.send(Packet{7, 7});
-    const Bytes held = b.receive();
-    for (std::uint8_t i = 0; i < 10; ++i) a.send(Packet{i, i});
-    EXPECT_EQ(copy(held), (Packet{7, 7}));
+    for (std::uint8_t before = 0; before < 9; ++before) {
+        for (const bool drained : {false, true}) {
+            QueueChannel a, b(4);
+            a.connect(b);
+            for (std::uint8_t i = 0; i < before; ++i) {
+                a.send(Packet{i});
+                EXPECT_EQ(copy(b.receive()), (Packet{i}));
+                if (drained) {
+                    EXPECT_TRUE(b.receive().empty());
+                }
+            }
+            a.send(Packet{7, 7});
+            const Bytes held = b.receive();
+            for (std::uint8_t i = 0; i < 10; ++i) a.send(Packet{i, i});
+            EXPECT_EQ(copy(held), (Packet{7, 7})) << int{before};
+            EXPECT_EQ(b.lost(), 7U);
+            for (std::uint8_t i = 0; i < 3; ++i) EXPECT_EQ(copy(b.receive()), (Packet{i, i}));
+            EXPECT_TRUE(b.receive().empty());
+        }
+    }
 }
 
 TEST(QueueChannel, ADatagramOfAnySizeUpToTheLimit) {
