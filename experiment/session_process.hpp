@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "common/flow.hpp"
 #include "common/node_process.hpp"
@@ -50,8 +49,6 @@ class SessionProcess final : public Process {
 
     bool finished() const { return stage_ == Stage::kDone; }
     const TrialRecord& record() const { return record_; }
-    // Hands it over instead, once the trial has ended.
-    TrialRecord take_record() { return std::exchange(record_, {}); }
 
     // Ends the running trial (interrupt, a child process that died). Harmless when none runs.
     void abort(EndReason reason, Role lost_peer = Role::kSession);

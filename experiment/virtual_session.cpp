@@ -111,8 +111,6 @@ const TrialRecord& VirtualSession::run(const TrialConditions& conditions) {
     return parts_->session.record();
 }
 
-TrialRecord VirtualSession::take_record() { return parts_->session.take_record(); }
-
 SessionProcess& VirtualSession::session() { return parts_->session; }
 const SimulatedHandle& VirtualSession::handle() const { return parts_->handle; }
 const VirtualLoop& VirtualSession::loop() const { return parts_->loop; }
@@ -121,8 +119,7 @@ TrialRecord run_virtual_trial(const SystemSettings& settings, const TrialConditi
     SystemSettings with_delay = settings;
     with_delay.netem.force.delay = from_seconds(conditions.delay_s);
     VirtualSession session(with_delay);
-    session.run(conditions);
-    return session.take_record();
+    return session.run(conditions);
 }
 
 }  // namespace thimble

@@ -17,8 +17,6 @@ class VirtualSession {
 
     // Runs one trial to its end, over the network of the settings.
     const TrialRecord& run(const TrialConditions& conditions);
-    // The record of the trial that has ended, without copying its samples; the session keeps none.
-    TrialRecord take_record();
 
     // For tests that look inside while a trial runs.
     void start(const TrialConditions& conditions);
