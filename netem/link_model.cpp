@@ -30,8 +30,8 @@ LinkModel::LinkModel(const LinkSettings& settings, const StreamKey& key, std::ui
       loss_stream_(stream_key(key, Purpose::kLinkLoss)),
       slots_(std::make_unique_for_overwrite<Slot[]>(settings.capacity)) {
     assert(settings.capacity > 0 && settings.capacity < kNoSlot);
-    assert(settings.delay >= Duration::zero() && settings.jitter_spread >= Duration::zero());
-    assert(settings.loss >= 0 && settings.loss <= 1);
+    assert(settings.delay >= Duration::zero() && settings.jitter.spread >= Duration::zero());
+    assert(stationary_loss(settings.loss) <= 1);
     if (!settings_.in_order) heap_.reserve(settings_.capacity);
     restart(key);
 }
@@ -61,7 +61,7 @@ StreamKey LinkModel::stream_key(const StreamKey& key, Purpose purpose) const {
 void LinkModel::push(SessionTime now, Bytes datagram) {
     const std::uint64_t packet = counters_.pushed++;
     // One number for each packet, whatever becomes of it: nothing can shift the fates of those that follow.
-    if (settings_.loss > 0 && loss_stream_.uniform() < settings_.loss) {
+    if (settings_.loss.probability > 0 && loss_stream_.uniform() < settings_.loss.probability) {
         ++counters_.lost;
         return;
     }
@@ -88,11 +88,11 @@ void LinkModel::push(SessionTime now, Bytes datagram) {
 
 std::int64_t LinkModel::draw_delay_ns(std::uint64_t packet) {
     const std::int64_t mean_ns = settings_.delay.count();
-    if (settings_.jitter == Jitter::kNone) return mean_ns;
+    if (settings_.jitter.shape == JitterShape::kNone) return mean_ns;
     delay_stream_.seek(kNumbersPerDelay * packet);
-    const double deviate =
-        settings_.jitter == Jitter::kUniform ? delay_stream_.uniform(-1.0, 1.0) : delay_stream_.normal();
-    const double spread_ns = static_cast<double>(settings_.jitter_spread.count());
+    const double deviate = settings_.jitter.shape == JitterShape::kUniform ? delay_stream_.uniform(-1.0, 1.0)
+                                                                           : delay_stream_.normal();
+    const double spread_ns = static_cast<double>(settings_.jitter.spread.count());
     return std::max<std::int64_t>(0, mean_ns + std::llround(deviate * spread_ns));
 }
 

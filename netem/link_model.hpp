@@ -12,19 +12,9 @@
 #include "common/channel.hpp"
 #include "common/random.hpp"
 #include "common/time.hpp"
+#include "netem/link_settings.hpp"
 
 namespace thimble {
-
-enum class Jitter : std::uint8_t { kNone, kUniform, kNormal };
-
-struct LinkSettings {
-    Duration delay{};  // mean one-way delay
-    Jitter jitter = Jitter::kNone;
-    Duration jitter_spread{};     // kUniform: half width; kNormal: standard deviation. Delays are cut at 0.
-    double loss = 0;              // probability that a packet is lost, independent, [0, 1]
-    bool in_order = true;         // a packet never leaves before an earlier one (due times are raised)
-    std::size_t capacity = 4096;  // packets in flight; one more is dropped and counted
-};
 
 // Since the last restart. pushed = lost + overflowed + oversized + delivered + those in flight.
 struct LinkCounters {

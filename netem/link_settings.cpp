@@ -1,61 +1,44 @@
 #include "netem/link_settings.hpp"
 
-#include <algorithm>
-#include <string>
-
 namespace thimble {
 namespace {
 
-using std::chrono::seconds;
-
-constexpr std::int64_t kMaxCapacity = 1'000'000;
-constexpr Duration kPacketPeriod =
-    std::chrono::milliseconds{1};  // every flow of a session but the heartbeats
-
-void check_jitter(const ConfigTable& table, const LinkSettings& link) {
-    const bool spread = link.jitter_spread > Duration::zero();
-    if (link.jitter == Jitter::kNone && spread) {
-        table.fail("jitter_spread_s",
-                   "a spread needs a distribution: set jitter to \"uniform\" or \"normal\", or remove it");
-    }
-    if (link.jitter != Jitter::kNone && !spread) {
-        table.fail("jitter_spread_s", "must be above 0 when jitter is not \"none\"");
-    }
-    if (link.jitter == Jitter::kUniform && link.jitter_spread > link.delay) {
-        table.fail("jitter_spread_s",
-                   "must not exceed delay_s: delays are cut at 0, so their mean would no longer be delay_s");
-    }
-    // At two standard deviations the cut moves the mean by less than 1 % of the spread.
-    if (link.jitter == Jitter::kNormal && 2 * link.jitter_spread > link.delay) {
-        table.fail("jitter_spread_s",
-                   "must not exceed half of delay_s: delays are cut at 0, so their mean would no longer be "
-                   "delay_s");
-    }
+// Share of the packets that find the chain in "bad".
+double in_bad(const LossSettings& loss) {
+    const double moves = loss.good_to_bad + loss.bad_to_good;
+    return moves > 0 ? loss.good_to_bad / moves : 0;
 }
 
-std::size_t read_capacity(const ConfigTable& table, const LinkSettings& link) {
-    const std::int64_t needed = (link.delay + link.jitter_spread) / kPacketPeriod + 1;
-    const std::int64_t enough = std::max(static_cast<std::int64_t>(link.capacity), 2 * needed);
-    const std::int64_t capacity = table.integer("capacity", enough, 1, kMaxCapacity);
-    if (capacity < needed) {
-        table.fail("capacity", "a link with this delay holds " + std::to_string(needed) +
-                                   " packets of a 1 kHz flow: allow at least that many, or remove the key");
-    }
-    return static_cast<std::size_t>(capacity);
+// Balance: pi1 p14 = pi4; pi1 p13 + pi2 p23 = pi3 (p31 + p32); pi3 p32 = pi2 p23.
+double four_state_loss(const LossSettings& loss) {
+    if (loss.p13 == 0) return loss.p14 / (1 + loss.p14);
+    const double lost_alone = loss.p14;  // all relative to state 1
+    const double lost_in_burst = loss.p13 / loss.p31;
+    const double received_in_burst = loss.p23 > 0 ? lost_in_burst * loss.p32 / loss.p23 : 0;
+    return (lost_alone + lost_in_burst) / (1 + lost_alone + lost_in_burst + received_in_burst);
 }
 
 }  // namespace
 
-LinkSettings read_link_settings(const ConfigTable& table) {
-    LinkSettings link;
-    link.delay = table.seconds("delay_s", link.delay, Duration::zero(), seconds{60});
-    link.jitter = static_cast<Jitter>(table.choice("jitter", std::size_t{0}, {"none", "uniform", "normal"}));
-    link.jitter_spread = table.seconds("jitter_spread_s", link.jitter_spread, Duration::zero(), seconds{60});
-    link.loss = table.number("loss", link.loss, 0, 1);
-    link.in_order = table.boolean("in_order", link.in_order);
-    check_jitter(table, link);
-    link.capacity = read_capacity(table, link);
-    return link;
+LossSettings LossSettings::independent(double probability) {
+    LossSettings loss;
+    loss.shape = probability > 0 ? LossShape::kIndependent : LossShape::kNone;
+    loss.probability = probability;
+    return loss;
+}
+
+double stationary_loss(const LossSettings& loss) {
+    switch (loss.shape) {
+        case LossShape::kNone:
+            return 0;
+        case LossShape::kIndependent:
+            return loss.probability;
+        case LossShape::kGilbertElliott:
+            return loss.loss_in_good + in_bad(loss) * (loss.loss_in_bad - loss.loss_in_good);
+        case LossShape::kFourState:
+            return four_state_loss(loss);
+    }
+    return 0;
 }
 
 }  // namespace thimble

@@ -104,7 +104,8 @@ TEST(LinkQueue, RefusesWhatIsNoMessage) {
 }
 
 TEST(LinkQueue, CountersAddUp) {
-    LinkSettings settings{.delay = milliseconds{5}, .loss = 0.3, .capacity = 4};
+    LinkSettings settings{.delay = milliseconds{5}, .capacity = 4};
+    settings.loss = LossSettings::independent(0.3);
     LinkModel link(settings, kKey, 0);
     std::vector<Arrival> arrivals;
     for (std::uint32_t i = 0; i < 1000; ++i) {
@@ -139,9 +140,10 @@ TEST(LinkQueue, AgreesWithAList) {
         std::uint32_t packet;
     };
     EXPECT_TRUE(rc::check("same packets at the same times", [] {
-        const LinkSettings settings{.delay = Duration{*rc::gen::inRange(0, 50)},
-                                    .in_order = *rc::gen::arbitrary<bool>(),
-                                    .capacity = *rc::gen::inRange<std::size_t>(1, 20)};
+        LinkSettings settings;
+        settings.delay = Duration{*rc::gen::inRange(0, 50)};
+        settings.in_order = *rc::gen::arbitrary<bool>();
+        settings.capacity = *rc::gen::inRange<std::size_t>(1, 20);
         LinkModel link(settings, kKey, 0);
         std::vector<Entry> list;
         SessionTime now{};
@@ -167,9 +169,8 @@ TEST(LinkQueue, AgreesWithAList) {
 TEST(LinkQueue, DoesNotAllocateAfterConstruction) {
     for (const bool in_order : {true, false}) {
         LinkModel link({.delay = milliseconds{20},
-                        .jitter = Jitter::kNormal,
-                        .jitter_spread = milliseconds{5},
-                        .loss = 0.1,
+                        .jitter = {JitterShape::kNormal, milliseconds{5}},
+                        .loss = LossSettings::independent(0.1),
                         .in_order = in_order,
                         .capacity = 16},
                        kKey, 0);
