@@ -17,9 +17,15 @@ constexpr std::uint64_t kNumbersPerDelay = 16;
 LinkCounters& LinkCounters::operator+=(const LinkCounters& other) {
     pushed += other.pushed;
     lost += other.lost;
-    overflowed += other.overflowed;
+    outage += other.outage;
     oversized += other.oversized;
+    queue_full += other.queue_full;
+    overflowed += other.overflowed;
     delivered += other.delivered;
+    duplicated += other.duplicated;
+    corrupted += other.corrupted;
+    skipped += other.skipped;
+    reordered += other.reordered;
     return *this;
 }
 
@@ -36,7 +42,7 @@ LinkModel::LinkModel(const LinkSettings& settings, const StreamKey& key, std::ui
     restart(key);
 }
 
-void LinkModel::restart(const StreamKey& key) {
+void LinkModel::restart(const StreamKey& key, SessionTime /*start*/) {
     delay_stream_ = RandomStream(stream_key(key, Purpose::kLinkDelay));
     loss_stream_ = RandomStream(stream_key(key, Purpose::kLinkLoss));
     heap_.clear();
@@ -63,18 +69,19 @@ void LinkModel::push(SessionTime now, Bytes datagram) {
     // One number for each packet, whatever becomes of it: nothing can shift the fates of those that follow.
     if (settings_.loss.probability > 0 && loss_stream_.uniform() < settings_.loss.probability) {
         ++counters_.lost;
-        return;
+        return drop(packet, now, DropReason::kLost);
     }
     if (datagram.empty() || datagram.size() > kMaxDatagramBytes) {
         ++counters_.oversized;
-        return;
+        return drop(packet, now, DropReason::kOversized);
     }
     if (in_flight_ == settings_.capacity) {
         ++counters_.overflowed;
-        return;
+        return drop(packet, now, DropReason::kOverflowed);
     }
     const std::uint32_t index = take_free_slot();
     Slot& slot = slots_[index];
+    slot.packet = packet;
     slot.pushed_ns = to_nanoseconds(now);
     slot.due_ns = slot.pushed_ns + draw_delay_ns(packet);
     slot.size = static_cast<std::uint32_t>(datagram.size());
@@ -84,6 +91,15 @@ void LinkModel::push(SessionTime now, Bytes datagram) {
     } else {
         insert(index, packet);
     }
+}
+
+void LinkModel::drop(std::uint64_t packet, SessionTime now, DropReason reason) {
+    if (observer_ != nullptr) observer_->on_drop(packet, now, reason);
+}
+
+void LinkModel::change(SessionTime /*now*/, const LinkSettings& settings) {
+    assert(settings.in_order == settings_.in_order && settings.capacity == settings_.capacity);
+    settings_ = settings;
 }
 
 std::int64_t LinkModel::draw_delay_ns(std::uint64_t packet) {
@@ -140,7 +156,7 @@ std::uint32_t LinkModel::remove_first() {
     return first;
 }
 
-Bytes LinkModel::take_first(SessionTime now) {
+Departure LinkModel::take_first(SessionTime now) {
     assert(in_flight_ > 0 && "pop_due at kNever");
     const std::uint32_t index = remove_first();
     Slot& slot = slots_[index];
@@ -152,7 +168,10 @@ Bytes LinkModel::take_first(SessionTime now) {
     delays_.max = std::max(delays_.max, waited);
     ++delays_.count;
     ++counters_.delivered;
-    return {slot.bytes.data(), slot.size};
+    return {.packet = slot.packet,
+            .received = from_nanoseconds(slot.pushed_ns),
+            .due = from_nanoseconds(slot.due_ns),
+            .bytes = {slot.bytes.data(), slot.size}};
 }
 
 }  // namespace thimble

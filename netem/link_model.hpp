@@ -12,15 +12,21 @@
 #include "common/channel.hpp"
 #include "common/random.hpp"
 #include "common/time.hpp"
+#include "netem/link_observer.hpp"
 #include "netem/link_settings.hpp"
 
 namespace thimble {
 
-// Since the last restart. pushed = lost + overflowed + oversized + delivered + those in flight.
+// Since the last restart.
+//   pushed + duplicated = lost + outage + oversized + queue_full + overflowed + delivered + in flight
 struct LinkCounters {
-    std::uint64_t pushed = 0, lost = 0, overflowed = 0;
-    std::uint64_t oversized = 0;  // larger than kMaxDatagramBytes, or empty
+    std::uint64_t pushed = 0;
+    std::uint64_t lost = 0, outage = 0, oversized = 0, queue_full = 0, overflowed = 0;  // as in DropReason
     std::uint64_t delivered = 0;
+    std::uint64_t duplicated = 0;  // second copies made
+    std::uint64_t corrupted = 0;   // pushed packets of which bits were flipped
+    std::uint64_t skipped = 0;     // packets that the reorder stage let go without delay
+    std::uint64_t reordered = 0;   // delivered after a later one (RFC 4737)
 
     LinkCounters& operator+=(const LinkCounters& other);
 };
@@ -41,12 +47,20 @@ class LinkModel {
     // The fate of packet n depends on (key, direction, n) only.
     LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction);
 
-    // Forgets what is in flight and starts again at packet 0 with another key (start of a trial).
-    void restart(const StreamKey& key);
+    // Forgets what is in flight and starts again at packet 0 with another key (start of a trial). Outages, slots,
+    // traces by time and the timeline count from `start`.
+    void restart(const StreamKey& key, SessionTime start = SessionTime{});
+
+    // From now on other settings. What is in flight keeps its fate; fates stay keyed by packet number.
+    void change(SessionTime now, const LinkSettings& settings);
+    // Null: nobody (the default). Must outlive the model.
+    void observe(LinkObserver* observer) { observer_ = observer; }
 
     void push(SessionTime now, Bytes datagram);
     // The next datagram whose time has come, or an empty span; valid until the next push.
-    Bytes pop_due(SessionTime now) { return now < next_due_ ? Bytes{} : take_first(now); }
+    Bytes pop_due(SessionTime now) { return now < next_due_ ? Bytes{} : take_first(now).bytes; }
+    // The same with what a log wants to know.
+    Departure pop_departure(SessionTime now) { return now < next_due_ ? Departure{} : take_first(now); }
     // kNever if nothing is in flight.
     SessionTime next_due() const { return next_due_; }
 
@@ -61,6 +75,7 @@ class LinkModel {
     struct alignas(64) Slot {
         std::int64_t due_ns;
         std::int64_t pushed_ns;
+        std::uint64_t packet;
         std::uint32_t next;  // in the queue or in the chain of free slots
         std::uint32_t size;
         std::array<std::uint8_t, kMaxDatagramBytes> bytes;
@@ -81,7 +96,8 @@ class LinkModel {
     void append(std::uint32_t slot);
     void insert(std::uint32_t slot, std::uint64_t packet);
     std::uint32_t remove_first();
-    Bytes take_first(SessionTime now);
+    void drop(std::uint64_t packet, SessionTime now, DropReason reason);
+    Departure take_first(SessionTime now);
 
     LinkSettings settings_;
     std::uint32_t direction_;
@@ -97,6 +113,7 @@ class LinkModel {
     std::uint32_t unused_ = 0;  // slots from here on were never used
     std::uint32_t head_ = 0;    // in order: chain from head_ to tail_, meaningless if nothing is in flight
     std::uint32_t tail_ = 0;
+    LinkObserver* observer_ = nullptr;
     LinkCounters counters_;
     LinkDelays delays_;
 };
