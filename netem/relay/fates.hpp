@@ -3,7 +3,7 @@
 
 #include "common/random.hpp"
 #include "netem/link_observer.hpp"
-#include "netem/relay/packet_log.hpp"
+#include "netem/relay/packet_record.hpp"
 #include "netem/relay/relay_engine.hpp"
 
 namespace thimble {
@@ -39,7 +39,7 @@ inline PacketFate fate_of(DropReason reason) {
 // Links do not know whose they are: the engine says it before each push.
 class RelayEngine::DropLog final : public LinkObserver {
   public:
-    explicit DropLog(PacketLog& log) : log_(&log) {}
+    explicit DropLog(PacketSink& log) : log_(&log) {}
 
     void expect(const PacketRecord& record, std::size_t bytes) {
         record_ = record;
@@ -53,7 +53,7 @@ class RelayEngine::DropLog final : public LinkObserver {
     }
 
   private:
-    PacketLog* log_;
+    PacketSink* log_;
     PacketRecord record_;
 };
 

@@ -28,18 +28,18 @@ class RecordQueue {
     alignas(64) std::atomic<std::uint64_t> taken_{0};
 };
 
-class PacketLog {
+class PacketLog final : public PacketSink {
   public:
     // Binary records (packet_record.hpp), or text if the name ends in .csv. Starts the thread, which keeps the default
     // scheduling: make this object before asking for real time. Throws Error (data) if the file cannot be made.
     explicit PacketLog(const std::filesystem::path& path);
     // Writes what is left.
-    ~PacketLog();
+    ~PacketLog() override;
     PacketLog(const PacketLog&) = delete;
     PacketLog& operator=(const PacketLog&) = delete;
 
-    void add(const PacketRecord& record);  // from one thread only
-    std::uint64_t missing() const { return missing_; }
+    void add(const PacketRecord& record) override;  // from one thread only
+    std::uint64_t missing() const override { return missing_; }
     // Writes what was added so far and ends the thread. Throws Error (data) if a write failed, e.g. a full disk.
     void finish();
 

@@ -53,6 +53,15 @@ struct PacketRecord {
     bool operator==(const PacketRecord&) const = default;
 };
 
+// Who wants to know. Called from the thread that relays, once per packet: must be quick and never wait.
+class PacketSink {
+  public:
+    virtual ~PacketSink() = default;
+    virtual void add(const PacketRecord& record) = 0;
+    // Records that found no room.
+    virtual std::uint64_t missing() const { return 0; }
+};
+
 inline constexpr std::size_t kRecordBytes = 48;
 inline constexpr std::size_t kLogHeaderBytes = 16;
 

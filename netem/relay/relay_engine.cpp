@@ -1,6 +1,7 @@
 #include "netem/relay/relay_engine.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -19,7 +20,7 @@ std::size_t index(RelayDirection direction) { return static_cast<std::size_t>(di
 
 }  // namespace
 
-RelayEngine::RelayEngine(const RelaySettings& settings, PacketLog* log)
+RelayEngine::RelayEngine(const RelaySettings& settings, PacketSink* log)
     : settings_(settings),
       log_(log),
       waiter_(settings.precise),
@@ -108,6 +109,7 @@ void RelayEngine::record_sent(const Outgoing& out, SessionTime sent, bool accept
         totals.bytes += out.departure.bytes.size();
         totals.delay.add(sent - out.departure.received);
         totals.error.add(sent - out.departure.due);
+        if (sent - out.departure.due > kStall) ++totals.late;
     } else {
         ++totals.refused;
     }

@@ -16,7 +16,7 @@
 #include "netem/relay/datagram_batch.hpp"
 #include "netem/relay/due_heap.hpp"
 #include "netem/relay/flow_table.hpp"
-#include "netem/relay/packet_log.hpp"
+#include "netem/relay/packet_record.hpp"
 #include "netem/relay/relay_settings.hpp"
 #include "netem/relay/relay_totals.hpp"
 #include "netem/relay/udp_socket.hpp"
@@ -26,7 +26,7 @@ namespace thimble {
 class RelayEngine {
   public:
     // Opens the inlets. `log` may be null and must outlive the engine. Throws Error (network) for a taken port.
-    RelayEngine(const RelaySettings& settings, PacketLog* log);
+    RelayEngine(const RelaySettings& settings, PacketSink* log);
     ~RelayEngine();
 
     // One wait, no longer than until `latest`, and what follows from it. Sends what is due before it receives.
@@ -77,7 +77,7 @@ class RelayEngine {
     PacketRecord record_of(std::uint32_t link) const;
 
     RelaySettings settings_;
-    PacketLog* log_;
+    PacketSink* log_;
     EventWaiter waiter_;
     StampClock stamps_;
     std::vector<UdpSocket> inlets_;

@@ -17,6 +17,7 @@ struct DirectionTotals {
     LinkCounters packets;       // of all flows
     std::uint64_t bytes = 0;    // sent
     std::uint64_t refused = 0;  // delivered by the link, not taken by the kernel
+    std::uint64_t late = 0;     // sent more than kStall after they were due
     Histogram delay;            // sent minus received
     Histogram error;            // sent minus due, never below zero: nothing leaves early
 };
