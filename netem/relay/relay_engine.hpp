@@ -42,6 +42,8 @@ class RelayEngine {
 
     RelayTotals totals(SessionTime now) const;
     UdpAddress inlet_address(std::size_t inlet) const { return inlets_[inlet].local(); }
+    // From when on outages, slots and traces by time count.
+    SessionTime start() const { return start_; }
     const EventWaiter& waiter() const { return waiter_; }
 
   private:
