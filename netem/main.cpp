@@ -17,7 +17,8 @@ using namespace thimble;
 constexpr const char* kFooter =
     "Examples:\n"
     "  thimble-netem --listen 9000 --to 192.168.1.20:9001 --link delay_s=0.05 loss=0.01\n"
-    "  thimble-netem --listen 9000 --to robot:9001 --config link.toml --precise --log packets.bin --control /tmp/netem\n"
+    "  thimble-netem --listen 9000 --to robot:9001 --config link.toml --precise --log packets.bin --control "
+    "/tmp/netem\n"
     "  thimble-netem set --control /tmp/netem down.delay_s=0.1\n"
     "  thimble-netem --selftest --link delay_s=0.05 --precise\n\n"
     "As a node of a Thimble session it is started without --listen: see thimble-netem node --help.\n"
@@ -26,7 +27,8 @@ constexpr const char* kFooter =
 
 // A session starts its node with options alone, none of them these.
 bool is_node_call(int argc, char** argv) {
-    constexpr std::array<std::string_view, 6> kOwn{"--listen", "--to", "--selftest", "--print-tc", "--help", "-h"};
+    constexpr std::array<std::string_view, 6> kOwn{"--listen",   "--to",   "--selftest",
+                                                   "--print-tc", "--help", "-h"};
     if (argc < 2) return true;
     if (argv[1][0] != '-') return std::string_view(argv[1]) == "node";
     return std::none_of(argv + 1, argv + argc, [&](std::string_view word) {

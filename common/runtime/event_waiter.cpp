@@ -69,7 +69,8 @@ std::span<const epoll_event> EventWaiter::sleep_until(SessionTime when, std::spa
     return poll(-1, room);
 }
 
-std::span<const epoll_event> EventWaiter::wait(SessionTime due, SessionTime latest, std::span<epoll_event> room) {
+std::span<const epoll_event> EventWaiter::wait(SessionTime due, SessionTime latest,
+                                               std::span<epoll_event> room) {
     const SessionTime now = wall_now();
     if (std::min(due, latest) <= now) return poll(0, room);
     if (!precise_ || due > latest) return sleep_until(std::min(due, latest), room);
@@ -86,7 +87,8 @@ std::span<const epoll_event> EventWaiter::wait(SessionTime due, SessionTime late
     return events.empty() ? spin_until(due, woken, room) : events;
 }
 
-std::span<const epoll_event> EventWaiter::spin_until(SessionTime due, SessionTime now, std::span<epoll_event> room) {
+std::span<const epoll_event> EventWaiter::spin_until(SessionTime due, SessionTime now,
+                                                     std::span<epoll_event> room) {
     ++counters_.spins;
     const SessionTime start = now;
     const SessionTime end = std::min(due, now + budget_.left(now));

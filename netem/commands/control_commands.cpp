@@ -40,7 +40,8 @@ int set(const Options& options) {
     if (options.json) {
         fmt::print("{}\n", answer.dump(2));
     } else {
-        fmt::print("up   {}\ndown {}\n", answer.at("up").at("asked").dump(), answer.at("down").at("asked").dump());
+        fmt::print("up   {}\ndown {}\n", answer.at("up").at("asked").dump(),
+                   answer.at("down").at("asked").dump());
     }
     return 0;
 }
@@ -65,8 +66,8 @@ std::string line(const Json& before, const Json& now) {
             return packets(now, direction, what) - packets(before, direction, what);
         };
         const Json& error = now.at(direction).at("due_time_error");
-        text += fmt::format(" | {:<4} {:7.0f}/s in {:7.0f}/s out {:5} lost, late {:.1f} us p50 {:.1f} p99", direction,
-                            static_cast<double>(count("received")) / passed_s,
+        text += fmt::format(" | {:<4} {:7.0f}/s in {:7.0f}/s out {:5} lost, late {:.1f} us p50 {:.1f} p99",
+                            direction, static_cast<double>(count("received")) / passed_s,
                             static_cast<double>(count("sent")) / passed_s, count("lost"),
                             error.at("median_us").get<double>(), error.at("p99_us").get<double>());
     }
@@ -92,9 +93,13 @@ int watch(const Options& options) {
 NetemCommand add_set(CLI::App& app) {
     CLI::App* command = app.add_subcommand("set", "change the links of a running relay");
     const auto options = options_of(*command);
-    command->add_option("assignments", options->assignments, "KEY=VALUE as in a file, up. or down. before it for one way")
+    command
+        ->add_option("assignments", options->assignments,
+                     "KEY=VALUE as in a file, up. or down. before it for one way")
         ->required();
-    command->footer("Example:\n  thimble-netem set --control /tmp/netem up.delay_s=0.1 loss=0.01 jitter=normal jitter_spread_s=0.005");
+    command->footer(
+        "Example:\n  thimble-netem set --control /tmp/netem up.delay_s=0.1 loss=0.01 jitter=normal "
+        "jitter_spread_s=0.005");
     return {command, [options] { return set(*options); }};
 }
 
@@ -108,7 +113,8 @@ NetemCommand add_show(CLI::App& app) {
 NetemCommand add_watch(CLI::App& app) {
     CLI::App* command = app.add_subcommand("watch", "a line per second about a running relay");
     const auto options = options_of(*command);
-    command->add_option("--lines", options->lines, "end after so many; 0: never")->check(CLI::Range(0, 1000000));
+    command->add_option("--lines", options->lines, "end after so many; 0: never")
+        ->check(CLI::Range(0, 1000000));
     command->footer("Example:\n  thimble-netem watch --control /tmp/netem");
     return {command, [options] { return watch(*options); }};
 }

@@ -34,8 +34,8 @@ int print_log(const std::string& path) {
         if (size == 0) return 0;
         const auto record = size == kRecordBytes ? decode_record(bytes) : std::nullopt;
         if (!record) {
-            throw Error(ExitCode::kData, fmt::format("'{}': record {} of the log is {}: it ends here", path, i,
-                                                     size < kRecordBytes ? "cut short" : "damaged"));
+            throw Error(ExitCode::kData, fmt::format("'{}': record {} of the log is {}: it ends here", path,
+                                                     i, size < kRecordBytes ? "cut short" : "damaged"));
         }
         fmt::print("{}\n", to_csv(*record));
     }

@@ -22,10 +22,13 @@ LinkPair read_config(const std::string& path) {
 void add_profile_options(CLI::App& app, ProfileOptions& options) {
     app.add_option("-c,--config", options.config, "what the links do: TOML with tables [up] and [down]")
         ->type_name("FILE");
-    app.add_option("--link", options.link, "single settings, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
+    app.add_option("--link", options.link,
+                   "single settings, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
         ->type_name("KEY=VALUE");
 }
 
-LinkPair read_profile(const ProfileOptions& options) { return assign(read_config(options.config), options.link); }
+LinkPair read_profile(const ProfileOptions& options) {
+    return assign(read_config(options.config), options.link);
+}
 
 }  // namespace thimble

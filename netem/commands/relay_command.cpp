@@ -30,15 +30,17 @@ constexpr double kSelftestDefault_s = 10;
 
 RelaySettings relay_settings(const Options& options) {
     if (options.listen.size() != options.to.size() || options.listen.empty()) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{} times --listen and {} times --to: each --listen PORT needs its --to HOST:PORT",
-                                options.listen.size(), options.to.size()));
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format("{} times --listen and {} times --to: each --listen PORT needs its --to HOST:PORT",
+                        options.listen.size(), options.to.size()));
     }
     RelaySettings relay;
     for (std::size_t i = 0; i < options.listen.size(); ++i) {
         const UdpAddress to = read_udp_address(options.to[i], "--to");
         if (to.host == 0 || to.port == 0) {
-            throw Error(ExitCode::kUsage, fmt::format("--to {}: write HOST:PORT of the server", options.to[i]));
+            throw Error(ExitCode::kUsage,
+                        fmt::format("--to {}: write HOST:PORT of the server", options.to[i]));
         }
         relay.inlets.push_back({read_udp_address(options.listen[i], "--listen"), to});
     }
@@ -59,8 +61,8 @@ int check_lateness(const Options& options, const RelayState& state, const Runtim
     }
     const double share = sent == 0 ? 0 : static_cast<double>(late) / static_cast<double>(sent);
     if (!options.strict_rt || share <= runtime.allowed_miss_fraction) return static_cast<int>(ExitCode::kOk);
-    spdlog::error("{} of {} packets left more than 1 ms late; --strict-rt allows a fraction of {}", late, sent,
-                  runtime.allowed_miss_fraction);
+    spdlog::error("{} of {} packets left more than 1 ms late; --strict-rt allows a fraction of {}", late,
+                  sent, runtime.allowed_miss_fraction);
     return static_cast<int>(ExitCode::kRealtime);
 }
 
@@ -93,7 +95,9 @@ void add_traffic_options(CLI::App& app, Options& o) {
     app.add_option("--listen", o.listen, "where clients send to; several times for several servers")
         ->type_name("[HOST:]PORT")
         ->take_all();
-    app.add_option("--to", o.to, "the server behind, one for each --listen")->type_name("HOST:PORT")->take_all();
+    app.add_option("--to", o.to, "the server behind, one for each --listen")
+        ->type_name("HOST:PORT")
+        ->take_all();
     app.add_option("--seed", o.seed, "the same seed gives each packet the same fate")->capture_default_str();
     app.add_option("--max-flows", o.most_flows, "clients at the same time")
         ->check(CLI::Range(1, 100000))
@@ -109,7 +113,8 @@ void add_run_options(CLI::App& app, Options& o) {
     app.add_flag("--precise", o.precise, "spin before due times: microseconds instead of tens, for some CPU");
     app.add_flag("--default-scheduling", o.default_scheduling, "do not ask for real-time scheduling");
     app.add_flag("--strict-rt", o.strict_rt, "exit with 4 if more than 1 in 1000 packets left 1 ms late");
-    app.add_option("--log", o.log, "write what became of each packet; text if it ends in .csv")->type_name("FILE");
+    app.add_option("--log", o.log, "write what became of each packet; text if it ends in .csv")
+        ->type_name("FILE");
     app.add_option("--control", o.control, "socket for set, show and watch")->type_name("PATH");
     app.add_flag("--json", o.json, "summary as JSON");
     app.add_flag("--selftest", o.selftest, "send own traffic and say whether this machine can be trusted");

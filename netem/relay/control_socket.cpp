@@ -48,7 +48,8 @@ Address address_of(const std::filesystem::path& path) {
 int open_socket() {
     const int opened = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (opened < 0) {
-        throw Error(ExitCode::kNetwork, fmt::format("cannot open a control socket: {}", std::strerror(errno)));
+        throw Error(ExitCode::kNetwork,
+                    fmt::format("cannot open a control socket: {}", std::strerror(errno)));
     }
     return opened;
 }
@@ -64,8 +65,9 @@ void remove_stale(const std::filesystem::path& path) {
         close(probe);
         if (dead && unlink(path.c_str()) == 0) return;
     }
-    throw Error(ExitCode::kNetwork, fmt::format("--control: '{}' exists and is in use or no socket: choose another path",
-                                                path.string()));
+    throw Error(
+        ExitCode::kNetwork,
+        fmt::format("--control: '{}' exists and is in use or no socket: choose another path", path.string()));
 }
 
 // The kernel gives the file the mode of the socket it is bound from: never open to others, not even for a moment.
@@ -73,7 +75,8 @@ int listen_at(const std::filesystem::path& path) {
     Address address = address_of(path);
     remove_stale(path);
     const int opened = open_socket();
-    if (fchmod(opened, 0600) != 0 || bind(opened, address.raw(), address.size) != 0 || chmod(path.c_str(), 0600) != 0) {
+    if (fchmod(opened, 0600) != 0 || bind(opened, address.raw(), address.size) != 0 ||
+        chmod(path.c_str(), 0600) != 0) {
         const std::string why = std::strerror(errno);
         close(opened);
         throw Error(ExitCode::kNetwork, fmt::format("--control: cannot make '{}': {}", path.string(), why));
@@ -160,17 +163,20 @@ nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::s
     if (bind(mine.descriptor, unnamed.raw(), unnamed.size) != 0 ||
         connect(mine.descriptor, address.raw(), address.size) != 0 ||
         send(mine.descriptor, request.data(), request.size(), MSG_NOSIGNAL) < 0) {
-        throw Error(ExitCode::kNetwork, fmt::format("no relay listens at '{}': {}; start one with --control {}",
-                                                    path.string(), std::strerror(errno), path.string()));
+        throw Error(ExitCode::kNetwork,
+                    fmt::format("no relay listens at '{}': {}; start one with --control {}", path.string(),
+                                std::strerror(errno), path.string()));
     }
     const auto size =
         readable(mine.descriptor, kPatience_ms) ? recv(mine.descriptor, answer.data(), answer.size(), 0) : -1;
     if (size < 0) {
-        throw Error(ExitCode::kNetwork, fmt::format("the relay at '{}' does not answer: is it running?", path.string()));
+        throw Error(ExitCode::kNetwork,
+                    fmt::format("the relay at '{}' does not answer: is it running?", path.string()));
     }
     auto json = nlohmann::ordered_json::parse(answer.data(), answer.data() + size, nullptr, false);
     if (!json.is_object() || !json.value("ok", false)) {
-        throw Error(ExitCode::kUsage, json.is_object() ? json.value("error", "refused") : "the answer is no JSON");
+        throw Error(ExitCode::kUsage,
+                    json.is_object() ? json.value("error", "refused") : "the answer is no JSON");
     }
     return json;
 }

@@ -77,7 +77,8 @@ LinkSettings assign(const LinkSettings& base, const std::string& direction, cons
 
 ControlRequest parse_request(std::string_view text) {
     if (text.size() > kLongestRequestBytes) {
-        throw Error(ExitCode::kUsage, fmt::format("a request is at most {} bytes long", kLongestRequestBytes));
+        throw Error(ExitCode::kUsage,
+                    fmt::format("a request is at most {} bytes long", kLongestRequestBytes));
     }
     std::vector<std::string> lines = lines_of(text);
     const std::string verb = lines.empty() ? "" : lines.front();

@@ -8,8 +8,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::size_t kRoomBytes = 65536;
-static_assert(kRoomBytes > kLargestDatagramBytes);
+constexpr std::size_t kRoomBytes = 65536;  // more than any UDP datagram has
 
 std::int64_t kernel_stamp_ns(const msghdr& message) {
     for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr;

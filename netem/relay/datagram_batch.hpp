@@ -14,9 +14,6 @@
 
 namespace thimble {
 
-// As long as a UDP datagram over IPv4 can be.
-inline constexpr std::size_t kLargestDatagramBytes = 65507;
-
 class ReceiveBatch {
   public:
     struct Datagram {

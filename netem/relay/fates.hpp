@@ -20,20 +20,20 @@ inline StreamKey flow_key(std::uint64_t seed, std::uint32_t inlet, std::uint32_t
     return key;
 }
 
-inline PacketFate fate_of(DropReason reason) {
+inline LoggedFate fate_of(DropReason reason) {
     switch (reason) {
         case DropReason::kLost:
-            return PacketFate::kLost;
+            return LoggedFate::kLost;
         case DropReason::kOutage:
-            return PacketFate::kOutage;
+            return LoggedFate::kOutage;
         case DropReason::kOversized:
-            return PacketFate::kOversized;
+            return LoggedFate::kOversized;
         case DropReason::kQueueFull:
-            return PacketFate::kQueueFull;
+            return LoggedFate::kQueueFull;
         case DropReason::kOverflowed:
             break;
     }
-    return PacketFate::kOverflowed;
+    return LoggedFate::kOverflowed;
 }
 
 // Links do not know whose they are: the engine says it before each push.

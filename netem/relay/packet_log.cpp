@@ -12,8 +12,6 @@
 namespace thimble {
 namespace {
 
-// A quarter of a second at a million packets per second.
-constexpr std::size_t kRoom = std::size_t{1} << 18;
 constexpr Duration kPause = std::chrono::milliseconds{20};
 
 // Signals are for the thread that relays.
@@ -46,11 +44,11 @@ bool RecordQueue::take(PacketRecord& record) {
     return true;
 }
 
-PacketLog::PacketLog(const std::filesystem::path& path)
+PacketLog::PacketLog(const std::filesystem::path& path, std::size_t room)
     : path_(path),
       text_(path.extension() == ".csv"),
       file_(path, std::ios::binary | std::ios::trunc),
-      queue_(kRoom) {
+      queue_(room) {
     if (!file_) {
         throw Error(ExitCode::kData,
                     fmt::format("cannot write the packet log '{}': does its folder exist?", path.string()));
@@ -74,7 +72,7 @@ void PacketLog::add(const PacketRecord& record) {
         PacketRecord gap;
         gap.packet = gap_;
         gap.received_ns = record.received_ns;
-        gap.fate = PacketFate::kGap;
+        gap.fate = LoggedFate::kGap;
         if (queue_.add(gap)) gap_ = 0;
     }
     if (gap_ > 0 || !queue_.add(record)) {

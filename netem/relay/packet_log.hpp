@@ -30,9 +30,12 @@ class RecordQueue {
 
 class PacketLog final : public PacketSink {
   public:
+    // Records between relay and file: a quarter of a second at a million packets per second.
+    static constexpr std::size_t kRoom = std::size_t{1} << 18;
+
     // Binary records (packet_record.hpp), or text if the name ends in .csv. Starts the thread, which keeps the default
     // scheduling: make this object before asking for real time. Throws Error (data) if the file cannot be made.
-    explicit PacketLog(const std::filesystem::path& path);
+    explicit PacketLog(const std::filesystem::path& path, std::size_t room = kRoom);
     // Writes what is left.
     ~PacketLog() override;
     PacketLog(const PacketLog&) = delete;

@@ -35,8 +35,8 @@ std::string_view to_string(RelayDirection direction) {
     return direction == RelayDirection::kUp ? "up" : "down";
 }
 
-std::string_view to_string(PacketFate fate) {
-    constexpr std::array<std::string_view, kPacketFates> kNames{
+std::string_view to_string(LoggedFate fate) {
+    constexpr std::array<std::string_view, kLoggedFates> kNames{
         "sent", "lost", "outage", "oversized", "queue_full", "overflowed", "refused", "gap"};
     return kNames[static_cast<std::size_t>(fate)];
 }
@@ -52,16 +52,18 @@ std::array<std::uint8_t, kLogHeaderBytes> log_header() {
 void check_log_header(std::span<const std::uint8_t> bytes, const std::string& name) {
     const auto expected = log_header();
     if (bytes.size() < kLogHeaderBytes || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) {
-        throw Error(ExitCode::kData, fmt::format("'{}' is no packet log of thimble-netem: it does not begin with "
-                                                 "{}; --log writes one",
-                                                 name, kMagic));
+        throw Error(ExitCode::kData,
+                    fmt::format("'{}' is no packet log of thimble-netem: it does not begin with "
+                                "{}; --log writes one",
+                                name, kMagic));
     }
     if (!std::equal(expected.begin(), expected.end(), bytes.begin())) {
-        throw Error(ExitCode::kData,
-                    fmt::format("'{}' is a packet log of version {} with records of {} bytes; this program reads "
-                                "version {} with {}",
-                                name, get<std::uint32_t>(bytes, 8), get<std::uint32_t>(bytes, 12), kVersion,
-                                kRecordBytes));
+        throw Error(
+            ExitCode::kData,
+            fmt::format("'{}' is a packet log of version {} with records of {} bytes; this program reads "
+                        "version {} with {}",
+                        name, get<std::uint32_t>(bytes, 8), get<std::uint32_t>(bytes, 12), kVersion,
+                        kRecordBytes));
     }
 }
 
@@ -76,24 +78,20 @@ std::array<std::uint8_t, kRecordBytes> encode(const PacketRecord& record) {
     put(bytes, 40, record.inlet);
     put(bytes, 42, static_cast<std::uint8_t>(record.direction));
     put(bytes, 43, static_cast<std::uint8_t>(record.fate));
-    put(bytes, 44, static_cast<std::uint8_t>((record.corrupted ? kCorrupted : 0U) | (record.copy ? kCopy : 0U)));
+    put(bytes, 44,
+        static_cast<std::uint8_t>((record.corrupted ? kCorrupted : 0U) | (record.copy ? kCopy : 0U)));
     return bytes;
 }
 
 std::optional<PacketRecord> decode_record(std::span<const std::uint8_t, kRecordBytes> bytes) {
     const std::uint8_t direction = bytes[42], fate = bytes[43];
     const auto flags = get<std::uint32_t>(bytes, 44);
-    if (direction > 1 || fate >= kPacketFates || flags > (kCorrupted | kCopy)) return std::nullopt;
-    return PacketRecord{get<std::uint64_t>(bytes, 0),
-                        get<std::int64_t>(bytes, 8),
-                        get<std::int64_t>(bytes, 16),
-                        get<std::int64_t>(bytes, 24),
-                        get<std::uint32_t>(bytes, 32),
-                        get<std::uint32_t>(bytes, 36),
-                        get<std::uint16_t>(bytes, 40),
-                        static_cast<RelayDirection>(direction),
-                        static_cast<PacketFate>(fate),
-                        (flags & kCorrupted) != 0,
+    if (direction > 1 || fate >= kLoggedFates || flags > (kCorrupted | kCopy)) return std::nullopt;
+    return PacketRecord{get<std::uint64_t>(bytes, 0),  get<std::int64_t>(bytes, 8),
+                        get<std::int64_t>(bytes, 16),  get<std::int64_t>(bytes, 24),
+                        get<std::uint32_t>(bytes, 32), get<std::uint32_t>(bytes, 36),
+                        get<std::uint16_t>(bytes, 40), static_cast<RelayDirection>(direction),
+                        static_cast<LoggedFate>(fate), (flags & kCorrupted) != 0,
                         (flags & kCopy) != 0};
 }
 
@@ -102,8 +100,9 @@ std::string_view record_csv_header() {
 }
 
 std::string to_csv(const PacketRecord& r) {
-    return fmt::format("{},{},{},{},{},{},{:d},{:d},{},{},{}", r.inlet, r.flow, to_string(r.direction), r.packet,
-                       r.bytes, to_string(r.fate), r.corrupted, r.copy, moment(r.received_ns), moment(r.due_ns), moment(r.sent_ns));
+    return fmt::format("{},{},{},{},{},{},{:d},{:d},{},{},{}", r.inlet, r.flow, to_string(r.direction),
+                       r.packet, r.bytes, to_string(r.fate), r.corrupted, r.copy, moment(r.received_ns),
+                       moment(r.due_ns), moment(r.sent_ns));
 }
 
 }  // namespace thimble

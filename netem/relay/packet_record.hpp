@@ -9,7 +9,7 @@
 //       36     4  bytes       of the datagram
 //       40     2  inlet       which --listen, from 0
 //       42     1  direction   0 up (client to server), 1 down
-//       43     1  fate        PacketFate
+//       43     1  fate        LoggedFate
 //       44     1  flags       1: bits were flipped, 2: the second copy of two
 //       45     3  reserved    0
 //
@@ -28,7 +28,7 @@ namespace thimble {
 enum class RelayDirection : std::uint8_t { kUp = 0, kDown = 1 };
 std::string_view to_string(RelayDirection direction);
 
-enum class PacketFate : std::uint8_t {
+enum class LoggedFate : std::uint8_t {
     kSent = 0,
     kLost = 1,        // the loss model, or a trace
     kOutage = 2,      // received while nothing gets through
@@ -38,8 +38,8 @@ enum class PacketFate : std::uint8_t {
     kRefused = 6,     // the kernel did not take it when it was due
     kGap = 7,         // the log could not keep up
 };
-inline constexpr std::size_t kPacketFates = 8;
-std::string_view to_string(PacketFate fate);
+inline constexpr std::size_t kLoggedFates = 8;
+std::string_view to_string(LoggedFate fate);
 
 struct PacketRecord {
     std::uint64_t packet = 0;
@@ -47,7 +47,7 @@ struct PacketRecord {
     std::uint32_t flow = 0, bytes = 0;
     std::uint16_t inlet = 0;
     RelayDirection direction = RelayDirection::kUp;
-    PacketFate fate = PacketFate::kSent;
+    LoggedFate fate = LoggedFate::kSent;
     bool corrupted = false, copy = false;
 
     bool operator==(const PacketRecord&) const = default;

@@ -120,7 +120,7 @@ void RelayEngine::record_sent(const Outgoing& out, SessionTime sent, bool accept
     record.due_ns = to_nanoseconds(out.departure.due);
     record.sent_ns = accepted ? to_nanoseconds(sent) : 0;
     record.bytes = static_cast<std::uint32_t>(out.departure.bytes.size());
-    record.fate = accepted ? PacketFate::kSent : PacketFate::kRefused;
+    record.fate = accepted ? LoggedFate::kSent : LoggedFate::kRefused;
     record.corrupted = out.departure.corrupted;
     record.copy = out.departure.copy;
     log_->add(record);
@@ -179,7 +179,8 @@ void RelayEngine::push(std::uint32_t link, const ReceiveBatch::Datagram& datagra
     due_.set(link, model(link).next_due());
 }
 
-std::optional<std::uint32_t> RelayEngine::flow_of(std::uint32_t inlet, const UdpAddress& client, SessionTime now) {
+std::optional<std::uint32_t> RelayEngine::flow_of(std::uint32_t inlet, const UdpAddress& client,
+                                                  SessionTime now) {
     const auto found = table_.find({inlet, client}, now);
     if (!found) return std::nullopt;
     if (found->fresh && !open_flow(found->place)) {
@@ -195,12 +196,10 @@ bool RelayEngine::open_flow(std::uint32_t place) {
     try {
         auto flow = std::make_unique<Flow>(
             Flow{UdpSocket::connected(settings_.inlets[name.inlet].to),
-                 {LinkModel(settings_.links.up, key, kRelayUp), LinkModel(settings_.links.down, key, kRelayDown)}});
+                 {LinkModel(settings_.links.up, key, kRelayUp, settings_.timelines.up, start_),
+                  LinkModel(settings_.links.down, key, kRelayDown, settings_.timelines.down, start_)}});
         if (!waiter_.add(flow->server.descriptor(), place)) return false;
-        for (LinkModel& link : flow->links) {
-            link.restart(key, start_);
-            link.observe(drops_.get());
-        }
+        for (LinkModel& link : flow->links) link.observe(drops_.get());
         flows_[place] = std::move(flow);
         return true;
     } catch (const Error&) {
@@ -237,6 +236,10 @@ void RelayEngine::housekeep(SessionTime now) {
 
 void RelayEngine::change(SessionTime now, const LinkPair& links) {
     settings_.links = links;
+    for (Timeline* timeline : {&settings_.timelines.up, &settings_.timelines.down}) {
+        // Flows that open from now on must not go back to what this change has replaced.
+        std::erase_if(*timeline, [&](const LinkChange& change) { return start_ + change.at <= now; });
+    }
     for (std::uint32_t place = 0; place < flows_.size(); ++place) {
         if (!table_.open(place)) continue;
         flows_[place]->links[index(RelayDirection::kUp)].change(now, links.up);

@@ -60,22 +60,26 @@ Json describe_direction(const LinkSettings& link, const DirectionTotals& totals)
 }
 
 std::string direction_in_words(const std::string& title, const Json& d) {
-    const Json &p = d.at("packets"), &delay = d.at("delay"), &loss = d.at("loss"), &e = d.at("due_time_error");
-    std::string text = fmt::format("{:<5} {} received, {} sent, {} lost", title, p.at("received").get<std::uint64_t>(),
-                                   p.at("sent").get<std::uint64_t>(), p.at("lost").get<std::uint64_t>());
+    const Json &p = d.at("packets"), &delay = d.at("delay"), &loss = d.at("loss"),
+               &e = d.at("due_time_error");
+    std::string text =
+        fmt::format("{:<5} {} received, {} sent, {} lost", title, p.at("received").get<std::uint64_t>(),
+                    p.at("sent").get<std::uint64_t>(), p.at("lost").get<std::uint64_t>());
     for (const char* fate : {"outage", "queue_full", "overflowed", "empty_or_too_long", "refused_by_kernel",
                              "duplicated", "corrupted", "reordered"}) {
-        if (const auto count = p.at(fate).get<std::uint64_t>(); count > 0) text += fmt::format(", {} {}", count, fate);
+        if (const auto count = p.at(fate).get<std::uint64_t>(); count > 0)
+            text += fmt::format(", {} {}", count, fate);
     }
-    text += fmt::format("\n      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99, {:.6g} worst\n",
-                        1e3 * delay.at("asked_mean_s").get<double>(), 1e3 * delay.at("achieved_median_s").get<double>(),
-                        1e3 * delay.at("achieved_p99_s").get<double>(), 1e3 * delay.at("achieved_worst_s").get<double>());
+    text += fmt::format(
+        "\n      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99, {:.6g} worst\n",
+        1e3 * delay.at("asked_mean_s").get<double>(), 1e3 * delay.at("achieved_median_s").get<double>(),
+        1e3 * delay.at("achieved_p99_s").get<double>(), 1e3 * delay.at("achieved_worst_s").get<double>());
     text += fmt::format("      loss     asked {:.4g} %, achieved {:.4g} % [{:.4g}, {:.4g}]\n",
                         100 * loss.at("asked").get<double>(), 100 * loss.at("achieved").get<double>(),
                         100 * loss.at("low_95").get<double>(), 100 * loss.at("high_95").get<double>());
     text += fmt::format("      late by  {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst\n",
-                        e.at("median_us").get<double>(), e.at("p99_us").get<double>(), e.at("p999_us").get<double>(),
-                        e.at("worst_us").get<double>());
+                        e.at("median_us").get<double>(), e.at("p99_us").get<double>(),
+                        e.at("p999_us").get<double>(), e.at("worst_us").get<double>());
     return text;
 }
 
@@ -83,7 +87,8 @@ std::string machine_in_words(const Json& report) {
     const Json& m = report.at("machine");
     std::string text = fmt::format("      {} stalls above 1 ms", m.at("stalls").get<std::uint64_t>());
     for (const char* key : {"dropped_by_kernel", "clock_steps", "untrusted_stamps", "spinning_gave_up"}) {
-        if (const auto count = m.at(key).get<std::uint64_t>(); count > 0) text += fmt::format(", {} {}", count, key);
+        if (const auto count = m.at(key).get<std::uint64_t>(); count > 0)
+            text += fmt::format(", {} {}", count, key);
     }
     if (const auto missing = report.at("log_missing").get<std::uint64_t>(); missing > 0) {
         text += fmt::format(", {} packets missing in the log", missing);
@@ -121,11 +126,12 @@ nlohmann::ordered_json describe(const Histogram& error) {
 
 nlohmann::ordered_json describe(const RelayState& state) {
     const RelayTotals& t = state.totals;
-    Json json{{"version", kVersion},
-              {"running_s", to_seconds(t.running)},
-              {"flows", {{"open", t.flows}, {"opened", t.flows_opened}, {"packets_refused", t.flows_refused}}},
-              {"up", describe_direction(state.links.up, t[RelayDirection::kUp])},
-              {"down", describe_direction(state.links.down, t[RelayDirection::kDown])}};
+    Json json{
+        {"version", kVersion},
+        {"running_s", to_seconds(t.running)},
+        {"flows", {{"open", t.flows}, {"opened", t.flows_opened}, {"packets_refused", t.flows_refused}}},
+        {"up", describe_direction(state.links.up, t[RelayDirection::kUp])},
+        {"down", describe_direction(state.links.down, t[RelayDirection::kDown])}};
     json["machine"] = {{"waiting", state.precise ? "precise" : "sleeping"},
                        {"margin_us", us(state.margin)},
                        {"spun_s", to_seconds(state.waiting.spun)},

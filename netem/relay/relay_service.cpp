@@ -22,9 +22,10 @@ constexpr std::size_t kOtherDescriptors = 32;
 
 void say_ready(const RelaySettings& settings, const RelayEngine& engine) {
     for (std::size_t i = 0; i < settings.inlets.size(); ++i) {
-        spdlog::info("ready: UDP {} -> {}, {:g} ms up, {:g} ms down, {} waiting", to_string(engine.inlet_address(i)),
-                     to_string(settings.inlets[i].to), 1e3 * to_seconds(settings.links.up.delay),
-                     1e3 * to_seconds(settings.links.down.delay), engine.waiter().precise() ? "precise" : "sleeping");
+        spdlog::info("ready: UDP {} -> {}, {:g} ms up, {:g} ms down, {} waiting",
+                     to_string(engine.inlet_address(i)), to_string(settings.inlets[i].to),
+                     1e3 * to_seconds(settings.links.up.delay), 1e3 * to_seconds(settings.links.down.delay),
+                     engine.waiter().precise() ? "precise" : "sleeping");
     }
 }
 
@@ -55,7 +56,8 @@ bool ask_for_precision(const RuntimeSettings& runtime, bool wanted) {
     const std::string refusal = ask_for_realtime(runtime);
     const bool granted = refusal.empty() && runtime.realtime_scheduling;
     if (!refusal.empty()) spdlog::warn(refusal);
-    if (wanted && !granted) spdlog::warn("--precise needs real-time scheduling: sleeping instead of spinning");
+    if (wanted && !granted)
+        spdlog::warn("--precise needs real-time scheduling: sleeping instead of spinning");
     return wanted && granted;
 }
 
@@ -85,8 +87,8 @@ RelayState run_relay(const ServiceSettings& settings) {
     say_ready(relay, engine);
     const SessionTime start = wall_now();
     relay_until_stopped(engine, desk, settings.length > Duration::zero() ? start + settings.length : kNever);
-    RelayState state{engine.links(), engine.totals(wall_now()), engine.waiter().counters(), engine.waiter().margin(),
-                     engine.waiter().precise()};
+    RelayState state{engine.links(), engine.totals(wall_now()), engine.waiter().counters(),
+                     engine.waiter().margin(), engine.waiter().precise()};
     control.reset();
     if (log) log->finish();
     return state;

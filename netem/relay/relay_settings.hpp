@@ -15,6 +15,11 @@ struct LinkPair {
     bool operator==(const LinkPair&) const = default;
 };
 
+// What changes by itself, counted from the start of the relay.
+struct TimelinePair {
+    Timeline up, down;
+};
+
 struct RelayInlet {
     UdpAddress listen, to;
 };
@@ -22,6 +27,7 @@ struct RelayInlet {
 struct RelaySettings {
     std::vector<RelayInlet> inlets;
     LinkPair links;
+    TimelinePair timelines;
     std::uint64_t seed = 1;
     std::size_t most_flows = 1000;
     Duration idle = std::chrono::seconds{60};  // a flow without packets for so long is forgotten

@@ -31,7 +31,9 @@ struct RelayTotals {
     std::uint64_t log_missing = 0;
     Duration running{};
 
-    const DirectionTotals& operator[](RelayDirection d) const { return direction[static_cast<std::size_t>(d)]; }
+    const DirectionTotals& operator[](RelayDirection d) const {
+        return direction[static_cast<std::size_t>(d)];
+    }
 };
 
 // Wilson's score interval of a proportion at 95 % (Wilson, JASA 22, 1927): inside [0, 1], sensible at 0 and 1.

@@ -27,12 +27,12 @@ struct SelftestSettings {
 };
 
 struct SelftestDirection {
-    std::uint64_t offered = 0;   // sent by the traffic
-    std::uint64_t received = 0;  // by the relay
-    std::uint64_t sent = 0;      // by the relay
-    std::uint64_t arrived = 0;   // first copies, unharmed, at the other end
-    std::uint64_t dropped = 0;   // by the link, as asked
-    std::uint64_t early = 0;     // sent before they were due
+    std::uint64_t offered = 0;      // sent by the traffic
+    std::uint64_t received = 0;     // by the relay
+    std::uint64_t sent = 0;         // by the relay
+    std::uint64_t arrived = 0;      // first copies, unharmed, at the other end
+    std::uint64_t dropped = 0;      // by the link, as asked
+    std::uint64_t early = 0;        // sent before they were due
     std::uint64_t other_fates = 0;  // dropped where virtual time with this seed does not, or the reverse
     // Neither asked nor explained: lost on the way to the relay, in it, or behind it.
     std::uint64_t lost_by_machine = 0;

@@ -65,7 +65,8 @@ void SelftestTraffic::run() {
     while (!abandoned_ && wall_now() < end) {
         const auto events = waiter.wait(next, next, room);
         stamps_.update(read_clock_pair());
-        for (const epoll_event& event : events) event.data.u64 == kServer ? receive_at_server() : receive_at_client();
+        for (const epoll_event& event : events)
+            event.data.u64 == kServer ? receive_at_server() : receive_at_client();
         if (wall_now() < next) continue;
         next += kTrafficPeriod;
         TrafficWay& up = ways_[static_cast<std::size_t>(RelayDirection::kUp)];
@@ -87,7 +88,8 @@ void SelftestTraffic::send(RelayDirection direction, int socket, const UdpAddres
     out_.send(socket);
 }
 
-void SelftestTraffic::take(RelayDirection direction, const ReceiveBatch::Datagram& datagram, SessionTime now) {
+void SelftestTraffic::take(RelayDirection direction, const ReceiveBatch::Datagram& datagram,
+                           SessionTime now) {
     TrafficWay& way = ways_[static_cast<std::size_t>(direction)];
     std::uint64_t number = UINT64_MAX;
     if (datagram.bytes.size() >= sizeof number) std::memcpy(&number, datagram.bytes.data(), sizeof number);

@@ -41,7 +41,9 @@ class SelftestTraffic {
     void start(const UdpAddress& relay);  // where the relay listens
     bool finished() const { return finished_; }
     // Once finished.
-    const TrafficWay& way(RelayDirection direction) const { return ways_[static_cast<std::size_t>(direction)]; }
+    const TrafficWay& way(RelayDirection direction) const {
+        return ways_[static_cast<std::size_t>(direction)];
+    }
 
   private:
     void run();

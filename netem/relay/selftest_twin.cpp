@@ -50,8 +50,7 @@ struct Moments {
 }  // namespace
 
 TwinOutcome replay(const TwinLink& link, std::span<const SessionTime> received, std::size_t bytes) {
-    LinkModel model(link.settings, link.key, link.direction);
-    model.restart(link.key, link.start);
+    LinkModel model(link.settings, link.key, link.direction, {}, link.start);
     Tally tally;
     tally.packets.resize(received.size());
     model.observe(&tally);

@@ -46,10 +46,11 @@ UdpSocket UdpSocket::listening(const UdpAddress& local) {
     UdpSocket made = open();
     const sockaddr_in address = local.generic();
     if (bind(made.descriptor_, raw(address), sizeof address) != 0) {
-        throw Error(ExitCode::kNetwork,
-                    fmt::format("cannot listen on UDP {}: {}; {}", to_string(local), std::strerror(errno),
-                                errno == EADDRINUSE ? "another program has that port: choose another, or stop it"
-                                                    : "is that an address of this machine?"));
+        throw Error(
+            ExitCode::kNetwork,
+            fmt::format("cannot listen on UDP {}: {}; {}", to_string(local), std::strerror(errno),
+                        errno == EADDRINUSE ? "another program has that port: choose another, or stop it"
+                                            : "is that an address of this machine?"));
     }
     return made;
 }
