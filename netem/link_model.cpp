@@ -168,6 +168,7 @@ void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, con
 
 // False: there is none for a packet of `bytes`.
 bool LinkModel::make_room(std::size_t bytes, SessionTime now) {
+    if (!transmitter_.could_hold(bytes)) return false;  // then nobody needs to go for it
     while (!transmitter_.has_room(bytes)) {
         Packet* oldest = settings().rate.drop == Drop::kHead ? transmitter_.drop_oldest() : nullptr;
         if (oldest == nullptr) return false;
