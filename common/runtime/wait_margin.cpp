@@ -29,7 +29,7 @@ void WaitMargin::refresh() {
     unsigned above = 0;
     unsigned us = kLimit_us;
     while (us > 0 && above + count_[us - 1] <= kLeftOut) above += count_[--us];
-    margin_us_ = std::max(us, kLeast_us);
+    margin_us_ = std::max(us > 0 ? us - 1 : 0, kLeast_us);
 }
 
 void SpinBudget::advance(SessionTime now) {
