@@ -1,6 +1,7 @@
 #include "netem/formats/capture_pair.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -165,18 +166,23 @@ class Matcher {
         }
     }
 
-    // From the least delay of the first third to that of the last.
+    // Between the quickest packets of the first and of the last third.
     double clock_drift() const {
         const auto& packets = pair_.path.packets;
-        const double length_s = static_cast<double>(packets.back().at) * 1e-9;
-        if (length_s <= 0 || packets.size() < 30) return 0;
-        const auto least_s = [&](std::size_t from, std::size_t to) {
-            Duration least = Duration::max();
-            for (std::size_t i = from; i < to; ++i) least = std::min(least, packets[i].delay.value_or(least));
-            return to_seconds(least);
+        if (packets.size() < 30) return 0;
+        const auto quickest = [&](std::size_t from, std::size_t to) {
+            const MeasuredPacket* least = nullptr;
+            for (std::size_t i = from; i < to; ++i) {
+                if (packets[i].delay && (least == nullptr || *packets[i].delay < *least->delay))
+                    least = &packets[i];
+            }
+            return least;
         };
-        const std::size_t third = packets.size() / 3;
-        return (least_s(packets.size() - third, packets.size()) - least_s(0, third)) / (length_s * 2 / 3);
+        const MeasuredPacket* early = quickest(0, packets.size() / 3);
+        const MeasuredPacket* late = quickest(packets.size() - packets.size() / 3, packets.size());
+        if (early == nullptr || late == nullptr) return 0;
+        return static_cast<double>((*late->delay - *early->delay).count()) /
+               static_cast<double>(late->at - early->at);
     }
 
     const CapturePairOptions& options_;

@@ -12,9 +12,9 @@ namespace thimble {
 struct CapturePairOptions {
     // Destination ports, where a capture holds more than the one flow: a relay or an address translation between the
     // two may change them.
-    std::optional<std::uint16_t> sent_port, received_port;
+    std::optional<std::uint16_t> sent_port{}, received_port{};
     // Moves all delays so that the least is this one: for clocks that are not synchronised.
-    std::optional<Duration> least_delay;
+    std::optional<Duration> least_delay{};
 };
 
 struct CapturePair {

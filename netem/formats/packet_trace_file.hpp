@@ -20,7 +20,7 @@ namespace thimble {
 MeasuredPath parse_path(std::string_view text, std::string_view name);
 
 struct TraceChoice {
-    std::optional<TraceBy> by;  // none: by time if the file has times, else by packet
+    std::optional<TraceBy> by{};  // none: by time if the file has times, else by packet
     TraceBetween between = TraceBetween::kHold;
     TraceEnd end = TraceEnd::kWrap;
 };

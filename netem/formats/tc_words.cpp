@@ -60,7 +60,7 @@ class TcParser {
                 "is none of limit, delay, distribution, loss, duplicate, corrupt, reorder, gap, rate, "
                 "slot, unordered");
         }
-        option_ = option->name;
+        option_ = option->name == "latency" ? "delay" : option->name == "drop" ? "loss" : option->name;
         if (!seen_.insert(option_).second) fail_word("stands there twice");
         ++at_;
         (this->*option->read)();
