@@ -13,7 +13,7 @@ namespace thimble {
 namespace {
 
 constexpr std::int64_t kNumbers = 65536;  // icmp_seq has 16 bits and begins again
-constexpr std::int64_t kLongestGap = 100'000;
+constexpr std::int64_t kLongestGap = 10'000;
 
 struct Reply {
     std::int64_t number = 0;
