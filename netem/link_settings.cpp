@@ -1,21 +1,22 @@
 #include "netem/link_settings.hpp"
 
+#include <limits>
+
 namespace thimble {
 namespace {
 
-// Share of the packets that find the chain in "bad".
-double in_bad(const LossSettings& loss) {
-    const double moves = loss.good_to_bad + loss.bad_to_good;
-    return moves > 0 ? loss.good_to_bad / moves : 0;
-}
-
-// Balance: pi1 p14 = pi4; pi1 p13 + pi2 p23 = pi3 (p31 + p32); pi3 p32 = pi2 p23.
-double four_state_loss(const LossSettings& loss) {
-    if (loss.p13 == 0) return loss.p14 / (1 + loss.p14);
-    const double lost_alone = loss.p14;  // all relative to state 1
-    const double lost_in_burst = loss.p13 / loss.p31;
-    const double received_in_burst = loss.p23 > 0 ? lost_in_burst * loss.p32 / loss.p23 : 0;
-    return (lost_alone + lost_in_burst) / (1 + lost_alone + lost_in_burst + received_in_burst);
+// Share of all packets that are lost while the next is not: each burst ends once.
+double bursts_per_packet(const LossSettings& loss) {
+    if (loss.shape == LossShape::kIndependent) return loss.probability * (1 - loss.probability);
+    if (loss.shape == LossShape::kFourState) {
+        const std::array<double, 4> shares = four_state_shares(loss);
+        return shares[2] * (loss.p31 + loss.p32) + shares[3];
+    }
+    const double bad = share_in_bad(loss);
+    const double after_good =
+        1 - loss.loss_in_good - loss.good_to_bad * (loss.loss_in_bad - loss.loss_in_good);
+    const double after_bad = 1 - loss.loss_in_bad - loss.bad_to_good * (loss.loss_in_good - loss.loss_in_bad);
+    return (1 - bad) * loss.loss_in_good * after_good + bad * loss.loss_in_bad * after_bad;
 }
 
 }  // namespace
@@ -27,6 +28,28 @@ LossSettings LossSettings::independent(double probability) {
     return loss;
 }
 
+// A burst ends with bad_to_good per packet; balance: (1 - P) good_to_bad = P bad_to_good.
+LossSettings LossSettings::gilbert(double probability, double mean_burst) {
+    LossSettings loss;
+    loss.shape = probability > 0 ? LossShape::kGilbertElliott : LossShape::kNone;
+    loss.bad_to_good = 1 / mean_burst;
+    loss.good_to_bad = probability / (1 - probability) * loss.bad_to_good;
+    return loss;
+}
+
+double share_in_bad(const LossSettings& loss) {
+    const double moves = loss.good_to_bad + loss.bad_to_good;
+    return moves > 0 ? loss.good_to_bad / moves : 0;
+}
+
+// Balance: pi1 p14 = pi4; pi1 p13 = pi3 p31; pi3 p32 = pi2 p23.
+std::array<double, 4> four_state_shares(const LossSettings& loss) {
+    const double lost_in_burst = loss.p13 > 0 ? loss.p13 / loss.p31 : 0;  // all relative to state 1
+    const double received_in_burst = loss.p32 > 0 ? lost_in_burst * loss.p32 / loss.p23 : 0;
+    const double sum = 1 + received_in_burst + lost_in_burst + loss.p14;
+    return {1 / sum, received_in_burst / sum, lost_in_burst / sum, loss.p14 / sum};
+}
+
 double stationary_loss(const LossSettings& loss) {
     switch (loss.shape) {
         case LossShape::kNone:
@@ -34,11 +57,18 @@ double stationary_loss(const LossSettings& loss) {
         case LossShape::kIndependent:
             return loss.probability;
         case LossShape::kGilbertElliott:
-            return loss.loss_in_good + in_bad(loss) * (loss.loss_in_bad - loss.loss_in_good);
+            return loss.loss_in_good + share_in_bad(loss) * (loss.loss_in_bad - loss.loss_in_good);
         case LossShape::kFourState:
-            return four_state_loss(loss);
+            return four_state_shares(loss)[2] + four_state_shares(loss)[3];
     }
     return 0;
+}
+
+double mean_loss_burst(const LossSettings& loss) {
+    const double lost = stationary_loss(loss);
+    if (lost <= 0) return 0;
+    const double bursts = bursts_per_packet(loss);
+    return bursts > 0 ? lost / bursts : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace thimble

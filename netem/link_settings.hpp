@@ -2,6 +2,7 @@
 // from TOML. Each part that is left at its default does nothing and costs nothing.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -52,11 +53,20 @@ struct LossSettings {
     double p13 = 0, p31 = 1, p32 = 0, p23 = 0, p14 = 0;
 
     static LossSettings independent(double probability);
+    // Gilbert: bursts of `mean_burst` packets on average (1 or more), so many that a share of `probability` is lost, in
+    // [0, mean_burst / (1 + mean_burst)].
+    static LossSettings gilbert(double probability, double mean_burst);
     bool operator==(const LossSettings&) const = default;
 };
 
 // Share of packets that is lost in the long run, [0, 1].
 double stationary_loss(const LossSettings& loss);
+// How many packets in a row are lost on average, once one is; 0 if none ever is, infinity if all are.
+double mean_loss_burst(const LossSettings& loss);
+// Share of packets that find a kGilbertElliott chain in "bad"; that find a kFourState chain in states 1 to 4 (p31 above
+// 0 if p13 is, p23 if p32 is).
+double share_in_bad(const LossSettings& loss);
+std::array<double, 4> four_state_shares(const LossSettings& loss);
 
 enum class Drop : std::uint8_t { kTail, kHead };  // who goes when the queue is full: the newest or the oldest
 
@@ -100,7 +110,7 @@ struct LinkSettings {
     std::vector<Outage> outages{};
     std::shared_ptr<const PacketTrace> trace{};  // delay and loss instead of the above, where it gives them
     std::shared_ptr<const DeliveryTrace> deliveries{};  // instead of `rate`
-    std::size_t capacity = 4096;                      // packets in flight; one more is dropped and counted
+    std::size_t capacity = 4096;                        // packets in flight; one more is dropped and counted
 
     bool operator==(const LinkSettings&) const = default;
 };
