@@ -63,7 +63,8 @@ int fit_command(const FitArguments& a) {
 void add_fit(CLI::App& app, std::function<int()>& run) {
     const auto arguments = std::make_shared<FitArguments>();
     FitArguments& a = *arguments;
-    CLI::App* sub = app.add_subcommand("fit", "a profile from a trace: delay, jitter and loss, and how well they fit");
+    CLI::App* sub =
+        app.add_subcommand("fit", "a profile from a trace: delay, jitter and loss, and how well they fit");
     sub->add_option("trace", a.up, "trace (CSV) of the way up, or of either way")->required();
     sub->add_option("--down", a.down, "trace of the way down; without it both are alike");
     sub->add_option("-o,--out", a.out, "profile (TOML); replaced if it exists");

@@ -35,7 +35,8 @@ void write(const MeasuredPath& path, const std::string& file) {
 
 std::string with_direction(const std::string& file, const char* direction) {
     const std::filesystem::path path(file);
-    return (path.parent_path() / (path.stem().string() + '.' + direction + path.extension().string())).string();
+    return (path.parent_path() / (path.stem().string() + '.' + direction + path.extension().string()))
+        .string();
 }
 
 void import_irtt(const std::string& text, const ImportArguments& a) {
@@ -59,9 +60,10 @@ void import_captures(const std::string& text, const ImportArguments& a) {
     if (a.least_delay_s >= 0) options.least_delay = from_seconds(a.least_delay_s);
     const CapturePair pair = match_captures(sent, received, options);
     write(pair.path, a.out);
-    fmt::print("  {} duplicates, {} out of order, {} received that were never sent; delays by the stamps {:.6f} to "
-               "{:.6f} s\n",
-               pair.duplicates, pair.reordered, pair.foreign, to_seconds(pair.least), to_seconds(pair.most));
+    fmt::print(
+        "  {} duplicates, {} out of order, {} received that were never sent; delays by the stamps {:.6f} to "
+        "{:.6f} s\n",
+        pair.duplicates, pair.reordered, pair.foreign, to_seconds(pair.least), to_seconds(pair.most));
     for (const Capture* capture : {&sent, &received}) {
         if (capture->fragments + capture->others == 0 && !capture->cut_at_end) continue;
         fmt::print("  {}: {} packets that are no IPv4 UDP and {} fragments left out{}\n",
@@ -78,7 +80,8 @@ int import_command(const ImportArguments& arguments) {
     if (format == "pcap") {
         import_captures(text, arguments);
     } else if (arguments.files.size() > 1) {
-        throw Error(ExitCode::kUsage, "import: one file of irtt or ping at a time; two are for captures (pcap)");
+        throw Error(ExitCode::kUsage,
+                    "import: one file of irtt or ping at a time; two are for captures (pcap)");
     } else if (format == "irtt") {
         import_irtt(text, arguments);
     } else {
@@ -106,12 +109,14 @@ void add_import(CLI::App& app, std::function<int()>& run) {
         ->check(CLI::Range(1e-4, 3600.0));
     sub->add_option("--sent-port", a.sent_port, "only datagrams to this port, in the sender's capture")
         ->check(CLI::Range(1, 65535));
-    sub->add_option("--received-port", a.received_port, "the same in the receiver's")->check(CLI::Range(1, 65535));
+    sub->add_option("--received-port", a.received_port, "the same in the receiver's")
+        ->check(CLI::Range(1, 65535));
     sub->add_option("--least-delay-s", a.least_delay_s,
                     "moves all delays so that the least is this one: for clocks that are not synchronised")
         ->check(CLI::Range(0.0, 60.0));
-    sub->footer("Examples:\n  thimble-netem import irtt.json --out path.csv\n"
-                "  thimble-netem import sent.pcap received.pcap --sent-port 9000 --out path.csv");
+    sub->footer(
+        "Examples:\n  thimble-netem import irtt.json --out path.csv\n"
+        "  thimble-netem import sent.pcap received.pcap --sent-port 9000 --out path.csv");
     sub->callback([arguments, &run] { run = [arguments] { return import_command(*arguments); }; });
 }
 
