@@ -10,7 +10,7 @@
 #include "netem/formats/packet_trace_file.hpp"
 #include "netem/formats/path_fit.hpp"
 #include "netem/formats/text_lines.hpp"
-#include "netem/profiles/profile_writer.hpp"
+#include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 namespace {
@@ -60,7 +60,7 @@ int fit_command(const FitArguments& a) {
     return static_cast<int>(ExitCode::kOk);
 }
 
-void add_fit(CLI::App& app, std::function<int()>& run) {
+std::pair<CLI::App*, std::function<int()>> add_fit(CLI::App& app) {
     const auto arguments = std::make_shared<FitArguments>();
     FitArguments& a = *arguments;
     CLI::App* sub =
@@ -70,7 +70,7 @@ void add_fit(CLI::App& app, std::function<int()>& run) {
     sub->add_option("-o,--out", a.out, "profile (TOML); replaced if it exists");
     sub->add_option("--table", a.table, "also a table of the delays (.dist), for what no shape fits");
     sub->footer("Example:\n  thimble-netem fit path.up.csv --down path.down.csv --out lab.toml");
-    sub->callback([arguments, &run] { run = [arguments] { return fit_command(*arguments); }; });
+    return {sub, [arguments] { return fit_command(*arguments); }};
 }
 
 }  // namespace thimble

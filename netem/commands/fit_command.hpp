@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -19,7 +20,7 @@ struct FitArguments {
 // Throws Error.
 int fit_command(const FitArguments& arguments);
 
-// Adds the subcommand. When it was given, `run` is what it does; it returns the exit code.
-void add_fit(CLI::App& app, std::function<int()>& run);
+// Adds the subcommand. The function is what it does once the command line has been parsed; it returns the exit code.
+std::pair<CLI::App*, std::function<int()>> add_fit(CLI::App& app);
 
 }  // namespace thimble

@@ -90,7 +90,7 @@ int import_command(const ImportArguments& arguments) {
     return static_cast<int>(ExitCode::kOk);
 }
 
-void add_import(CLI::App& app, std::function<int()>& run) {
+std::pair<CLI::App*, std::function<int()>> add_import(CLI::App& app) {
     const auto arguments = std::make_shared<ImportArguments>();
     ImportArguments& a = *arguments;
     CLI::App* sub = app.add_subcommand("import", "a trace from irtt's JSON, ping's output or two captures");
@@ -117,7 +117,7 @@ void add_import(CLI::App& app, std::function<int()>& run) {
     sub->footer(
         "Examples:\n  thimble-netem import irtt.json --out path.csv\n"
         "  thimble-netem import sent.pcap received.pcap --sent-port 9000 --out path.csv");
-    sub->callback([arguments, &run] { run = [arguments] { return import_command(*arguments); }; });
+    return {sub, [arguments] { return import_command(*arguments); }};
 }
 
 }  // namespace thimble

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
@@ -24,7 +25,7 @@ struct ImportArguments {
 // Writes the trace, says on stdout what is in it. Throws Error.
 int import_command(const ImportArguments& arguments);
 
-// Adds the subcommand. When it was given, `run` is what it does; it returns the exit code.
-void add_import(CLI::App& app, std::function<int()>& run);
+// Adds the subcommand. The function is what it does once the command line has been parsed; it returns the exit code.
+std::pair<CLI::App*, std::function<int()>> add_import(CLI::App& app);
 
 }  // namespace thimble
