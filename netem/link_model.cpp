@@ -59,7 +59,11 @@ void LinkModel::forget_all() {
 
 void LinkModel::use(std::size_t plan, Duration time) {
     current_ = plan;
-    plain_ = plans_[plan].plain;
+    const LinkSettings& now_valid = plans_[plan].settings;
+    in_order_ = now_valid.in_order;
+    delay_ns_ = now_valid.delay.count();
+    capacity_ = now_valid.capacity;
+    plain_ = plans_[plan].plain && transmitter_.empty();
     fates_.configure(plans_[plan].settings, plans_[plan].shape);
     transmitter_.configure(plans_[plan].settings, time);
 }
@@ -84,46 +88,60 @@ void LinkModel::run_until(SessionTime now) {
         follow_timeline();
     }
     send_until(now - start_);
+    plain_ = plans_[current_].plain && transmitter_.empty();
     update_next_due();
 }
 
 void LinkModel::send_until(Duration time) {
     while (const auto sent = transmitter_.take_sent(time)) {
         sent->packet->due_ns += to_nanoseconds(start_ + sent->time);
-        line_.add(sent->packet, settings().in_order);
+        line_.add(sent->packet, in_order_);
     }
 }
 
-void LinkModel::update_next_due() {
-    next_due_ = line_.next_due();
-    if (transmitter_.empty()) return;
+void LinkModel::wait_for_transmitter() {
     SessionTime event = start_ + transmitter_.next_event();
     // In order nothing overtakes the next packet, and it has its delay still before it.
-    if (settings().in_order) event += Duration{transmitter_.next_packet()->due_ns};
+    if (in_order_) event += Duration{transmitter_.next_packet()->due_ns};
     next_due_ = std::min({next_due_, event, next_change_});
 }
 
 void LinkModel::push(SessionTime now, Bytes datagram) {
     const std::uint64_t packet = counters_.pushed++;
     if (now >= next_change_) run_until(now);
-    PacketFate fate;
-    if (plain_) {
-        fate.delay = settings().delay;
-    } else {
-        fate = fates_.decide(packet, now - start_);
-        if (fate.lost) return drop(packet, now, DropReason::kLost);
-        if (is_out(settings().outages, now - start_)) return drop(packet, now, DropReason::kOutage);
+    if (!plain_) return push_by_fate(packet, now, datagram);
+    if (datagram.empty() || datagram.size() > kLargestDatagramBytes) {
+        return drop(packet, now, DropReason::kOversized);
     }
+    if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
+    Packet* block = store(packet, now, datagram);
+    block->copy = block->corrupted = false;
+    block->due_ns = block->received_ns + delay_ns_;
+    line_.add(block, in_order_);
+    next_due_ = line_.next_due();
+}
+
+Packet* LinkModel::store(std::uint64_t packet, SessionTime now, Bytes datagram) {
+    ++in_flight_;
+    Packet* block = store_.take(datagram);
+    block->number = packet;
+    block->received_ns = to_nanoseconds(now);
+    return block;
+}
+
+void LinkModel::push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagram) {
+    const PacketFate fate = fates_.decide(packet, now - start_);
+    if (fate.lost) return drop(packet, now, DropReason::kLost);
+    if (is_out(settings().outages, now - start_)) return drop(packet, now, DropReason::kOutage);
     if (datagram.empty() || datagram.size() > kLargestDatagramBytes) {
         return drop(packet, now, DropReason::kOversized);
     }
     counters_.skipped += fate.skipped ? 1 : 0;
     counters_.corrupted += fate.corrupted ? 1 : 0;
     admit(packet, now, datagram, fate, false);
-    if (fate.duplicated) {
-        ++counters_.duplicated;
-        admit(packet, now, datagram, fate, true);
-    }
+    if (!fate.duplicated) return;
+    ++counters_.duplicated;
+    admit(packet, now, datagram, fate, true);
 }
 
 void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate,
@@ -133,26 +151,24 @@ void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, con
         run_until(now);
         if (!make_room(datagram.size(), now)) return drop(packet, now, DropReason::kQueueFull);
     }
-    if (in_flight_ >= settings().capacity) return drop(packet, now, DropReason::kOverflowed);
-    Packet* block = store_.take(datagram);
-    ++in_flight_;
-    block->number = packet;
+    if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
+    Packet* block = store(packet, now, datagram);
     block->copy = copy;
     block->corrupted = fate.corrupted;
-    block->received_ns = to_nanoseconds(now);
     block->due_ns = (copy ? fate.copy_delay : fate.delay).count();
     if (fate.corrupted) fates_.flip_bits(packet, {block->data(), block->size});
     if (waits) {
         transmitter_.add(block);
     } else {
         block->due_ns += block->received_ns;
-        line_.add(block, settings().in_order);
+        line_.add(block, in_order_);
     }
     update_next_due();
 }
 
 // False: there is none for a packet of `bytes`.
 bool LinkModel::make_room(std::size_t bytes, SessionTime now) {
+    if (!transmitter_.could_hold(bytes)) return false;  // then nobody needs to go for it
     while (!transmitter_.has_room(bytes)) {
         Packet* oldest = settings().rate.drop == Drop::kHead ? transmitter_.drop_oldest() : nullptr;
         if (oldest == nullptr) return false;
@@ -184,16 +200,13 @@ void LinkModel::drop(std::uint64_t packet, SessionTime now, DropReason reason) {
     if (observer_ != nullptr) observer_->on_drop(packet, now, reason);
 }
 
-Departure LinkModel::take_first(SessionTime now) {
+Packet* LinkModel::take_first(SessionTime now) {
     assert(in_flight_ > 0 && "pop_due at kNever");
     if (!transmitter_.empty()) {
         run_until(now);
-        if (now < line_.next_due()) return {};
+        if (now < line_.next_due()) return nullptr;
     }
-    return leave(now, line_.take_first());
-}
-
-Departure LinkModel::leave(SessionTime now, Packet* packet) {
+    Packet* packet = line_.take_first();
     store_.give_back(packet);
     --in_flight_;
     update_next_due();
@@ -203,10 +216,17 @@ Departure LinkModel::leave(SessionTime now, Packet* packet) {
     delays_.max = std::max(delays_.max, waited);
     ++delays_.count;
     ++counters_.delivered;
-    if (!packet->copy) {
-        if (packet->number < latest_) ++counters_.reordered;
-        latest_ = std::max(latest_, packet->number);
+    if (packet->number >= latest_) {
+        latest_ = packet->number;
+    } else if (!packet->copy) {
+        ++counters_.reordered;
     }
+    return packet;
+}
+
+Departure LinkModel::pop_departure(SessionTime now) {
+    Packet* packet = now < next_due_ ? nullptr : take_first(now);
+    if (packet == nullptr) return {};
     return {.packet = packet->number,
             .received = from_nanoseconds(packet->received_ns),
             .due = from_nanoseconds(packet->due_ns),

@@ -67,9 +67,13 @@ class LinkModel {
 
     void push(SessionTime now, Bytes datagram);
     // The next datagram whose time has come, or an empty span; valid until the next push.
-    Bytes pop_due(SessionTime now) { return now < next_due_ ? Bytes{} : take_first(now).bytes; }
+    Bytes pop_due(SessionTime now) {
+        if (now < next_due_) return {};
+        Packet* packet = take_first(now);
+        return packet == nullptr ? Bytes{} : packet->bytes();
+    }
     // The same with what a log wants to know.
-    Departure pop_departure(SessionTime now) { return now < next_due_ ? Departure{} : take_first(now); }
+    Departure pop_departure(SessionTime now);
     // When to ask again: nothing leaves before. With a transmitter nothing may leave then either. kNever if nothing is
     // in flight.
     SessionTime next_due() const { return next_due_; }
@@ -94,13 +98,18 @@ class LinkModel {
     void run_until(SessionTime now);
     void send_until(Duration time);
     void follow_timeline();
+    void push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagram);
     void admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate, bool copy);
+    Packet* store(std::uint64_t packet, SessionTime now, Bytes datagram);
     bool make_room(std::size_t bytes, SessionTime now);
     void drop(std::uint64_t packet, SessionTime now, DropReason reason);
     void forget_all();
-    void update_next_due();
-    Departure take_first(SessionTime now);
-    Departure leave(SessionTime now, Packet* packet);
+    void update_next_due() {
+        next_due_ = line_.next_due();
+        if (!transmitter_.empty()) wait_for_transmitter();
+    }
+    void wait_for_transmitter();
+    Packet* take_first(SessionTime now);  // null: nothing is due yet
 
     std::vector<Plan> plans_;  // [0]: what holds at the start; then the timeline
     std::size_t current_ = 0;
@@ -108,7 +117,11 @@ class LinkModel {
     SessionTime next_change_ = kNever;
     SessionTime start_{};
     std::uint32_t direction_;
+    // Of the settings that hold now, for packets that meet nothing but a constant delay.
     bool plain_ = true;
+    bool in_order_ = true;
+    std::int64_t delay_ns_ = 0;
+    std::size_t capacity_ = 0;
 
     LinkFates fates_;
     Transmitter transmitter_;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -49,12 +51,48 @@ class PacketChain {
     Packet* tail_ = nullptr;  // meaningless if empty
 };
 
+// Blocks are 1, 2, 3, 4, 6, 8, 12, ... cache lines, so that a third is unused at worst.
+inline constexpr std::size_t kCacheLineBytes = 64;
+
+constexpr std::size_t size_class_of(std::size_t lines) {
+    if (lines <= 2) return lines - 1;
+    const auto width = static_cast<std::size_t>(std::bit_width(lines - 1));
+    return lines <= (std::size_t{3} << (width - 2)) ? 2 * width - 2 : 2 * width - 1;
+}
+
+inline constexpr auto kSmallSizeClasses = [] {
+    std::array<std::uint8_t, 33> classes{};
+    for (std::size_t lines = 1; lines < classes.size(); ++lines) {
+        classes[lines] = static_cast<std::uint8_t>(size_class_of(lines));
+    }
+    return classes;
+}();
+
 class PacketStore {
   public:
     // A block with these bytes (1 to kLargestDatagramBytes), everything else of it unset but the size.
-    Packet* take(Bytes datagram);
+    Packet* take(Bytes datagram) {
+        const std::size_t lines = (sizeof(Packet) + datagram.size() + kCacheLineBytes - 1) / kCacheLineBytes;
+        const std::size_t index =
+            lines < kSmallSizeClasses.size() ? kSmallSizeClasses[lines] : size_class_of(lines);
+        SizeClass& size_class = classes_[index];
+        Packet* packet = size_class.free;
+        if (packet != nullptr) {
+            size_class.free = packet->next;
+        } else {
+            packet = take_unused(index);
+        }
+        packet->size = static_cast<std::uint32_t>(datagram.size());
+        packet->size_class = static_cast<std::uint8_t>(index);
+        std::memcpy(packet->data(), datagram.data(), datagram.size());
+        return packet;
+    }
     // Its bytes stay readable until the next take().
-    void give_back(Packet* packet);
+    void give_back(Packet* packet) {
+        SizeClass& size_class = classes_[packet->size_class];
+        packet->next = size_class.free;
+        size_class.free = packet;
+    }
 
     std::size_t reserved_bytes() const { return reserved_bytes_; }  // from the system, used or free
 

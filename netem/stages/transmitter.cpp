@@ -18,8 +18,14 @@ void Transmitter::configure(const LinkSettings& settings, Duration now) {
     if (sending_ == nullptr && !waiting_.empty()) plan_next();
 }
 
+bool Transmitter::sends_at_once() const { return empty() && !slots_.active() && !deliveries_.active(); }
+
+bool Transmitter::could_hold(std::size_t bytes) const {
+    return sends_at_once() || rate_.queue_bytes == 0 || bytes <= rate_.queue_bytes;
+}
+
 bool Transmitter::has_room(std::size_t bytes) const {
-    if (empty() && !slots_.active() && !deliveries_.active()) return true;  // sent at once, waits for nothing
+    if (sends_at_once()) return true;
     if (rate_.queue_packets > 0 && waiting_packets_ >= rate_.queue_packets) return false;
     return rate_.queue_bytes == 0 || waiting_bytes_ + bytes <= rate_.queue_bytes;
 }
@@ -60,6 +66,7 @@ void Transmitter::plan_next() {
         start_ = slots_.opening(from, free_at_, bytes_on_air(next));
     } else {
         start_ = std::max(from, free_at_);
+        begin();  // free, and nothing to wait for: not after the time that was asked for
     }
 }
 

@@ -27,6 +27,8 @@ class Transmitter {
 
     // Whether a packet of `bytes` finds a place now (ask for what was sent until now first).
     bool has_room(std::size_t bytes) const;
+    // Whether it would find one if nobody else waited.
+    bool could_hold(std::size_t bytes) const;
     void add(Packet* packet);
     // For head drop: the one that has waited longest, or null if none waits.
     Packet* drop_oldest();
@@ -48,6 +50,7 @@ class Transmitter {
     Duration arrival(const Packet& packet) const { return from_nanoseconds(packet.received_ns) - origin_; }
     std::size_t bytes_on_air(const Packet& packet) const { return packet.size + rate_.overhead_bytes; }
     Duration time_on_air(const Packet& packet) const;  // of one that starts at start_
+    bool sends_at_once() const;                        // a packet that comes now waits for nothing
     void plan_next();
     void begin();
     Packet* take_waiting();
