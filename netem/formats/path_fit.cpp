@@ -10,6 +10,7 @@
 
 #include "common/error.hpp"
 #include "netem/formats/normal_score.hpp"
+#include "netem/formats/widest_spread.hpp"
 #include "netem/stages/delay_shape.hpp"
 
 namespace thimble {
@@ -17,7 +18,6 @@ namespace {
 
 constexpr double kMemoryG = 10.83;      // quantile 0.999 of chi squared with one degree of freedom
 constexpr double kFlatSpread_s = 1e-9;  // below what a stamp can tell
-constexpr double kWidestGamma = 10;     // spread over mean: beyond that nearly all delays are 0
 constexpr std::array kShapes{JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
                              JitterShape::kPareto, JitterShape::kParetoNormal};
 
@@ -137,9 +137,10 @@ void fit_delay(const MeasuredPath& path, PathFit& fit) {
     fit.link.delay = from_seconds(fit.delay_mean_s);
     if (fit.delay_sd_s < kFlatSpread_s) return;
     for (const JitterShape shape : kShapes) {
-        if (shape == JitterShape::kGamma && fit.delay_sd_s > kWidestGamma * fit.delay_mean_s) continue;
+        if (spread_of(shape, fit.delay_sd_s) > widest_spread(shape, fit.link.delay)) continue;
         fit.shapes.push_back({shape, ks_distance(sorted_s, shape, fit.delay_mean_s, fit.delay_sd_s)});
     }
+    if (fit.shapes.empty()) return;
     std::stable_sort(fit.shapes.begin(), fit.shapes.end(),
                      [](const ShapeFit& a, const ShapeFit& b) { return a.distance < b.distance; });
     fit.correlation = lag_one_correlation(path, sorted_s);
@@ -223,7 +224,12 @@ void describe_delay(PathFit& fit) {
         fmt::format("Delay {:.6g} s in the mean, standard deviation {:.3g} s, from {:.6g} to {:.6g} s, 99 % "
                     "below {:.6g} s.",
                     fit.delay_mean_s, fit.delay_sd_s, fit.delay_least_s, fit.delay_most_s, fit.delay_99_s));
-    if (fit.shapes.empty()) return fit.in_words.push_back("It does not vary.");
+    if (fit.delay_sd_s < kFlatSpread_s) return fit.in_words.push_back("It does not vary.");
+    if (fit.shapes.empty()) {
+        return fit.in_words.push_back(
+            "Most of it is near 0 and a few packets are far from that: no shape is like it; replay "
+            "the trace.");
+    }
     std::string line = fmt::format(
         "The {} shape is the nearest: its distribution differs by at most {:.1f} % of the "
         "packets (Kolmogorov-Smirnov distance), {}. The others:",

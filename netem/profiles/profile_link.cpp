@@ -9,6 +9,7 @@
 #include "netem/formats/delivery_trace_file.hpp"
 #include "netem/formats/jitter_table_file.hpp"
 #include "netem/formats/packet_trace_file.hpp"
+#include "netem/formats/widest_spread.hpp"
 
 namespace thimble {
 namespace {
@@ -56,17 +57,13 @@ void read_jitter(const ConfigTable& table, LinkSettings& link, const FileFinder&
     if (jitter.shape == JitterShape::kTable && !jitter.table) {
         table.fail("jitter_table", "must name a .dist file when jitter is \"table\"");
     }
-    // Delays are cut at 0. Beyond these the mean would move by more than 1 % of the spread; a gamma is never cut.
-    const bool bounded = jitter.shape == JitterShape::kUniform;
-    if (jitter.shape != JitterShape::kGamma && (bounded ? 1 : 2) * jitter.spread > link.delay) {
-        table.fail("jitter_spread_s",
-                   fmt::format("must not exceed {} delay_s: delays are cut at 0, so their mean "
-                               "would no longer be delay_s (\"gamma\" takes any spread)",
-                               bounded ? "" : "half of"));
-    }
-    if (jitter.shape == JitterShape::kGamma &&
-        (link.delay <= Duration::zero() || jitter.spread > 10 * link.delay)) {
-        table.fail("jitter_spread_s", "must not exceed ten times delay_s");
+    if (jitter.spread > widest_spread(jitter.shape, link.delay)) {
+        table.fail(
+            "jitter_spread_s",
+            fmt::format(
+                "must not exceed {} s here: delays are cut at 0, so their mean would no longer be delay_s "
+                "(\"gamma\" takes up to ten times delay_s)",
+                to_seconds(widest_spread(jitter.shape, link.delay))));
     }
 }
 

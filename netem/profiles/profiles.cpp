@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "netem/formats/tc_words.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {
@@ -51,6 +52,16 @@ void read_changes(const ConfigFile& file, const FileFinder& find, LinkProfile& p
     }
 }
 
+LinkProfile of_words(const std::string& words) {
+    TcLink tc = parse_tc_words(words);
+    LinkProfile profile;
+    profile.name = words;
+    profile.source = {"tc's words, the same both ways"};
+    profile.up = profile.down = tc.link;
+    profile.notes = std::move(tc.notes);
+    return profile;
+}
+
 std::string in_quotes(std::string_view text) {
     std::string out = "\"";
     for (const char c : text) {
@@ -82,19 +93,19 @@ LinkProfile parse_profile(std::string_view text, std::string_view name, const Fi
     return profile;
 }
 
-LinkProfile load_profile(const std::string& name_or_path) {
-    if (const BuiltInFile* file = built_in(name_or_path + ".toml")) {
+LinkProfile load_profile(const std::string& given) {
+    if (const BuiltInFile* file = built_in(given + ".toml")) {
         LinkProfile profile = parse_profile(file->text, file->name, find_built_in);
-        profile.name = name_or_path;
+        profile.name = given;
         return profile;
     }
-    if (std::filesystem::is_regular_file(name_or_path)) {
-        return parse_profile(read_whole_file(name_or_path), name_or_path, beside(name_or_path));
-    }
+    if (std::filesystem::is_regular_file(given))
+        return parse_profile(read_whole_file(given), given, beside(given));
+    if (looks_like_tc_words(given)) return of_words(given);
     throw Error(ExitCode::kUsage,
                 fmt::format("{}: there is no such profile file, and those that come with the program "
                             "are {}",
-                            name_or_path, fmt::join(profile_names(), ", ")));
+                            given, fmt::join(profile_names(), ", ")));
 }
 
 void load_timeline(const std::filesystem::path& path, LinkProfile& profile) {

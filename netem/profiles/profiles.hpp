@@ -22,6 +22,7 @@ struct LinkProfile {
     std::vector<std::string> source;
     LinkSettings up, down;
     Timeline up_changes, down_changes;
+    std::vector<std::string> notes{};  // what of tc's words was left out or means another thing here
 };
 
 struct BuiltInFile {
@@ -33,8 +34,9 @@ const std::vector<BuiltInFile>& built_in_profile_files();
 // The built-in ones, from the nearest network to the farthest.
 const std::vector<std::string_view>& profile_names();
 
-// A built-in profile by name ("leo"), or a file ("my/lab.toml"). Throws Error (usage), naming those there are.
-LinkProfile load_profile(const std::string& name_or_path);
+// A built-in profile by name ("leo"), a file ("my/lab.toml"), or tc's words ("delay 50ms loss 1%", tc_words.hpp), which
+// then hold both ways. Throws Error (usage), naming the profiles there are.
+LinkProfile load_profile(const std::string& given);
 LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find);
 
 // Only [[change]] tables: a timeline of its own, for links that begin as `up` and `down`.

@@ -10,6 +10,7 @@
 #include "common/random.hpp"
 #include "netem/formats/normal_score.hpp"
 #include "netem/jitter_table.hpp"
+#include "netem/profiles/profiles.hpp"
 #include "netem/stages/delay_shape.hpp"
 
 namespace thimble {
@@ -63,6 +64,23 @@ TEST(PathFit, SaysWhenNoShapeIsLikeIt) {
     EXPECT_EQ(fit.link.jitter.correlation, 0);
     const std::vector<double> table = standardised_delays(path);
     EXPECT_NEAR(JitterTable(table).standard_deviation(), 1, 0.01);
+}
+
+TEST(PathFit, OffersNoShapeThatWouldBeCutAtZero) {
+    RandomStream random(StreamKey{.study = 9});
+    MeasuredPath path;
+    path.has_delay = true;
+    for (int i = 0; i < 2000; ++i) {
+        path.packets.push_back(
+            {i, from_seconds(-0.01 * std::log(1 - random.uniform())), 0, 0});  // spread = mean
+    }
+    const PathFit fit = fit_path(path);
+    EXPECT_EQ(fit.link.jitter.shape, JitterShape::kGamma);
+    for (const ShapeFit& shape : fit.shapes)
+        EXPECT_TRUE(shape.shape == JitterShape::kGamma || shape.shape == JitterShape::kPareto);
+    const auto no_files = [](std::string_view) { return std::string(); };
+    EXPECT_EQ(parse_profile(print_profile({"", "", {}, fit.link, fit.link, {}, {}}), "lab.toml", no_files).up,
+              fit.link);
 }
 
 TEST(PathFit, AConstantDelayHasNoJitter) {

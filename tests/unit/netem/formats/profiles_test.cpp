@@ -119,6 +119,13 @@ TEST(Profiles, UnknownNamesAreAnsweredWithThoseThereAre) {
     }
 }
 
+TEST(Profiles, TcsWordsHoldBothWays) {
+    const LinkProfile profile = load_profile("delay 50ms 10ms duplicate 1% 20%");
+    EXPECT_EQ(profile.up, parse_tc_words("delay 50ms 10ms duplicate 1%").link);
+    EXPECT_EQ(profile.up, profile.down);
+    EXPECT_EQ(profile.notes.size(), 1U);
+}
+
 TEST(ProfileLink, KeysOfOneDirection) {
     const LinkProfile profile = parsed(R"(
 [up]
@@ -182,7 +189,7 @@ TEST(ProfileLink, RefusalsNameTheKey) {
         {"[upp]\n", "unknown"},
         {"[up]\njitter_spread_s = 0.1\n", "needs a distribution"},
         {"[up]\ndelay_s = 1\njitter = \"normal\"\n", "must be above 0"},
-        {"[up]\ndelay_s = 0.1\njitter = \"normal\"\njitter_spread_s = 0.06\n", "half of delay_s"},
+        {"[up]\ndelay_s = 0.1\njitter = \"normal\"\njitter_spread_s = 0.06\n", "must not exceed 0.05 s here"},
         {"[up]\ndelay_s = 0.1\njitter = \"table\"\njitter_spread_s = 0.01\n", "must name a .dist"},
         {"[up]\nloss = 0.9\nloss_burst = 2\n", "must not exceed 0.6667"},
         {"[up]\nloss = 0.1\nloss_burst = 0.5\n", "at least 1 packet"},
