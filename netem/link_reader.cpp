@@ -46,13 +46,13 @@ std::size_t read_capacity(const ConfigTable& table, const LinkSettings& link) {
 
 }  // namespace
 
-LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& base) {
-    LinkSettings link = base;
+LinkSettings read_link_settings(const ConfigTable& table) {
+    LinkSettings link;
     link.delay = table.seconds("delay_s", link.delay, Duration::zero(), seconds{60});
     link.jitter.shape =
-        static_cast<JitterShape>(table.choice("jitter", static_cast<std::size_t>(link.jitter.shape), {"none", "uniform", "normal"}));
+        static_cast<JitterShape>(table.choice("jitter", std::size_t{0}, {"none", "uniform", "normal"}));
     link.jitter.spread = table.seconds("jitter_spread_s", link.jitter.spread, Duration::zero(), seconds{60});
-    if (table.has("loss")) link.loss = LossSettings::independent(table.number("loss", 0, 0, 1));
+    link.loss = LossSettings::independent(table.number("loss", 0, 0, 1));
     link.in_order = table.boolean("in_order", link.in_order);
     check_jitter(table, link);
     link.capacity = read_capacity(table, link);

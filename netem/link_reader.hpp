@@ -14,7 +14,6 @@ namespace thimble {
 
 // Throws Error (usage) also for settings that contradict each other: a spread without jitter or the reverse,
 // a spread so wide that cutting delays at 0 would move their mean, a capacity that the delay alone fills.
-// A key that is absent leaves what `base` says.
-LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& base = {});
+LinkSettings read_link_settings(const ConfigTable& table);
 
 }  // namespace thimble

@@ -9,6 +9,8 @@
 #include "common/runtime/node_program.hpp"
 #include "common/version.hpp"
 #include "netem/commands/commands.hpp"
+#include "netem/commands/fit_command.hpp"
+#include "netem/commands/import_command.hpp"
 
 namespace {
 
@@ -16,11 +18,11 @@ using namespace thimble;
 
 constexpr const char* kFooter =
     "Examples:\n"
-    "  thimble-netem --listen 9000 --to 192.168.1.20:9001 --link delay_s=0.05 loss=0.01\n"
-    "  thimble-netem --listen 9000 --to robot:9001 --config link.toml --precise --log packets.bin --control "
+    "  thimble-netem --listen 9000 --to 192.168.1.20:9001 --profile \"delay 50ms 5ms loss 1%\"\n"
+    "  thimble-netem --listen 9000 --to robot:9001 --profile leo --precise --log packets.bin --control "
     "/tmp/netem\n"
     "  thimble-netem set --control /tmp/netem down.delay_s=0.1\n"
-    "  thimble-netem --selftest --link delay_s=0.05 --precise\n\n"
+    "  thimble-netem --selftest --profile lte --precise\n\n"
     "As a node of a Thimble session it is started without --listen: see thimble-netem node --help.\n"
     "Manual: docs/network-relay.md.\n"
     "Exit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.";
@@ -43,7 +45,14 @@ int run_stand_alone(int argc, char** argv) {
     app.require_subcommand(0, 1);
     app.footer(kFooter);
     const auto relay = add_relay(app);
-    const std::array commands{add_set(app), add_show(app), add_watch(app), add_log(app)};
+    const auto [import, run_import] = add_import(app);
+    const auto [fit, run_fit] = add_fit(app);
+    const std::array commands{add_set(app),
+                              add_show(app),
+                              add_watch(app),
+                              add_log(app),
+                              NetemCommand{import, run_import},
+                              NetemCommand{fit, run_fit}};
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     const auto given = std::find_if(commands.begin(), commands.end(),
                                     [](const NetemCommand& command) { return command.subcommand->parsed(); });

@@ -1,34 +1,47 @@
 #include "netem/commands/profile_option.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
-#include "common/config.hpp"
-#include "netem/link_reader.hpp"
+#include "netem/formats/tc_words.hpp"
+#include "netem/profiles/profiles.hpp"
 #include "netem/relay/control_words.hpp"
 
 namespace thimble {
-namespace {
-
-LinkPair read_config(const std::string& path) {
-    if (path.empty()) return {};
-    const ConfigFile file = ConfigFile::load(path);
-    const LinkPair links{read_link_settings(file.table("up")), read_link_settings(file.table("down"))};
-    file.finish();
-    return links;
-}
-
-}  // namespace
 
 void add_profile_options(CLI::App& app, ProfileOptions& options) {
-    app.add_option("-c,--config", options.config, "what the links do: TOML with tables [up] and [down]")
-        ->type_name("FILE");
-    app.add_option("--link", options.link,
-                   "single settings, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
+    app.add_option("-p,--profile", options.profile,
+                   "the network: a name (" + fmt::format("{}", fmt::join(profile_names(), ", ")) +
+                       "), a TOML file, or tc's words in quotes")
+        ->type_name("NAME|FILE|WORDS");
+    app.add_option(
+           "--link", options.link,
+           "single settings on top of it, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
         ->type_name("KEY=VALUE");
 }
 
-LinkPair read_profile(const ProfileOptions& options) {
-    return assign(read_config(options.config), options.link);
+Network read_profile(const ProfileOptions& options) {
+    Network network;
+    if (!options.profile.empty()) {
+        LinkProfile profile = load_profile(options.profile);
+        for (const std::string& note : profile.notes) spdlog::info(note);
+        network.links = {std::move(profile.up), std::move(profile.down)};
+        network.timelines = {std::move(profile.up_changes), std::move(profile.down_changes)};
+    }
+    network.links = assign(network.links, options.link);
+    return network;
+}
+
+void print_tc_commands(const LinkPair& links, const std::string& device) {
+    const auto print_way = [&](const char* way, const LinkSettings& link) {
+        const TcCommands tc = print_tc(link, device);
+        fmt::print("# {}\n", way);
+        for (const std::string& command : tc.commands) fmt::print("{}\n", command);
+        for (const std::string& gap : tc.cannot) fmt::print("# not the same: {}\n", gap);
+    };
+    print_way("up", links.up);
+    print_way("down", links.down);
 }
 
 }  // namespace thimble

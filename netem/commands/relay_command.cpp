@@ -23,7 +23,7 @@ struct Options {
     std::size_t most_flows = 1000;
     double idle_s = 60, seconds = 0;
     bool precise = false, json = false, strict_rt = false, default_scheduling = false, selftest = false;
-    std::string log, control;
+    std::string log, control, print_tc;
 };
 
 constexpr double kSelftestDefault_s = 10;
@@ -44,7 +44,9 @@ RelaySettings relay_settings(const Options& options) {
         }
         relay.inlets.push_back({read_udp_address(options.listen[i], "--listen"), to});
     }
-    relay.links = read_profile(options.profile);
+    Network network = read_profile(options.profile);
+    relay.links = std::move(network.links);
+    relay.timelines = std::move(network.timelines);
     relay.seed = options.seed;
     relay.most_flows = options.most_flows;
     relay.idle = from_seconds(options.idle_s);
@@ -81,7 +83,9 @@ int relay(const Options& options) {
 
 int selftest(const Options& options) {
     SelftestSettings settings;
-    settings.links = read_profile(options.profile);
+    Network network = read_profile(options.profile);
+    settings.links = std::move(network.links);
+    settings.timelines = std::move(network.timelines);
     settings.seed = options.seed;
     settings.length = from_seconds(options.seconds > 0 ? options.seconds : kSelftestDefault_s);
     settings.precise = options.precise;
@@ -117,6 +121,8 @@ void add_run_options(CLI::App& app, Options& o) {
         ->type_name("FILE");
     app.add_option("--control", o.control, "socket for set, show and watch")->type_name("PATH");
     app.add_flag("--json", o.json, "summary as JSON");
+    app.add_option("--print-tc", o.print_tc, "only print the same for the kernel's netem on this interface")
+        ->type_name("DEVICE");
     app.add_flag("--selftest", o.selftest, "send own traffic and say whether this machine can be trusted");
 }
 
@@ -127,7 +133,11 @@ std::function<int()> add_relay(CLI::App& app) {
     add_traffic_options(app, *options);
     add_profile_options(app, options->profile);
     add_run_options(app, *options);
-    return [options] { return options->selftest ? selftest(*options) : relay(*options); };
+    return [options] {
+        if (options->print_tc.empty()) return options->selftest ? selftest(*options) : relay(*options);
+        print_tc_commands(read_profile(options->profile).links, options->print_tc);
+        return 0;
+    };
 }
 
 }  // namespace thimble

@@ -7,7 +7,8 @@
 
 #include "common/config.hpp"
 #include "common/error.hpp"
-#include "netem/link_reader.hpp"
+#include "netem/formats/text_lines.hpp"
+#include "netem/profiles/profile_link.hpp"
 
 namespace thimble {
 namespace {
@@ -68,7 +69,8 @@ Assignment parse_assignment(std::string_view text) {
 LinkSettings assign(const LinkSettings& base, const std::string& direction, const std::string& text) {
     if (text.empty()) return base;
     const ConfigFile file = ConfigFile::parse(text, direction);
-    LinkSettings made = read_link_settings(file.root(), base);
+    LinkSettings made =
+        read_profile_link(file.root(), base, [](std::string_view name) { return read_whole_file(name); });
     file.finish();
     return made;
 }

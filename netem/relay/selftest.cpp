@@ -57,6 +57,7 @@ RelaySettings relay_settings(const SelftestSettings& settings, const UdpAddress&
     RelaySettings relay;
     relay.inlets.push_back({{htonl(INADDR_LOOPBACK), 0}, server});
     relay.links = settings.links;
+    relay.timelines = settings.timelines;
     relay.seed = settings.seed;
     relay.most_flows = 1;
     relay.idle = std::chrono::hours{24};
@@ -123,10 +124,12 @@ SelftestResult run_selftest(const SelftestSettings& settings) {
     result.state = {engine.links(), engine.totals(end), engine.waiter().counters(), engine.waiter().margin(),
                     precise};
     const StreamKey key = flow_key(settings.seed, 0, 0);
-    result.direction[0] = examine({settings.links.up, key, kRelayUp, engine.start()}, kUpBytes,
-                                  traffic.way(RelayDirection::kUp), records.of(RelayDirection::kUp));
-    result.direction[1] = examine({settings.links.down, key, kRelayDown, engine.start()}, kDownBytes,
-                                  traffic.way(RelayDirection::kDown), records.of(RelayDirection::kDown));
+    result.direction[0] =
+        examine({settings.links.up, settings.timelines.up, key, kRelayUp, engine.start()}, kUpBytes,
+                traffic.way(RelayDirection::kUp), records.of(RelayDirection::kUp));
+    result.direction[1] =
+        examine({settings.links.down, settings.timelines.down, key, kRelayDown, engine.start()}, kDownBytes,
+                traffic.way(RelayDirection::kDown), records.of(RelayDirection::kDown));
     judge(result);
     return result;
 }

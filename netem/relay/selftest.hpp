@@ -20,6 +20,7 @@ namespace thimble {
 
 struct SelftestSettings {
     LinkPair links;
+    TimelinePair timelines;
     std::uint64_t seed = 1;
     Duration length = std::chrono::seconds{10};  // at least one; a fifth of it goes to the bare timer
     bool precise = false;

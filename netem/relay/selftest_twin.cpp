@@ -50,7 +50,7 @@ struct Moments {
 }  // namespace
 
 TwinOutcome replay(const TwinLink& link, std::span<const SessionTime> received, std::size_t bytes) {
-    LinkModel model(link.settings, link.key, link.direction, {}, link.start);
+    LinkModel model(link.settings, link.key, link.direction, link.timeline, link.start);
     Tally tally;
     tally.packets.resize(received.size());
     model.observe(&tally);

@@ -15,6 +15,7 @@ namespace thimble {
 
 struct TwinLink {
     LinkSettings settings;
+    Timeline timeline{};
     StreamKey key;
     std::uint32_t direction = 0;
     SessionTime start{};
