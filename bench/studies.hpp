@@ -3,6 +3,7 @@
 
 namespace thimble {
 
+int network_study(int argc, char** argv);         // network_study.cpp
 int scene_cost_study(int argc, char** argv);      // scene_cost_study.cpp
 int velocity_study(int argc, char** argv);        // velocity_study.cpp
 int work_precision_study(int argc, char** argv);  // work_precision.cpp

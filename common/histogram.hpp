@@ -22,6 +22,13 @@ class Histogram {
         max_ = std::max(max_, ns);
         ++count_;
     }
+    void merge(const Histogram& other) {
+        if (other.count_ == 0) return;
+        for (std::size_t i = 0; i < buckets_.size(); ++i) buckets_[i] += other.buckets_[i];
+        min_ = count_ == 0 ? other.min_ : std::min(min_, other.min_);
+        max_ = std::max(max_, other.max_);
+        count_ += other.count_;
+    }
     void clear() {
         std::fill(buckets_.begin(), buckets_.end(), 0U);
         count_ = 0;

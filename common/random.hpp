@@ -25,6 +25,13 @@ enum class Purpose : std::uint32_t {
     kInstance = 13,
     kSpeedNoise = 14,
     kParameter = 15,
+    kLinkChain = 16,  // moves of a loss chain
+    kLinkDuplicate = 17,
+    kLinkDuplicateDelay = 18,
+    kLinkCorrupt = 19,
+    kLinkCorruptBits = 20,
+    kLinkReorder = 21,
+    kLinkSlot = 22,
 };
 
 struct StreamKey {

@@ -127,7 +127,7 @@ SystemSettings read_system_settings(const ConfigFile& file) {
 SessionSettings session_settings(const SystemSettings& settings) {
     SessionSettings session = settings.session;
     for (const LinkSettings* link : {&settings.netem.needle, &settings.netem.force}) {
-        session.network_delay += link->delay + 4 * link->jitter_spread;  // a normal draw beyond 4 sd can wait
+        session.network_delay += link->delay + 4 * link->jitter.spread;  // a normal draw beyond 4 sd can wait
     }
     return session;
 }

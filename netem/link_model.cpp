@@ -1,158 +1,253 @@
 #include "netem/link_model.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
+#include <cassert>
+
+#include "netem/stages/outage.hpp"
 
 namespace thimble {
 namespace {
 
-constexpr std::uint32_t kNoSlot = UINT32_MAX;
-// A normal deviate takes one number, rarely a few more (rejection): room enough that no packet uses its
-// neighbour's.
-constexpr std::uint64_t kNumbersPerDelay = 16;
+bool is_plain(const LinkSettings& s) {
+    return s.jitter.shape == JitterShape::kNone && s.loss.shape == LossShape::kNone && s.duplicate == 0 &&
+           s.corrupt == 0 && s.reorder == 0 && s.rate.bits_per_s == 0 && s.slot.most == Duration::zero() &&
+           s.outages.empty() && s.trace == nullptr && s.deliveries == nullptr;
+}
 
 }  // namespace
 
-LinkCounters& LinkCounters::operator+=(const LinkCounters& other) {
-    pushed += other.pushed;
-    lost += other.lost;
-    overflowed += other.overflowed;
-    oversized += other.oversized;
-    delivered += other.delivered;
-    return *this;
+LinkModel::Plan::Plan(Duration from, const LinkSettings& what)
+    : at(from),
+      settings(what),
+      shape(std::make_shared<const DelayShape>(what.jitter, what.delay)),
+      plain(is_plain(what)) {
+    assert(what.capacity > 0 && what.delay >= Duration::zero() && what.jitter.spread >= Duration::zero());
+    assert(stationary_loss(what.loss) <= 1);
 }
 
-LinkModel::LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction)
-    : settings_(settings),
-      direction_(direction),
-      delay_stream_(stream_key(key, Purpose::kLinkDelay)),
-      loss_stream_(stream_key(key, Purpose::kLinkLoss)),
-      slots_(std::make_unique_for_overwrite<Slot[]>(settings.capacity)) {
-    assert(settings.capacity > 0 && settings.capacity < kNoSlot);
-    assert(settings.delay >= Duration::zero() && settings.jitter_spread >= Duration::zero());
-    assert(settings.loss >= 0 && settings.loss <= 1);
-    if (!settings_.in_order) heap_.reserve(settings_.capacity);
-    restart(key);
+LinkModel::LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction,
+                     const Timeline& timeline, SessionTime start)
+    : direction_(direction), fates_(key, direction), transmitter_(key, direction, start) {
+    assert(std::is_sorted(timeline.begin(), timeline.end(),
+                          [](const LinkChange& a, const LinkChange& b) { return a.at < b.at; }));
+    plans_.reserve(timeline.size() + 1);
+    plans_.emplace_back(Duration::zero(), settings);
+    for (const LinkChange& change : timeline) plans_.emplace_back(change.at, change.settings);
+    restart(key, start);
 }
 
-void LinkModel::restart(const StreamKey& key) {
-    delay_stream_ = RandomStream(stream_key(key, Purpose::kLinkDelay));
-    loss_stream_ = RandomStream(stream_key(key, Purpose::kLinkLoss));
-    heap_.clear();
+void LinkModel::restart(const StreamKey& key, SessionTime start) {
+    forget_all();
+    start_ = start;
+    fates_ = LinkFates(key, direction_);
+    transmitter_ = Transmitter(key, direction_, start);
+    next_plan_ = 1;
     next_due_ = kNever;
-    last_due_ns_ = INT64_MIN;
-    in_flight_ = 0;
-    free_ = kNoSlot;
-    unused_ = 0;
+    latest_ = 0;
     counters_ = {};
     delays_ = {};
+    use(0, Duration::zero());
+    follow_timeline();
 }
 
-// StreamKey has no field for the direction. An odd constant times a 32-bit number never repeats within 64
-// bits.
-StreamKey LinkModel::stream_key(const StreamKey& key, Purpose purpose) const {
-    StreamKey mixed = key;
-    mixed.study ^= 0x9E3779B97F4A7C15U * (std::uint64_t{direction_} + 1);
-    mixed.purpose = purpose;
-    return mixed;
+void LinkModel::forget_all() {
+    while (!line_.empty()) store_.give_back(line_.take_first());
+    while (Packet* packet = transmitter_.take_any()) store_.give_back(packet);
+    line_.reset();
+    in_flight_ = 0;
+}
+
+void LinkModel::use(std::size_t plan, Duration time) {
+    current_ = plan;
+    const LinkSettings& now_valid = plans_[plan].settings;
+    in_order_ = now_valid.in_order;
+    delay_ns_ = now_valid.delay.count();
+    capacity_ = now_valid.capacity;
+    plain_ = plans_[plan].plain && transmitter_.empty();
+    fates_.configure(plans_[plan].settings, plans_[plan].shape);
+    transmitter_.configure(plans_[plan].settings, time);
+}
+
+void LinkModel::follow_timeline() {
+    next_change_ = next_plan_ < plans_.size() ? start_ + plans_[next_plan_].at : kNever;
+}
+
+void LinkModel::change(SessionTime now, const LinkSettings& settings) {
+    run_until(now);
+    plans_[0] = Plan(Duration::zero(), settings);
+    use(0, now - start_);
+    update_next_due();
+}
+
+// Carries out what the timeline and the transmitter have until `now`, in the order of time.
+void LinkModel::run_until(SessionTime now) {
+    while (now >= next_change_) {
+        send_until(plans_[next_plan_].at);
+        use(next_plan_, plans_[next_plan_].at);
+        ++next_plan_;
+        follow_timeline();
+    }
+    send_until(now - start_);
+    plain_ = plans_[current_].plain && transmitter_.empty();
+    update_next_due();
+}
+
+void LinkModel::send_until(Duration time) {
+    while (const auto sent = transmitter_.take_sent(time)) {
+        sent->packet->due_ns += to_nanoseconds(start_ + sent->time);
+        line_.add(sent->packet, in_order_);
+    }
+}
+
+void LinkModel::wait_for_transmitter() {
+    SessionTime event = start_ + transmitter_.next_event();
+    // In order nothing overtakes the next packet, and it has its delay still before it.
+    if (in_order_) event += Duration{transmitter_.next_packet()->due_ns};
+    next_due_ = std::min({next_due_, event, next_change_});
 }
 
 void LinkModel::push(SessionTime now, Bytes datagram) {
     const std::uint64_t packet = counters_.pushed++;
-    // One number for each packet, whatever becomes of it: nothing can shift the fates of those that follow.
-    if (settings_.loss > 0 && loss_stream_.uniform() < settings_.loss) {
-        ++counters_.lost;
-        return;
+    if (now >= next_change_) run_until(now);
+    if (!plain_) return push_by_fate(packet, now, datagram);
+    if (datagram.empty() || datagram.size() > kLargestDatagramBytes) {
+        return drop(packet, now, DropReason::kOversized);
     }
-    if (datagram.empty() || datagram.size() > kMaxDatagramBytes) {
-        ++counters_.oversized;
-        return;
-    }
-    if (in_flight_ == settings_.capacity) {
-        ++counters_.overflowed;
-        return;
-    }
-    const std::uint32_t index = take_free_slot();
-    Slot& slot = slots_[index];
-    slot.pushed_ns = to_nanoseconds(now);
-    slot.due_ns = slot.pushed_ns + draw_delay_ns(packet);
-    slot.size = static_cast<std::uint32_t>(datagram.size());
-    std::memcpy(slot.bytes.data(), datagram.data(), datagram.size());
-    if (settings_.in_order) {
-        append(index);
-    } else {
-        insert(index, packet);
-    }
+    if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
+    Packet* block = store(packet, now, datagram);
+    block->copy = block->corrupted = false;
+    block->due_ns = block->received_ns + delay_ns_;
+    line_.add(block, in_order_);
+    next_due_ = line_.next_due();
 }
 
-std::int64_t LinkModel::draw_delay_ns(std::uint64_t packet) {
-    const std::int64_t mean_ns = settings_.delay.count();
-    if (settings_.jitter == Jitter::kNone) return mean_ns;
-    delay_stream_.seek(kNumbersPerDelay * packet);
-    const double deviate =
-        settings_.jitter == Jitter::kUniform ? delay_stream_.uniform(-1.0, 1.0) : delay_stream_.normal();
-    const double spread_ns = static_cast<double>(settings_.jitter_spread.count());
-    return std::max<std::int64_t>(0, mean_ns + std::llround(deviate * spread_ns));
-}
-
-std::uint32_t LinkModel::take_free_slot() {
+Packet* LinkModel::store(std::uint64_t packet, SessionTime now, Bytes datagram) {
     ++in_flight_;
-    if (free_ == kNoSlot) return unused_++;
-    const std::uint32_t slot = free_;
-    free_ = slots_[slot].next;
-    return slot;
+    Packet* block = store_.take(datagram);
+    block->number = packet;
+    block->received_ns = to_nanoseconds(now);
+    return block;
 }
 
-// In order: a chain from the oldest to the newest.
-void LinkModel::append(std::uint32_t slot) {
-    last_due_ns_ = std::max(last_due_ns_, slots_[slot].due_ns);
-    slots_[slot].due_ns = last_due_ns_;
-    if (in_flight_ == 1) {
-        head_ = slot;
-        next_due_ = from_nanoseconds(last_due_ns_);
-    } else {
-        slots_[tail_].next = slot;
+void LinkModel::push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagram) {
+    const PacketFate fate = fates_.decide(packet, now - start_);
+    if (fate.lost) return drop(packet, now, DropReason::kLost);
+    if (is_out(settings().outages, now - start_)) return drop(packet, now, DropReason::kOutage);
+    if (datagram.empty() || datagram.size() > kLargestDatagramBytes) {
+        return drop(packet, now, DropReason::kOversized);
     }
-    tail_ = slot;
+    counters_.skipped += fate.skipped ? 1 : 0;
+    counters_.corrupted += fate.corrupted ? 1 : 0;
+    admit(packet, now, datagram, fate, false);
+    if (!fate.duplicated) return;
+    ++counters_.duplicated;
+    admit(packet, now, datagram, fate, true);
 }
 
-// With reordering: a heap by due time, then packet number.
-void LinkModel::insert(std::uint32_t slot, std::uint64_t packet) {
-    heap_.push_back({slots_[slot].due_ns, packet, slot});
-    std::push_heap(heap_.begin(), heap_.end(), leaves_later);
-    next_due_ = from_nanoseconds(heap_.front().due_ns);
-}
-
-std::uint32_t LinkModel::remove_first() {
-    --in_flight_;
-    std::uint32_t first = head_;
-    std::uint32_t second = kNoSlot;
-    if (settings_.in_order) {
-        if (in_flight_ > 0) second = head_ = slots_[first].next;
-    } else {
-        first = heap_.front().slot;
-        std::pop_heap(heap_.begin(), heap_.end(), leaves_later);
-        heap_.pop_back();
-        if (in_flight_ > 0) second = heap_.front().slot;
+void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate,
+                      bool copy) {
+    const bool waits = transmitter_.active();
+    if (waits) {
+        run_until(now);
+        if (!make_room(datagram.size(), now)) return drop(packet, now, DropReason::kQueueFull);
     }
-    next_due_ = second == kNoSlot ? kNever : from_nanoseconds(slots_[second].due_ns);
-    return first;
+    if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
+    Packet* block = store(packet, now, datagram);
+    block->copy = copy;
+    block->corrupted = fate.corrupted;
+    block->due_ns = (copy ? fate.copy_delay : fate.delay).count();
+    if (fate.corrupted) fates_.flip_bits(packet, {block->data(), block->size});
+    if (waits) {
+        transmitter_.add(block);
+    } else {
+        block->due_ns += block->received_ns;
+        line_.add(block, in_order_);
+    }
+    update_next_due();
 }
 
-Bytes LinkModel::take_first(SessionTime now) {
+// False: there is none for a packet of `bytes`.
+bool LinkModel::make_room(std::size_t bytes, SessionTime now) {
+    if (!transmitter_.could_hold(bytes)) return false;  // then nobody needs to go for it
+    while (!transmitter_.has_room(bytes)) {
+        Packet* oldest = settings().rate.drop == Drop::kHead ? transmitter_.drop_oldest() : nullptr;
+        if (oldest == nullptr) return false;
+        --in_flight_;
+        drop(oldest->number, now, DropReason::kQueueFull);
+        store_.give_back(oldest);
+    }
+    return true;
+}
+
+void LinkModel::drop(std::uint64_t packet, SessionTime now, DropReason reason) {
+    switch (reason) {
+        case DropReason::kLost:
+            ++counters_.lost;
+            break;
+        case DropReason::kOutage:
+            ++counters_.outage;
+            break;
+        case DropReason::kOversized:
+            ++counters_.oversized;
+            break;
+        case DropReason::kQueueFull:
+            ++counters_.queue_full;
+            break;
+        case DropReason::kOverflowed:
+            ++counters_.overflowed;
+            break;
+    }
+    if (observer_ != nullptr) observer_->on_drop(packet, now, reason);
+}
+
+Packet* LinkModel::take_first(SessionTime now) {
     assert(in_flight_ > 0 && "pop_due at kNever");
-    const std::uint32_t index = remove_first();
-    Slot& slot = slots_[index];
-    slot.next = free_;
-    free_ = index;
-    const Duration waited{to_nanoseconds(now) - slot.pushed_ns};
+    if (!transmitter_.empty()) {
+        run_until(now);
+        if (now < line_.next_due()) return nullptr;
+    }
+    Packet* packet = line_.take_first();
+    store_.give_back(packet);
+    --in_flight_;
+    update_next_due();
+    const Duration waited{to_nanoseconds(now) - packet->received_ns};
     delays_.sum += waited;
     delays_.min = std::min(delays_.min, waited);
     delays_.max = std::max(delays_.max, waited);
     ++delays_.count;
     ++counters_.delivered;
-    return {slot.bytes.data(), slot.size};
+    if (packet->number >= latest_) {
+        latest_ = packet->number;
+    } else if (!packet->copy) {
+        ++counters_.reordered;
+    }
+    return packet;
+}
+
+Departure LinkModel::pop_departure(SessionTime now) {
+    Packet* packet = now < next_due_ ? nullptr : take_first(now);
+    if (packet == nullptr) return {};
+    return {.packet = packet->number,
+            .received = from_nanoseconds(packet->received_ns),
+            .due = from_nanoseconds(packet->due_ns),
+            .bytes = packet->bytes(),
+            .copy = packet->copy,
+            .corrupted = packet->corrupted};
+}
+
+LinkCounters& LinkCounters::operator+=(const LinkCounters& other) {
+    pushed += other.pushed;
+    lost += other.lost;
+    outage += other.outage;
+    oversized += other.oversized;
+    queue_full += other.queue_full;
+    overflowed += other.overflowed;
+    delivered += other.delivered;
+    duplicated += other.duplicated;
+    corrupted += other.corrupted;
+    skipped += other.skipped;
+    reordered += other.reordered;
+    return *this;
 }
 
 }  // namespace thimble

@@ -1,10 +1,9 @@
-// The one thing in Thimble that delays: a passive, seeded queue for one direction of one flow. Time is an
-// argument; the relay process uses it in real time and the virtual loop in virtual time, with the same fate
-// for each packet.
+// The one thing in Thimble that delays: a passive, seeded pipeline for one direction of one flow. Time is an
+// argument; the relay process uses it in real time and the virtual loop in virtual time, with the same fate for each
+// packet. The order of its stages (docs/network.md):
+//   loss -> outage -> corruption -> duplication -> transmitter (rate, slots or recorded deliveries) -> delay -> order
 #pragma once
 
-#include <array>
-#include <cassert>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -12,25 +11,28 @@
 #include "common/channel.hpp"
 #include "common/random.hpp"
 #include "common/time.hpp"
+#include "netem/delay_line.hpp"
+#include "netem/link_fates.hpp"
+#include "netem/link_observer.hpp"
+#include "netem/link_settings.hpp"
+#include "netem/packet_store.hpp"
+#include "netem/stages/transmitter.hpp"
 
 namespace thimble {
 
-enum class Jitter : std::uint8_t { kNone, kUniform, kNormal };
+// The most that UDP over IPv4 carries.
+inline constexpr std::size_t kLargestDatagramBytes = 65507;
 
-struct LinkSettings {
-    Duration delay{};  // mean one-way delay
-    Jitter jitter = Jitter::kNone;
-    Duration jitter_spread{};     // kUniform: half width; kNormal: standard deviation. Delays are cut at 0.
-    double loss = 0;              // probability that a packet is lost, independent, [0, 1]
-    bool in_order = true;         // a packet never leaves before an earlier one (due times are raised)
-    std::size_t capacity = 4096;  // packets in flight; one more is dropped and counted
-};
-
-// Since the last restart. pushed = lost + overflowed + oversized + delivered + those in flight.
+// Since the last restart.
+//   pushed + duplicated = lost + outage + oversized + queue_full + overflowed + delivered + in flight
 struct LinkCounters {
-    std::uint64_t pushed = 0, lost = 0, overflowed = 0;
-    std::uint64_t oversized = 0;  // larger than kMaxDatagramBytes, or empty
+    std::uint64_t pushed = 0;
+    std::uint64_t lost = 0, outage = 0, oversized = 0, queue_full = 0, overflowed = 0;  // as in DropReason
     std::uint64_t delivered = 0;
+    std::uint64_t duplicated = 0;  // second copies made
+    std::uint64_t corrupted = 0;   // packets of which bits were flipped
+    std::uint64_t skipped = 0;     // packets that the reorder stage let go without delay
+    std::uint64_t reordered = 0;   // delivered after a later one (RFC 4737); copies do not count
 
     LinkCounters& operator+=(const LinkCounters& other);
 };
@@ -47,66 +49,88 @@ struct LinkDelays {
 
 class LinkModel {
   public:
-    // `key` names the study, experiment, subject and trial; `direction` tells the links of a session apart.
-    // The fate of packet n depends on (key, direction, n) only.
-    LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction);
+    // `key` names the study, experiment, subject and trial; `direction` tells the links of a session apart. What chance
+    // does to packet n depends on (key, direction, n) only. The timeline counts from `start`, as do outages, slots and
+    // traces by time.
+    LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction,
+              const Timeline& timeline = {}, SessionTime start = SessionTime{});
 
-    // Forgets what is in flight and starts again at packet 0 with another key (start of a trial).
-    void restart(const StreamKey& key);
+    // Forgets what is in flight and starts again at packet 0, with another key and the settings of the beginning (or
+    // of the last change()): start of a trial.
+    void restart(const StreamKey& key, SessionTime start = SessionTime{});
+
+    // From now on other settings, until the timeline has others. What is in flight keeps its fate; what waits for the
+    // transmitter goes at the new rate. May allocate.
+    void change(SessionTime now, const LinkSettings& settings);
+    // Null: nobody (the default). Must outlive the model.
+    void observe(LinkObserver* observer) { observer_ = observer; }
 
     void push(SessionTime now, Bytes datagram);
     // The next datagram whose time has come, or an empty span; valid until the next push.
-    Bytes pop_due(SessionTime now) { return now < next_due_ ? Bytes{} : take_first(now); }
-    // kNever if nothing is in flight.
+    Bytes pop_due(SessionTime now) {
+        if (now < next_due_) return {};
+        Packet* packet = take_first(now);
+        return packet == nullptr ? Bytes{} : packet->bytes();
+    }
+    // The same with what a log wants to know.
+    Departure pop_departure(SessionTime now);
+    // When to ask again: nothing leaves before. With a transmitter nothing may leave then either. kNever if nothing is
+    // in flight.
     SessionTime next_due() const { return next_due_; }
 
     std::size_t in_flight() const { return in_flight_; }
     const LinkCounters& counters() const { return counters_; }
     const LinkDelays& delays() const { return delays_; }
-    const LinkSettings& settings() const { return settings_; }
+    const LinkSettings& settings() const { return plans_[current_].settings; }  // those that hold now
+    // Held for packets, used or not; grows with the most that was ever in flight.
+    std::size_t memory_bytes() const { return store_.reserved_bytes(); }
 
   private:
-    // Plain integers instead of time points: an array of these is left untouched until it is used, so that a
-    // large capacity costs no memory that was never needed.
-    struct alignas(64) Slot {
-        std::int64_t due_ns;
-        std::int64_t pushed_ns;
-        std::uint32_t next;  // in the queue or in the chain of free slots
-        std::uint32_t size;
-        std::array<std::uint8_t, kMaxDatagramBytes> bytes;
+    struct Plan {
+        Plan(Duration from, const LinkSettings& what);
+        Duration at;
+        LinkSettings settings;
+        std::shared_ptr<const DelayShape> shape;
+        bool plain;  // a constant delay and nothing else
     };
-    struct Waiting {
-        std::int64_t due_ns;
-        std::uint64_t packet;
-        std::uint32_t slot;
-    };
-    // For std::push_heap: true if `a` leaves after `b`. Never equal, so the order is the same everywhere.
-    static bool leaves_later(const Waiting& a, const Waiting& b) {
-        return a.due_ns != b.due_ns ? a.due_ns > b.due_ns : a.packet > b.packet;
+
+    void use(std::size_t plan, Duration time);
+    void run_until(SessionTime now);
+    void send_until(Duration time);
+    void follow_timeline();
+    void push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagram);
+    void admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate, bool copy);
+    Packet* store(std::uint64_t packet, SessionTime now, Bytes datagram);
+    bool make_room(std::size_t bytes, SessionTime now);
+    void drop(std::uint64_t packet, SessionTime now, DropReason reason);
+    void forget_all();
+    void update_next_due() {
+        next_due_ = line_.next_due();
+        if (!transmitter_.empty()) wait_for_transmitter();
     }
+    void wait_for_transmitter();
+    Packet* take_first(SessionTime now);  // null: nothing is due yet
 
-    StreamKey stream_key(const StreamKey& key, Purpose purpose) const;
-    std::int64_t draw_delay_ns(std::uint64_t packet);
-    std::uint32_t take_free_slot();
-    void append(std::uint32_t slot);
-    void insert(std::uint32_t slot, std::uint64_t packet);
-    std::uint32_t remove_first();
-    Bytes take_first(SessionTime now);
-
-    LinkSettings settings_;
+    std::vector<Plan> plans_;  // [0]: what holds at the start; then the timeline
+    std::size_t current_ = 0;
+    std::size_t next_plan_ = 1;
+    SessionTime next_change_ = kNever;
+    SessionTime start_{};
     std::uint32_t direction_;
-    RandomStream delay_stream_;
-    RandomStream loss_stream_;
-    std::unique_ptr<Slot[]> slots_;
-    std::vector<Waiting> heap_;  // only if packets may overtake each other
+    // Of the settings that hold now, for packets that meet nothing but a constant delay.
+    bool plain_ = true;
+    bool in_order_ = true;
+    std::int64_t delay_ns_ = 0;
+    std::size_t capacity_ = 0;
+
+    LinkFates fates_;
+    Transmitter transmitter_;
+    DelayLine line_;
+    PacketStore store_;
     SessionTime next_due_ = kNever;
-    std::int64_t last_due_ns_ = INT64_MIN;
     std::size_t in_flight_ = 0;
-    // The slot freed last is used first: the working set is what is in flight, not the capacity.
-    std::uint32_t free_ = 0;
-    std::uint32_t unused_ = 0;  // slots from here on were never used
-    std::uint32_t head_ = 0;    // in order: chain from head_ to tail_, meaningless if nothing is in flight
-    std::uint32_t tail_ = 0;
+    std::uint64_t latest_ = 0;  // of those delivered
+    LinkObserver* observer_ = nullptr;
     LinkCounters counters_;
     LinkDelays delays_;
 };

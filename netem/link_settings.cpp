@@ -1,61 +1,74 @@
 #include "netem/link_settings.hpp"
 
-#include <algorithm>
-#include <string>
+#include <limits>
 
 namespace thimble {
 namespace {
 
-using std::chrono::seconds;
-
-constexpr std::int64_t kMaxCapacity = 1'000'000;
-constexpr Duration kPacketPeriod =
-    std::chrono::milliseconds{1};  // every flow of a session but the heartbeats
-
-void check_jitter(const ConfigTable& table, const LinkSettings& link) {
-    const bool spread = link.jitter_spread > Duration::zero();
-    if (link.jitter == Jitter::kNone && spread) {
-        table.fail("jitter_spread_s",
-                   "a spread needs a distribution: set jitter to \"uniform\" or \"normal\", or remove it");
+// Share of all packets that are lost while the next is not: each burst ends once.
+double bursts_per_packet(const LossSettings& loss) {
+    if (loss.shape == LossShape::kIndependent) return loss.probability * (1 - loss.probability);
+    if (loss.shape == LossShape::kFourState) {
+        const std::array<double, 4> shares = four_state_shares(loss);
+        return shares[2] * (loss.p31 + loss.p32) + shares[3];
     }
-    if (link.jitter != Jitter::kNone && !spread) {
-        table.fail("jitter_spread_s", "must be above 0 when jitter is not \"none\"");
-    }
-    if (link.jitter == Jitter::kUniform && link.jitter_spread > link.delay) {
-        table.fail("jitter_spread_s",
-                   "must not exceed delay_s: delays are cut at 0, so their mean would no longer be delay_s");
-    }
-    // At two standard deviations the cut moves the mean by less than 1 % of the spread.
-    if (link.jitter == Jitter::kNormal && 2 * link.jitter_spread > link.delay) {
-        table.fail("jitter_spread_s",
-                   "must not exceed half of delay_s: delays are cut at 0, so their mean would no longer be "
-                   "delay_s");
-    }
-}
-
-std::size_t read_capacity(const ConfigTable& table, const LinkSettings& link) {
-    const std::int64_t needed = (link.delay + link.jitter_spread) / kPacketPeriod + 1;
-    const std::int64_t enough = std::max(static_cast<std::int64_t>(link.capacity), 2 * needed);
-    const std::int64_t capacity = table.integer("capacity", enough, 1, kMaxCapacity);
-    if (capacity < needed) {
-        table.fail("capacity", "a link with this delay holds " + std::to_string(needed) +
-                                   " packets of a 1 kHz flow: allow at least that many, or remove the key");
-    }
-    return static_cast<std::size_t>(capacity);
+    const double bad = share_in_bad(loss);
+    const double after_good =
+        1 - loss.loss_in_good - loss.good_to_bad * (loss.loss_in_bad - loss.loss_in_good);
+    const double after_bad = 1 - loss.loss_in_bad - loss.bad_to_good * (loss.loss_in_good - loss.loss_in_bad);
+    return (1 - bad) * loss.loss_in_good * after_good + bad * loss.loss_in_bad * after_bad;
 }
 
 }  // namespace
 
-LinkSettings read_link_settings(const ConfigTable& table) {
-    LinkSettings link;
-    link.delay = table.seconds("delay_s", link.delay, Duration::zero(), seconds{60});
-    link.jitter = static_cast<Jitter>(table.choice("jitter", std::size_t{0}, {"none", "uniform", "normal"}));
-    link.jitter_spread = table.seconds("jitter_spread_s", link.jitter_spread, Duration::zero(), seconds{60});
-    link.loss = table.number("loss", link.loss, 0, 1);
-    link.in_order = table.boolean("in_order", link.in_order);
-    check_jitter(table, link);
-    link.capacity = read_capacity(table, link);
-    return link;
+LossSettings LossSettings::independent(double probability) {
+    LossSettings loss;
+    loss.shape = probability > 0 ? LossShape::kIndependent : LossShape::kNone;
+    loss.probability = probability;
+    return loss;
+}
+
+// A burst ends with bad_to_good per packet; balance: (1 - P) good_to_bad = P bad_to_good.
+LossSettings LossSettings::gilbert(double probability, double mean_burst) {
+    LossSettings loss;
+    loss.shape = probability > 0 ? LossShape::kGilbertElliott : LossShape::kNone;
+    loss.bad_to_good = 1 / mean_burst;
+    loss.good_to_bad = probability / (1 - probability) * loss.bad_to_good;
+    return loss;
+}
+
+double share_in_bad(const LossSettings& loss) {
+    const double moves = loss.good_to_bad + loss.bad_to_good;
+    return moves > 0 ? loss.good_to_bad / moves : 0;
+}
+
+// Balance: pi1 p14 = pi4; pi1 p13 = pi3 p31; pi3 p32 = pi2 p23.
+std::array<double, 4> four_state_shares(const LossSettings& loss) {
+    const double lost_in_burst = loss.p13 > 0 ? loss.p13 / loss.p31 : 0;  // all relative to state 1
+    const double received_in_burst = loss.p32 > 0 ? lost_in_burst * loss.p32 / loss.p23 : 0;
+    const double sum = 1 + received_in_burst + lost_in_burst + loss.p14;
+    return {1 / sum, received_in_burst / sum, lost_in_burst / sum, loss.p14 / sum};
+}
+
+double stationary_loss(const LossSettings& loss) {
+    switch (loss.shape) {
+        case LossShape::kNone:
+            return 0;
+        case LossShape::kIndependent:
+            return loss.probability;
+        case LossShape::kGilbertElliott:
+            return loss.loss_in_good + share_in_bad(loss) * (loss.loss_in_bad - loss.loss_in_good);
+        case LossShape::kFourState:
+            return four_state_shares(loss)[2] + four_state_shares(loss)[3];
+    }
+    return 0;
+}
+
+double mean_loss_burst(const LossSettings& loss) {
+    const double lost = stationary_loss(loss);
+    if (lost <= 0) return 0;
+    const double bursts = bursts_per_packet(loss);
+    return bursts > 0 ? lost / bursts : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace thimble

@@ -1,19 +1,126 @@
-// Link settings as people write them, one table per direction:
-//   delay_s = 0.05            mean one-way delay, 0 to 60
-//   jitter = "normal"         "none", "uniform" or "normal"
-//   jitter_spread_s = 0.005   half width (uniform) or standard deviation (normal)
-//   loss = 0.01               probability, 0 to 1
-//   in_order = true           false: packets may overtake each other
-//   capacity = 4096           packets in flight; by itself at least twice what the delay needs at 1 kHz
+// What one direction of one flow does to its packets, as data. A LinkModel carries it out; link_reader.hpp reads it
+// from TOML. Each part that is left at its default does nothing and costs nothing.
 #pragma once
 
-#include "common/config.hpp"
-#include "netem/link_model.hpp"
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/time.hpp"
 
 namespace thimble {
 
-// Throws Error (usage) also for settings that contradict each other: a spread without jitter or the reverse,
-// a spread so wide that cutting delays at 0 would move their mean, a capacity that the delay alone fills.
-LinkSettings read_link_settings(const ConfigTable& table);
+class JitterTable;    // a measured shape, e.g. of iproute2 (jitter_table.hpp)
+class PacketTrace;    // delay, loss and rate by packet or by time (packet_trace.hpp)
+class DeliveryTrace;  // when a link could send, as mahimahi records it (delivery_trace.hpp)
+
+enum class JitterShape : std::uint8_t {
+    kNone,
+    kUniform,
+    kNormal,
+    kGamma,         // skewness 2 spread / delay: shape (delay / spread)^2, so that no delay is below 0
+    kPareto,        // index 3
+    kParetoNormal,  // a quarter normal, three quarters Pareto, as netem's table
+    kTable
+};
+
+// Delay = mean + spread * deviate, deviates of mean 0 and standard deviation 1, cut where the delay would be
+// below 0. kUniform alone: `spread` is the half width.
+struct JitterSettings {
+    JitterShape shape = JitterShape::kNone;
+    Duration spread{};
+    // Of successive packets: deviates are the shape's quantiles of an AR(1) Gaussian with this coefficient, [0, 1).
+    // The marginal is the shape, whatever the correlation.
+    double correlation = 0;
+    std::shared_ptr<const JitterTable> table{};  // kTable
+
+    bool operator==(const JitterSettings&) const = default;
+};
+
+enum class LossShape : std::uint8_t { kNone, kIndependent, kGilbertElliott, kFourState };
+
+// kIndependent: `probability`. kGilbertElliott (Gilbert: no loss in good, all lost in bad): a packet is lost with
+// the probability of the state it finds; the chain then moves once per packet. kFourState: states 1 received in a
+// gap, 2 received in a burst, 3 lost in a burst, 4 lost alone (Salsano, Ludovici, Ordine and Giannuzzi 2012, netem's
+// "loss state"). The first packet finds the chain in its stationary distribution.
+struct LossSettings {
+    LossShape shape = LossShape::kNone;
+    double probability = 0;
+    double good_to_bad = 0, bad_to_good = 1;
+    double loss_in_good = 0, loss_in_bad = 1;
+    double p13 = 0, p31 = 1, p32 = 0, p23 = 0, p14 = 0;
+
+    static LossSettings independent(double probability);
+    // Gilbert: bursts of `mean_burst` packets on average (1 or more), so many that a share of `probability` is lost, in
+    // [0, mean_burst / (1 + mean_burst)].
+    static LossSettings gilbert(double probability, double mean_burst);
+    bool operator==(const LossSettings&) const = default;
+};
+
+// Share of packets that is lost in the long run, [0, 1].
+double stationary_loss(const LossSettings& loss);
+// How many packets in a row are lost on average, once one is; 0 if none ever is, infinity if all are.
+double mean_loss_burst(const LossSettings& loss);
+// Share of packets that find a kGilbertElliott chain in "bad"; that find a kFourState chain in states 1 to 4 (p31 above
+// 0 if p13 is, p23 if p32 is).
+double share_in_bad(const LossSettings& loss);
+std::array<double, 4> four_state_shares(const LossSettings& loss);
+
+enum class Drop : std::uint8_t { kTail, kHead };  // who goes when the queue is full: the newest or the oldest
+
+// A transmitter that takes (size + overhead) * 8 / bits_per_s per packet; what waits for it queues.
+struct RateSettings {
+    double bits_per_s = 0;  // 0: no limit
+    std::size_t overhead_bytes = 0;
+    std::size_t queue_packets = 0, queue_bytes = 0;  // waiting, without the one being sent; 0: no limit
+    Drop drop = Drop::kTail;
+
+    bool operator==(const RateSettings&) const = default;
+};
+
+// A medium that sends in bursts (Wi-Fi, cable): packets wait for the next slot; slots are [least, most] apart,
+// uniform; each carries at most so many packets and bytes.
+struct SlotSettings {
+    Duration least{}, most{};            // most = 0: no slots
+    std::size_t packets = 0, bytes = 0;  // 0: no limit
+
+    bool operator==(const SlotSettings&) const = default;
+};
+
+// Nothing gets through from `start` (since the start of the trial) for `length`; again each `every` if that is not 0.
+struct Outage {
+    Duration start{}, length{}, every{};
+    bool operator==(const Outage&) const = default;
+};
+
+struct LinkSettings {
+    Duration delay{};  // mean one-way delay
+    JitterSettings jitter{};
+    LossSettings loss{};
+    double duplicate = 0;       // probability that a packet arrives twice, each with a delay of its own
+    double corrupt = 0;         // probability that bits of a packet are flipped
+    unsigned corrupt_bits = 1;  // how many then, all different
+    double reorder = 0;         // probability that a packet skips the delay, as in netem
+    unsigned reorder_gap = 1;   // only each n-th packet may
+    bool in_order = true;       // a packet never leaves before an earlier one (due times are raised)
+    RateSettings rate{};
+    SlotSettings slot{};
+    std::vector<Outage> outages{};
+    std::shared_ptr<const PacketTrace> trace{};  // delay and loss instead of the above, where it gives them
+    std::shared_ptr<const DeliveryTrace> deliveries{};  // instead of `rate`
+    std::size_t capacity = 4096;                        // packets in flight; one more is dropped and counted
+
+    bool operator==(const LinkSettings&) const = default;
+};
+
+// Instead of the settings before, from `at` after the start of a trial.
+struct LinkChange {
+    Duration at{};
+    LinkSettings settings;
+    bool operator==(const LinkChange&) const = default;
+};
+using Timeline = std::vector<LinkChange>;  // sorted by `at`
 
 }  // namespace thimble

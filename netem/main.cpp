@@ -1,73 +1,70 @@
-// thimble-netem: the network between the others.
-#include <cmath>
+// thimble-netem: a network of one's own choice. Alone in front of any UDP program, or as a node of a session.
+#include <algorithm>
+#include <array>
+#include <string_view>
 
+#include <CLI/CLI.hpp>
+
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
-#include "netem/netem_process.hpp"
-#include "netem/netem_settings.hpp"
+#include "common/version.hpp"
+#include "netem/commands/commands.hpp"
+#include "netem/commands/fit_command.hpp"
+#include "netem/commands/import_command.hpp"
 
 namespace {
 
 using namespace thimble;
 
-class Netem final : public NodeInstance {
-  public:
-    Netem(const NetemSettings& settings, Sockets& sockets, std::uint64_t instance)
-        : process_(instance, *sockets.between(Port::kNetemControl, Port::kSessionNetem),
-                   make_relays(settings, sockets)) {}
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  thimble-netem --listen 9000 --to 192.168.1.20:9001 --profile \"delay 50ms 5ms loss 1%\"\n"
+    "  thimble-netem --listen 9000 --to robot:9001 --profile leo --precise --log packets.bin --control "
+    "/tmp/netem\n"
+    "  thimble-netem set --control /tmp/netem down.delay_s=0.1\n"
+    "  thimble-netem --selftest --profile lte --precise\n\n"
+    "As a node of a Thimble session it is started without --listen: see thimble-netem node --help.\n"
+    "Manual: docs/network-relay.md.\n"
+    "Exit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.";
 
-    NodeProcess& process() override { return process_; }
-    void describe(nlohmann::ordered_json& report) const override {
-        for (const Relay& relay : process_.relays()) {
-            LinkCounters counters = relay.before;
-            counters += relay.model.counters();
-            report["links"].push_back({{"pushed", counters.pushed},
-                                       {"delivered", counters.delivered},
-                                       {"lost", counters.lost},
-                                       {"overflowed", counters.overflowed}});
-        }
-    }
+// A session starts its node with options alone, none of them these.
+bool is_node_call(int argc, char** argv) {
+    constexpr std::array<std::string_view, 6> kOwn{"--listen",   "--to",   "--selftest",
+                                                   "--print-tc", "--help", "-h"};
+    if (argc < 2) return true;
+    if (argv[1][0] != '-') return std::string_view(argv[1]) == "node";
+    return std::none_of(argv + 1, argv + argc, [&](std::string_view word) {
+        return std::find(kOwn.begin(), kOwn.end(), word.substr(0, word.find('='))) != kOwn.end();
+    });
+}
 
-  private:
-    static std::vector<RelayPlan> make_relays(const NetemSettings& s, Sockets& sockets) {
-        std::vector<RelayPlan> relays;
-        const auto add = [&](Port in, Role sender, Port out, const LinkSettings& link,
-                             std::uint32_t direction) {
-            Channel* from = sockets.inlet(in, sender);
-            relays.push_back({from, sockets.outlet(out), link, direction});
-        };
-        add(Port::kNetemNeedle, Role::kMaster, Port::kSlaveNeedle, s.needle, kDirectionNeedle);
-        add(Port::kNetemForceMaster, Role::kSlaveSim, Port::kMasterForce, s.force, kDirectionForceMaster);
-        add(Port::kNetemForceCutaneous, Role::kSlaveSim, Port::kCutaneousForce, s.force,
-            kDirectionForceCutaneous);
-        add(Port::kNetemForceVisual, Role::kSlaveSim, Port::kVisualForce, s.force, kDirectionForceVisual);
-        return relays;
-    }
-
-    NetemProcess process_;
-};
+int run_stand_alone(int argc, char** argv) {
+    CLI::App app("A network between UDP programs: delay, jitter, loss and more, with its own error measured.",
+                 "thimble-netem");
+    app.set_version_flag("--version", std::string(kVersion));
+    app.require_subcommand(0, 1);
+    app.footer(kFooter);
+    const auto relay = add_relay(app);
+    const auto [import, run_import] = add_import(app);
+    const auto [fit, run_fit] = add_fit(app);
+    const std::array commands{add_set(app),
+                              add_show(app),
+                              add_watch(app),
+                              add_log(app),
+                              NetemCommand{import, run_import},
+                              NetemCommand{fit, run_fit}};
+    if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+    const auto given = std::find_if(commands.begin(), commands.end(),
+                                    [](const NetemCommand& command) { return command.subcommand->parsed(); });
+    return given == commands.end() ? relay() : given->run();
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    double force_delay_s = std::nan(""), needle_delay_s = std::nan("");
-    NodeProgram program;
-    program.name = "thimble-netem";
-    program.description =
-        "Relays the datagrams between master and slave_sim through a delay, jitter and loss model: one link "
-        "for the "
-        "needle, one each for the force to handle, fingertips and screen.";
-    program.example = "thimble-netem --config deploy/sessions/delay50.toml --force-delay-s 0.05";
-    program.options = {
-        {"--force-delay-s", "one-way delay of the force path, instead of [netem.force].delay_s",
-         &force_delay_s, 0, 60},
-        {"--needle-delay-s", "one-way delay of the needle path, instead of [netem.needle].delay_s",
-         &needle_delay_s, 0, 60}};
-    program.tables = {"network", "runtime", "netem"};
-    program.build = [&](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
-        NetemSettings settings = read_netem_settings(file);
-        if (!std::isnan(force_delay_s)) settings.force.delay = from_seconds(force_delay_s);
-        if (!std::isnan(needle_delay_s)) settings.needle.delay = from_seconds(needle_delay_s);
-        return std::make_unique<Netem>(settings, sockets, instance);
-    };
-    return run_node_program(program, argc, argv);
+    if (is_node_call(argc, argv)) {
+        const bool named = argc > 1 && std::string_view(argv[1]) == "node";
+        return run_node(named ? argc - 1 : argc, named ? argv + 1 : argv);
+    }
+    return guarded_main("thimble-netem", [&] { return run_stand_alone(argc, argv); });
 }

@@ -7,10 +7,10 @@ namespace thimble {
 NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::vector<RelayPlan>& plans)
     : NodeProcess(Role::kNetem, instance, control), relays_(plans.begin(), plans.end()) {}
 
-void NetemProcess::begin_trial(SessionTime /*now*/, const SessionControl& control) {
+void NetemProcess::begin_trial(SessionTime now, const SessionControl& control) {
     for (Relay& relay : relays_) {
         relay.before += relay.model.counters();
-        relay.model.restart({control.study_seed, control.experiment, control.subject, trial()});
+        relay.model.restart({control.study_seed, control.experiment, control.subject, trial()}, now);
     }
 }
 

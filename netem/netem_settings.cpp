@@ -1,6 +1,6 @@
 #include "netem/netem_settings.hpp"
 
-#include "netem/link_settings.hpp"
+#include "netem/link_reader.hpp"
 
 namespace thimble {
 

@@ -1,10 +1,10 @@
 // Tables [netem.needle] and [netem.force] of a session file: the two directions of the network, each with the
-// keys of link_settings.hpp. The paper delays only the force path, from the virtual environment to handle,
+// keys of link_reader.hpp. The paper delays only the force path, from the virtual environment to handle,
 // fingertips and bar.
 #pragma once
 
 #include "common/config.hpp"
-#include "netem/link_model.hpp"
+#include "netem/link_settings.hpp"
 
 namespace thimble {
 

@@ -6,10 +6,22 @@
 
 namespace thimble {
 
-SessionTime wall_now() {
+namespace {
+
+std::int64_t read_ns(clockid_t clock) {
     timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return from_nanoseconds(std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec);
+    clock_gettime(clock, &now);
+    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+}  // namespace
+
+SessionTime wall_now() { return from_nanoseconds(read_ns(CLOCK_MONOTONIC)); }
+
+ClockPair read_clock_pair() {
+    const SessionTime before = wall_now();
+    const std::int64_t realtime_ns = read_ns(CLOCK_REALTIME);
+    return {before, wall_now(), realtime_ns};
 }
 
 void wall_sleep(Duration duration) { std::this_thread::sleep_for(duration); }

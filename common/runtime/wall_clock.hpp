@@ -8,6 +8,14 @@ namespace thimble {
 // CLOCK_MONOTONIC: the same for all processes of one machine since it booted, never set back.
 SessionTime wall_now();
 
+// The realtime clock (ns since 1970, may be set) between two readings of the monotonic one. Kernel stamps of
+// datagrams count on the former (stamp_clock.hpp).
+struct ClockPair {
+    SessionTime before, after;
+    std::int64_t realtime_ns;
+};
+ClockPair read_clock_pair();
+
 // Sleeps this thread; for launchers and measurements, never for nodes.
 void wall_sleep(Duration duration);
 

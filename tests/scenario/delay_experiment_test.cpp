@@ -48,9 +48,8 @@ TEST(DelayExperiment, At50msOnlyTheHandleOscillates) {
 TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
     LinkSettings terrible;
     terrible.delay = milliseconds{150};
-    terrible.jitter = Jitter::kNormal;
-    terrible.jitter_spread = milliseconds{40};
-    terrible.loss = 0.3;
+    terrible.jitter = {JitterShape::kNormal, milliseconds{40}};
+    terrible.loss = LossSettings::independent(0.3);
     for (const Modality modality : kModalities) {
         Rig good(paper(), {}, LinkSettings{}), bad(paper(), {}, terrible);
         const TrialRecord& a = good.run(trial_of(modality));

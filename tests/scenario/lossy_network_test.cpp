@@ -17,13 +17,11 @@ using std::chrono::seconds;
 
 SystemSettings lossy() {
     SystemSettings settings = paper_with_delays(milliseconds{5}, kPaperDelay);
-    settings.netem.needle.jitter = Jitter::kUniform;
-    settings.netem.needle.jitter_spread = milliseconds{3};
-    settings.netem.needle.loss = 0.02;
+    settings.netem.needle.jitter = {JitterShape::kUniform, milliseconds{3}};
+    settings.netem.needle.loss = LossSettings::independent(0.02);
     settings.netem.needle.in_order = false;
-    settings.netem.force.jitter = Jitter::kNormal;
-    settings.netem.force.jitter_spread = milliseconds{10};
-    settings.netem.force.loss = 0.05;
+    settings.netem.force.jitter = {JitterShape::kNormal, milliseconds{10}};
+    settings.netem.force.loss = LossSettings::independent(0.05);
     settings.netem.force.in_order = false;
     return settings;
 }
@@ -38,7 +36,7 @@ TEST(LossyNetwork, TheTrialCompletesAndEveryPacketIsAccountedFor) {
         for (const Relay& relay : rig.netem().relays()) {
             const LinkCounters& link = relay.model.counters();
             const double loss = static_cast<double>(link.lost) / static_cast<double>(link.pushed);
-            EXPECT_NEAR(loss, relay.model.settings().loss, 0.02);
+            EXPECT_NEAR(loss, relay.model.settings().loss.probability, 0.02);
             EXPECT_EQ(link.pushed, link.lost + link.delivered + relay.model.in_flight());
             EXPECT_EQ(link.overflowed + link.oversized, 0U);
             delivered += link.delivered;
@@ -65,7 +63,7 @@ TEST(LossyNetwork, InOrderJitterRefusesNothingWhileTheTrialRuns) {
 TEST(LossyNetwork, ANetworkThatDeliversNothingEndsTheTrialWithinASecond) {
     for (const bool needle : {true, false}) {
         SystemSettings settings = paper();
-        (needle ? settings.netem.needle : settings.netem.force).loss = 1;
+        (needle ? settings.netem.needle : settings.netem.force).loss = LossSettings::independent(1);
         Rig rig(settings);
         const TrialRecord& record = rig.run(trial_of(Modality::kHF));
         EXPECT_EQ(record.reason, EndReason::kPeerLost);

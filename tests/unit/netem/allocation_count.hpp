@@ -24,6 +24,13 @@ inline void* counted_allocation(std::size_t bytes) {
 
 void* operator new(std::size_t bytes) { return thimble::test::counted_allocation(bytes); }
 void* operator new[](std::size_t bytes) { return thimble::test::counted_allocation(bytes); }
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+    ++thimble::test::allocations;
+    const auto step = static_cast<std::size_t>(alignment);
+    if (void* memory = std::aligned_alloc(step, (bytes + step - 1) / step * step)) return memory;
+    throw std::bad_alloc();
+}
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }

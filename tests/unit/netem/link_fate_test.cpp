@@ -16,9 +16,8 @@ using std::chrono::milliseconds;
 
 constexpr std::uint32_t kMany = 40'000;
 
-LinkSettings jittery(Jitter jitter, bool in_order) {
-    return {
-        .delay = milliseconds{20}, .jitter = jitter, .jitter_spread = milliseconds{5}, .in_order = in_order};
+LinkSettings jittery(JitterShape jitter, bool in_order) {
+    return {.delay = milliseconds{20}, .jitter = {jitter, milliseconds{5}}, .in_order = in_order};
 }
 
 struct Moments {
@@ -46,7 +45,7 @@ Moments delay_moments(const std::vector<Arrival>& arrivals) {
 }
 
 TEST(LinkFate, NormalJitterHasTheAskedMeanAndSpread) {
-    LinkModel link(jittery(Jitter::kNormal, false), kKey, 0);
+    LinkModel link(jittery(JitterShape::kNormal, false), kKey, 0);
     const Moments moments = delay_moments(transmit(link, kMany));
     // Four standard errors: sd / sqrt(n) of a mean, sd / sqrt(2 n) of a standard deviation.
     EXPECT_NEAR(moments.mean_s, 0.020, 4 * 0.005 / std::sqrt(kMany));
@@ -54,7 +53,7 @@ TEST(LinkFate, NormalJitterHasTheAskedMeanAndSpread) {
 }
 
 TEST(LinkFate, UniformJitterHasTheAskedMeanAndSpread) {
-    LinkModel link(jittery(Jitter::kUniform, false), kKey, 0);
+    LinkModel link(jittery(JitterShape::kUniform, false), kKey, 0);
     const Moments moments = delay_moments(transmit(link, kMany));
     const double sd_s = 0.005 / std::sqrt(3.0);
     EXPECT_NEAR(moments.mean_s, 0.020, 4 * sd_s / std::sqrt(kMany));
@@ -66,7 +65,7 @@ TEST(LinkFate, UniformJitterHasTheAskedMeanAndSpread) {
 }
 
 TEST(LinkFate, DelayIsNeverNegative) {
-    for (const Jitter jitter : {Jitter::kUniform, Jitter::kNormal}) {
+    for (const JitterShape jitter : {JitterShape::kUniform, JitterShape::kNormal}) {
         LinkSettings settings = jittery(jitter, false);
         settings.delay = milliseconds{2};
         LinkModel link(settings, kKey, 0);
@@ -77,7 +76,7 @@ TEST(LinkFate, DelayIsNeverNegative) {
 }
 
 TEST(LinkFate, InOrderIsMonotone) {
-    LinkModel link(jittery(Jitter::kNormal, true), kKey, 0);
+    LinkModel link(jittery(JitterShape::kNormal, true), kKey, 0);
     const auto arrivals = transmit(link, 5000);
     ASSERT_EQ(arrivals.size(), 5000U);
     for (std::uint32_t i = 0; i < arrivals.size(); ++i) EXPECT_EQ(arrivals[i].packet, i);
@@ -86,7 +85,7 @@ TEST(LinkFate, InOrderIsMonotone) {
 }
 
 TEST(LinkFate, InOrderDueTimesNeverGoBack) {
-    LinkModel link(jittery(Jitter::kNormal, true), kKey, 0);
+    LinkModel link(jittery(JitterShape::kNormal, true), kKey, 0);
     for (std::uint32_t i = 0; i < 500; ++i) link.push(at({}), NumberedPacket(i).bytes());
     SessionTime last{};
     while (link.next_due() != kNever) {
@@ -97,7 +96,7 @@ TEST(LinkFate, InOrderDueTimesNeverGoBack) {
 }
 
 TEST(LinkFate, PacketsOvertakeWhenAllowed) {
-    LinkModel link(jittery(Jitter::kNormal, false), kKey, 0);
+    LinkModel link(jittery(JitterShape::kNormal, false), kKey, 0);
     const auto arrivals = transmit(link, 5000);
     ASSERT_EQ(arrivals.size(), 5000U);
     int overtaken = 0;
@@ -108,8 +107,8 @@ TEST(LinkFate, PacketsOvertakeWhenAllowed) {
 
 // In order, a packet leaves when it and all before it would have left on their own.
 TEST(LinkFate, OrderOnlyRaisesDueTimes) {
-    LinkModel free(jittery(Jitter::kNormal, false), kKey, 0);
-    LinkModel ordered(jittery(Jitter::kNormal, true), kKey, 0);
+    LinkModel free(jittery(JitterShape::kNormal, false), kKey, 0);
+    LinkModel ordered(jittery(JitterShape::kNormal, true), kKey, 0);
     auto expected = transmit(free, 2000);
     std::sort(expected.begin(), expected.end(),
               [](const Arrival& a, const Arrival& b) { return a.packet < b.packet; });
@@ -121,7 +120,7 @@ TEST(LinkFate, OrderOnlyRaisesDueTimes) {
 
 TEST(LinkFate, LosesWhatWasAsked) {
     for (const double loss : {0.001, 0.05, 0.5}) {
-        LinkModel link({.loss = loss}, kKey, 0);
+        LinkModel link({.loss = LossSettings::independent(loss)}, kKey, 0);
         transmit(link, kMany);
         const double sd = std::sqrt(kMany * loss * (1 - loss));
         EXPECT_NEAR(static_cast<double>(link.counters().lost), kMany * loss, 3 * sd) << loss;
@@ -129,8 +128,8 @@ TEST(LinkFate, LosesWhatWasAsked) {
 }
 
 TEST(LinkFate, LosesNothingOrEverything) {
-    LinkModel none({.loss = 0}, kKey, 0);
-    LinkModel all({.loss = 1}, kKey, 0);
+    LinkModel none({.loss = LossSettings::independent(0)}, kKey, 0);
+    LinkModel all({.loss = LossSettings::independent(1)}, kKey, 0);
     EXPECT_EQ(transmit(none, 1000).size(), 1000U);
     EXPECT_TRUE(transmit(all, 1000).empty());
 }
@@ -142,8 +141,8 @@ std::set<std::uint32_t> survivors(LinkModel& link, std::uint32_t count, Duration
 }
 
 TEST(LinkFate, DoesNotDependOnTimingSizeOrOrder) {
-    LinkSettings settings = jittery(Jitter::kNormal, false);
-    settings.loss = 0.2;
+    LinkSettings settings = jittery(JitterShape::kNormal, false);
+    settings.loss = LossSettings::independent(0.2);
     LinkModel reference(settings, kKey, 1);
     auto expected = transmit(reference, 500);
     std::sort(expected.begin(), expected.end(),
@@ -168,16 +167,16 @@ TEST(LinkFate, DoesNotDependOnTimingSizeOrOrder) {
 }
 
 TEST(LinkFate, LossDoesNotDependOnJitterNorOnACrowdedQueue) {
-    LinkModel plain({.loss = 0.1}, kKey, 0);
-    LinkSettings settings = jittery(Jitter::kUniform, false);
-    settings.loss = 0.1;
+    LinkModel plain({.loss = LossSettings::independent(0.1)}, kKey, 0);
+    LinkSettings settings = jittery(JitterShape::kUniform, false);
+    settings.loss = LossSettings::independent(0.1);
     LinkModel crowded(settings, kKey, 0);
     EXPECT_EQ(survivors(plain, 3000, kMillisecond), survivors(crowded, 3000, microseconds{10}));
 }
 
 TEST(LinkFate, DiffersBetweenDirectionsTrialsAndSubjects) {
-    LinkSettings settings = jittery(Jitter::kNormal, false);
-    settings.loss = 0.5;
+    LinkSettings settings = jittery(JitterShape::kNormal, false);
+    settings.loss = LossSettings::independent(0.5);
     StreamKey other_trial = kKey;
     ++other_trial.trial;
     StreamKey other_subject = kKey;
@@ -189,7 +188,7 @@ TEST(LinkFate, DiffersBetweenDirectionsTrialsAndSubjects) {
     for (const auto& [key, direction] : links) {
         LinkModel link(settings, key, direction);
         fates.insert(survivors(link, 200, kMillisecond));
-        LinkModel lossless(jittery(Jitter::kNormal, false), key, direction);
+        LinkModel lossless(jittery(JitterShape::kNormal, false), key, direction);
         lossless.push(at({}), NumberedPacket(0).bytes());
         first_delays.insert(to_nanoseconds(lossless.next_due()));
     }
@@ -198,8 +197,8 @@ TEST(LinkFate, DiffersBetweenDirectionsTrialsAndSubjects) {
 }
 
 TEST(LinkFate, RestartReplaysTheSameFates) {
-    LinkSettings settings = jittery(Jitter::kNormal, false);
-    settings.loss = 0.2;
+    LinkSettings settings = jittery(JitterShape::kNormal, false);
+    settings.loss = LossSettings::independent(0.2);
     LinkModel link(settings, kKey, 0);
     const auto first = transmit(link, 1000);
     link.push(at(milliseconds{1}), NumberedPacket(77).bytes());  // still in flight at the restart

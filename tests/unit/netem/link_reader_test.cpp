@@ -1,4 +1,4 @@
-#include "netem/link_settings.hpp"
+#include "netem/link_reader.hpp"
 
 #include <string>
 
@@ -33,8 +33,8 @@ std::string refusal(const std::string& text) {
 TEST(LinkSettings, DefaultIsAnIdealLink) {
     const LinkSettings link = read("");
     EXPECT_EQ(link.delay, Duration::zero());
-    EXPECT_EQ(link.jitter, Jitter::kNone);
-    EXPECT_EQ(link.loss, 0);
+    EXPECT_EQ(link.jitter.shape, JitterShape::kNone);
+    EXPECT_EQ(link.loss, LossSettings::independent(0));
     EXPECT_TRUE(link.in_order);
     EXPECT_EQ(link.capacity, 4096U);
 }
@@ -44,12 +44,13 @@ TEST(LinkSettings, ReadsEveryKey) {
         "delay_s = 0.05\njitter = \"normal\"\njitter_spread_s = 0.005\nloss = 0.01\nin_order = false\n"
         "capacity = 100");
     EXPECT_EQ(link.delay, milliseconds{50});
-    EXPECT_EQ(link.jitter, Jitter::kNormal);
-    EXPECT_EQ(link.jitter_spread, milliseconds{5});
-    EXPECT_EQ(link.loss, 0.01);
+    EXPECT_EQ(link.jitter.shape, JitterShape::kNormal);
+    EXPECT_EQ(link.jitter.spread, milliseconds{5});
+    EXPECT_EQ(link.loss, LossSettings::independent(0.01));
     EXPECT_FALSE(link.in_order);
     EXPECT_EQ(link.capacity, 100U);
-    EXPECT_EQ(read("jitter = \"uniform\"\ndelay_s = 1\njitter_spread_s = 1").jitter, Jitter::kUniform);
+    EXPECT_EQ(read("jitter = \"uniform\"\ndelay_s = 1\njitter_spread_s = 1").jitter.shape,
+              JitterShape::kUniform);
 }
 
 TEST(LinkSettings, RefusesWhatIsOutOfRange) {

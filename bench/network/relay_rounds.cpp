@@ -1,0 +1,291 @@
+#include "bench/network/relay_rounds.hpp"
+
+#include <arpa/inet.h>
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <ctime>
+#include <fcntl.h>
+#include <functional>
+#include <poll.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/socket.h>
+#include <thread>
+
+#include "common/runtime/event_waiter.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "netem/relay/relay_engine.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+constexpr std::size_t kBytes = 144;  // a ForceFeedback
+constexpr Duration kPeriod = milliseconds{1};
+constexpr std::size_t kManyInFlight = 1'000'000;
+
+UdpAddress loopback() { return {htonl(INADDR_LOOPBACK), 0}; }
+double us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
+
+double thread_cpu_s() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// A helper must not inherit the real-time scheduling of what is measured.
+void be_ordinary() {
+    const sched_param none{};
+    sched_setscheduler(0, SCHED_OTHER, &none);
+}
+
+// The last core, for round trips "on one core".
+void pin() {
+    cpu_set_t cores;
+    CPU_ZERO(&cores);
+    CPU_SET(static_cast<std::size_t>(std::thread::hardware_concurrency() - 1), &cores);
+    pthread_setaffinity_np(pthread_self(), sizeof cores, &cores);
+}
+
+class Unpinned {
+  public:
+    Unpinned() { pthread_getaffinity_np(pthread_self(), sizeof before_, &before_); }
+    ~Unpinned() { pthread_setaffinity_np(pthread_self(), sizeof before_, &before_); }
+
+  private:
+    cpu_set_t before_{};
+};
+
+// A thread that runs until this object goes.
+class Helper {
+  public:
+    explicit Helper(std::function<void(const std::atomic<bool>&)> work)
+        : thread_([this, work = std::move(work)] { work(stop_); }) {}
+    ~Helper() {
+        stop_ = true;
+        thread_.join();
+    }
+
+  private:
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+bool readable(int descriptor, int timeout_ms) {
+    pollfd wanted{descriptor, POLLIN, 0};
+    return poll(&wanted, 1, timeout_ms) > 0;
+}
+
+RelaySettings settings_for(Mode mode, Duration delay, const UdpAddress& to) {
+    RelaySettings settings;
+    settings.inlets = {{loopback(), to}};
+    settings.links.up.delay = delay;
+    settings.links.up.capacity = settings.links.down.capacity = kManyInFlight;
+    settings.most_flows = 1;
+    settings.precise = mode == Mode::kPrecise;
+    return settings;
+}
+
+class DueTimes final : public PacketSink {
+  public:
+    explicit DueTimes(std::size_t room) { due.reserve(room); }
+    void add(const PacketRecord& record) override { due.push_back(from_nanoseconds(record.due_ns)); }
+    std::vector<SessionTime> due;
+};
+
+// Sends numbered datagrams at 1 kHz and notes when the kernel had them at the sink.
+class Stream {
+  public:
+    Stream(const UdpSocket& sink, std::size_t packets) : sink_(&sink), arrived(packets) {}
+
+    void run(const UdpAddress& relay, const std::atomic<bool>& stop) {
+        be_ordinary();
+        const UdpSocket client = UdpSocket::connected(relay);
+        EventWaiter waiter(false);
+        waiter.add(sink_->descriptor(), 0);
+        std::array<epoll_event, 2> room{};
+        std::uint64_t sent = 0;
+        for (SessionTime next = wall_now(); !stop;) {
+            waiter.wait(next, next, room);
+            receive();
+            if (wall_now() < next) continue;
+            next += kPeriod;
+            if (sent < arrived.size()) send(client, sent++);
+        }
+    }
+
+  private:
+    void send(const UdpSocket& client, std::uint64_t number) {
+        std::array<std::uint8_t, kBytes> bytes{};
+        std::memcpy(bytes.data(), &number, sizeof number);
+        out_.add(bytes, nullptr);
+        out_.send(client.descriptor());
+    }
+    void receive() {
+        stamps_.update(read_clock_pair());
+        const std::size_t count = in_.receive(sink_->descriptor());
+        const SessionTime now = wall_now();
+        for (std::size_t i = 0; i < count; ++i) {
+            std::uint64_t number = 0;
+            std::memcpy(&number, in_[i].bytes.data(), sizeof number);
+            if (number < arrived.size()) arrived[number] = stamps_.to_session(in_[i].stamp_realtime_ns, now);
+        }
+    }
+
+    const UdpSocket* sink_;
+    ReceiveBatch in_;
+    SendBatch out_;
+    StampClock stamps_;
+
+  public:
+    std::vector<SessionTime> arrived;
+};
+
+// As many as come, as fast as they come.
+void flood(const UdpAddress& to, const std::atomic<bool>& stop) {
+    be_ordinary();
+    const UdpSocket client = UdpSocket::connected(to);
+    const std::array<std::uint8_t, kBytes> bytes{};
+    SendBatch batch;
+    while (!stop) {
+        while (!batch.full()) batch.add(bytes, nullptr);
+        batch.send(client.descriptor());
+    }
+}
+
+void echo(const UdpSocket& socket, const std::atomic<bool>& stop) {
+    pin();
+    std::array<std::uint8_t, 2048> bytes{};
+    sockaddr_in from{};
+    auto* raw = static_cast<sockaddr*>(static_cast<void*>(&from));
+    while (!stop) {
+        socklen_t size = sizeof from;
+        const auto got = recvfrom(socket.descriptor(), bytes.data(), bytes.size(), 0, raw, &size);
+        if (got > 0) sendto(socket.descriptor(), bytes.data(), static_cast<std::size_t>(got), 0, raw, size);
+    }
+}
+
+// Blocks for at most 200 ms: a lost datagram must not hang the measurement.
+void make_blocking(const UdpSocket& socket) {
+    const int on = 0;
+    const timeval patience{0, 200'000};
+    setsockopt(socket.descriptor(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+    setsockopt(socket.descriptor(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    fcntl(socket.descriptor(), F_SETFL, 0);
+}
+
+std::vector<double> round_trips(const UdpAddress& to, int count) {
+    const Unpinned before;
+    pin();
+    const UdpSocket client = UdpSocket::connected(to);
+    make_blocking(client);
+    std::array<std::uint8_t, kBytes> bytes{};
+    std::vector<double> took_us;
+    for (int i = 0; i < count; ++i) {
+        wall_sleep(kPeriod);
+        const SessionTime start = wall_now();
+        ::send(client.descriptor(), bytes.data(), bytes.size(), 0);
+        if (recv(client.descriptor(), bytes.data(), bytes.size(), 0) > 0)
+            took_us.push_back(us(wall_now() - start));
+    }
+    return took_us;
+}
+
+}  // namespace
+
+LatenessRound relay_lateness(Mode mode, Duration delay, Duration length) {
+    const auto packets = static_cast<std::size_t>(length / kPeriod);
+    const UdpSocket sink = UdpSocket::listening(loopback());
+    DueTimes times(packets);
+    RelayEngine engine(settings_for(mode, delay, sink.local()), &times);
+    Stream stream(sink, packets);
+    LatenessRound round;
+    {
+        Helper sender([&](const std::atomic<bool>& stop) { stream.run(engine.inlet_address(0), stop); });
+        const SessionTime start = wall_now(), end = start + length + delay + milliseconds{20};
+        const double cpu_before_s = thread_cpu_s();
+        for (SessionTime now = start; now < end; now = wall_now()) engine.step(end);
+        round.cpu_s = thread_cpu_s() - cpu_before_s;
+        round.wall_s = to_seconds(wall_now() - start);
+    }
+    for (std::size_t i = 0; i < times.due.size(); ++i) {
+        if (stream.arrived[i] != SessionTime{})
+            round.errors_us.push_back(us(stream.arrived[i] - times.due[i]));
+    }
+    return round;
+}
+
+LatenessRound timer_lateness(Duration length) {
+    LatenessRound round;
+    EventWaiter waiter(false);
+    std::array<epoll_event, 1> room{};
+    const SessionTime start = wall_now(), end = start + length;
+    const double cpu_before_s = thread_cpu_s();
+    for (SessionTime due = start + kPeriod; due < end; due += kPeriod) {
+        waiter.wait(due, due, room);
+        round.errors_us.push_back(us(wall_now() - due));
+    }
+    round.cpu_s = thread_cpu_s() - cpu_before_s;
+    round.wall_s = to_seconds(wall_now() - start);
+    return round;
+}
+
+double relay_throughput(Mode mode, Duration delay, Duration length) {
+    const UdpSocket sink = UdpSocket::listening(loopback());
+    RelayEngine engine(settings_for(mode, delay, sink.local()), nullptr);
+    const Helper sender([&](const std::atomic<bool>& stop) { flood(engine.inlet_address(0), stop); });
+    const auto sent = [&](SessionTime now) {
+        return static_cast<double>(engine.totals(now)[RelayDirection::kUp].packets.delivered);
+    };
+    const auto run_until = [&](SessionTime end) {
+        while (wall_now() < end) engine.step(end);
+        return end;
+    };
+    const SessionTime warm = run_until(wall_now() + delay + milliseconds{50});
+    const double before = sent(warm);
+    const SessionTime start = wall_now();
+    run_until(start + length);
+    const SessionTime end = wall_now();
+    return (sent(end) - before) / to_seconds(end - start);
+}
+
+double bare_throughput(Duration length) {
+    const UdpSocket sink = UdpSocket::listening(loopback()), inlet = UdpSocket::listening(loopback());
+    const UdpSocket out = UdpSocket::connected(sink.local());
+    const Helper sender([&](const std::atomic<bool>& stop) { flood(inlet.local(), stop); });
+    ReceiveBatch in;
+    SendBatch batch;
+    double sent = 0;
+    const SessionTime start = wall_now(), end = start + length;
+    while (wall_now() < end) {
+        const std::size_t count = in.receive(inlet.descriptor());
+        if (count == 0) readable(inlet.descriptor(), 1);
+        for (std::size_t i = 0; i < count; ++i) batch.add(in[i].bytes, nullptr);
+        for (const bool accepted : batch.send(out.descriptor())) sent += accepted ? 1 : 0;
+    }
+    return sent / to_seconds(wall_now() - start);
+}
+
+std::vector<double> relay_round_trips(Mode mode, int count) {
+    const UdpSocket server = UdpSocket::listening(loopback());
+    make_blocking(server);
+    const Helper echoing([&](const std::atomic<bool>& stop) { echo(server, stop); });
+    RelayEngine engine(settings_for(mode, Duration::zero(), server.local()), nullptr);
+    const Helper relaying([&](const std::atomic<bool>& stop) {
+        pin();
+        while (!stop) engine.step(kNever);
+    });
+    return round_trips(engine.inlet_address(0), count);
+}
+
+std::vector<double> bare_round_trips(int count) {
+    const UdpSocket server = UdpSocket::listening(loopback());
+    make_blocking(server);
+    const Helper echoing([&](const std::atomic<bool>& stop) { echo(server, stop); });
+    return round_trips(server.local(), count);
+}
+
+}  // namespace thimble

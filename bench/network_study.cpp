@@ -1,0 +1,148 @@
+// thimble-bench netem: how near the relay comes to a machine without it, each figure a ratio of two things measured in
+// turn in one run (docs/network-relay.md).
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/network/relay_rounds.hpp"
+#include "bench/studies.hpp"
+#include "common/runtime/command_line.hpp"
+#include "netem/relay/relay_service.hpp"
+
+namespace thimble {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using std::chrono::milliseconds;
+
+constexpr Duration kWindow = milliseconds{250};
+constexpr Duration kBurst = milliseconds{500};
+
+struct Options {
+    int rounds = 8;
+    bool json = false, default_scheduling = false;
+};
+
+struct Row {
+    std::string what, goal;
+    double ours = 0, bare = 0;
+    std::string unit;
+    double stalled = 0;
+    double ratio() const { return bare > 0 ? ours / bare : 0; }
+};
+
+struct Lateness {
+    ErrorWindows windows;
+    double cpu_s = 0, wall_s = 0;
+    void add(LatenessRound round) {
+        windows.add(std::move(round.errors_us));
+        cpu_s += round.cpu_s;
+        wall_s += round.wall_s;
+    }
+    double cpu() const { return cpu_s / wall_s; }
+};
+
+// Precise, sleeping and bare take turns, a window each.
+void measure_lateness(const Options& options, bool granted, Duration delay, std::vector<Row>& rows) {
+    Lateness precise, sleeping, bare;
+    for (int i = 0; i < 2 * options.rounds; ++i) {
+        bare.add(timer_lateness(kWindow));
+        sleeping.add(relay_lateness(Mode::kSleeping, delay, kWindow));
+        if (granted) precise.add(relay_lateness(Mode::kPrecise, delay, kWindow));
+    }
+    const WindowErrors b = bare.windows.errors(), s = sleeping.windows.errors(), p = precise.windows.errors();
+    const std::string name = fmt::format("{:g} ms", 1e3 * to_seconds(delay));
+    const auto row = [&](const char* mode, const WindowErrors& e, const char* goal) {
+        rows.push_back({fmt::format("{}, {}, w50", name, mode), "", e.w50_us, b.w50_us, "us", e.stalled});
+        rows.push_back({fmt::format("{}, {}, w99", name, mode), goal, e.w99_us, b.w99_us, "us", e.stalled});
+    };
+    row("sleeping", s, granted ? "<= 1.1" : "<= 1.3");
+    if (!granted) return;
+    row("precise", p, "<= 0.10");
+    rows.push_back(
+        {name + ", CPU precise / sleeping", "<= 2", 1e2 * precise.cpu(), 1e2 * sleeping.cpu(), "%", 0});
+}
+
+void measure_throughput(const Options& options, bool granted, std::vector<Row>& rows) {
+    std::vector<double> bare, sleeping, precise;
+    for (int i = 0; i < options.rounds; ++i) {
+        bare.push_back(1e-3 * bare_throughput(kBurst));
+        sleeping.push_back(1e-3 * relay_throughput(Mode::kSleeping, milliseconds{50}, kBurst));
+        if (granted) precise.push_back(1e-3 * relay_throughput(Mode::kPrecise, milliseconds{50}, kBurst));
+    }
+    rows.push_back(
+        {"packets per second, 50 ms, sleeping", ">= 0.95", median(sleeping), median(bare), "k/s", 0});
+    if (granted)
+        rows.push_back(
+            {"packets per second, 50 ms, precise", ">= 0.95", median(precise), median(bare), "k/s", 0});
+}
+
+void measure_round_trips(const Options& options, std::vector<Row>& rows) {
+    ErrorWindows bare, relay;
+    for (int i = 0; i < options.rounds; ++i) {
+        bare.add(bare_round_trips(250));
+        relay.add(relay_round_trips(Mode::kSleeping, 250));
+    }
+    const WindowErrors b = bare.errors(), r = relay.errors();
+    rows.push_back(
+        {"round trip, delay 0, one core, w50", "<= 1.10", r.w50_us, 2 * b.w50_us, "us", r.stalled});
+    rows.push_back({"round trip, delay 0, one core, w99", "", r.w99_us, 2 * b.w99_us, "us", r.stalled});
+}
+
+void print(const std::vector<Row>& rows, bool granted, bool json) {
+    Json all = Json::array();
+    if (!json) {
+        fmt::print(
+            "scheduling: {}\n| what | relay | bare | ratio | goal | windows with a stall |\n| --- | --- | "
+            "--- | --- | --- | --- |\n",
+            granted ? "SCHED_FIFO" : "default");
+    }
+    for (const Row& r : rows) {
+        all.push_back({{"what", r.what},
+                       {"relay", r.ours},
+                       {"bare", r.bare},
+                       {"unit", r.unit},
+                       {"ratio", r.ratio()},
+                       {"goal", r.goal},
+                       {"stalled_windows", r.stalled}});
+        if (!json) {
+            fmt::print("| {} | {:.4g} {} | {:.4g} {} | {:.3f} | {} | {:.0f} % |\n", r.what, r.ours, r.unit,
+                       r.bare, r.unit, r.ratio(), r.goal, 100 * r.stalled);
+        }
+    }
+    if (json) fmt::print("{}\n", Json{{"realtime", granted}, {"rows", all}}.dump(2));
+}
+
+int run(const Options& options) {
+    RuntimeSettings runtime;
+    runtime.realtime_scheduling = !options.default_scheduling;
+    const bool granted = ask_for_precision(runtime, true);
+    std::vector<Row> rows;
+    for (const int delay_ms : {1, 5, 50, 200})
+        measure_lateness(options, granted, milliseconds{delay_ms}, rows);
+    measure_throughput(options, granted, rows);
+    measure_round_trips(options, rows);
+    print(rows, granted, options.json);
+    return 0;
+}
+
+}  // namespace
+
+int network_study(int argc, char** argv) {
+    CLI::App app("The relay of thimble-netem beside the bare machine: lateness, CPU, throughput, round trip.",
+                 "thimble-bench netem");
+    Options options;
+    app.add_option("--rounds", options.rounds, "how often everything takes its turn")
+        ->check(CLI::Range(2, 1000))
+        ->capture_default_str();
+    app.add_flag("--default-scheduling", options.default_scheduling, "without SCHED_FIFO");
+    app.add_flag("--json", options.json, "as JSON");
+    if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+    return run(options);
+}
+
+}  // namespace thimble

@@ -1,0 +1,28 @@
+// What thimble-netem can do, each in a file of its own: the command line, and what it starts.
+#pragma once
+
+#include <functional>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
+namespace thimble {
+
+struct NetemCommand {
+    CLI::App* subcommand;      // lives as long as the app it was added to
+    std::function<int()> run;  // once the command line has been parsed; returns the exit code
+};
+
+// The relay itself, with --listen and --to or with --selftest: options of `app`, no subcommand.
+std::function<int()> add_relay(CLI::App& app);
+// Each adds its subcommand to `app`.
+NetemCommand add_set(CLI::App& app);
+NetemCommand add_show(CLI::App& app);
+NetemCommand add_watch(CLI::App& app);
+NetemCommand add_log(CLI::App& app);
+
+// A node of a session, between master and slave_sim: a program of its own with its own command line.
+int run_node(int argc, char** argv);
+
+}  // namespace thimble

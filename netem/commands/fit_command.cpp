@@ -1,0 +1,76 @@
+#include "netem/commands/fit_command.hpp"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "netem/formats/jitter_table_file.hpp"
+#include "netem/formats/packet_trace_file.hpp"
+#include "netem/formats/path_fit.hpp"
+#include "netem/formats/text_lines.hpp"
+#include "netem/profiles/profiles.hpp"
+
+namespace thimble {
+namespace {
+
+MeasuredPath load(const std::string& file) { return parse_path(read_whole_file(file), file); }
+
+PathFit fit_and_say(const MeasuredPath& path, const std::string& file) {
+    PathFit fit = fit_path(path);
+    fmt::print("{}\n", file);
+    for (const std::string& sentence : fit.in_words) fmt::print("  {}\n", sentence);
+    return fit;
+}
+
+std::vector<std::string> source_of(const std::string& file, const MeasuredPath& path, const PathFit& fit) {
+    std::vector<std::string> source{fmt::format("fitted to {} ({} packets)", file, fit.packets)};
+    source.insert(source.end(), path.remarks.begin(), path.remarks.end());
+    source.insert(source.end(), fit.in_words.begin(), fit.in_words.end());
+    return source;
+}
+
+}  // namespace
+
+int fit_command(const FitArguments& a) {
+    const MeasuredPath up = load(a.up);
+    const PathFit up_fit = fit_and_say(up, a.up);
+    LinkProfile profile;
+    profile.about = "Fitted to a measured path";
+    profile.up = profile.down = up_fit.link;
+    profile.source = source_of(a.up, up, up_fit);
+    if (a.down.empty()) {
+        profile.source.emplace_back("one direction was measured; the other is taken to be like it");
+    } else {
+        const MeasuredPath down = load(a.down);
+        const PathFit down_fit = fit_and_say(down, a.down);
+        profile.down = down_fit.link;
+        for (std::string& line : source_of(a.down, down, down_fit)) profile.source.push_back(std::move(line));
+    }
+    if (!a.table.empty()) {
+        const JitterTable table(standardised_delays(up));
+        write_whole_file(a.table, print_jitter_table(table, fmt::format("delays of {}, standardised", a.up)));
+        fmt::print("{}: table of the delays, for `jitter_table` and tc\n", a.table);
+    }
+    if (!a.out.empty()) {
+        write_whole_file(a.out, print_profile(profile));
+        fmt::print("{}: profile\n", a.out);
+    }
+    return static_cast<int>(ExitCode::kOk);
+}
+
+std::pair<CLI::App*, std::function<int()>> add_fit(CLI::App& app) {
+    const auto arguments = std::make_shared<FitArguments>();
+    FitArguments& a = *arguments;
+    CLI::App* sub =
+        app.add_subcommand("fit", "a profile from a trace: delay, jitter and loss, and how well they fit");
+    sub->add_option("trace", a.up, "trace (CSV) of the way up, or of either way")->required();
+    sub->add_option("--down", a.down, "trace of the way down; without it both are alike");
+    sub->add_option("-o,--out", a.out, "profile (TOML); replaced if it exists");
+    sub->add_option("--table", a.table, "also a table of the delays (.dist), for what no shape fits");
+    sub->footer("Example:\n  thimble-netem fit path.up.csv --down path.down.csv --out lab.toml");
+    return {sub, [arguments] { return fit_command(*arguments); }};
+}
+
+}  // namespace thimble

@@ -1,0 +1,123 @@
+#include "netem/commands/import_command.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "netem/formats/capture_pair.hpp"
+#include "netem/formats/irtt_file.hpp"
+#include "netem/formats/ping_file.hpp"
+#include "netem/formats/text_lines.hpp"
+
+namespace thimble {
+namespace {
+
+std::string format_of(std::string_view text) {
+    if (text.empty()) return "ping";
+    const auto first = static_cast<unsigned char>(text.front());
+    if (first == 0xa1 || first == 0xd4 || first == 0x4d || first == 0x0a) return "pcap";
+    const std::size_t visible = text.find_first_not_of(" \t\r\n");
+    return visible != std::string_view::npos && text[visible] == '{' ? "irtt" : "ping";
+}
+
+void write(const MeasuredPath& path, const std::string& file) {
+    write_whole_file(file, print_path(path));
+    std::size_t lost = 0;
+    for (const MeasuredPacket& packet : path.packets) lost += packet.loss >= 1 ? 1 : 0;
+    fmt::print("{}: {} packets over {:.3f} s, {} of them lost\n", file, path.packets.size(),
+               static_cast<double>(path.packets.back().at) * 1e-9, lost);
+    for (const std::string& remark : path.remarks) fmt::print("  {}\n", remark);
+}
+
+std::string with_direction(const std::string& file, const char* direction) {
+    const std::filesystem::path path(file);
+    return (path.parent_path() / (path.stem().string() + '.' + direction + path.extension().string()))
+        .string();
+}
+
+void import_irtt(const std::string& text, const ImportArguments& a) {
+    const MeasuredPaths paths = parse_irtt(text, a.files[0]);
+    const bool both = a.direction == "both";
+    if (a.direction != "down") write(paths.up, both ? with_direction(a.out, "up") : a.out);
+    if (a.direction != "up") write(paths.down, both ? with_direction(a.out, "down") : a.out);
+}
+
+std::optional<std::uint16_t> port_of(int port) {
+    return port > 0 ? std::optional(static_cast<std::uint16_t>(port)) : std::nullopt;
+}
+
+void import_captures(const std::string& text, const ImportArguments& a) {
+    if (a.files.size() != 2) {
+        throw Error(ExitCode::kUsage, "import: a delay needs two captures, the sender's and the receiver's");
+    }
+    const Capture sent = parse_capture(text, a.files[0]);
+    const Capture received = parse_capture(read_whole_file(a.files[1]), a.files[1]);
+    CapturePairOptions options{port_of(a.sent_port), port_of(a.received_port), {}};
+    if (a.least_delay_s >= 0) options.least_delay = from_seconds(a.least_delay_s);
+    const CapturePair pair = match_captures(sent, received, options);
+    write(pair.path, a.out);
+    fmt::print(
+        "  {} duplicates, {} out of order, {} received that were never sent; delays by the stamps {:.6f} to "
+        "{:.6f} s\n",
+        pair.duplicates, pair.reordered, pair.foreign, to_seconds(pair.least), to_seconds(pair.most));
+    for (const Capture* capture : {&sent, &received}) {
+        if (capture->fragments + capture->others == 0 && !capture->cut_at_end) continue;
+        fmt::print("  {}: {} packets that are no IPv4 UDP and {} fragments left out{}\n",
+                   capture == &sent ? a.files[0] : a.files[1], capture->others, capture->fragments,
+                   capture->cut_at_end ? "; it ends within a packet" : "");
+    }
+}
+
+}  // namespace
+
+int import_command(const ImportArguments& arguments) {
+    const std::string text = read_whole_file(arguments.files.at(0));
+    const std::string format = arguments.format == "auto" ? format_of(text) : arguments.format;
+    if (format == "pcap") {
+        import_captures(text, arguments);
+    } else if (arguments.files.size() > 1) {
+        throw Error(ExitCode::kUsage,
+                    "import: one file of irtt or ping at a time; two are for captures (pcap)");
+    } else if (format == "irtt") {
+        import_irtt(text, arguments);
+    } else {
+        write(parse_ping(text, arguments.files[0], from_seconds(arguments.interval_s)), arguments.out);
+    }
+    return static_cast<int>(ExitCode::kOk);
+}
+
+std::pair<CLI::App*, std::function<int()>> add_import(CLI::App& app) {
+    const auto arguments = std::make_shared<ImportArguments>();
+    ImportArguments& a = *arguments;
+    CLI::App* sub = app.add_subcommand("import", "a trace from irtt's JSON, ping's output or two captures");
+    sub->add_option("files", a.files, "irtt JSON, ping output, or the sender's and the receiver's pcap")
+        ->required()
+        ->expected(1, 2);
+    sub->add_option("-o,--out", a.out, "trace (CSV); replaced if it exists")->required();
+    sub->add_option("--format", a.format, "what the files are")
+        ->default_val(a.format)
+        ->check(CLI::IsMember({"auto", "irtt", "ping", "pcap"}));
+    sub->add_option("--direction", a.direction, "of irtt; both: OUT.up.csv and OUT.down.csv")
+        ->default_val(a.direction)
+        ->check(CLI::IsMember({"up", "down", "both"}));
+    sub->add_option("--interval-s", a.interval_s, "of ping without -D")
+        ->default_val(a.interval_s)
+        ->check(CLI::Range(1e-4, 3600.0));
+    sub->add_option("--sent-port", a.sent_port, "only datagrams to this port, in the sender's capture")
+        ->check(CLI::Range(1, 65535));
+    sub->add_option("--received-port", a.received_port, "the same in the receiver's")
+        ->check(CLI::Range(1, 65535));
+    sub->add_option("--least-delay-s", a.least_delay_s,
+                    "moves all delays so that the least is this one: for clocks that are not synchronised")
+        ->check(CLI::Range(0.0, 60.0));
+    sub->footer(
+        "Examples:\n  thimble-netem import irtt.json --out path.csv\n"
+        "  thimble-netem import sent.pcap received.pcap --sent-port 9000 --out path.csv");
+    return {sub, [arguments] { return import_command(*arguments); }};
+}
+
+}  // namespace thimble

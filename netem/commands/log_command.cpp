@@ -1,0 +1,54 @@
+// thimble-netem log: a packet log as CSV.
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "netem/commands/commands.hpp"
+#include "netem/relay/packet_record.hpp"
+
+namespace thimble {
+namespace {
+
+template <std::size_t kSize>
+std::size_t read_some(std::istream& file, std::array<std::uint8_t, kSize>& bytes) {
+    file.read(reinterpret_cast<char*>(bytes.data()), kSize);
+    return static_cast<std::size_t>(file.gcount());
+}
+
+int print_log(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw Error(ExitCode::kData, fmt::format("cannot read '{}': does it exist?", path));
+    std::array<std::uint8_t, kLogHeaderBytes> header{};
+    check_log_header({header.data(), read_some(file, header)}, path);
+    fmt::print("{}\n", record_csv_header());
+    std::array<std::uint8_t, kRecordBytes> bytes{};
+    for (std::uint64_t i = 0;; ++i) {
+        const std::size_t size = read_some(file, bytes);
+        if (size == 0) return 0;
+        const auto record = size == kRecordBytes ? decode_record(bytes) : std::nullopt;
+        if (!record) {
+            throw Error(ExitCode::kData, fmt::format("'{}': record {} of the log is {}: it ends here", path,
+                                                     i, size < kRecordBytes ? "cut short" : "damaged"));
+        }
+        fmt::print("{}\n", to_csv(*record));
+    }
+}
+
+}  // namespace
+
+NetemCommand add_log(CLI::App& app) {
+    const auto path = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand("log", "print a packet log as CSV");
+    command->add_option("file", *path, "written by --log")->required();
+    command->footer("Example:\n  thimble-netem log packets.bin > packets.csv");
+    return {command, [path] { return print_log(*path); }};
+}
+
+}  // namespace thimble

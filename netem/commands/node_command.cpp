@@ -1,0 +1,75 @@
+// thimble-netem as a node of a session: the network between the others.
+#include <cmath>
+
+#include "common/runtime/node_program.hpp"
+#include "netem/commands/commands.hpp"
+#include "netem/netem_process.hpp"
+#include "netem/netem_settings.hpp"
+
+namespace thimble {
+namespace {
+
+class Netem final : public NodeInstance {
+  public:
+    Netem(const NetemSettings& settings, Sockets& sockets, std::uint64_t instance)
+        : process_(instance, *sockets.between(Port::kNetemControl, Port::kSessionNetem),
+                   make_relays(settings, sockets)) {}
+
+    NodeProcess& process() override { return process_; }
+    void describe(nlohmann::ordered_json& report) const override {
+        for (const Relay& relay : process_.relays()) {
+            LinkCounters counters = relay.before;
+            counters += relay.model.counters();
+            report["links"].push_back({{"pushed", counters.pushed},
+                                       {"delivered", counters.delivered},
+                                       {"lost", counters.lost},
+                                       {"overflowed", counters.overflowed}});
+        }
+    }
+
+  private:
+    static std::vector<RelayPlan> make_relays(const NetemSettings& s, Sockets& sockets) {
+        std::vector<RelayPlan> relays;
+        const auto add = [&](Port in, Role sender, Port out, const LinkSettings& link,
+                             std::uint32_t direction) {
+            Channel* from = sockets.inlet(in, sender);
+            relays.push_back({from, sockets.outlet(out), link, direction});
+        };
+        add(Port::kNetemNeedle, Role::kMaster, Port::kSlaveNeedle, s.needle, kDirectionNeedle);
+        add(Port::kNetemForceMaster, Role::kSlaveSim, Port::kMasterForce, s.force, kDirectionForceMaster);
+        add(Port::kNetemForceCutaneous, Role::kSlaveSim, Port::kCutaneousForce, s.force,
+            kDirectionForceCutaneous);
+        add(Port::kNetemForceVisual, Role::kSlaveSim, Port::kVisualForce, s.force, kDirectionForceVisual);
+        return relays;
+    }
+
+    NetemProcess process_;
+};
+
+}  // namespace
+
+int run_node(int argc, char** argv) {
+    double force_delay_s = std::nan(""), needle_delay_s = std::nan("");
+    NodeProgram program;
+    program.name = "thimble-netem";
+    program.description =
+        "Relays the datagrams between master and slave_sim through a delay, jitter and loss model: one link "
+        "for the "
+        "needle, one each for the force to handle, fingertips and screen.";
+    program.example = "thimble-netem --config deploy/sessions/delay50.toml --force-delay-s 0.05";
+    program.options = {
+        {"--force-delay-s", "one-way delay of the force path, instead of [netem.force].delay_s",
+         &force_delay_s, 0, 60},
+        {"--needle-delay-s", "one-way delay of the needle path, instead of [netem.needle].delay_s",
+         &needle_delay_s, 0, 60}};
+    program.tables = {"network", "runtime", "netem"};
+    program.build = [&](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+        NetemSettings settings = read_netem_settings(file);
+        if (!std::isnan(force_delay_s)) settings.force.delay = from_seconds(force_delay_s);
+        if (!std::isnan(needle_delay_s)) settings.needle.delay = from_seconds(needle_delay_s);
+        return std::make_unique<Netem>(settings, sockets, instance);
+    };
+    return run_node_program(program, argc, argv);
+}
+
+}  // namespace thimble

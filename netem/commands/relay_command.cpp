@@ -1,0 +1,143 @@
+// thimble-netem --listen ... --to ...: a network in front of any UDP program. With --selftest: in front of its own.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "netem/commands/commands.hpp"
+#include "netem/commands/profile_option.hpp"
+#include "netem/relay/relay_service.hpp"
+#include "netem/relay/selftest.hpp"
+
+namespace thimble {
+namespace {
+
+struct Options {
+    std::vector<std::string> listen, to;
+    ProfileOptions profile;
+    std::uint64_t seed = 1;
+    std::size_t most_flows = 1000;
+    double idle_s = 60, seconds = 0;
+    bool precise = false, json = false, strict_rt = false, default_scheduling = false, selftest = false;
+    std::string log, control, print_tc;
+};
+
+constexpr double kSelftestDefault_s = 10;
+
+RelaySettings relay_settings(const Options& options) {
+    if (options.listen.size() != options.to.size() || options.listen.empty()) {
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format("{} times --listen and {} times --to: each --listen PORT needs its --to HOST:PORT",
+                        options.listen.size(), options.to.size()));
+    }
+    RelaySettings relay;
+    for (std::size_t i = 0; i < options.listen.size(); ++i) {
+        const UdpAddress to = read_udp_address(options.to[i], "--to");
+        if (to.host == 0 || to.port == 0) {
+            throw Error(ExitCode::kUsage,
+                        fmt::format("--to {}: write HOST:PORT of the server", options.to[i]));
+        }
+        relay.inlets.push_back({read_udp_address(options.listen[i], "--listen"), to});
+    }
+    Network network = read_profile(options.profile);
+    relay.links = std::move(network.links);
+    relay.timelines = std::move(network.timelines);
+    relay.seed = options.seed;
+    relay.most_flows = options.most_flows;
+    relay.idle = from_seconds(options.idle_s);
+    relay.precise = options.precise;
+    return relay;
+}
+
+// Share of packets that left late beyond what --strict-rt allows.
+int check_lateness(const Options& options, const RelayState& state, const RuntimeSettings& runtime) {
+    std::uint64_t late = 0, sent = 0;
+    for (const DirectionTotals& d : state.totals.direction) {
+        late += d.late;
+        sent += d.error.count();
+    }
+    const double share = sent == 0 ? 0 : static_cast<double>(late) / static_cast<double>(sent);
+    if (!options.strict_rt || share <= runtime.allowed_miss_fraction) return static_cast<int>(ExitCode::kOk);
+    spdlog::error("{} of {} packets left more than 1 ms late; --strict-rt allows a fraction of {}", late,
+                  sent, runtime.allowed_miss_fraction);
+    return static_cast<int>(ExitCode::kRealtime);
+}
+
+int relay(const Options& options) {
+    ServiceSettings service;
+    service.relay = relay_settings(options);
+    service.runtime.realtime_scheduling = !options.default_scheduling;
+    service.log = options.log;
+    service.control = options.control;
+    service.length = from_seconds(options.seconds);
+    const RelayState state = run_relay(service);
+    const auto report = describe(state);
+    fmt::print("{}", options.json ? report.dump(2) + "\n" : in_words(report));
+    return check_lateness(options, state, service.runtime);
+}
+
+int selftest(const Options& options) {
+    SelftestSettings settings;
+    Network network = read_profile(options.profile);
+    settings.links = std::move(network.links);
+    settings.timelines = std::move(network.timelines);
+    settings.seed = options.seed;
+    settings.length = from_seconds(options.seconds > 0 ? options.seconds : kSelftestDefault_s);
+    settings.precise = options.precise;
+    settings.runtime.realtime_scheduling = !options.default_scheduling;
+    const SelftestResult result = run_selftest(settings);
+    fmt::print("{}", options.json ? describe(result).dump(2) + "\n" : in_words(result));
+    return static_cast<int>(result.verdict == Verdict::kFail ? ExitCode::kRunFailed : ExitCode::kOk);
+}
+
+void add_traffic_options(CLI::App& app, Options& o) {
+    app.add_option("--listen", o.listen, "where clients send to; several times for several servers")
+        ->type_name("[HOST:]PORT")
+        ->take_all();
+    app.add_option("--to", o.to, "the server behind, one for each --listen")
+        ->type_name("HOST:PORT")
+        ->take_all();
+    app.add_option("--seed", o.seed, "the same seed gives each packet the same fate")->capture_default_str();
+    app.add_option("--max-flows", o.most_flows, "clients at the same time")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    app.add_option("--idle-s", o.idle_s, "a client silent for so long is forgotten")
+        ->check(CLI::Range(0.1, 86400.0))
+        ->capture_default_str();
+}
+
+void add_run_options(CLI::App& app, Options& o) {
+    app.add_option("--seconds", o.seconds, "end after so long by itself (--selftest: 10 s)")
+        ->check(CLI::Range(0.1, 86400.0));
+    app.add_flag("--precise", o.precise, "spin before due times: microseconds instead of tens, for some CPU");
+    app.add_flag("--default-scheduling", o.default_scheduling, "do not ask for real-time scheduling");
+    app.add_flag("--strict-rt", o.strict_rt, "exit with 4 if more than 1 in 1000 packets left 1 ms late");
+    app.add_option("--log", o.log, "write what became of each packet; text if it ends in .csv")
+        ->type_name("FILE");
+    app.add_option("--control", o.control, "socket for set, show and watch")->type_name("PATH");
+    app.add_flag("--json", o.json, "summary as JSON");
+    app.add_option("--print-tc", o.print_tc, "only print the same for the kernel's netem on this interface")
+        ->type_name("DEVICE");
+    app.add_flag("--selftest", o.selftest, "send own traffic and say whether this machine can be trusted");
+}
+
+}  // namespace
+
+std::function<int()> add_relay(CLI::App& app) {
+    const auto options = std::make_shared<Options>();
+    add_traffic_options(app, *options);
+    add_profile_options(app, options->profile);
+    add_run_options(app, *options);
+    return [options] {
+        if (options->print_tc.empty()) return options->selftest ? selftest(*options) : relay(*options);
+        print_tc_commands(read_profile(options->profile).links, options->print_tc);
+        return 0;
+    };
+}
+
+}  // namespace thimble

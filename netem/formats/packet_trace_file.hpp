@@ -1,0 +1,35 @@
+// Traces of delay, loss and rate as CSV. A header names the columns, in any order:
+//   time_s (or t_s, t_ms, t_us, t_ns)   since the start of the trial, rising strictly
+//   packet                              its number instead, rising strictly
+//   delay_s (or delay_ms, delay_us, delay_ns)   may be empty where loss is 1: the delay before it holds on
+//   loss                                0 to 1
+//   rate_bits_per_s (or rate_kbps)      above 0
+// Lines of '#' are comments. What is written uses the house's names; the others are those that such files have
+// elsewhere. Every refusal names file and line (exit code 5).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "netem/formats/measured_path.hpp"
+#include "netem/packet_trace.hpp"
+
+namespace thimble {
+
+MeasuredPath parse_path(std::string_view text, std::string_view name);
+
+struct TraceChoice {
+    std::optional<TraceBy> by{};  // none: by time if the file has times, else by packet
+    TraceBetween between = TraceBetween::kHold;
+    TraceEnd end = TraceEnd::kWrap;
+};
+
+// By packet, a file with times counts its lines from 0: the recorded fates, whatever the timing of today's packets.
+PacketTrace to_trace(const MeasuredPath& path, const TraceChoice& choice, std::string_view name);
+PacketTrace parse_packet_trace(std::string_view text, std::string_view name, const TraceChoice& choice);
+PacketTrace load_packet_trace(const std::filesystem::path& path, const TraceChoice& choice);
+
+MeasuredPath to_path(const PacketTrace& trace);  // to be written with print_path
+
+}  // namespace thimble

@@ -1,0 +1,312 @@
+#include "netem/formats/path_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "netem/formats/normal_score.hpp"
+#include "netem/formats/widest_spread.hpp"
+#include "netem/stages/delay_shape.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr double kMemoryG = 10.83;      // quantile 0.999 of chi squared with one degree of freedom
+constexpr double kFlatSpread_s = 1e-9;  // below what a stamp can tell
+constexpr std::array kShapes{JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
+                             JitterShape::kPareto, JitterShape::kParetoNormal};
+
+std::string_view name_of(JitterShape shape) {
+    switch (shape) {
+        case JitterShape::kUniform:
+            return "uniform";
+        case JitterShape::kNormal:
+            return "normal";
+        case JitterShape::kGamma:
+            return "gamma";
+        case JitterShape::kPareto:
+            return "Pareto";
+        case JitterShape::kParetoNormal:
+            return "Pareto-normal";
+        default:
+            return "no";
+    }
+}
+
+std::vector<double> delays_s_of(const MeasuredPath& path) {
+    std::vector<double> delays_s;
+    for (const MeasuredPacket& packet : path.packets) {
+        if (packet.delay && packet.loss < 1) delays_s.push_back(to_seconds(*packet.delay));
+    }
+    return delays_s;
+}
+
+// The shape's distribution function over deviates in rising order, by walking its quantile function once.
+class ShapeCurve {
+  public:
+    ShapeCurve(const JitterSettings& jitter, Duration delay) : shape_(jitter, delay) {
+        for (int i = -kSteps; i <= kSteps; ++i) deviates_.push_back(shape_.at_normal(z_of(i)));
+    }
+    double share_below(double deviate) {
+        while (next_ + 1 < deviates_.size() && deviates_[next_ + 1] < deviate) ++next_;
+        if (deviate <= deviates_[next_]) return next_ == 0 ? 0 : share_at(static_cast<double>(next_));
+        if (next_ + 1 == deviates_.size()) return 1;
+        const double rise = deviates_[next_ + 1] - deviates_[next_];
+        return share_at(static_cast<double>(next_) + (deviate - deviates_[next_]) / rise);
+    }
+
+  private:
+    static constexpr int kSteps = 2000;
+    static constexpr double kReach = 5;
+    static double z_of(double step) { return kReach * step / kSteps; }
+    static double share_at(double index) { return normal_share(z_of(index - kSteps)); }
+
+    DelayShape shape_;
+    std::vector<double> deviates_;
+    std::size_t next_ = 0;
+};
+
+Duration spread_of(JitterShape shape, double sd_s) {
+    return from_seconds(shape == JitterShape::kUniform ? std::sqrt(3.0) * sd_s : sd_s);
+}
+
+double ks_distance(const std::vector<double>& sorted_s, JitterShape shape, double mean_s, double sd_s) {
+    const Duration spread = spread_of(shape, sd_s);
+    JitterSettings jitter;
+    jitter.shape = shape;
+    jitter.spread = spread;
+    ShapeCurve curve(jitter, from_seconds(mean_s));
+    const double n = static_cast<double>(sorted_s.size());
+    double distance = 0;
+    for (std::size_t i = 0; i < sorted_s.size();) {
+        const double share = curve.share_below((sorted_s[i] - mean_s) / to_seconds(spread));
+        const std::size_t first = i;
+        while (i < sorted_s.size() && sorted_s[i] == sorted_s[first]) ++i;  // ping prints few digits
+        distance =
+            std::max({distance, share - static_cast<double>(first) / n, static_cast<double>(i) / n - share});
+    }
+    return distance;
+}
+
+// Of successive received packets, in normal scores of their ranks; ties share the mean of their ranks.
+double lag_one_correlation(const MeasuredPath& path, const std::vector<double>& sorted_s) {
+    const double n = static_cast<double>(sorted_s.size());
+    const auto score = [&](const MeasuredPacket& packet) {
+        const auto [low, high] =
+            std::equal_range(sorted_s.begin(), sorted_s.end(), to_seconds(*packet.delay));
+        return normal_score(
+            (static_cast<double>(low - sorted_s.begin()) + static_cast<double>(high - sorted_s.begin())) / 2 /
+            n);
+    };
+    double products = 0, squares = 0, pairs = 0, scores = 0;
+    std::optional<double> before;
+    for (const MeasuredPacket& packet : path.packets) {
+        const bool received = packet.delay && packet.loss < 1;
+        const std::optional<double> now = received ? std::optional(score(packet)) : std::nullopt;
+        if (now) {
+            squares += *now * *now;
+            ++scores;
+        }
+        if (now && before) {
+            products += *now * *before;
+            ++pairs;
+        }
+        before = now;
+    }
+    return pairs > 1 && squares > 0 ? products / pairs / (squares / scores) : 0;
+}
+
+void fit_delay(const MeasuredPath& path, PathFit& fit) {
+    std::vector<double> sorted_s = delays_s_of(path);
+    if (sorted_s.empty()) return;
+    std::sort(sorted_s.begin(), sorted_s.end());
+    const double n = static_cast<double>(sorted_s.size());
+    fit.delay_mean_s = std::accumulate(sorted_s.begin(), sorted_s.end(), 0.0) / n;
+    double squares_s2 = 0;
+    for (const double delay_s : sorted_s)
+        squares_s2 += (delay_s - fit.delay_mean_s) * (delay_s - fit.delay_mean_s);
+    fit.delay_sd_s = sorted_s.size() > 1 ? std::sqrt(squares_s2 / (n - 1)) : 0;
+    fit.delay_least_s = sorted_s.front();
+    fit.delay_most_s = sorted_s.back();
+    fit.delay_99_s = sorted_s[std::min(sorted_s.size() - 1, static_cast<std::size_t>(0.99 * n))];
+    fit.link.delay = from_seconds(fit.delay_mean_s);
+    if (fit.delay_sd_s < kFlatSpread_s) return;
+    for (const JitterShape shape : kShapes) {
+        if (spread_of(shape, fit.delay_sd_s) > widest_spread(shape, fit.link.delay)) continue;
+        fit.shapes.push_back({shape, ks_distance(sorted_s, shape, fit.delay_mean_s, fit.delay_sd_s)});
+    }
+    if (fit.shapes.empty()) return;
+    std::stable_sort(fit.shapes.begin(), fit.shapes.end(),
+                     [](const ShapeFit& a, const ShapeFit& b) { return a.distance < b.distance; });
+    fit.correlation = lag_one_correlation(path, sorted_s);
+    fit.link.jitter.shape = fit.shapes.front().shape;
+    fit.link.jitter.spread = spread_of(fit.link.jitter.shape, fit.delay_sd_s);
+    // What two standard errors cannot tell from none is none: each correlated packet costs a little.
+    const bool notable = fit.correlation > 2 / std::sqrt(n);
+    fit.link.jitter.correlation = notable ? std::round(std::min(fit.correlation, 0.999) * 1000) / 1000 : 0;
+}
+
+struct Transitions {
+    double stay_received = 0, to_lost = 0, to_received = 0, stay_lost = 0;
+};
+
+double log_likelihood(double hits, double of, double probability) {
+    const double misses = of - hits;
+    return (hits > 0 ? hits * std::log(probability) : 0) +
+           (misses > 0 ? misses * std::log(1 - probability) : 0);
+}
+
+double likelihood_ratio(const Transitions& t) {
+    const double from_received = t.stay_received + t.to_lost, from_lost = t.to_received + t.stay_lost;
+    const double lost = t.to_lost + t.stay_lost, all = from_received + from_lost;
+    if (from_received <= 0 || from_lost <= 0 || lost <= 0 || lost >= all) return 0;
+    return 2 * (log_likelihood(t.to_lost, from_received, t.to_lost / from_received) +
+                log_likelihood(t.stay_lost, from_lost, t.stay_lost / from_lost) -
+                log_likelihood(lost, all, lost / all));
+}
+
+Transitions count_losses(const MeasuredPath& path, PathFit& fit) {
+    Transitions transitions;
+    std::size_t burst = 0, bursts = 0;
+    bool first = true, before = false;
+    for (const MeasuredPacket& packet : path.packets) {
+        const bool lost = packet.loss >= 0.5;
+        fit.lost += lost ? 1 : 0;
+        bursts += lost && burst == 0 ? 1 : 0;
+        burst = lost ? burst + 1 : 0;
+        fit.longest_burst = std::max(fit.longest_burst, burst);
+        if (!first) {
+            (before ? (lost ? transitions.stay_lost : transitions.to_received)
+                    : (lost ? transitions.to_lost : transitions.stay_received)) += 1;
+        }
+        before = lost;
+        first = false;
+    }
+    fit.mean_burst = bursts > 0 ? static_cast<double>(fit.lost) / static_cast<double>(bursts) : 0;
+    return transitions;
+}
+
+void fit_loss(const MeasuredPath& path, PathFit& fit) {
+    fit.packets = path.packets.size();
+    const Transitions t = count_losses(path, fit);
+    if (fit.lost == 0) return;
+    fit.loss_g = likelihood_ratio(t);
+    const bool in_bursts =
+        fit.loss_g > kMemoryG && t.stay_lost / (t.to_received + t.stay_lost) >
+                                     static_cast<double>(fit.lost) / static_cast<double>(fit.packets);
+    LossSettings& loss = fit.link.loss;
+    if (!in_bursts) {
+        loss = LossSettings::independent(static_cast<double>(fit.lost) / static_cast<double>(fit.packets));
+        return;
+    }
+    loss.shape = LossShape::kGilbertElliott;
+    loss.good_to_bad = t.to_lost / (t.stay_received + t.to_lost);
+    loss.bad_to_good = t.to_received / (t.to_received + t.stay_lost);
+}
+
+std::string verdict_on(double distance) {
+    if (distance < 0.03) return "which is close";
+    if (distance < 0.08) return "which is fair; replay the trace where the shape matters";
+    return "which is poor: replay the trace itself, or use its table (--table)";
+}
+
+void describe_delay(PathFit& fit) {
+    if (fit.delay_mean_s == 0 && fit.shapes.empty()) {
+        fit.in_words.push_back("There are no delays in this path.");
+        return;
+    }
+    fit.in_words.push_back(
+        fmt::format("Delay {:.6g} s in the mean, standard deviation {:.3g} s, from {:.6g} to {:.6g} s, 99 % "
+                    "below {:.6g} s.",
+                    fit.delay_mean_s, fit.delay_sd_s, fit.delay_least_s, fit.delay_most_s, fit.delay_99_s));
+    if (fit.delay_sd_s < kFlatSpread_s) return fit.in_words.push_back("It does not vary.");
+    if (fit.shapes.empty()) {
+        return fit.in_words.push_back(
+            "Most of it is near 0 and a few packets are far from that: no shape is like it; replay "
+            "the trace.");
+    }
+    std::string line = fmt::format(
+        "The {} shape is the nearest: its distribution differs by at most {:.1f} % of the "
+        "packets (Kolmogorov-Smirnov distance), {}. The others:",
+        name_of(fit.shapes[0].shape), 100 * fit.shapes[0].distance, verdict_on(fit.shapes[0].distance));
+    for (std::size_t i = 1; i < fit.shapes.size(); ++i) {
+        line += fmt::format("{} {} {:.1f} %", i == 1 ? "" : ",", name_of(fit.shapes[i].shape),
+                            100 * fit.shapes[i].distance);
+    }
+    fit.in_words.push_back(line + '.');
+    fit.in_words.push_back(fmt::format("Successive delays correlate by {:.3f} (normal scores, lag 1){}.",
+                                       fit.correlation,
+                                       fit.link.jitter.correlation > 0 ? "" : ", which is taken for none"));
+}
+
+// How many losses in a row a chain with these parameters would show at most, in so many bursts: geometric.
+double expected_longest(double bursts, double bad_to_good) {
+    if (bad_to_good >= 1 || bursts < 1) return 1;
+    return 1 + std::log(bursts) / -std::log(1 - bad_to_good);
+}
+
+void describe_loss(PathFit& fit) {
+    if (fit.lost == 0) {
+        // The largest share that would leave no loss in so many packets once in twenty times ("rule of three").
+        fit.in_words.push_back(
+            fmt::format("None of {} packets was lost, so less than {:.3g} % is (95 % confidence).",
+                        fit.packets, 300.0 / static_cast<double>(fit.packets)));
+        return;
+    }
+    fit.in_words.push_back(
+        fmt::format("{} of {} packets lost ({:.4g} %), {:.2f} in a row in the mean, {} at most.", fit.lost,
+                    fit.packets, 100.0 * static_cast<double>(fit.lost) / static_cast<double>(fit.packets),
+                    fit.mean_burst, fit.longest_burst));
+    const LossSettings& loss = fit.link.loss;
+    if (loss.shape != LossShape::kGilbertElliott) {
+        fit.in_words.push_back(
+            fmt::format("They are independent of one another as far as they tell (G = {:.1f}; above {} "
+                        "they would not be).",
+                        fit.loss_g, kMemoryG));
+        return;
+    }
+    const double bursts = static_cast<double>(fit.lost) / fit.mean_burst;
+    const double expected = expected_longest(bursts, loss.bad_to_good);
+    fit.in_words.push_back(fmt::format(
+        "They come in bursts (G = {:.1f}, chance ends at {}): Gilbert model, p = {:.4g}, r = {:.4g}. Of "
+        "{:.0f} bursts it "
+        "lets the longest be about {:.0f} packets; here it is {}{}.",
+        fit.loss_g, kMemoryG, loss.good_to_bad, loss.bad_to_good, bursts, expected, fit.longest_burst,
+        static_cast<double>(fit.longest_burst) > 2 * expected + 2
+            ? ", so some are of another kind: give them as outages, or replay the trace"
+            : ""));
+}
+
+}  // namespace
+
+PathFit fit_path(const MeasuredPath& path) {
+    PathFit fit;
+    fit_delay(path, fit);
+    fit_loss(path, fit);
+    if (path.packets.size() < 2) {
+        throw Error(ExitCode::kData, "a fit needs at least two packets; measure for longer");
+    }
+    const auto needed =
+        static_cast<std::size_t>((fit.link.delay + fit.link.jitter.spread).count() / 1'000'000 + 1);
+    fit.link.capacity = std::max(fit.link.capacity, 2 * needed);  // as a session file without the key
+    describe_delay(fit);
+    describe_loss(fit);
+    return fit;
+}
+
+std::vector<double> standardised_delays(const MeasuredPath& path) {
+    std::vector<double> deviates = delays_s_of(path);
+    const PathFit fit = fit_path(path);
+    if (fit.delay_sd_s < kFlatSpread_s)
+        throw Error(ExitCode::kData, "the delay does not vary: there is no table to make");
+    for (double& deviate : deviates) deviate = (deviate - fit.delay_mean_s) / fit.delay_sd_s;
+    std::sort(deviates.begin(), deviates.end());
+    return deviates;
+}
+
+}  // namespace thimble

@@ -1,0 +1,158 @@
+#include "netem/formats/ping_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "netem/formats/text_lines.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::int64_t kNumbers = 65536;  // icmp_seq has 16 bits and begins again
+constexpr std::int64_t kLongestGap = 10'000;
+
+struct Reply {
+    std::int64_t number = 0;
+    double stamp_s = 0;  // when the line was printed, 0 without -D
+    double round_trip_s = 0;
+};
+
+// The number behind `key`, as in "icmp_seq=3 ".
+std::optional<double> number_after(std::string_view line, std::string_view key) {
+    const std::size_t at = line.find(key);
+    if (at == std::string_view::npos) return {};
+    std::string_view rest = line.substr(at + key.size());
+    rest = rest.substr(0, rest.find_first_not_of("0123456789."));
+    return parse_number(rest);
+}
+
+std::optional<double> stamp_of(std::string_view line) {
+    if (line.empty() || line.front() != '[') return {};
+    return number_after(line, "[");
+}
+
+class PingParser {
+  public:
+    PingParser(std::string_view text, std::string_view name, Duration interval)
+        : lines_(text, name), name_(name), interval_s_(to_seconds(interval)) {}
+
+    MeasuredPath parse() {
+        while (lines_.next()) read_line(lines_.line());
+        if (replies_.empty()) {
+            fail_at_line(name_, std::max<std::size_t>(1, lines_.number()),
+                         "no line like \"64 bytes from ...: icmp_seq=1 ttl=64 time=0.5 ms\": is this what "
+                         "ping printed, "
+                         "in English (LC_ALL=C)?");
+        }
+        build();
+        return std::move(path_);
+    }
+
+  private:
+    void read_line(std::string_view line) {
+        if (line.find("packets transmitted") != std::string_view::npos) {
+            if (const auto sent = number_after(line, "")) sent_ = static_cast<std::int64_t>(*sent);
+            return;
+        }
+        const auto number =
+            number_after(line, line.find("icmp_seq=") != std::string_view::npos ? "icmp_seq=" : " seq=");
+        const auto time = number_after(line, " time=");
+        if (!number || !time)
+            return;  // headings, "no answer yet", "Destination Host Unreachable", the summary
+        if (*number >= kNumbers || *time > 120e3) lines_.fail("a number or a time that no ping prints");
+        if (line.find("DUP!") != std::string_view::npos) {
+            ++duplicates_;
+            return;
+        }
+        add({unwrapped(static_cast<std::int64_t>(*number)), stamp_of(line).value_or(0), *time * 1e-3});
+    }
+
+    // The number nearest to the last that has these 16 bits.
+    std::int64_t unwrapped(std::int64_t number) const {
+        if (replies_.empty()) return number;
+        const std::int64_t base = last_ - last_ % kNumbers;
+        std::int64_t best = base + number;
+        for (const std::int64_t other : {best - kNumbers, best + kNumbers}) {
+            if (other >= 0 && std::abs(other - last_) < std::abs(best - last_)) best = other;
+        }
+        return best;
+    }
+
+    void add(const Reply& reply) {
+        if (!replies_.empty() && reply.number - last_ > kLongestGap)
+            lines_.fail("too many packets missing here");
+        if (replies_.size() == kMostPackets) lines_.fail(fmt::format("more than {} replies", kMostPackets));
+        if (!replies_.emplace(reply.number, reply).second) {
+            ++duplicates_;  // BSD does not mark them
+            return;
+        }
+        late_ += reply.number < last_ ? 1 : 0;
+        last_ = std::max(last_, reply.number);
+    }
+
+    // The first number is 1 with iputils, 0 elsewhere; a first packet that was lost leaves no line.
+    void build() {
+        const std::int64_t first = std::min<std::int64_t>(replies_.begin()->first, 1);
+        const std::int64_t end =
+            std::max(last_ + 1, sent_ > 0 && sent_ < last_ + kLongestGap ? first + sent_ : 0);
+        stamped_ = replies_.begin()->second.stamp_s > 0;
+        const Reply& origin = replies_.begin()->second;
+        origin_s_ = stamped_ ? origin.stamp_s - origin.round_trip_s -
+                                   static_cast<double>(origin.number - first) * interval_s_
+                             : 0;
+        for (std::int64_t number = first; number < end; ++number) append(number, first);
+        remark();
+    }
+
+    void append(std::int64_t number, std::int64_t first) {
+        const auto reply = replies_.find(number);
+        const bool received = reply != replies_.end();
+        MeasuredPacket packet;
+        double sent_s = static_cast<double>(number - first) * interval_s_;
+        if (stamped_ && received && reply->second.stamp_s > 0) {
+            sent_s = reply->second.stamp_s - reply->second.round_trip_s - origin_s_;
+        }
+        packet.at = std::llround(std::max(0.0, std::min(sent_s, 3.6e6)) * 1e9);
+        // A lost packet was sent at some time between its neighbours; stamps may jitter by more than the interval.
+        if (!path_.packets.empty()) packet.at = std::max(packet.at, path_.packets.back().at + 1);
+        packet.loss = received ? 0 : 1;
+        if (received) packet.delay = from_seconds(reply->second.round_trip_s / 2);
+        path_.packets.push_back(packet);
+    }
+
+    void remark() {
+        path_.has_delay = path_.has_loss = true;
+        path_.remarks.push_back(
+            "Each delay is half of a round trip and each loss may have happened on either way: ping cannot "
+            "tell the "
+            "directions apart.");
+        if (!stamped_) {
+            path_.remarks.push_back(fmt::format(
+                "Lines have no time stamps (ping -D), so packets stand {} s apart.", interval_s_));
+        }
+        if (duplicates_ > 0)
+            path_.remarks.push_back(fmt::format("{} duplicates were left out.", duplicates_));
+        if (late_ > 0) path_.remarks.push_back(fmt::format("{} replies came out of order.", late_));
+    }
+
+    LineReader lines_;
+    std::string_view name_;
+    double interval_s_, origin_s_ = 0;
+    std::map<std::int64_t, Reply> replies_;
+    std::int64_t last_ = 0, sent_ = 0;
+    std::size_t duplicates_ = 0, late_ = 0;
+    bool stamped_ = false;
+    MeasuredPath path_;
+};
+
+}  // namespace
+
+MeasuredPath parse_ping(std::string_view text, std::string_view name, Duration interval) {
+    return PingParser(text, name, interval).parse();
+}
+
+}  // namespace thimble

@@ -1,0 +1,163 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "netem/formats/tc_units.hpp"
+#include "netem/formats/tc_words.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::string_view kTableName = "thimble";
+
+class TcPrinter {
+  public:
+    explicit TcPrinter(const LinkSettings& link) : link_(link) {}
+
+    TcCommands print(std::string_view device) {
+        result_.words = fmt::format("limit {}", link_.capacity);
+        print_delay();
+        print_loss();
+        print_faults();
+        print_rate();
+        print_slot();
+        name_the_rest();
+        result_.commands.push_back(fmt::format("tc qdisc add dev {} root netem {}", device, result_.words));
+        return std::move(result_);
+    }
+
+  private:
+    template <class... Values>
+    void say(fmt::format_string<Values...> format, Values&&... values) {
+        result_.words += ' ' + fmt::format(format, std::forward<Values>(values)...);
+    }
+    void cannot(std::string text) { result_.cannot.push_back(std::move(text)); }
+
+    void print_delay() {
+        const JitterSettings& jitter = link_.jitter;
+        const bool jittery = jitter.shape != JitterShape::kNone;
+        if (link_.delay > Duration::zero() || jittery) say("delay {}", print_tc_time(link_.delay));
+        if (jittery) say("{}", print_tc_time(jitter.spread));
+        if (jittery && jitter.correlation > 0) say("{}", print_tc_share(jitter.correlation));
+        if (jittery) print_distribution();
+        if (link_.delay.count() % 1000 != 0 || jitter.spread.count() % 1000 != 0) {
+            cannot("delay: tc counts in whole microseconds and cuts the rest off");
+        }
+        if (jittery && jitter.correlation > 0) {
+            // Successive uniform numbers x_n = (1 - c) u_n + c x_(n-1), as the kernel mixes them.
+            const double share = std::sqrt((1 - jitter.correlation) / (1 + jitter.correlation));
+            cannot(fmt::format(
+                "jitter: tc's correlation narrows the distribution, to {:.0f} % of the spread here "
+                "(exactly so for uniform); this program's keeps it",
+                100 * share));
+        }
+        if (jittery && link_.in_order) {
+            cannot("order: tc lets packets overtake each other under jitter, this program keeps their order");
+        }
+    }
+
+    // Standard deviations of iproute2 6.1's tables, from their 4096 values.
+    void print_distribution() {
+        switch (link_.jitter.shape) {
+            case JitterShape::kNone:
+            case JitterShape::kUniform:
+                return;  // what tc does without the word; it ships no uniform.dist
+            case JitterShape::kNormal:
+                return say("distribution normal");
+            case JitterShape::kPareto:
+                say("distribution pareto");
+                return cannot(
+                    "jitter: tc's Pareto table ends at 4 spreads: its standard deviation is 0.82 of the "
+                    "spread, its mean 0.03 spreads too low");
+            case JitterShape::kParetoNormal:
+                say("distribution paretonormal");
+                return cannot(
+                    "jitter: tc's Pareto-normal table ends at 4 spreads: its standard deviation is 0.83 of "
+                    "the spread, its mean 0.03 spreads too low");
+            case JitterShape::kGamma:
+                say("distribution normal");
+                return cannot("jitter: tc has no gamma shape; normal of the same spread stands in its place");
+            case JitterShape::kTable:
+                say("distribution {}", kTableName);
+                return cannot(
+                    fmt::format("jitter: tc reads tables from its own folder only: copy the .dist file to "
+                                "{}.dist there (TC_LIB_DIR names another folder)",
+                                kTableName));
+        }
+    }
+
+    void print_loss() {
+        const LossSettings& loss = link_.loss;
+        switch (loss.shape) {
+            case LossShape::kNone:
+                return;
+            case LossShape::kIndependent:
+                return say("loss random {}", print_tc_share(loss.probability));
+            case LossShape::kGilbertElliott:
+                return say("loss gemodel {} {} {} {}", print_tc_share(loss.good_to_bad),
+                           print_tc_share(loss.bad_to_good), print_tc_share(loss.loss_in_bad),
+                           print_tc_share(loss.loss_in_good));
+            case LossShape::kFourState:
+                return say("loss state {} {} {} {} {}", print_tc_share(loss.p13), print_tc_share(loss.p31),
+                           print_tc_share(loss.p32), print_tc_share(loss.p23), print_tc_share(loss.p14));
+        }
+    }
+
+    void print_faults() {
+        if (link_.duplicate > 0) say("duplicate {}", print_tc_share(link_.duplicate));
+        if (link_.corrupt > 0) {
+            say("corrupt {}", print_tc_share(link_.corrupt));
+            if (link_.corrupt_bits != 1) {
+                cannot(fmt::format("corrupt: tc flips one bit of a packet, not {}", link_.corrupt_bits));
+            }
+        }
+        if (link_.reorder <= 0) return;
+        say("reorder {}", print_tc_share(link_.reorder));
+        if (link_.reorder_gap != 1) say("gap {}", link_.reorder_gap);
+    }
+
+    void print_rate() {
+        const RateSettings& rate = link_.rate;
+        if (rate.bits_per_s <= 0) return;
+        say("rate {}", print_tc_rate(rate.bits_per_s));
+        if (rate.overhead_bytes > 0) say("{}", rate.overhead_bytes);
+        if (rate.queue_packets > 0 || rate.queue_bytes > 0) {
+            cannot(
+                "rate: tc has one limit for what queues and what is delayed, in packets; chain a tbf or "
+                "pfifo "
+                "for a limit of the queue");
+        }
+        if (rate.drop == Drop::kHead) cannot("rate: tc drops the newest packet, not the oldest");
+        cannot(
+            "rate: tc counts the frame with its Ethernet header, this program the payload and the overhead "
+            "given");
+    }
+
+    void print_slot() {
+        const SlotSettings& slot = link_.slot;
+        if (slot.most <= Duration::zero()) return;
+        say("slot {} {}", print_tc_time(slot.least), print_tc_time(slot.most));
+        if (slot.packets > 0) say("packets {}", slot.packets);
+        if (slot.bytes > 0) say("bytes {}", slot.bytes);
+    }
+
+    void name_the_rest() {
+        if (!link_.outages.empty()) {
+            cannot(fmt::format("outages: {}; tc would need `loss 100%` switched by a script",
+                               link_.outages.size()));
+        }
+        if (link_.trace) cannot("trace: tc replays no delays or losses from a file");
+        if (link_.deliveries) cannot("deliveries: tc replays no capacity from a file; mahimahi does");
+    }
+
+    const LinkSettings& link_;
+    TcCommands result_;
+};
+
+}  // namespace
+
+TcCommands print_tc(const LinkSettings& link, std::string_view device) {
+    return TcPrinter(link).print(device);
+}
+
+}  // namespace thimble

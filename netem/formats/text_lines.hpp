@@ -1,0 +1,51 @@
+// Text files from outside, line by line. What is wrong with one is said with its name and line (exit code 5).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace thimble {
+
+// A trace of an hour at 1 kHz takes about 100 MB; nobody means to read more.
+inline constexpr std::size_t kMostFileBytes = std::size_t{512} << 20;
+
+// The whole file. Throws Error (data) if it cannot be read or is larger than `most_bytes`.
+std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes = kMostFileBytes);
+// Replaces the file. Throws Error (run failed) if it cannot be written to its end.
+void write_whole_file(const std::filesystem::path& path, std::string_view text);
+
+// Error (data): "name:line: why".
+[[noreturn]] void fail_at_line(std::string_view name, std::size_t line, std::string_view why);
+
+// Walks over the lines of a text, without their ends (LF or CR LF) and without a byte order mark.
+class LineReader {
+  public:
+    LineReader(std::string_view text, std::string_view name);
+
+    bool next();  // false at the end
+    std::string_view line() const { return line_; }
+    std::size_t number() const { return number_; }  // the first line is 1
+    [[noreturn]] void fail(std::string_view why) const { fail_at_line(name_, number_, why); }
+
+  private:
+    std::string_view rest_, line_;
+    std::string name_;
+    std::size_t number_ = 0;
+    bool at_end_ = false;
+};
+
+std::string_view trimmed(std::string_view text);  // without blanks and tabs at its ends
+// Words between blanks and tabs.
+std::vector<std::string_view> words_of(std::string_view text);
+// Fields between commas, trimmed.
+std::vector<std::string_view> fields_of(std::string_view line);
+// The whole text as a finite decimal number.
+std::optional<double> parse_number(std::string_view text);
+std::optional<std::int64_t> parse_integer(std::string_view text);
+
+}  // namespace thimble

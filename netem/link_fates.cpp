@@ -1,0 +1,59 @@
+#include "netem/link_fates.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+namespace {
+
+TraceRow traced(const PacketTrace& trace, std::uint64_t packet, Duration time) {
+    const bool by_packet = trace.layout().by == TraceBy::kPacket;
+    return trace.at(by_packet ? static_cast<std::int64_t>(packet) : std::max<std::int64_t>(0, time.count()));
+}
+
+}  // namespace
+
+LinkFates::LinkFates(const StreamKey& key, std::uint32_t direction)
+    : loss_(key, direction),
+      jitter_(link_key(key, direction, Purpose::kLinkDelay)),
+      copy_jitter_(link_key(key, direction, Purpose::kLinkDuplicateDelay)),
+      duplicate_(key, direction),
+      corrupt_(key, direction),
+      reorder_(key, direction) {}
+
+void LinkFates::configure(const LinkSettings& settings, const std::shared_ptr<const DelayShape>& shape) {
+    settings_ = &settings;
+    loss_.configure(settings.loss);
+    jitter_.configure(shape, settings.jitter.correlation);
+    copy_jitter_.configure(shape, 0);
+    duplicate_.configure(settings.duplicate);
+    corrupt_.configure(settings.corrupt, settings.corrupt_bits);
+    reorder_.configure(settings.reorder, settings.reorder_gap);
+}
+
+PacketFate LinkFates::decide(std::uint64_t packet, Duration time) {
+    PacketFate fate;
+    const PacketTrace* trace = settings_->trace.get();
+    const TraceRow row = trace == nullptr ? TraceRow{} : traced(*trace, packet, time);
+    const bool has_jitter = settings_->jitter.shape != JitterShape::kNone;
+    double deviate = 0;
+    if (has_jitter && jitter_.correlated()) deviate = jitter_.deviate(packet);  // also of a lost packet
+    fate.lost =
+        trace != nullptr && trace->layout().has_loss ? loss_.lost(packet, row.loss) : loss_.lost(packet);
+    if (fate.lost) return fate;
+    if (has_jitter && !jitter_.correlated()) deviate = jitter_.deviate(packet);
+    const Duration mean = trace != nullptr && trace->layout().has_delay ? row.delay : settings_->delay;
+    fate.skipped = reorder_.skips(packet);
+    fate.corrupted = corrupt_.hits(packet);
+    fate.duplicated = duplicate_.twice(packet);
+    if (!fate.skipped) fate.delay = delayed(mean, deviate);
+    if (fate.duplicated) fate.copy_delay = delayed(mean, has_jitter ? copy_jitter_.deviate(packet) : 0);
+    return fate;
+}
+
+Duration LinkFates::delayed(Duration mean, double deviate) const {
+    const double spread_ns = static_cast<double>(settings_->jitter.spread.count());
+    return std::max(Duration::zero(), mean + Duration{std::llround(deviate * spread_ns)});
+}
+
+}  // namespace thimble

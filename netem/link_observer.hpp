@@ -1,0 +1,38 @@
+// What a link tells about single packets: to who logs them. Counters stand in link_model.hpp.
+#pragma once
+
+#include <cstdint>
+
+#include "common/channel.hpp"
+#include "common/time.hpp"
+
+namespace thimble {
+
+// Why a packet (or the second copy of one) never leaves.
+enum class DropReason : std::uint8_t {
+    kLost,        // the loss model, or a trace
+    kOutage,      // pushed while nothing gets through
+    kOversized,   // empty, or larger than any UDP datagram
+    kQueueFull,   // the transmitter's queue: the newest, or with head drop the oldest
+    kOverflowed,  // LinkSettings::capacity packets are in flight already
+};
+
+class LinkObserver {
+  public:
+    virtual ~LinkObserver() = default;
+    // `packet`: its number since the last restart. `now`: of the push that decided it. A packet of which both
+    // copies are dropped is told twice.
+    virtual void on_drop(std::uint64_t packet, SessionTime now, DropReason reason) = 0;
+};
+
+// A packet that leaves. Late by (time of the pop) - due.
+struct Departure {
+    std::uint64_t packet = 0;  // its number since the last restart
+    SessionTime received{};    // when it was pushed
+    SessionTime due{};
+    Bytes bytes{};           // empty: nothing is due. Valid until the next push, restart or change
+    bool copy = false;       // the second of two
+    bool corrupted = false;  // bits were flipped
+};
+
+}  // namespace thimble

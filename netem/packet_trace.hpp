@@ -1,0 +1,59 @@
+// Delay, loss and rate as they were measured or designed: by packet number or by time (read by
+// packet_trace_file.hpp).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/time.hpp"
+
+namespace thimble {
+
+enum class TraceBy : std::uint8_t { kPacket, kTime };
+enum class TraceBetween : std::uint8_t {
+    kHold,
+    kLinear
+};                                                    // between two rows: the earlier, or a straight line
+enum class TraceEnd : std::uint8_t { kWrap, kHold };  // after the last row: again from the first, or the last
+
+// What holds from here on. A column that the trace does not have is left at its default.
+struct TraceRow {
+    std::int64_t at = 0;  // packet number, or nanoseconds since the start of the trial
+    Duration delay{};
+    double loss = 0;        // probability; 0 and 1 replay a recorded loss
+    double bits_per_s = 0;  // above 0 where there is such a column
+
+    bool operator==(const TraceRow&) const = default;
+};
+
+struct TraceLayout {
+    TraceBy by = TraceBy::kTime;
+    TraceBetween between = TraceBetween::kHold;
+    TraceEnd end = TraceEnd::kWrap;
+    bool has_delay = true, has_loss = false, has_rate = false;
+
+    bool operator==(const TraceLayout&) const = default;
+};
+
+class PacketTrace {
+  public:
+    // At least one row, `at` from 0 or later and rising strictly; delays not negative, losses in [0, 1], rates
+    // above 0 if there are any.
+    PacketTrace(std::vector<TraceRow> rows, const TraceLayout& layout);
+
+    // What holds at `position` (of the same unit as TraceRow::at, not negative); before the first row the first.
+    TraceRow at(std::int64_t position) const;
+    // After which a trace that wraps begins again: the last row lasts as long as the one before it (a single row:
+    // one packet, one second).
+    std::int64_t period() const { return period_; }
+
+    const std::vector<TraceRow>& rows() const { return rows_; }
+    const TraceLayout& layout() const { return layout_; }
+
+  private:
+    std::vector<TraceRow> rows_;
+    TraceLayout layout_;
+    std::int64_t period_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,125 @@
+#include "netem/profiles/profiles.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "netem/formats/tc_words.hpp"
+#include "netem/formats/text_lines.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kMostChanges = 100'000;
+
+const BuiltInFile* built_in(std::string_view name) {
+    const auto& files = built_in_profile_files();
+    const auto found = std::find_if(files.begin(), files.end(),
+                                    [name](const BuiltInFile& file) { return file.name == name; });
+    return found == files.end() ? nullptr : &*found;
+}
+
+std::string find_built_in(std::string_view name) {
+    if (const BuiltInFile* file = built_in(name)) return std::string(file->text);
+    throw Error(ExitCode::kUsage, fmt::format("{}: no such file comes with the program", name));
+}
+
+FileFinder beside(const std::filesystem::path& file) {
+    return [folder = file.parent_path()](std::string_view name) { return read_whole_file(folder / name); };
+}
+
+// Changes build on one another, in the order of the file.
+void read_changes(const ConfigFile& file, const FileFinder& find, LinkProfile& profile) {
+    LinkSettings up = profile.up, down = profile.down;
+    Duration before{};
+    const std::vector<ConfigTable> changes = file.root().tables("change");
+    if (changes.size() > kMostChanges)
+        file.root().fail("change", fmt::format("are more than {}", kMostChanges));
+    for (const ConfigTable& change : changes) {
+        const Duration at = change.seconds("at_s", {}, Duration::zero(), std::chrono::hours{1000});
+        if (at < before) change.fail("at_s", "must not be before the change in front of it");
+        before = at;
+        const std::size_t direction = change.choice("direction", 2, {"up", "down", "both"});
+        if (direction != 1) {
+            up = read_profile_link(change, up, find);
+            profile.up_changes.push_back({at, up});
+        }
+        if (direction != 0) {
+            down = read_profile_link(change, down, find);
+            profile.down_changes.push_back({at, down});
+        }
+    }
+}
+
+LinkProfile of_words(const std::string& words) {
+    TcLink tc = parse_tc_words(words);
+    LinkProfile profile;
+    profile.name = words;
+    profile.source = {"tc's words, the same both ways"};
+    profile.up = profile.down = tc.link;
+    profile.notes = std::move(tc.notes);
+    return profile;
+}
+
+std::string in_quotes(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    }
+    return out + '"';
+}
+
+}  // namespace
+
+const std::vector<std::string_view>& profile_names() {
+    static const std::vector<std::string_view> names{
+        "ideal", "paper50", "lan", "tactile",       "wifi", "5g-nsa",   "iss-direct",
+        "leo",   "lte",     "4g",  "transatlantic", "geo",  "iss-tdrs", "moon"};
+    return names;
+}
+
+LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find) {
+    const ConfigFile file = ConfigFile::parse(text, name);
+    LinkProfile profile;
+    profile.name = name;
+    profile.about = file.root().text("about", "");
+    profile.source = file.root().texts("source", {});
+    profile.up = read_profile_link(file.table("up"), {}, find);
+    profile.down = read_profile_link(file.table("down"), {}, find);
+    read_changes(file, find, profile);
+    file.finish();
+    return profile;
+}
+
+LinkProfile load_profile(const std::string& given) {
+    if (const BuiltInFile* file = built_in(given + ".toml")) {
+        LinkProfile profile = parse_profile(file->text, file->name, find_built_in);
+        profile.name = given;
+        return profile;
+    }
+    if (std::filesystem::is_regular_file(given))
+        return parse_profile(read_whole_file(given), given, beside(given));
+    if (looks_like_tc_words(given)) return of_words(given);
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: there is no such profile file, and those that come with the program "
+                            "are {}",
+                            given, fmt::join(profile_names(), ", ")));
+}
+
+void load_timeline(const std::filesystem::path& path, LinkProfile& profile) {
+    const ConfigFile file = ConfigFile::load(path);
+    read_changes(file, beside(path), profile);
+    file.finish();
+}
+
+std::string print_profile(const LinkProfile& profile) {
+    std::string text = fmt::format("about = {}\nsource = [\n", in_quotes(profile.about));
+    for (const std::string& line : profile.source) text += fmt::format("    {},\n", in_quotes(line));
+    text += fmt::format("]\n\n[up]\n{}\n[down]\n{}", print_profile_link(profile.up),
+                        print_profile_link(profile.down));
+    return text;
+}
+
+}  // namespace thimble

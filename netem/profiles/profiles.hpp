@@ -1,0 +1,48 @@
+// Networks by name: deploy/profiles at build time, so that programs find them wherever they are started. A profile is
+// TOML:
+//   about = "one line on what it is like"
+//   source = ["delay: ...", ...]   where each value is from; an assumption is called one
+//   [up]     from the operator's side to the remote one (needle), keys of profile_link.hpp
+//   [down]   back (force)
+//   [[change]]   at_s, direction = "up", "down" or "both", and keys of a link: what changes then; the rest stays
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "netem/link_settings.hpp"
+#include "netem/profiles/profile_link.hpp"
+
+namespace thimble {
+
+struct LinkProfile {
+    std::string name, about;
+    std::vector<std::string> source;
+    LinkSettings up, down;
+    Timeline up_changes, down_changes;
+    std::vector<std::string> notes{};  // what of tc's words was left out or means another thing here
+};
+
+struct BuiltInFile {
+    std::string_view name;  // "leo.toml", "leo.csv"
+    std::string_view text;
+};
+const std::vector<BuiltInFile>& built_in_profile_files();
+
+// The built-in ones, from the nearest network to the farthest.
+const std::vector<std::string_view>& profile_names();
+
+// A built-in profile by name ("leo"), a file ("my/lab.toml"), or tc's words ("delay 50ms loss 1%", tc_words.hpp), which
+// then hold both ways. Throws Error (usage), naming the profiles there are.
+LinkProfile load_profile(const std::string& given);
+LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find);
+
+// Only [[change]] tables: a timeline of its own, for links that begin as `up` and `down`.
+void load_timeline(const std::filesystem::path& path, LinkProfile& profile);
+
+// TOML that parse_profile reads; without changes.
+std::string print_profile(const LinkProfile& profile);
+
+}  // namespace thimble

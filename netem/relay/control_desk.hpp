@@ -1,0 +1,39 @@
+// Where another thread asks the relaying thread to do something and waits until it has: the control socket's way in.
+#pragma once
+
+#include <atomic>
+#include <exception>
+#include <functional>
+
+namespace thimble {
+
+class RelayEngine;
+
+class ControlDesk {
+  public:
+    using Job = std::function<void(RelayEngine&)>;
+
+    ControlDesk();  // throws Error (run failed)
+    ~ControlDesk();
+    ControlDesk(const ControlDesk&) = delete;
+    ControlDesk& operator=(const ControlDesk&) = delete;
+
+    // Any thread but the relaying one, one at a time. False if nobody took the job within two seconds. What the job
+    // throws comes back to the caller.
+    bool ask(const Job& job);
+
+    // The relaying thread: readable when somebody asks; then serve() does the job.
+    int descriptor() const { return event_; }
+    void serve(RelayEngine& engine);
+
+  private:
+    struct Request {
+        const Job* job;
+        std::exception_ptr failure;
+        std::atomic<bool> done{false};
+    };
+    std::atomic<Request*> waiting_{nullptr};
+    int event_ = -1;
+};
+
+}  // namespace thimble

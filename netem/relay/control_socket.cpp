@@ -1,0 +1,184 @@
+#include "netem/relay/control_socket.hpp"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <optional>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "netem/relay/control_words.hpp"
+#include "netem/relay/relay_engine.hpp"
+#include "netem/relay/relay_report.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kLongestAnswerBytes = 65536;
+constexpr int kStopLatency_ms = 50;
+constexpr int kPatience_ms = 5000;
+
+struct Address {
+    sockaddr_un name{};
+    socklen_t size = sizeof(sockaddr_un);
+    sockaddr* raw() { return static_cast<sockaddr*>(static_cast<void*>(&name)); }
+};
+
+Address address_of(const std::filesystem::path& path) {
+    Address address;
+    address.name.sun_family = AF_UNIX;
+    const std::string text = path.string();
+    if (text.empty() || text.size() >= sizeof address.name.sun_path) {
+        throw Error(ExitCode::kUsage, fmt::format("--control: '{}' must have 1 to {} characters", text,
+                                                  sizeof address.name.sun_path - 1));
+    }
+    std::memcpy(address.name.sun_path, text.c_str(), text.size() + 1);
+    return address;
+}
+
+int open_socket() {
+    const int opened = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (opened < 0) {
+        throw Error(ExitCode::kNetwork,
+                    fmt::format("cannot open a control socket: {}", std::strerror(errno)));
+    }
+    return opened;
+}
+
+// Only what is a socket and has nobody behind it may be replaced.
+void remove_stale(const std::filesystem::path& path) {
+    struct stat found {};
+    if (lstat(path.c_str(), &found) != 0) return;
+    if (S_ISSOCK(found.st_mode)) {
+        Address address = address_of(path);
+        const int probe = open_socket();
+        const bool dead = connect(probe, address.raw(), address.size) != 0 && errno == ECONNREFUSED;
+        close(probe);
+        if (dead && unlink(path.c_str()) == 0) return;
+    }
+    throw Error(
+        ExitCode::kNetwork,
+        fmt::format("--control: '{}' exists and is in use or no socket: choose another path", path.string()));
+}
+
+// The kernel gives the file the mode of the socket it is bound from: never open to others, not even for a moment.
+int listen_at(const std::filesystem::path& path) {
+    Address address = address_of(path);
+    remove_stale(path);
+    const int opened = open_socket();
+    if (fchmod(opened, 0600) != 0 || bind(opened, address.raw(), address.size) != 0 ||
+        chmod(path.c_str(), 0600) != 0) {
+        const std::string why = std::strerror(errno);
+        close(opened);
+        throw Error(ExitCode::kNetwork, fmt::format("--control: cannot make '{}': {}", path.string(), why));
+    }
+    return opened;
+}
+
+bool readable(int descriptor, int timeout_ms) {
+    pollfd wanted{descriptor, POLLIN, 0};
+    return poll(&wanted, 1, timeout_ms) > 0;
+}
+
+RelayState state_of(RelayEngine& engine) {
+    return {engine.links(), engine.totals(wall_now()), engine.waiter().counters(), engine.waiter().margin(),
+            engine.waiter().precise()};
+}
+
+nlohmann::ordered_json carry_out(const ControlRequest& request, ControlDesk& desk) {
+    std::optional<RelayState> state;
+    bool taken = desk.ask([&](RelayEngine& engine) { state = state_of(engine); });
+    if (taken && request.verb == ControlRequest::Verb::kSet) {
+        const LinkPair links = assign(state->links, request.assignments);
+        taken = desk.ask([&](RelayEngine& engine) {
+            engine.change(wall_now(), links);
+            state = state_of(engine);
+        });
+    }
+    if (!taken) throw Error(ExitCode::kRunFailed, "the relay is too busy to answer, or ending");
+    return describe(*state);
+}
+
+}  // namespace
+
+ControlServer::ControlServer(const std::filesystem::path& path, ControlDesk& desk)
+    : path_(path), desk_(&desk), socket_(listen_at(path)), thread_([this] { run(); }) {}
+
+ControlServer::~ControlServer() {
+    stop_ = true;
+    thread_.join();
+    close(socket_);
+    unlink(path_.c_str());
+}
+
+void ControlServer::run() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    while (!stop_) {
+        if (readable(socket_, kStopLatency_ms)) answer_one();
+    }
+}
+
+// One byte more than allowed, to see that a request was too long.
+void ControlServer::answer_one() {
+    std::vector<char> request(kLongestRequestBytes + 1);
+    Address from;
+    const auto size = recvfrom(socket_, request.data(), request.size(), 0, from.raw(), &from.size);
+    if (size < 0 || from.size <= sizeof(sa_family_t)) return;  // an asker without an address hears nothing
+    const std::string words = answer({request.data(), static_cast<std::size_t>(size)});
+    sendto(socket_, words.data(), words.size(), MSG_NOSIGNAL, from.raw(), from.size);
+}
+
+std::string ControlServer::answer(std::string_view request) {
+    nlohmann::ordered_json json{{"ok", true}};
+    try {
+        json.update(carry_out(parse_request(request), *desk_));
+    } catch (const std::exception& error) {
+        json = {{"ok", false}, {"error", error.what()}};
+    }
+    // Text from outside may stand in the error: what is not UTF-8 is replaced.
+    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::string& request) {
+    Address address = address_of(path);
+    struct Closer {
+        int descriptor;
+        ~Closer() { close(descriptor); }
+    } mine{open_socket()};
+    Address unnamed;  // of the kernel's choice, without a file
+    unnamed.name.sun_family = AF_UNIX;
+    unnamed.size = sizeof(sa_family_t);
+    std::vector<char> answer(kLongestAnswerBytes);
+    if (bind(mine.descriptor, unnamed.raw(), unnamed.size) != 0 ||
+        connect(mine.descriptor, address.raw(), address.size) != 0 ||
+        send(mine.descriptor, request.data(), request.size(), MSG_NOSIGNAL) < 0) {
+        throw Error(ExitCode::kNetwork,
+                    fmt::format("no relay listens at '{}': {}; start one with --control {}", path.string(),
+                                std::strerror(errno), path.string()));
+    }
+    const auto size =
+        readable(mine.descriptor, kPatience_ms) ? recv(mine.descriptor, answer.data(), answer.size(), 0) : -1;
+    if (size < 0) {
+        throw Error(ExitCode::kNetwork,
+                    fmt::format("the relay at '{}' does not answer: is it running?", path.string()));
+    }
+    auto json = nlohmann::ordered_json::parse(answer.data(), answer.data() + size, nullptr, false);
+    if (!json.is_object() || !json.value("ok", false)) {
+        throw Error(ExitCode::kUsage,
+                    json.is_object() ? json.value("error", "refused") : "the answer is no JSON");
+    }
+    return json;
+}
+
+}  // namespace thimble

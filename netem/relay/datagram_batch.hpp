@@ -1,0 +1,63 @@
+// Datagrams by the batch: one system call for many (recvmmsg, sendmmsg). Buffers are made once.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <sys/socket.h>
+#include <vector>
+
+#include "common/channel.hpp"
+#include "common/runtime/stamp_clock.hpp"
+#include "netem/relay/udp_address.hpp"
+
+namespace thimble {
+
+class ReceiveBatch {
+  public:
+    struct Datagram {
+        Bytes bytes;
+        UdpAddress from;
+        std::int64_t stamp_realtime_ns;  // when the kernel had it; 0 if it did not say
+    };
+    static constexpr std::size_t kSize = 32;
+
+    ReceiveBatch();
+    // As many as wait, at most kSize. Errors that an earlier send caused (nobody listens there) are passed over.
+    std::size_t receive(int descriptor);
+    // i below what receive() returned; valid until the next receive().
+    Datagram operator[](std::size_t i) const;
+
+  private:
+    struct Control {
+        alignas(cmsghdr) std::array<std::uint8_t, 64> bytes;
+    };
+    std::unique_ptr<std::uint8_t[]> data_;
+    std::array<mmsghdr, kSize> messages_{};
+    std::array<iovec, kSize> parts_{};
+    std::array<sockaddr_in, kSize> from_{};
+    std::array<Control, kSize> control_{};
+    std::size_t used_ = kSize;  // entries that the kernel has shortened
+};
+
+class SendBatch {
+  public:
+    static constexpr std::size_t kSize = 64;
+
+    // `to` is left out for a connected socket. The bytes must stay until send().
+    void add(Bytes bytes, const UdpAddress* to);
+    bool full() const { return count_ == kSize; }
+    std::size_t size() const { return count_; }
+    // Sends all through one socket and empties the batch. accepted[i] says whether the kernel took datagram i.
+    std::span<const bool> send(int descriptor);
+
+  private:
+    std::array<mmsghdr, kSize> messages_{};
+    std::array<iovec, kSize> parts_{};
+    std::array<sockaddr_in, kSize> to_{};
+    std::array<bool, kSize> accepted_{};
+    std::size_t count_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,67 @@
+// Who is who behind a relay, as in a NAT: each client address at each inlet is a flow of its own. Numbers and times
+// only, no sockets.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "common/time.hpp"
+#include "netem/relay/udp_address.hpp"
+
+namespace thimble {
+
+struct FlowName {
+    std::uint32_t inlet = 0;  // which --listen
+    UdpAddress client;
+    bool operator==(const FlowName&) const = default;
+};
+
+class FlowTable {
+  public:
+    // Places are numbered from 0 to `most` - 1 and used again when a flow has gone.
+    explicit FlowTable(std::size_t most, std::size_t inlets);
+
+    struct Found {
+        std::uint32_t place;
+        bool fresh;  // the caller has to open it
+    };
+    // The flow of this client, opened if need be; nothing if the table is full. Counts as a sign of life.
+    std::optional<Found> find(const FlowName& name, SessionTime now);
+    void alive(std::uint32_t place, SessionTime now) { flows_[place].last = now; }
+    void close(std::uint32_t place);
+
+    // Open places that gave no sign of life since `before`, to be judged by the caller.
+    std::span<const std::uint32_t> idle_since(SessionTime before);
+
+    const FlowName& name(std::uint32_t place) const { return flows_[place].name; }
+    // The n-th flow of its inlet since the start, from 0: names its random fates, whatever place it has.
+    std::uint32_t number(std::uint32_t place) const { return flows_[place].number; }
+    bool open(std::uint32_t place) const { return flows_[place].open; }
+    std::size_t size() const { return places_.size(); }
+    std::size_t most() const { return flows_.size(); }
+    std::uint64_t opened() const { return opened_; }
+    std::uint64_t expired() const { return opened_ - places_.size(); }
+
+  private:
+    struct Flow {
+        FlowName name;
+        std::uint32_t number = 0;
+        SessionTime last{};
+        bool open = false;
+    };
+    struct Hash {
+        std::size_t operator()(const FlowName& name) const;
+    };
+
+    std::unordered_map<FlowName, std::uint32_t, Hash> places_;
+    std::vector<Flow> flows_;
+    std::vector<std::uint32_t> free_;  // the lowest place last
+    std::vector<std::uint32_t> next_number_;
+    std::vector<std::uint32_t> idle_;
+    std::uint64_t opened_ = 0;
+};
+
+}  // namespace thimble

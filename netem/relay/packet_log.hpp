@@ -1,0 +1,63 @@
+// Writes what becomes of each packet to a file, from a thread of its own, so that no disk ever holds up a packet. The
+// queue between is bounded; what finds no room is counted, and a `gap` record marks the place.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include "netem/relay/packet_record.hpp"
+
+namespace thimble {
+
+// One writer, one reader, no lock.
+class RecordQueue {
+  public:
+    explicit RecordQueue(std::size_t room);  // a power of two
+    // False if it is full. For the one thread that adds.
+    bool add(const PacketRecord& record);
+    // False if it is empty. For the one thread that takes.
+    bool take(PacketRecord& record);
+
+  private:
+    std::unique_ptr<PacketRecord[]> records_;
+    std::size_t mask_;
+    alignas(64) std::atomic<std::uint64_t> added_{0};
+    alignas(64) std::atomic<std::uint64_t> taken_{0};
+};
+
+class PacketLog final : public PacketSink {
+  public:
+    // Records between relay and file: a quarter of a second at a million packets per second.
+    static constexpr std::size_t kRoom = std::size_t{1} << 18;
+
+    // Binary records (packet_record.hpp), or text if the name ends in .csv. Starts the thread, which keeps the default
+    // scheduling: make this object before asking for real time. Throws Error (data) if the file cannot be made.
+    explicit PacketLog(const std::filesystem::path& path, std::size_t room = kRoom);
+    // Writes what is left.
+    ~PacketLog() override;
+    PacketLog(const PacketLog&) = delete;
+    PacketLog& operator=(const PacketLog&) = delete;
+
+    void add(const PacketRecord& record) override;  // from one thread only
+    std::uint64_t missing() const override { return missing_; }
+    // Writes what was added so far and ends the thread. Throws Error (data) if a write failed, e.g. a full disk.
+    void finish();
+
+  private:
+    void run();
+    bool write_waiting();
+    void write(const PacketRecord& record);
+
+    std::filesystem::path path_;
+    bool text_;
+    std::ofstream file_;
+    RecordQueue queue_;
+    std::uint64_t missing_ = 0, gap_ = 0;  // in all; since the last record that found room
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+}  // namespace thimble

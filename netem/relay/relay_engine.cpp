@@ -1,0 +1,268 @@
+#include "netem/relay/relay_engine.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "netem/relay/fates.hpp"
+
+namespace thimble {
+namespace {
+
+// How many packets of one link leave before the next link has its turn.
+constexpr std::size_t kTurn = 16;
+// How long a stop may wait for a sleeping relay.
+constexpr Duration kHousekeeping = std::chrono::milliseconds{100};
+constexpr std::uint64_t kInletTags = std::uint64_t{1} << 32;  // below: the place of a flow
+
+std::size_t index(RelayDirection direction) { return static_cast<std::size_t>(direction); }
+
+}  // namespace
+
+RelayEngine::RelayEngine(const RelaySettings& settings, PacketSink* log)
+    : settings_(settings),
+      log_(log),
+      waiter_(settings.precise),
+      table_(settings.most_flows, settings.inlets.size()),
+      flows_(settings.most_flows),
+      due_(2 * settings.most_flows),
+      start_(wall_now()),
+      next_housekeeping_(start_ + kHousekeeping),
+      next_expiry_(start_ + settings.idle / 4) {
+    active_.reserve(2 * settings.most_flows);
+    outgoing_.reserve(SendBatch::kSize);
+    if (log_ != nullptr) drops_ = std::make_unique<DropLog>(*log_);
+    for (const RelayInlet& inlet : settings_.inlets) {
+        inlets_.push_back(UdpSocket::listening(inlet.listen));
+        if (!waiter_.add(inlets_.back().descriptor(), kInletTags + inlets_.size() - 1)) {
+            throw Error(ExitCode::kRunFailed, "cannot wait for datagrams: too many open files?");
+        }
+    }
+}
+
+RelayEngine::~RelayEngine() = default;
+
+void RelayEngine::watch(int descriptor) { waiter_.add(descriptor, kWatchedTag); }
+
+bool RelayEngine::watched_is_readable() { return std::exchange(watched_readable_, false); }
+
+void RelayEngine::step(SessionTime latest) {
+    std::array<epoll_event, 64> room{};
+    const auto events = waiter_.wait(due_.first_due(), std::min(latest, next_housekeeping_), room);
+    SessionTime now = wall_now();
+    if (due_.first_due() <= now) {
+        send_due(now);
+        now = wall_now();
+    }
+    if (!events.empty()) {
+        receive(events);
+        send_due(wall_now());
+    }
+    if (now >= next_housekeeping_) housekeep(now);
+}
+
+// Every link with due packets has its turn of a few, until none has any: a flow that sends much cannot hold up one that
+// sends little.
+void RelayEngine::send_due(SessionTime now) {
+    if (due_.first_due() > now) return;
+    if (now - due_.first_due() > kStall) ++totals_.stalls;
+    active_.clear();
+    for (; due_.first_due() <= now; due_.set(due_.first(), kNever)) active_.push_back(due_.first());
+    while (!active_.empty()) {
+        for (const std::uint32_t link : active_) serve(link, now);
+        std::erase_if(active_, [&](std::uint32_t link) {
+            if (model(link).next_due() <= now) return false;
+            due_.set(link, model(link).next_due());
+            return true;
+        });
+    }
+    flush();
+}
+
+void RelayEngine::serve(std::uint32_t link, SessionTime now) {
+    const std::uint32_t place = link / 2;
+    const bool up = link % 2 == index(RelayDirection::kUp);
+    const FlowName& name = table_.name(place);
+    const int socket = up ? flows_[place]->server.descriptor() : inlets_[name.inlet].descriptor();
+    for (std::size_t i = 0; i < kTurn; ++i) {
+        const Departure departure = model(link).pop_departure(now);
+        if (departure.bytes.empty()) return;
+        if (batch_.full() || socket != batch_socket_) flush();
+        batch_socket_ = socket;
+        batch_.add(departure.bytes, up ? nullptr : &name.client);
+        outgoing_.push_back({link, departure});
+    }
+}
+
+void RelayEngine::flush() {
+    if (outgoing_.empty()) return;
+    const auto accepted = batch_.send(batch_socket_);
+    const SessionTime sent = wall_now();
+    for (std::size_t i = 0; i < outgoing_.size(); ++i) record_sent(outgoing_[i], sent, accepted[i]);
+    outgoing_.clear();
+}
+
+void RelayEngine::record_sent(const Outgoing& out, SessionTime sent, bool accepted) {
+    DirectionTotals& totals = totals_.direction[out.link % 2];
+    if (accepted) {
+        totals.bytes += out.departure.bytes.size();
+        totals.delay.add(sent - out.departure.received);
+        totals.error.add(sent - out.departure.due);
+        if (sent - out.departure.due > kStall) ++totals.late;
+    } else {
+        ++totals.refused;
+    }
+    if (log_ == nullptr) return;
+    PacketRecord record = record_of(out.link);
+    record.packet = out.departure.packet;
+    record.received_ns = to_nanoseconds(out.departure.received);
+    record.due_ns = to_nanoseconds(out.departure.due);
+    record.sent_ns = accepted ? to_nanoseconds(sent) : 0;
+    record.bytes = static_cast<std::uint32_t>(out.departure.bytes.size());
+    record.fate = accepted ? LoggedFate::kSent : LoggedFate::kRefused;
+    record.corrupted = out.departure.corrupted;
+    record.copy = out.departure.copy;
+    log_->add(record);
+}
+
+PacketRecord RelayEngine::record_of(std::uint32_t link) const {
+    PacketRecord record;
+    record.flow = table_.number(link / 2);
+    record.inlet = static_cast<std::uint16_t>(table_.name(link / 2).inlet);
+    record.direction = static_cast<RelayDirection>(link % 2);
+    return record;
+}
+
+void RelayEngine::receive(std::span<const epoll_event> events) {
+    const ClockPair clocks = read_clock_pair();
+    stamps_.update(clocks);
+    for (const epoll_event& event : events) {
+        const std::uint64_t tag = event.data.u64;
+        if (tag == kWatchedTag) {
+            watched_readable_ = true;
+        } else if (tag >= kInletTags) {
+            receive_from_clients(static_cast<std::uint32_t>(tag - kInletTags), clocks.after);
+        } else {
+            receive_from_server(static_cast<std::uint32_t>(tag), clocks.after);
+        }
+    }
+}
+
+void RelayEngine::receive_from_clients(std::uint32_t inlet, SessionTime now) {
+    const std::size_t count = arrivals_.receive(inlets_[inlet].descriptor());
+    for (std::size_t i = 0; i < count; ++i) {
+        const ReceiveBatch::Datagram datagram = arrivals_[i];
+        if (const auto place = flow_of(inlet, datagram.from, now)) {
+            push(2 * *place + static_cast<std::uint32_t>(RelayDirection::kUp), datagram, now);
+        } else {
+            ++totals_.flows_refused;
+        }
+    }
+}
+
+void RelayEngine::receive_from_server(std::uint32_t place, SessionTime now) {
+    if (!table_.open(place)) return;
+    const std::size_t count = arrivals_.receive(flows_[place]->server.descriptor());
+    if (count > 0) table_.alive(place, now);
+    for (std::size_t i = 0; i < count; ++i) {
+        push(2 * place + static_cast<std::uint32_t>(RelayDirection::kDown), arrivals_[i], now);
+    }
+}
+
+// A link's packets never go back in time: where a stamp could not be trusted, the one before it may be later.
+void RelayEngine::push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime now) {
+    SessionTime& last = flows_[link / 2]->last_received[link % 2];
+    last = std::max(last, stamps_.to_session(datagram.stamp_realtime_ns, now));
+    if (drops_) drops_->expect(record_of(link), datagram.bytes.size());
+    model(link).push(last, datagram.bytes);
+    due_.set(link, model(link).next_due());
+}
+
+std::optional<std::uint32_t> RelayEngine::flow_of(std::uint32_t inlet, const UdpAddress& client,
+                                                  SessionTime now) {
+    const auto found = table_.find({inlet, client}, now);
+    if (!found) return std::nullopt;
+    if (found->fresh && !open_flow(found->place)) {
+        table_.close(found->place);
+        return std::nullopt;
+    }
+    return found->place;
+}
+
+bool RelayEngine::open_flow(std::uint32_t place) {
+    const FlowName& name = table_.name(place);
+    const StreamKey key = flow_key(settings_.seed, name.inlet, table_.number(place));
+    try {
+        auto flow = std::make_unique<Flow>(
+            Flow{UdpSocket::connected(settings_.inlets[name.inlet].to),
+                 {LinkModel(settings_.links.up, key, kRelayUp, settings_.timelines.up, start_),
+                  LinkModel(settings_.links.down, key, kRelayDown, settings_.timelines.down, start_)}});
+        if (!waiter_.add(flow->server.descriptor(), place)) return false;
+        for (LinkModel& link : flow->links) link.observe(drops_.get());
+        flows_[place] = std::move(flow);
+        return true;
+    } catch (const Error&) {
+        return false;  // no more sockets: counted, the other flows go on
+    }
+}
+
+void RelayEngine::close_flow(std::uint32_t place) {
+    Flow& flow = *flows_[place];
+    waiter_.remove(flow.server.descriptor());
+    totals_.dropped_by_kernel += flow.server.dropped_by_kernel();
+    for (std::uint32_t d = 0; d < 2; ++d) {
+        totals_.direction[d].packets += flow.links[d].counters();
+        due_.set(2 * place + d, kNever);
+    }
+    flows_[place].reset();
+    table_.close(place);
+}
+
+// One with packets in flight is not idle, however long its links delay.
+void RelayEngine::expire_flows(SessionTime now) {
+    for (const std::uint32_t place : table_.idle_since(now - settings_.idle)) {
+        const auto& links = flows_[place]->links;
+        if (links[0].in_flight() + links[1].in_flight() == 0) close_flow(place);
+    }
+}
+
+void RelayEngine::housekeep(SessionTime now) {
+    next_housekeeping_ = now + kHousekeeping;
+    if (now < next_expiry_) return;
+    expire_flows(now);
+    next_expiry_ = now + settings_.idle / 4;
+}
+
+void RelayEngine::change(SessionTime now, const LinkPair& links) {
+    settings_.links = links;
+    for (Timeline* timeline : {&settings_.timelines.up, &settings_.timelines.down}) {
+        // Flows that open from now on must not go back to what this change has replaced.
+        std::erase_if(*timeline, [&](const LinkChange& change) { return start_ + change.at <= now; });
+    }
+    for (std::uint32_t place = 0; place < flows_.size(); ++place) {
+        if (!table_.open(place)) continue;
+        flows_[place]->links[index(RelayDirection::kUp)].change(now, links.up);
+        flows_[place]->links[index(RelayDirection::kDown)].change(now, links.down);
+        for (const std::uint32_t link : {2 * place, 2 * place + 1}) due_.set(link, model(link).next_due());
+    }
+}
+
+RelayTotals RelayEngine::totals(SessionTime now) const {
+    RelayTotals totals = totals_;
+    for (std::uint32_t place = 0; place < flows_.size(); ++place) {
+        if (!table_.open(place)) continue;
+        totals.dropped_by_kernel += flows_[place]->server.dropped_by_kernel();
+        for (std::size_t d = 0; d < 2; ++d) totals.direction[d].packets += flows_[place]->links[d].counters();
+    }
+    for (const UdpSocket& inlet : inlets_) totals.dropped_by_kernel += inlet.dropped_by_kernel();
+    totals.flows = table_.size();
+    totals.flows_opened = table_.opened();
+    totals.clock_steps = stamps_.steps();
+    totals.untrusted_stamps = stamps_.untrusted();
+    totals.log_missing = log_ == nullptr ? 0 : log_->missing();
+    totals.running = now - start_;
+    return totals;
+}
+
+}  // namespace thimble

@@ -1,0 +1,100 @@
+// The stand-alone relay: sockets, flows and links of one thread. Each client gets a flow of its own with a socket
+// towards the server, as in a NAT; what the server sends to that socket goes back to the client.
+//
+//   client --> inlet socket --> link up --> flow's socket --> server
+//   client <-- inlet socket <-- link down <-- flow's socket <--
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/runtime/event_waiter.hpp"
+#include "common/runtime/stamp_clock.hpp"
+#include "netem/link_model.hpp"
+#include "netem/relay/datagram_batch.hpp"
+#include "netem/relay/due_heap.hpp"
+#include "netem/relay/flow_table.hpp"
+#include "netem/relay/packet_record.hpp"
+#include "netem/relay/relay_settings.hpp"
+#include "netem/relay/relay_totals.hpp"
+#include "netem/relay/udp_socket.hpp"
+
+namespace thimble {
+
+class RelayEngine {
+  public:
+    // Opens the inlets. `log` may be null and must outlive the engine. Throws Error (network) for a taken port.
+    RelayEngine(const RelaySettings& settings, PacketSink* log);
+    ~RelayEngine();
+
+    // One wait, no longer than until `latest`, and what follows from it. Sends what is due before it receives.
+    void step(SessionTime latest);
+
+    // Asks step() to return when this becomes readable, and says whether it did. At most one.
+    void watch(int descriptor);
+    bool watched_is_readable();
+
+    // From now on other links, for all flows; what is in flight keeps its fate.
+    void change(SessionTime now, const LinkPair& links);
+    const LinkPair& links() const { return settings_.links; }
+
+    RelayTotals totals(SessionTime now) const;
+    UdpAddress inlet_address(std::size_t inlet) const { return inlets_[inlet].local(); }
+    // From when on outages, slots and traces by time count.
+    SessionTime start() const { return start_; }
+    const EventWaiter& waiter() const { return waiter_; }
+
+  private:
+    struct Flow {
+        UdpSocket server;
+        std::array<LinkModel, 2> links;  // RelayDirection
+        std::array<SessionTime, 2> last_received{};
+    };
+    // What is on its way out in the batch.
+    struct Outgoing {
+        std::uint32_t link;
+        Departure departure;
+    };
+    class DropLog;
+
+    static constexpr std::uint64_t kWatchedTag = UINT64_MAX - 1;
+
+    void send_due(SessionTime now);
+    void serve(std::uint32_t link, SessionTime now);
+    void flush();
+    void record_sent(const Outgoing& out, SessionTime sent, bool accepted);
+    void receive(std::span<const epoll_event> events);
+    void receive_from_clients(std::uint32_t inlet, SessionTime now);
+    void receive_from_server(std::uint32_t place, SessionTime now);
+    void push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime now);
+    std::optional<std::uint32_t> flow_of(std::uint32_t inlet, const UdpAddress& client, SessionTime now);
+    bool open_flow(std::uint32_t place);
+    void close_flow(std::uint32_t place);
+    void expire_flows(SessionTime now);
+    void housekeep(SessionTime now);
+
+    LinkModel& model(std::uint32_t link) { return flows_[link / 2]->links[link % 2]; }
+    PacketRecord record_of(std::uint32_t link) const;
+
+    RelaySettings settings_;
+    PacketSink* log_;
+    EventWaiter waiter_;
+    StampClock stamps_;
+    std::vector<UdpSocket> inlets_;
+    FlowTable table_;
+    std::vector<std::unique_ptr<Flow>> flows_;  // by place; link 2 * place + direction
+    DueHeap due_;
+    std::vector<std::uint32_t> active_;  // links with due packets, in turn
+    ReceiveBatch arrivals_;
+    SendBatch batch_;
+    int batch_socket_ = -1;
+    std::vector<Outgoing> outgoing_;
+    std::unique_ptr<DropLog> drops_;
+    RelayTotals totals_;  // without the counters of flows that are open
+    SessionTime start_, next_housekeeping_, next_expiry_;
+    bool watched_readable_ = false;
+};
+
+}  // namespace thimble

@@ -1,0 +1,160 @@
+#include "netem/relay/relay_report.hpp"
+
+#include <fmt/format.h>
+
+#include "common/version.hpp"
+
+namespace thimble {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
+
+std::string_view name(JitterShape shape) {
+    constexpr std::array<std::string_view, 7> kNames{"none",   "uniform",       "normal", "gamma",
+                                                     "pareto", "pareto-normal", "table"};
+    return kNames[static_cast<std::size_t>(shape)];
+}
+
+Json describe_packets(const DirectionTotals& totals) {
+    const LinkCounters& c = totals.packets;
+    return {{"received", c.pushed},
+            {"sent", c.delivered - totals.refused},
+            {"lost", c.lost},
+            {"outage", c.outage},
+            {"queue_full", c.queue_full},
+            {"overflowed", c.overflowed},
+            {"empty_or_too_long", c.oversized},
+            {"refused_by_kernel", totals.refused},
+            {"duplicated", c.duplicated},
+            {"corrupted", c.corrupted},
+            {"reordered", c.reordered},
+            {"bytes_sent", totals.bytes}};
+}
+
+Json describe_delay(const LinkSettings& link, const Histogram& delay) {
+    return {{"asked_mean_s", to_seconds(link.delay)},
+            {"achieved_least_s", to_seconds(delay.best())},
+            {"achieved_median_s", to_seconds(delay.quantile(0.5))},
+            {"achieved_p99_s", to_seconds(delay.quantile(0.99))},
+            {"achieved_worst_s", to_seconds(delay.worst())}};
+}
+
+Json describe_loss(const LinkSettings& link, const LinkCounters& packets) {
+    const AchievedLoss loss = achieved_loss(packets);
+    const ProportionInterval interval = loss.interval();
+    return {{"asked", stationary_loss(link.loss)},
+            {"achieved", loss.share()},
+            {"low_95", interval.low},
+            {"high_95", interval.high}};
+}
+
+Json describe_direction(const LinkSettings& link, const DirectionTotals& totals) {
+    return {{"asked", describe(link)},
+            {"packets", describe_packets(totals)},
+            {"delay", describe_delay(link, totals.delay)},
+            {"loss", describe_loss(link, totals.packets)},
+            {"due_time_error", describe(totals.error)},
+            {"later_than_1ms", totals.late}};
+}
+
+std::string direction_in_words(const std::string& title, const Json& d) {
+    const Json &p = d.at("packets"), &delay = d.at("delay"), &loss = d.at("loss"),
+               &e = d.at("due_time_error");
+    std::string text =
+        fmt::format("{:<5} {} received, {} sent, {} lost", title, p.at("received").get<std::uint64_t>(),
+                    p.at("sent").get<std::uint64_t>(), p.at("lost").get<std::uint64_t>());
+    for (const char* fate : {"outage", "queue_full", "overflowed", "empty_or_too_long", "refused_by_kernel",
+                             "duplicated", "corrupted", "reordered"}) {
+        if (const auto count = p.at(fate).get<std::uint64_t>(); count > 0)
+            text += fmt::format(", {} {}", count, fate);
+    }
+    text += fmt::format(
+        "\n      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99, {:.6g} worst\n",
+        1e3 * delay.at("asked_mean_s").get<double>(), 1e3 * delay.at("achieved_median_s").get<double>(),
+        1e3 * delay.at("achieved_p99_s").get<double>(), 1e3 * delay.at("achieved_worst_s").get<double>());
+    text += fmt::format("      loss     asked {:.4g} %, achieved {:.4g} % [{:.4g}, {:.4g}]\n",
+                        100 * loss.at("asked").get<double>(), 100 * loss.at("achieved").get<double>(),
+                        100 * loss.at("low_95").get<double>(), 100 * loss.at("high_95").get<double>());
+    text += fmt::format("      late by  {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst\n",
+                        e.at("median_us").get<double>(), e.at("p99_us").get<double>(),
+                        e.at("p999_us").get<double>(), e.at("worst_us").get<double>());
+    return text;
+}
+
+std::string machine_in_words(const Json& report) {
+    const Json& m = report.at("machine");
+    std::string text = fmt::format("      {} stalls above 1 ms", m.at("stalls").get<std::uint64_t>());
+    for (const char* key : {"dropped_by_kernel", "clock_steps", "untrusted_stamps", "spinning_gave_up"}) {
+        if (const auto count = m.at(key).get<std::uint64_t>(); count > 0)
+            text += fmt::format(", {} {}", count, key);
+    }
+    if (const auto missing = report.at("log_missing").get<std::uint64_t>(); missing > 0) {
+        text += fmt::format(", {} packets missing in the log", missing);
+    }
+    return text + "\n";
+}
+
+}  // namespace
+
+nlohmann::ordered_json describe(const LinkSettings& link) {
+    Json json{{"delay_s", to_seconds(link.delay)},
+              {"jitter", name(link.jitter.shape)},
+              {"jitter_spread_s", to_seconds(link.jitter.spread)},
+              {"jitter_correlation", link.jitter.correlation},
+              {"loss", stationary_loss(link.loss)},
+              {"duplicate", link.duplicate},
+              {"corrupt", link.corrupt},
+              {"reorder", link.reorder},
+              {"in_order", link.in_order},
+              {"rate_bit_per_s", link.rate.bits_per_s},
+              {"outages", link.outages.size()},
+              {"trace", link.trace != nullptr},
+              {"delivery_trace", link.deliveries != nullptr},
+              {"capacity", link.capacity}};
+    return json;
+}
+
+nlohmann::ordered_json describe(const Histogram& error) {
+    return {{"median_us", us(error.quantile(0.5))},
+            {"p99_us", us(error.quantile(0.99))},
+            {"p999_us", us(error.quantile(0.999))},
+            {"worst_us", us(error.worst())},
+            {"count", error.count()}};
+}
+
+nlohmann::ordered_json describe(const RelayState& state) {
+    const RelayTotals& t = state.totals;
+    Json json{
+        {"version", kVersion},
+        {"running_s", to_seconds(t.running)},
+        {"flows", {{"open", t.flows}, {"opened", t.flows_opened}, {"packets_refused", t.flows_refused}}},
+        {"up", describe_direction(state.links.up, t[RelayDirection::kUp])},
+        {"down", describe_direction(state.links.down, t[RelayDirection::kDown])}};
+    json["machine"] = {{"waiting", state.precise ? "precise" : "sleeping"},
+                       {"margin_us", us(state.margin)},
+                       {"spun_s", to_seconds(state.waiting.spun)},
+                       {"spinning_gave_up", state.waiting.exhausted},
+                       {"stalls", t.stalls},
+                       {"dropped_by_kernel", t.dropped_by_kernel},
+                       {"clock_steps", t.clock_steps},
+                       {"untrusted_stamps", t.untrusted_stamps}};
+    json["log_missing"] = t.log_missing;
+    return json;
+}
+
+std::string in_words(const nlohmann::ordered_json& report) {
+    const Json& flows = report.at("flows");
+    std::string text =
+        fmt::format("{:.1f} s, {} flows ({} open), {} waiting\n", report.at("running_s").get<double>(),
+                    flows.at("opened").get<std::uint64_t>(), flows.at("open").get<std::uint64_t>(),
+                    report.at("machine").at("waiting").get<std::string>());
+    if (const auto refused = flows.at("packets_refused").get<std::uint64_t>(); refused > 0) {
+        text += fmt::format("{} packets of clients that found no free flow: see --max-flows\n", refused);
+    }
+    return text + direction_in_words("up", report.at("up")) + direction_in_words("down", report.at("down")) +
+           machine_in_words(report);
+}
+
+}  // namespace thimble

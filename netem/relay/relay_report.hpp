@@ -1,0 +1,28 @@
+// What a relay did, beside what it was asked to do: as JSON for programs, and that JSON in words for people.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/event_waiter.hpp"
+#include "netem/relay/relay_settings.hpp"
+#include "netem/relay/relay_totals.hpp"
+
+namespace thimble {
+
+struct RelayState {
+    LinkPair links;
+    RelayTotals totals;
+    WaitCounters waiting;
+    Duration margin{};
+    bool precise = false;
+};
+
+nlohmann::ordered_json describe(const LinkSettings& link);
+nlohmann::ordered_json describe(const Histogram& error);  // of due times
+nlohmann::ordered_json describe(const RelayState& state);
+// Of what describe(RelayState) gave, perhaps in another process.
+std::string in_words(const nlohmann::ordered_json& report);
+
+}  // namespace thimble

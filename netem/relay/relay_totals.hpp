@@ -1,0 +1,53 @@
+// What a relay has done so far, by direction: counts, achieved delays, due-time errors. Data and arithmetic, no clock.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/histogram.hpp"
+#include "netem/link_model.hpp"
+#include "netem/relay/packet_record.hpp"
+
+namespace thimble {
+
+// A packet that leaves later than this after its due time met a stall of the machine.
+inline constexpr Duration kStall = std::chrono::milliseconds{1};
+
+struct DirectionTotals {
+    LinkCounters packets;       // of all flows
+    std::uint64_t bytes = 0;    // sent
+    std::uint64_t refused = 0;  // delivered by the link, not taken by the kernel
+    std::uint64_t late = 0;     // sent more than kStall after they were due
+    Histogram delay;            // sent minus received
+    Histogram error;            // sent minus due, never below zero: nothing leaves early
+};
+
+struct RelayTotals {
+    std::array<DirectionTotals, 2> direction;  // RelayDirection
+    std::uint64_t flows = 0, flows_opened = 0, flows_refused = 0;
+    std::uint64_t stalls = 0;  // wake-ups more than kStall after the due time they were for
+    std::uint64_t clock_steps = 0, untrusted_stamps = 0;
+    std::uint64_t dropped_by_kernel = 0;  // before this program could read them
+    std::uint64_t log_missing = 0;
+    Duration running{};
+
+    const DirectionTotals& operator[](RelayDirection d) const {
+        return direction[static_cast<std::size_t>(d)];
+    }
+};
+
+// Wilson's score interval of a proportion at 95 % (Wilson, JASA 22, 1927): inside [0, 1], sensible at 0 and 1.
+struct ProportionInterval {
+    double low = 0, high = 1;
+};
+ProportionInterval wilson_95(std::uint64_t successes, std::uint64_t trials);  // {0, 1} for no trials
+
+// Packets that never left for a reason that a loss setting names, and the packets it could have named.
+struct AchievedLoss {
+    std::uint64_t lost = 0, of = 0;
+    double share() const { return of == 0 ? 0.0 : static_cast<double>(lost) / static_cast<double>(of); }
+    ProportionInterval interval() const { return wilson_95(lost, of); }
+};
+AchievedLoss achieved_loss(const LinkCounters& packets);
+
+}  // namespace thimble

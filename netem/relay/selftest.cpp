@@ -1,0 +1,137 @@
+#include "netem/relay/selftest.hpp"
+
+#include <algorithm>
+#include <arpa/inet.h>
+
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/timer_probe.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "netem/relay/fates.hpp"
+#include "netem/relay/relay_engine.hpp"
+#include "netem/relay/relay_service.hpp"
+#include "netem/relay/selftest_traffic.hpp"
+
+namespace thimble {
+namespace {
+
+// For the last packets: what links may delay them, and a machine that stalls.
+constexpr Duration kPatience = std::chrono::milliseconds{300};
+
+// Keeps every record in memory that was there from the beginning.
+class Records final : public PacketSink {
+  public:
+    explicit Records(std::size_t room) { records_.reserve(room); }
+    void add(const PacketRecord& record) override {
+        if (records_.size() < records_.capacity()) {
+            records_.push_back(record);
+        } else {
+            ++missing_;
+        }
+    }
+    std::uint64_t missing() const override { return missing_; }
+    // Of one direction, by packet, one each: a packet that was sent and whose second copy was dropped counts as sent.
+    std::vector<PacketRecord> of(RelayDirection direction) const {
+        std::vector<PacketRecord> chosen;
+        for (const PacketRecord& record : records_) {
+            if (record.direction == direction && !record.copy) chosen.push_back(record);
+        }
+        std::stable_sort(chosen.begin(), chosen.end(), [](const PacketRecord& a, const PacketRecord& b) {
+            return a.packet != b.packet ? a.packet < b.packet : a.fate < b.fate;
+        });
+        const auto same = [](const PacketRecord& a, const PacketRecord& b) { return a.packet == b.packet; };
+        chosen.erase(std::unique(chosen.begin(), chosen.end(), same), chosen.end());
+        return chosen;
+    }
+
+  private:
+    std::vector<PacketRecord> records_;
+    std::uint64_t missing_ = 0;
+};
+
+Duration slowest(const LinkPair& links) {
+    const auto way = [](const LinkSettings& link) { return link.delay + 6 * link.jitter.spread; };
+    return way(links.up) + way(links.down) + kPatience;
+}
+
+RelaySettings relay_settings(const SelftestSettings& settings, const UdpAddress& server, bool precise) {
+    RelaySettings relay;
+    relay.inlets.push_back({{htonl(INADDR_LOOPBACK), 0}, server});
+    relay.links = settings.links;
+    relay.timelines = settings.timelines;
+    relay.seed = settings.seed;
+    relay.most_flows = 1;
+    relay.idle = std::chrono::hours{24};
+    relay.precise = precise;
+    return relay;
+}
+
+// A packet that head drop throws out is told of when that happens, after others have come: it came before them.
+std::vector<SessionTime> receptions(const std::vector<PacketRecord>& records) {
+    std::vector<SessionTime> received;
+    for (const PacketRecord& record : records) received.push_back(from_nanoseconds(record.received_ns));
+    for (std::size_t i = received.size(); i > 1; --i)
+        received[i - 2] = std::min(received[i - 2], received[i - 1]);
+    return received;
+}
+
+void count_records(const std::vector<PacketRecord>& records, const std::vector<bool>& foretold,
+                   SelftestDirection& d) {
+    for (const PacketRecord& record : records) {
+        const bool sent = record.fate == LoggedFate::kSent;
+        const bool dropped = !sent && record.fate != LoggedFate::kRefused;
+        d.sent += sent ? 1U : 0U;
+        d.dropped += dropped ? 1U : 0U;
+        d.early += sent && record.sent_ns < record.due_ns ? 1U : 0U;
+        d.other_fates += record.packet >= foretold.size() || foretold[record.packet] != dropped ? 1U : 0U;
+    }
+}
+
+SelftestDirection examine(const TwinLink& link, std::size_t bytes, const TrafficWay& way,
+                          const std::vector<PacketRecord>& records) {
+    SelftestDirection d;
+    const std::vector<SessionTime> received = receptions(records);
+    d.delays_s = way.delays_s();
+    d.offered = way.sent.size();
+    d.received = records.size();
+    d.arrived = d.delays_s.size();
+    count_records(records, replay(link, received, bytes).dropped_packet, d);
+    // When exactly the oldest was thrown out is not known well enough to foretell the next.
+    if (link.settings.rate.drop == Drop::kHead) d.other_fates = 0;
+    const std::uint64_t accounted = d.arrived + d.dropped + way.strangers;
+    d.lost_by_machine = d.offered - std::min(d.offered, accounted);
+    d.comparison = compare(link, received, bytes, d.delays_s);
+    std::sort(d.delays_s.begin(), d.delays_s.end());
+    return d;
+}
+
+}  // namespace
+
+SelftestResult run_selftest(const SelftestSettings& settings) {
+    const Duration bare = settings.length / 10;
+    const auto packets = static_cast<std::size_t>((settings.length - 2 * bare) / kTrafficPeriod);
+    SelftestTraffic traffic(packets, slowest(settings.links));
+    traffic.launch();
+    Records records(8 * packets + 16);
+    install_stop_signals();
+    const bool precise = ask_for_precision(settings.runtime, settings.precise);
+    SelftestResult result;
+    result.timer = measure_timer(kTrafficPeriod, bare);
+    RelayEngine engine(relay_settings(settings, traffic.address(), precise), &records);
+    traffic.start(engine.inlet_address(0));
+    while (!traffic.finished() && !stop_requested()) engine.step(kNever);
+    const SessionTime end = wall_now();
+    result.timer.merge(measure_timer(kTrafficPeriod, bare));
+    result.state = {engine.links(), engine.totals(end), engine.waiter().counters(), engine.waiter().margin(),
+                    precise};
+    const StreamKey key = flow_key(settings.seed, 0, 0);
+    result.direction[0] =
+        examine({settings.links.up, settings.timelines.up, key, kRelayUp, engine.start()}, kUpBytes,
+                traffic.way(RelayDirection::kUp), records.of(RelayDirection::kUp));
+    result.direction[1] =
+        examine({settings.links.down, settings.timelines.down, key, kRelayDown, engine.start()}, kDownBytes,
+                traffic.way(RelayDirection::kDown), records.of(RelayDirection::kDown));
+    judge(result);
+    return result;
+}
+
+}  // namespace thimble

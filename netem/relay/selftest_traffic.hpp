@@ -1,0 +1,67 @@
+// Traffic of the self-test's own: a client that sends like a session's master, and a server that answers each datagram
+// like slave_sim. It knows when it sent what, and the kernel when it came out at the other end.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <thread>
+#include <vector>
+
+#include "netem/relay/datagram_batch.hpp"
+#include "netem/relay/packet_record.hpp"
+#include "netem/relay/udp_socket.hpp"
+
+namespace thimble {
+
+// Datagrams of one direction, by their number.
+struct TrafficWay {
+    std::vector<SessionTime> sent, arrived;  // arrived: SessionTime{} if it never did
+    std::uint64_t strangers = 0;             // arrived, but are none of these: bits were flipped
+    std::uint64_t copies = 0;                // arrived a second time
+
+    // What each waited on its way, in the order of sending, in seconds.
+    std::vector<double> delays_s() const;
+};
+
+inline constexpr std::size_t kUpBytes = 104, kDownBytes = 144;  // NeedleCommand, ForceFeedback
+inline constexpr Duration kTrafficPeriod = std::chrono::milliseconds{1};
+
+class SelftestTraffic {
+  public:
+    // Makes the server's socket; the relay's `to` is address(). `drain`: how long to wait for the last answers.
+    SelftestTraffic(std::size_t packets, Duration drain);
+    ~SelftestTraffic();
+    SelftestTraffic(const SelftestTraffic&) = delete;
+    SelftestTraffic& operator=(const SelftestTraffic&) = delete;
+
+    UdpAddress address() const;
+    // In a thread with the scheduling that the caller has now; waits for start().
+    void launch();
+    void start(const UdpAddress& relay);  // where the relay listens
+    bool finished() const { return finished_; }
+    // Once finished.
+    const TrafficWay& way(RelayDirection direction) const {
+        return ways_[static_cast<std::size_t>(direction)];
+    }
+
+  private:
+    void run();
+    void send(RelayDirection direction, int socket, const UdpAddress* to);
+    void take(RelayDirection direction, const ReceiveBatch::Datagram& datagram, SessionTime now);
+    void receive_at_server();
+    void receive_at_client();
+
+    std::size_t packets_;
+    Duration drain_;
+    UdpSocket server_, client_;
+    UdpAddress relay_;
+    std::array<TrafficWay, 2> ways_;
+    ReceiveBatch arrivals_;
+    SendBatch out_;
+    StampClock stamps_;
+    std::atomic<bool> started_{false}, finished_{false}, abandoned_{false};
+    std::thread thread_;
+};
+
+}  // namespace thimble

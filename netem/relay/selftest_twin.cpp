@@ -1,0 +1,120 @@
+#include "netem/relay/selftest_twin.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "netem/link_model.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kTwins = 20;  // to compare with, and as many to be compared
+constexpr double kLeastSpread_s = 50e-6;
+
+struct Tally final : LinkObserver {
+    std::uint64_t dropped = 0;
+    std::vector<bool> packets;
+    void on_drop(std::uint64_t packet, SessionTime /*now*/, DropReason /*reason*/) override {
+        ++dropped;
+        if (packet < packets.size()) packets[packet] = true;
+    }
+};
+
+void take_due(LinkModel& model, SessionTime now, std::vector<double>& delays_s) {
+    for (auto out = model.pop_departure(now); !out.bytes.empty(); out = model.pop_departure(now)) {
+        delays_s.push_back(to_seconds(out.due - out.received));
+    }
+}
+
+bool is_spread(std::vector<double> delays_s) {
+    if (delays_s.size() < 100) return false;
+    std::sort(delays_s.begin(), delays_s.end());
+    return delays_s[delays_s.size() * 99 / 100] - delays_s[delays_s.size() / 100] > kLeastSpread_s;
+}
+
+struct Moments {
+    double sum = 0, squares = 0;
+    std::size_t count = 0;
+    void add(double x) {
+        sum += x;
+        squares += x * x;
+        ++count;
+    }
+    double mean() const { return sum / static_cast<double>(count); }
+    double deviation() const {
+        const auto n = static_cast<double>(count);
+        return std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)));
+    }
+};
+
+}  // namespace
+
+TwinOutcome replay(const TwinLink& link, std::span<const SessionTime> received, std::size_t bytes) {
+    LinkModel model(link.settings, link.key, link.direction, link.timeline, link.start);
+    Tally tally;
+    tally.packets.resize(received.size());
+    model.observe(&tally);
+    TwinOutcome outcome;
+    const std::vector<std::uint8_t> datagram(bytes);
+    for (const SessionTime now : received) {
+        take_due(model, now, outcome.delays_s);
+        model.push(now, datagram);
+    }
+    while (model.next_due() != kNever) take_due(model, model.next_due(), outcome.delays_s);
+    outcome.dropped = tally.dropped;
+    outcome.dropped_packet = std::move(tally.packets);
+    return outcome;
+}
+
+double ks_distance(std::vector<double>& a, std::vector<double>& b) {
+    if (a.empty() || b.empty()) return a.empty() && b.empty() ? 0 : 1;
+    std::sort(a.begin(), a.end());
+    std::sort(b.begin(), b.end());
+    double worst = 0;
+    for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+        const double x = std::min(a[i], b[j]);
+        while (i < a.size() && a[i] <= x) ++i;
+        while (j < b.size() && b[j] <= x) ++j;
+        worst = std::max(worst, std::abs(static_cast<double>(i) / static_cast<double>(a.size()) -
+                                         static_cast<double>(j) / static_cast<double>(b.size())));
+    }
+    return worst;
+}
+
+double Comparison::drop_score(std::uint64_t dropped) const {
+    const double difference = static_cast<double>(dropped) - dropped_mean;
+    if (dropped_deviation > 0) return difference / dropped_deviation;
+    return difference == 0 ? 0 : HUGE_VAL;
+}
+
+Comparison compare(const TwinLink& link, std::span<const SessionTime> received, std::size_t bytes,
+                   std::vector<double> achieved_s) {
+    Comparison result;
+    Moments dropped;
+    const auto twin = [&](std::size_t i) {
+        TwinLink other = link;
+        other.key.study += 1 + i;
+        TwinOutcome outcome = replay(other, received, bytes);
+        dropped.add(static_cast<double>(outcome.dropped));
+        return std::move(outcome.delays_s);
+    };
+    std::vector<double> pool;
+    for (std::size_t i = 0; i < kTwins; ++i) {
+        const std::vector<double> delays_s = twin(i);
+        pool.insert(pool.end(), delays_s.begin(), delays_s.end());
+    }
+    result.spread = is_spread(pool);
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < kTwins; ++i) {
+        std::vector<double> delays_s = twin(kTwins + i);
+        distances.push_back(ks_distance(delays_s, pool));
+    }
+    std::sort(distances.begin(), distances.end());
+    result.by_chance = distances[kTwins * 95 / 100 - 1];
+    result.distance = ks_distance(achieved_s, pool);
+    result.dropped_mean = dropped.mean();
+    result.dropped_deviation = dropped.deviation();
+    return result;
+}
+
+}  // namespace thimble

@@ -1,0 +1,175 @@
+// What a self-test's findings mean, and how they are said.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "netem/relay/selftest.hpp"
+
+namespace thimble {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A session samples at 1 kHz: what is a whole sample late belongs to the next.
+constexpr double kSample_us = 1000;
+constexpr double kUneasy_us = 200;     // a fifth of it
+constexpr double kTimerSlack_us = 20;  // by which the relay may exceed the bare timer and half as much again
+constexpr double kManyLost = 1e-3;     // of the packets, by the machine
+constexpr std::uint64_t kFewPackets = 2000;
+
+double us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
+
+class Judge {
+  public:
+    explicit Judge(SelftestResult& result) : result_(&result) {}
+
+    // Whichever of the two limits `value` exceeds.
+    void limit(double value, double marginal, double fail, const std::string& cause) {
+        if (value > fail) {
+            say(Verdict::kFail, cause);
+        } else if (value > marginal) {
+            say(Verdict::kMarginal, cause);
+        }
+    }
+    void say(Verdict verdict, const std::string& cause) {
+        result_->verdict = std::max(result_->verdict, verdict);
+        result_->causes.push_back(cause);
+    }
+
+  private:
+    SelftestResult* result_;
+};
+
+void judge_direction(Judge& judge, std::string_view name, const SelftestDirection& d, const Histogram& error,
+                     const Histogram& timer) {
+    const double p99_us = us(error.quantile(0.99)), timer_us = us(timer.quantile(0.99));
+    judge.limit(static_cast<double>(d.early), 0, 0,
+                fmt::format("{}: {} packets left before they were due", name, d.early));
+    judge.limit(static_cast<double>(d.other_fates), 0, 0,
+                fmt::format("{}: {} packets had another fate than their seed says", name, d.other_fates));
+    judge.limit(static_cast<double>(d.lost_by_machine), 0, kManyLost * static_cast<double>(d.offered),
+                fmt::format("{}: the machine lost {} of {} packets that the profile would have delivered",
+                            name, d.lost_by_machine, d.offered));
+    judge.limit(
+        p99_us, kUneasy_us, kSample_us,
+        fmt::format("{}: 1 % of the packets leave more than {:.0f} us late (the bare timer: {:.0f} us)", name,
+                    p99_us, timer_us));
+    judge.limit(us(error.quantile(0.999)), kSample_us, HUGE_VAL,
+                fmt::format("{}: 1 in 1000 packets leaves more than {:.1f} ms late: the machine stalls", name,
+                            1e-3 * us(error.quantile(0.999))));
+    judge.limit(p99_us, 1.5 * timer_us + kTimerSlack_us, HUGE_VAL,
+                fmt::format("{}: later than the bare timer explains (99 %: {:.0f} us against {:.0f} us)",
+                            name, p99_us, timer_us));
+    if (d.comparison.spread) {
+        judge.limit(
+            d.comparison.distance_ratio(), 1.5, 3,
+            fmt::format("{}: the delays are not those asked for: KS distance {:.4f}, by chance {:.4f}", name,
+                        d.comparison.distance, d.comparison.by_chance));
+    }
+    judge.limit(std::abs(d.comparison.drop_score(d.dropped)), 3, 5,
+                fmt::format("{}: {} packets dropped where {:.1f} +- {:.1f} were expected", name, d.dropped,
+                            d.comparison.dropped_mean, d.comparison.dropped_deviation));
+    if (d.received < kFewPackets) {
+        judge.say(
+            Verdict::kMarginal,
+            fmt::format("{}: only {} packets, too few to judge rare delays: test longer", name, d.received));
+    }
+}
+
+double quantile_s(const std::vector<double>& sorted, double q) {
+    return sorted.empty() ? 0 : sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))];
+}
+
+Json describe_findings(const SelftestDirection& d, const Histogram& error) {
+    const ProportionInterval interval = wilson_95(d.dropped, d.received);
+    const double share =
+        d.received == 0 ? 0 : static_cast<double>(d.dropped) / static_cast<double>(d.received);
+    const double expected = d.received == 0 ? 0 : d.comparison.dropped_mean / static_cast<double>(d.received);
+    Json json{{"offered", d.offered},
+              {"received", d.received},
+              {"dropped_as_asked", d.dropped},
+              {"arrived", d.arrived},
+              {"early", d.early},
+              {"other_fates", d.other_fates},
+              {"lost_by_machine", d.lost_by_machine}};
+    json["loss"] = {
+        {"expected", expected}, {"achieved", share}, {"low_95", interval.low}, {"high_95", interval.high}};
+    json["delay"] = {{"median_s", quantile_s(d.delays_s, 0.5)},
+                     {"p99_s", quantile_s(d.delays_s, 0.99)},
+                     {"distribution_tested", d.comparison.spread},
+                     {"ks_distance", d.comparison.distance},
+                     {"ks_by_chance", d.comparison.by_chance}};
+    json["due_time_error"] = describe(error);
+    return json;
+}
+
+std::string findings_in_words(std::string_view name, const LinkSettings& link, const SelftestDirection& d,
+                              const Histogram& e) {
+    const ProportionInterval loss = wilson_95(d.dropped, d.received);
+    std::string text = fmt::format(
+        "{:<5} {} packets, {} dropped as asked ({:.3g} % [{:.3g}, {:.3g}]), {} by the machine\n", name,
+        d.offered, d.dropped,
+        d.received == 0 ? 0 : 100.0 * static_cast<double>(d.dropped) / static_cast<double>(d.received),
+        100 * loss.low, 100 * loss.high, d.lost_by_machine);
+    text += fmt::format("      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99",
+                        1e3 * to_seconds(link.delay), 1e3 * quantile_s(d.delays_s, 0.5),
+                        1e3 * quantile_s(d.delays_s, 0.99));
+    text += d.comparison.spread ? fmt::format("; KS {:.4f}, by chance {:.4f}\n", d.comparison.distance,
+                                              d.comparison.by_chance)
+                                : "; constant\n";
+    return text + fmt::format("      late by  {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst\n",
+                              us(e.quantile(0.5)), us(e.quantile(0.99)), us(e.quantile(0.999)),
+                              us(e.worst()));
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+    switch (verdict) {
+        case Verdict::kPass:
+            return "PASS";
+        case Verdict::kMarginal:
+            return "MARGINAL";
+        case Verdict::kFail:
+            break;
+    }
+    return "FAIL";
+}
+
+void judge(SelftestResult& result) {
+    result.verdict = Verdict::kPass;
+    result.causes.clear();
+    Judge judge(result);
+    for (const RelayDirection d : {RelayDirection::kUp, RelayDirection::kDown}) {
+        judge_direction(judge, to_string(d), result.direction[static_cast<std::size_t>(d)],
+                        result.state.totals[d].error, result.timer);
+    }
+}
+
+nlohmann::ordered_json describe(const SelftestResult& result) {
+    Json json{{"verdict", to_string(result.verdict)}, {"causes", result.causes}};
+    for (const RelayDirection d : {RelayDirection::kUp, RelayDirection::kDown}) {
+        json[std::string(to_string(d))] =
+            describe_findings(result.direction[static_cast<std::size_t>(d)], result.state.totals[d].error);
+    }
+    json["bare_timer"] = describe(result.timer);
+    json["relay"] = describe(result.state);
+    return json;
+}
+
+std::string in_words(const SelftestResult& result) {
+    std::string text;
+    text += findings_in_words("up", result.state.links.up, result.direction[0],
+                              result.state.totals[RelayDirection::kUp].error);
+    text += findings_in_words("down", result.state.links.down, result.direction[1],
+                              result.state.totals[RelayDirection::kDown].error);
+    text += fmt::format(
+        "bare timer late by {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst; {} stalls\n",
+        us(result.timer.quantile(0.5)), us(result.timer.quantile(0.99)), us(result.timer.quantile(0.999)),
+        us(result.timer.worst()), result.state.totals.stalls);
+    text += fmt::format("{}\n", to_string(result.verdict));
+    for (const std::string& cause : result.causes) text += fmt::format("  {}\n", cause);
+    return text;
+}
+
+}  // namespace thimble

@@ -1,0 +1,29 @@
+// A link that sends when its trace says so, as mahimahi's: each opportunity moves 1500 bytes of what waits; a packet
+// that does not fit goes on with the next, and room that nobody uses is lost. A packet that comes in the very
+// instant of an opportunity is too late for it.
+#pragma once
+
+#include <memory>
+
+#include "netem/delivery_trace.hpp"
+
+namespace thimble {
+
+class Deliveries {
+  public:
+    // Times count from the start of the trial.
+    void configure(std::shared_ptr<const DeliveryTrace> trace);
+    bool active() const { return trace_ != nullptr; }
+
+    // When a packet that came at `arrival` begins to go. Never goes back; asking twice changes nothing.
+    Duration opening(Duration arrival);
+    // It goes then: when its last byte is through.
+    Duration take(std::size_t bytes);
+
+  private:
+    std::shared_ptr<const DeliveryTrace> trace_;
+    std::uint64_t opportunity_ = 0;
+    std::size_t room_bytes_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,85 @@
+// Writes classic pcap files for tests, in every variant that the reader takes.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace thimble::test {
+
+struct FrameOptions {
+    bool vlan = false;
+    std::size_t padding = 0;
+    std::uint8_t protocol = 17;
+    bool fragment = false;
+};
+
+class CaptureWriter {
+  public:
+    CaptureWriter(std::uint32_t link_type, bool big_endian, bool nanoseconds)
+        : link_type_(link_type), big_endian_(big_endian), nanoseconds_(nanoseconds) {
+        file32(nanoseconds ? 0xa1b23c4d : 0xa1b2c3d4);
+        file32(big_endian ? 0x00020004 : 0x00040002);  // version 2.4, two halves
+        for (const std::uint32_t word : {0U, 0U, 65535U, link_type}) file32(word);
+    }
+
+    void udp(std::int64_t stamp_ns, std::uint16_t from, std::uint16_t to, std::string_view payload,
+             const FrameOptions& options = {}) {
+        std::string frame = link_header(options) + ip_header(payload.size(), options);
+        for (const std::size_t half :
+             {std::size_t{from}, std::size_t{to}, payload.size() + 8, std::size_t{0}}) {
+            put16(frame, half);
+        }
+        frame += payload;
+        frame += std::string(options.padding, '\0');
+        file32(static_cast<std::uint32_t>(stamp_ns / 1'000'000'000));
+        file32(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000 / (nanoseconds_ ? 1 : 1000)));
+        file32(static_cast<std::uint32_t>(frame.size()));
+        file32(static_cast<std::uint32_t>(frame.size()));
+        bytes_ += frame;
+    }
+
+    const std::string& bytes() const { return bytes_; }
+
+  private:
+    static void put16(std::string& out, std::size_t value) {
+        out += static_cast<char>(value >> 8 & 255);
+        out += static_cast<char>(value & 255);
+    }
+    void file32(std::uint32_t value) {
+        for (unsigned i = 0; i < 4; ++i)
+            bytes_ += static_cast<char>(value >> 8 * (big_endian_ ? 3 - i : i) & 255);
+    }
+    std::string link_header(const FrameOptions& options) const {
+        std::string header;
+        switch (link_type_) {
+            case 0:
+                return {2, 0, 0, 0};
+            case 1:
+                header = std::string(12, '\x02');
+                if (options.vlan) header += std::string("\x81\x00\x00\x05", 4);
+                return header + std::string("\x08\x00", 2);
+            case 113:
+                return std::string(14, '\0') + std::string("\x08\x00", 2);
+            case 276:
+                return std::string("\x08\x00", 2) + std::string(18, '\0');
+            default:
+                return header;
+        }
+    }
+    static std::string ip_header(std::size_t payload, const FrameOptions& options) {
+        std::string header("\x45\x00", 2);
+        put16(header, payload + 28);
+        put16(header, 0);
+        put16(header, options.fragment ? 0x2000 : 0x4000);  // more fragments, or do not fragment
+        header += static_cast<char>(64);
+        header += static_cast<char>(options.protocol);
+        return header + std::string(10, '\x01');
+    }
+
+    std::uint32_t link_type_;
+    bool big_endian_, nanoseconds_;
+    std::string bytes_;
+};
+
+}  // namespace thimble::test

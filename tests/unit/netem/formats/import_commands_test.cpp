@@ -1,0 +1,93 @@
+// import and fit from file to file, as the command line calls them.
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "netem/commands/fit_command.hpp"
+#include "netem/commands/import_command.hpp"
+#include "netem/formats/jitter_table_file.hpp"
+#include "netem/formats/text_lines.hpp"
+#include "netem/profiles/profiles.hpp"
+#include "tests/unit/netem/formats/capture_writer.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+class ImportCommands : public testing::Test {
+  protected:
+    void SetUp() override {
+        folder_ = std::filesystem::path(testing::TempDir()) /
+                  ("thimble_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(ImportCommands, PingToTraceToProfile) {
+    std::string text;
+    for (int i = 1; i <= 200; ++i) {
+        if (i % 50 == 0) continue;
+        text += "64 bytes from a: icmp_seq=" + std::to_string(i) +
+                " ttl=64 time=" + std::to_string(20 + i % 7) + " ms\n";
+    }
+    write_whole_file(path("ping.txt"), text);
+    ImportArguments import;
+    import.files = {path("ping.txt")};
+    import.out = path("trace.csv");
+    EXPECT_EQ(import_command(import), 0);
+    EXPECT_THAT(read_whole_file(path("trace.csv")), HasSubstr("time_s,delay_s,loss\n0,0.0105,0\n"));
+
+    FitArguments fit;
+    fit.up = path("trace.csv");
+    fit.out = path("lab.toml");
+    fit.table = path("lab.dist");
+    EXPECT_EQ(fit_command(fit), 0);
+    const LinkProfile profile = load_profile(path("lab.toml"));
+    EXPECT_NEAR(to_seconds(profile.up.delay), 0.0115, 0.0002);
+    EXPECT_EQ(profile.up, profile.down);
+    EXPECT_NEAR(stationary_loss(profile.up.loss), 3.0 / 199,
+                1e-9);  // the 200th: nothing says that it was sent
+    EXPECT_EQ(load_jitter_table(path("lab.dist")).deviates().size(), 4096U);
+}
+
+TEST_F(ImportCommands, IrttMakesATracePerDirection) {
+    write_whole_file(path("irtt.json"), R"({"round_trips": [{"lost": "false",
+        "timestamps": {"client": {"send": {"wall": 5}}}, "delay": {"rtt": 3000, "send": 2000, "receive": 1000}}]})");
+    ImportArguments import;
+    import.files = {path("irtt.json")};
+    import.out = path("trace.csv");
+    import_command(import);
+    EXPECT_THAT(read_whole_file(path("trace.up.csv")), HasSubstr("0,0.000002,0\n"));
+    EXPECT_THAT(read_whole_file(path("trace.down.csv")), HasSubstr("0,0.000001,0\n"));
+    import.direction = "down";
+    import_command(import);
+    EXPECT_EQ(read_whole_file(path("trace.csv")), read_whole_file(path("trace.down.csv")));
+}
+
+TEST_F(ImportCommands, TwoCaptures) {
+    test::CaptureWriter sent(1, false, true), received(1, false, false);
+    sent.udp(1'000'000, 1, 2, "x");
+    received.udp(3'000'000, 1, 2, "x");
+    write_whole_file(path("a.pcap"), sent.bytes());
+    write_whole_file(path("b.pcap"), received.bytes());
+    ImportArguments import;
+    import.files = {path("a.pcap"), path("b.pcap")};
+    import.out = path("trace.csv");
+    import_command(import);
+    EXPECT_THAT(read_whole_file(path("trace.csv")), HasSubstr("\n0,0.002,0\n"));
+    import.files.pop_back();
+    EXPECT_THROW(import_command(import), Error);
+    import.files = {path("none")};
+    EXPECT_THROW(import_command(import), Error);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,267 @@
+// irtt, ping and pairs of captures: what measuring programs write becomes a path.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "netem/formats/capture_pair.hpp"
+#include "netem/formats/irtt_file.hpp"
+#include "netem/formats/packet_trace_file.hpp"
+#include "netem/formats/ping_file.hpp"
+#include "tests/unit/netem/formats/capture_writer.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using test::CaptureWriter;
+using testing::Contains;
+using testing::HasSubstr;
+
+template <class Run>
+std::string refusal_of(const Run& run) {
+    try {
+        run();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kData);
+        return error.what();
+    }
+    return "accepted";
+}
+
+std::vector<double> losses(const MeasuredPath& path) {
+    std::vector<double> all;
+    for (const MeasuredPacket& packet : path.packets) all.push_back(packet.loss);
+    return all;
+}
+
+// As documented in irtt-client(1), with a packet lost on either way.
+constexpr std::string_view kIrtt = R"({"round_trips": [
+  {"seqno": 0, "lost": "false", "timestamps": {"client": {"receive": {"wall": 1508180723502871779,
+   "monotonic": 2921143}, "send": {"wall": 1508180723502727340, "monotonic": 2776704}},
+   "server": {"receive": {}, "send": {}}}, "delay": {"receive": 45177, "rtt": 134460, "send": 89283}, "ipdv": {}},
+  {"seqno": 1, "lost": "true_down", "timestamps": {"client": {"receive": {}, "send": {"monotonic": 202856692}}},
+   "delay": {}},
+  {"seqno": 2, "lost": "true_up", "timestamps": {"client": {"receive": {}, "send": {"monotonic": 402856692}}},
+   "delay": {}},
+  {"seqno": 3, "lost": false, "timestamps": {"client": {"send": {"monotonic": 602856692}}},
+   "delay": {"receive": 45268, "rtt": 99455, "send": 54187}}]})";
+
+TEST(Irtt, BothDirections) {
+    const MeasuredPaths paths = parse_irtt(kIrtt, "a.json");
+    EXPECT_EQ(losses(paths.up), (std::vector<double>{0, 1, 0}));    // who got up but not back has no delay
+    EXPECT_EQ(losses(paths.down), (std::vector<double>{0, 1, 0}));  // who never got up was never sent down
+    EXPECT_EQ(paths.up.packets[0].delay, Duration{89283});
+    EXPECT_EQ(paths.down.packets[2].delay, Duration{45268});
+    EXPECT_EQ(paths.up.packets[2].at, 602856692 - 2776704);
+    EXPECT_THAT(paths.up.remarks, Contains(HasSubstr("no better than their clocks")));
+}
+
+std::string irtt_with(std::string_view trip) {
+    return R"({"round_trips": [{"seqno": 0, "lost": "false", "timestamps": {"client": {"send": {"wall": 5}}}, )" +
+           std::string(trip) + "}]}";
+}
+
+TEST(Irtt, HalvesOfTheRoundTripWithoutStampsOfTheServer) {
+    const MeasuredPaths paths = parse_irtt(irtt_with(R"("delay": {"rtt": 5000})"), "a.json");
+    EXPECT_EQ(paths.up.packets[0].delay, Duration{2500});
+    EXPECT_EQ(paths.down.packets[0].delay, Duration{2500});
+    EXPECT_THAT(paths.up.remarks, Contains(HasSubstr("half of a round trip")));
+}
+
+TEST(Irtt, ClocksThatDisagreeAreNamed) {
+    EXPECT_THAT(
+        refusal_of([] { parse_irtt(irtt_with(R"("delay": {"rtt": 5, "send": -7, "receive": 12})"), "a"); }),
+        HasSubstr("the two clocks disagree"));
+    const MeasuredPaths apart =
+        parse_irtt(irtt_with(R"("delay": {"rtt": 5000, "send": 4900, "receive": 100})"), "a");
+    EXPECT_THAT(apart.down.remarks, Contains(HasSubstr("either the path is asymmetric, or")));
+}
+
+TEST(Irtt, Refusals) {
+    for (const auto& [text, reason] : std::vector<std::pair<std::string, std::string>>{
+             {"", "is not JSON"},
+             {"{}", "has no list \"round_trips\""},
+             {R"({"round_trips": []})", "has no list"},
+             {R"({"round_trips": [5]})", "round_trips[0].lost"},
+             {R"({"round_trips": [{"lost": "false"}]})", "no timestamps.client.send"},
+             {irtt_with(R"("delay": {})"), "has no delay"},
+             {irtt_with(R"("delay": {"rtt": 1e300})"), "has no delay"},
+             {irtt_with(R"("delay": {"rtt": 900000000000})"), "more than a minute"}}) {
+        EXPECT_THAT(refusal_of([&] { parse_irtt(text, "a.json"); }), HasSubstr(reason)) << text;
+    }
+}
+
+TEST(Ping, LinuxWithStampsGapsAndDuplicates) {
+    const MeasuredPath path = parse_ping(
+        "PING host (10.0.0.1) 56(84) bytes of data.\n"
+        "[100.0100] 64 bytes from 10.0.0.1: icmp_seq=1 ttl=64 time=10.0 ms\n"
+        "[100.0105] 64 bytes from 10.0.0.1: icmp_seq=1 ttl=64 time=10.5 ms (DUP!)\n"
+        "[100.2300] no answer yet for icmp_seq=2\n"
+        "[100.4300] 64 bytes from host (10.0.0.1): icmp_seq=3 ttl=64 time=30 ms\n"
+        "\n--- host ping statistics ---\n4 packets transmitted, 2 received, +1 duplicates, 50% packet loss, "
+        "time 602ms\n",
+        "ping.txt", milliseconds{200});
+    EXPECT_EQ(losses(path), (std::vector<double>{0, 1, 0, 1}));
+    EXPECT_EQ(path.packets[0].delay, milliseconds{5});
+    EXPECT_EQ(path.packets[2].delay, milliseconds{15});
+    EXPECT_NEAR(static_cast<double>(path.packets[2].at), 0.4e9, 1e3);
+    EXPECT_THAT(path.remarks, Contains(HasSubstr("1 duplicates")));
+    EXPECT_THAT(path.remarks, Contains(HasSubstr("cannot tell the directions apart")));
+}
+
+TEST(Ping, MacWithoutStampsStandsAtTheInterval) {
+    const MeasuredPath path = parse_ping(
+        "64 bytes from 1.1.1.1: icmp_seq=0 ttl=49 time=12.9 ms\r\nRequest timeout for icmp_seq 1\r\n"
+        "64 bytes from 1.1.1.1: icmp_seq=3 ttl=49 time=13.7 ms\r\n64 bytes from 1.1.1.1: icmp_seq=2 ttl=49 "
+        "time=900 ms\r\n",
+        "ping.txt", seconds{1});
+    EXPECT_EQ(losses(path), (std::vector<double>{0, 1, 0, 0}));
+    EXPECT_EQ(path.packets[3].at, 3'000'000'000);
+    EXPECT_EQ(path.packets[2].delay, milliseconds{450});
+    EXPECT_THAT(path.remarks, Contains(HasSubstr("no time stamps")));
+    EXPECT_THAT(path.remarks, Contains(HasSubstr("1 replies came out of order")));
+}
+
+TEST(Ping, NumbersBeginAgain) {
+    const MeasuredPath path = parse_ping(
+        "64 bytes from a: icmp_seq=65534 time=1 ms\n64 bytes from a: icmp_seq=65535 time=1 ms\n"
+        "64 bytes from a: icmp_seq=0 time=1 ms\n64 bytes from a: icmp_seq=2 time=1 ms\n",
+        "a", seconds{1});
+    const auto all = losses(path);
+    EXPECT_EQ(std::vector<double>(all.end() - 5, all.end()), (std::vector<double>{0, 0, 0, 1, 0}));
+}
+
+TEST(Ping, Refusals) {
+    EXPECT_THAT(refusal_of([] { parse_ping("PING host\n100% packet loss\n", "p.txt", seconds{1}); }),
+                HasSubstr("p.txt:2: no line like"));
+    EXPECT_THAT(refusal_of([] { parse_ping("from a: icmp_seq=70000 time=1 ms\n", "p.txt", seconds{1}); }),
+                HasSubstr("p.txt:1: a number"));
+}
+
+TEST(Capture, EveryByteOrderUnitAndLink) {
+    for (const bool big_endian : {false, true}) {
+        for (const bool nanoseconds : {false, true}) {
+            for (const std::uint32_t link : {0U, 1U, 101U, 113U, 276U}) {
+                CaptureWriter writer(link, big_endian, nanoseconds);
+                writer.udp(1'700'000'000'123'456'000, 5000, 9000, "needle");
+                const Capture capture = parse_capture(writer.bytes(), "a.pcap");
+                ASSERT_EQ(capture.datagrams.size(), 1U) << link;
+                EXPECT_EQ(capture.datagrams[0].stamp_ns, 1'700'000'000'123'456'000);
+                EXPECT_EQ(capture.datagrams[0].to_port, 9000);
+                EXPECT_EQ(capture.datagrams[0].payload_bytes, 6U);
+                EXPECT_FALSE(capture.datagrams[0].cut);
+            }
+        }
+    }
+}
+
+TEST(Capture, PaddingVlanOthersAndAKilledCapture) {
+    CaptureWriter writer(1, false, true);
+    writer.udp(0, 1, 2, "a");
+    writer.udp(1, 1, 2, "a", {.vlan = true, .padding = 40});
+    writer.udp(2, 1, 2, "a", {.protocol = 6});
+    writer.udp(3, 1, 2, "a", {.fragment = true});
+    std::string bytes = writer.bytes();
+    const Capture whole = parse_capture(bytes, "a");
+    ASSERT_EQ(whole.datagrams.size(), 2U);
+    EXPECT_EQ(whole.datagrams[0].payload_hash, whole.datagrams[1].payload_hash);
+    EXPECT_EQ(whole.others, 1U);
+    EXPECT_EQ(whole.fragments, 1U);
+    bytes.resize(bytes.size() - 1);
+    EXPECT_TRUE(parse_capture(bytes, "a").cut_at_end);
+}
+
+TEST(Capture, Refusals) {
+    EXPECT_THAT(refusal_of([] { parse_capture("short", "a"); }), HasSubstr("too short"));
+    EXPECT_THAT(refusal_of([] { parse_capture(std::string(24, 'x'), "a"); }), HasSubstr("no pcap file"));
+    EXPECT_THAT(refusal_of([] { parse_capture("\x0a\x0d\x0d\x0a" + std::string(24, ' '), "a"); }),
+                HasSubstr("pcapng"));
+    EXPECT_THAT(refusal_of([] { parse_capture(CaptureWriter(147, false, false).bytes(), "a"); }),
+                HasSubstr("link type 147"));
+}
+
+// Ten packets a millisecond apart, delayed by 5 ms and more: 3 is lost, 5 comes twice, 7 comes after 8.
+struct Pair {
+    CaptureWriter sent{1, false, true}, received{101, true, true};
+    explicit Pair(std::int64_t offset_ns) {
+        const auto arrive = [&](int packet, std::int64_t delay_ns) {
+            received.udp(kStart + packet * 1'000'000 + delay_ns + offset_ns, 7000, 9001, payload(packet));
+        };
+        for (int packet = 0; packet < 10; ++packet) {
+            sent.udp(kStart + packet * 1'000'000, 5000, 9000, payload(packet));
+        }
+        for (const int packet : {0, 1, 2, 4, 5, 5, 6, 8, 7, 9})
+            arrive(packet, 5'000'000 + packet * 1000 + (packet == 7 ? 1'500'000 : 0));
+        sent.udp(kStart, 9000, 5000, "answer");
+    }
+    static std::string payload(int packet) { return "packet " + std::to_string(packet); }
+    CapturePair match(const CapturePairOptions& options) const {
+        return match_captures(parse_capture(sent.bytes(), "a"), parse_capture(received.bytes(), "b"),
+                              options);
+    }
+    static constexpr std::int64_t kStart = 1'700'000'000'000'000'000;
+};
+
+TEST(CapturePair, DelayLossDuplicatesAndOrder) {
+    const CapturePair pair = Pair(0).match({.sent_port = std::uint16_t{9000}});
+    EXPECT_EQ(pair.sent, 10U);
+    EXPECT_EQ(pair.lost, 1U);
+    EXPECT_EQ(pair.duplicates, 1U);
+    EXPECT_EQ(pair.reordered, 1U);
+    EXPECT_EQ(pair.ambiguous, 0U);
+    EXPECT_EQ(losses(pair.path), (std::vector<double>{0, 0, 0, 1, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(pair.path.packets[9].delay, microseconds{5009});
+    EXPECT_EQ(pair.path.packets[9].at, 9'000'000);
+    EXPECT_NO_THROW(parse_packet_trace(print_path(pair.path), "a.csv", {}));
+}
+
+TEST(CapturePair, ClocksThatAreNotSynchronised) {
+    const Pair apart(-1'000'000'000);
+    EXPECT_THAT(refusal_of([&] { apart.match({.sent_port = std::uint16_t{9000}}); }),
+                HasSubstr("clocks are not synchronised"));
+    const CapturePair moved = apart.match({.sent_port = std::uint16_t{9000}, .least_delay = milliseconds{2}});
+    EXPECT_EQ(moved.path.packets[0].delay, milliseconds{2});
+    EXPECT_EQ(moved.path.packets[9].delay, microseconds{2009});
+    EXPECT_THAT(moved.path.remarks, Contains(HasSubstr("Delays were moved by")));
+}
+
+TEST(CapturePair, EqualPayloadsAreMatchedInOrderAndSaid) {
+    CaptureWriter sent(1, false, true), received(1, false, true);
+    for (int i = 0; i < 4; ++i) sent.udp(i * 1000, 1, 2, "beat");
+    for (int i = 0; i < 3; ++i) received.udp(i * 1000 + 500, 1, 2, "beat");
+    const CapturePair pair =
+        match_captures(parse_capture(sent.bytes(), "a"), parse_capture(received.bytes(), "b"), {});
+    EXPECT_EQ(pair.lost, 1U);
+    EXPECT_EQ(pair.ambiguous, 4U);
+    EXPECT_EQ(pair.path.packets[2].delay, Duration{500});
+    EXPECT_THAT(pair.path.remarks, Contains(HasSubstr("is a guess")));
+}
+
+TEST(CapturePair, NothingInCommon) {
+    CaptureWriter sent(1, false, true), received(1, false, true);
+    sent.udp(0, 1, 2, "a");
+    received.udp(0, 1, 2, "b");
+    EXPECT_THAT(refusal_of([&] {
+                    match_captures(parse_capture(sent.bytes(), "a"), parse_capture(received.bytes(), "b"),
+                                   {});
+                }),
+                HasSubstr("are they of the same traffic"));
+}
+
+TEST(CapturePair, ClocksThatRunApartAreSaid) {
+    CaptureWriter sent(1, false, true), received(1, false, true);
+    for (int i = 0; i < 300; ++i) {
+        sent.udp(i * 10'000'000LL, 1, 2, std::to_string(i));
+        received.udp(i * 10'000'000LL + 1'000'000 + i * 1000, 1, 2, std::to_string(i));  // 100 ppm
+    }
+    const CapturePair pair =
+        match_captures(parse_capture(sent.bytes(), "a"), parse_capture(received.bytes(), "b"), {});
+    EXPECT_THAT(pair.path.remarks, Contains(HasSubstr("+100.0 us per second")));
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,144 @@
+// A fit gives back what a path was made with, and says when nothing offered fits.
+#include "netem/formats/path_fit.hpp"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "common/random.hpp"
+#include "netem/formats/normal_score.hpp"
+#include "netem/jitter_table.hpp"
+#include "netem/profiles/profiles.hpp"
+#include "netem/stages/delay_shape.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr int kPackets = 20'000;
+
+// An AR(1) Gaussian through the shape's quantile function, drawn here and not by the link under test.
+MeasuredPath path_with(const JitterSettings& jitter, Duration delay, std::uint64_t seed) {
+    RandomStream random(StreamKey{.study = seed});
+    const DelayShape shape(jitter, delay);
+    MeasuredPath path;
+    path.has_delay = path.has_loss = true;
+    double z = random.normal();
+    for (int i = 0; i < kPackets; ++i) {
+        const double delay_s = to_seconds(delay) + to_seconds(jitter.spread) * shape.at_normal(z);
+        path.packets.push_back({i * std::int64_t{1'000'000}, from_seconds(std::max(0.0, delay_s)), 0, 0});
+        z = jitter.correlation * z + std::sqrt(1 - jitter.correlation * jitter.correlation) * random.normal();
+    }
+    return path;
+}
+
+TEST(PathFit, FindsTheShapeItsSpreadAndCorrelation) {
+    for (const JitterShape shape : {JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
+                                    JitterShape::kPareto, JitterShape::kParetoNormal}) {
+        for (const double correlation : {0.0, 0.5}) {
+            const JitterSettings jitter{shape, milliseconds{8}, correlation};
+            const PathFit fit = fit_path(path_with(jitter, milliseconds{30}, 5));
+            EXPECT_EQ(fit.link.jitter.shape, shape) << correlation;
+            EXPECT_NEAR(to_seconds(fit.link.delay), 0.030, 0.0005);
+            EXPECT_NEAR(to_seconds(fit.link.jitter.spread), 0.008, 0.0008) << static_cast<int>(shape);
+            EXPECT_NEAR(fit.link.jitter.correlation, correlation, 0.03) << static_cast<int>(shape);
+            EXPECT_LT(fit.shapes[0].distance, 0.03);
+            EXPECT_LT(fit.shapes[0].distance, fit.shapes[1].distance);
+        }
+    }
+}
+
+TEST(PathFit, SaysWhenNoShapeIsLikeIt) {
+    MeasuredPath path;
+    path.has_delay = true;
+    for (int i = 0; i < 1000; ++i) path.packets.push_back({i, milliseconds{i % 2 == 0 ? 10 : 40}, 0, 0});
+    const PathFit fit = fit_path(path);
+    EXPECT_GT(fit.shapes[0].distance, 0.2);
+    EXPECT_THAT(fit.in_words, Contains(HasSubstr("which is poor")));
+    EXPECT_LT(fit.correlation, -0.9);  // it alternates
+    EXPECT_EQ(fit.link.jitter.correlation, 0);
+    const std::vector<double> table = standardised_delays(path);
+    EXPECT_NEAR(JitterTable(table).standard_deviation(), 1, 0.01);
+}
+
+TEST(PathFit, OffersNoShapeThatWouldBeCutAtZero) {
+    RandomStream random(StreamKey{.study = 9});
+    MeasuredPath path;
+    path.has_delay = true;
+    for (int i = 0; i < 2000; ++i) {
+        path.packets.push_back(
+            {i, from_seconds(-0.01 * std::log(1 - random.uniform())), 0, 0});  // spread = mean
+    }
+    const PathFit fit = fit_path(path);
+    EXPECT_EQ(fit.link.jitter.shape, JitterShape::kGamma);
+    for (const ShapeFit& shape : fit.shapes)
+        EXPECT_TRUE(shape.shape == JitterShape::kGamma || shape.shape == JitterShape::kPareto);
+    const auto no_files = [](std::string_view) { return std::string(); };
+    EXPECT_EQ(parse_profile(print_profile({"", "", {}, fit.link, fit.link, {}, {}}), "lab.toml", no_files).up,
+              fit.link);
+}
+
+TEST(PathFit, AConstantDelayHasNoJitter) {
+    MeasuredPath path;
+    path.has_delay = true;
+    for (int i = 0; i < 10; ++i) path.packets.push_back({i, milliseconds{10}, 0, 0});
+    const PathFit fit = fit_path(path);
+    EXPECT_EQ(fit.link.jitter, JitterSettings{});
+    EXPECT_EQ(fit.link.delay, milliseconds{10});
+    EXPECT_THAT(fit.in_words, Contains(HasSubstr("does not vary")));
+    EXPECT_THROW(standardised_delays(path), Error);
+}
+
+MeasuredPath lossy(double good_to_bad, double bad_to_good, std::uint64_t seed) {
+    RandomStream random(StreamKey{.study = seed});
+    MeasuredPath path;
+    path.has_loss = true;
+    bool lost = false;
+    for (int i = 0; i < kPackets; ++i) {
+        lost = lost ? random.uniform() >= bad_to_good : random.uniform() < good_to_bad;
+        path.packets.push_back({i, {}, lost ? 1.0 : 0.0, 0});
+    }
+    return path;
+}
+
+TEST(PathFit, FindsGilbertsParameters) {
+    const PathFit fit = fit_path(lossy(0.01, 0.25, 1));
+    ASSERT_EQ(fit.link.loss.shape, LossShape::kGilbertElliott);
+    // Four standard errors of a share among n0 and n1 packets.
+    EXPECT_NEAR(fit.link.loss.good_to_bad, 0.01, 4 * std::sqrt(0.01 / kPackets));
+    EXPECT_NEAR(fit.link.loss.bad_to_good, 0.25, 4 * std::sqrt(0.25 * 0.75 / (kPackets * 0.038)));
+    EXPECT_NEAR(stationary_loss(fit.link.loss), static_cast<double>(fit.lost) / kPackets, 0.001);
+    EXPECT_NEAR(fit.mean_burst, 4, 0.5);
+    EXPECT_THAT(fit.in_words, Contains(HasSubstr("in bursts")));
+}
+
+TEST(PathFit, IndependentLossIsNotMistakenForBursts) {
+    int bursts = 0;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const PathFit fit = fit_path(lossy(0.02, 0.98, seed));
+        bursts += fit.link.loss.shape == LossShape::kGilbertElliott ? 1 : 0;
+        EXPECT_NEAR(stationary_loss(fit.link.loss), 0.02, 4 * std::sqrt(0.02 / kPackets));
+    }
+    EXPECT_LE(bursts, 1);  // one in a thousand by chance
+}
+
+TEST(PathFit, NoLossIsABoundAndTooLittleIsRefused) {
+    MeasuredPath path;
+    path.has_loss = true;
+    for (int i = 0; i < 300; ++i) path.packets.push_back({i, {}, 0, 0});
+    EXPECT_THAT(fit_path(path).in_words, Contains(HasSubstr("less than 1 % is (95 % confidence)")));
+    path.packets.resize(1);
+    EXPECT_THROW(fit_path(path), Error);
+}
+
+TEST(NormalScore, IsTheInverse) {
+    for (const double z : {-4.0, -1.0, 0.0, 0.3, 2.5}) EXPECT_NEAR(normal_score(normal_share(z)), z, 1e-9);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,107 @@
+// Settings that change on the way: by a timeline, by command.
+#include <gtest/gtest.h>
+
+#include "tests/unit/netem/link_test_tools.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+LinkSettings delayed(Duration delay) { return {.delay = delay}; }
+
+const Timeline kSteps{{milliseconds{10}, delayed(milliseconds{50})},
+                      {milliseconds{20}, delayed(milliseconds{1})}};
+
+TEST(LinkChange, FollowsItsTimelineFromTheStart) {
+    LinkModel link(delayed(milliseconds{5}), kKey, 0, kSteps);
+    for (const Duration start : {Duration{0}, Duration{seconds{9}}}) {
+        link.restart(kKey, at(start));
+        std::vector<SessionTime> due;
+        for (std::uint32_t i = 0; i < 30; ++i) {
+            link.push(at(start + i * kMillisecond), NumberedPacket(i).bytes());
+        }
+        while (link.next_due() != kNever) {
+            due.push_back(link.next_due());
+            link.pop_due(due.back());
+        }
+        ASSERT_EQ(due.size(), 30U);
+        EXPECT_EQ(due[9], at(start + milliseconds{14}));
+        EXPECT_EQ(due[10], at(start + milliseconds{60}));
+        // In order: what came after 20 ms waits for those before, which keep their fate.
+        EXPECT_EQ(due[20], at(start + milliseconds{69}));
+        EXPECT_EQ(due[29], at(start + milliseconds{69}));
+    }
+}
+
+TEST(LinkChange, MayChangeTheOrder) {
+    LinkSettings free = delayed(milliseconds{1});
+    free.in_order = false;
+    LinkModel link(delayed(milliseconds{20}), kKey, 0);
+    link.push(at({}), NumberedPacket(0).bytes());
+    link.change(at(milliseconds{1}), free);
+    link.push(at(milliseconds{1}), NumberedPacket(1).bytes());
+    link.change(at(milliseconds{2}), delayed(milliseconds{3}));
+    link.push(at(milliseconds{2}), NumberedPacket(2).bytes());
+    std::vector<Arrival> arrivals;
+    drain(link, at(seconds{1}), arrivals);
+    const std::vector<Arrival> expected{
+        {1, at(milliseconds{2})}, {0, at(milliseconds{20})}, {2, at(milliseconds{20})}};
+    EXPECT_EQ(arrivals, expected);
+}
+
+TEST(LinkChange, DoesNotShiftTheFatesOfLaterPackets) {
+    LinkSettings lossy = delayed(milliseconds{20});
+    lossy.loss = LossSettings::independent(0.3);
+    lossy.jitter = {JitterShape::kUniform, milliseconds{5}};
+    lossy.in_order = false;
+    LinkModel always(lossy, kKey, 0);
+    LinkModel later(delayed(milliseconds{20}), kKey, 0);
+    std::vector<Arrival> a = transmit(always, 500);
+    for (std::uint32_t i = 0; i < 200; ++i) later.push(at(i * kMillisecond), NumberedPacket(i).bytes());
+    later.change(at(milliseconds{199}), lossy);
+    std::vector<Arrival> b;
+    for (std::uint32_t i = 200; i < 500; ++i) {
+        drain(later, at(i * kMillisecond), b);
+        later.push(at(i * kMillisecond), NumberedPacket(i).bytes());
+    }
+    drain(later, at(seconds{9}), b);
+    std::erase_if(a, [](const Arrival& x) { return x.packet < 200; });
+    std::erase_if(b, [](const Arrival& x) { return x.packet < 200; });
+    EXPECT_EQ(a, b);
+}
+
+LinkSettings limited(double bits_per_s) {
+    LinkSettings settings;
+    settings.rate.bits_per_s = bits_per_s;
+    return settings;
+}
+
+// 200 bytes: 1 ms at 1.6 Mb/s. The third is on its way when the rate changes; those behind it go at the new one.
+TEST(LinkChange, WhatWaitsGoesAtTheNewRate) {
+    for (const double after : {16e6, 1.6e5, 0.0}) {
+        LinkModel link(limited(1.6e6), kKey, 0, {{milliseconds{2} + Duration{500'000}, limited(after)}});
+        for (std::uint32_t i = 0; i < 5; ++i) link.push(at({}), NumberedPacket(i).bytes());
+        std::vector<Arrival> arrivals;
+        drain(link, at(seconds{1}), arrivals);
+        ASSERT_EQ(arrivals.size(), 5U);
+        const Duration each = after > 0 ? from_seconds(1600 / after) : Duration::zero();
+        EXPECT_EQ(arrivals[2].time, at(milliseconds{3}));
+        EXPECT_EQ(arrivals[3].time, at(milliseconds{3} + each));
+        EXPECT_EQ(arrivals[4].time, at(milliseconds{3} + 2 * each));
+    }
+}
+
+TEST(LinkChange, CommandOutlivesARestartAndTheTimelineComesAgain) {
+    LinkModel link(delayed(milliseconds{5}), kKey, 0, kSteps);
+    link.change(at(milliseconds{1}), delayed(milliseconds{7}));
+    EXPECT_EQ(link.settings().delay, milliseconds{7});
+    link.push(at(milliseconds{11}), NumberedPacket(0).bytes());
+    EXPECT_EQ(link.settings().delay, milliseconds{50});
+    link.restart(kKey);
+    EXPECT_EQ(link.settings().delay, milliseconds{7});
+}
+
+}  // namespace
+}  // namespace thimble::test

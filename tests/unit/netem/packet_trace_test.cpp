@@ -1,0 +1,94 @@
+#include "netem/packet_trace.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/netem/link_test_tools.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+std::vector<TraceRow> ramp() {
+    return {{.at = 0, .delay = milliseconds{10}, .loss = 0},
+            {.at = 10, .delay = milliseconds{20}, .loss = 0.5},
+            {.at = 15, .delay = milliseconds{40}, .loss = 1}};
+}
+
+TEST(PacketTrace, HoldsOrInterpolates) {
+    const PacketTrace hold(ramp(), {.between = TraceBetween::kHold});
+    EXPECT_EQ(hold.at(0).delay, milliseconds{10});
+    EXPECT_EQ(hold.at(9).delay, milliseconds{10});
+    EXPECT_EQ(hold.at(10).delay, milliseconds{20});
+    const PacketTrace linear(ramp(), {.between = TraceBetween::kLinear});
+    EXPECT_EQ(linear.at(5).delay, milliseconds{15});
+    EXPECT_DOUBLE_EQ(linear.at(5).loss, 0.25);
+    EXPECT_EQ(linear.at(11).delay, milliseconds{24});
+}
+
+TEST(PacketTrace, WrapsOrHoldsItsEnd) {
+    const PacketTrace wrap(ramp(), {.between = TraceBetween::kLinear});
+    EXPECT_EQ(wrap.period(), 20);
+    EXPECT_EQ(wrap.at(19).delay, milliseconds{16});  // back to the first row
+    EXPECT_EQ(wrap.at(20).delay, milliseconds{10});
+    EXPECT_EQ(wrap.at(20'000'005).delay, milliseconds{15});
+    const PacketTrace hold(ramp(), {.between = TraceBetween::kLinear, .end = TraceEnd::kHold});
+    EXPECT_EQ(hold.at(15).delay, milliseconds{40});
+    EXPECT_EQ(hold.at(1'000'000).delay, milliseconds{40});
+}
+
+TEST(PacketTrace, BeforeTheFirstRowTheFirstHolds) {
+    const PacketTrace trace({{.at = 7, .delay = milliseconds{1}}}, {});
+    EXPECT_EQ(trace.at(0).delay, milliseconds{1});
+    EXPECT_EQ(trace.at(8).delay, milliseconds{1});
+}
+
+// By packet: each row is one packet's fate, and the trace replays it bit for bit.
+TEST(PacketTrace, ReplaysDelayAndLossByPacket) {
+    std::vector<TraceRow> rows;
+    for (int i = 0; i < 5; ++i)
+        rows.push_back({.at = i, .delay = milliseconds{10 + i}, .loss = i == 2 ? 1.0 : 0});
+    LinkSettings settings{.delay = milliseconds{999}};
+    settings.loss = LossSettings::independent(1);
+    settings.in_order = false;
+    settings.trace =
+        std::make_shared<PacketTrace>(rows, TraceLayout{.by = TraceBy::kPacket, .has_loss = true});
+    LinkModel link(settings, kKey, 0);
+    const auto arrivals = transmit(link, 50, milliseconds{100});
+    ASSERT_EQ(arrivals.size(), 40U);
+    for (const Arrival& arrival : arrivals) {
+        ASSERT_NE(arrival.packet % 5, 2U);
+        ASSERT_EQ(arrival.time - at(arrival.packet * milliseconds{100}),
+                  milliseconds{10 + arrival.packet % 5});
+    }
+    EXPECT_EQ(link.counters().lost, 10U);
+}
+
+// By time, from the start of the trial; jitter comes on top.
+TEST(PacketTrace, FollowsDelayByTime) {
+    LinkSettings settings;
+    settings.jitter.shape = JitterShape::kUniform;
+    settings.jitter.spread = milliseconds{2};
+    settings.in_order = false;
+    settings.trace =
+        std::make_shared<PacketTrace>(std::vector<TraceRow>{{.at = 0, .delay = milliseconds{20}},
+                                                            {.at = 1'000'000'000, .delay = milliseconds{60}}},
+                                      TraceLayout{});
+    LinkModel link(settings, kKey, 0);
+    const SessionTime start = at(std::chrono::seconds{77});
+    link.restart(kKey, start);
+    bool varies = false;
+    for (std::uint32_t i = 0; i < 4000; ++i) {
+        const SessionTime now = start + i * kMillisecond;
+        link.push(now, NumberedPacket(i).bytes());
+        const Duration delay = link.next_due() - now;
+        link.pop_due(link.next_due());
+        const Duration mean = milliseconds{i / 1000 % 2 == 0 ? 20 : 60};
+        ASSERT_LE(std::chrono::abs(delay - mean), milliseconds{2});
+        varies = varies || delay != mean;
+    }
+    EXPECT_TRUE(varies);
+}
+
+}  // namespace
+}  // namespace thimble::test

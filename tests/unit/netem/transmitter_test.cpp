@@ -1,0 +1,180 @@
+// Rate and queue, through a whole link: when packets leave, who is dropped.
+#include "netem/stages/transmitter.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "netem/packet_trace.hpp"
+#include "tests/unit/netem/link_test_tools.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+// A packet of 200 bytes takes a millisecond.
+LinkSettings slow(std::size_t queue_packets = 0, Drop drop = Drop::kTail) {
+    LinkSettings settings{.delay = milliseconds{5}};
+    settings.rate = {.bits_per_s = 1.6e6, .queue_packets = queue_packets, .drop = drop};
+    return settings;
+}
+
+TEST(Transmitter, PacketsLeaveOneAfterTheOther) {
+    LinkModel link(slow(), kKey, 0);
+    for (std::uint32_t i = 0; i < 4; ++i) link.push(at({}), NumberedPacket(i).bytes());
+    std::vector<Arrival> arrivals;
+    drain(link, at(milliseconds{100}), arrivals);
+    link.push(at(milliseconds{100}), NumberedPacket(4).bytes());  // idle again
+    drain(link, at(milliseconds{200}), arrivals);
+    const std::vector<Arrival> expected{{0, at(milliseconds{6})},
+                                        {1, at(milliseconds{7})},
+                                        {2, at(milliseconds{8})},
+                                        {3, at(milliseconds{9})},
+                                        {4, at(milliseconds{106})}};
+    EXPECT_EQ(arrivals, expected);
+}
+
+TEST(Transmitter, NextDueIsExactInOrder) {
+    LinkModel link(slow(), kKey, 0);
+    for (std::uint32_t i = 0; i < 10; ++i) link.push(at(i * microseconds{300}), NumberedPacket(i).bytes());
+    for (std::uint32_t i = 0; i < 10; ++i) {
+        const SessionTime due = link.next_due();
+        EXPECT_EQ(due, at(milliseconds{6 + i}));
+        EXPECT_TRUE(link.pop_due(due - Duration{1}).empty());
+        ASSERT_FALSE(link.pop_due(due).empty());
+    }
+    EXPECT_EQ(link.next_due(), kNever);
+}
+
+TEST(Transmitter, CountsTheOverheadOfEachPacket) {
+    LinkSettings settings = slow();
+    settings.rate.overhead_bytes = 50;
+    LinkModel link(settings, kKey, 0);
+    link.push(at({}), NumberedPacket(0).bytes());
+    EXPECT_EQ(link.next_due(), at(milliseconds{5} + microseconds{1250}));
+}
+
+TEST(Transmitter, HoldsItsRateUnderLoad) {
+    LinkModel link(slow(20), kKey, 0);
+    const auto arrivals = transmit(link, 10'000, microseconds{500});
+    EXPECT_NEAR(static_cast<double>(arrivals.size()), 5021, 1);
+    EXPECT_EQ(link.counters().queue_full + arrivals.size(), 10'000U);
+    for (std::size_t i = 1; i < arrivals.size(); ++i) {
+        ASSERT_EQ(arrivals[i].time - arrivals[i - 1].time, milliseconds{1});
+    }
+}
+
+struct Drops final : LinkObserver {
+    std::vector<std::uint64_t> packets;
+    DropReason reason{};
+    void on_drop(std::uint64_t packet, SessionTime, DropReason why) override {
+        packets.push_back(packet);
+        reason = why;
+    }
+};
+
+TEST(Transmitter, DropsTheNewestOrTheOldestThatWaits) {
+    for (const Drop drop : {Drop::kTail, Drop::kHead}) {
+        LinkModel link(slow(2, drop), kKey, 0);
+        Drops drops;
+        link.observe(&drops);
+        for (std::uint32_t i = 0; i < 6; ++i) link.push(at({}), NumberedPacket(i).bytes());
+        std::vector<std::uint32_t> left;
+        while (link.next_due() != kNever) {
+            for (Bytes out = link.pop_due(link.next_due()); !out.empty();) {
+                left.push_back(number_of(out));
+                out = {};
+            }
+        }
+        const bool tail = drop == Drop::kTail;
+        EXPECT_EQ(left, (tail ? std::vector<std::uint32_t>{0, 1, 2} : std::vector<std::uint32_t>{0, 4, 5}));
+        EXPECT_EQ(drops.packets,
+                  (tail ? std::vector<std::uint64_t>{3, 4, 5} : std::vector<std::uint64_t>{1, 2, 3}));
+        EXPECT_EQ(drops.reason, DropReason::kQueueFull);
+        EXPECT_EQ(link.counters().queue_full, 3U);
+    }
+}
+
+TEST(Transmitter, LimitsTheQueueInBytes) {
+    for (const Drop drop : {Drop::kTail, Drop::kHead}) {
+        LinkSettings settings = slow(0, drop);
+        settings.rate.queue_bytes = 500;
+        LinkModel link(settings, kKey, 0);
+        link.push(at({}), NumberedPacket(0).bytes());
+        link.push(at({}), NumberedPacket(1, 300).bytes());
+        link.push(at({}), NumberedPacket(2, 200).bytes());
+        EXPECT_EQ(link.counters().queue_full, 0U);
+        link.push(at({}), NumberedPacket(3, 10).bytes());
+        EXPECT_EQ(link.counters().queue_full, 1U);
+        EXPECT_EQ(link.in_flight(), 3U);
+        link.push(at({}), NumberedPacket(4, 501).bytes());  // never fits: nobody goes for it
+        EXPECT_EQ(link.counters().queue_full, 2U);
+        EXPECT_EQ(link.in_flight(), 3U);
+    }
+}
+
+TEST(Transmitter, TakesItsRateFromATrace) {
+    LinkSettings settings{.delay = {}};
+    settings.trace = std::make_shared<PacketTrace>(
+        std::vector<TraceRow>{{.at = 0, .bits_per_s = 1.6e6}, {.at = 10'000'000, .bits_per_s = 3.2e6}},
+        TraceLayout{.end = TraceEnd::kHold, .has_delay = false, .has_rate = true});
+    LinkModel link(settings, kKey, 0);
+    const auto arrivals = transmit(link, 40, microseconds{100});
+    EXPECT_EQ(arrivals[9].time, at(milliseconds{10}));
+    EXPECT_EQ(arrivals[10].time, at(milliseconds{10} + microseconds{500}));
+    EXPECT_EQ(arrivals[39].time, at(milliseconds{25}));
+}
+
+TEST(Transmitter, RecordedDeliveriesThroughALink) {
+    LinkSettings settings{.delay = milliseconds{2}};
+    settings.deliveries = std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{4, 4, 10});
+    settings.rate.overhead_bytes = 1300;
+    LinkModel link(settings, kKey, 0);
+    std::vector<SessionTime> times;
+    for (const Arrival& arrival : transmit(link, 6, microseconds{10})) times.push_back(arrival.time);
+    const std::vector<SessionTime> expected{at(milliseconds{6}),  at(milliseconds{6}),  at(milliseconds{12}),
+                                            at(milliseconds{16}), at(milliseconds{16}), at(milliseconds{22})};
+    EXPECT_EQ(times, expected);
+}
+
+TEST(Transmitter, SlotsThroughALink) {
+    LinkSettings settings{.delay = milliseconds{1}};
+    settings.slot = {.least = milliseconds{10}, .most = milliseconds{10}, .packets = 3};
+    LinkModel link(settings, kKey, 0);
+    const auto arrivals = transmit(link, 12, milliseconds{2});
+    const std::int64_t slot_ms[]{0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 40, 40};
+    for (std::size_t i = 0; i < 12; ++i) {
+        EXPECT_EQ(arrivals[i].packet, i);
+        EXPECT_EQ(arrivals[i].time, at(milliseconds{slot_ms[i] + 1})) << i;
+    }
+}
+
+// Against the plainest model of a queue: times by hand, one packet after the other.
+TEST(Transmitter, AgreesWithTheArithmeticOfAQueue) {
+    EXPECT_TRUE(rc::check("same packets at the same times", [] {
+        const auto limit = *rc::gen::inRange<std::size_t>(1, 6);
+        LinkModel link(slow(limit), kKey, 0);
+        std::vector<Arrival> expected, arrivals;
+        std::vector<SessionTime> starts;
+        SessionTime now{}, free_at{};
+        for (std::uint32_t i = 0; i < 60; ++i) {
+            now += Duration{*rc::gen::inRange(0, 2'500'000)};
+            const auto size = *rc::gen::inRange<std::size_t>(4, 400);
+            drain(link, now, arrivals);
+            link.push(now, NumberedPacket(i, size).bytes());
+            std::size_t waiting = 0;
+            for (const SessionTime start : starts) waiting += start > now;
+            if (waiting >= limit) continue;
+            const SessionTime start = std::max(now, free_at);
+            starts.push_back(start);
+            free_at = start + Duration{static_cast<std::int64_t>(size) * 5000};
+            expected.push_back({i, free_at + milliseconds{5}});
+        }
+        drain(link, kNever - Duration{1}, arrivals);
+        RC_ASSERT(arrivals == expected);
+    }));
+}
+
+}  // namespace
+}  // namespace thimble::test

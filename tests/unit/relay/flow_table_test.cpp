@@ -1,0 +1,72 @@
+#include "netem/relay/flow_table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace thimble {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+FlowName client(std::uint16_t port, std::uint32_t inlet = 0) { return {inlet, {0x0100007F, port}}; }
+SessionTime at(int s) { return SessionTime{std::chrono::seconds{s}}; }
+
+TEST(FlowTable, KnowsAClientAgain) {
+    FlowTable table(4, 1);
+    const auto first = table.find(client(1), at(0));
+    const auto other = table.find(client(2), at(0));
+    const auto again = table.find(client(1), at(1));
+    EXPECT_TRUE(first->fresh);
+    EXPECT_TRUE(other->fresh);
+    EXPECT_FALSE(again->fresh);
+    EXPECT_EQ(first->place, again->place);
+    EXPECT_NE(first->place, other->place);
+    EXPECT_EQ(table.name(first->place), client(1));
+}
+
+TEST(FlowTable, KeepsInletsApart) {
+    FlowTable table(4, 2);
+    const auto here = table.find(client(1, 0), at(0)), there = table.find(client(1, 1), at(0));
+    EXPECT_NE(here->place, there->place);
+    EXPECT_EQ(table.number(here->place), 0U);
+    EXPECT_EQ(table.number(there->place), 0U) << "each inlet counts its own flows";
+}
+
+TEST(FlowTable, TakesNoMoreThanFit) {
+    FlowTable table(2, 1);
+    table.find(client(1), at(0));
+    table.find(client(2), at(0));
+    EXPECT_FALSE(table.find(client(3), at(0)));
+    EXPECT_TRUE(table.find(client(2), at(0)));
+}
+
+TEST(FlowTable, GivesAPlaceAgainButNeverANumber) {
+    FlowTable table(1, 1);
+    const std::uint32_t place = table.find(client(1), at(0))->place;
+    table.close(place);
+    const auto next = table.find(client(1), at(9));
+    EXPECT_TRUE(next->fresh);
+    EXPECT_EQ(next->place, place);
+    EXPECT_EQ(table.number(place), 1U) << "fates must not repeat";
+    EXPECT_EQ(table.opened(), 2U);
+    EXPECT_EQ(table.expired(), 1U);
+}
+
+TEST(FlowTable, NamesWhoWasSilent) {
+    FlowTable table(3, 1);
+    const std::uint32_t a = table.find(client(1), at(0))->place;
+    const std::uint32_t b = table.find(client(2), at(0))->place;
+    const std::uint32_t c = table.find(client(3), at(5))->place;
+    table.alive(b, at(6));
+    EXPECT_THAT(table.idle_since(at(5)), ElementsAre(a));
+    table.find(client(1), at(7));
+    EXPECT_THAT(table.idle_since(at(5)), IsEmpty());
+    EXPECT_THAT(table.idle_since(at(100)), UnorderedElementsAre(a, b, c));
+    table.close(a);
+    EXPECT_THAT(table.idle_since(at(100)), UnorderedElementsAre(b, c));
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,181 @@
+#include "netem/relay/packet_log.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <thread>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+PacketRecord sample(std::uint64_t packet) {
+    PacketRecord r;
+    r.packet = packet;
+    r.received_ns = 1'000'000'000;
+    r.due_ns = 1'050'000'000;
+    r.sent_ns = 1'050'012'345;
+    r.flow = 7;
+    r.bytes = 104;
+    r.inlet = 2;
+    r.direction = RelayDirection::kDown;
+    r.copy = true;
+    return r;
+}
+
+class LogFile : public testing::Test {
+  protected:
+    std::string path(const char* name) {
+        path_ = fs::temp_directory_path() / (std::string("thimble-log-") + std::to_string(getpid()) + name);
+        return path_.string();
+    }
+    std::string text() const {
+        std::ifstream file(path_, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    }
+    void TearDown() override { fs::remove(path_); }
+    fs::path path_;
+};
+
+RC_GTEST_PROP(PacketRecord, ComesBackAsItWas, (std::uint64_t packet, std::int64_t ns, std::uint32_t flow)) {
+    PacketRecord r = sample(packet);
+    r.received_ns = ns;
+    r.due_ns = -ns;
+    r.flow = flow;
+    r.corrupted = flow % 2 == 0;
+    r.fate = static_cast<LoggedFate>(flow % kLoggedFates);
+    RC_ASSERT(decode_record(encode(r)) == r);
+}
+
+TEST(PacketRecord, LiesInTheFileAsItsHeaderSays) {
+    const auto bytes = encode(sample(0x0102030405060708));
+    EXPECT_EQ(bytes[0], 8);
+    EXPECT_EQ(bytes[7], 1);
+    EXPECT_EQ(bytes[32], 7);
+    EXPECT_EQ(bytes[36], 104);
+    EXPECT_EQ(bytes[40], 2);
+    EXPECT_EQ(bytes[42], 1);
+    EXPECT_EQ(bytes[44], 2);
+}
+
+TEST(PacketRecord, RefusesWhatIsNone) {
+    auto bytes = encode(sample(1));
+    bytes[43] = 99;
+    EXPECT_FALSE(decode_record(bytes));
+    bytes = encode(sample(1));
+    bytes[42] = 2;
+    EXPECT_FALSE(decode_record(bytes));
+    bytes = encode(sample(1));
+    bytes[47] = 1;
+    EXPECT_FALSE(decode_record(bytes));
+}
+
+TEST(PacketRecord, IsALineOfCsv) {
+    EXPECT_EQ(to_csv(sample(3)), "2,7,down,3,104,sent,0,1,1000000000,1050000000,1050012345");
+    PacketRecord lost = sample(4);
+    lost.fate = LoggedFate::kLost;
+    lost.due_ns = lost.sent_ns = 0;
+    lost.copy = false;
+    EXPECT_EQ(to_csv(lost), "2,7,down,4,104,lost,0,0,1000000000,,");
+}
+
+TEST(RecordQueue, KeepsOrderAndRefusesWhenFull) {
+    RecordQueue queue(4);
+    for (std::uint64_t i = 0; i < 4; ++i) EXPECT_TRUE(queue.add(sample(i)));
+    EXPECT_FALSE(queue.add(sample(4)));
+    PacketRecord out;
+    for (std::uint64_t i = 0; i < 4; ++i) {
+        ASSERT_TRUE(queue.take(out));
+        EXPECT_EQ(out.packet, i);
+    }
+    EXPECT_FALSE(queue.take(out));
+}
+
+TEST(RecordQueue, PassesAllFromOneThreadToAnother) {
+    RecordQueue queue(64);
+    constexpr std::uint64_t kMany = 100'000;
+    std::thread writer([&] {
+        for (std::uint64_t i = 0; i < kMany;) {
+            if (queue.add(sample(i))) {
+                ++i;
+            } else {
+                std::this_thread::yield();
+            }
+        }
+    });
+    std::uint64_t wrong = 0;
+    PacketRecord out;
+    for (std::uint64_t i = 0; i < kMany;) {
+        if (queue.take(out)) {
+            if (out != sample(i)) ++wrong;
+            ++i;
+        } else {
+            std::this_thread::yield();
+        }
+    }
+    writer.join();
+    EXPECT_EQ(wrong, 0U);
+}
+
+TEST_F(LogFile, IsWrittenToItsEnd) {
+    PacketLog log(path(".bin"));
+    for (std::uint64_t i = 0; i < 1000; ++i) log.add(sample(i));
+    log.finish();
+    const std::string all = text();
+    ASSERT_EQ(all.size(), kLogHeaderBytes + 1000 * kRecordBytes);
+    std::array<std::uint8_t, kRecordBytes> last{};
+    std::copy(all.end() - kRecordBytes, all.end(), last.begin());
+    EXPECT_EQ(decode_record(last), sample(999));
+    EXPECT_EQ(log.missing(), 0U);
+}
+
+TEST_F(LogFile, IsTextIfItsNameSaysSo) {
+    PacketLog log(path(".csv"));
+    log.add(sample(5));
+    log.finish();
+    EXPECT_EQ(text(), std::string(record_csv_header()) + "\n" + to_csv(sample(5)) + "\n");
+}
+
+// More at once than the queue holds: what is missing is counted, and marked where it is missing.
+TEST_F(LogFile, MarksWhatItCouldNotKeep) {
+    PacketLog log(path(".csv"), 4);
+    for (std::uint64_t i = 0; i < 100'000; ++i) log.add(sample(i));
+    EXPECT_GT(log.missing(), 0U);
+    const std::uint64_t kept = 100'000 - log.missing();
+    wall_sleep(std::chrono::milliseconds{60});
+    log.add(sample(100'000));
+    log.finish();
+    EXPECT_THAT(text(), HasSubstr(",gap,"));
+    EXPECT_THAT(text(), HasSubstr(",100000,104,sent,"));
+    const std::string all = text();
+    std::uint64_t sent = 0;
+    for (std::size_t at = all.find(",sent,"); at != std::string::npos; at = all.find(",sent,", at + 1))
+        ++sent;
+    EXPECT_EQ(sent, kept + 1);
+}
+
+TEST_F(LogFile, NeedsAFolder) { EXPECT_THROW(PacketLog("/nowhere/at/all.bin"), Error); }
+
+TEST(LogHeader, SaysWhatItIsNot) {
+    const auto good = log_header();
+    EXPECT_NO_THROW(check_log_header(good, "a"));
+    EXPECT_THROW(check_log_header({good.data(), 7}, "a"), Error);
+    auto other = good;
+    other[8] = 2;
+    EXPECT_THROW(check_log_header(other, "a"), Error);
+    other = good;
+    other[0] = 'X';
+    EXPECT_THROW(check_log_header(other, "a"), Error);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,244 @@
+// The engine between real sockets, one step at a time, in one thread. Times are checked in one direction only: nothing
+// is early; how late depends on the machine.
+#include "netem/relay/relay_engine.hpp"
+
+#include <arpa/inet.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "netem/relay/fates.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::ElementsAre;
+
+UdpAddress loopback() { return {htonl(INADDR_LOOPBACK), 0}; }
+
+class Records final : public PacketSink {
+  public:
+    void add(const PacketRecord& record) override { all.push_back(record); }
+    std::vector<PacketRecord> all;
+};
+
+class Bench : public testing::Test {
+  protected:
+    struct Heard {
+        std::string words;
+        UdpAddress from;
+    };
+
+    Bench() : server_(UdpSocket::listening(loopback())) {
+        settings_.inlets = {{loopback(), server_.local()}};
+        settings_.most_flows = 4;
+    }
+    void start() { engine_ = std::make_unique<RelayEngine>(settings_, &records_); }
+    UdpSocket client() { return UdpSocket::connected(engine_->inlet_address(0)); }
+
+    static void say(const UdpSocket& socket, const std::string& words, const UdpAddress* to = nullptr) {
+        SendBatch batch;
+        batch.add({reinterpret_cast<const std::uint8_t*>(words.data()), words.size()}, to);
+        ASSERT_TRUE(batch.send(socket.descriptor())[0]);
+    }
+    // Lets the relay work until `socket` has heard so many, or patience ends.
+    std::vector<Heard> hear(const UdpSocket& socket, std::size_t count, Duration patience = seconds{10}) {
+        std::vector<Heard> heard;
+        ReceiveBatch batch;
+        for (const SessionTime end = wall_now() + patience; heard.size() < count && wall_now() < end;) {
+            engine_->step(wall_now() + milliseconds{2});
+            const std::size_t found = batch.receive(socket.descriptor());
+            for (std::size_t i = 0; i < found; ++i) {
+                const auto datagram = batch[i];
+                heard.push_back({std::string(datagram.bytes.begin(), datagram.bytes.end()), datagram.from});
+            }
+        }
+        return heard;
+    }
+
+    UdpSocket server_;
+    RelaySettings settings_;
+    Records records_;
+    std::unique_ptr<RelayEngine> engine_;
+};
+
+TEST_F(Bench, GivesEachClientAWayAndItsOwnWayBack) {
+    start();
+    const UdpSocket a = client(), b = client();
+    say(a, "from a");
+    say(b, "from b");
+    const auto heard = hear(server_, 2);
+    ASSERT_EQ(heard.size(), 2U);
+    EXPECT_NE(heard[0].from.port, heard[1].from.port);
+    for (const Heard& h : heard) say(server_, "to" + h.words.substr(4), &h.from);
+    EXPECT_EQ(hear(a, 1).at(0).words, "to a");
+    EXPECT_EQ(hear(b, 1).at(0).words, "to b");
+    EXPECT_EQ(engine_->totals(wall_now()).flows_opened, 2U);
+}
+
+TEST_F(Bench, DelaysEachDirectionByItself) {
+    settings_.links.up.delay = milliseconds{30};
+    settings_.links.down.delay = milliseconds{5};
+    start();
+    const UdpSocket a = client();
+    const SessionTime begin = wall_now();
+    say(a, "x");
+    const auto heard = hear(server_, 1);
+    ASSERT_EQ(heard.size(), 1U);
+    const SessionTime there = wall_now();
+    EXPECT_GE(there - begin, milliseconds{30});
+    say(server_, "y", &heard[0].from);
+    ASSERT_EQ(hear(a, 1).size(), 1U);
+    EXPECT_GE(wall_now() - there, milliseconds{5});
+    for (const PacketRecord& r : records_.all) EXPECT_GE(r.sent_ns, r.due_ns);
+    EXPECT_EQ(records_.all.at(0).due_ns - records_.all.at(0).received_ns, 30'000'000);
+    EXPECT_EQ(records_.all.at(1).due_ns - records_.all.at(1).received_ns, 5'000'000);
+    EXPECT_EQ(records_.all.at(1).direction, RelayDirection::kDown);
+}
+
+TEST_F(Bench, NothingLeavesEarlyAlsoWhenItSpins) {
+    settings_.precise = true;
+    settings_.links.up.delay = milliseconds{2};
+    settings_.links.up.jitter = {JitterShape::kUniform, milliseconds{2}};
+    start();
+    const UdpSocket a = client();
+    for (int i = 0; i < 200; ++i) {
+        say(a, "x");
+        engine_->step(wall_now());
+    }
+    EXPECT_EQ(hear(server_, 200).size(), 200U);
+    for (const PacketRecord& r : records_.all) {
+        EXPECT_GE(r.sent_ns, r.due_ns);
+        EXPECT_GE(r.due_ns, r.received_ns);
+    }
+}
+
+TEST_F(Bench, KeepsTheOrder) {
+    settings_.links.up.delay = milliseconds{10};
+    settings_.links.up.jitter = {JitterShape::kUniform, milliseconds{10}};
+    start();
+    const UdpSocket a = client();
+    std::string sent, got;
+    for (char c = 'a'; c <= 'z'; ++c) {
+        say(a, std::string(1, c));
+        sent += c;
+    }
+    for (const Heard& h : hear(server_, 26)) got += h.words;
+    EXPECT_EQ(got, sent);
+}
+
+TEST_F(Bench, CarriesTheLongestDatagram) {
+    start();
+    const UdpSocket a = client();
+    const std::string longest(kLargestDatagramBytes, 'w');
+    say(a, longest);
+    const auto heard = hear(server_, 1);
+    ASSERT_EQ(heard.size(), 1U);
+    EXPECT_EQ(heard[0].words, longest);
+}
+
+TEST_F(Bench, LosesWhatItsSeedSays) {
+    settings_.links.up.loss = LossSettings::independent(0.5);
+    settings_.seed = 7;
+    start();
+    const UdpSocket a = client();
+    for (int i = 0; i < 100; ++i) say(a, "x");
+    hear(server_, 100, milliseconds{200});
+    LinkModel model(settings_.links.up, flow_key(7, 0, 0), kRelayUp);
+    for (int i = 0; i < 100; ++i)
+        model.push(SessionTime{}, Bytes{reinterpret_cast<const std::uint8_t*>("x"), 1});
+    std::uint64_t lost = 0;
+    for (const PacketRecord& r : records_.all) lost += r.fate == LoggedFate::kLost ? 1 : 0;
+    EXPECT_EQ(records_.all.size(), 100U);
+    EXPECT_EQ(lost, model.counters().lost);
+    EXPECT_GT(lost, 20U);
+}
+
+TEST_F(Bench, ForgetsTheSilentAndTakesOthersInstead) {
+    settings_.most_flows = 1;
+    settings_.idle = milliseconds{100};
+    start();
+    const UdpSocket a = client(), b = client();
+    say(a, "a");
+    ASSERT_EQ(hear(server_, 1).size(), 1U);
+    say(b, "b");
+    EXPECT_EQ(hear(server_, 1, milliseconds{20}).size(), 0U);
+    EXPECT_EQ(engine_->totals(wall_now()).flows_refused, 1U);
+    hear(server_, 1, milliseconds{500});
+    EXPECT_EQ(engine_->totals(wall_now()).flows, 0U);
+    say(b, "b");
+    EXPECT_EQ(hear(server_, 1).size(), 1U);
+    EXPECT_EQ(engine_->totals(wall_now())[RelayDirection::kUp].packets.pushed, 2U)
+        << "also those of closed flows";
+}
+
+TEST_F(Bench, DoesNotForgetWhoHasPacketsInFlight) {
+    settings_.idle = milliseconds{50};
+    settings_.links.up.delay = milliseconds{600};
+    start();
+    const UdpSocket a = client();
+    say(a, "a");
+    EXPECT_EQ(hear(server_, 1).size(), 1U);
+}
+
+TEST_F(Bench, ChangesLinksWhileItRuns) {
+    start();
+    const UdpSocket a = client();
+    say(a, "first");
+    ASSERT_EQ(hear(server_, 1).size(), 1U);
+    LinkPair links;
+    links.up.delay = milliseconds{40};
+    engine_->change(wall_now(), links);
+    const SessionTime begin = wall_now();
+    say(a, "second");
+    ASSERT_EQ(hear(server_, 1).size(), 1U);
+    EXPECT_GE(wall_now() - begin, milliseconds{40});
+}
+
+TEST_F(Bench, HasSeveralInlets) {
+    const UdpSocket other = UdpSocket::listening(loopback());
+    settings_.inlets.push_back({loopback(), other.local()});
+    start();
+    const UdpSocket a = UdpSocket::connected(engine_->inlet_address(0));
+    const UdpSocket b = UdpSocket::connected(engine_->inlet_address(1));
+    say(a, "one");
+    say(b, "two");
+    EXPECT_EQ(hear(server_, 1).at(0).words, "one");
+    EXPECT_EQ(hear(other, 1).at(0).words, "two");
+}
+
+// Two packets of the modest flow wait no longer than a turn of the greedy one.
+TEST_F(Bench, LetsNoFlowWaitForAGreedyOne) {
+    settings_.links.up.delay = milliseconds{50};
+    start();
+    const UdpSocket greedy = client(), modest = client();
+    for (int i = 0; i < 500; ++i) say(greedy, "g");
+    say(modest, "m");
+    while (engine_->totals(wall_now())[RelayDirection::kUp].packets.pushed < 501)
+        engine_->step(wall_now() + milliseconds{1});
+    wall_sleep(milliseconds{60});  // now all are due at once
+    const std::size_t before = records_.all.size();
+    hear(server_, 501);
+    std::size_t place = before;
+    while (place < records_.all.size() && records_.all[place].flow != 1) ++place;
+    EXPECT_LT(place, records_.all.size());
+    EXPECT_LE(place, before + 16) << "one turn";
+}
+
+TEST_F(Bench, SaysWhichPortIsTaken) {
+    settings_.inlets[0].listen = server_.local();
+    try {
+        start();
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kNetwork);
+        EXPECT_NE(std::string(error.what()).find(to_string(server_.local())), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,158 @@
+#include "netem/relay/selftest.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace thimble {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TwinLink jittery() {
+    TwinLink link;
+    link.settings.delay = milliseconds{50};
+    link.settings.jitter = {JitterShape::kNormal, milliseconds{5}};
+    link.settings.loss = LossSettings::independent(0.05);
+    link.key.study = 3;
+    link.direction = 11;
+    return link;
+}
+
+std::vector<SessionTime> kilohertz(int packets) {
+    std::vector<SessionTime> times;
+    for (int i = 0; i < packets; ++i) times.emplace_back(milliseconds{i});
+    return times;
+}
+
+TEST(KsDistance, IsTheLargestGapOfTheSteps) {
+    std::vector<double> a{1, 2, 3, 4}, b{3, 4, 5, 6}, same{4, 2, 1, 3}, none;
+    EXPECT_DOUBLE_EQ(ks_distance(a, b), 0.5);
+    EXPECT_DOUBLE_EQ(ks_distance(a, same), 0);
+    std::vector<double> ties{2, 2, 2, 2};
+    EXPECT_DOUBLE_EQ(ks_distance(a, ties), 0.5);
+    EXPECT_DOUBLE_EQ(ks_distance(a, none), 1);
+}
+
+TEST(Twin, ForetellsTheSameSeed) {
+    const auto times = kilohertz(2000);
+    const TwinOutcome once = replay(jittery(), times, 104), again = replay(jittery(), times, 104);
+    EXPECT_EQ(once.dropped_packet, again.dropped_packet);
+    EXPECT_EQ(once.delays_s, again.delays_s);
+    EXPECT_EQ(once.delays_s.size() + once.dropped, times.size());
+    TwinLink other = jittery();
+    other.key.study = 4;
+    EXPECT_NE(replay(other, times, 104).dropped_packet, once.dropped_packet);
+}
+
+TEST(Twin, FollowsATransmitterToItsEnd) {
+    TwinLink link = jittery();
+    link.settings.rate.bits_per_s = 100'000;
+    link.settings.rate.queue_packets = 5;
+    const TwinOutcome outcome = replay(link, kilohertz(1000), 104);
+    EXPECT_GT(outcome.dropped, 500U);
+    EXPECT_EQ(outcome.delays_s.size() + outcome.dropped, 1000U);
+}
+
+TEST(Comparison, FindsAnHonestLinkInnocent) {
+    const auto times = kilohertz(4000);
+    const TwinOutcome achieved = replay(jittery(), times, 104);
+    const Comparison c = compare(jittery(), times, 104, achieved.delays_s);
+    EXPECT_TRUE(c.spread);
+    EXPECT_LT(c.distance_ratio(), 1.5);
+    EXPECT_LT(std::abs(c.drop_score(achieved.dropped)), 4);
+}
+
+TEST(Comparison, FindsADistortedDelay) {
+    const auto times = kilohertz(4000);
+    std::vector<double> delays_s = replay(jittery(), times, 104).delays_s;
+    for (double& d : delays_s) d += 0.003;
+    EXPECT_GT(compare(jittery(), times, 104, delays_s).distance_ratio(), 3);
+}
+
+TEST(Comparison, KnowsAConstantDelay) {
+    TwinLink link = jittery();
+    link.settings.jitter = {};
+    link.settings.loss = {};
+    const auto times = kilohertz(500);
+    const Comparison c = compare(link, times, 104, std::vector<double>(500, 0.05004));
+    EXPECT_FALSE(c.spread);
+    EXPECT_EQ(c.drop_score(0), 0);
+    EXPECT_GT(c.drop_score(1), 1e9) << "a link without loss loses nothing";
+}
+
+SelftestResult good() {
+    SelftestResult result;
+    for (std::size_t d = 0; d < 2; ++d) {
+        SelftestDirection& direction = result.direction[d];
+        direction.offered = direction.received = direction.sent = direction.arrived = 8000;
+        direction.comparison = {true, 0.01, 0.012, 0, 0};
+        for (int i = 0; i < 8000; ++i)
+            result.state.totals.direction[d].error.add(microseconds{i < 7990 ? 20 : 40});
+    }
+    for (int i = 0; i < 2000; ++i) result.timer.add(microseconds{30});
+    judge(result);
+    return result;
+}
+
+TEST(Verdict, PassesWhatIsGood) {
+    const SelftestResult result = good();
+    EXPECT_EQ(result.verdict, Verdict::kPass);
+    EXPECT_THAT(result.causes, IsEmpty());
+    EXPECT_EQ(describe(result).at("verdict"), "PASS");
+    EXPECT_THAT(in_words(result), HasSubstr("PASS"));
+}
+
+struct Fault {
+    const char* name;
+    void (*make)(SelftestResult&);
+    Verdict verdict;
+    const char* cause;
+};
+class Faults : public testing::TestWithParam<Fault> {};
+
+TEST_P(Faults, AreNamed) {
+    SelftestResult result = good();
+    GetParam().make(result);
+    judge(result);
+    EXPECT_EQ(result.verdict, GetParam().verdict);
+    EXPECT_THAT(result.causes, Contains(HasSubstr(GetParam().cause)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Faults,
+    testing::Values(Fault{"early", [](SelftestResult& r) { r.direction[0].early = 1; }, Verdict::kFail,
+                          "before they were due"},
+                    Fault{"fate", [](SelftestResult& r) { r.direction[1].other_fates = 1; }, Verdict::kFail,
+                          "another fate"},
+                    Fault{"one_lost", [](SelftestResult& r) { r.direction[0].lost_by_machine = 1; },
+                          Verdict::kMarginal, "machine lost 1"},
+                    Fault{"many_lost", [](SelftestResult& r) { r.direction[0].lost_by_machine = 9; },
+                          Verdict::kFail, "machine lost 9"},
+                    Fault{"late",
+                          [](SelftestResult& r) {
+                              for (int i = 0; i < 100; ++i)
+                                  r.state.totals.direction[0].error.add(milliseconds{3});
+                          },
+                          Verdict::kFail, "bare timer"},
+                    Fault{"stalls",
+                          [](SelftestResult& r) {
+                              for (int i = 0; i < 20; ++i)
+                                  r.state.totals.direction[0].error.add(milliseconds{3});
+                          },
+                          Verdict::kMarginal, "stalls"},
+                    Fault{"jitter", [](SelftestResult& r) { r.direction[0].comparison.distance = 0.025; },
+                          Verdict::kMarginal, "not those asked for"},
+                    Fault{"shape", [](SelftestResult& r) { r.direction[0].comparison.distance = 0.2; },
+                          Verdict::kFail, "not those asked for"},
+                    Fault{"loss", [](SelftestResult& r) { r.direction[0].dropped = 1; }, Verdict::kFail,
+                          "were expected"},
+                    Fault{"short", [](SelftestResult& r) { r.direction[0].received = 100; },
+                          Verdict::kMarginal, "too few"}),
+    [](const auto& fault) { return fault.param.name; });
+
+}  // namespace
+}  // namespace thimble

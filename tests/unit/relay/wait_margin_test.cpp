@@ -1,0 +1,85 @@
+#include "common/runtime/wait_margin.hpp"
+
+#include <gtest/gtest.h>
+
+namespace thimble {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+SessionTime at_ms(std::int64_t ms) { return SessionTime{milliseconds{ms}}; }
+
+TEST(WaitMargin, CoversAllButTheTwoWorst) {
+    WaitMargin margin;
+    for (int i = 0; i < 512; ++i) margin.add(microseconds{i == 100 || i == 300 ? 150 : 20});
+    EXPECT_EQ(margin.margin(), microseconds{20});
+}
+
+TEST(WaitMargin, GrowsWithTheThirdWorst) {
+    WaitMargin margin;
+    for (int i = 0; i < 512; ++i) margin.add(microseconds{i % 170 == 0 ? 150 : 20});
+    EXPECT_EQ(margin.margin(), microseconds{150});
+}
+
+TEST(WaitMargin, ForgetsWhatTheTimerDidLongAgo) {
+    WaitMargin margin;
+    for (int i = 0; i < 512; ++i) margin.add(microseconds{90});
+    ASSERT_EQ(margin.margin(), microseconds{90});
+    for (int i = 0; i < 512; ++i) margin.add(microseconds{7});
+    EXPECT_EQ(margin.margin(), microseconds{7});
+}
+
+TEST(WaitMargin, BuysNoStall) {
+    WaitMargin margin;
+    for (int i = 0; i < 2000; ++i)
+        margin.add(i % 2 == 0 ? Duration{milliseconds{9}} : Duration{microseconds{12}});
+    EXPECT_EQ(margin.margin(), microseconds{12});
+}
+
+TEST(WaitMargin, IsNeverNothing) {
+    WaitMargin margin;
+    EXPECT_GE(margin.margin(), microseconds{50}) << "before the timer is known";
+    for (int i = 0; i < 512; ++i) margin.add(Duration::zero());
+    EXPECT_GE(margin.margin(), microseconds{2});
+}
+
+TEST(SpinBudget, AllowsFourFifthsOfATenthOfASecond) {
+    SpinBudget budget;
+    EXPECT_EQ(budget.left(at_ms(1000)), milliseconds{80});
+    budget.spent(at_ms(1030), milliseconds{30});
+    budget.spent(at_ms(1080), milliseconds{50});
+    EXPECT_LE(budget.left(at_ms(1080)), Duration::zero());
+}
+
+TEST(SpinBudget, ComesBackAsTimePasses) {
+    SpinBudget budget;
+    budget.spent(at_ms(1010), milliseconds{10});
+    budget.spent(at_ms(1090), milliseconds{70});
+    EXPECT_EQ(budget.left(at_ms(1100)), Duration::zero());
+    EXPECT_EQ(budget.left(at_ms(1125)), milliseconds{10}) << "the first spell is more than 100 ms ago";
+    EXPECT_EQ(budget.left(at_ms(1210)), milliseconds{80});
+    EXPECT_EQ(budget.left(at_ms(100000)), milliseconds{80});
+}
+
+// Whoever spins whenever it is allowed never exceeds the share in any window, wherever the window begins.
+TEST(SpinBudget, HoldsInEveryWindow) {
+    SpinBudget budget;
+    std::vector<int> spun(2000, 0);
+    for (int ms = 0; ms < 2000; ++ms) {
+        if (budget.left(at_ms(1000 + ms)) < milliseconds{1}) continue;
+        spun[static_cast<std::size_t>(ms)] = 1;
+        budget.spent(at_ms(1000 + ms + 1), milliseconds{1});
+    }
+    int total = 0;
+    for (std::size_t start = 0; start + 100 <= spun.size(); ++start) {
+        int sum = 0;
+        for (std::size_t i = start; i < start + 100; ++i) sum += spun[i];
+        EXPECT_LE(sum, 80) << "from " << start;
+        total = std::max(total, sum);
+    }
+    EXPECT_GE(total, 70) << "and it may spin most of the time";
+}
+
+}  // namespace
+}  // namespace thimble
