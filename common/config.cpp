@@ -167,6 +167,11 @@ bool ConfigTable::is_text(std::string_view key) const {
     return found.node != nullptr && found.node->is_string();
 }
 
+bool ConfigTable::is_table(std::string_view key) const {
+    const Found found = find(key);
+    return found.node != nullptr && found.node->is_table();
+}
+
 ConfigTable ConfigTable::table(std::string_view key) const {
     const Found found = find(key);
     if (found.node != nullptr && !found.node->is_table()) {

@@ -35,6 +35,8 @@ class ConfigTable {
     bool has(std::string_view key) const;
     // Of a key that may be text or something else; false where it is absent.
     bool is_text(std::string_view key) const;
+    // Of a key that may be a table or something else; false where it is absent.
+    bool is_table(std::string_view key) const;
     ConfigTable table(std::string_view key) const;
     // One table [key] or an array of tables [[key]], in the order of the file; none if absent.
     std::vector<ConfigTable> tables(std::string_view key) const;

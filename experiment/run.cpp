@@ -90,7 +90,7 @@ class Run {
         plan.network.base_port =
             static_cast<std::uint16_t>(plan.network.base_port + lane * static_cast<unsigned>(Port::kCount));
         SystemSettings with_delay = settings_;
-        with_delay.netem.force.delay = from_seconds(delay_s);
+        set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
         plan.session = session_settings(with_delay);
         plan.delay_s = delay_s;
         plan.trials = run_trials_of(settings_, delay_s);

@@ -126,9 +126,14 @@ SystemSettings read_system_settings(const ConfigFile& file) {
 
 SessionSettings session_settings(const SystemSettings& settings) {
     SessionSettings session = settings.session;
-    for (const LinkSettings* link : {&settings.netem.needle, &settings.netem.force}) {
-        session.network_delay += link->delay + 4 * link->jitter.spread;  // a normal draw beyond 4 sd can wait
-    }
+    const auto longest = [](const LinkSettings& start, const Timeline& timeline) {
+        Duration delay = nearly_longest_delay(start);
+        for (const LinkChange& change : timeline)
+            delay = std::max(delay, nearly_longest_delay(change.settings));
+        return delay;
+    };
+    session.network_delay += longest(settings.netem.needle, settings.netem.needle_timeline) +
+                             longest(settings.netem.force, settings.netem.force_timeline);
     return session;
 }
 

@@ -62,10 +62,13 @@ VirtualSession::Parts::Parts(const SystemSettings& s)
              handle, handle),
       netem(instance_of(Role::kNetem), control[0].b,
             std::vector<RelayPlan>{
-                {&needle_up.b, &needle_down.a, s.netem.needle, kDirectionNeedle},
-                {&force_up_master.b, &force_down_master.a, s.netem.force, kDirectionForceMaster},
-                {&force_up_cutaneous.b, &force_down_cutaneous.a, s.netem.force, kDirectionForceCutaneous},
-                {&force_up_visual.b, &force_down_visual.a, s.netem.force, kDirectionForceVisual}}),
+                {&needle_up.b, &needle_down.a, s.netem.needle, kDirectionNeedle, s.netem.needle_timeline},
+                {&force_up_master.b, &force_down_master.a, s.netem.force, kDirectionForceMaster,
+                 s.netem.force_timeline},
+                {&force_up_cutaneous.b, &force_down_cutaneous.a, s.netem.force, kDirectionForceCutaneous,
+                 s.netem.force_timeline},
+                {&force_up_visual.b, &force_down_visual.a, s.netem.force, kDirectionForceVisual,
+                 s.netem.force_timeline}}),
       slave(instance_of(Role::kSlaveSim), s.slave,
             {&control[1].b, &needle_down.b, &force_up_master.a, &force_up_cutaneous.a, &force_up_visual.a,
              &beep.a, &record.a}),
@@ -126,7 +129,7 @@ const VirtualLoop& VirtualSession::loop() const { return parts_->loop; }
 
 TrialRecord run_virtual_trial(const SystemSettings& settings, const TrialConditions& conditions) {
     SystemSettings with_delay = settings;
-    with_delay.netem.force.delay = from_seconds(conditions.delay_s);
+    set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(conditions.delay_s));
     VirtualSession session(with_delay);
     return session.run(conditions);
 }

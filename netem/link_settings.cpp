@@ -1,6 +1,11 @@
 #include "netem/link_settings.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "netem/jitter_table.hpp"
+#include "netem/packet_trace.hpp"
 
 namespace thimble {
 namespace {
@@ -17,6 +22,26 @@ double bursts_per_packet(const LossSettings& loss) {
         1 - loss.loss_in_good - loss.good_to_bad * (loss.loss_in_bad - loss.loss_in_good);
     const double after_bad = 1 - loss.loss_in_bad - loss.bad_to_good * (loss.loss_in_good - loss.loss_in_bad);
     return (1 - bad) * loss.loss_in_good * after_good + bad * loss.loss_in_bad * after_bad;
+}
+
+// In spreads, what one deviate in 10,000 exceeds (a normal one in 30,000).
+double nearly_largest_deviate(const JitterSettings& jitter) {
+    switch (jitter.shape) {
+        case JitterShape::kNone:
+            return 0;
+        case JitterShape::kUniform:
+            return 1;
+        case JitterShape::kNormal:
+            return 4;
+        case JitterShape::kGamma:
+            return 10;  // of an exponential 8.2
+        case JitterShape::kPareto:
+        case JitterShape::kParetoNormal:
+            return 24;  // (10,000^(1/3) - 1.5) / 0.87 = 23.1
+        case JitterShape::kTable:
+            return jitter.table->deviates().back();
+    }
+    return 0;
 }
 
 }  // namespace
@@ -69,6 +94,15 @@ double mean_loss_burst(const LossSettings& loss) {
     if (lost <= 0) return 0;
     const double bursts = bursts_per_packet(loss);
     return bursts > 0 ? lost / bursts : std::numeric_limits<double>::infinity();
+}
+
+Duration nearly_longest_delay(const LinkSettings& link) {
+    Duration mean = link.delay;
+    if (link.trace != nullptr && link.trace->layout().has_delay) {
+        for (const TraceRow& row : link.trace->rows()) mean = std::max(mean, row.delay);
+    }
+    const double spread_ns = static_cast<double>(link.jitter.spread.count());
+    return mean + Duration{std::llround(nearly_largest_deviate(link.jitter) * spread_ns)};
 }
 
 }  // namespace thimble

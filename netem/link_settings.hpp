@@ -115,6 +115,10 @@ struct LinkSettings {
     bool operator==(const LinkSettings&) const = default;
 };
 
+// What nearly every packet takes at most: the mean, or the most that a trace has, and what jitter adds; one packet in
+// 10,000 takes longer. Queues, slots and outages come on top.
+Duration nearly_longest_delay(const LinkSettings& link);
+
 // Instead of the settings before, from `at` after the start of a trial.
 struct LinkChange {
     Duration at{};

@@ -23,7 +23,13 @@ class Netem final : public NodeInstance {
             report["links"].push_back({{"pushed", counters.pushed},
                                        {"delivered", counters.delivered},
                                        {"lost", counters.lost},
-                                       {"overflowed", counters.overflowed}});
+                                       {"outage", counters.outage},
+                                       {"queue_full", counters.queue_full},
+                                       {"overflowed", counters.overflowed},
+                                       {"oversized", counters.oversized},
+                                       {"duplicated", counters.duplicated},
+                                       {"corrupted", counters.corrupted},
+                                       {"reordered", counters.reordered}});
         }
     }
 
@@ -31,15 +37,18 @@ class Netem final : public NodeInstance {
     static std::vector<RelayPlan> make_relays(const NetemSettings& s, Sockets& sockets) {
         std::vector<RelayPlan> relays;
         const auto add = [&](Port in, Role sender, Port out, const LinkSettings& link,
-                             std::uint32_t direction) {
+                             std::uint32_t direction, const Timeline& timeline) {
             Channel* from = sockets.inlet(in, sender);
-            relays.push_back({from, sockets.outlet(out), link, direction});
+            relays.push_back({from, sockets.outlet(out), link, direction, timeline});
         };
-        add(Port::kNetemNeedle, Role::kMaster, Port::kSlaveNeedle, s.needle, kDirectionNeedle);
-        add(Port::kNetemForceMaster, Role::kSlaveSim, Port::kMasterForce, s.force, kDirectionForceMaster);
+        add(Port::kNetemNeedle, Role::kMaster, Port::kSlaveNeedle, s.needle, kDirectionNeedle,
+            s.needle_timeline);
+        add(Port::kNetemForceMaster, Role::kSlaveSim, Port::kMasterForce, s.force, kDirectionForceMaster,
+            s.force_timeline);
         add(Port::kNetemForceCutaneous, Role::kSlaveSim, Port::kCutaneousForce, s.force,
-            kDirectionForceCutaneous);
-        add(Port::kNetemForceVisual, Role::kSlaveSim, Port::kVisualForce, s.force, kDirectionForceVisual);
+            kDirectionForceCutaneous, s.force_timeline);
+        add(Port::kNetemForceVisual, Role::kSlaveSim, Port::kVisualForce, s.force, kDirectionForceVisual,
+            s.force_timeline);
         return relays;
     }
 
@@ -65,8 +74,10 @@ int main(int argc, char** argv) {
     program.tables = {"network", "runtime", "netem"};
     program.build = [&](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         NetemSettings settings = read_netem_settings(file);
-        if (!std::isnan(force_delay_s)) settings.force.delay = from_seconds(force_delay_s);
-        if (!std::isnan(needle_delay_s)) settings.needle.delay = from_seconds(needle_delay_s);
+        if (!std::isnan(force_delay_s))
+            set_delay(settings.force, settings.force_timeline, from_seconds(force_delay_s));
+        if (!std::isnan(needle_delay_s))
+            set_delay(settings.needle, settings.needle_timeline, from_seconds(needle_delay_s));
         return std::make_unique<Netem>(settings, sockets, instance);
     };
     return run_node_program(program, argc, argv);

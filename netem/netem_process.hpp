@@ -15,11 +15,12 @@ struct RelayPlan {
     Channel* to = nullptr;
     LinkSettings link;
     std::uint32_t direction = 0;  // tells the links of a session apart in random draws
+    Timeline timeline{};          // of each trial
 };
 
 struct Relay {
     explicit Relay(const RelayPlan& plan)
-        : from(plan.from), to(plan.to), model(plan.link, StreamKey{}, plan.direction) {}
+        : from(plan.from), to(plan.to), model(plan.link, StreamKey{}, plan.direction, plan.timeline) {}
 
     Channel* from;
     Channel* to;

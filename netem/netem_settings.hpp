@@ -4,6 +4,7 @@
 #pragma once
 
 #include "common/config.hpp"
+#include "netem/link_reader.hpp"
 #include "netem/link_settings.hpp"
 
 namespace thimble {
@@ -11,7 +12,12 @@ namespace thimble {
 struct NetemSettings {
     LinkSettings needle;  // master -> slave_sim
     LinkSettings force;   // slave_sim -> master, cutaneous_node and visual_node: three links alike
+    Timeline needle_timeline{}, force_timeline{};
 };
+
+// Another mean delay, as a condition of an experiment or a command line has it: at the start, and in all that the
+// timeline changes without changing the delay.
+void set_delay(LinkSettings& link, Timeline& timeline, Duration delay);
 
 // Tell the links of one session apart in every random draw: part of each published seed.
 enum Direction : std::uint32_t {
@@ -21,6 +27,6 @@ enum Direction : std::uint32_t {
     kDirectionForceVisual = 4,
 };
 
-NetemSettings read_netem_settings(const ConfigFile& file);
+NetemSettings read_netem_settings(const ConfigFile& file, const LinkSources& sources = {});
 
 }  // namespace thimble

@@ -88,7 +88,7 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
 LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const Dataset& dataset,
                    std::uint32_t participant, double delay_s) {
     SystemSettings with_delay = settings;
-    with_delay.netem.force.delay = from_seconds(delay_s);
+    set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
     LanePlan plan;
     plan.config = run.config;
     plan.programs = run.programs;

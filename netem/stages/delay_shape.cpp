@@ -61,7 +61,10 @@ DelayShape::DelayShape(const JitterSettings& settings, Duration delay)
     : shape_(settings.shape), table_(settings.table) {
     assert(shape_ != JitterShape::kTable || table_ != nullptr);
     if (shape_ != JitterShape::kGamma) return;
-    assert(delay > Duration::zero() && settings.spread > Duration::zero());
+    if (delay <= Duration::zero() || settings.spread <= Duration::zero()) {
+        shape_ = JitterShape::kNone;  // who never comes before time 0 and at 0 on average comes at 0
+        return;
+    }
     const double ratio = to_seconds(delay) / to_seconds(settings.spread);
     const double k = ratio * ratio;
     for (int i = 0; i <= kCells; ++i) {

@@ -68,7 +68,7 @@ TEST(DelayShape, RisesWithItsArgument) {
 
 // The table's error, in units of the spread, as delay_shape.hpp states it.
 TEST(DelayShape, GammaTableAgreesWithTheQuantileFunction) {
-    for (const double ratio : {0.35, 0.5, 1.0, 2.0, 5.0, 50.0, 5000.0}) {
+    for (const double ratio : {0.1, 0.35, 0.5, 1.0, 2.0, 5.0, 50.0, 5000.0}) {
         const DelayShape gamma = shape_of(JitterShape::kGamma, ratio);
         const double k = ratio * ratio;
         for (double z = -8; z <= 8; z += 0.0173) {
@@ -81,10 +81,17 @@ TEST(DelayShape, GammaTableAgreesWithTheQuantileFunction) {
 }
 
 TEST(DelayShape, GammaNeverGoesBelowDelayZero) {
-    for (const double ratio : {0.35, 1.0, 3.0, 100.0}) {
+    for (const double ratio : {0.01, 0.1, 0.35, 1.0, 3.0, 100.0}) {
         const DelayShape gamma = shape_of(JitterShape::kGamma, ratio);
         for (double z = -9; z < 0; z += 0.01) ASSERT_GE(gamma.at_normal(z), -ratio * (1 + 1e-12)) << ratio;
     }
+}
+
+TEST(DelayShape, GammaWithoutDelayIsNoJitter) {
+    const DelayShape none({.shape = JitterShape::kGamma, .spread = milliseconds{5}}, {});
+    EXPECT_FALSE(none.takes_normal());
+    EXPECT_EQ(none.at_uniform(0.99), 0);
+    EXPECT_EQ(none.at_normal(3), 0);
 }
 
 // Where tables of ever larger shapes end, two terms of an expansion go on.
