@@ -135,7 +135,7 @@ class CaptureParser {
     // False if it is none. Lengths come from the headers: Ethernet pads short packets.
     bool read_udp(std::string_view ip, std::int64_t stamp_ns) {
         if (ip.size() < 20 || byte_at(ip, 0) >> 4 != 4 || byte_at(ip, 9) != kUdp) return false;
-        const std::size_t header = (byte_at(ip, 0) & 15U) * 4;
+        const std::size_t header = std::size_t{4} * (byte_at(ip, 0) & 15U);
         if (header < 20 || ip.size() < header + kUdpHeader) return false;
         if ((big16(ip, 6) & 0x3fff) != 0) {  // more to come, or an offset
             ++capture_.fragments;

@@ -31,6 +31,7 @@ FileFinder beside(const std::filesystem::path& file) {
 
 // Changes build on one another, in the order of the file.
 void read_changes(const ConfigFile& file, const FileFinder& find, LinkProfile& profile) {
+    const LinkSources sources = sources_of(find);
     LinkSettings up = profile.up, down = profile.down;
     Duration before{};
     const std::vector<ConfigTable> changes = file.root().tables("change");
@@ -42,11 +43,11 @@ void read_changes(const ConfigFile& file, const FileFinder& find, LinkProfile& p
         before = at;
         const std::size_t direction = change.choice("direction", 2, {"up", "down", "both"});
         if (direction != 1) {
-            up = read_profile_link(change, up, find);
+            up = read_link_settings(change, up, sources);
             profile.up_changes.push_back({at, up});
         }
         if (direction != 0) {
-            down = read_profile_link(change, down, find);
+            down = read_link_settings(change, down, sources);
             profile.down_changes.push_back({at, down});
         }
     }
@@ -86,8 +87,8 @@ LinkProfile parse_profile(std::string_view text, std::string_view name, const Fi
     profile.name = name;
     profile.about = file.root().text("about", "");
     profile.source = file.root().texts("source", {});
-    profile.up = read_profile_link(file.table("up"), {}, find);
-    profile.down = read_profile_link(file.table("down"), {}, find);
+    profile.up = read_link_settings(file.table("up"), {}, sources_of(find));
+    profile.down = read_link_settings(file.table("down"), {}, sources_of(find));
     read_changes(file, find, profile);
     file.finish();
     return profile;

@@ -2,7 +2,7 @@
 // TOML:
 //   about = "one line on what it is like"
 //   source = ["delay: ...", ...]   where each value is from; an assumption is called one
-//   [up]     from the operator's side to the remote one (needle), keys of profile_link.hpp
+//   [up]     from the operator's side to the remote one (needle), keys of link_reader.hpp
 //   [down]   back (force)
 //   [[change]]   at_s, direction = "up", "down" or "both", and keys of a link: what changes then; the rest stays
 #pragma once
