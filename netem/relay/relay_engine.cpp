@@ -135,22 +135,23 @@ PacketRecord RelayEngine::record_of(std::uint32_t link) const {
 }
 
 void RelayEngine::receive(std::span<const epoll_event> events) {
-    const ClockPair clocks = read_clock_pair();
-    stamps_.update(clocks);
+    stamps_.update(read_clock_pair());
     for (const epoll_event& event : events) {
         const std::uint64_t tag = event.data.u64;
         if (tag == kWatchedTag) {
             watched_readable_ = true;
         } else if (tag >= kInletTags) {
-            receive_from_clients(static_cast<std::uint32_t>(tag - kInletTags), clocks.after);
+            receive_from_clients(static_cast<std::uint32_t>(tag - kInletTags));
         } else {
-            receive_from_server(static_cast<std::uint32_t>(tag), clocks.after);
+            receive_from_server(static_cast<std::uint32_t>(tag));
         }
     }
 }
 
-void RelayEngine::receive_from_clients(std::uint32_t inlet, SessionTime now) {
+void RelayEngine::receive_from_clients(std::uint32_t inlet) {
     const std::size_t count = arrivals_.receive(inlets_[inlet].descriptor());
+    const SessionTime now =
+        wall_now();  // after the call: a stamp cannot be later, and none is cut down to an earlier time
     for (std::size_t i = 0; i < count; ++i) {
         const ReceiveBatch::Datagram datagram = arrivals_[i];
         if (const auto place = flow_of(inlet, datagram.from, now)) {
@@ -161,9 +162,10 @@ void RelayEngine::receive_from_clients(std::uint32_t inlet, SessionTime now) {
     }
 }
 
-void RelayEngine::receive_from_server(std::uint32_t place, SessionTime now) {
+void RelayEngine::receive_from_server(std::uint32_t place) {
     if (!table_.open(place)) return;
     const std::size_t count = arrivals_.receive(flows_[place]->server.descriptor());
+    const SessionTime now = wall_now();
     if (count > 0) table_.alive(place, now);
     for (std::size_t i = 0; i < count; ++i) {
         push(2 * place + static_cast<std::uint32_t>(RelayDirection::kDown), arrivals_[i], now);

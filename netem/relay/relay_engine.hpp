@@ -66,8 +66,8 @@ class RelayEngine {
     void flush();
     void record_sent(const Outgoing& out, SessionTime sent, bool accepted);
     void receive(std::span<const epoll_event> events);
-    void receive_from_clients(std::uint32_t inlet, SessionTime now);
-    void receive_from_server(std::uint32_t place, SessionTime now);
+    void receive_from_clients(std::uint32_t inlet);
+    void receive_from_server(std::uint32_t place);
     void push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime now);
     std::optional<std::uint32_t> flow_of(std::uint32_t inlet, const UdpAddress& client, SessionTime now);
     bool open_flow(std::uint32_t place);
