@@ -1,5 +1,8 @@
 #include "netem/netem_settings.hpp"
 
+#include "netem/link_reader.hpp"
+#include "netem/profiles/profiles.hpp"
+
 namespace thimble {
 
 void set_delay(LinkSettings& link, Timeline& timeline, Duration delay) {
@@ -11,15 +14,17 @@ void set_delay(LinkSettings& link, Timeline& timeline, Duration delay) {
     }
 }
 
-NetemSettings read_netem_settings(const ConfigFile& file, const LinkSources& sources) {
+NetemSettings read_netem_settings(const ConfigFile& file) {
     const ConfigTable netem = file.table("netem");
-    const ConfigTable needle = netem.table("needle");
-    const ConfigTable force = netem.table("force");
+    const auto read = [&](std::string_view name, Way way, LinkSettings& link, Timeline& timeline) {
+        const ConfigTable table = netem.table(name);
+        const LinkSources sources = session_sources(file.folder(), way);
+        link = read_link_settings(table, {}, sources);
+        timeline = read_timeline(table, link, sources);
+    };
     NetemSettings settings;
-    settings.needle = read_link_settings(needle, {}, sources);
-    settings.needle_timeline = read_timeline(needle, settings.needle, sources);
-    settings.force = read_link_settings(force, {}, sources);
-    settings.force_timeline = read_timeline(force, settings.force, sources);
+    read("needle", Way::kUp, settings.needle, settings.needle_timeline);
+    read("force", Way::kDown, settings.force, settings.force_timeline);
     return settings;
 }
 

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "common/config.hpp"
-#include "netem/link_reader.hpp"
 #include "netem/link_settings.hpp"
 
 namespace thimble {
@@ -27,6 +26,8 @@ enum Direction : std::uint32_t {
     kDirectionForceVisual = 4,
 };
 
-NetemSettings read_netem_settings(const ConfigFile& file, const LinkSources& sources = {});
+// Traces, tables and profiles that are files are sought beside the session file. The needle's link is a profile's way up,
+// the force's its way down.
+NetemSettings read_netem_settings(const ConfigFile& file);
 
 }  // namespace thimble

@@ -109,6 +109,22 @@ LinkProfile load_profile(const std::string& given) {
                             given, fmt::join(profile_names(), ", ")));
 }
 
+LinkSources session_sources(const std::filesystem::path& folder, Way way) {
+    LinkSources sources =
+        sources_of([folder](std::string_view name) { return read_whole_file(folder / name); });
+    sources.profile = [folder, way](const std::string& name) {
+        const bool here = std::filesystem::is_regular_file(folder / name);
+        const LinkProfile profile = load_profile(here ? (folder / name).string() : name);
+        const bool up = way == Way::kUp;
+        if (!(up ? profile.up_changes : profile.down_changes).empty()) {
+            throw Error(ExitCode::kUsage,
+                        fmt::format("{}: changes with time, which a session says in [[timeline]]", name));
+        }
+        return up ? profile.up : profile.down;
+    };
+    return sources;
+}
+
 void load_timeline(const std::filesystem::path& path, LinkProfile& profile) {
     const ConfigFile file = ConfigFile::load(path);
     read_changes(file, beside(path), profile);

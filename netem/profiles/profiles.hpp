@@ -39,6 +39,12 @@ const std::vector<std::string_view>& profile_names();
 LinkProfile load_profile(const std::string& given);
 LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find);
 
+enum class Way : std::uint8_t { kUp, kDown };
+// For one direction of a session file in `folder`: tables and traces beside it, and `profile = ` anything that
+// load_profile takes, a file first sought in `folder`. A profile whose settings change with time is refused: the
+// session's own [[timeline]] is the place for that.
+LinkSources session_sources(const std::filesystem::path& folder, Way way);
+
 // Only [[change]] tables: a timeline of its own, for links that begin as `up` and `down`.
 void load_timeline(const std::filesystem::path& path, LinkProfile& profile);
 

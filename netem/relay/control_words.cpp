@@ -7,8 +7,7 @@
 
 #include "common/config.hpp"
 #include "common/error.hpp"
-#include "netem/formats/text_lines.hpp"
-#include "netem/profiles/profile_link.hpp"
+#include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 namespace {
@@ -66,11 +65,10 @@ Assignment parse_assignment(std::string_view text) {
     return made;
 }
 
-LinkSettings assign(const LinkSettings& base, const std::string& direction, const std::string& text) {
+LinkSettings assign(const LinkSettings& base, Way way, const std::string& text) {
     if (text.empty()) return base;
-    const ConfigFile file = ConfigFile::parse(text, direction);
-    LinkSettings made =
-        read_profile_link(file.root(), base, [](std::string_view name) { return read_whole_file(name); });
+    const ConfigFile file = ConfigFile::parse(text, way == Way::kUp ? "up" : "down");
+    LinkSettings made = read_link_settings(file.root(), base, session_sources({}, way));
     file.finish();
     return made;
 }
@@ -100,7 +98,7 @@ LinkPair assign(const LinkPair& base, const std::vector<std::string>& assignment
         if (a.up) up += fmt::format("{} = {}\n", a.key, a.value);
         if (a.down) down += fmt::format("{} = {}\n", a.key, a.value);
     }
-    return {assign(base.up, "up", up), assign(base.down, "down", down)};
+    return {assign(base.up, Way::kUp, up), assign(base.down, Way::kDown, down)};
 }
 
 }  // namespace thimble

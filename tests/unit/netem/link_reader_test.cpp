@@ -8,6 +8,7 @@
 #include "netem/delivery_trace.hpp"
 #include "netem/jitter_table.hpp"
 #include "netem/netem_settings.hpp"
+#include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 namespace {
@@ -226,6 +227,28 @@ TEST(Timeline, EachEntryBeginsWithTheSettingsBeforeIt) {
     EXPECT_EQ(netem.force_timeline[1].settings.loss, LossSettings::independent(0.2));
     EXPECT_EQ(netem.force_timeline[2].settings.delay, milliseconds{300});
     EXPECT_EQ(netem.force_timeline[2].settings.loss, LossSettings{});
+}
+
+TEST(SessionLinks, AProfileGivesEachDirectionItsWay) {
+    const ConfigFile file = ConfigFile::parse(
+        "[netem.needle]\nprofile = \"5g-nsa\"\n[netem.force]\nprofile = \"5g-nsa\"\nloss = 0.25\n", "session.toml");
+    const NetemSettings netem = read_netem_settings(file);
+    file.finish();
+    const LinkProfile profile = load_profile("5g-nsa");
+    EXPECT_EQ(netem.needle, profile.up);
+    EXPECT_EQ(netem.force.delay, profile.down.delay);
+    EXPECT_NE(netem.force.delay, netem.needle.delay);
+    EXPECT_EQ(netem.force.loss, LossSettings::independent(0.25));
+}
+
+TEST(SessionLinks, RefuseAProfileThatIsNotThere) {
+    const ConfigFile file = ConfigFile::parse("[netem.force]\nprofile = \"5g-sa\"\n", "session.toml");
+    try {
+        read_netem_settings(file);
+        FAIL() << "nothing was refused";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("5g-nsa"), std::string::npos) << error.what();
+    }
 }
 
 TEST(Timeline, AnotherDelayHoldsUntilTheTimelineHasItsOwn) {
