@@ -17,15 +17,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct ControlOptions {
     std::string control;
     std::vector<std::string> assignments;
     bool json = false;
     int lines = 0;
 };
 
-std::shared_ptr<Options> options_of(CLI::App& command) {
-    auto options = std::make_shared<Options>();
+std::shared_ptr<ControlOptions> options_of(CLI::App& command) {
+    auto options = std::make_shared<ControlOptions>();
     command.add_option("--control", options->control, "the socket that the relay was started with")
         ->type_name("PATH")
         ->required();
@@ -33,7 +33,7 @@ std::shared_ptr<Options> options_of(CLI::App& command) {
     return options;
 }
 
-int set(const Options& options) {
+int set(const ControlOptions& options) {
     std::string request = "set";
     for (const std::string& assignment : options.assignments) request += "\n" + assignment;
     const Json answer = ask_relay(options.control, request);
@@ -46,7 +46,7 @@ int set(const Options& options) {
     return 0;
 }
 
-int show(const Options& options) {
+int show(const ControlOptions& options) {
     const Json answer = ask_relay(options.control, "show");
     fmt::print("{}", options.json ? answer.dump(2) + "\n" : in_words(answer));
     return 0;
@@ -74,7 +74,7 @@ std::string line(const Json& before, const Json& now) {
     return text;
 }
 
-int watch(const Options& options) {
+int watch(const ControlOptions& options) {
     install_stop_signals();
     Json before = ask_relay(options.control, "show");
     for (int lines = 0; !stop_requested() && (options.lines == 0 || lines < options.lines); ++lines) {

@@ -16,7 +16,7 @@
 namespace thimble {
 namespace {
 
-struct Options {
+struct RelayOptions {
     std::vector<std::string> listen, to;
     ProfileOptions profile;
     std::uint64_t seed = 1;
@@ -28,7 +28,7 @@ struct Options {
 
 constexpr double kSelftestDefault_s = 10;
 
-RelaySettings relay_settings(const Options& options) {
+RelaySettings relay_settings(const RelayOptions& options) {
     if (options.listen.size() != options.to.size() || options.listen.empty()) {
         throw Error(
             ExitCode::kUsage,
@@ -55,7 +55,7 @@ RelaySettings relay_settings(const Options& options) {
 }
 
 // Share of packets that left late beyond what --strict-rt allows.
-int check_lateness(const Options& options, const RelayState& state, const RuntimeSettings& runtime) {
+int check_lateness(const RelayOptions& options, const RelayState& state, const RuntimeSettings& runtime) {
     std::uint64_t late = 0, sent = 0;
     for (const DirectionTotals& d : state.totals.direction) {
         late += d.late;
@@ -68,7 +68,7 @@ int check_lateness(const Options& options, const RelayState& state, const Runtim
     return static_cast<int>(ExitCode::kRealtime);
 }
 
-int relay(const Options& options) {
+int relay(const RelayOptions& options) {
     ServiceSettings service;
     service.relay = relay_settings(options);
     service.runtime.realtime_scheduling = !options.default_scheduling;
@@ -81,7 +81,7 @@ int relay(const Options& options) {
     return check_lateness(options, state, service.runtime);
 }
 
-int selftest(const Options& options) {
+int selftest(const RelayOptions& options) {
     SelftestSettings settings;
     Network network = read_profile(options.profile);
     settings.links = std::move(network.links);
@@ -95,7 +95,7 @@ int selftest(const Options& options) {
     return static_cast<int>(result.verdict == Verdict::kFail ? ExitCode::kRunFailed : ExitCode::kOk);
 }
 
-void add_traffic_options(CLI::App& app, Options& o) {
+void add_traffic_options(CLI::App& app, RelayOptions& o) {
     app.add_option("--listen", o.listen, "where clients send to; several times for several servers")
         ->type_name("[HOST:]PORT")
         ->take_all();
@@ -111,7 +111,7 @@ void add_traffic_options(CLI::App& app, Options& o) {
         ->capture_default_str();
 }
 
-void add_run_options(CLI::App& app, Options& o) {
+void add_run_options(CLI::App& app, RelayOptions& o) {
     app.add_option("--seconds", o.seconds, "end after so long by itself (--selftest: 10 s)")
         ->check(CLI::Range(0.1, 86400.0));
     app.add_flag("--precise", o.precise, "spin before due times: microseconds instead of tens, for some CPU");
@@ -129,7 +129,7 @@ void add_run_options(CLI::App& app, Options& o) {
 }  // namespace
 
 std::function<int()> add_relay(CLI::App& app) {
-    const auto options = std::make_shared<Options>();
+    const auto options = std::make_shared<RelayOptions>();
     add_traffic_options(app, *options);
     add_profile_options(app, options->profile);
     add_run_options(app, *options);

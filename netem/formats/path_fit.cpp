@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMemoryG = 10.83;      // quantile 0.999 of chi squared with one degree of freedom
 constexpr double kFlatSpread_s = 1e-9;  // below what a stamp can tell
-constexpr std::array kShapes{JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
+constexpr std::array kFitted{JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
                              JitterShape::kPareto, JitterShape::kParetoNormal};
 
 std::string_view name_of(JitterShape shape) {
@@ -136,7 +136,7 @@ void fit_delay(const MeasuredPath& path, PathFit& fit) {
     fit.delay_99_s = sorted_s[std::min(sorted_s.size() - 1, static_cast<std::size_t>(0.99 * n))];
     fit.link.delay = from_seconds(fit.delay_mean_s);
     if (fit.delay_sd_s < kFlatSpread_s) return;
-    for (const JitterShape shape : kShapes) {
+    for (const JitterShape shape : kFitted) {
         if (spread_of(shape, fit.delay_sd_s) > widest_spread(shape, fit.link.delay)) continue;
         fit.shapes.push_back({shape, ks_distance(sorted_s, shape, fit.delay_mean_s, fit.delay_sd_s)});
     }

@@ -127,15 +127,15 @@ class TcParser {
     void distribution() {
         if (at_ == words_.size())
             fail_word("must be uniform, normal, pareto, paretonormal or a table's name");
-        constexpr std::array<std::pair<std::string_view, JitterShape>, 4> kShapes{
+        constexpr std::array<std::pair<std::string_view, JitterShape>, 4> kWords{
             {{"uniform", JitterShape::kUniform},
              {"normal", JitterShape::kNormal},
              {"pareto", JitterShape::kPareto},
              {"paretonormal", JitterShape::kParetoNormal}}};
         const std::string_view name = words_[at_++];
         const auto shape =
-            std::find_if(kShapes.begin(), kShapes.end(), [name](const auto& s) { return s.first == name; });
-        shape_ = shape != kShapes.end() ? shape->second : JitterShape::kTable;
+            std::find_if(kWords.begin(), kWords.end(), [name](const auto& s) { return s.first == name; });
+        shape_ = shape != kWords.end() ? shape->second : JitterShape::kTable;
         if (*shape_ == JitterShape::kTable) table_ = find_table_(name);
     }
 

@@ -13,8 +13,8 @@
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 7> kShapes{"none",   "uniform",       "normal", "gamma",
-                                                  "pareto", "pareto-normal", "table"};
+constexpr std::array<std::string_view, 7> kShapeNames{"none",   "uniform",       "normal", "gamma",
+                                                      "pareto", "pareto-normal", "table"};
 constexpr std::array kShapeValues{JitterShape::kNone,  JitterShape::kUniform, JitterShape::kNormal,
                                   JitterShape::kGamma, JitterShape::kPareto,  JitterShape::kParetoNormal,
                                   JitterShape::kTable};
@@ -71,7 +71,7 @@ std::string print_profile_link(const LinkSettings& link) {
     Printer out;
     out.seconds("delay_s", link.delay);
     if (link.jitter.shape != JitterShape::kNone) {
-        out.line(fmt::format("jitter = \"{}\"", kShapes[place_of(link.jitter.shape)]));
+        out.line(fmt::format("jitter = \"{}\"", kShapeNames[place_of(link.jitter.shape)]));
         out.seconds("jitter_spread_s", link.jitter.spread);
         out.unless("jitter_correlation", link.jitter.correlation, 0.0);
     }

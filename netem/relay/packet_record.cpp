@@ -10,7 +10,7 @@ namespace thimble {
 namespace {
 
 constexpr std::string_view kMagic = "THIMBLEN";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kFormatVersion = 1;
 constexpr std::uint32_t kCorrupted = 1, kCopy = 2;  // flags
 
 template <typename Integer>
@@ -44,7 +44,7 @@ std::string_view to_string(LoggedFate fate) {
 std::array<std::uint8_t, kLogHeaderBytes> log_header() {
     std::array<std::uint8_t, kLogHeaderBytes> bytes{};
     std::copy(kMagic.begin(), kMagic.end(), bytes.begin());
-    put(bytes, 8, kVersion);
+    put(bytes, 8, kFormatVersion);
     put(bytes, 12, static_cast<std::uint32_t>(kRecordBytes));
     return bytes;
 }
@@ -62,7 +62,7 @@ void check_log_header(std::span<const std::uint8_t> bytes, const std::string& na
             ExitCode::kData,
             fmt::format("'{}' is a packet log of version {} with records of {} bytes; this program reads "
                         "version {} with {}",
-                        name, get<std::uint32_t>(bytes, 8), get<std::uint32_t>(bytes, 12), kVersion,
+                        name, get<std::uint32_t>(bytes, 8), get<std::uint32_t>(bytes, 12), kFormatVersion,
                         kRecordBytes));
     }
 }

@@ -15,7 +15,7 @@ namespace thimble {
 namespace {
 
 // For the last packets: what links may delay them, and a machine that stalls.
-constexpr Duration kPatience = std::chrono::milliseconds{300};
+constexpr Duration kSettling = std::chrono::milliseconds{300};
 
 // Keeps every record in memory that was there from the beginning.
 class Records final : public PacketSink {
@@ -50,7 +50,7 @@ class Records final : public PacketSink {
 
 Duration slowest(const LinkPair& links) {
     const auto way = [](const LinkSettings& link) { return link.delay + 6 * link.jitter.spread; };
-    return way(links.up) + way(links.down) + kPatience;
+    return way(links.up) + way(links.down) + kSettling;
 }
 
 RelaySettings relay_settings(const SelftestSettings& settings, const UdpAddress& server, bool precise) {

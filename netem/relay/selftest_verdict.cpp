@@ -17,7 +17,7 @@ constexpr double kTimerSlack_us = 20;  // by which the relay may exceed the bare
 constexpr double kManyLost = 1e-3;     // of the packets, by the machine
 constexpr std::uint64_t kFewPackets = 2000;
 
-double us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
+double in_us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
 class Judge {
   public:
@@ -42,7 +42,7 @@ class Judge {
 
 void judge_direction(Judge& judge, std::string_view name, const SelftestDirection& d, const Histogram& error,
                      const Histogram& timer) {
-    const double p99_us = us(error.quantile(0.99)), timer_us = us(timer.quantile(0.99));
+    const double p99_us = in_us(error.quantile(0.99)), timer_us = in_us(timer.quantile(0.99));
     judge.limit(static_cast<double>(d.early), 0, 0,
                 fmt::format("{}: {} packets left before they were due", name, d.early));
     judge.limit(static_cast<double>(d.other_fates), 0, 0,
@@ -54,9 +54,9 @@ void judge_direction(Judge& judge, std::string_view name, const SelftestDirectio
         p99_us, kUneasy_us, kSample_us,
         fmt::format("{}: 1 % of the packets leave more than {:.0f} us late (the bare timer: {:.0f} us)", name,
                     p99_us, timer_us));
-    judge.limit(us(error.quantile(0.999)), kSample_us, HUGE_VAL,
+    judge.limit(in_us(error.quantile(0.999)), kSample_us, HUGE_VAL,
                 fmt::format("{}: 1 in 1000 packets leaves more than {:.1f} ms late: the machine stalls", name,
-                            1e-3 * us(error.quantile(0.999))));
+                            1e-3 * in_us(error.quantile(0.999))));
     judge.limit(p99_us, 1.5 * timer_us + kTimerSlack_us, HUGE_VAL,
                 fmt::format("{}: later than the bare timer explains (99 %: {:.0f} us against {:.0f} us)",
                             name, p99_us, timer_us));
@@ -118,8 +118,8 @@ std::string findings_in_words(std::string_view name, const LinkSettings& link, c
                                               d.comparison.by_chance)
                                 : "; constant\n";
     return text + fmt::format("      late by  {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst\n",
-                              us(e.quantile(0.5)), us(e.quantile(0.99)), us(e.quantile(0.999)),
-                              us(e.worst()));
+                              in_us(e.quantile(0.5)), in_us(e.quantile(0.99)), in_us(e.quantile(0.999)),
+                              in_us(e.worst()));
 }
 
 }  // namespace
@@ -165,8 +165,8 @@ std::string in_words(const SelftestResult& result) {
                               result.state.totals[RelayDirection::kDown].error);
     text += fmt::format(
         "bare timer late by {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst; {} stalls\n",
-        us(result.timer.quantile(0.5)), us(result.timer.quantile(0.99)), us(result.timer.quantile(0.999)),
-        us(result.timer.worst()), result.state.totals.stalls);
+        in_us(result.timer.quantile(0.5)), in_us(result.timer.quantile(0.99)),
+        in_us(result.timer.quantile(0.999)), in_us(result.timer.worst()), result.state.totals.stalls);
     text += fmt::format("{}\n", to_string(result.verdict));
     for (const std::string& cause : result.causes) text += fmt::format("  {}\n", cause);
     return text;

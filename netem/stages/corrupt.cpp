@@ -8,7 +8,7 @@ namespace thimble {
 namespace {
 
 // At most kMostBits, and below() hardly ever takes a second one.
-constexpr std::uint64_t kNumbersPerPacket = 128;
+constexpr std::uint64_t kNumbersPerDamage = 128;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ void Corrupt::flip(std::uint64_t packet, std::span<std::uint8_t> bytes) {
     const auto all = static_cast<std::uint32_t>(bytes.size() * 8);
     const std::uint32_t count = std::min<std::uint32_t>(bits_, all);
     std::array<std::uint32_t, kMostBits> taken{};
-    bits_stream_.seek(kNumbersPerPacket * packet);
+    bits_stream_.seek(kNumbersPerDamage * packet);
     for (std::uint32_t i = 0; i < count; ++i) {
         const std::uint32_t last = all - count + i;
         const std::uint32_t drawn = bits_stream_.below(last + 1);

@@ -9,7 +9,7 @@ namespace {
 
 // A normal number takes one of the stream, rarely a few more (rejection): room enough that no packet uses its
 // neighbour's.
-constexpr std::uint64_t kNumbersPerPacket = 16;
+constexpr std::uint64_t kNumbersPerDeviate = 16;
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void Jitter::configure(std::shared_ptr<const DelayShape> shape, double correlati
 }
 
 double Jitter::deviate(std::uint64_t packet) {
-    stream_.seek(kNumbersPerPacket * packet);
+    stream_.seek(kNumbersPerDeviate * packet);
     if (correlated()) return shape_->at_normal(chain(packet));
     return shape_->takes_normal() ? shape_->at_normal(stream_.normal())
                                   : shape_->at_uniform(stream_.uniform());

@@ -20,15 +20,15 @@ LinkSettings jittery(JitterShape jitter, bool in_order) {
     return {.delay = milliseconds{20}, .jitter = {jitter, milliseconds{5}}, .in_order = in_order};
 }
 
-struct Moments {
+struct DelayMoments {
     double mean_s = 0;
     double sd_s = 0;
     Duration least = Duration::max();
     Duration most{};
 };
 
-Moments delay_moments(const std::vector<Arrival>& arrivals) {
-    Moments moments;
+DelayMoments delay_moments(const std::vector<Arrival>& arrivals) {
+    DelayMoments moments;
     double sum_s = 0;
     double squares_s2 = 0;
     for (const Arrival& arrival : arrivals) {
@@ -46,7 +46,7 @@ Moments delay_moments(const std::vector<Arrival>& arrivals) {
 
 TEST(LinkFate, NormalJitterHasTheAskedMeanAndSpread) {
     LinkModel link(jittery(JitterShape::kNormal, false), kKey, 0);
-    const Moments moments = delay_moments(transmit(link, kMany));
+    const DelayMoments moments = delay_moments(transmit(link, kMany));
     // Four standard errors: sd / sqrt(n) of a mean, sd / sqrt(2 n) of a standard deviation.
     EXPECT_NEAR(moments.mean_s, 0.020, 4 * 0.005 / std::sqrt(kMany));
     EXPECT_NEAR(moments.sd_s, 0.005, 4 * 0.005 / std::sqrt(2.0 * kMany));
@@ -54,7 +54,7 @@ TEST(LinkFate, NormalJitterHasTheAskedMeanAndSpread) {
 
 TEST(LinkFate, UniformJitterHasTheAskedMeanAndSpread) {
     LinkModel link(jittery(JitterShape::kUniform, false), kKey, 0);
-    const Moments moments = delay_moments(transmit(link, kMany));
+    const DelayMoments moments = delay_moments(transmit(link, kMany));
     const double sd_s = 0.005 / std::sqrt(3.0);
     EXPECT_NEAR(moments.mean_s, 0.020, 4 * sd_s / std::sqrt(kMany));
     EXPECT_NEAR(moments.sd_s, sd_s, 4 * sd_s / std::sqrt(2.0 * kMany));
@@ -69,7 +69,7 @@ TEST(LinkFate, DelayIsNeverNegative) {
         LinkSettings settings = jittery(jitter, false);
         settings.delay = milliseconds{2};
         LinkModel link(settings, kKey, 0);
-        const Moments moments = delay_moments(transmit(link, 5000));
+        const DelayMoments moments = delay_moments(transmit(link, 5000));
         EXPECT_EQ(moments.least, Duration::zero());
         EXPECT_EQ(link.counters().delivered, 5000U);
     }

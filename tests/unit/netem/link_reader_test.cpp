@@ -160,7 +160,8 @@ TEST(LinkSettings, RefusesLossesThatCannotBe) {
     EXPECT_NE(refusal("loss = 0.9\nloss_burst = 2").find("0.6667"), std::string::npos);
     EXPECT_NE(refusal("loss = {model = \"gilbert\", share = 0.6}").find("share"), std::string::npos);
     EXPECT_NE(refusal("loss = {model = \"four-state\", p13 = 0.1, p31 = 0}").find("p31"), std::string::npos);
-    EXPECT_NE(refusal("loss = {model = \"four-state\", p31 = 0.5, p32 = 0.1}").find("p23"), std::string::npos);
+    EXPECT_NE(refusal("loss = {model = \"four-state\", p31 = 0.5, p32 = 0.1}").find("p23"),
+              std::string::npos);
     EXPECT_NE(refusal("loss = {model = \"four-state\", p13 = 0.6, p14 = 0.6}").find("p14"),
               std::string::npos);
     EXPECT_NE(refusal("loss = {model = \"gilbert\", p13 = 0.6}").find("p13"), std::string::npos);
@@ -231,7 +232,8 @@ TEST(Timeline, EachEntryBeginsWithTheSettingsBeforeIt) {
 
 TEST(SessionLinks, AProfileGivesEachDirectionItsWay) {
     const ConfigFile file = ConfigFile::parse(
-        "[netem.needle]\nprofile = \"5g-nsa\"\n[netem.force]\nprofile = \"5g-nsa\"\nloss = 0.25\n", "session.toml");
+        "[netem.needle]\nprofile = \"5g-nsa\"\n[netem.force]\nprofile = \"5g-nsa\"\nloss = 0.25\n",
+        "session.toml");
     const NetemSettings netem = read_netem_settings(file);
     file.finish();
     const LinkProfile profile = load_profile("5g-nsa");

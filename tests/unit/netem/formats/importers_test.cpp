@@ -91,7 +91,7 @@ TEST(Irtt, Refusals) {
              {irtt_with(R"("delay": {})"), "has no delay"},
              {irtt_with(R"("delay": {"rtt": 1e300})"), "has no delay"},
              {irtt_with(R"("delay": {"rtt": 900000000000})"), "more than a minute"}}) {
-        EXPECT_THAT(refusal_of([&] { parse_irtt(text, "a.json"); }), HasSubstr(reason)) << text;
+        EXPECT_THAT(refusal_of([&, &json = text] { parse_irtt(json, "a.json"); }), HasSubstr(reason)) << text;
     }
 }
 

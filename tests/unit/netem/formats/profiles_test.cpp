@@ -26,11 +26,11 @@ std::string no_files(std::string_view name) {
     throw Error(ExitCode::kData, std::string(name) + ": no such file");
 }
 
-LinkProfile parsed(std::string_view text) { return parse_profile(text, "lab.toml", no_files); }
+LinkProfile parsed_profile(std::string_view text) { return parse_profile(text, "lab.toml", no_files); }
 
-std::string refusal_of(std::string_view text) {
+std::string profile_refusal_of(std::string_view text) {
     try {
-        parsed(text);
+        parsed_profile(text);
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ExitCode::kUsage);
         return error.what();
@@ -127,7 +127,7 @@ TEST(Profiles, TcsWordsHoldBothWays) {
 }
 
 TEST(ProfileLink, KeysOfOneDirection) {
-    const LinkProfile profile = parsed(R"(
+    const LinkProfile profile = parsed_profile(R"(
 [up]
 delay_s = 0.05
 jitter = "gamma"
@@ -175,7 +175,7 @@ every_s = 20
     EXPECT_EQ(profile.down, LinkSettings{});
     link.outages.clear();  // not written
     LinkProfile written{"lab", "a \"quoted\" name", {"line \\ one"}, link, {}, {}, {}};
-    const LinkProfile again = parsed(print_profile(written));
+    const LinkProfile again = parsed_profile(print_profile(written));
     EXPECT_EQ(again.about, written.about);
     EXPECT_EQ(again.source, written.source);
     EXPECT_NEAR(again.up.loss.good_to_bad, link.loss.good_to_bad, 1e-12);
@@ -189,7 +189,8 @@ TEST(ProfileLink, RefusalsNameTheKey) {
         {"[upp]\n", "unknown"},
         {"[up]\njitter_spread_s = 0.1\n", "needs a distribution"},
         {"[up]\ndelay_s = 1\njitter = \"normal\"\n", "must be above 0"},
-        {"[up]\ndelay_s = 0.1\njitter = \"normal\"\njitter_spread_s = 0.06\n", "must not exceed 0.5 of delay_s"},
+        {"[up]\ndelay_s = 0.1\njitter = \"normal\"\njitter_spread_s = 0.06\n",
+         "must not exceed 0.5 of delay_s"},
         {"[up]\ndelay_s = 0.1\njitter = \"table\"\njitter_spread_s = 0.01\n", "must name a file"},
         {"[up]\nloss = 0.9\nloss_burst = 2\n", "must not exceed 0.6667"},
         {"[up]\nloss = 0.1\nloss_burst = 0.5\n", "at least 1 packet"},
@@ -197,11 +198,11 @@ TEST(ProfileLink, RefusalsNameTheKey) {
         {"[up]\nslot_least_s = 0.01\nslot_most_s = 0.001\n", "must not be below"},
         {"[[up.outage]]\nstart_s = 1\n", "'up.outage[0].length_s' must be above 0"},
         {"[[change]]\nat_s = 2\n[[change]]\nat_s = 1\n", "must not be before"}};
-    for (const auto& [text, reason] : cases) EXPECT_THAT(refusal_of(text), HasSubstr(reason)) << text;
+    for (const auto& [text, reason] : cases) EXPECT_THAT(profile_refusal_of(text), HasSubstr(reason)) << text;
 }
 
 TEST(Timeline, ChangesBuildOnOneAnother) {
-    const LinkProfile profile = parsed(R"(
+    const LinkProfile profile = parsed_profile(R"(
 [down]
 delay_s = 0.05
 [[change]]

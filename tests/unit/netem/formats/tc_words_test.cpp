@@ -22,9 +22,9 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-LinkSettings parsed(std::string_view words) { return parse_tc_words(words).link; }
+LinkSettings parsed_words(std::string_view words) { return parse_tc_words(words).link; }
 
-std::string refusal_of(std::string_view words) {
+std::string tc_refusal_of(std::string_view words) {
     try {
         parse_tc_words(words);
     } catch (const Error& error) {
@@ -45,25 +45,25 @@ TEST(TcWords, DelayHasTheUnitsOfTc) {
                                                        {"delay 800", microseconds{800}},
                                                        {"delay 5e2us", microseconds{500}},
                                                        {"delay 0.1ms", microseconds{100}}}) {
-        EXPECT_EQ(parsed(words).delay, delay) << words;
-        EXPECT_EQ(parsed(words).jitter.shape, JitterShape::kNone) << words;
+        EXPECT_EQ(parsed_words(words).delay, delay) << words;
+        EXPECT_EQ(parsed_words(words).jitter.shape, JitterShape::kNone) << words;
     }
 }
 
 TEST(TcWords, JitterIsUniformWithoutADistribution) {
-    const LinkSettings link = parsed("delay 50ms 10ms 25%");
+    const LinkSettings link = parsed_words("delay 50ms 10ms 25%");
     EXPECT_EQ(link.jitter.shape, JitterShape::kUniform);
     EXPECT_EQ(link.jitter.spread, milliseconds{10});
     EXPECT_EQ(link.jitter.correlation, 0.25);
     EXPECT_TRUE(link.in_order);
-    EXPECT_FALSE(parsed("delay 50ms 10ms unordered").in_order);
+    EXPECT_FALSE(parsed_words("delay 50ms 10ms unordered").in_order);
 }
 
 TEST(TcWords, DistributionsByName) {
-    EXPECT_EQ(parsed("delay 50ms 10ms distribution normal").jitter.shape, JitterShape::kNormal);
-    EXPECT_EQ(parsed("distribution pareto delay 50ms 10ms").jitter.shape, JitterShape::kPareto);
-    EXPECT_EQ(parsed("delay 50ms 10ms dist paretonormal").jitter.shape, JitterShape::kParetoNormal);
-    EXPECT_EQ(parsed("delay 50ms 10ms distribution uniform").jitter.shape, JitterShape::kUniform);
+    EXPECT_EQ(parsed_words("delay 50ms 10ms distribution normal").jitter.shape, JitterShape::kNormal);
+    EXPECT_EQ(parsed_words("distribution pareto delay 50ms 10ms").jitter.shape, JitterShape::kPareto);
+    EXPECT_EQ(parsed_words("delay 50ms 10ms dist paretonormal").jitter.shape, JitterShape::kParetoNormal);
+    EXPECT_EQ(parsed_words("delay 50ms 10ms distribution uniform").jitter.shape, JitterShape::kUniform);
     std::string asked;
     const TcLink link = parse_tc_words("delay 50ms 10ms distribution mine", [&](std::string_view name) {
         asked = name;
@@ -75,18 +75,18 @@ TEST(TcWords, DistributionsByName) {
 }
 
 TEST(TcWords, LossModelsWithTcsDefaults) {
-    EXPECT_EQ(parsed("loss 0.5%").loss, LossSettings::independent(0.005));
-    EXPECT_EQ(parsed("loss random 0.5").loss, LossSettings::independent(0.005));
-    EXPECT_EQ(parsed("drop 0.1%").loss.probability, 0.001);
-    const LossSettings ge = parsed("loss gemodel 1% 10% 70% 0.1%").loss;
+    EXPECT_EQ(parsed_words("loss 0.5%").loss, LossSettings::independent(0.005));
+    EXPECT_EQ(parsed_words("loss random 0.5").loss, LossSettings::independent(0.005));
+    EXPECT_EQ(parsed_words("drop 0.1%").loss.probability, 0.001);
+    const LossSettings ge = parsed_words("loss gemodel 1% 10% 70% 0.1%").loss;
     EXPECT_EQ(ge.shape, LossShape::kGilbertElliott);
     EXPECT_EQ(ge.good_to_bad, 0.01);
     EXPECT_EQ(ge.bad_to_good, 0.1);
     EXPECT_EQ(ge.loss_in_bad, 0.7);
     EXPECT_EQ(ge.loss_in_good, 0.001);
-    EXPECT_DOUBLE_EQ(stationary_loss(parsed("loss gemodel 1%").loss), 0.01);  // "the Bernoulli model"
-    EXPECT_DOUBLE_EQ(stationary_loss(parsed("loss state 1%").loss), 0.01);
-    const LossSettings four = parsed("loss state 1% 20% 10% 30% 0.1%").loss;
+    EXPECT_DOUBLE_EQ(stationary_loss(parsed_words("loss gemodel 1%").loss), 0.01);  // "the Bernoulli model"
+    EXPECT_DOUBLE_EQ(stationary_loss(parsed_words("loss state 1%").loss), 0.01);
+    const LossSettings four = parsed_words("loss state 1% 20% 10% 30% 0.1%").loss;
     EXPECT_EQ(four.shape, LossShape::kFourState);
     EXPECT_EQ(std::vector({four.p13, four.p31, four.p32, four.p23, four.p14}),
               std::vector({0.01, 0.2, 0.1, 0.3, 0.001}));
@@ -120,14 +120,14 @@ TEST(TcWords, TheRest) {
 }
 
 TEST(TcWords, TheQueueHoldsWhatTheDelayNeeds) {
-    EXPECT_EQ(parsed("delay 50ms").capacity, LinkSettings{}.capacity);
-    EXPECT_EQ(parsed("delay 10s").capacity, 20'002U);
-    EXPECT_EQ(parsed("delay 10s limit 1000").capacity, 1000U);
+    EXPECT_EQ(parsed_words("delay 50ms").capacity, LinkSettings{}.capacity);
+    EXPECT_EQ(parsed_words("delay 10s").capacity, 20'002U);
+    EXPECT_EQ(parsed_words("delay 10s limit 1000").capacity, 1000U);
 }
 
 TEST(TcWords, AWholeCommandMayBePasted) {
-    EXPECT_EQ(parsed("tc qdisc add dev eth0 root netem delay 50ms"), parsed("delay 50ms"));
-    EXPECT_EQ(parsed(""), LinkSettings{});
+    EXPECT_EQ(parsed_words("tc qdisc add dev eth0 root netem delay 50ms"), parsed_words("delay 50ms"));
+    EXPECT_EQ(parsed_words(""), LinkSettings{});
     EXPECT_TRUE(looks_like_tc_words("delay 50ms"));
     EXPECT_TRUE(looks_like_tc_words("tc qdisc add dev eth0 root netem loss 1%"));
     EXPECT_FALSE(looks_like_tc_words("leo"));
@@ -166,7 +166,7 @@ TEST(TcWords, RefusalsSayWhatAndWhy) {
         {"slot distribution normal 1ms 1ms", "not modelled"},
         {"tc qdisc add dev eth0 root tbf rate 1mbit", "no \"netem\""},
         {std::string(5000, ' '), "characters"}};
-    for (const auto& [words, reason] : cases) EXPECT_THAT(refusal_of(words), HasSubstr(reason)) << words;
+    for (const auto& [words, reason] : cases) EXPECT_THAT(tc_refusal_of(words), HasSubstr(reason)) << words;
 }
 
 TEST(TcUnits, RatesAndSizesAreTcs) {
@@ -263,25 +263,25 @@ TEST(TcPrint, WhatTcCanExpressComesBackUnchanged) {
         const LinkSettings link = any_link();
         const TcCommands printed = print_tc(link, "eth0");
         RC_LOG() << printed.words << "\n";
-        RC_ASSERT(parsed(printed.words) == link);
+        RC_ASSERT(parsed_words(printed.words) == link);
         RC_ASSERT(printed.commands.size() == 1U);
-        RC_ASSERT(parsed(printed.commands[0]) == link);
+        RC_ASSERT(parsed_words(printed.commands[0]) == link);
     }));
 }
 
 TEST(TcPrint, CommandReadsAsTcsDocumentation) {
     const TcCommands printed =
-        print_tc(parsed("delay 50ms 10ms distribution normal loss 0.5% limit 1000"), "eth0");
+        print_tc(parsed_words("delay 50ms 10ms distribution normal loss 0.5% limit 1000"), "eth0");
     EXPECT_THAT(printed.commands,
                 testing::ElementsAre(
                     "tc qdisc add dev eth0 root netem limit 1000 delay 50ms 10ms distribution normal "
                     "loss random 0.5%"));
     EXPECT_THAT(printed.cannot, testing::ElementsAre(HasSubstr("overtake")));
-    EXPECT_THAT(print_tc(parsed("delay 50ms"), "eth0").cannot, IsEmpty());
+    EXPECT_THAT(print_tc(parsed_words("delay 50ms"), "eth0").cannot, IsEmpty());
 }
 
 TEST(TcPrint, WhatTcCannotDoIsNamed) {
-    LinkSettings link = parsed("delay 50.0005ms 10ms 60% distribution pareto corrupt 1% rate 1mbit");
+    LinkSettings link = parsed_words("delay 50.0005ms 10ms 60% distribution pareto corrupt 1% rate 1mbit");
     link.corrupt_bits = 8;
     link.rate.drop = Drop::kHead;
     link.rate.queue_packets = 10;
