@@ -50,7 +50,7 @@ JitterTable exponential() {
 PacketTrace minute_of_delays() {
     std::vector<TraceRow> rows;
     for (int i = 0; i < 60'000; ++i)
-        rows.push_back({.at = i * 1'000'000, .delay = milliseconds{40 + i % 20}});
+        rows.push_back({.at = std::int64_t{i} * 1'000'000, .delay = milliseconds{40 + i % 20}});
     return {rows, {.between = TraceBetween::kLinear}};
 }
 

@@ -202,14 +202,18 @@ void LinkModel::drop(std::uint64_t packet, SessionTime now, DropReason reason) {
 
 Packet* LinkModel::take_first(SessionTime now) {
     assert(in_flight_ > 0 && "pop_due at kNever");
-    if (!transmitter_.empty()) {
+    if (!plain_ && !transmitter_.empty()) {
         run_until(now);
         if (now < line_.next_due()) return nullptr;
     }
     Packet* packet = line_.take_first();
     store_.give_back(packet);
     --in_flight_;
-    update_next_due();
+    if (plain_) {
+        next_due_ = line_.next_due();
+    } else {
+        update_next_due();
+    }
     const Duration waited{to_nanoseconds(now) - packet->received_ns};
     delays_.sum += waited;
     delays_.min = std::min(delays_.min, waited);

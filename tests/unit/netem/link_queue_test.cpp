@@ -1,9 +1,11 @@
 // The link as a queue: when packets come out, in which order, whole, and how many fit.
 #include <deque>
+#include <map>
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "netem/packet_trace.hpp"
 #include "tests/unit/netem/allocation_count.hpp"
 #include "tests/unit/netem/link_test_tools.hpp"
 
@@ -162,6 +164,31 @@ TEST(LinkQueue, AgreesWithAList) {
                 }
             }
             RC_ASSERT(link.next_due() == (list.empty() ? kNever : list.front().due));
+        }
+    }));
+}
+
+// The same with delays that differ, so that packets overtake; of those due together the first goes first.
+TEST(LinkQueue, AgreesWithASortedListWhenPacketsOvertake) {
+    EXPECT_TRUE(rc::check("same packets in the same order", [] {
+        std::vector<TraceRow> rows;
+        for (int i = 0; i < 200; ++i) rows.push_back({.at = i, .delay = Duration{*rc::gen::inRange(0, 12)}});
+        LinkSettings settings;
+        settings.in_order = false;
+        settings.trace = std::make_shared<PacketTrace>(rows, TraceLayout{.by = TraceBy::kPacket});
+        LinkModel link(settings, kKey, 0);
+        std::multimap<SessionTime, std::uint32_t> list;  // equal keys stay in the order of insertion
+        SessionTime now{};
+        for (std::uint32_t i = 0; i < 200; ++i) {
+            now += Duration{*rc::gen::inRange(0, 3)};
+            link.push(now, NumberedPacket(i).bytes());
+            list.emplace(now + rows[i].delay, i);
+            RC_ASSERT(link.next_due() == list.begin()->first);
+            while (!list.empty() && list.begin()->first <= now) {
+                RC_ASSERT(number_of(link.pop_due(now)) == list.begin()->second);
+                list.erase(list.begin());
+            }
+            RC_ASSERT(link.pop_due(now).empty());
         }
     }));
 }
