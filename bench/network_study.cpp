@@ -75,10 +75,10 @@ void measure_throughput(const Options& options, bool granted, std::vector<Row>& 
         if (granted) precise.push_back(1e-3 * relay_throughput(Mode::kPrecise, milliseconds{50}, kBurst));
     }
     rows.push_back(
-        {"packets per second, 50 ms, sleeping", ">= 0.95", median(sleeping), median(bare), "k/s", 0});
+        {"packets per second, 50 ms, sleeping", ">= 0.95", median_of(sleeping), median_of(bare), "k/s", 0});
     if (granted)
         rows.push_back(
-            {"packets per second, 50 ms, precise", ">= 0.95", median(precise), median(bare), "k/s", 0});
+            {"packets per second, 50 ms, precise", ">= 0.95", median_of(precise), median_of(bare), "k/s", 0});
 }
 
 void measure_round_trips(const Options& options, std::vector<Row>& rows) {

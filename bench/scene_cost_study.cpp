@@ -27,7 +27,7 @@ namespace thimble {
 namespace {
 
 constexpr double kStepSeconds = 1e-3;
-constexpr std::size_t kPeriod = 1000;  // steps of one stroke of the needle
+constexpr std::size_t kStroke = 1000;  // steps of one stroke of the needle
 
 struct Case {
     std::string scene;
@@ -81,9 +81,9 @@ std::vector<Case> make_cases() {
 
 // One stroke in and out, so that it can be repeated without a jump.
 std::vector<double> stroke(const Case& c) {
-    std::vector<double> needle_m(kPeriod);
-    for (std::size_t i = 0; i < kPeriod; ++i) {
-        const double phase = 2 * std::numbers::pi * static_cast<double>(i) / kPeriod;
+    std::vector<double> needle_m(kStroke);
+    for (std::size_t i = 0; i < kStroke; ++i) {
+        const double phase = 2 * std::numbers::pi * static_cast<double>(i) / kStroke;
         needle_m[i] = c.low_m + (c.high_m - c.low_m) * (0.5 - 0.5 * std::cos(phase));
     }
     return needle_m;
@@ -98,7 +98,7 @@ double run(NeedleScene& scene, const std::vector<double>& needle_m, std::size_t 
         scene.step(time_s, kStepSeconds, {needle_m[at], needle_m[at]});
         benchmark::DoNotOptimize(scene.force_tissue_N() + scene.force_fixture_N());
         time_s += kStepSeconds;
-        at = at + 1 == kPeriod ? 0 : at + 1;
+        at = at + 1 == kStroke ? 0 : at + 1;
     }
     return static_cast<double>((wall_now() - begin).count()) / static_cast<double>(steps);
 }
@@ -111,7 +111,7 @@ void measure(std::vector<Case>& cases, int repetitions, std::size_t steps) {
         scenes.emplace_back(c.declaration, solver_maker({}), std::size_t{256});
         needles.push_back(stroke(c));
         scenes.back().reset({needles.back()[0], needles.back()[0]});
-        run(scenes.back(), needles.back(), kPeriod);
+        run(scenes.back(), needles.back(), kStroke);
     }
     for (int repetition = 0; repetition < repetitions; ++repetition) {
         fmt::print(stderr, "repetition {} of {}\n", repetition + 1, repetitions);
@@ -175,7 +175,7 @@ int scene_cost_study(int argc, char** argv) {
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     std::filesystem::create_directories(out);
     std::vector<Case> cases = make_cases();
-    measure(cases, quick ? 1 : 15, quick ? kPeriod : 200 * kPeriod);
+    measure(cases, quick ? 1 : 15, quick ? kStroke : 200 * kStroke);
     write_csv(std::filesystem::path(out) / "scene_cost.csv", cases);
     print_table(cases);
     draw(out, cases);

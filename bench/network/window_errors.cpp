@@ -10,7 +10,7 @@ constexpr std::size_t kFewest = 20;
 
 }  // namespace
 
-double median(std::vector<double> values) {
+double median_of(std::vector<double> values) {
     if (values.empty()) return 0;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -27,7 +27,7 @@ void ErrorWindows::add(std::vector<double> errors_us) {
 
 WindowErrors ErrorWindows::errors() const {
     const double windows = static_cast<double>(std::max<std::size_t>(1, w50_us_.size()));
-    return {median(w50_us_), median(w99_us_), static_cast<double>(stalled_) / windows};
+    return {median_of(w50_us_), median_of(w99_us_), static_cast<double>(stalled_) / windows};
 }
 
 }  // namespace thimble

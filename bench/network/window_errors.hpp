@@ -22,6 +22,6 @@ class ErrorWindows {
     std::size_t stalled_ = 0;
 };
 
-double median(std::vector<double> values);  // 0 of none
+double median_of(std::vector<double> values);  // 0 of none
 
 }  // namespace thimble

@@ -10,7 +10,7 @@
 namespace thimble::test {
 namespace {
 
-constexpr std::uint64_t kPackets = 1'000'000;
+constexpr std::uint64_t kLongRun = 1'000'000;
 
 struct Tally {
     double share = 0, mean_burst = 0;
@@ -23,19 +23,19 @@ Tally tally(const LossSettings& settings) {
     std::uint64_t lost = 0;
     std::uint64_t bursts = 0;
     bool before = false;
-    for (std::uint64_t packet = 0; packet < kPackets; ++packet) {
+    for (std::uint64_t packet = 0; packet < kLongRun; ++packet) {
         const bool now = loss.lost(packet);
         lost += now ? 1 : 0;
         bursts += now && !before ? 1 : 0;
         before = now;
     }
-    return {static_cast<double>(lost) / kPackets, static_cast<double>(lost) / static_cast<double>(bursts),
+    return {static_cast<double>(lost) / kLongRun, static_cast<double>(lost) / static_cast<double>(bursts),
             bursts};
 }
 
 // Bernoulli trials with an autocorrelation of lambda^k spread by (1 + lambda) / (1 - lambda) more.
 double sd_of_share(double share, double lambda) {
-    return std::sqrt(share * (1 - share) / kPackets * (1 + lambda) / (1 - lambda));
+    return std::sqrt(share * (1 - share) / kLongRun * (1 + lambda) / (1 - lambda));
 }
 
 TEST(Loss, IndependentLosesWhatWasAsked) {
