@@ -2,6 +2,7 @@
 #include "netem/stages/delay_shape.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <boost/math/special_functions/gamma.hpp>
@@ -56,7 +57,7 @@ TEST(DelayShape, RisesWithItsArgument) {
                                     JitterShape::kPareto, JitterShape::kParetoNormal, JitterShape::kTable}) {
         for (const double ratio : {0.35, 1.0, 3.0, 30.0, 3000.0}) {
             const DelayShape deviates = shape_of(shape, ratio);
-            double last = -INFINITY;
+            double last = -std::numeric_limits<double>::infinity();
             for (double z = -9; z <= 9; z += 0.001) {
                 const double deviate = deviates.at_normal(z);
                 ASSERT_GE(deviate, last - 1e-14) << static_cast<int>(shape) << ' ' << ratio << ' ' << z;
