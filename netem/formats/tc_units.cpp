@@ -13,17 +13,17 @@
 namespace thimble {
 namespace {
 
-struct Quantity {
+struct TcQuantity {
     std::string_view number;
     std::string unit;  // in small letters, as tc compares them
 };
 
-std::optional<Quantity> split(std::string_view word) {
+std::optional<TcQuantity> split(std::string_view word) {
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc{} || !std::isfinite(value)) return {};
     const auto digits = static_cast<std::size_t>(end - word.data());
-    Quantity quantity{word.substr(0, digits), std::string(word.substr(digits))};
+    TcQuantity quantity{word.substr(0, digits), std::string(word.substr(digits))};
     for (char& c : quantity.unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return quantity;
 }
