@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "experiment/claim_list.hpp"
 #include "experiment/statistics/descriptive.hpp"
-#include "experiment/text_file.hpp"
 
 namespace thimble {
 

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "experiment/subprocess.hpp"
-#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "common/text_file.hpp"
 #include "experiment/report_tables.hpp"
-#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {

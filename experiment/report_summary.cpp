@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
+#include "common/text_file.hpp"
 #include "experiment/report.hpp"
-#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "experiment/text_file.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {

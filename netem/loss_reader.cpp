@@ -23,11 +23,7 @@ LossSettings in_bursts(const ConfigTable& table, double share, double burst, std
     return loss;
 }
 
-LossSettings read_gilbert(const ConfigTable& table) {
-    if (table.has("share") || table.has("mean_burst")) {
-        return in_bursts(table, table.number("share", 0, 0, 1),
-                         table.number("mean_burst", 1, 1, kLongestBurst), "share");
-    }
+LossSettings read_chain(const ConfigTable& table) {
     LossSettings loss;
     loss.shape = LossShape::kGilbertElliott;
     loss.good_to_bad = table.number("good_to_bad", 0, 0, 1);
@@ -35,11 +31,16 @@ LossSettings read_gilbert(const ConfigTable& table) {
     return loss;
 }
 
+LossSettings read_gilbert(const ConfigTable& table) {
+    if (table.has("share") || table.has("mean_burst")) {
+        return in_bursts(table, table.number("share", 0, 0, 1),
+                         table.number("mean_burst", 1, 1, kLongestBurst), "share");
+    }
+    return read_chain(table);
+}
+
 LossSettings read_gilbert_elliott(const ConfigTable& table) {
-    LossSettings loss;
-    loss.shape = LossShape::kGilbertElliott;
-    loss.good_to_bad = table.number("good_to_bad", 0, 0, 1);
-    loss.bad_to_good = table.number("bad_to_good", 1, 0, 1);
+    LossSettings loss = read_chain(table);
     loss.loss_in_good = table.number("loss_in_good", 0, 0, 1);
     loss.loss_in_bad = table.number("loss_in_bad", 1, 0, 1);
     return loss;

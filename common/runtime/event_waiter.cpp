@@ -46,11 +46,7 @@ void EventWaiter::remove(int descriptor) { epoll_ctl(epoll_, EPOLL_CTL_DEL, desc
 void EventWaiter::arm(SessionTime when) {
     if (when == armed_) return;
     armed_ = when;
-    const std::int64_t ns = std::max<std::int64_t>(to_nanoseconds(when), 1);  // 0 would disarm
-    itimerspec value{};
-    value.it_value.tv_sec = ns / 1'000'000'000;
-    value.it_value.tv_nsec = ns % 1'000'000'000;
-    timerfd_settime(timer_, TFD_TIMER_ABSTIME, &value, nullptr);
+    set_timer(timer_, when);
 }
 
 // A timer that has fired stays readable until it is armed anew: arm() does so for every new moment.

@@ -78,19 +78,15 @@ RealtimeLoop::~RealtimeLoop() {
     close(epoll_);
 }
 
-void RealtimeLoop::set_timer(SessionTime deadline) {
+void RealtimeLoop::arm(SessionTime deadline) {
     if (deadline == armed_) return;
     armed_ = deadline;
-    const std::int64_t ns = std::max<std::int64_t>(to_nanoseconds(deadline), 1);  // 0 would disarm
-    itimerspec when{};
-    when.it_value.tv_sec = ns / 1'000'000'000;
-    when.it_value.tv_nsec = ns % 1'000'000'000;
-    timerfd_settime(timer_, TFD_TIMER_ABSTIME, &when, nullptr);
+    set_timer(timer_, deadline);
 }
 
 void RealtimeLoop::step(Process& process, SessionTime latest) {
     const SessionTime deadline = process.next_wakeup();
-    set_timer(std::min(deadline, latest));
+    arm(std::min(deadline, latest));
     std::array<epoll_event, 16> events{};
     epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), -1);
     const SessionTime now = wall_now();

@@ -47,7 +47,7 @@ class RealtimeLoop {
     const LoopStatistics& statistics() const { return statistics_; }
 
   private:
-    void set_timer(SessionTime deadline);
+    void arm(SessionTime deadline);
 
     int epoll_ = -1;
     int timer_ = -1;

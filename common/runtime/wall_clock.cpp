@@ -1,7 +1,9 @@
 #include "common/runtime/wall_clock.hpp"
 
+#include <algorithm>
 #include <ctime>
 #include <random>
+#include <sys/timerfd.h>
 #include <thread>
 
 namespace thimble {
@@ -22,6 +24,14 @@ ClockPair read_clock_pair() {
     const SessionTime before = wall_now();
     const std::int64_t realtime_ns = read_ns(CLOCK_REALTIME);
     return {before, wall_now(), realtime_ns};
+}
+
+void set_timer(int timer, SessionTime when) {
+    const std::int64_t ns = std::max<std::int64_t>(to_nanoseconds(when), 1);  // 0 would disarm
+    itimerspec value{};
+    value.it_value.tv_sec = ns / 1'000'000'000;
+    value.it_value.tv_nsec = ns % 1'000'000'000;
+    timerfd_settime(timer, TFD_TIMER_ABSTIME, &value, nullptr);
 }
 
 void wall_sleep(Duration duration) { std::this_thread::sleep_for(duration); }

@@ -16,6 +16,9 @@ struct ClockPair {
 };
 ClockPair read_clock_pair();
 
+// Lets a timerfd of CLOCK_MONOTONIC become readable at `when`, at once if that is past.
+void set_timer(int timer, SessionTime when);
+
 // Sleeps this thread; for launchers and measurements, never for nodes.
 void wall_sleep(Duration duration);
 

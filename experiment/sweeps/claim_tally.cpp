@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/text_file.hpp"
 #include "experiment/statistics/wilson.hpp"
-#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {

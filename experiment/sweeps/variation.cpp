@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/text_file.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
 #include "experiment/sweeps/survival_figure.hpp"
-#include "experiment/text_file.hpp"
 
 namespace thimble {
 namespace {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/jitter_table_file.hpp"
 #include "netem/formats/packet_trace_file.hpp"
 #include "netem/formats/path_fit.hpp"
@@ -50,11 +51,11 @@ int fit_command(const FitArguments& a) {
     }
     if (!a.table.empty()) {
         const JitterTable table(standardised_delays(up));
-        write_whole_file(a.table, print_jitter_table(table, fmt::format("delays of {}, standardised", a.up)));
+        write_text_file(a.table, print_jitter_table(table, fmt::format("delays of {}, standardised", a.up)));
         fmt::print("{}: table of the delays, for `jitter_table` and tc\n", a.table);
     }
     if (!a.out.empty()) {
-        write_whole_file(a.out, print_profile(profile));
+        write_text_file(a.out, print_profile(profile));
         fmt::print("{}: profile\n", a.out);
     }
     return static_cast<int>(ExitCode::kOk);

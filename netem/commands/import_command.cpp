@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/capture_pair.hpp"
 #include "netem/formats/irtt_file.hpp"
 #include "netem/formats/ping_file.hpp"
@@ -25,7 +26,7 @@ std::string format_of(std::string_view text) {
 }
 
 void write(const MeasuredPath& path, const std::string& file) {
-    write_whole_file(file, print_path(path));
+    write_text_file(file, print_path(path));
     std::size_t lost = 0;
     for (const MeasuredPacket& packet : path.packets) lost += packet.loss >= 1 ? 1 : 0;
     fmt::print("{}: {} packets over {:.3f} s, {} of them lost\n", file, path.packets.size(),

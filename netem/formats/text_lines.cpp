@@ -32,16 +32,6 @@ std::string read_whole_file(const std::filesystem::path& path, std::size_t most_
     return text;
 }
 
-void write_whole_file(const std::filesystem::path& path, std::string_view text) {
-    std::ofstream out(path, std::ios::binary);
-    out << text;
-    out.close();  // a full disk shows here at the latest
-    if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", path.string()));
-    }
-}
-
 void fail_at_line(std::string_view name, std::size_t line, std::string_view why) {
     throw Error(ExitCode::kData, fmt::format("{}:{}: {}", name, line, why));
 }

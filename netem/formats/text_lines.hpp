@@ -16,8 +16,6 @@ inline constexpr std::size_t kMostFileBytes = std::size_t{512} << 20;
 
 // The whole file. Throws Error (data) if it cannot be read or is larger than `most_bytes`.
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes = kMostFileBytes);
-// Replaces the file. Throws Error (run failed) if it cannot be written to its end.
-void write_whole_file(const std::filesystem::path& path, std::string_view text);
 
 // Error (data): "name:line: why".
 [[noreturn]] void fail_at_line(std::string_view name, std::size_t line, std::string_view why);

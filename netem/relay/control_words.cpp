@@ -7,6 +7,7 @@
 
 #include "common/config.hpp"
 #include "common/error.hpp"
+#include "netem/formats/text_lines.hpp"
 #include "netem/profiles/profiles.hpp"
 
 namespace thimble {
@@ -16,19 +17,10 @@ constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNO
 constexpr std::string_view kKeyCharacters =
     "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.";
 
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kBlanks = " \t\r";
-    const std::size_t first = text.find_first_not_of(kBlanks);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
 std::vector<std::string> lines_of(std::string_view text) {
     std::vector<std::string> lines;
-    while (!text.empty()) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        if (const auto line = trimmed(text.substr(0, end)); !line.empty()) lines.emplace_back(line);
-        text.remove_prefix(std::min(end + 1, text.size()));
+    for (LineReader reader(text, "request"); reader.next();) {
+        if (const auto line = trimmed(reader.line()); !line.empty()) lines.emplace_back(line);
     }
     return lines;
 }

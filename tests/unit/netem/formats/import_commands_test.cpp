@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/commands/fit_command.hpp"
 #include "netem/commands/import_command.hpp"
 #include "netem/formats/jitter_table_file.hpp"
@@ -38,7 +39,7 @@ TEST_F(ImportCommands, PingToTraceToProfile) {
         text += "64 bytes from a: icmp_seq=" + std::to_string(i) +
                 " ttl=64 time=" + std::to_string(20 + i % 7) + " ms\n";
     }
-    write_whole_file(path("ping.txt"), text);
+    write_text_file(path("ping.txt"), text);
     ImportArguments import;
     import.files = {path("ping.txt")};
     import.out = path("trace.csv");
@@ -59,7 +60,7 @@ TEST_F(ImportCommands, PingToTraceToProfile) {
 }
 
 TEST_F(ImportCommands, IrttMakesATracePerDirection) {
-    write_whole_file(path("irtt.json"), R"({"round_trips": [{"lost": "false",
+    write_text_file(path("irtt.json"), R"({"round_trips": [{"lost": "false",
         "timestamps": {"client": {"send": {"wall": 5}}}, "delay": {"rtt": 3000, "send": 2000, "receive": 1000}}]})");
     ImportArguments import;
     import.files = {path("irtt.json")};
@@ -76,8 +77,8 @@ TEST_F(ImportCommands, TwoCaptures) {
     test::CaptureWriter sent(1, false, true), received(1, false, false);
     sent.udp(1'000'000, 1, 2, "x");
     received.udp(3'000'000, 1, 2, "x");
-    write_whole_file(path("a.pcap"), sent.bytes());
-    write_whole_file(path("b.pcap"), received.bytes());
+    write_text_file(path("a.pcap"), sent.bytes());
+    write_text_file(path("b.pcap"), received.bytes());
     ImportArguments import;
     import.files = {path("a.pcap"), path("b.pcap")};
     import.out = path("trace.csv");

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "netem/formats/tc_words.hpp"
-#include "netem/formats/text_lines.hpp"
 #include "netem/link_model.hpp"
 #include "netem/packet_trace.hpp"
 
@@ -225,7 +225,7 @@ delay_s = 0.2
 
 TEST(Timeline, AFileOfItsOwn) {
     const auto path = std::filesystem::path(testing::TempDir()) / "thimble_timeline_test.toml";
-    write_whole_file(path, "[[change]]\nat_s = 1\ndirection = \"up\"\ndelay_s = 0.1\n");
+    write_text_file(path, "[[change]]\nat_s = 1\ndirection = \"up\"\ndelay_s = 0.1\n");
     LinkProfile profile = load_profile("paper50");
     load_timeline(path, profile);
     std::filesystem::remove(path);

@@ -1,4 +1,4 @@
-#include "experiment/text_file.hpp"
+#include "common/text_file.hpp"
 
 #include <fstream>
 
