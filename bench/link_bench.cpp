@@ -43,12 +43,14 @@ LossSettings four_state() {
 
 JitterTable exponential() {
     std::vector<double> deviates;
+    deviates.reserve(4096);
     for (int i = 0; i < 4096; ++i) deviates.push_back(-1 - std::log1p(-(i + 0.5) / 4096));
     return JitterTable(deviates);
 }
 
 PacketTrace minute_of_delays() {
     std::vector<TraceRow> rows;
+    rows.reserve(60'000);
     for (int i = 0; i < 60'000; ++i)
         rows.push_back({.at = std::int64_t{i} * 1'000'000, .delay = milliseconds{40 + i % 20}});
     return {rows, {.between = TraceBetween::kLinear}};

@@ -12,7 +12,7 @@ SessionTime wall_now();
 // datagrams count on the former (stamp_clock.hpp).
 struct ClockPair {
     SessionTime before, after;
-    std::int64_t realtime_ns;
+    std::int64_t realtime_ns = 0;
 };
 ClockPair read_clock_pair();
 

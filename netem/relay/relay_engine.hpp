@@ -54,7 +54,7 @@ class RelayEngine {
     };
     // What is on its way out in the batch.
     struct Outgoing {
-        std::uint32_t link;
+        std::uint32_t link = 0;
         Departure departure;
     };
     class DropLog;

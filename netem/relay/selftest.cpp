@@ -68,6 +68,7 @@ RelaySettings relay_settings(const SelftestSettings& settings, const UdpAddress&
 // A packet that head drop throws out is told of when that happens, after others have come: it came before them.
 std::vector<SessionTime> receptions(const std::vector<PacketRecord>& records) {
     std::vector<SessionTime> received;
+    received.reserve(records.size());
     for (const PacketRecord& record : records) received.push_back(from_nanoseconds(record.received_ns));
     for (std::size_t i = received.size(); i > 1; --i)
         received[i - 2] = std::min(received[i - 2], received[i - 1]);
