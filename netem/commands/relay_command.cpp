@@ -92,7 +92,7 @@ int selftest(const RelayOptions& options) {
     settings.runtime.realtime_scheduling = !options.default_scheduling;
     const SelftestResult result = run_selftest(settings);
     fmt::print("{}", options.json ? describe(result).dump(2) + "\n" : in_words(result));
-    return static_cast<int>(result.verdict == Verdict::kFail ? ExitCode::kRunFailed : ExitCode::kOk);
+    return static_cast<int>(result.verdict == SelftestVerdict::kFail ? ExitCode::kRunFailed : ExitCode::kOk);
 }
 
 void add_traffic_options(CLI::App& app, RelayOptions& o) {

@@ -41,14 +41,14 @@ struct SelftestDirection {
     std::vector<double> delays_s;  // achieved, from send to the kernel's stamp at the other end, sorted
 };
 
-enum class Verdict { kPass, kMarginal, kFail };
-std::string_view to_string(Verdict verdict);
+enum class SelftestVerdict { kPass, kMarginal, kFail };
+std::string_view to_string(SelftestVerdict verdict);
 
 struct SelftestResult {
     RelayState state;
     std::array<SelftestDirection, 2> direction;  // RelayDirection
     Histogram timer;                             // bare, before and after the traffic
-    Verdict verdict = Verdict::kPass;
+    SelftestVerdict verdict = SelftestVerdict::kPass;
     std::vector<std::string> causes;  // of a verdict that is not PASS
 };
 

@@ -26,12 +26,12 @@ class Judge {
     // Whichever of the two limits `value` exceeds.
     void limit(double value, double marginal, double fail, const std::string& cause) {
         if (value > fail) {
-            say(Verdict::kFail, cause);
+            say(SelftestVerdict::kFail, cause);
         } else if (value > marginal) {
-            say(Verdict::kMarginal, cause);
+            say(SelftestVerdict::kMarginal, cause);
         }
     }
-    void say(Verdict verdict, const std::string& cause) {
+    void say(SelftestVerdict verdict, const std::string& cause) {
         result_->verdict = std::max(result_->verdict, verdict);
         result_->causes.push_back(cause);
     }
@@ -71,7 +71,7 @@ void judge_direction(Judge& judge, std::string_view name, const SelftestDirectio
                             d.comparison.dropped_mean, d.comparison.dropped_deviation));
     if (d.received < kFewPackets) {
         judge.say(
-            Verdict::kMarginal,
+            SelftestVerdict::kMarginal,
             fmt::format("{}: only {} packets, too few to judge rare delays: test longer", name, d.received));
     }
 }
@@ -124,20 +124,20 @@ std::string findings_in_words(std::string_view name, const LinkSettings& link, c
 
 }  // namespace
 
-std::string_view to_string(Verdict verdict) {
+std::string_view to_string(SelftestVerdict verdict) {
     switch (verdict) {
-        case Verdict::kPass:
+        case SelftestVerdict::kPass:
             return "PASS";
-        case Verdict::kMarginal:
+        case SelftestVerdict::kMarginal:
             return "MARGINAL";
-        case Verdict::kFail:
+        case SelftestVerdict::kFail:
             break;
     }
     return "FAIL";
 }
 
 void judge(SelftestResult& result) {
-    result.verdict = Verdict::kPass;
+    result.verdict = SelftestVerdict::kPass;
     result.causes.clear();
     Judge judge(result);
     for (const RelayDirection d : {RelayDirection::kUp, RelayDirection::kDown}) {

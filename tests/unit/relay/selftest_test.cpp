@@ -98,9 +98,9 @@ SelftestResult good() {
     return result;
 }
 
-TEST(Verdict, PassesWhatIsGood) {
+TEST(SelftestVerdict, PassesWhatIsGood) {
     const SelftestResult result = good();
-    EXPECT_EQ(result.verdict, Verdict::kPass);
+    EXPECT_EQ(result.verdict, SelftestVerdict::kPass);
     EXPECT_THAT(result.causes, IsEmpty());
     EXPECT_EQ(describe(result).at("verdict"), "PASS");
     EXPECT_THAT(in_words(result), HasSubstr("PASS"));
@@ -109,7 +109,7 @@ TEST(Verdict, PassesWhatIsGood) {
 struct Fault {
     const char* name;
     void (*make)(SelftestResult&);
-    Verdict verdict;
+    SelftestVerdict verdict;
     const char* cause;
 };
 class Faults : public testing::TestWithParam<Fault> {};
@@ -124,34 +124,34 @@ TEST_P(Faults, AreNamed) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, Faults,
-    testing::Values(Fault{"early", [](SelftestResult& r) { r.direction[0].early = 1; }, Verdict::kFail,
-                          "before they were due"},
-                    Fault{"fate", [](SelftestResult& r) { r.direction[1].other_fates = 1; }, Verdict::kFail,
-                          "another fate"},
+    testing::Values(Fault{"early", [](SelftestResult& r) { r.direction[0].early = 1; },
+                          SelftestVerdict::kFail, "before they were due"},
+                    Fault{"fate", [](SelftestResult& r) { r.direction[1].other_fates = 1; },
+                          SelftestVerdict::kFail, "another fate"},
                     Fault{"one_lost", [](SelftestResult& r) { r.direction[0].lost_by_machine = 1; },
-                          Verdict::kMarginal, "machine lost 1"},
+                          SelftestVerdict::kMarginal, "machine lost 1"},
                     Fault{"many_lost", [](SelftestResult& r) { r.direction[0].lost_by_machine = 9; },
-                          Verdict::kFail, "machine lost 9"},
+                          SelftestVerdict::kFail, "machine lost 9"},
                     Fault{"late",
                           [](SelftestResult& r) {
                               for (int i = 0; i < 100; ++i)
                                   r.state.totals.direction[0].error.add(milliseconds{3});
                           },
-                          Verdict::kFail, "bare timer"},
+                          SelftestVerdict::kFail, "bare timer"},
                     Fault{"stalls",
                           [](SelftestResult& r) {
                               for (int i = 0; i < 20; ++i)
                                   r.state.totals.direction[0].error.add(milliseconds{3});
                           },
-                          Verdict::kMarginal, "stalls"},
+                          SelftestVerdict::kMarginal, "stalls"},
                     Fault{"jitter", [](SelftestResult& r) { r.direction[0].comparison.distance = 0.025; },
-                          Verdict::kMarginal, "not those asked for"},
+                          SelftestVerdict::kMarginal, "not those asked for"},
                     Fault{"shape", [](SelftestResult& r) { r.direction[0].comparison.distance = 0.2; },
-                          Verdict::kFail, "not those asked for"},
-                    Fault{"loss", [](SelftestResult& r) { r.direction[0].dropped = 1; }, Verdict::kFail,
-                          "were expected"},
+                          SelftestVerdict::kFail, "not those asked for"},
+                    Fault{"loss", [](SelftestResult& r) { r.direction[0].dropped = 1; },
+                          SelftestVerdict::kFail, "were expected"},
                     Fault{"short", [](SelftestResult& r) { r.direction[0].received = 100; },
-                          Verdict::kMarginal, "too few"}),
+                          SelftestVerdict::kMarginal, "too few"}),
     [](const auto& fault) { return fault.param.name; });
 
 }  // namespace
