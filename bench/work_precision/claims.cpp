@@ -28,8 +28,8 @@ std::vector<const Entry*> exact_on_smooth(const std::vector<Entry>& entries) {
 }
 
 // The greatest value over the smooth problems, and where.
-Claim worst_claim(const std::string& text, const std::string& unit, double limit,
-                  const std::vector<const Entry*>& smooth, double (*value)(const Entry&)) {
+SolverClaim worst_claim(const std::string& text, const std::string& unit, double limit,
+                        const std::vector<const Entry*>& smooth, double (*value)(const Entry&)) {
     double worst = 0;
     std::string where = "none";
     bool all_ran = !smooth.empty();
@@ -44,8 +44,8 @@ Claim worst_claim(const std::string& text, const std::string& unit, double limit
 }
 
 // The least ratio over the smooth problems of the cheapest of `solvers` to `exact`, at equal error.
-Claim ratio_claim(const std::string& peer, std::span<const std::string_view> solvers, double at_least,
-                  const std::vector<Entry>& entries) {
+SolverClaim ratio_claim(const std::string& peer, std::span<const std::string_view> solvers, double at_least,
+                        const std::vector<Entry>& entries) {
     double least = std::numeric_limits<double>::infinity();
     std::string where = "none";
     std::vector<double> ratios;
@@ -79,7 +79,7 @@ Claim ratio_claim(const std::string& peer, std::span<const std::string_view> sol
 
 }  // namespace
 
-std::vector<Claim> judge_claims(const std::vector<Entry>& entries, double asleep_ns_per_step) {
+std::vector<SolverClaim> judge_claims(const std::vector<Entry>& entries, double asleep_ns_per_step) {
     constexpr std::array<std::string_view, 4> kCvode{CvodeTissue::kAdamsName, CvodeTissue::kBdfName,
                                                      CvodeTissue::kAdamsGoesOnName,
                                                      CvodeTissue::kBdfGoesOnName};
@@ -99,9 +99,9 @@ std::vector<Claim> judge_claims(const std::vector<Entry>& entries, double asleep
     };
 }
 
-std::string claims_table(const std::vector<Claim>& claims) {
+std::string claims_table(const std::vector<SolverClaim>& claims) {
     std::string table;
-    for (const Claim& claim : claims) {
+    for (const SolverClaim& claim : claims) {
         table += fmt::format("{:<4} {}: {}\n", claim.holds ? "yes" : "no", claim.text, claim.measured);
     }
     return table;

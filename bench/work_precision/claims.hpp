@@ -8,14 +8,14 @@
 
 namespace thimble {
 
-struct Claim {
+struct SolverClaim {
     std::string text;
     std::string measured;
     bool holds;
 };
 
-std::vector<Claim> judge_claims(const std::vector<Entry>& entries, double asleep_ns_per_step);
+std::vector<SolverClaim> judge_claims(const std::vector<Entry>& entries, double asleep_ns_per_step);
 
-std::string claims_table(const std::vector<Claim>& claims);
+std::string claims_table(const std::vector<SolverClaim>& claims);
 
 }  // namespace thimble
