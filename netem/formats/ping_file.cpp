@@ -55,7 +55,9 @@ class PingParser {
   private:
     void read_line(std::string_view line) {
         if (line.find("packets transmitted") != std::string_view::npos) {
-            if (const auto sent = number_after(line, "")) sent_ = static_cast<std::int64_t>(*sent);
+            const double sent = number_after(line, "").value_or(0);
+            if (sent > kMostPackets) lines_.fail(fmt::format("more than {} packets", kMostPackets));
+            sent_ = static_cast<std::int64_t>(sent);
             return;
         }
         const auto number =

@@ -140,6 +140,13 @@ TEST(Ping, Refusals) {
                 HasSubstr("p.txt:2: no line like"));
     EXPECT_THAT(refusal_of([] { parse_ping("from a: icmp_seq=70000 time=1 ms\n", "p.txt", seconds{1}); }),
                 HasSubstr("p.txt:1: a number"));
+    // Found by the fuzzer: more than any integer holds.
+    EXPECT_THAT(refusal_of([] {
+                    parse_ping("from a: icmp_seq=1 time=1 ms\n" + std::string(32, '6') +
+                                   " packets transmitted, 1 received\n",
+                               "p.txt", seconds{1});
+                }),
+                HasSubstr("p.txt:2: more than"));
 }
 
 TEST(Capture, EveryByteOrderUnitAndLink) {
