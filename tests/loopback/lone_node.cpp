@@ -65,6 +65,18 @@ int LoneNode::terminate() {
     return child_.wait(kPatience).value_or(-1);
 }
 
+HeardHeartbeats::HeardHeartbeats(LoneNode& node, Role role)
+    : channel_(control_channel(node.peers(), role)), answers_(role) {}
+
+bool HeardHeartbeats::wait_for_one_sent(SessionTime since) {
+    return wait_until([&] {
+        while (const Message* message = answers_.receive(wall_now(), *channel_)) {
+            if (message->header.send_time >= since) return true;
+        }
+        return false;
+    });
+}
+
 PlayedSession::PlayedSession(LoneNode& node, Role role, Modality modality)
     : channel_(control_channel(node.peers(), role)),
       answers_(role),

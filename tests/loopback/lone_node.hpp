@@ -37,6 +37,19 @@ class LoneNode {
 
 inline constexpr std::uint32_t kPlayedTrial = 1;
 
+// What the session hears of a node without a word to it.
+class HeardHeartbeats {
+  public:
+    HeardHeartbeats(LoneNode& node, Role role);
+
+    // Waits for one that the node sent at or after `since`: it says "ready" before its loop turns.
+    bool wait_for_one_sent(SessionTime since);
+
+  private:
+    Channel* channel_;
+    InboundFlow answers_;
+};
+
 // The session as that node sees it: repeats its order, which is also its sign of life, and hears the answers.
 class PlayedSession {
   public:
