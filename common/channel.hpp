@@ -24,7 +24,16 @@ class Channel {
     virtual void send(Bytes datagram) = 0;
 
     // The next waiting datagram, or an empty span. Valid until the next call on this channel.
-    virtual Bytes receive() = 0;
+    Bytes receive() { return known_empty() ? Bytes{} : take(); }
+    // True if receive() is sure to find nothing; a call, too, that ends what receive() gave. Cheap: every flow
+    // asks at every tick.
+    bool known_empty() { return released_ = known_empty_; }
+
+  protected:
+    virtual Bytes take() = 0;
+    // For a channel that knows what waits in it; one that does not leaves it false.
+    bool known_empty_ = false;
+    bool released_ = false;  // what was taken last is not looked at any more
 };
 
 }  // namespace thimble

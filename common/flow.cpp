@@ -31,7 +31,7 @@ const Message* InboundFlow::admit(SessionTime now, Bytes datagram) {
     return nullptr;
 }
 
-const Message* InboundFlow::receive(SessionTime now, Channel& channel) {
+const Message* InboundFlow::take(SessionTime now, Channel& channel) {
     for (Bytes datagram = channel.receive(); !datagram.empty(); datagram = channel.receive()) {
         if (const Message* message = admit(now, datagram)) return message;
     }

@@ -35,7 +35,9 @@ class InboundFlow {
     // The message if it is new and trustworthy, else null; valid until the next call.
     const Message* admit(SessionTime now, Bytes datagram);
     // The next admitted message waiting on the channel, null when the channel is empty.
-    const Message* receive(SessionTime now, Channel& channel);
+    const Message* receive(SessionTime now, Channel& channel) {
+        return channel.known_empty() ? nullptr : take(now, channel);
+    }
 
     // Empties the channel: each admitted message that holds a Wanted and belongs to the running trial goes to
     // `use`; the others are counted.
@@ -67,6 +69,7 @@ class InboundFlow {
     const FlowCounters& counters() const { return counters_; }
 
   private:
+    const Message* take(SessionTime now, Channel& channel);
     Refusal judge(SessionTime now, const Header& header) const;
     void remember(SessionTime now, const Header& header);
 

@@ -22,7 +22,6 @@ class QueueChannel final : public Channel {
     }
 
     void send(Bytes datagram) override;
-    Bytes receive() override;
 
     std::uint64_t lost() const { return lost_; }
 
@@ -31,6 +30,7 @@ class QueueChannel final : public Channel {
         std::uint32_t size;
         alignas(16) std::uint8_t bytes[kMaxDatagramBytes];
     };
+    Bytes take() override;
     void deliver(Bytes datagram);
 
     std::size_t capacity_;

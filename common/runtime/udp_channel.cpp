@@ -78,7 +78,7 @@ void UdpChannel::send(Bytes datagram) {
     ++(sent < 0 ? counters_.send_failed : counters_.sent);
 }
 
-Bytes UdpChannel::receive() {
+Bytes UdpChannel::take() {
     for (;;) {
         sockaddr_in source{};
         socklen_t length = sizeof source;

@@ -26,13 +26,13 @@ class UdpChannel final : public Channel {
     ~UdpChannel() override;
 
     void send(Bytes datagram) override;
-    Bytes receive() override;
 
     // To wait on; readable when a datagram is there.
     int file_descriptor() const { return socket_; }
     const UdpCounters& counters() const { return counters_; }
 
   private:
+    Bytes take() override;
     void bind_to(const Endpoint& local);
 
     int socket_ = -1;

@@ -41,9 +41,9 @@ class Tap : public Channel {
   public:
     explicit Tap(Channel& inner) : inner_(&inner) {}
     void send(Bytes datagram) override { inner_->send(datagram); }
-    Bytes receive() final { return inner_->receive(); }
 
   protected:
+    Bytes take() final { return inner_->receive(); }
     Channel& inner() { return *inner_; }
 
   private:
