@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "netem/jitter_table.hpp"
 #include "netem/loss_reader.hpp"
 #include "netem/stages/corrupt.hpp"
 
@@ -38,24 +37,6 @@ void read_source(const ConfigTable& table, std::string_view key, const Source& s
     use(text);
 }
 
-// In spreads, how far delays lie below their mean, but for a few in a hundred of a normal shape.
-double reach_below(const JitterSettings& jitter) {
-    switch (jitter.shape) {
-        case JitterShape::kUniform:
-            return 1;
-        case JitterShape::
-            kNormal:  // at two standard deviations the cut moves the mean by less than 1 % of the spread
-        case JitterShape::kParetoNormal:
-            return 2;
-        case JitterShape::kPareto:
-            return 0.577350269;  // (3/2 - 1) / sqrt(3/4)
-        case JitterShape::kTable:
-            return std::max(0.0, -jitter.table->deviates().front());
-        default:
-            return 0;
-    }
-}
-
 void check_jitter(const ConfigTable& table, const LinkSettings& link) {
     const JitterSettings& jitter = link.jitter;
     const bool spread = jitter.spread > Duration::zero();
@@ -72,27 +53,24 @@ void check_jitter(const ConfigTable& table, const LinkSettings& link) {
     if (jitter.shape == JitterShape::kTable && jitter.table == nullptr) {
         table.fail("jitter_table", "must name a file when jitter is \"table\"");
     }
-    if (jitter.shape == JitterShape::kGamma) {
-        if (jitter.spread > 10 * link.delay)
-            table.fail("jitter_spread_s", "must not exceed ten times delay_s");
-        return;
-    }
-    if (link.trace != nullptr && link.trace->layout().has_delay) return;
-    const double reach = reach_below(jitter);
-    if (reach * static_cast<double>(jitter.spread.count()) > static_cast<double>(link.delay.count())) {
-        table.fail(
-            "jitter_spread_s",
-            fmt::format("must not exceed {:.3g} of delay_s: delays are cut at 0, so their mean would no "
-                        "longer be delay_s (\"gamma\" is never cut)",
-                        1 / reach));
-    }
+    // A trace gives the mean; gamma's is delay_s, since its skewness depends on it.
+    const bool traced = link.trace != nullptr && link.trace->layout().has_delay;
+    if (traced && jitter.shape != JitterShape::kGamma) return;
+    const double least = least_mean_in_spreads(jitter);
+    if (least * static_cast<double>(jitter.spread.count()) <= static_cast<double>(link.delay.count())) return;
+    if (jitter.shape == JitterShape::kGamma)
+        table.fail("jitter_spread_s", "must not exceed ten times delay_s");
+    table.fail("jitter_spread_s",
+               fmt::format("must not exceed {:.3g} of delay_s: delays are cut at 0, so their mean would no "
+                           "longer be delay_s (\"gamma\" is never cut)",
+                           1 / least));
 }
 
 void read_jitter(const ConfigTable& table, const LinkSources& sources, LinkSettings& link) {
     JitterSettings& jitter = link.jitter;
-    jitter.shape = static_cast<JitterShape>(
-        table.choice("jitter", static_cast<std::size_t>(jitter.shape),
-                     {"none", "uniform", "normal", "gamma", "pareto", "pareto-normal", "table"}));
+    jitter.shape =
+        static_cast<JitterShape>(table.choice("jitter", static_cast<std::size_t>(jitter.shape),
+                                              {kJitterShapeNames.begin(), kJitterShapeNames.end()}));
     // Switched off, the rest of what was there before goes, too.
     if (table.has("jitter") && jitter.shape == JitterShape::kNone) jitter = {};
     jitter.spread = table.seconds("jitter_spread_s", jitter.spread, Duration::zero(), seconds{60});

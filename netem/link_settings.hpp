@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "common/time.hpp"
@@ -25,6 +26,12 @@ enum class JitterShape : std::uint8_t {
     kParetoNormal,  // a quarter normal, three quarters Pareto, as netem's table
     kTable
 };
+// In the order of JitterShape; what files and reports call them.
+inline constexpr std::array<std::string_view, 7> kJitterShapeNames{
+    "none", "uniform", "normal", "gamma", "pareto", "pareto-normal", "table"};
+constexpr std::string_view to_string(JitterShape shape) {
+    return kJitterShapeNames[static_cast<std::size_t>(shape)];
+}
 
 // Delay = mean + spread * deviate, deviates of mean 0 and standard deviation 1, cut where the delay would be
 // below 0. kUniform alone: `spread` is the half width.
@@ -38,6 +45,9 @@ struct JitterSettings {
 
     bool operator==(const JitterSettings&) const = default;
 };
+
+// How many spreads the mean delay must lie above 0, so that cutting delays there does not move it.
+double least_mean_in_spreads(const JitterSettings& jitter);
 
 enum class LossShape : std::uint8_t { kNone, kIndependent, kGilbertElliott, kFourState };
 

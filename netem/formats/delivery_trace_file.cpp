@@ -1,6 +1,5 @@
 #include "netem/formats/delivery_trace_file.hpp"
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -35,10 +34,6 @@ DeliveryTrace parse_delivery_trace(std::string_view text, std::string_view name)
     if (times_ms.empty()) fail_at_line(name, 1, "is empty: a trace has a time in milliseconds per line");
     if (times_ms.back() == 0) lines.fail("the last time must be above 0: it is the trace's length");
     return DeliveryTrace(std::move(times_ms));
-}
-
-DeliveryTrace load_delivery_trace(const std::filesystem::path& path) {
-    return parse_delivery_trace(read_whole_file(path), path.string());
 }
 
 std::string print_delivery_trace(const DeliveryTrace& trace) {

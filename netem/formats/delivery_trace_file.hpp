@@ -2,7 +2,6 @@
 // through at that time, and the last one is where the trace begins again.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -12,7 +11,6 @@ namespace thimble {
 
 // Throws Error (data) with file and line.
 DeliveryTrace parse_delivery_trace(std::string_view text, std::string_view name);
-DeliveryTrace load_delivery_trace(const std::filesystem::path& path);
 std::string print_delivery_trace(const DeliveryTrace& trace);
 
 }  // namespace thimble

@@ -191,10 +191,6 @@ PacketTrace parse_packet_trace(std::string_view text, std::string_view name, con
     return to_trace(parse_path(text, name), choice, name);
 }
 
-PacketTrace load_packet_trace(const std::filesystem::path& path, const TraceChoice& choice) {
-    return parse_packet_trace(read_whole_file(path), path.string(), choice);
-}
-
 MeasuredPath to_path(const PacketTrace& trace) {
     MeasuredPath path;
     path.by_packet = trace.layout().by == TraceBy::kPacket;

@@ -8,7 +8,6 @@
 // elsewhere. Every refusal names file and line (exit code 5).
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string_view>
 
@@ -28,7 +27,6 @@ struct TraceChoice {
 // By packet, a file with times counts its lines from 0: the recorded fates, whatever the timing of today's packets.
 PacketTrace to_trace(const MeasuredPath& path, const TraceChoice& choice, std::string_view name);
 PacketTrace parse_packet_trace(std::string_view text, std::string_view name, const TraceChoice& choice);
-PacketTrace load_packet_trace(const std::filesystem::path& path, const TraceChoice& choice);
 
 MeasuredPath to_path(const PacketTrace& trace);  // to be written with print_path
 

@@ -10,7 +10,6 @@
 
 #include "common/error.hpp"
 #include "netem/formats/normal_score.hpp"
-#include "netem/formats/widest_spread.hpp"
 #include "netem/stages/delay_shape.hpp"
 
 namespace thimble {
@@ -137,7 +136,9 @@ void fit_delay(const MeasuredPath& path, PathFit& fit) {
     fit.link.delay = from_seconds(fit.delay_mean_s);
     if (fit.delay_sd_s < kFlatSpread_s) return;
     for (const JitterShape shape : kFitted) {
-        if (spread_of(shape, fit.delay_sd_s) > widest_spread(shape, fit.link.delay)) continue;
+        const Duration spread = spread_of(shape, fit.delay_sd_s);
+        if (least_mean_in_spreads({.shape = shape, .spread = spread}) * to_seconds(spread) > fit.delay_mean_s)
+            continue;
         fit.shapes.push_back({shape, ks_distance(sorted_s, shape, fit.delay_mean_s, fit.delay_sd_s)});
     }
     if (fit.shapes.empty()) return;

@@ -1,7 +1,5 @@
 #include "netem/profiles/profile_link.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -12,16 +10,6 @@
 
 namespace thimble {
 namespace {
-
-constexpr std::array<std::string_view, 7> kShapeNames{"none",   "uniform",       "normal", "gamma",
-                                                      "pareto", "pareto-normal", "table"};
-constexpr std::array kShapeValues{JitterShape::kNone,  JitterShape::kUniform, JitterShape::kNormal,
-                                  JitterShape::kGamma, JitterShape::kPareto,  JitterShape::kParetoNormal,
-                                  JitterShape::kTable};
-std::size_t place_of(JitterShape shape) {
-    return static_cast<std::size_t>(std::find(kShapeValues.begin(), kShapeValues.end(), shape) -
-                                    kShapeValues.begin());
-}
 
 class Printer {
   public:
@@ -71,7 +59,7 @@ std::string print_profile_link(const LinkSettings& link) {
     Printer out;
     out.seconds("delay_s", link.delay);
     if (link.jitter.shape != JitterShape::kNone) {
-        out.line(fmt::format("jitter = \"{}\"", kShapeNames[place_of(link.jitter.shape)]));
+        out.line(fmt::format("jitter = \"{}\"", to_string(link.jitter.shape)));
         out.seconds("jitter_spread_s", link.jitter.spread);
         out.unless("jitter_correlation", link.jitter.correlation, 0.0);
     }

@@ -11,12 +11,6 @@ using Json = nlohmann::ordered_json;
 
 double us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
-std::string_view name(JitterShape shape) {
-    constexpr std::array<std::string_view, 7> kNames{"none",   "uniform",       "normal", "gamma",
-                                                     "pareto", "pareto-normal", "table"};
-    return kNames[static_cast<std::size_t>(shape)];
-}
-
 Json describe_packets(const DirectionTotals& totals) {
     const LinkCounters& c = totals.packets;
     return {{"received", c.pushed},
@@ -100,7 +94,7 @@ std::string machine_in_words(const Json& report) {
 
 nlohmann::ordered_json describe(const LinkSettings& link) {
     Json json{{"delay_s", to_seconds(link.delay)},
-              {"jitter", name(link.jitter.shape)},
+              {"jitter", to_string(link.jitter.shape)},
               {"jitter_spread_s", to_seconds(link.jitter.spread)},
               {"jitter_correlation", link.jitter.correlation},
               {"loss", stationary_loss(link.loss)},
