@@ -1,6 +1,7 @@
 #include "netem/stages/transmitter.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "netem/packet_trace.hpp"
@@ -80,7 +81,7 @@ void Transmitter::begin() {
     done_ = start_ + time_on_air(*sending_);
 }
 
-Duration Transmitter::time_on_air(const Packet& packet) const {
+Duration Transmitter::time_on_air(const Packet& packet) {
     double bits_per_s = rate_.bits_per_s;
     if (trace_ != nullptr) {
         const bool by_packet = trace_->layout().by == TraceBy::kPacket;
@@ -88,7 +89,11 @@ Duration Transmitter::time_on_air(const Packet& packet) const {
         bits_per_s = trace_->at(by_packet ? number : std::max<std::int64_t>(0, start_.count())).bits_per_s;
     }
     if (bits_per_s <= 0) return {};
-    return from_seconds(static_cast<double>(8 * bytes_on_air(packet)) / bits_per_s);
+    if (start_ != free_at_) behind_ns_ = 0;
+    const double exact_ns = 8e9 * static_cast<double>(bytes_on_air(packet)) / bits_per_s + behind_ns_;
+    const Duration whole{std::llround(exact_ns)};
+    behind_ns_ = exact_ns - static_cast<double>(whole.count());
+    return whole;
 }
 
 std::optional<Transmitter::Sent> Transmitter::take_sent(Duration now) {

@@ -49,8 +49,8 @@ class Transmitter {
   private:
     Duration arrival(const Packet& packet) const { return from_nanoseconds(packet.received_ns) - origin_; }
     std::size_t bytes_on_air(const Packet& packet) const { return packet.size + rate_.overhead_bytes; }
-    Duration time_on_air(const Packet& packet) const;  // of one that starts at start_
-    bool sends_at_once() const;                        // a packet that comes now waits for nothing
+    Duration time_on_air(const Packet& packet);  // of one that starts at start_
+    bool sends_at_once() const;                  // a packet that comes now waits for nothing
     void plan_next();
     void begin();
     Packet* take_waiting();
@@ -66,9 +66,10 @@ class Transmitter {
     Duration done_{};  // of sending_
     PacketChain waiting_;
     std::size_t waiting_packets_ = 0, waiting_bytes_ = 0;
-    Duration start_{};     // of the first that waits
-    Duration free_at_{};   // when the last one was out
-    Duration earliest_{};  // of any start: when these settings came
+    Duration start_{};      // of the first that waits
+    Duration free_at_{};    // when the last one was out
+    double behind_ns_ = 0;  // how much of its time rounding has cut off, so that a busy link does not drift
+    Duration earliest_{};   // of any start: when these settings came
 };
 
 }  // namespace thimble
