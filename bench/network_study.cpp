@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/network/flow_fairness.hpp"
 #include "bench/network/relay_rounds.hpp"
 #include "bench/studies.hpp"
 #include "common/runtime/command_line.hpp"
@@ -23,7 +24,7 @@ constexpr Duration kWindow = milliseconds{250};
 constexpr Duration kBurst = milliseconds{500};
 
 struct Options {
-    int rounds = 8;
+    int rounds = 8, flows = 0;
     bool json = false, default_scheduling = false;
 };
 
@@ -117,6 +118,49 @@ void print(const std::vector<Row>& rows, bool granted, bool json) {
     if (json) fmt::print("{}\n", Json{{"realtime", granted}, {"rows", all}}.dump(2));
 }
 
+// Not beside something bare: the flows are weighed against each other.
+int run_fairness(const Options& options) {
+    RuntimeSettings runtime;
+    runtime.realtime_scheduling = !options.default_scheduling;
+    const bool granted = ask_for_precision(runtime, true);
+    Json all = Json::array();
+    for (const double greedy_per_s : {0.0, 1e4, 1e5}) {
+        allow_descriptors(2 * static_cast<std::size_t>(options.flows) + 64);
+        const FairnessRound r =
+            share_relay(static_cast<std::size_t>(options.flows), greedy_per_s, std::chrono::seconds{5});
+        all.push_back({{"flows", options.flows},
+                       {"greedy_per_s", greedy_per_s},
+                       {"offered_per_s", r.offered_per_s},
+                       {"delivered", r.delivered},
+                       {"least", r.least},
+                       {"most", r.most},
+                       {"jain_index", r.index},
+                       {"late_median_us", r.late50_us},
+                       {"late_99_us", r.late99_us},
+                       {"dropped_by_kernel", r.dropped_by_kernel}});
+    }
+    if (options.json) {
+        fmt::print("{}\n", Json{{"realtime", granted}, {"rows", all}}.dump(2));
+        return 0;
+    }
+    fmt::print(
+        "scheduling: {}\n| flows at 20 Hz | one more at | offered | delivered | least / most of a flow | "
+        "Jain's "
+        "index | late, 50 / 99 % | dropped by the kernel |\n| --- | --- | --- | --- | --- | --- | --- | --- "
+        "|\n",
+        granted ? "SCHED_FIFO" : "default");
+    for (const Json& r : all) {
+        fmt::print(
+            "| {} | {:g} /s | {:.0f} /s | {:.2f} % | {:.1f} / {:.1f} % | {:.5f} | {:.0f} / {:.0f} us | "
+            "{:.2f} % |\n",
+            r["flows"].get<int>(), r["greedy_per_s"].get<double>(), r["offered_per_s"].get<double>(),
+            100 * r["delivered"].get<double>(), 100 * r["least"].get<double>(), 100 * r["most"].get<double>(),
+            r["jain_index"].get<double>(), r["late_median_us"].get<double>(), r["late_99_us"].get<double>(),
+            100 * r["dropped_by_kernel"].get<double>());
+    }
+    return 0;
+}
+
 int run(const Options& options) {
     RuntimeSettings runtime;
     runtime.realtime_scheduling = !options.default_scheduling;
@@ -139,10 +183,13 @@ int network_study(int argc, char** argv) {
     app.add_option("--rounds", options.rounds, "how often everything takes its turn")
         ->check(CLI::Range(2, 1000))
         ->capture_default_str();
+    app.add_option("--flows", options.flows,
+                   "instead: whether that many flows share one relay fairly, alone and beside a greedy one")
+        ->check(CLI::Range(1, 10000));
     app.add_flag("--default-scheduling", options.default_scheduling, "without SCHED_FIFO");
     app.add_flag("--json", options.json, "as JSON");
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
-    return run(options);
+    return options.flows > 0 ? run_fairness(options) : run(options);
 }
 
 }  // namespace thimble

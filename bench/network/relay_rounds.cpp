@@ -1,18 +1,16 @@
 #include "bench/network/relay_rounds.hpp"
 
-#include <arpa/inet.h>
 #include <array>
-#include <atomic>
 #include <cstring>
 #include <ctime>
 #include <fcntl.h>
-#include <functional>
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/socket.h>
 #include <thread>
 
+#include "bench/network/helper_thread.hpp"
 #include "common/runtime/event_waiter.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/relay_engine.hpp"
@@ -27,19 +25,10 @@ constexpr std::size_t kBytes = 144;  // a ForceFeedback
 constexpr Duration kPeriod = milliseconds{1};
 constexpr std::size_t kManyInFlight = 1'000'000;
 
-UdpAddress loopback() { return {htonl(INADDR_LOOPBACK), 0}; }
-double us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
-
 double thread_cpu_s() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-// A helper must not inherit the real-time scheduling of what is measured.
-void be_ordinary() {
-    const sched_param none{};
-    sched_setscheduler(0, SCHED_OTHER, &none);
 }
 
 // The last core, for round trips "on one core".
@@ -57,21 +46,6 @@ class Unpinned {
 
   private:
     cpu_set_t before_{};
-};
-
-// A thread that runs until this object goes.
-class Helper {
-  public:
-    explicit Helper(std::function<void(const std::atomic<bool>&)> work)
-        : thread_([this, work = std::move(work)] { work(stop_); }) {}
-    ~Helper() {
-        stop_ = true;
-        thread_.join();
-    }
-
-  private:
-    std::atomic<bool> stop_{false};
-    std::thread thread_;
 };
 
 bool readable(int descriptor, int timeout_ms) {
