@@ -4,7 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+
+#include "common/time.hpp"
 
 namespace thimble {
 
@@ -25,6 +28,10 @@ class Channel {
 
     // The next waiting datagram, or an empty span. Valid until the next call on this channel.
     virtual Bytes receive() = 0;
+
+    // When the datagram that receive() returned last had reached this machine, if the channel measures that: at most a
+    // few microseconds late, never early. None: take the tick's own time.
+    virtual std::optional<SessionTime> arrival() const { return std::nullopt; }
 };
 
 }  // namespace thimble
