@@ -8,8 +8,6 @@ namespace thimble {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Of a rate that nothing bounds, for a search only: no clock is that wrong.
-constexpr double kAbsurdRate = 1;
 
 // The greatest value of a concave function on [low, high].
 template <class Function>
@@ -57,8 +55,8 @@ std::optional<ClockLine> ClockLine::fit(std::span<const ClockExchange> exchanges
     }
     line.above_ = hull(std::move(above), 1);
     line.below_ = hull(std::move(below), -1);
-    line.rate_low_ = -kInfinity;
-    line.rate_high_ = kInfinity;
+    line.rate_low_ = -kClockRateLimit;
+    line.rate_high_ = kClockRateLimit;
     for (const Corner& low : line.below_) {
         for (const Corner& high : line.above_) {
             const double room_s = high.offset_s - low.offset_s, apart_s = high.time_s - low.time_s;
@@ -85,9 +83,10 @@ double ClockLine::lowest_at(double time_s, double rate) const {
 
 OffsetInterval ClockLine::at(SessionTime near) const {
     const double time_s = to_seconds(near - start_), base_s = to_seconds(base_);
-    const double low = std::max(rate_low_, -kAbsurdRate), high = std::min(rate_high_, kAbsurdRate);
-    const double highest_s = greatest(low, high, [&](double rate) { return highest_at(time_s, rate); });
-    const double lowest_s = -greatest(low, high, [&](double rate) { return -lowest_at(time_s, rate); });
+    const double highest_s =
+        greatest(rate_low_, rate_high_, [&](double rate) { return highest_at(time_s, rate); });
+    const double lowest_s =
+        -greatest(rate_low_, rate_high_, [&](double rate) { return -lowest_at(time_s, rate); });
     return {base_s + lowest_s, base_s + highest_s};
 }
 

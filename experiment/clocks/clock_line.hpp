@@ -1,5 +1,6 @@
 // Offset and rate of one clock against another over a whole stretch, if both ran evenly: every straight line
-// offset(t) = a + b t that stays below each exchange's upper bound and above each lower one is possible, no other is.
+// offset(t) = a + b t, |b| <= kClockRateLimit, that stays below each exchange's upper bound and above each lower one is
+// possible, no other is.
 // Least and greatest b, and the least and greatest value at any time, are exact: the bounds that matter are the corners
 // of two convex hulls, and eliminating a leaves one inequality in b per pair of them (Fourier-Motzkin). Linear
 // programming on delays: Moon, Skelly and Towsley 1999; hulls: Zhang, Liu and Xia 2002.
@@ -9,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "experiment/clocks/clock_exchange.hpp"
+#include "experiment/clocks/clock_filter.hpp"
 
 namespace thimble {
 
@@ -18,7 +19,7 @@ class ClockLine {
     // Exchanges in any order. None if no line passes through them all: a clock stepped, or its rate wandered.
     static std::optional<ClockLine> fit(std::span<const ClockExchange> exchanges);
 
-    // Seconds gained by the far clock per second of the near one. Infinite where the exchanges say nothing.
+    // Seconds gained by the far clock per second of the near one; +-kClockRateLimit where the exchanges say nothing.
     double rate_low() const { return rate_low_; }
     double rate_high() const { return rate_high_; }
     // `near` on the near clock.

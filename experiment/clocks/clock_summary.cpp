@@ -35,6 +35,10 @@ void add_one_way(std::span<const ClockExchange> exchanges, const ClockLine& line
 
 }  // namespace
 
+bool ClockSummary::rate_known() const {
+    return even && rate_low > -kClockRateLimit && rate_high < kClockRateLimit;
+}
+
 ClockSummary summarize_clock(std::span<const ClockExchange> exchanges) {
     ClockSummary summary;
     summary.exchanges = exchanges.size();

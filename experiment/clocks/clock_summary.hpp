@@ -21,9 +21,11 @@ struct ClockSummary {
     std::uint64_t steps = 0;                 // what follows is of the exchanges since the last one
     std::optional<OffsetInterval> offset;    // at the last exchange; none without exchanges
     bool even = false;                       // a straight line passes through all bounds
-    double rate_low = 0, rate_high = 0;      // seconds per second; if even; infinite: nothing known
+    double rate_low = 0, rate_high = 0;      // seconds per second; if even
     std::optional<OneWayDelay> there, back;  // if even
     double round_trip_median_s = 0;
+
+    bool rate_known() const;  // narrower than what any two clocks may do
 };
 
 // In the order in which they were answered.

@@ -29,7 +29,7 @@ std::string one_way_text_us(const std::optional<OneWayDelay>& delay) {
 
 std::string rate_text_ppm(const ClockSummary& clock) {
     if (!clock.even) return "not even";
-    if (std::isinf(clock.rate_low) || std::isinf(clock.rate_high)) return "not known";
+    if (!clock.rate_known()) return "not known";
     return fmt::format("{:.2f} to {:.2f}", 1e6 * clock.rate_low, 1e6 * clock.rate_high);
 }
 
