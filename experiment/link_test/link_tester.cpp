@@ -35,9 +35,13 @@ LinkTester::LinkTester(const LinkTestPlan& plan) : plan_(plan) {
 
 LinkFigures LinkTester::run() {
     knock();
-    find_mtu();
-    load();
-    count();
+    const bool anybody =
+        std::any_of(probes_.begin(), probes_.end(), [](const PortProbe& p) { return p.answers(); });
+    if (anybody) {
+        find_mtu();
+        load();
+        count();
+    }
     return figures();
 }
 

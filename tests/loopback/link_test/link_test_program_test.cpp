@@ -35,9 +35,10 @@ class LinkTest : public testing::Test {
     }
     std::string base(unsigned more = 0) const { return std::to_string(ports.base() + more); }
 
-    Child echo(const std::vector<std::string>& more, const std::string& log = "echo") {
+    Child echo(const std::vector<std::string>& more, const std::string& log = "echo",
+               const std::string& for_s = "60") {
         std::vector<std::string> words{"link-test",        "--listen", "--session",
-                                       session().string(), "--for",    "60"};
+                                       session().string(), "--for",    for_s};
         words.insert(words.end(), more.begin(), more.end());
         Child child(built_programs() / "thimble", words, folder / log);
         wait_until(
@@ -51,9 +52,9 @@ class LinkTest : public testing::Test {
     }
     static Result understood(const Outcome& outcome) {
         Result result{outcome.code, outcome.words, {}};
-        const auto start = outcome.words.find('{');
-        if (start != std::string::npos)
-            result.json = nlohmann::json::parse(outcome.words.substr(start), nullptr, false);
+        const auto start = outcome.words.find('{'), end = outcome.words.rfind('}');
+        if (start == std::string::npos || end == std::string::npos) return result;
+        result.json = nlohmann::json::parse(outcome.words.substr(start, end + 1 - start), nullptr, false);
         return result;
     }
     Child relay(unsigned offset, const std::vector<std::string>& link) {
@@ -144,7 +145,7 @@ TEST_F(LinkTest, DelayLossAndASilentPortThroughTheRelay) {
 }
 
 TEST_F(LinkTest, TheEchoEndsByItselfAndItsPortsAreItsOwn) {
-    Child first = echo({"--base-port", base(), "--for", "1"}, "first");
+    Child first = echo({"--base-port", base()}, "first", "1");
     Child second = echo({"--base-port", base()}, "second");
     EXPECT_EQ(second.wait(kPatience), 3);
     EXPECT_THAT(read_text(folder / "second"), HasSubstr("another program has that port"));
@@ -165,8 +166,11 @@ TEST_F(LinkTest, WhatMakesNoSenseIsRefused) {
 class LinkTestNamespace : public LinkTest {
   protected:
     void SetUp() override {
-        if (run_to_end("/bin/sh", {"-c", "unshare -rn sh -c 'ip link add a type veth peer name b'"}).code !=
-            0)
+        if (run_to_end(
+                "/bin/sh",
+                {"-c",
+                 "unshare -rn sh -c 'PATH=$PATH:/usr/sbin:/sbin; ip link add near type veth peer name away'"})
+                .code != 0)
             GTEST_SKIP() << "no network namespaces, veth or ip(8) here";
     }
     Result inside(const std::string& script) {
@@ -191,12 +195,14 @@ TEST_F(LinkTestNamespace, TheMtuOfThisMachinesInterface) {
 // The far end of the cable takes less than the near one believes: no error, only silence.
 TEST_F(LinkTestNamespace, AnMtuThatIsSmallerOnTheWay) {
     const Result result = inside(fmt::format(
-        "unshare -n sh -c 'until ip link set b mtu 1300 up 2>/dev/null; do sleep 0.02; done;"
-        " ip addr add 10.77.0.2/24 dev b; exec {}' &\nfar=$!\n"
-        "ip link add a mtu 1500 type veth peer name b\n"
-        "until ip link set b netns $far 2>/dev/null && ! ip link show b >/dev/null 2>&1; do sleep 0.02; "
+        "unshare -n sh -c 'until ip link set away mtu 1300 up 2>/dev/null; do sleep 0.02; done;"
+        " ip addr add 10.77.0.2/24 dev away; exec {}' &\nfar=$!\n"
+        "ip link add near mtu 1500 type veth peer name away\n"
+        "until ip link set away netns $far 2>/dev/null && ! ip link show away >/dev/null 2>&1; do sleep "
+        "0.02; "
         "done\n"
-        "ip addr add 10.77.0.1/24 dev a\nip link set a up\nsleep 0.5\n{}\ncode=$?\nkill $far\nexit $code\n",
+        "ip addr add 10.77.0.1/24 dev near\nip link set near up\nsleep 0.5\n{}\ncode=$?\nkill $far\nexit "
+        "$code\n",
         command("--listen --ports 14"), command("10.77.0.2 --ports 14 --seconds 0.2 --json 2>/dev/null")));
     ASSERT_FALSE(result.json.is_discarded()) << result.words;
     EXPECT_EQ(result.json["largest_datagram_bytes"], 1300 - 28) << result.words;
