@@ -5,6 +5,16 @@
 
 namespace thimble {
 
+namespace {
+
+// A hello may come under a false address: its answer is kept short.
+bool asks(const ProbePacket& packet, std::size_t bytes) {
+    return (packet.kind == ProbeKind::kHello && bytes <= kMaxDatagramBytes) ||
+           packet.kind == ProbeKind::kProbe || packet.kind == ProbeKind::kQuery;
+}
+
+}  // namespace
+
 bool RateLimit::take(SessionTime now) {
     tokens_ = std::min(most_, tokens_ + per_s_ * to_seconds(std::max(now - filled_, Duration{})));
     filled_ = now;
@@ -81,9 +91,7 @@ ProbePacket EchoDesk::reply(const ProbePacket& request, Test& test, SessionTime 
 bool EchoDesk::answer(SessionTime now, SessionTime arrived, std::uint32_t host, std::uint16_t port,
                       std::span<std::uint8_t> datagram) {
     const auto request = read_probe(datagram);
-    const bool asks = request && (request->kind == ProbeKind::kHello || request->kind == ProbeKind::kProbe ||
-                                  request->kind == ProbeKind::kQuery);
-    if (!asks) {
+    if (!request || !asks(*request, datagram.size())) {
         ++counters_.malformed;
         return false;
     }

@@ -15,6 +15,8 @@ namespace thimble {
 namespace {
 
 constexpr Duration kStopLatency = std::chrono::milliseconds{100};
+// A flood at one port keeps neither the others nor Ctrl-C waiting.
+constexpr int kBatchesPerTurn = 4;
 
 class EchoServer {
   public:
@@ -41,8 +43,10 @@ class EchoServer {
 
   private:
     void serve(std::size_t i) {
-        while (const std::size_t count = batch_.receive(sockets_[i].descriptor())) {
+        for (int batches = 0; batches < kBatchesPerTurn; ++batches) {
+            const std::size_t count = batch_.receive(sockets_[i].descriptor());
             for (std::size_t n = 0; n < count; ++n) answer(i, batch_[n]);
+            if (count < ReceiveBatch::kSize) return;
         }
     }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "common/channel.hpp"
 #include "common/runtime/stamp_clock.hpp"
 #include "experiment/link_test/port_finding.hpp"
 #include "netem/relay/udp_socket.hpp"

@@ -98,6 +98,11 @@ TEST_F(EchoDeskTest, AnswersNoAnswersAndNoStrangers) {
     EXPECT_EQ(desk.counters().wrong_port, 2U);
 }
 
+TEST_F(EchoDeskTest, AHelloIsShort) {
+    EXPECT_TRUE(ask(ProbeKind::kHello, 1, 1, kHere, kPort, kMaxDatagramBytes));
+    EXPECT_FALSE(ask(ProbeKind::kHello, 1, 1, kHere, kPort, kMaxDatagramBytes + 1));
+}
+
 TEST_F(EchoDeskTest, ARepeatedHelloKeepsTheCounts) {
     ask(ProbeKind::kHello, 1);
     ask(ProbeKind::kProbe, kNonce);
