@@ -87,7 +87,7 @@ Bytes UdpChannel::receive() {
     for (;;) {
         sockaddr_in source{};
         iovec part{buffer_.data(), buffer_.size()};
-        alignas(cmsghdr) std::array<std::uint8_t, 64> control;
+        alignas(cmsghdr) std::array<std::uint8_t, 64> control{};
         msghdr message{};
         message.msg_name = &source;
         message.msg_namelen = sizeof source;

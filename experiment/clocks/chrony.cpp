@@ -17,7 +17,7 @@ namespace {
 // frequency, residual frequency, skew, root delay, root dispersion, update interval, leap status.
 constexpr std::size_t kFields = 14, kName = 1, kStratum = 2, kLastOffset = 5, kRootDispersion = 11;
 
-std::vector<std::string_view> split(std::string_view line) {
+std::vector<std::string_view> split_fields(std::string_view line) {
     std::vector<std::string_view> fields;
     for (std::size_t comma = line.find(','); comma != std::string_view::npos; comma = line.find(',')) {
         fields.push_back(line.substr(0, comma));
@@ -28,7 +28,7 @@ std::vector<std::string_view> split(std::string_view line) {
 }
 
 template <class Number>
-bool read(std::string_view text, Number& number) {
+bool read_number(std::string_view text, Number& number) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     return error == std::errc{} && end == text.data() + text.size();
 }
@@ -37,13 +37,13 @@ bool read(std::string_view text, Number& number) {
 
 std::optional<ChronyTracking> parse_chrony_tracking(std::string_view line) {
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.remove_suffix(1);
-    const auto fields = split(line);
+    const auto fields = split_fields(line);
     if (fields.size() != kFields) return std::nullopt;
     ChronyTracking tracking;
     tracking.reference = fields[kName];
-    const bool numbers = read(fields[kStratum], tracking.stratum) &&
-                         read(fields[kLastOffset], tracking.last_offset_s) &&
-                         read(fields[kRootDispersion], tracking.root_dispersion_s);
+    const bool numbers = read_number(fields[kStratum], tracking.stratum) &&
+                         read_number(fields[kLastOffset], tracking.last_offset_s) &&
+                         read_number(fields[kRootDispersion], tracking.root_dispersion_s);
     if (!numbers || !std::isfinite(tracking.last_offset_s) || !std::isfinite(tracking.root_dispersion_s))
         return std::nullopt;
     return tracking;

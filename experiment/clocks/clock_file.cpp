@@ -10,7 +10,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 7> kColumns{
+constexpr std::array<std::string_view, 7> kClockColumns{
     "node", "sent_ns", "arrived_node_ns", "replied_node_ns", "answered_ns", "offset_s", "bound_s"};
 constexpr std::uint64_t kMostStamp_ns = std::uint64_t{1} << 62;
 
@@ -28,7 +28,7 @@ SessionTime read_stamp(const CsvField& field) {
 }  // namespace
 
 ClockWriter::ClockWriter(const std::filesystem::path& path) : file_(path, IfExists::kReplace) {
-    file_.write(fmt::format("{}\n", fmt::join(kColumns, ",")));
+    file_.write(fmt::format("{}\n", fmt::join(kClockColumns, ",")));
 }
 
 void ClockWriter::append(Role node, const ClockExchange& e) {
@@ -40,7 +40,7 @@ void ClockWriter::append(Role node, const ClockExchange& e) {
 }
 
 std::vector<ClockRecord> read_clock_file(const std::filesystem::path& path) {
-    CsvReader reader(path, kColumns);
+    CsvReader reader(path, kClockColumns);
     std::vector<ClockRecord> records;
     while (reader.next()) {
         records.push_back({read_role(reader.field(0)),

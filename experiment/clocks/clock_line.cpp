@@ -7,7 +7,7 @@
 namespace thimble {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // The greatest value of a concave function on [low, high].
 template <class Function>
@@ -70,13 +70,13 @@ std::optional<ClockLine> ClockLine::fit(std::span<const ClockExchange> exchanges
 }
 
 double ClockLine::highest_at(double time_s, double rate) const {
-    double highest_s = kInfinity;
+    double highest_s = kUnbounded;
     for (const Corner& c : above_) highest_s = std::min(highest_s, c.offset_s + rate * (time_s - c.time_s));
     return highest_s;
 }
 
 double ClockLine::lowest_at(double time_s, double rate) const {
-    double lowest_s = -kInfinity;
+    double lowest_s = -kUnbounded;
     for (const Corner& c : below_) lowest_s = std::max(lowest_s, c.offset_s + rate * (time_s - c.time_s));
     return lowest_s;
 }

@@ -32,7 +32,7 @@ class EchoServer {
 
     EchoCounters run(const EchoPlan& plan) {
         const SessionTime end = wall_now() + plan.limit;
-        std::array<epoll_event, 32> room;
+        std::array<epoll_event, 32> room{};
         for (SessionTime now = wall_now(); now < end && !*plan.stop; now = wall_now()) {
             for (const epoll_event& event : waiter_.wait(kNever, std::min(end, now + kStopLatency), room))
                 serve(event.data.u64);

@@ -46,7 +46,7 @@ LinkFigures LinkTester::run() {
 }
 
 void LinkTester::listen(SessionTime latest) {
-    std::array<epoll_event, 32> room;
+    std::array<epoll_event, 32> room{};
     for (const epoll_event& event : waiter_.wait(latest, latest, room))
         probes_[event.data.u64].take_all(exchanges_);
 }

@@ -74,7 +74,7 @@ int ProbeSocket::send(Bytes datagram) {
 std::optional<ProbeSocket::Received> ProbeSocket::receive() {
     for (;;) {
         iovec part{buffer_.get(), kLargestProbeBytes};
-        Ancillary room;
+        Ancillary room{};
         msghdr message = message_into(part, room);
         const auto size = recvmsg(socket_.descriptor(), &message, MSG_DONTWAIT);
         if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return std::nullopt;
@@ -89,9 +89,9 @@ std::optional<ProbeSocket::Received> ProbeSocket::receive() {
 
 void ProbeSocket::take_errors(PortEvidence& evidence) {
     for (;;) {
-        std::array<std::uint8_t, 64> offender;
+        std::array<std::uint8_t, 64> offender{};
         iovec part{offender.data(), offender.size()};
-        Ancillary room;
+        Ancillary room{};
         msghdr message = message_into(part, room);
         if (recvmsg(socket_.descriptor(), &message, MSG_ERRQUEUE | MSG_DONTWAIT) < 0) return;
         const auto error = ancillary<sock_extended_err>(message, IPPROTO_IP, IP_RECVERR);

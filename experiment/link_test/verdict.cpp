@@ -20,25 +20,25 @@ struct Finding {
     std::string reason;
 };
 
-std::string ms(double seconds) {
+std::string in_ms(double seconds) {
     return std::isinf(seconds) ? "any" : fmt::format("{:.3g} ms", 1000 * seconds);
 }
 
 Finding judge_stability(const LoopFigures& link, const LoopLimits& limits) {
     const double hold_s = limits.sample_period_s / 2;
     const double median_s = link.round_trip_median_s + hold_s, p99_s = link.round_trip_p99_s + hold_s;
-    const std::string limit = ms(limits.critical_delay_s);
+    const std::string limit = in_ms(limits.critical_delay_s);
     if (p99_s <= limits.critical_delay_s) {
         return {Fit::kFits,
-                fmt::format("loop delay {} (p99 {}), stable below {}", ms(median_s), ms(p99_s), limit)};
+                fmt::format("loop delay {} (p99 {}), stable below {}", in_ms(median_s), in_ms(p99_s), limit)};
     }
     if (median_s <= limits.critical_delay_s) {
         return {Fit::kMarginal,
-                fmt::format("loop delay {} is stable, but its p99 {} is above the critical {}", ms(median_s),
-                            ms(p99_s), limit)};
+                fmt::format("loop delay {} is stable, but its p99 {} is above the critical {}",
+                            in_ms(median_s), in_ms(p99_s), limit)};
     }
-    return {Fit::kDoesNotFit,
-            fmt::format("loop delay {} is above the critical {}: contact oscillates", ms(median_s), limit)};
+    return {Fit::kDoesNotFit, fmt::format("loop delay {} is above the critical {}: contact oscillates",
+                                          in_ms(median_s), limit)};
 }
 
 Finding judge_depth(Modality modality, const LoopFigures& link, const LoopLimits& limits) {
@@ -46,7 +46,7 @@ Finding judge_depth(Modality modality, const LoopFigures& link, const LoopLimits
     const double share = link.round_trip_p99_s / own_s;
     const std::string words =
         fmt::format("p99 {} on top of the modality's own {}: the needle runs on {:.0f} % further",
-                    ms(link.round_trip_p99_s), ms(own_s), 100 * share);
+                    in_ms(link.round_trip_p99_s), in_ms(own_s), 100 * share);
     if (share <= 0.5) return {Fit::kFits, words};
     return {share <= 1 ? Fit::kMarginal : Fit::kDoesNotFit, words};
 }
@@ -54,12 +54,12 @@ Finding judge_depth(Modality modality, const LoopFigures& link, const LoopLimits
 Finding judge_pauses(const LoopFigures& link, const LoopLimits& limits) {
     if (link.longest_gap_s > limits.released_s) {
         return {Fit::kDoesNotFit, fmt::format("a pause of {}: after {} every display lets go",
-                                              ms(link.longest_gap_s), ms(limits.released_s))};
+                                              in_ms(link.longest_gap_s), in_ms(limits.released_s))};
     }
     if (link.longest_gap_s > limits.needle_held_s) {
         return {Fit::kMarginal,
                 fmt::format("a pause of {}: after {} the needle is held and contact starts anew",
-                            ms(link.longest_gap_s), ms(limits.needle_held_s))};
+                            in_ms(link.longest_gap_s), in_ms(limits.needle_held_s))};
     }
     return {Fit::kFits, ""};
 }

@@ -16,7 +16,6 @@ namespace {
 
 using testing::AllOf;
 using testing::AnyOf;
-using testing::Each;
 using testing::HasSubstr;
 
 constexpr unsigned kForce = 11, kNeedle = 14;
