@@ -4,7 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+
+#include "common/time.hpp"
 
 namespace thimble {
 
@@ -28,6 +31,10 @@ class Channel {
     // True if receive() is sure to find nothing; a call, too, that ends what receive() gave. Cheap: every flow
     // asks at every tick.
     bool known_empty() { return released_ = known_empty_; }
+
+    // When the datagram that receive() returned last had reached this machine, if the channel measures that: at most a
+    // few microseconds late, never early. None: take the tick's own time.
+    virtual std::optional<SessionTime> arrival() const { return std::nullopt; }
 
   protected:
     virtual Bytes take() = 0;

@@ -184,6 +184,23 @@ Heartbeat from_wire(const wire::Heartbeat& w, Judge& judge) {
             judge.choice(raw(w.reason()), EndReason::kInterrupted)};
 }
 
+wire::ClockProbe to_wire(const ClockProbe& b) { return wire::ClockProbe(to_nanoseconds(b.send_time)); }
+
+ClockProbe from_wire(const wire::ClockProbe& w, Judge& judge) {
+    judge.stamp(w.send_time_ns());
+    return {from_nanoseconds(w.send_time_ns())};
+}
+
+wire::ClockReply to_wire(const ClockReply& b) {
+    return {to_nanoseconds(b.probe_send_time), to_nanoseconds(b.probe_arrival_time)};
+}
+
+ClockReply from_wire(const wire::ClockReply& w, Judge& judge) {
+    judge.stamp(w.probe_send_time_ns());
+    judge.stamp(w.probe_arrival_time_ns());
+    return {from_nanoseconds(w.probe_send_time_ns()), from_nanoseconds(w.probe_arrival_time_ns())};
+}
+
 // Returns how many there are; `body` becomes the last of them.
 int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     int count = 0;
@@ -197,6 +214,8 @@ int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     read(p.percept());
     read(p.session_control());
     read(p.heartbeat());
+    read(p.clock_probe());
+    read(p.clock_reply());
     return count;
 }
 
@@ -264,6 +283,8 @@ struct Encoder::Templates {
     Template<wire::Percept> percept{wire::Packet::VT_PERCEPT};
     Template<wire::SessionControl> session_control{wire::Packet::VT_SESSION_CONTROL};
     Template<wire::Heartbeat> heartbeat{wire::Packet::VT_HEARTBEAT};
+    Template<wire::ClockProbe> clock_probe{wire::Packet::VT_CLOCK_PROBE};
+    Template<wire::ClockReply> clock_reply{wire::Packet::VT_CLOCK_REPLY};
 };
 
 Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
@@ -285,6 +306,12 @@ Bytes Encoder::encode(const Header& header, const SessionControl& body) {
 }
 Bytes Encoder::encode(const Header& header, const Heartbeat& body) {
     return templates_->heartbeat.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const ClockProbe& body) {
+    return templates_->clock_probe.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const ClockReply& body) {
+    return templates_->clock_reply.fill(header, to_wire(body));
 }
 Bytes Encoder::encode(const Message& message) {
     return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);

@@ -57,6 +57,8 @@ class Encoder {
     Bytes encode(const Header& header, const Percept& body);
     Bytes encode(const Header& header, const SessionControl& body);
     Bytes encode(const Header& header, const Heartbeat& body);
+    Bytes encode(const Header& header, const ClockProbe& body);
+    Bytes encode(const Header& header, const ClockReply& body);
     Bytes encode(const Message& message);
 
   private:

@@ -96,8 +96,20 @@ struct Heartbeat {
     EndReason reason = EndReason::kNone;
 };
 
+// session -> every node, on the control channel: what does your clock say? (clock_exchange.hpp)
+struct ClockProbe {
+    SessionTime send_time{};  // on the asker's clock
+};
+
+// The answer, in the tick in which the probe arrived. When it was sent says its header.
+struct ClockReply {
+    SessionTime probe_send_time{};     // which probe
+    SessionTime probe_arrival_time{};  // on the replier's clock, never earlier than it came
+};
+
 // Order as in Packet of messages.fbs.
-using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat>;
+using Body =
+    std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe, ClockReply>;
 
 struct Message {
     Header header;

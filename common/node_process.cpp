@@ -34,10 +34,16 @@ void NodeProcess::take_orders(SessionTime now) {
         const auto* control = std::get_if<SessionControl>(&message->body);
         if (control != nullptr) {
             take_order(now, message->header.trial, *control);
+        } else if (const auto* probe = std::get_if<ClockProbe>(&message->body)) {
+            answer(now, *probe);
         } else if (!std::holds_alternative<Heartbeat>(message->body)) {
             orders_.refuse_admitted(Refusal::kUnexpectedKind);
         }
     }
+}
+
+void NodeProcess::answer(SessionTime now, const ClockProbe& probe) {
+    heartbeats_.send(now, trial_, ClockReply{probe.send_time, control_->arrival().value_or(now)});
 }
 
 // Orders are repeated until their acknowledgement arrives, so each must be harmless the second time.

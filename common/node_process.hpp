@@ -52,6 +52,7 @@ class NodeProcess : public Process {
   private:
     void take_orders(SessionTime now);
     void take_order(SessionTime now, std::uint32_t trial, const SessionControl& control);
+    void answer(SessionTime now, const ClockProbe& probe);
     void give_up_if_alone(SessionTime now);
     void report(SessionTime now);
 

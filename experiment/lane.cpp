@@ -42,10 +42,14 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
         last_ = sample;
         if (writer_) writer_->append(sample);
     });
+    session_.set_clock_hook([this](Role node, const ClockExchange& exchange) {
+        if (clock_writer_) clock_writer_->append(node, exchange);
+    });
 }
 
 void Lane::open() {
     std::filesystem::create_directories(plan_.out);
+    clock_writer_.emplace(clock_path());
     if (!plan_.attach) launch();
     wait_for_nodes();
 }
@@ -61,6 +65,18 @@ SessionProcess::Channels Lane::open_channels() {
 
 std::filesystem::path Lane::report_path(std::size_t node) const {
     return plan_.out / fmt::format("{}_{:g}ms.json", kNodes[node].program, 1000 * plan_.delay_s);
+}
+
+std::filesystem::path Lane::clock_path() const {
+    return plan_.out / fmt::format("clocks_{:g}ms.csv", 1000 * plan_.delay_s);
+}
+
+// The file is the record; the summary is made from it.
+void Lane::close_clocks() {
+    if (!clock_writer_) return;
+    clock_writer_->flush();
+    clock_writer_.reset();
+    result_.clocks = clocks_of(plan_.delay_s, read_clock_file(clock_path()));
 }
 
 void Lane::launch() {
@@ -119,6 +135,7 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
         if (now >= next_poll) look_around(now + kPoll, next_poll);
         if (now >= next_flush) {
             writer_->flush();
+            if (clock_writer_) clock_writer_->flush();
             next_flush = now + kFlush;
         }
         if (now >= next_progress && events_.progress) {
@@ -159,6 +176,7 @@ void Lane::idle(Duration limit) {
 }
 
 LaneResult Lane::close() {
+    close_clocks();
     if (plan_.attach) return std::move(result_);
     session_.shut_down(wall_now());
     for (std::size_t i = 0; i < children_.size(); ++i) {

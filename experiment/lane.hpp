@@ -15,6 +15,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
 #include "experiment/child.hpp"
+#include "experiment/clocks/clock_table.hpp"
 #include "experiment/session_process.hpp"
 #include "experiment/trajectory_file.hpp"
 
@@ -43,6 +44,7 @@ struct LaneResult {
     ExitCode code = ExitCode::kOk;
     std::string problem;                          // why it ended early; empty if it did not
     std::vector<nlohmann::ordered_json> reports;  // one per node that could still write it
+    std::vector<NodeClock> clocks;
 };
 
 class Lane {
@@ -70,6 +72,8 @@ class Lane {
   private:
     SessionProcess::Channels open_channels();
     std::filesystem::path report_path(std::size_t node) const;
+    std::filesystem::path clock_path() const;
+    void close_clocks();
     void launch();
     std::optional<std::size_t> dead_child();
     std::string obituary(std::size_t i);
@@ -84,6 +88,7 @@ class Lane {
     RealtimeLoop loop_;
     std::vector<Child> children_;
     std::optional<TrajectoryWriter> writer_;
+    std::optional<ClockWriter> clock_writer_;
     TrajectorySample last_;
     LaneResult result_;
 };

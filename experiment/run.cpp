@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/version.hpp"
+#include "experiment/clocks/chrony.hpp"
 #include "experiment/lane.hpp"
 #include "experiment/ping_pong.hpp"
 #include "experiment/progress.hpp"
@@ -109,6 +110,7 @@ class Run {
         LaneResult lane_result = run_lane(lane_plan, events);
         const std::lock_guard guard(mutex_);
         for (auto& node : lane_result.reports) nodes_.push_back({delay_s, std::move(node)});
+        clocks_.insert(clocks_.end(), lane_result.clocks.begin(), lane_result.clocks.end());
         if (lane_result.code == ExitCode::kOk || result_.code != ExitCode::kOk) return;
         result_.code = lane_result.code;
         result_.problem = lane_result.problem;
@@ -154,13 +156,14 @@ class Run {
         report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
         ReportSection timing;
         timing.title = "How well time was kept";
-        timing.tables = {round_trip_table(result_.rows, bare_), deadline_table(nodes_),
+        timing.tables = {round_trip_table(result_.rows, bare_), clock_table(clocks_), deadline_table(nodes_),
                          refusal_table(nodes_)};
         report.sections.push_back(std::move(timing));
         report.provenance = {{"command", options_.command},
                              {"seed", std::to_string(settings_.plan.seed)},
                              {"subject", std::to_string(settings_.plan.subject)},
                              {"version", kVersion},
+                             {"clock daemon", describe_chrony()},
                              {"outcome", result_.code == ExitCode::kOk ? "complete" : result_.problem}};
         write_report(report, options_.out / "report.html");
         write_summary(report, options_.out / "summary.json");
@@ -176,6 +179,7 @@ class Run {
     TrajectoryPanels panels_;
     Histogram bare_;
     std::vector<NodeReport> nodes_;
+    std::vector<NodeClock> clocks_;
     std::size_t next_delay_ = 0;
     std::atomic<bool> failed_ = false;
     std::exception_ptr failure_;

@@ -29,7 +29,8 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
                         [](std::uint64_t id, Channel* channel, Role role) {
                             return Peer{InboundFlow(role), OutboundFlow(Role::kSession, id, {channel}),
                                         channel,           role,
-                                        Heartbeat{},       0};
+                                        Heartbeat{},       0,
+                                        ClockProber{},     ClockFilter{}};
                         })) {}
 
 void SessionProcess::start(const TrialConditions& conditions, std::uint32_t number) {
@@ -109,11 +110,20 @@ void SessionProcess::take_heartbeats(SessionTime now) {
             if (const auto* heartbeat = std::get_if<Heartbeat>(&message->body)) {
                 peer.last = *heartbeat;
                 peer.trial = message->header.trial;
+            } else if (const auto* reply = std::get_if<ClockReply>(&message->body)) {
+                take_clock(now, peer, message->header, *reply);
             } else {
                 peer.flow.refuse_admitted(Refusal::kUnexpectedKind);
             }
         }
     }
+}
+
+void SessionProcess::take_clock(SessionTime now, Peer& peer, const Header& header, const ClockReply& reply) {
+    const auto exchange = peer.prober.take(reply, header.send_time, peer.channel->arrival().value_or(now));
+    if (!exchange) return;
+    peer.clock.add(*exchange);
+    if (clock_hook_) clock_hook_(peer.role, *exchange);
 }
 
 void SessionProcess::take_records(SessionTime now) {
@@ -168,6 +178,10 @@ bool SessionProcess::all_stopped(SessionTime now) const {
         if (lost && (peer.role == record_.lost_peer || peer.flow.silent_for(now, kPeerTimeout))) return true;
         return peer.last.state == NodeState::kIdle || peer.last.state == NodeState::kFailed;
     });
+}
+
+const SessionProcess::Peer& SessionProcess::peer(Role role) const {
+    return *std::find_if(peers_.begin(), peers_.end(), [&](const Peer& peer) { return peer.role == role; });
 }
 
 const SessionProcess::Peer* SessionProcess::quietest() const {
@@ -253,11 +267,10 @@ void SessionProcess::end(SessionTime now, EndReason reason, Role lost_peer) {
 
 void SessionProcess::finish() {
     stage_ = Stage::kDone;
-    const auto master = std::find_if(peers_.begin(), peers_.end(),
-                                     [](const Peer& peer) { return peer.role == Role::kMaster; });
-    if (master->trial != trial_ || master->last.state == NodeState::kRunning) return;
-    record_.round_trip_s = master->last.round_trip_median_s;
-    record_.achieved_delay_s = master->last.round_trip_median_s - master->last.hold_median_s;
+    const Peer& master = peer(Role::kMaster);
+    if (master.trial != trial_ || master.last.state == NodeState::kRunning) return;
+    record_.round_trip_s = master.last.round_trip_median_s;
+    record_.achieved_delay_s = master.last.round_trip_median_s - master.last.hold_median_s;
 }
 
 void SessionProcess::send_orders(SessionTime now) {
@@ -275,6 +288,8 @@ void SessionProcess::send_orders(SessionTime now) {
         } else {
             peer.out.send(now, trial_, Heartbeat{});
         }
+        // Behind an order, never alone: a probe wakes nobody who would have slept on.
+        if (peer.prober.due(now)) peer.out.send(now, trial_, peer.prober.probe(now));
     }
 }
 

@@ -9,6 +9,8 @@
 
 #include "common/flow.hpp"
 #include "common/node_process.hpp"
+#include "experiment/clocks/clock_filter.hpp"
+#include "experiment/clocks/clock_prober.hpp"
 #include "experiment/trial_record.hpp"
 
 namespace thimble {
@@ -36,6 +38,8 @@ class SessionProcess final : public Process {
     };
     // Called for each recorded sample, before it is stored (to write it to disk as it comes).
     using SampleHook = std::function<void(const TrajectorySample&)>;
+    // Called for each exchange of stamps with the clock of a node.
+    using ClockHook = std::function<void(Role, const ClockExchange&)>;
 
     SessionProcess(std::uint64_t instance, const SessionSettings& settings, const Channels& channels);
 
@@ -46,6 +50,10 @@ class SessionProcess final : public Process {
     // The greatest number that a node has reported, 0 if none ran a trial yet.
     std::uint32_t last_number() const;
     void set_sample_hook(SampleHook hook) { hook_ = std::move(hook); }
+    void set_clock_hook(ClockHook hook) { clock_hook_ = std::move(hook); }
+    // Offset of each node's clock to the session's (clock_filter.hpp).
+    const ClockFilter& clock_of(Role role) const { return peer(role).clock; }
+    const ClockProbeCounters& clock_counters(Role role) const { return peer(role).prober.counters(); }
 
     bool finished() const { return stage_ == Stage::kDone; }
     const TrialRecord& record() const { return record_; }
@@ -73,9 +81,12 @@ class SessionProcess final : public Process {
         Role role;
         Heartbeat last;
         std::uint32_t trial = 0;
+        ClockProber prober{};
+        ClockFilter clock{};
     };
 
     void take_heartbeats(SessionTime now);
+    void take_clock(SessionTime now, Peer& peer, const Header& header, const ClockReply& reply);
     void take_records(SessionTime now);
     void store(const ForceFeedback& feedback);
     void watch_withdrawal(const TrajectorySample& sample);
@@ -87,6 +98,7 @@ class SessionProcess final : public Process {
     void finish();
     bool all(NodeState state, bool with_master) const;
     bool all_stopped(SessionTime now) const;
+    const Peer& peer(Role role) const;
     const Peer* quietest() const;
     const Peer& laggard(SessionTime now) const;
 
@@ -95,6 +107,7 @@ class SessionProcess final : public Process {
     std::array<Peer, kNodeRoles.size()> peers_;
     InboundFlow record_flow_{Role::kSlaveSim};
     SampleHook hook_;
+    ClockHook clock_hook_;
     TrialRecord record_;
     SessionControl order_;
     Stage stage_ = Stage::kIdle;

@@ -2,10 +2,16 @@
 
 namespace thimble {
 
-Channel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& remote) {
+UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& remote) {
     channels_.push_back(std::make_unique<UdpChannel>(local, remote));
     if (local) descriptors_.push_back(channels_.back()->file_descriptor());
     return channels_.back().get();
+}
+
+Channel* Sockets::between(Port local, Port remote) {
+    UdpChannel* channel = open(settings_.at(local), settings_.at(remote));
+    channel->stamp_arrivals();
+    return channel;
 }
 
 UdpCounters Sockets::counters() const {

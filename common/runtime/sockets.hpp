@@ -15,7 +15,8 @@ class Sockets {
     explicit Sockets(NetworkSettings settings) : settings_(std::move(settings)) {}
 
     // Both ways between two known ports (control channels).
-    Channel* between(Port local, Port remote) { return open(settings_.at(local), settings_.at(remote)); }
+    // Arrivals are stamped: clocks are compared here.
+    Channel* between(Port local, Port remote);
     // Listens at `local` to the host of `sender` only.
     Channel* inlet(Port local, Role sender) {
         return open(settings_.at(local), {settings_.hosts[static_cast<std::size_t>(sender)], 0});
@@ -28,7 +29,7 @@ class Sockets {
     UdpCounters counters() const;
 
   private:
-    Channel* open(const std::optional<Endpoint>& local, const Endpoint& remote);
+    UdpChannel* open(const std::optional<Endpoint>& local, const Endpoint& remote);
 
     NetworkSettings settings_;
     std::vector<std::unique_ptr<UdpChannel>> channels_;

@@ -1,8 +1,10 @@
 #include "common/runtime/udp_channel.hpp"
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -10,12 +12,15 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
 namespace {
 
 // A few hundred messages: bursts after a stall must not be lost in the kernel.
 constexpr int kBufferBytes = 1 << 20;
+// What a kernel stamp may be off by as session time: more than half the width of the pairs of readings used.
+constexpr Duration kStampDoubt = std::chrono::microseconds{5};
 
 sockaddr_in resolve(const Endpoint& endpoint) {
     addrinfo hints{};
@@ -81,22 +86,58 @@ void UdpChannel::send(Bytes datagram) {
 Bytes UdpChannel::take() {
     for (;;) {
         sockaddr_in source{};
-        socklen_t length = sizeof source;
-        const auto size = recvfrom(socket_, buffer_.data(), buffer_.size(), MSG_DONTWAIT,
-                                   static_cast<sockaddr*>(static_cast<void*>(&source)), &length);
+        iovec part{buffer_.data(), buffer_.size()};
+        alignas(cmsghdr) std::array<std::uint8_t, 64> control{};
+        msghdr message{};
+        message.msg_name = &source;
+        message.msg_namelen = sizeof source;
+        message.msg_iov = &part;
+        message.msg_iovlen = 1;
+        message.msg_control = stamping_ ? control.data() : nullptr;
+        message.msg_controllen = stamping_ ? control.size() : 0;
+        const auto size = recvmsg(socket_, &message, MSG_DONTWAIT);
         // An ICMP "nobody listens" for an earlier send is reported here once; it is the peer's watchdog's
         // business.
         if (size < 0 && (errno == ECONNREFUSED || errno == EINTR)) continue;
         if (size < 0) return {};
-        if (source.sin_addr.s_addr != remote_.sin_addr.s_addr) {
-            ++counters_.foreign_source;
-        } else if (static_cast<std::size_t>(size) > kMaxDatagramBytes) {
-            ++counters_.too_long;
-        } else if (size > 0) {
-            ++counters_.received;
-            return {buffer_.data(), static_cast<std::size_t>(size)};
-        }
+        if (!from_peer(static_cast<std::size_t>(size), source)) continue;
+        if (stamping_) arrival_ = arrival_of(message);
+        return {buffer_.data(), static_cast<std::size_t>(size)};
     }
+}
+
+// Counts it; an empty datagram is nobody's.
+bool UdpChannel::from_peer(std::size_t size, const sockaddr_in& source) {
+    if (source.sin_addr.s_addr != remote_.sin_addr.s_addr) {
+        ++counters_.foreign_source;
+    } else if (size > kMaxDatagramBytes) {
+        ++counters_.too_long;
+    } else if (size > 0) {
+        ++counters_.received;
+        return true;
+    }
+    return false;
+}
+
+void UdpChannel::stamp_arrivals() {
+    const int on = 1;
+    stamping_ = setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) == 0;
+}
+
+// Without a stamp that can be trusted: now, which is later than the arrival in any case.
+SessionTime UdpChannel::arrival_of(const msghdr& message) {
+    const ClockPair pair = read_clock_pair();
+    if (pair.after - pair.before > kStampDoubt) return pair.after;
+    stamp_clock_.update(pair);
+    for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr;
+         c = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(c))) {
+        if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
+        timespec stamp{};
+        std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+        const std::int64_t stamp_ns = std::int64_t{stamp.tv_sec} * 1'000'000'000 + stamp.tv_nsec;
+        return std::min(stamp_clock_.to_session(stamp_ns, pair.after) + kStampDoubt, pair.after);
+    }
+    return pair.after;
 }
 
 }  // namespace thimble

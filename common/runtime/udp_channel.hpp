@@ -4,9 +4,11 @@
 #include <array>
 #include <netinet/in.h>
 #include <optional>
+#include <sys/socket.h>
 
 #include "common/channel.hpp"
 #include "common/network_settings.hpp"
+#include "common/runtime/stamp_clock.hpp"
 
 namespace thimble {
 
@@ -27,6 +29,10 @@ class UdpChannel final : public Channel {
 
     void send(Bytes datagram) override;
 
+    // From now on the kernel stamps what arrives, and arrival() is known. Costs three clock readings per datagram.
+    void stamp_arrivals();
+    std::optional<SessionTime> arrival() const override { return arrival_; }
+
     // To wait on; readable when a datagram is there.
     int file_descriptor() const { return socket_; }
     const UdpCounters& counters() const { return counters_; }
@@ -34,10 +40,15 @@ class UdpChannel final : public Channel {
   private:
     Bytes take() override;
     void bind_to(const Endpoint& local);
+    bool from_peer(std::size_t size, const sockaddr_in& source);
+    SessionTime arrival_of(const msghdr& message);
 
     int socket_ = -1;
     sockaddr_in remote_{};
     UdpCounters counters_;
+    bool stamping_ = false;
+    StampClock stamp_clock_;
+    std::optional<SessionTime> arrival_;
     alignas(16) std::array<std::uint8_t, kMaxDatagramBytes + 1> buffer_{};
 };
 

@@ -23,5 +23,6 @@ Command add_report(CLI::App& app, const std::string& typed);
 Command add_analyse(CLI::App& app);
 Command add_check(CLI::App& app);
 Command add_exclude(CLI::App& app);
+Command add_link_test(CLI::App& app);
 
 }  // namespace thimble

@@ -36,6 +36,15 @@ auto fields(const Heartbeat& m) {
     return std::tie(accepted, refused, median, worst, hold, state, reason);
 }
 
+auto fields(const ClockProbe& m) {
+    const auto& [send_time] = m;
+    return std::tie(send_time);
+}
+auto fields(const ClockReply& m) {
+    const auto& [probe_send_time, probe_arrival_time] = m;
+    return std::tie(probe_send_time, probe_arrival_time);
+}
+
 // A NaN fails every comparison.
 bool within(double value, double low, double high) { return value >= low && value <= high; }
 bool position(double value_m) { return within(value_m, -10, 10); }
@@ -70,6 +79,8 @@ bool plausible_body(const Heartbeat& m) {
     return span(m.round_trip_median_s) && span(m.round_trip_worst_s) && span(m.hold_median_s) &&
            m.state <= NodeState::kFailed && m.reason <= EndReason::kInterrupted;
 }
+bool plausible_body(const ClockProbe& m) { return stamp(m.send_time); }
+bool plausible_body(const ClockReply& m) { return stamp(m.probe_send_time) && stamp(m.probe_arrival_time); }
 
 }  // namespace
 
@@ -94,7 +105,9 @@ std::vector<Message> sample_messages() {
             {header, Percept{0.9, 3.1, -0.004, 0.001, 0.052, Finger::kThumb, true, true}},
             {header, SessionControl{99, 0.025, 0.05, 3, 2, ControlKind::kFixtureChange, Modality::kCCF, true,
                                     EndReason::kTimeout}},
-            {header, Heartbeat{1000, 3, 0.101, 0.13, 0.0002, NodeState::kRunning, EndReason::kPeerLost}}};
+            {header, Heartbeat{1000, 3, 0.101, 0.13, 0.0002, NodeState::kRunning, EndReason::kPeerLost}},
+            {header, ClockProbe{from_nanoseconds(987'654'321)}},
+            {header, ClockReply{from_nanoseconds(987'654'321), from_nanoseconds(55'000'000'123)}}};
 }
 
 bool plausible(const Message& message) {

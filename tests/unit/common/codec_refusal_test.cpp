@@ -56,7 +56,7 @@ struct alignas(8) ZeroBody {  // as large as the largest
     std::array<std::uint8_t, 88> bytes{};
 };
 constexpr flatbuffers::voffset_t kHeaderField = 4;
-constexpr std::array<flatbuffers::voffset_t, 5> kBodyFields{6, 8, 10, 12, 14};
+constexpr std::array<flatbuffers::voffset_t, 7> kBodyFields{6, 8, 10, 12, 14, 16, 18};
 
 Packet by_hand(bool header, const std::vector<flatbuffers::voffset_t>& bodies,
                const char* identifier = "THM1") {
@@ -124,7 +124,7 @@ TEST(CodecRefusal, NotOneBody) {
         }
     }
     // A body that a later version may add is none that we know.
-    EXPECT_EQ(judged(by_hand(true, {16})), Refusal::kNotOneBody);
+    EXPECT_EQ(judged(by_hand(true, {20})), Refusal::kNotOneBody);
 }
 
 struct Number {
@@ -217,15 +217,24 @@ TEST(CodecRefusal, StampsOutOfRange) {
         body.hold_time = Duration{ns};
         return verdict(body);
     };
+    const auto probe = [](std::int64_t ns) { return verdict(ClockProbe{from_nanoseconds(ns)}); };
+    const auto reply_to = [](std::int64_t ns) { return verdict(ClockReply{from_nanoseconds(ns), {}}); };
+    const auto arrival = [](std::int64_t ns) { return verdict(ClockReply{{}, from_nanoseconds(ns)}); };
     for (const std::int64_t ns : {std::int64_t{0}, kLast}) {
         EXPECT_EQ(header(ns), Refusal::kCount);
         EXPECT_EQ(echo(ns), Refusal::kCount);
         EXPECT_EQ(hold(ns), Refusal::kCount);
+        EXPECT_EQ(probe(ns), Refusal::kCount);
+        EXPECT_EQ(reply_to(ns), Refusal::kCount);
+        EXPECT_EQ(arrival(ns), Refusal::kCount);
     }
     for (const std::int64_t ns : {std::int64_t{-1}, kLast + 1, INT64_MAX, INT64_MIN}) {
         EXPECT_EQ(header(ns), Refusal::kOutOfRange);
         EXPECT_EQ(echo(ns), Refusal::kOutOfRange);
         EXPECT_EQ(hold(ns), Refusal::kOutOfRange);
+        EXPECT_EQ(probe(ns), Refusal::kOutOfRange);
+        EXPECT_EQ(reply_to(ns), Refusal::kOutOfRange);
+        EXPECT_EQ(arrival(ns), Refusal::kOutOfRange);
     }
 }
 

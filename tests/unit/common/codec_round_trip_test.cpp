@@ -68,7 +68,7 @@ Header draw_header() {
 }
 
 Body draw_body() {
-    switch (*rc::gen::inRange(0, 5)) {
+    switch (*rc::gen::inRange(0, 7)) {
         case 0:
             return NeedleCommand{draw(10), draw(1000), draw(10), draw(10), draw(1000), draw(1e5)};
         case 1:
@@ -100,6 +100,10 @@ Body draw_body() {
                                   draw_enum(Modality::kVF),
                                   draw_bool(),
                                   draw_enum(EndReason::kInterrupted)};
+        case 4:
+            return ClockProbe{from_nanoseconds(draw_stamp())};
+        case 5:
+            return ClockReply{from_nanoseconds(draw_stamp()), from_nanoseconds(draw_stamp())};
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),

@@ -276,6 +276,25 @@ TEST_F(NodeProcessTest, AFailedTrialIsAcknowledgedByItsEndAndTheNextStarts) {
     EXPECT_EQ(process.said, (Said{"end 1", "begin 2 CF"}));
 }
 
+TEST_F(NodeProcessTest, AnswersAClockProbeInTheSameTick) {
+    session.send(now, 0, ClockProbe{SessionTime{milliseconds{3}}});
+    tick(milliseconds{40});
+    const auto messages = heartbeats();
+    ASSERT_EQ(messages.size(), 1U);
+    const auto& reply = std::get<ClockReply>(messages[0].body);
+    EXPECT_EQ(reply.probe_send_time, SessionTime{milliseconds{3}});
+    EXPECT_EQ(reply.probe_arrival_time, now);  // the channel does not know better
+    EXPECT_EQ(messages[0].header.send_time, now);
+    EXPECT_EQ(process.state(), NodeState::kIdle);
+}
+
+TEST_F(NodeProcessTest, AClockReplyIsNoOrder) {
+    session.send(now, 0, ClockReply{});
+    tick(milliseconds{40});
+    EXPECT_TRUE(heartbeats().empty());
+    EXPECT_EQ(process.counters().of(Refusal::kUnexpectedKind), 1U);
+}
+
 TEST_F(NodeProcessTest, CountsWhatItHearsAndReportsIt) {
     session.send(now, 0, NeedleCommand{});  // the session does not steer needles
     session.send(now, 0, Heartbeat{});

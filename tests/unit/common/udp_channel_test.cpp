@@ -13,6 +13,7 @@
 
 #include "common/error.hpp"
 #include "common/runtime/sockets.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "tests/unit/common/packet.hpp"
 
 namespace thimble {
@@ -39,6 +40,7 @@ class UdpPair : public testing::Test {
   protected:
     UdpChannel receiver{Endpoint{kHere, 0}, Endpoint{kHere, 0}};
     UdpChannel sender{std::nullopt, Endpoint{kHere, port_of(receiver)}};
+    int early = 0;
 };
 
 TEST_F(UdpPair, SendsAndReceivesInOrder) {
@@ -51,6 +53,27 @@ TEST_F(UdpPair, SendsAndReceivesInOrder) {
     EXPECT_TRUE(receiver.receive().empty());
     EXPECT_EQ(sender.counters().sent, 2U);
     EXPECT_EQ(receiver.counters().received, 2U);
+}
+
+TEST_F(UdpPair, ArrivalsAreStampedOnceAsked) {
+    sender.send(Packet{1});
+    ASSERT_TRUE(wait_for_datagram(receiver));
+    receiver.receive();
+    EXPECT_FALSE(receiver.arrival());
+    receiver.stamp_arrivals();
+    for (int i = 0; i < 100; ++i) {
+        const SessionTime before = wall_now();
+        sender.send(Packet{2});
+        ASSERT_TRUE(wait_for_datagram(receiver));
+        wall_sleep(std::chrono::microseconds{200});
+        const SessionTime asked = wall_now();
+        ASSERT_FALSE(receiver.receive().empty());
+        ASSERT_TRUE(receiver.arrival());
+        EXPECT_GE(*receiver.arrival(), before);
+        EXPECT_LE(*receiver.arrival(), wall_now());
+        early += *receiver.arrival() < asked ? 1 : 0;
+    }
+    EXPECT_GT(early, 0);  // the kernel's stamp, not the moment of the call
 }
 
 TEST_F(UdpPair, NothingWaitingIsNoError) {

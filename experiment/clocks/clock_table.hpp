@@ -1,0 +1,28 @@
+// The table "Clocks" of a run's report.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiment/clocks/clock_file.hpp"
+#include "experiment/clocks/clock_summary.hpp"
+#include "experiment/html.hpp"
+
+namespace thimble {
+
+struct NodeClock {
+    double delay_s = 0;  // of the condition
+    Role node = Role::kMaster;
+    ClockSummary summary;
+};
+
+// A summary per node that has exchanges, in the order of their roles.
+std::vector<NodeClock> clocks_of(double delay_s, const std::vector<ClockRecord>& records);
+ReportTable clock_table(const std::vector<NodeClock>& clocks);
+
+// "12.3", or "not known: +-40.1", in microseconds.
+std::string one_way_text_us(const std::optional<OneWayDelay>& delay);
+// "-0.12 to 3.40" in parts per million.
+std::string rate_text_ppm(const ClockSummary& clock);
+
+}  // namespace thimble

@@ -1,0 +1,149 @@
+#include "experiment/link_test/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "experiment/critical_delay.hpp"
+#include "slave_sim/needle_scene.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr double kLossMarginal = 0.05, kLossTooMuch = 0.5;
+constexpr double kFrameWaits = 0.5;  // of a frame, on average, until it is drawn
+
+struct Finding {
+    Fit fit;
+    std::string reason;
+};
+
+std::string in_ms(double seconds) {
+    return std::isinf(seconds) ? "any" : fmt::format("{:.3g} ms", 1000 * seconds);
+}
+
+Finding judge_stability(const LoopFigures& link, const LoopLimits& limits) {
+    const double hold_s = limits.sample_period_s / 2;
+    const double median_s = link.round_trip_median_s + hold_s, p99_s = link.round_trip_p99_s + hold_s;
+    const std::string limit = in_ms(limits.critical_delay_s);
+    if (p99_s <= limits.critical_delay_s) {
+        return {Fit::kFits,
+                fmt::format("loop delay {} (p99 {}), stable below {}", in_ms(median_s), in_ms(p99_s), limit)};
+    }
+    if (median_s <= limits.critical_delay_s) {
+        return {Fit::kMarginal,
+                fmt::format("loop delay {} is stable, but its p99 {} is above the critical {}",
+                            in_ms(median_s), in_ms(p99_s), limit)};
+    }
+    return {Fit::kDoesNotFit, fmt::format("loop delay {} is above the critical {}: contact oscillates",
+                                          in_ms(median_s), limit)};
+}
+
+Finding judge_depth(Modality modality, const LoopFigures& link, const LoopLimits& limits) {
+    const double own_s = limits.latency_s[static_cast<std::size_t>(modality)];
+    const double share = link.round_trip_p99_s / own_s;
+    const std::string words =
+        fmt::format("p99 {} on top of the modality's own {}: the needle runs on {:.0f} % further",
+                    in_ms(link.round_trip_p99_s), in_ms(own_s), 100 * share);
+    if (share <= 0.5) return {Fit::kFits, words};
+    return {share <= 1 ? Fit::kMarginal : Fit::kDoesNotFit, words};
+}
+
+Finding judge_pauses(const LoopFigures& link, const LoopLimits& limits) {
+    if (link.longest_gap_s > limits.released_s) {
+        return {Fit::kDoesNotFit, fmt::format("a pause of {}: after {} every display lets go",
+                                              in_ms(link.longest_gap_s), in_ms(limits.released_s))};
+    }
+    if (link.longest_gap_s > limits.needle_held_s) {
+        return {Fit::kMarginal,
+                fmt::format("a pause of {}: after {} the needle is held and contact starts anew",
+                            in_ms(link.longest_gap_s), in_ms(limits.needle_held_s))};
+    }
+    return {Fit::kFits, ""};
+}
+
+Finding judge_loss(const LoopFigures& link) {
+    const std::string words = fmt::format("{:.1f} % of the samples lost", 100 * link.loss);
+    if (link.loss >= kLossTooMuch) return {Fit::kDoesNotFit, words};
+    return {link.loss > kLossMarginal ? Fit::kMarginal : Fit::kFits, words};
+}
+
+HeldHandle held_handle(const SystemSettings& s) {
+    const HandMechanics& hand = s.person.hand;
+    const HandleMechanics& handle = s.handle.mechanics;
+    const double m_d = handle.moving_mass_kg, k_g = hand.grip_stiffness_N_per_m;
+    const double m_a = hand.arm_mass_kg, k_a = hand.arm_stiffness_N_per_m;
+    return {m_d, handle.damping_Ns_per_m,
+            k_g, 2 * hand.grip_damping_ratio * std::sqrt(k_g * m_d),
+            m_a, 2 * hand.arm_damping_ratio * std::sqrt(k_a * (m_a + m_d)),
+            k_a};
+}
+
+}  // namespace
+
+const char* to_string(Fit fit) {
+    static constexpr std::array kNames{"fits", "marginal", "does not fit"};
+    return kNames[static_cast<std::size_t>(fit)];
+}
+
+// Pressed so slowly that damping adds nothing, at two depths, so that a force at the surface would not count either.
+double fixture_stiffness_N_per_m(const SlaveSettings& settings) {
+    constexpr double kDepth_m = 1e-4, kSlowly_s = 1e6;
+    NeedleScene scene(settings.scene, settings.make_tissue);
+    if (scene.fixture() == nullptr) return 0;
+    const double surface_m = settings.fixture_position_m();
+    const auto press = [&](double start_s, double depth_m) {
+        scene.step(start_s, kSlowly_s, {surface_m + depth_m, surface_m + depth_m});
+        return scene.force_fixture_N();
+    };
+    scene.reset({surface_m, surface_m});
+    const double first_N = press(0, kDepth_m);
+    return (first_N - press(kSlowly_s, 2 * kDepth_m)) / kDepth_m;
+}
+
+LoopLimits loop_limits(const SystemSettings& s) {
+    LoopLimits limits;
+    const double stiffness =
+        s.master.position_scale * s.master.force_scale * fixture_stiffness_N_per_m(s.slave);
+    limits.critical_delay_s =
+        stiffness > 0 ? critical_delay_s(held_handle(s), stiffness) : std::numeric_limits<double>::infinity();
+    limits.sample_period_s = to_seconds(s.master.sample_period);
+    const ReactionParameters& reaction = s.person.reaction;
+    const double actuator_s = to_seconds(s.cutaneous.dead_time + s.cutaneous.time_constant);
+    const double screen_s = kFrameWaits / s.visual.refresh_Hz + to_seconds(s.visual.pipeline);
+    const auto set = [&](Modality modality, double latency_s) {
+        limits.latency_s[static_cast<std::size_t>(modality)] = latency_s;
+    };
+    set(Modality::kCF, actuator_s + reaction.cutaneous_s);
+    set(Modality::kCCF, actuator_s + reaction.tactile_s + reaction.crossing_s + reaction.compatibility_s);
+    set(Modality::kVF, screen_s + reaction.visual_s);
+    limits.needle_held_s = to_seconds(s.slave.stale_after);
+    limits.released_s =
+        to_seconds(std::min({s.master.stale_after, s.cutaneous.stale_after, s.visual.stale_after}));
+    return limits;
+}
+
+ModalityVerdict judge(Modality modality, const LoopFigures& link, const LoopLimits& limits) {
+    const Finding delay =
+        modality == Modality::kHF ? judge_stability(link, limits) : judge_depth(modality, link, limits);
+    ModalityVerdict verdict{modality, delay.fit, delay.reason};
+    for (const Finding& finding : {judge_pauses(link, limits), judge_loss(link)}) {
+        if (finding.fit == Fit::kFits) continue;
+        verdict.fit = std::max(verdict.fit, finding.fit);
+        verdict.reason += "; " + finding.reason;
+    }
+    return verdict;
+}
+
+std::vector<ModalityVerdict> judge_all(const std::vector<Modality>& modalities, const LinkFigures& link,
+                                       const LoopLimits& limits) {
+    const LoopFigures loop = loop_figures(link);
+    std::vector<ModalityVerdict> verdicts;
+    if (!loop.measured) return verdicts;
+    for (const Modality modality : modalities) verdicts.push_back(judge(modality, loop, limits));
+    return verdicts;
+}
+
+}  // namespace thimble

@@ -1,0 +1,175 @@
+// Verdicts from made-up figures: each rule, on both sides of its limit.
+#include "experiment/link_test/verdict.hpp"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "experiment/critical_delay.hpp"
+#include "experiment/link_test/link_report.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+SystemSettings paper() { return load_system_settings({}); }
+
+LoopFigures link(double median_s, double p99_s) { return {true, median_s, p99_s, 0, 0.002}; }
+
+Fit fit(Modality modality, const LoopFigures& figures) {
+    return judge(modality, figures, loop_limits(paper())).fit;
+}
+
+TEST(LinkVerdict, LimitsFollowFromTheSession) {
+    const LoopLimits limits = loop_limits(paper());
+    EXPECT_NEAR(fixture_stiffness_N_per_m(paper().slave), 3000, 1e-6);
+    // (b_grip + b_handle) / 9000 N/m is 2.2 ms; the arm adds a little.
+    EXPECT_GT(limits.critical_delay_s, 0.0022);
+    EXPECT_LT(limits.critical_delay_s, 0.0026);
+    EXPECT_NEAR(limits.latency_s[1], 0.045 + 0.130, 1e-9);
+    EXPECT_NEAR(limits.latency_s[2], 0.045 + 0.155 + 0.0026 + 0.020, 1e-9);
+    EXPECT_NEAR(limits.latency_s[3], 0.5 / 60 + 0.025 + 0.240, 1e-9);
+    EXPECT_DOUBLE_EQ(limits.needle_held_s, 0.020);
+    EXPECT_DOUBLE_EQ(limits.released_s, 0.100);
+}
+
+TEST(LinkVerdict, ASofterFixtureBearsMoreAndNoneBearsAll) {
+    const auto config = [](const char* text) {
+        return read_system_settings(ConfigFile::parse(text, "test"));
+    };
+    EXPECT_GT(loop_limits(config("[fixture]\nstiffness_N_per_m = 1000\n")).critical_delay_s,
+              2 * loop_limits(paper()).critical_delay_s);
+    EXPECT_GT(loop_limits(config("[master]\nforce_scale = 0.5\n")).critical_delay_s,
+              1.5 * loop_limits(paper()).critical_delay_s);
+    const auto soft = config("[fixture]\nstiffness_N_per_m = 0\n");
+    EXPECT_TRUE(std::isinf(loop_limits(soft).critical_delay_s));
+    EXPECT_EQ(judge(Modality::kHF, link(0.05, 0.09), loop_limits(soft)).fit, Fit::kFits);
+    // Damping of the fixture does not count as stiffness.
+    EXPECT_NEAR(fixture_stiffness_N_per_m(config("[fixture]\ndamping_Ns_per_m = 100\n").slave), 3000, 1e-6);
+}
+
+TEST(LinkVerdict, HandleForceNeedsAShortLoop) {
+    const double critical_s = loop_limits(paper()).critical_delay_s - 0.0005;
+    EXPECT_EQ(fit(Modality::kHF, link(0.0002, 0.99 * critical_s)), Fit::kFits);
+    EXPECT_EQ(fit(Modality::kHF, link(0.0002, 1.01 * critical_s)), Fit::kMarginal);
+    EXPECT_EQ(fit(Modality::kHF, link(1.01 * critical_s, 1.02 * critical_s)), Fit::kDoesNotFit);
+    EXPECT_THAT(judge(Modality::kHF, link(0.05, 0.05), loop_limits(paper())).reason, HasSubstr("oscillates"));
+}
+
+TEST(LinkVerdict, TheOthersBearPartOfTheirOwnLatency) {
+    const LoopLimits limits = loop_limits(paper());
+    for (const Modality modality : {Modality::kCF, Modality::kCCF, Modality::kVF}) {
+        const double own_s = limits.latency_s[static_cast<std::size_t>(modality)];
+        EXPECT_EQ(fit(modality, link(0.001, 0.49 * own_s)), Fit::kFits);
+        EXPECT_EQ(fit(modality, link(0.001, 0.51 * own_s)), Fit::kMarginal);
+        EXPECT_EQ(fit(modality, link(0.001, 1.01 * own_s)), Fit::kDoesNotFit);
+    }
+    // The paper's 50 ms: what it found.
+    EXPECT_EQ(fit(Modality::kHF, link(0.05, 0.05)), Fit::kDoesNotFit);
+    for (const Modality modality : {Modality::kCF, Modality::kCCF, Modality::kVF})
+        EXPECT_EQ(fit(modality, link(0.05, 0.05)), Fit::kFits);
+}
+
+TEST(LinkVerdict, PausesAndLossSpoilWhatDelayWouldAllow) {
+    LoopFigures figures = link(0.0002, 0.0003);
+    figures.longest_gap_s = 0.019;
+    EXPECT_EQ(fit(Modality::kCF, figures), Fit::kFits);
+    figures.longest_gap_s = 0.021;
+    EXPECT_EQ(fit(Modality::kCF, figures), Fit::kMarginal);
+    figures.longest_gap_s = 0.101;
+    EXPECT_EQ(fit(Modality::kVF, figures), Fit::kDoesNotFit);
+    figures.longest_gap_s = 0;
+    figures.loss = 0.04;
+    EXPECT_EQ(fit(Modality::kHF, figures), Fit::kFits);
+    figures.loss = 0.06;
+    EXPECT_EQ(fit(Modality::kHF, figures), Fit::kMarginal);
+    figures.loss = 0.5;
+    EXPECT_EQ(fit(Modality::kHF, figures), Fit::kDoesNotFit);
+}
+
+PortFigures port(Port which, PortAnswer answer) {
+    PortFigures figures;
+    figures.traffic = session_traffic()[static_cast<std::size_t>(which)];
+    figures.answer = answer;
+    figures.sent = figures.far_received = figures.far_sent = figures.returned =
+        answer == PortAnswer::kAnswers ? 1000 : 0;
+    figures.round_trip_median_s = figures.round_trip_p99_s = 0.0002;
+    return figures;
+}
+
+TEST(LinkFigures, LossPerDirection) {
+    PortFigures figures = port(Port::kSlaveNeedle, PortAnswer::kAnswers);
+    EXPECT_EQ(figures.loss_there(), 0);
+    EXPECT_EQ(figures.loss_back(), 0);
+    figures.far_received = 900;
+    figures.far_sent = 950;  // 50 copies made on the way there are echoed as well
+    figures.returned = 720;
+    figures.duplicates = 40;
+    EXPECT_DOUBLE_EQ(figures.loss_there(), 0.1);
+    EXPECT_DOUBLE_EQ(figures.loss_back(), 0.2);
+    EXPECT_EQ(PortFigures{}.loss_there(), 0);
+}
+
+TEST(LinkFigures, TheWorstPortOfTheLoopCounts) {
+    LinkFigures figures;
+    figures.ports = {
+        port(Port::kSlaveNeedle, PortAnswer::kAnswers), port(Port::kMasterForce, PortAnswer::kAnswers),
+        port(Port::kMasterControl, PortAnswer::kAnswers), port(Port::kNetemNeedle, PortAnswer::kSilent)};
+    figures.ports[1].round_trip_median_s = 0.003;
+    figures.ports[1].returned = 900;
+    figures.ports[2].round_trip_median_s = 1;  // no part of the loop
+    figures.ports[2].longest_gap_s = 1;
+    const LoopFigures loop = loop_figures(figures);
+    EXPECT_TRUE(loop.measured);
+    EXPECT_EQ(loop.round_trip_median_s, 0.003);
+    EXPECT_DOUBLE_EQ(loop.loss, 0.1);
+    EXPECT_EQ(loop.longest_gap_s, 0);
+}
+
+TEST(LinkReport, ExitCodes) {
+    LinkReport report;
+    report.link.ports = {port(Port::kSlaveNeedle, PortAnswer::kAnswers)};
+    report.link.mtu.largest_bytes = 1472;
+    const auto judged = [&] {
+        report.verdicts = judge_all({Modality::kHF, Modality::kCF}, report.link, loop_limits(paper()));
+        return exit_code(report);
+    };
+    EXPECT_EQ(judged(), ExitCode::kOk);
+    report.link.ports[0].round_trip_median_s = report.link.ports[0].round_trip_p99_s = 0.05;
+    EXPECT_EQ(judged(), ExitCode::kRunFailed);  // HF does not fit
+    report.link.mtu.largest_bytes = 103;
+    EXPECT_EQ(judged(), ExitCode::kNetwork);
+    report.link.mtu.largest_bytes = 1472;
+    report.link.ports.push_back(port(Port::kMasterForce, PortAnswer::kSilent));
+    EXPECT_EQ(judged(), ExitCode::kNetwork);
+    report.link.ports = {port(Port::kMasterControl, PortAnswer::kAnswers)};
+    EXPECT_EQ(judged(), ExitCode::kOk);
+    EXPECT_TRUE(report.verdicts.empty());
+    EXPECT_THAT(to_text(report), HasSubstr("No modality is judged"));
+}
+
+TEST(LinkReport, TextAndJsonSayTheSame) {
+    LinkReport report;
+    report.link.host = "robot";
+    report.link.base_port = 27000;
+    report.link.ports = {port(Port::kSlaveNeedle, PortAnswer::kAnswers),
+                         port(Port::kMasterForce, PortAnswer::kNobodyListens)};
+    report.link.mtu = {1472, true};
+    report.verdicts = judge_all({Modality::kHF}, report.link, loop_limits(paper()));
+    const std::string text = to_text(report);
+    EXPECT_THAT(text, HasSubstr("27014  slave_sim_needle"));
+    EXPECT_THAT(text, HasSubstr("nobody listens at some ports"));
+    EXPECT_THAT(text, HasSubstr("1472 bytes (MTU 1500, of this machine's interface)"));
+    EXPECT_THAT(text, HasSubstr("HF  fits"));
+    const auto json = to_json(report);
+    EXPECT_EQ(json["ports"][1]["answer"], "nobody listens");
+    EXPECT_EQ(json["largest_datagram_bytes"], 1472);
+    EXPECT_EQ(json["modalities"][0]["verdict"], "fits");
+    EXPECT_TRUE(json["clock"]["offset_s"].is_null());
+    EXPECT_EQ(json["exit_code"], 3);
+}
+
+}  // namespace
+}  // namespace thimble
