@@ -30,7 +30,9 @@ fi
 if [ -n "$only_check" ]; then echo "$good"; exit 0; fi
 )sh";
 
+// Without SIGPIPE: a launcher that is gone must not end this shell before it has cleaned up.
 constexpr const char* kUnpack = R"sh(
+trap '' PIPE
 dir=$(mktemp -d "${TMPDIR:-/tmp}/thimble.XXXXXX") || { say "'$machine' has no room for a folder"; exit 98; }
 trap 'rm -rf "$dir"' EXIT
 trap 'exit 129' HUP INT TERM

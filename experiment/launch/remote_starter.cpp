@@ -18,6 +18,7 @@ namespace {
 constexpr Duration kSignOfLife = std::chrono::seconds{1};
 // The script needs two to kill a node that hangs; the rest is the way there and back.
 constexpr Duration kGoodbye = std::chrono::seconds{5};
+constexpr Duration kNothingToClean = std::chrono::milliseconds{500};
 constexpr int kConnectionLost = 255;  // ssh(1), EXIT STATUS
 
 std::vector<std::string> command_to(const LaunchSettings& launch, const std::string& machine) {
@@ -39,7 +40,7 @@ class RemoteNode final : public RunningNode {
     }
     ~RemoteNode() override {
         stop();
-        if (!wait_for_end(*this, kGoodbye)) shell_.kill();
+        if (!wait_for_end(*this, started_ ? kGoodbye : kNothingToClean)) shell_.kill();
     }
 
     std::optional<int> poll() override {
