@@ -55,6 +55,13 @@ int print_units(const UpArguments& arguments, const LaunchSettings& launch) {
     return 0;
 }
 
+MachineVerdict check_here(const std::string& program) {
+    const auto file = program_folder() / program;
+    if (std::filesystem::exists(file)) return {};
+    return {ExitCode::kRunFailed,
+            fmt::format("{} is not there; is Thimble built or installed completely?", file.string())};
+}
+
 // A line per node; as JSON one object of machine and problem per node.
 int check_machines(const UpArguments& arguments, const LaunchSettings& launch) {
     const auto folder = std::filesystem::path(arguments.out) / "check";
@@ -66,7 +73,7 @@ int check_machines(const UpArguments& arguments, const LaunchSettings& launch) {
         const auto log = folder / (std::string(node.program) + ".log");
         std::filesystem::remove(log);
         const MachineVerdict verdict =
-            machine.empty() ? MachineVerdict{} : check_machine(launch, node.role, node.program, log);
+            machine.empty() ? check_here(node.program) : check_machine(launch, node.role, node.program, log);
         if (worst == ExitCode::kOk) worst = verdict.code;
         all[node.program] = {{"machine", machine}, {"problem", verdict.problem}};
         if (arguments.json) continue;

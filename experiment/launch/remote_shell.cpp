@@ -18,6 +18,16 @@ namespace {
 // A report is a few kilobytes; what says more is no report.
 constexpr std::size_t kMostSaid = std::size_t{1} << 24;
 
+Child start(const std::vector<std::string>& command, const std::filesystem::path& log,
+            const ChildStreams& streams) {
+    try {
+        return {command.front(), {command.begin() + 1, command.end()}, log, streams};
+    } catch (const Error& error) {
+        throw Error(error.code(),
+                    fmt::format("{} (it is the first word of [launch].exec, or of --exec)", error.what()));
+    }
+}
+
 }  // namespace
 
 struct RemoteShell::Pipes {
@@ -46,8 +56,7 @@ RemoteShell::RemoteShell(const std::vector<std::string>& command, const std::fil
 
 RemoteShell::RemoteShell(const std::vector<std::string>& command, const std::filesystem::path& log,
                          Pipes&& pipes)
-    : child_(command.front(), {command.begin() + 1, command.end()}, log,
-             {pipes.command_reads, pipes.command_writes}),
+    : child_(start(command, log, {pipes.command_reads, pipes.command_writes})),
       input_(std::exchange(pipes.we_write, -1)),
       output_(std::exchange(pipes.we_read, -1)) {}
 

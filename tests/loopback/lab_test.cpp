@@ -57,7 +57,7 @@ TEST_F(Lab, FourMachinesFindWhatOneFinds) {
     SessionFile session;
     session.modalities = R"(["HF", "CF", "CCF", "VF"])";
     session.delays_s = "[0.05]";
-    session.contact_hold_s = 1.0;  // half of it is watched for oscillation
+    session.contact_hold_s = 0.6;  // half of it is watched for oscillation
     session.more = kMachines;
     Child launcher("unshare", up(session.text()), folder_ / "words");
     ASSERT_EQ(launcher.wait(3 * kPatience), 0) << said();
@@ -86,7 +86,7 @@ TEST_F(Lab, ACutWireEndsTheTrialAndNotTheSession) {
     const Dataset dataset(folder_ / "out");
     Child launcher("unshare",
                    up("[session]\nsubject = 7\nmodalities = ['CF']\nfixture_jitter_m = 0\n"
-                      "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = 3\n"
+                      "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = 2\n"
                       "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 0\n"
                       "break_every = 0\nrepeat = 'at_once'\nrepeats_limit = 9\n" +
                       std::string(kMachines)),

@@ -132,6 +132,18 @@ TEST_F(Up, AKilledLauncherTakesItsNodesAlong) {
     expect_nothing_left(run);
 }
 
+TEST_F(Up, ABrokenConnectionIsToldFromANodeThatEnds) {
+    SessionFile session = endless();
+    session.more += "machine_visual = 'breaking'\n";
+    RealRun run = start(session);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    static_cast<void>(folder_.write("break", ""));
+    EXPECT_EQ(run.end(), 3) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("lost the connection to 'breaking', which thimble-visual ran on"));
+    EXPECT_THAT(run.words(), HasSubstr("Broken pipe"));
+    expect_nothing_left(run);
+}
+
 // As when a cable is pulled: no end of file, no error, nothing.
 TEST_F(Up, NodesEndByThemselvesWhenTheLauncherFallsSilent) {
     RealRun run = start(endless());
@@ -202,6 +214,13 @@ TEST_F(UpFails, ABadSessionStartsNothing) {
     const auto trace = folder_.write("elsewhere.csv", "time_s,delay_s\n0,0.01\n1,0.01\n");
     RealRun elsewhere = start(session("[netem.force]\ntrace = '" + trace.string() + "'\n" + launch_table()));
     expect_end(elsewhere, 2, trace.string());
+}
+
+TEST_F(UpFails, AWayThereThatDoesNotExistIsNamed) {
+    const std::vector<std::string> exec{"--exec", "/no/such/ssh {host}"};
+    RealRun run(session(launch_table()), exec, built_programs(), "up");
+    expect_end(run, 1, "cannot start /no/such/ssh");
+    EXPECT_THAT(run.words(), HasSubstr("--exec"));
 }
 
 TEST_F(UpFails, ARunSaysThatOtherMachinesAreForUp) {
