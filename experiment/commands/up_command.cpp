@@ -1,4 +1,5 @@
 // thimble up: what `thimble run` does, with each node on the machine where it belongs.
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -64,6 +65,7 @@ MachineVerdict check_here(const std::string& program) {
 
 // A line per node; as JSON one object of machine and problem per node.
 int check_machines(const UpArguments& arguments, const LaunchSettings& launch) {
+    std::signal(SIGPIPE, SIG_IGN);  // a machine may hang up while it is spoken to
     const auto folder = std::filesystem::path(arguments.out) / "check";
     std::filesystem::create_directories(folder);
     ExitCode worst = ExitCode::kOk;

@@ -1,5 +1,6 @@
 // The launcher's end of a shell on another machine: bytes to its standard input as fast as it takes them, lines from its
-// standard output, its standard error in a log. Never blocks.
+// standard output, its standard error in a log. Never blocks. The program must ignore SIGPIPE: the other end may go at any
+// time.
 #pragma once
 
 #include <optional>

@@ -119,6 +119,7 @@ UnitFile unit(const UnitPlan& plan, const NodeKind& node) {
 
 std::vector<UnitFile> unit_files(const UnitPlan& plan) {
     std::vector<UnitFile> files;
+    files.reserve(kNodes.size());
     for (const NodeKind& node : kNodes) files.push_back(unit(plan, node));
     return files;
 }
