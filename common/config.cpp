@@ -20,6 +20,7 @@ struct ConfigFile::Impl {
     std::filesystem::path folder;
     toml::table root;
     mutable std::set<std::string> known;  // dotted paths that somebody asked for
+    mutable std::set<std::string> used;   // names of files
 };
 
 namespace {
@@ -128,6 +129,10 @@ void ConfigFile::set(std::string_view dotted_key, double value) {
 ConfigTable ConfigFile::root() const { return {this, ""}; }
 
 const std::filesystem::path& ConfigFile::folder() const { return impl_->folder; }
+
+void ConfigFile::uses(std::string_view name) const { impl_->used.emplace(name); }
+
+const std::set<std::string>& ConfigFile::used_files() const { return impl_->used; }
 
 void ConfigFile::finish(const std::vector<std::string_view>& elsewhere) const {
     const UnknownKeys unknown(impl_->name, impl_->known);

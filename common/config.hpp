@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -69,6 +70,10 @@ class ConfigFile {
     ConfigTable root() const;
     // Where the file lies, which relative paths in it start from; empty for text that was no file.
     const std::filesystem::path& folder() const;
+    // For readers of keys that name files: `name`, as written, was read from beside this file. Whoever takes the
+    // file elsewhere must take these along.
+    void uses(std::string_view name) const;
+    const std::set<std::string>& used_files() const;
     ConfigTable table(std::string_view key) const { return root().table(key); }
     // Throws for each key that was never read, also in arrays of tables. Tables in `elsewhere` belong to other programs of the session:
     // their keys are theirs to check.

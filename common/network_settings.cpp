@@ -2,28 +2,39 @@
 
 namespace thimble {
 
-Role owner(Port port) {
-    if (port <= Port::kSessionRecord) return Role::kSession;
-    switch (port) {
-        case Port::kMasterControl:
-        case Port::kMasterForce:
-        case Port::kMasterPerceptCutaneous:
-        case Port::kMasterPerceptVisual:
-            return Role::kMaster;
-        case Port::kSlaveControl:
-        case Port::kSlaveNeedle:
-            return Role::kSlaveSim;
-        case Port::kCutaneousControl:
-        case Port::kCutaneousForce:
-            return Role::kCutaneous;
-        case Port::kVisualControl:
-        case Port::kVisualForce:
-        case Port::kVisualBeep:
-            return Role::kVisual;
-        default:
-            return Role::kNetem;
-    }
-}
+namespace {
+
+// In the order of Port: who listens, to whom, for what.
+constexpr std::array<Flow, static_cast<std::size_t>(Port::kCount)> kFlows{{
+    {Role::kSession, Role::kMaster, "heartbeats"},
+    {Role::kSession, Role::kSlaveSim, "heartbeats"},
+    {Role::kSession, Role::kCutaneous, "heartbeats"},
+    {Role::kSession, Role::kVisual, "heartbeats"},
+    {Role::kSession, Role::kNetem, "heartbeats"},
+    {Role::kSession, Role::kSlaveSim, "record"},
+    {Role::kMaster, Role::kSession, "orders"},
+    {Role::kSlaveSim, Role::kSession, "orders"},
+    {Role::kCutaneous, Role::kSession, "orders"},
+    {Role::kVisual, Role::kSession, "orders"},
+    {Role::kNetem, Role::kSession, "orders"},
+    {Role::kMaster, Role::kNetem, "force"},
+    {Role::kMaster, Role::kCutaneous, "percepts"},
+    {Role::kMaster, Role::kVisual, "percepts"},
+    {Role::kSlaveSim, Role::kNetem, "needle"},
+    {Role::kCutaneous, Role::kNetem, "force"},
+    {Role::kVisual, Role::kNetem, "force"},
+    {Role::kVisual, Role::kSlaveSim, "beep"},
+    {Role::kNetem, Role::kMaster, "needle"},
+    {Role::kNetem, Role::kSlaveSim, "force for master"},
+    {Role::kNetem, Role::kSlaveSim, "force for cutaneous"},
+    {Role::kNetem, Role::kSlaveSim, "force for visual"},
+}};
+
+}  // namespace
+
+const Flow& flow(Port port) { return kFlows.at(static_cast<std::size_t>(port)); }
+
+Role owner(Port port) { return flow(port).listens; }
 
 Endpoint NetworkSettings::at(Port port) const {
     return {hosts[static_cast<std::size_t>(owner(port))],
@@ -45,7 +56,7 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
 
 std::vector<std::string_view> session_tables() {
     return {"network", "session", "trial",    "protocol",  "dataset", "tissue", "fixture", "slave_sim",
-            "master",  "handle",  "operator", "cutaneous", "visual",  "netem",  "runtime"};
+            "master",  "handle",  "operator", "cutaneous", "visual",  "netem",  "runtime", "launch"};
 }
 
 }  // namespace thimble

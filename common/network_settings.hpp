@@ -43,6 +43,12 @@ enum class Port : std::uint16_t {
     kCount,
 };
 
+// Who listens at a port, to whom and for what. The table of docs/machines.md is made of these.
+struct Flow {
+    Role listens, hears;
+    const char* what;
+};
+const Flow& flow(Port port);
 // Whose socket the port is.
 Role owner(Port port);
 

@@ -19,7 +19,7 @@ extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX want
 namespace thimble {
 
 Child::Child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-             std::filesystem::path log)
+             std::filesystem::path log, ChildStreams streams)
     : log_(std::move(log)) {
     std::vector<std::string> words{program.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
@@ -29,15 +29,17 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
     argv.push_back(nullptr);
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_APPEND,
-                                     0644);
-    posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+    direct(files, streams);
     // A terminal's Ctrl-C goes to the launcher alone, which then ends the trial in order.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    const int error = posix_spawn(&pid_, program.c_str(), &files, &attributes, argv.data(), environ);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+    // Ignored by this program, and programs that know nothing of that would write into closed pipes for ever.
+    sigset_t defaults;
+    sigemptyset(&defaults);
+    sigaddset(&defaults, SIGPIPE);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    const int error = posix_spawnp(&pid_, program.c_str(), &files, &attributes, argv.data(), environ);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     if (error != 0) {
@@ -58,6 +60,18 @@ Child::~Child() {
     wait(std::chrono::seconds{1});
 }
 
+void Child::direct(posix_spawn_file_actions_t& files, const ChildStreams& streams) const {
+    if (streams.input >= 0) {
+        posix_spawn_file_actions_adddup2(&files, streams.input, STDIN_FILENO);
+    } else {
+        posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    }
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                     0644);
+    posix_spawn_file_actions_adddup2(&files, streams.output >= 0 ? streams.output : STDERR_FILENO,
+                                     STDOUT_FILENO);
+}
+
 std::optional<int> Child::poll() {
     int status = 0;
     if (!exit_code_ && waitpid(pid_, &status, WNOHANG) == pid_) {
@@ -68,6 +82,10 @@ std::optional<int> Child::poll() {
 
 void Child::signal(int number) {
     if (!poll()) kill(pid_, number);
+}
+
+void Child::signal_group(int number) {
+    if (!poll()) kill(-pid_, number);
 }
 
 std::optional<int> Child::wait(Duration limit) {

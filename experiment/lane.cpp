@@ -1,34 +1,20 @@
 #include "experiment/lane.hpp"
 
 #include <algorithm>
-#include <array>
-#include <csignal>
 #include <fstream>
 
 #include <fmt/format.h>
 
 #include "common/runtime/wall_clock.hpp"
+#include "experiment/launch/node_kinds.hpp"
 
 namespace thimble {
 namespace {
 
 constexpr Duration kPoll = std::chrono::milliseconds{20};    // look after children, stop requests
 constexpr Duration kFlush = std::chrono::milliseconds{200};  // trajectory to disk
+constexpr Duration kFarewell = std::chrono::seconds{1};      // to end when told to, and again
 constexpr Duration kProgress = std::chrono::milliseconds{500};
-
-struct NodeKind {
-    Role role;
-    const char* program;
-    Port session_end, node_end;
-};
-
-// In the order of kNodeRoles.
-constexpr std::array kNodes{
-    NodeKind{Role::kNetem, "thimble-netem", Port::kSessionNetem, Port::kNetemControl},
-    NodeKind{Role::kSlaveSim, "thimble-slave-sim", Port::kSessionSlave, Port::kSlaveControl},
-    NodeKind{Role::kCutaneous, "thimble-cutaneous", Port::kSessionCutaneous, Port::kCutaneousControl},
-    NodeKind{Role::kVisual, "thimble-visual", Port::kSessionVisual, Port::kVisualControl},
-    NodeKind{Role::kMaster, "thimble-master", Port::kSessionMaster, Port::kMasterControl}};
 
 }  // namespace
 
@@ -47,10 +33,15 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
     });
 }
 
+Lane::~Lane() {
+    for (const auto& node : nodes_) node->stop();
+}
+
 void Lane::open() {
     std::filesystem::create_directories(plan_.out);
     clock_writer_.emplace(clock_path());
-    if (!plan_.attach) launch();
+    if (plan_.starter) launch();
+    wait_for_machines();
     wait_for_nodes();
 }
 
@@ -82,38 +73,62 @@ void Lane::close_clocks() {
 void Lane::launch() {
     for (std::size_t i = 0; i < kNodes.size(); ++i) {
         const NodeKind& node = kNodes[i];
-        const auto log = plan_.out / fmt::format("{}_{:g}ms.log", node.program, 1000 * plan_.delay_s);
-        std::filesystem::remove(log);
-        std::filesystem::remove(report_path(i));
-        std::vector<std::string> arguments{"--base-port", std::to_string(plan_.network.base_port), "--report",
-                                           report_path(i).string(), "--die-with-parent"};
-        if (!plan_.config.empty()) arguments.insert(arguments.end(), {"--config", plan_.config.string()});
-        if (plan_.strict_rt) arguments.emplace_back("--strict-rt");
+        NodeOrder order;
+        order.role = node.role;
+        order.program = node.program;
+        order.log = plan_.out / fmt::format("{}_{:g}ms.log", node.program, 1000 * plan_.delay_s);
+        order.report = report_path(i);
+        order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
+        if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
         if (node.role == Role::kNetem) {
-            arguments.insert(arguments.end(), {"--force-delay-s", fmt::format("{}", plan_.delay_s)});
+            order.arguments.insert(order.arguments.end(),
+                                   {"--force-delay-s", fmt::format("{}", plan_.delay_s)});
         }
-        children_.emplace_back(plan_.programs / node.program, arguments, log);
+        nodes_.push_back(plan_.starter->start(order));
     }
 }
 
-// The index of a child that has ended.
-std::optional<std::size_t> Lane::dead_child() {
-    for (std::size_t i = 0; i < children_.size(); ++i) {
-        if (children_[i].poll()) return i;
+// The index of a node that has ended. Asks every one of them: that is how they learn that we are here.
+std::optional<std::size_t> Lane::dead_node() {
+    std::optional<std::size_t> dead;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (nodes_[i]->poll() && !dead) dead = i;
     }
-    return std::nullopt;
+    return dead;
 }
 
-std::string Lane::obituary(std::size_t i) {
-    return fmt::format("{} ended with code {}: {}", kNodes[i].program, children_[i].poll().value_or(-1),
-                       children_[i].last_words());
+void Lane::throw_if_dead() {
+    const auto dead = dead_node();
+    if (dead) throw Error(nodes_[*dead]->verdict(), nodes_[*dead]->obituary());
+}
+
+void Lane::wait_for_machines() {
+    const auto late = [this] {
+        return std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->started(); });
+    };
+    const SessionTime deadline = wall_now() + (plan_.starter ? plan_.starter->reach() : Duration{});
+    while (late() != nodes_.end()) {
+        throw_if_dead();
+        if (late() == nodes_.end()) return;
+        if (events_.stop && events_.stop())
+            throw Error(ExitCode::kRunFailed, "interrupted before the first trial");
+        const NodeKind& node = kNodes[static_cast<std::size_t>(late() - nodes_.begin())];
+        if (wall_now() > deadline) {
+            throw Error(
+                ExitCode::kNetwork,
+                fmt::format("'{}' does not answer, where {} is to run, within {} s: see the logs in {}",
+                            plan_.starter->machine(node.role), node.program,
+                            to_seconds(plan_.starter->reach()), plan_.out.string()));
+        }
+        wall_sleep(kPoll);
+    }
 }
 
 void Lane::wait_for_nodes() {
     const SessionTime deadline = wall_now() + plan_.session.peer_wait;
     for (SessionTime now = wall_now(); !session_.missing_peers(now, kPeerTimeout).empty(); now = wall_now()) {
         loop_.step(session_, now + kPoll);
-        if (const auto dead = dead_child()) throw Error(ExitCode::kNetwork, obituary(*dead));
+        throw_if_dead();
         if (now < deadline) continue;
         throw Error(
             ExitCode::kNetwork,
@@ -150,7 +165,7 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
 void Lane::look_around(SessionTime next, SessionTime& next_poll) {
     next_poll = next;
     if (events_.stop && events_.stop()) session_.abort(EndReason::kInterrupted);
-    if (const auto dead = dead_child()) session_.abort(EndReason::kPeerLost, kNodes[*dead].role);
+    if (const auto dead = dead_node()) session_.abort(EndReason::kPeerLost, kNodes[*dead].role);
 }
 
 void Lane::close_trial() {
@@ -162,30 +177,35 @@ void Lane::close_trial() {
         result_.problem = "interrupted; what was recorded is kept";
     } else if (record.reason == EndReason::kPeerLost) {
         result_.code = ExitCode::kNetwork;
-        const auto dead = dead_child();
-        result_.problem =
-            dead ? obituary(*dead) : fmt::format("lost contact with {}", to_string(record.lost_peer));
+        const auto dead = dead_node();
+        result_.problem = dead ? nodes_[*dead]->obituary()
+                               : fmt::format("lost contact with {}", to_string(record.lost_peer));
     }
     if (events_.trial_done) events_.trial_done(record);
 }
 
 void Lane::idle(Duration limit) {
     const SessionTime end = wall_now() + limit;
-    for (SessionTime now = wall_now(); now < end; now = wall_now())
+    for (SessionTime now = wall_now(); now < end; now = wall_now()) {
         loop_.step(session_, std::min(end, now + kPoll));
+        dead_node();
+    }
 }
 
 LaneResult Lane::close() {
     close_clocks();
-    if (plan_.attach) return std::move(result_);
+    if (!plan_.starter) return std::move(result_);
     session_.shut_down(wall_now());
-    for (std::size_t i = 0; i < children_.size(); ++i) {
-        if (!children_[i].wait(std::chrono::seconds{1})) children_[i].signal(SIGTERM);
-        const auto code = children_[i].wait(std::chrono::seconds{1});
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (!wait_for_end(*nodes_[i], kFarewell)) nodes_[i]->stop();
+        const auto code = wait_for_end(*nodes_[i], kFarewell);
         if (code == static_cast<int>(ExitCode::kRealtime) && result_.code == ExitCode::kOk) {
             result_.code = ExitCode::kRealtime;
-            result_.problem = obituary(i);
+            result_.problem = nodes_[i]->obituary();
         }
+    }
+    nodes_.clear();
+    for (std::size_t i = 0; i < kNodes.size(); ++i) {
         std::ifstream file(report_path(i));
         auto report = nlohmann::ordered_json::parse(file, nullptr, false);
         if (!report.is_discarded()) result_.reports.push_back(std::move(report));

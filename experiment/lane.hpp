@@ -1,9 +1,10 @@
-// One condition of a real-time run: five node processes on loopback, a session that steers them through its
-// trials, everything recorded as it comes.
+// One condition of a real-time run: five node processes, here or on other machines, a session that steers them through
+// its trials, everything recorded as it comes.
 #pragma once
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,23 +15,22 @@
 #include "common/network_settings.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
-#include "experiment/child.hpp"
 #include "experiment/clocks/clock_table.hpp"
+#include "experiment/launch/node_starter.hpp"
 #include "experiment/session_process.hpp"
 #include "experiment/trajectory_file.hpp"
 
 namespace thimble {
 
 struct LanePlan {
-    std::filesystem::path config;    // session file for the nodes; empty: defaults
-    std::filesystem::path programs;  // folder of the thimble-* programs
+    std::shared_ptr<NodeStarter>
+        starter;  // none: the nodes run already, started by somebody else, and go on running
     std::filesystem::path out;
     NetworkSettings network;
     SessionSettings session;
     double delay_s = 0;  // of the force path
     std::vector<TrialConditions> trials;
     bool strict_rt = false;
-    bool attach = false;  // the nodes run already, started by somebody else, and go on running
     IfExists if_exists = IfExists::kRefuse;
 };
 
@@ -51,9 +51,12 @@ class Lane {
   public:
     // `plan` and `events` outlive the lane. Throws Error: network, if a port is taken.
     Lane(const LanePlan& plan, const LaneEvents& events);
+    ~Lane();  // ends the nodes, all at once
+    Lane(const Lane&) = delete;
+    Lane& operator=(const Lane&) = delete;
 
     // Starts the nodes, unless they run already, and waits for them. Throws Error: network, with the words of
-    // the node that failed.
+    // the node that failed; run failed, if a machine has no such program, or another version of it.
     void open();
     // Runs one trial to its end, which may be that a peer was lost or a stop was asked for. `number` tells it
     // apart from the last one on the wire (session_process.hpp).
@@ -63,7 +66,7 @@ class Lane {
     // Keeps in touch with the nodes between trials, for at most `limit`.
     void idle(Duration limit);
     // A node has ended, or was lost: this lane runs no further trial.
-    bool broken() { return result_.code != ExitCode::kOk || dead_child(); }
+    bool broken() { return result_.code != ExitCode::kOk || dead_node(); }
     // What happened so far: not ok once a peer was lost, or a stop was asked for.
     const LaneResult& result() const { return result_; }
     // Ends the nodes that open() started and collects their reports.
@@ -75,8 +78,9 @@ class Lane {
     std::filesystem::path clock_path() const;
     void close_clocks();
     void launch();
-    std::optional<std::size_t> dead_child();
-    std::string obituary(std::size_t i);
+    std::optional<std::size_t> dead_node();
+    void throw_if_dead();
+    void wait_for_machines();
     void wait_for_nodes();
     void look_around(SessionTime next, SessionTime& next_poll);
     void close_trial();
@@ -86,7 +90,7 @@ class Lane {
     Sockets sockets_;
     SessionProcess session_;
     RealtimeLoop loop_;
-    std::vector<Child> children_;
+    std::vector<std::unique_ptr<RunningNode>> nodes_;
     std::optional<TrajectoryWriter> writer_;
     std::optional<ClockWriter> clock_writer_;
     TrajectorySample last_;

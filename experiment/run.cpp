@@ -27,7 +27,7 @@ class Run {
           options_(options),
           if_exists_(options.overwrite ? IfExists::kReplace : IfExists::kRefuse),
           // Nodes that run already have the delay that their own file gives them.
-          delays_(options.attach ? std::vector{settings.netem.force.delay} : settings.plan.delays) {
+          delays_(options.starter ? settings.plan.delays : std::vector{settings.netem.force.delay}) {
         const std::size_t ports = lane_count() * static_cast<std::size_t>(Port::kCount);
         if (options.network.base_port + ports <= 65536) return;
         throw Error(ExitCode::kUsage,
@@ -51,10 +51,13 @@ class Run {
     }
 
   private:
+    bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
+
     unsigned lane_count() const {
-        const unsigned wanted = settings_.plan.lanes > 0
-                                    ? static_cast<unsigned>(settings_.plan.lanes)
-                                    : std::max(1U, std::thread::hardware_concurrency() / 2);
+        // By itself one where other machines take part: how many cores those have is not known here.
+        const unsigned cores = elsewhere() ? 1 : std::thread::hardware_concurrency();
+        const unsigned wanted =
+            settings_.plan.lanes > 0 ? static_cast<unsigned>(settings_.plan.lanes) : std::max(1U, cores / 2);
         return std::min(wanted, static_cast<unsigned>(delays_.size()));
     }
 
@@ -84,8 +87,7 @@ class Run {
 
     LanePlan plan(unsigned lane, double delay_s) const {
         LanePlan plan;
-        plan.config = options_.config;
-        plan.programs = options_.programs;
+        plan.starter = options_.starter;
         plan.out = options_.out / "nodes";
         plan.network = options_.network;
         plan.network.base_port =
@@ -96,7 +98,6 @@ class Run {
         plan.delay_s = delay_s;
         plan.trials = run_trials_of(settings_, delay_s);
         plan.strict_rt = options_.strict_rt;
-        plan.attach = options_.attach;
         plan.if_exists = if_exists_;
         return plan;
     }
@@ -158,6 +159,7 @@ class Run {
         timing.title = "How well time was kept";
         timing.tables = {round_trip_table(result_.rows, bare_), clock_table(clocks_), deadline_table(nodes_),
                          refusal_table(nodes_)};
+        if (elsewhere()) timing.tables.push_back(machine_table(*options_.starter, options_.network));
         report.sections.push_back(std::move(timing));
         report.provenance = {{"command", options_.command},
                              {"seed", std::to_string(settings_.plan.seed)},

@@ -4,28 +4,27 @@
 
 #include <atomic>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "experiment/launch/node_starter.hpp"
 #include "experiment/system_settings.hpp"
 #include "experiment/trial_table.hpp"
 
 namespace thimble {
 
 struct RunOptions {
-    std::filesystem::path config;    // session file; empty: defaults
-    std::filesystem::path programs;  // folder of the thimble-* programs
+    std::shared_ptr<NodeStarter> starter;  // none: steer nodes that run already, over the network they have
     std::filesystem::path out;
     std::string command;  // as typed, for the report's provenance
     NetworkSettings network;
     RuntimeSettings runtime;
     bool overwrite = false;
     bool strict_rt = false;
-    bool attach =
-        false;  // steer nodes that run already, over the network they have, instead of starting five
     const std::atomic<bool>* stop = nullptr;
 };
 

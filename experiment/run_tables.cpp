@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "experiment/condition_summary.hpp"
+#include "experiment/launch/node_kinds.hpp"
 
 namespace thimble {
 namespace {
@@ -52,6 +53,27 @@ ReportTable refusal_table(const std::vector<NodeReport>& reports) {
             table.rows.push_back({delay_text(node.delay_s), program(node), reason, count.dump()});
         }
     }
+    return table;
+}
+
+bool runs_elsewhere(const NodeStarter& starter) {
+    return std::any_of(kNodes.begin(), kNodes.end(),
+                       [&](const NodeKind& node) { return !starter.machine(node.role).empty(); });
+}
+
+ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network) {
+    ReportTable table;
+    table.title = "Machines";
+    table.note =
+        "Where each node ran. The bare round trip above is this machine's own, without a wire: a ratio to it "
+        "holds the wires as well.";
+    table.columns = {"program", "machine", "address"};
+    const auto add = [&](const char* program, const std::string& machine, Role role) {
+        table.rows.push_back(
+            {program, machine.empty() ? "this one" : machine, network.hosts[static_cast<std::size_t>(role)]});
+    };
+    add("thimble", "", Role::kSession);
+    for (const NodeKind& node : kNodes) add(node.program, starter.machine(node.role), node.role);
     return table;
 }
 

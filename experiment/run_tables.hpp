@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/histogram.hpp"
+#include "common/network_settings.hpp"
 #include "experiment/html.hpp"
+#include "experiment/launch/node_starter.hpp"
 #include "experiment/trial_table.hpp"
 
 namespace thimble {
@@ -20,6 +22,9 @@ struct NodeReport {
 ReportTable deadline_table(const std::vector<NodeReport>& reports);
 // Every refusal counter that is not zero, per node and condition.
 ReportTable refusal_table(const std::vector<NodeReport>& reports);
+// Which node ran on which machine.
+bool runs_elsewhere(const NodeStarter& starter);
+ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network);
 // Handle to handle through all processes at 0 ms against a bare ping-pong times the number of hops.
 ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram& bare);
 

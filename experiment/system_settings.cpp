@@ -119,6 +119,7 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     const ConfigTable protocol = file.table("protocol");
     if (file.root().has("protocol")) s.protocol = read_protocol_settings(protocol);
     s.dataset = read_dataset_settings(file.table("dataset"));
+    s.launch = read_launch_settings(file);
     check_agreement(file, s);
     file.finish();
     return s;

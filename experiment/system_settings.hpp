@@ -10,6 +10,7 @@
 
 #include "common/config.hpp"
 #include "cutaneous_node/cutaneous_settings.hpp"
+#include "experiment/launch/launch_settings.hpp"
 #include "experiment/participant.hpp"
 #include "experiment/protocol_settings.hpp"
 #include "experiment/session_process.hpp"
@@ -56,6 +57,7 @@ struct SystemSettings {
     SessionPlan plan;
     std::optional<ProtocolSettings> protocol;  // there if the file has a table [protocol]
     DatasetSettings dataset;
+    LaunchSettings launch;
 };
 
 // Throws Error (usage) on anything unknown or out of range.

@@ -18,7 +18,8 @@ NetemSettings read_netem_settings(const ConfigFile& file) {
     const ConfigTable netem = file.table("netem");
     const auto read = [&](std::string_view name, Way way, LinkSettings& link, Timeline& timeline) {
         const ConfigTable table = netem.table(name);
-        const LinkSources sources = session_sources(file.folder(), way);
+        const LinkSources sources =
+            session_sources(file.folder(), way, [&file](std::string_view used) { file.uses(used); });
         link = read_link_settings(table, {}, sources);
         timeline = read_timeline(table, link, sources);
     };

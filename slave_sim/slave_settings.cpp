@@ -28,8 +28,9 @@ SceneDeclaration other_scene(const ConfigFile& file, const ConfigTable& own, con
         }
     }
     const std::filesystem::path beside = file.folder() / name;
-    SceneDeclaration scene =
-        load_scene(std::filesystem::exists(beside) ? beside : std::filesystem::path(name));
+    const bool found = std::filesystem::exists(beside);
+    if (found || std::filesystem::exists(name)) file.uses(name);
+    SceneDeclaration scene = load_scene(found ? beside : std::filesystem::path(name));
     const NeedleScene built(scene, solver_maker({}));
     // The needle's depth is told from the surface, and a trial ends with contact at the fixture.
     if (built.surface() == nullptr) own.fail("scene", "has no [tissue]: a trial needs a surface");

@@ -13,6 +13,7 @@
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "common/runtime/service_notice.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 
@@ -111,7 +112,10 @@ int run(const NodeProgram& program, const Options& options) {
     if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
     RealtimeLoop loop(sockets.descriptors());
     spdlog::info("ready, ports from {}", network.base_port);
-    loop.run(instance->process());
+    ServiceNotice notice;
+    notice.ready();
+    loop.run(instance->process(), [&notice](SessionTime now) { notice.turns(now); });
+    notice.stopping();
     save(options.report,
          describe(program, *instance, instance->process().counters(), sockets.counters(), loop.statistics()));
     return check_deadlines(options, runtime, loop.statistics());

@@ -103,8 +103,12 @@ void RealtimeLoop::step(Process& process, SessionTime latest) {
     process.tick(now);
 }
 
-void RealtimeLoop::run(Process& process) {
-    while (!process.stopped() && !stop) step(process, wall_now() + kStopLatency);
+void RealtimeLoop::run(Process& process, const std::function<void(SessionTime now)>& turned) {
+    while (!process.stopped() && !stop) {
+        const SessionTime now = wall_now();
+        step(process, now + kStopLatency);
+        if (turned) turned(now);
+    }
 }
 
 }  // namespace thimble

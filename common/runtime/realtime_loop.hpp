@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <span>
 
 #include "common/histogram.hpp"
@@ -41,8 +42,8 @@ class RealtimeLoop {
 
     // One wait and one tick, waiting no longer than `latest`.
     void step(Process& process, SessionTime latest);
-    // Until the process has stopped or a stop is requested.
-    void run(Process& process);
+    // Until the process has stopped or a stop is requested. `turned`, if there is one, is called after each step.
+    void run(Process& process, const std::function<void(SessionTime now)>& turned = {});
 
     const LoopStatistics& statistics() const { return statistics_; }
 

@@ -46,6 +46,16 @@ const sockaddr* generic(const sockaddr_in& address) {
 
 }  // namespace
 
+bool means_this_machine(const std::string& host) {
+    constexpr std::uint32_t kLoopback = 127;
+    try {
+        const std::uint32_t address = ntohl(resolve({host, 0}).sin_addr.s_addr);
+        return address >> 24U == kLoopback || address == INADDR_ANY;
+    } catch (const Error&) {
+        return false;  // whoever needs it says so
+    }
+}
+
 UdpChannel::UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote)
     : remote_(resolve(remote)) {
     socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);

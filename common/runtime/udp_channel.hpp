@@ -19,6 +19,10 @@ struct UdpCounters {
     std::uint64_t too_long = 0;        // larger than kMaxDatagramBytes
 };
 
+// Whether a host is an address that every machine takes for itself: 127.0.0.0/8, which on Debian a machine's own name
+// stands for, or 0.0.0.0. False for a name that cannot be resolved here.
+bool means_this_machine(const std::string& host);
+
 class UdpChannel final : public Channel {
   public:
     // `local`: where to listen; absent for a channel that only sends. `remote`: where to send, and the only

@@ -17,6 +17,7 @@ struct Command {
 
 // Each adds its subcommand to `app`. `typed` is the whole command line, for the report's provenance.
 Command add_run(CLI::App& app, const std::string& typed);
+Command add_up(CLI::App& app, const std::string& typed);
 Command add_study(CLI::App& app);
 Command add_replay(CLI::App& app);
 Command add_report(CLI::App& app, const std::string& typed);

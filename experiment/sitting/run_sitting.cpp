@@ -22,7 +22,7 @@ std::uint32_t participant_of(const SystemSettings& settings, const std::string& 
 }
 
 void check_person(const SittingRun& run) {
-    if (!run.attach) {
+    if (run.starter) {
         throw Error(ExitCode::kUsage,
                     "a person needs a real handle, and the one that thimble would start is simulated, with a "
                     "virtual operator's hand on it: start the nodes with a master that holds a real handle "
@@ -90,15 +90,13 @@ LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const 
     SystemSettings with_delay = settings;
     set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
     LanePlan plan;
-    plan.config = run.config;
-    plan.programs = run.programs;
+    plan.starter = run.starter;
     plan.out = dataset.source(participant) / "nodes";
     plan.network = run.network;
     plan.session = session_settings(with_delay);
     plan.session.ends_by_withdrawal = settings.plan.kind == SubjectKind::kHuman;
     plan.delay_s = delay_s;
     plan.strict_rt = run.strict_rt;
-    plan.attach = run.attach;
     return plan;
 }
 
@@ -127,7 +125,7 @@ SittingResult run_sitting(const SystemSettings& settings, const SittingRun& run)
     if (const auto found = dataset.kind(); found && *found != kind) dataset.open(kind, settings.dataset);
     bool written = false;
     const auto order = order_of(settings, dataset, participant, run.resume, written);
-    check_delay(settings, order, run.attach);
+    check_delay(settings, order, run.starter == nullptr);
 
     dataset.open(kind, settings.dataset);
     RealTrials trials(lane_plan(settings, run, dataset, participant, order.front().conditions.delay_s),

@@ -3,9 +3,11 @@
 
 #include <atomic>
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 #include "common/network_settings.hpp"
+#include "experiment/launch/node_starter.hpp"
 #include "experiment/sitting/participants_table.hpp"
 #include "experiment/sitting/sitting.hpp"
 #include "experiment/system_settings.hpp"
@@ -13,11 +15,11 @@
 namespace thimble {
 
 struct SittingRun {
-    std::filesystem::path config, programs, out;
+    std::shared_ptr<NodeStarter> starter;  // none: the nodes run already
+    std::filesystem::path out;
     NetworkSettings network;
     std::string participant;  // "P07"; empty: as in the session file
     PersonDescription person;
-    bool attach = false;
     bool strict_rt = false;
     bool resume = false;
     bool commands = false;  // read them from standard input, also if it is no terminal

@@ -29,6 +29,23 @@ FileFinder beside(const std::filesystem::path& file) {
     return [folder = file.parent_path()](std::string_view name) { return read_whole_file(folder / name); };
 }
 
+FileFinder in_folder(const std::filesystem::path& folder, const std::filesystem::path& below,
+                     const FileRead& read) {
+    return [folder, below, read](std::string_view name) {
+        if (read) read((below / name).string());
+        return read_whole_file(folder / below / name);
+    };
+}
+
+// A file first, so that a name that is also built in means what lies beside the session.
+LinkProfile session_profile(const std::filesystem::path& folder, const std::string& name,
+                            const FileRead& read) {
+    if (!std::filesystem::is_regular_file(folder / name)) return load_profile(name);
+    const std::string text = in_folder(folder, {}, read)(name);
+    const auto find = in_folder(folder, std::filesystem::path(name).parent_path(), read);
+    return parse_profile(text, (folder / name).string(), find);
+}
+
 // Changes build on one another, in the order of the file.
 void read_changes(const ConfigFile& file, const FileFinder& find, LinkProfile& profile) {
     const LinkSources sources = sources_of(find);
@@ -109,12 +126,10 @@ LinkProfile load_profile(const std::string& given) {
                             given, fmt::join(profile_names(), ", ")));
 }
 
-LinkSources session_sources(const std::filesystem::path& folder, Way way) {
-    LinkSources sources =
-        sources_of([folder](std::string_view name) { return read_whole_file(folder / name); });
-    sources.profile = [folder, way](const std::string& name) {
-        const bool here = std::filesystem::is_regular_file(folder / name);
-        const LinkProfile profile = load_profile(here ? (folder / name).string() : name);
+LinkSources session_sources(const std::filesystem::path& folder, Way way, const FileRead& read) {
+    LinkSources sources = sources_of(in_folder(folder, {}, read));
+    sources.profile = [folder, way, read](const std::string& name) {
+        const LinkProfile profile = session_profile(folder, name, read);
         const bool up = way == Way::kUp;
         if (!(up ? profile.up_changes : profile.down_changes).empty()) {
             throw Error(ExitCode::kUsage,

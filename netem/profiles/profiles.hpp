@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,8 +43,10 @@ LinkProfile parse_profile(std::string_view text, std::string_view name, const Fi
 enum class Way : std::uint8_t { kUp, kDown };
 // For one direction of a session file in `folder`: tables and traces beside it, and `profile = ` anything that
 // load_profile takes, a file first sought in `folder`. A profile whose settings change with time is refused: the
-// session's own [[timeline]] is the place for that.
-LinkSources session_sources(const std::filesystem::path& folder, Way way);
+// session's own [[timeline]] is the place for that. `read` hears the name, as seen from `folder`, of every file that is
+// read.
+using FileRead = std::function<void(std::string_view name)>;
+LinkSources session_sources(const std::filesystem::path& folder, Way way, const FileRead& read = {});
 
 // Only [[change]] tables: a timeline of its own, for links that begin as `up` and `down`.
 void load_timeline(const std::filesystem::path& path, LinkProfile& profile);

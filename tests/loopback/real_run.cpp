@@ -11,8 +11,9 @@ namespace {
 constexpr std::size_t kSomeSamples = 2000;
 
 std::vector<std::string> run_arguments(const Folder& folder, const SessionFile& session,
-                                       const PortBlock& ports, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"run",         folder.write("session.toml", session.text()).string(),
+                                       const PortBlock& ports, const std::vector<std::string>& more,
+                                       const std::string& subcommand) {
+    std::vector<std::string> arguments{subcommand,    folder.write("session.toml", session.text()).string(),
                                        "--out",       (folder / "out").string(),
                                        "--base-port", std::to_string(ports.base())};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -22,8 +23,8 @@ std::vector<std::string> run_arguments(const Folder& folder, const SessionFile& 
 }  // namespace
 
 RealRun::RealRun(const SessionFile& session, const std::vector<std::string>& more_arguments,
-                 const std::filesystem::path& programs)
-    : child_(programs / "thimble", run_arguments(folder_, session, ports_, more_arguments),
+                 const std::filesystem::path& programs, const std::string& subcommand)
+    : child_(programs / "thimble", run_arguments(folder_, session, ports_, more_arguments, subcommand),
              folder_ / "words") {}
 
 std::string RealRun::first_trajectory() const {

@@ -1,0 +1,71 @@
+#include "common/runtime/service_notice.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+namespace thimble {
+namespace {
+
+std::string variable(const char* name) {
+    const char* value = std::getenv(name);
+    return value == nullptr ? "" : value;
+}
+
+// 0 if it is no number.
+std::int64_t number(const std::string& text) {
+    std::int64_t value = 0;
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    return value;
+}
+
+Duration watchdog_in_environment() {
+    const std::string whose = variable("WATCHDOG_PID");
+    if (!whose.empty() && number(whose) != getpid()) return {};
+    constexpr std::int64_t kHour_us = 3'600'000'000;
+    return std::chrono::microseconds{std::min(number(variable("WATCHDOG_USEC")), kHour_us)};
+}
+
+}  // namespace
+
+ServiceNotice::ServiceNotice() { open(variable("NOTIFY_SOCKET"), watchdog_in_environment()); }
+
+ServiceNotice::ServiceNotice(const std::string& socket, Duration watchdog) { open(socket, watchdog); }
+
+ServiceNotice::~ServiceNotice() {
+    if (socket_ >= 0) close(socket_);
+}
+
+void ServiceNotice::open(const std::string& socket, Duration watchdog) {
+    sockaddr_un address{};
+    if (socket.empty() || socket.size() >= sizeof address.sun_path) return;
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path, socket.data(), socket.size());
+    if (socket.front() == '@') address.sun_path[0] = '\0';
+    // The length counts for an abstract name: zeros after it would be part of it.
+    const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + socket.size());
+    socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
+    if (socket_ >= 0 && connect(socket_, generic, length) != 0) {
+        close(socket_);
+        socket_ = -1;
+    }
+    if (watchdog > Duration::zero()) period_ = watchdog / 2;
+}
+
+void ServiceNotice::turns(SessionTime now) {
+    if (period_ == Duration::zero() || now < next_) return;
+    next_ = now + period_;
+    say("WATCHDOG=1");
+}
+
+void ServiceNotice::say(std::string_view word) const {
+    if (socket_ >= 0) send(socket_, word.data(), word.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+}
+
+}  // namespace thimble

@@ -1,0 +1,37 @@
+// What a service tells the manager that started it, in systemd's words (sd_notify(3)): a datagram to the socket that
+// NOTIFY_SOCKET names. Without that variable nothing is said.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/time.hpp"
+
+namespace thimble {
+
+class ServiceNotice {
+  public:
+    // As the environment has it: NOTIFY_SOCKET, and WATCHDOG_USEC if WATCHDOG_PID is unset or this process.
+    ServiceNotice();
+    // `socket`: a path, or a name of the abstract namespace that begins with '@'; empty: nobody listens.
+    // `watchdog`: how long the manager waits for a sign of life; zero: it does not.
+    ServiceNotice(const std::string& socket, Duration watchdog);
+    ~ServiceNotice();
+    ServiceNotice(const ServiceNotice&) = delete;
+    ServiceNotice& operator=(const ServiceNotice&) = delete;
+
+    void ready() { say("READY=1"); }
+    void stopping() { say("STOPPING=1"); }
+    // Call often: says that the loop turns, at most twice in the watchdog's time. Never blocks.
+    void turns(SessionTime now);
+
+  private:
+    void open(const std::string& socket, Duration watchdog);
+    void say(std::string_view word) const;
+
+    int socket_ = -1;
+    Duration period_{};
+    SessionTime next_{};
+};
+
+}  // namespace thimble

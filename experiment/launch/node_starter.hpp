@@ -1,0 +1,56 @@
+// How a node's program is started and ended: on this machine (local_starter.hpp) or on another (remote_starter.hpp).
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/messages.hpp"
+#include "common/time.hpp"
+
+namespace thimble {
+
+struct NodeOrder {
+    Role role{};
+    std::string program;                 // "thimble-master"
+    std::vector<std::string> arguments;  // but for --config and --report, which depend on the place
+    std::filesystem::path log, report;   // here, wherever it runs
+};
+
+// Ended, at the latest, when this object goes.
+class RunningNode {
+  public:
+    RunningNode() = default;
+    virtual ~RunningNode() = default;
+    RunningNode(const RunningNode&) = delete;
+    RunningNode& operator=(const RunningNode&) = delete;
+
+    // The exit code once it has ended, 128 + n if signal n ended it. Call often: this also keeps in touch.
+    virtual std::optional<int> poll() = 0;
+    // Whether its program has been started; false while its machine is still being reached.
+    virtual bool started() const = 0;
+    // Asks it to end. It does, within a few seconds, even if it hangs; poll() goes on telling.
+    virtual void stop() = 0;
+    // How it ended, in words, once it has; and what that is for the whole run.
+    virtual std::string obituary() = 0;
+    virtual ExitCode verdict() const = 0;
+};
+
+class NodeStarter {
+  public:
+    virtual ~NodeStarter() = default;
+    // Lanes side by side share a starter. Throws Error (run failed) if there is nothing to start.
+    virtual std::unique_ptr<RunningNode> start(const NodeOrder& order) const = 0;
+    // How long the slowest machine may take to be reached.
+    virtual Duration reach() const = 0;
+    // The machine of a node; empty: this one.
+    virtual std::string machine(Role role) const = 0;
+};
+
+// Waits, at most `limit`, for it to end.
+std::optional<int> wait_for_end(RunningNode& node, Duration limit);
+
+}  // namespace thimble

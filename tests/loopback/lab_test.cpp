@@ -1,0 +1,122 @@
+// `thimble up` in a laboratory of four network namespaces on one bridge (lab.sh), one of them the network: what it finds is
+// what virtual time finds, and a cut wire ends a trial and not the session.
+#include <array>
+#include <csignal>
+#include <filesystem>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "experiment/sitting/dataset.hpp"
+#include "experiment/sitting/record_table.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kMachines =
+    "[launch]\nmachine_netem = 'network'\nmachine_slave_sim = 'robot'\nmachine_cutaneous = 'display'\n"
+    "machine_visual = 'display'\nlease_s = 5\n"
+    "[network]\nhost_session = '10.77.0.1'\nhost_master = '10.77.0.1'\nhost_netem = '10.77.0.2'\n"
+    "host_slave_sim = '10.77.0.3'\nhost_cutaneous = '10.77.0.4'\nhost_visual = '10.77.0.4'\n";
+
+class Lab : public testing::Test {
+  protected:
+    void SetUp() override {
+        const Outcome outcome = run_to_end("unshare", words({}));
+        if (!fs::exists(folder_ / "built")) GTEST_SKIP() << "no network namespaces here: " << outcome.words;
+    }
+
+    // Without being root it takes a user namespace.
+    std::vector<std::string> words(const std::vector<std::string>& command) const {
+        std::vector<std::string> all{
+            "-nm", "--propagation", "private", "sh", THIMBLE_SOURCE_DIR "/tests/loopback/lab.sh", folder()};
+        if (geteuid() != 0) all.insert(all.begin(), "-Ur");
+        all.insert(all.end(), command.begin(), command.end());
+        return all;
+    }
+    std::vector<std::string> up(const std::string& session) const {
+        return words({(built_programs() / "thimble").string(), "up",
+                      folder_.write("session.toml", session).string(), "--out", (folder_ / "out").string(),
+                      "--exec", "ip netns exec {host}", "--programs", built_programs().string(),
+                      "--base-port", std::to_string(ports_.base()), "--json"});
+    }
+    std::string folder() const { return (folder_ / ".").string(); }
+    std::string said() const { return read_text(folder_ / "words"); }
+
+    Folder folder_;
+    PortBlock ports_;
+};
+
+TEST_F(Lab, FourMachinesFindWhatOneFinds) {
+    SessionFile session;
+    session.modalities = R"(["HF", "CF", "CCF", "VF"])";
+    session.delays_s = "[0.05]";
+    session.contact_hold_s = 0.6;  // half of it is watched for oscillation
+    session.more = kMachines;
+    Child launcher("unshare", up(session.text()), folder_ / "words");
+    ASSERT_EQ(launcher.wait(3 * kPatience), 0) << said();
+    const auto rows = read_trial_table(folder_ / "out/trials.csv");
+    const auto virtual_rows = read_trial_table(folder_ / "out/virtual.csv");
+    ASSERT_EQ(rows.size(), 4U);
+    ASSERT_EQ(virtual_rows.size(), 4U);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const TrialRow &real = rows[i], &other = virtual_rows[i];
+        const char* modality = to_string(real.conditions.modality);
+        EXPECT_EQ(real.reason, EndReason::kCompleted) << modality;
+        EXPECT_EQ(real.metrics.oscillates, real.conditions.modality == Modality::kHF) << modality;
+        EXPECT_EQ(real.metrics.oscillates, other.metrics.oscillates) << modality;
+        EXPECT_GE(real.delay_achieved_s, 0.05) << modality;
+        const double factor = real.metrics.penetration_max_m / other.metrics.penetration_max_m;
+        EXPECT_GT(factor, 1 / 3.0) << modality;
+        EXPECT_LT(factor, 3.0) << modality;
+    }
+    EXPECT_THAT(read_text(folder_ / "out/nodes/thimble-slave-sim_50ms.json"), HasSubstr("\"robot\""));
+    EXPECT_THAT(nodes_alive(ports_.base()), IsEmpty());
+}
+
+TEST_F(Lab, ACutWireEndsTheTrialAndNotTheSession) {
+    constexpr std::uint32_t kSubject = 7;
+    constexpr std::uintmax_t kInContact = 100'000;  // a second of samples: the needle presses on the fixture
+    const Dataset dataset(folder_ / "out");
+    Child launcher("unshare",
+                   up("[session]\nsubject = 7\nmodalities = ['CF']\nfixture_jitter_m = 0\n"
+                      "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = 2\n"
+                      "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 0\n"
+                      "break_every = 0\nrepeat = 'at_once'\nrepeats_limit = 9\n" +
+                      std::string(kMachines)),
+                   folder_ / "words");
+    const auto recorded = [&] {
+        std::error_code absent;
+        for (const auto& file : fs::directory_iterator(dataset.source(kSubject) / "trajectories", absent)) {
+            if (file.file_size(absent) > kInContact) return true;
+        }
+        return false;
+    };
+    ASSERT_TRUE(wait_until(recorded)) << said();
+    static_cast<void>(folder_.write("cut", ""));
+    ASSERT_EQ(launcher.wait(3 * kPatience), 0) << said();
+    EXPECT_TRUE(fs::exists(folder_ / "mended"));
+    const auto records = read_records(dataset.records(kSubject));
+    // The wire is whole before the addresses on it are known again (ARP): a second trial may be lost.
+    ASSERT_GE(records.size(), 2U) << said();
+    for (std::size_t i = 0; i + 1 < records.size(); ++i)
+        EXPECT_EQ(records[i].row.reason, EndReason::kPeerLost) << i;
+    EXPECT_EQ(records.back().row.reason, EndReason::kCompleted);
+    EXPECT_TRUE(records.back().row.metrics.beeped);
+    EXPECT_EQ(records.back().repeat_of, records[records.size() - 2].number);
+    // All nodes left the first trial alive and in order.
+    for (const char* program : kNodePrograms) {
+        const auto start = dataset.source(kSubject) / "nodes/start01";
+        EXPECT_TRUE(fs::exists(start / (std::string(program) + "_0ms.json"))) << program;
+    }
+    EXPECT_THAT(nodes_alive(ports_.base()), IsEmpty());
+}
+
+}  // namespace
+}  // namespace thimble

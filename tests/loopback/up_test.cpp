@@ -1,0 +1,260 @@
+// `thimble up` with real processes on "machines" that are shells of this one, reached as ssh would reach them
+// (fake_ssh.sh). Whatever ends a session, nothing is left running and nothing is left lying about.
+#include <csignal>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/version.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+constexpr const char* kThreeMachines =
+    "[launch]\nshares_loopback = true\nmachine_netem = 'chatty'\nmachine_slave_sim = 'robot'\nlease_s = 2\n";
+
+// The rest of a session file: [launch], which ends the text, so that a test may add keys.
+std::string launch_table(const std::string& more = "") { return kThreeMachines + more; }
+
+class Up : public testing::Test {
+  protected:
+    Up() { fs::create_directories(room_); }
+
+    std::vector<std::string> arguments(const fs::path& programs,
+                                       const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> all{
+            "--exec", "sh " THIMBLE_SOURCE_DIR "/tests/loopback/fake_ssh.sh " + room_.string() + " {host}",
+            "--programs", programs.string()};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    RealRun start(const SessionFile& session, const std::vector<std::string>& more = {}) const {
+        return RealRun(session, arguments(programs_, more), built_programs(), "up");
+    }
+    static SessionFile endless() {
+        SessionFile session;
+        session.contact_hold_s = kEndlessHold_s;
+        session.more = launch_table();
+        return session;
+    }
+    // Nodes end, and remove their folders, a moment after the launcher.
+    void expect_nothing_left(const RealRun& run) const {
+        EXPECT_TRUE(wait_until([&] { return nodes_alive(run.base_port()).empty(); }));
+        EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+        EXPECT_TRUE(wait_until([&] { return fs::is_empty(room_); })) << "folders of nodes remain";
+    }
+
+    Folder folder_;
+    fs::path room_ = folder_ / "room";
+    fs::path programs_ = built_programs();
+};
+
+TEST_F(Up, ASessionOnThreeMachinesIsARunLikeAnyOther) {
+    SessionFile session;
+    session.modalities = R"(["CF"])";
+    session.more = launch_table();
+    RealRun run = start(session);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    EXPECT_TRUE(rows.front().metrics.beeped);
+    for (const char* program : kNodePrograms) {
+        ASSERT_FALSE(run.report(program).is_null()) << program;
+        EXPECT_GT(run.report(program).at("accepted"), 0) << program;
+        EXPECT_THAT(read_text(run.out() / "nodes" / (std::string(program) + "_0ms.log")), HasSubstr("ready"));
+    }
+    EXPECT_EQ(run.report("thimble-slave-sim").at("machine"), "robot");
+    EXPECT_EQ(run.report("thimble-netem").at("machine"), "chatty");
+    EXPECT_FALSE(run.report("thimble-master").contains("machine")) << "it ran here";
+    EXPECT_THAT(read_text(run.out() / "report.html"), HasSubstr("robot"));
+    expect_nothing_left(run);
+}
+
+// The network's profile lies beside the session file, in a folder and under a name that a shell could stumble over.
+TEST_F(Up, FilesOfTheSessionComeAlong) {
+    const std::string name = "nets/it's $HOME/my net.toml";
+    SessionFile session;
+    session.modalities = R"(["CF"])";
+    session.more = "[netem.force]\nprofile = \"" + name + "\"\n" + launch_table();
+    const auto file = folder_.write("session.toml", session.text());
+    fs::create_directories((folder_ / name).parent_path());
+    static_cast<void>(folder_.write(name, "[down]\nloss = 0.2\n"));
+    const PortBlock ports;
+    std::vector<std::string> words{"up",          file.string(),
+                                   "--out",       (folder_ / "out").string(),
+                                   "--base-port", std::to_string(ports.base())};
+    for (const std::string& word : arguments(programs_)) words.push_back(word);
+    const Outcome outcome = run_to_end(built_programs() / "thimble", words);
+    ASSERT_EQ(outcome.code, 0) << outcome.words;
+    const auto report = nlohmann::json::parse(read_text(folder_ / "out/nodes/thimble-netem_0ms.json"));
+    EXPECT_EQ(report.at("machine"), "chatty");
+    EXPECT_GT(report.at("links").at(1).at("lost"), 0) << "it ran with another network";
+}
+
+TEST_F(Up, ANodeThatDiesEndsTheSessionEverywhere) {
+    RealRun run = start(endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    kill(run.node("thimble-slave-sim"), SIGKILL);
+    EXPECT_EQ(run.end(), 3) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim on 'robot' ended with code 137"));
+    ASSERT_EQ(run.rows().size(), 1U);
+    EXPECT_EQ(run.rows().front().reason, EndReason::kPeerLost);
+    EXPECT_FALSE(run.report("thimble-netem").is_null()) << "the others end in order";
+    expect_nothing_left(run);
+}
+
+TEST_F(Up, CtrlCKeepsWhatWasRecorded) {
+    RealRun run = start(endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    run.launcher().signal(SIGINT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    ASSERT_EQ(run.rows().size(), 1U);
+    EXPECT_EQ(run.rows().front().reason, EndReason::kInterrupted);
+    for (const char* program : kNodePrograms) EXPECT_FALSE(run.report(program).is_null()) << program;
+    expect_nothing_left(run);
+}
+
+TEST_F(Up, AKilledLauncherTakesItsNodesAlong) {
+    RealRun run = start(endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    EXPECT_EQ(nodes_alive(run.base_port()).size(), kNodePrograms.size());
+    run.launcher().signal(SIGKILL);
+    EXPECT_EQ(run.end(), 128 + SIGKILL);
+    expect_nothing_left(run);
+}
+
+TEST_F(Up, ABrokenConnectionIsToldFromANodeThatEnds) {
+    SessionFile session = endless();
+    session.more += "machine_visual = 'breaking'\n";
+    RealRun run = start(session);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    static_cast<void>(folder_.write("break", ""));
+    EXPECT_EQ(run.end(), 3) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("lost the connection to 'breaking', which thimble-visual ran on"));
+    EXPECT_THAT(run.words(), HasSubstr("Broken pipe"));
+    expect_nothing_left(run);
+}
+
+// As when a cable is pulled: no end of file, no error, nothing.
+TEST_F(Up, NodesEndByThemselvesWhenTheLauncherFallsSilent) {
+    RealRun run = start(endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    run.launcher().signal(SIGSTOP);
+    EXPECT_TRUE(wait_until([&] { return node_pids(run.base_port(), "thimble-slave-sim").empty(); }));
+    EXPECT_TRUE(wait_until([&] { return node_pids(run.base_port(), "thimble-netem").empty(); }));
+    EXPECT_TRUE(wait_until([&] { return fs::is_empty(room_); }));
+    run.launcher().signal(SIGKILL);
+    EXPECT_EQ(run.end(), 128 + SIGKILL);
+    expect_nothing_left(run);
+}
+
+class UpFails : public Up {
+  protected:
+    UpFails() {
+        programs_ = folder_ / "bin";
+        install_programs(programs_);
+    }
+    // Of a session that must not come to a trial.
+    void expect_end(RealRun& run, int code, const std::string& words) const {
+        EXPECT_EQ(run.end(), code) << run.words();
+        EXPECT_THAT(run.words(), HasSubstr(words));
+        expect_nothing_left(run);
+    }
+    static SessionFile session(const std::string& launch) {
+        SessionFile session;
+        session.more = "peer_wait_s = 1.0\n" + launch;  // continues [trial]
+        return session;
+    }
+};
+
+TEST_F(UpFails, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
+    RealRun run =
+        start(session("[launch]\nshares_loopback = true\nmachine_netem = 'robot'\nmachine_visual = 'down'"));
+    expect_end(run, 3, "cannot reach 'down' for thimble-visual: 'sh " THIMBLE_SOURCE_DIR);
+    EXPECT_THAT(run.words(), HasSubstr("Connection refused"));
+}
+
+TEST_F(UpFails, AMachineThatDoesNotAnswerIsNotWaitedForForEver) {
+    RealRun run = start(session("[launch]\nshares_loopback = true\nreach_s = 1\nmachine_slave_sim = 'mute'"));
+    expect_end(run, 3, "'mute' does not answer");
+}
+
+TEST_F(UpFails, AProgramThatIsNotThereIsNamed) {
+    fs::remove(programs_ / "thimble-slave-sim");
+    RealRun run = start(session(launch_table()));
+    expect_end(run, 1, "thimble-slave-sim is not on 'robot'");
+}
+
+TEST_F(UpFails, AnotherVersionIsRefused) {
+    replace_program(programs_ / "thimble-slave-sim", "echo 9.8.7");
+    RealRun run = start(session(launch_table()));
+    expect_end(run, 1, std::string("thimble-slave-sim on 'robot' is 9.8.7, but this is ") + kVersion);
+}
+
+TEST_F(UpFails, ANodeThatWantsToStayIsKilled) {
+    replace_program(programs_ / "thimble-slave-sim",
+                    "[ \"$1\" != --version ] || { " + (built_programs() / "thimble-slave-sim").string() +
+                        " --version; exit; }\ntrap '' TERM\nwhile :; do sleep 0.1; done");
+    RealRun run = start(session(launch_table()));
+    expect_end(run, 3, "no answer from slave_sim");
+}
+
+TEST_F(UpFails, ABadSessionStartsNothing) {
+    RealRun alone = start(session("[launch]\nmachine_netem = 'robot'"));
+    expect_end(alone, 2, "127.0.0.1");
+    const auto trace = folder_.write("elsewhere.csv", "time_s,delay_s\n0,0.01\n1,0.01\n");
+    RealRun elsewhere = start(session("[netem.force]\ntrace = '" + trace.string() + "'\n" + launch_table()));
+    expect_end(elsewhere, 2, trace.string());
+}
+
+TEST_F(UpFails, AWayThereThatDoesNotExistIsNamed) {
+    const std::vector<std::string> exec{"--exec", "/no/such/ssh {host}"};
+    RealRun run(session(launch_table()), exec, built_programs(), "up");
+    expect_end(run, 1, "cannot start /no/such/ssh");
+    EXPECT_THAT(run.words(), HasSubstr("--exec"));
+}
+
+TEST_F(UpFails, ARunSaysThatOtherMachinesAreForUp) {
+    RealRun run(session(launch_table()));
+    EXPECT_EQ(run.end(), 2);
+    EXPECT_THAT(run.words(), HasSubstr("thimble up"));
+}
+
+TEST_F(UpFails, ACheckLooksAtEveryMachineAndStartsNothing) {
+    replace_program(programs_ / "thimble-visual", "echo 9.8.7");
+    RealRun bad =
+        start(session(launch_table("machine_visual = 'eyes'\nmachine_cutaneous = 'down'\n")), {"--check"});
+    EXPECT_THAT(bad.end(), AnyOf(1, 3));
+    EXPECT_THAT(bad.words(), HasSubstr("thimble-slave-sim on robot: good"));
+    EXPECT_THAT(bad.words(), HasSubstr("9.8.7"));
+    EXPECT_THAT(bad.words(), HasSubstr("cannot reach 'down'"));
+    EXPECT_FALSE(fs::exists(bad.out() / "trials.csv"));
+    RealRun good = start(session(launch_table()), {"--check", "--json"});
+    EXPECT_EQ(good.end(), 0) << good.words();
+    const auto verdicts = nlohmann::json::parse(good.words());
+    EXPECT_EQ(verdicts.at("thimble-slave-sim").at("machine"), "robot");
+    EXPECT_EQ(verdicts.at("thimble-slave-sim").at("problem"), "");
+    expect_nothing_left(good);
+}
+
+TEST_F(UpFails, PrintsUnitsAndPortsInstead) {
+    RealRun units = start(session(launch_table()), {"--print", "systemd"});
+    EXPECT_EQ(units.end(), 0) << units.words();
+    EXPECT_THAT(read_text(units.out() / "robot/thimble-slave-sim.service"), HasSubstr("Type=notify"));
+    RealRun ports = start(session(launch_table()), {"--print", "ports"});
+    EXPECT_EQ(ports.end(), 0);
+    EXPECT_THAT(ports.words(), HasSubstr("| slave_sim | netem | needle |"));
+    EXPECT_THAT(ports.words(), Not(HasSubstr("| percepts |"))) << "these stay on this machine";
+}
+
+}  // namespace
+}  // namespace thimble

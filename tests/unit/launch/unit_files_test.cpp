@@ -1,0 +1,82 @@
+#include "experiment/launch/unit_files.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "experiment/subprocess.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+UnitPlan plan() {
+    UnitPlan plan;
+    plan.session = "lab.toml";
+    plan.runtime.priority = 71;
+    plan.launch.machines[static_cast<std::size_t>(Role::kSlaveSim)] = "robot";
+    plan.network.hosts[static_cast<std::size_t>(Role::kSlaveSim)] = "10.77.0.3";
+    return plan;
+}
+
+const UnitFile& unit_of(const std::vector<UnitFile>& files, const std::string& program) {
+    for (const UnitFile& file : files) {
+        if (file.name == program + ".service") return file;
+    }
+    throw std::runtime_error("no unit for " + program);
+}
+
+TEST(UnitFiles, SayWhatANodeNeedsAndNoMore) {
+    const auto files = unit_files(plan());
+    EXPECT_EQ(files.size(), 5U);
+    const UnitFile& slave = unit_of(files, "thimble-slave-sim");
+    EXPECT_EQ(slave.machine, "robot");
+    for (const char* line :
+         {"Type=notify\n", "LimitRTPRIO=71\n", "ProtectSystem=strict\n", "WatchdogSec=2\n",
+          "NoNewPrivileges=yes\n",
+          "ExecStart=\"/usr/bin/thimble-slave-sim\" --config \"/etc/thimble/lab.toml\" --base-port 27000\n",
+          "IPAddressAllow=10.77.0.3 127.0.0.1\n"}) {
+        EXPECT_THAT(slave.text, HasSubstr(line));
+    }
+}
+
+TEST(UnitFiles, ANameIsNoAddressToFilterBy) {
+    UnitPlan named = plan();
+    named.network.hosts[static_cast<std::size_t>(Role::kNetem)] = "relay.lab";
+    EXPECT_THAT(unit_of(unit_files(named), "thimble-slave-sim").text, Not(HasSubstr("IPAddress")));
+}
+
+TEST(UnitFiles, SpecifiersAndVariablesAreNotExpanded) {
+    UnitPlan odd = plan();
+    odd.session = "50% $HOME \"x\".toml";
+    EXPECT_THAT(unit_files(odd).front().text, HasSubstr(R"("/etc/thimble/50%% $$HOME \"x\".toml")"));
+}
+
+// In systemd's own opinion.
+TEST(UnitFiles, AreGoodUnits) {
+    namespace fs = std::filesystem;
+    if (!fs::exists("/usr/bin/systemd-analyze")) GTEST_SKIP() << "no systemd-analyze (package systemd)";
+    std::string pattern = (fs::temp_directory_path() / "thimble-units-XXXXXX").string();
+    const fs::path folder = mkdtemp(pattern.data());
+    UnitPlan here = plan();
+    here.launch.programs = THIMBLE_BIN_DIR;  // systemd looks whether the program is there
+    for (const UnitFile& file : unit_files(here)) {
+        std::string text = file.text;
+        const auto command = text.find("ExecStart=");
+        text.replace(command, text.find('\n', command) - command, "ExecStart=/bin/true");
+        std::ofstream(folder / file.name) << text;
+        const ProgramResult result =
+            run_program("systemd-analyze", {"verify", "--recursive-errors=no", (folder / file.name).string()},
+                        folder, "install systemd");
+        EXPECT_EQ(result.exit_code, 0) << result.output;
+        EXPECT_THAT(result.output, Not(HasSubstr(file.name))) << "a line it does not understand";
+    }
+    fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace thimble
