@@ -9,7 +9,7 @@
 
 namespace thimble {
 
-// m x" + b x' + k x, closed form: T = asin-like theta(w)/w at the greater root w of |D(jw)| = K. Infinite if no delay makes
+// m x" + b x' + k x, closed form: T = theta / w, theta = -arg(-D(jw)) in [0, 2 pi), at the greater root w of |D(jw)| = K. Infinite if no delay makes
 // the loop unstable.
 struct HeldMass {
     double mass_kg = 0;
