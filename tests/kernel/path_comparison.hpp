@@ -16,12 +16,13 @@ struct PathRequest {
     double loss = 0;      // share from 0 to 1, each packet on its own
 };
 
-// Two paths of one machine may each add this to every delay: stacks, forwarding, and for thimble-netem a wake-up.
-inline constexpr double kPathCost_s = 0.5e-3;
+// What either way may add to each delay at the guest's 250 million instructions per second: stacks, forwarding, and for
+// thimble-netem a wake-up and two system calls. On average, and at most (something else ran just then).
+inline constexpr double kPathCost_s = 0.15e-3, kPathMost_s = 0.5e-3;
 
-// Bounds: constant delays within [delay, delay + kPathCost_s]; normal ones: mean within 4 standard errors and the path's
-// cost, deviation within 4 of its own (sd / sqrt(2 n)), both distributions nearer than Kolmogorov and Smirnov's distance for
-// 1 in 10,000; losses within 4 standard deviations of the binomial, of the request and of each other; shares overtaken within
+// Bounds: no mean further from what was asked than 4 standard errors and the path's cost, nor from each other; constant
+// delays each within [delay, delay + kPathMost_s]; of normal ones the deviation within 4 of its own (sd / sqrt(2 n)), both
+// distributions nearer than Kolmogorov and Smirnov's distance for 1 in 10,000; losses within 4 standard deviations of the binomial, of the request and of each other; shares overtaken within
 // 5 standard errors (Student's t with 38 degrees of freedom: 1 in 70,000). No copies, no strangers. A sentence for each breach.
 std::vector<std::string> disagreements(const PathRequest& asked, const PathSummary& kernel,
                                        const PathSummary& relay);
@@ -31,6 +32,7 @@ double path_distance_by_chance(std::size_t a, std::size_t b);      // exceeded b
 
 // Rows of a markdown table: one for the kernel, one for thimble-netem, whose last cells compare the two.
 std::string path_table_head();
-std::string path_table_rows(const std::string& name, const PathSummary& kernel, const PathSummary& relay);
+std::string path_table_rows(const std::string& name, const PathRequest& asked, const PathSummary& kernel,
+                            const PathSummary& relay);
 
 }  // namespace thimble

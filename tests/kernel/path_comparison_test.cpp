@@ -1,6 +1,7 @@
 // What kernel_path_peer would say of paths that are as asked, and of paths that are not.
 #include "tests/kernel/path_comparison.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -73,7 +74,8 @@ constexpr PathRequest kNormal{.delay_s = 0.05, .normal_s = 0.005};
 TEST(PathComparison, TwoLinksAsAskedAgree) {
     EXPECT_THAT(judge(kConstant, sample_of(constant(), 1), sample_of(constant(), 2)), IsEmpty());
     for (std::uint64_t seed = 0; seed < 20; seed += 2) {
-        EXPECT_THAT(judge(kNormal, sample_of(normal(), seed), sample_of(normal(), seed + 1)), IsEmpty()) << seed;
+        EXPECT_THAT(judge(kNormal, sample_of(normal(), seed), sample_of(normal(), seed + 1)), IsEmpty())
+            << seed;
     }
 }
 
@@ -113,10 +115,10 @@ TEST(PathComparison, KeptOrderIsNoOvertaking) {
 
 TEST(PathComparison, LossIsJudgedByTheBinomial) {
     LinkSettings lossy;
-    lossy.loss.independent = 0.02;
+    lossy.loss = LossSettings::independent(0.02);
     const PathSample good = sample_of(lossy, 1);
     EXPECT_THAT(judge({.loss = 0.02}, good, sample_of(lossy, 2)), IsEmpty());
-    lossy.loss.independent = 0.04;
+    lossy.loss = LossSettings::independent(0.04);
     EXPECT_THAT(judge({.loss = 0.02}, good, sample_of(lossy, 2)),
                 testing::Contains(HasSubstr("thimble-netem: 1")));
     EXPECT_THAT(judge({}, good, sample_of({}, 2)), testing::Contains(HasSubstr("kernel: ")));

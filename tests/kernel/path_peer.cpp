@@ -24,18 +24,24 @@ struct Options {
 };
 
 CLI::App* add_measure(CLI::App& app, Options& o) {
-    CLI::App* measure = app.add_subcommand("measure", "send 1 kHz through the network, write each packet's delay");
+    CLI::App* measure =
+        app.add_subcommand("measure", "send 1 kHz through the network, write each packet's delay");
     measure->add_option("--sender", o.traffic.sender_namespace, "network namespace")->required();
     measure->add_option("--receiver", o.traffic.receiver_namespace, "network namespace")->required();
     measure->add_option("--to", o.to, "where the sender sends to")->type_name("HOST:PORT")->required();
-    measure->add_option("--listen", o.listen, "where the receiver listens")->type_name("[HOST:]PORT")->required();
-    measure->add_option("--packets", o.traffic.packets, "how many")->check(CLI::Range(100, 1000000))->required();
+    measure->add_option("--listen", o.listen, "where the receiver listens")
+        ->type_name("[HOST:]PORT")
+        ->required();
+    measure->add_option("--packets", o.traffic.packets, "how many")
+        ->check(CLI::Range(100, 1000000))
+        ->required();
     measure->add_option("--out", o.out, "file for the delays")->required();
     return measure;
 }
 
 CLI::App* add_compare(CLI::App& app, Options& o) {
-    CLI::App* compare = app.add_subcommand("compare", "the kernel's netem beside thimble-netem; 1 if they disagree");
+    CLI::App* compare =
+        app.add_subcommand("compare", "the kernel's netem beside thimble-netem; 1 if they disagree");
     compare->add_option("--name", o.name, "of the profile, for the table")->required();
     compare->add_option("--kernel", o.kernel, "file that measure wrote")->required();
     compare->add_option("--relay", o.relay, "file that measure wrote")->required();
@@ -57,7 +63,7 @@ int compare(const Options& o) {
     const PathSummary kernel = summarise(read_path_sample(o.kernel));
     const PathSummary relay = summarise(read_path_sample(o.relay));
     const std::vector<std::string> findings = disagreements(o.asked, kernel, relay);
-    fmt::print("{}", path_table_rows(o.name, kernel, relay));
+    fmt::print("{}", path_table_rows(o.name, o.asked, kernel, relay));
     for (const std::string& finding : findings) fmt::print(stderr, "{}: {}\n", o.name, finding);
     return static_cast<int>(findings.empty() ? ExitCode::kOk : ExitCode::kRunFailed);
 }

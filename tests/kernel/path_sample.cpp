@@ -1,7 +1,6 @@
 #include "tests/kernel/path_sample.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 

@@ -41,7 +41,7 @@ struct PathSummary {
 
     double loss() const { return sent == 0 ? 0 : static_cast<double>(lost) / static_cast<double>(sent); }
     double quantile_s(double q) const;  // q from 0 to 1; 0 if nothing arrived
-    double mean_error_s() const;        // standard error of the mean, for independent delays; 0 if nothing arrived
+    double mean_error_s() const;  // standard error of the mean, for independent delays; 0 if nothing arrived
 };
 
 PathSummary summarise(const PathSample& sample);

@@ -1,5 +1,6 @@
 #include "tests/kernel/path_traffic.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -18,7 +19,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::size_t kBytes = 104;        // as long as a NeedleCommand
+constexpr std::size_t kBytes = 104;         // as long as a NeedleCommand
 constexpr std::uint64_t kWarmUp = 1 << 30;  // numbers of what does not count begin here
 constexpr std::size_t kWarmUps = 3;
 
@@ -30,9 +31,10 @@ void enter_namespace(const std::string& name) {
     const int reason = errno;
     if (descriptor >= 0) close(descriptor);
     if (entered) return;
-    throw Error(ExitCode::kNetwork, fmt::format("cannot enter the network namespace {}: {}; it is made by `ip "
-                                                "netns add {}`, and entering it needs root",
-                                                path, std::strerror(reason), name));
+    throw Error(ExitCode::kNetwork,
+                fmt::format("cannot enter the network namespace {}: {}; it is made by `ip "
+                            "netns add {}`, and entering it needs root",
+                            path, std::strerror(reason), name));
 }
 
 class PathRun {
@@ -67,8 +69,9 @@ class PathRun {
         std::memcpy(bytes.data(), &number, sizeof number);
         out_.add(bytes, nullptr);
         if (!out_.send(sender_.descriptor())[0]) {
-            throw Error(ExitCode::kNetwork, fmt::format("the kernel did not take packet {} for {}; is there a route?",
-                                                        number, to_string(traffic_.to)));
+            throw Error(ExitCode::kNetwork,
+                        fmt::format("the kernel did not take packet {} for {}; is there a route?", number,
+                                    to_string(traffic_.to)));
         }
     }
 
