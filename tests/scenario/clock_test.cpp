@@ -56,6 +56,7 @@ class Abroad final : public Process {
         if (wanted == kNever) return kNever;
         if (wanted <= fault_.far(now_)) return now_;
         const SessionTime guess = now_ + (wanted - fault_.far(now_));
+        if (now_ < fault_.step_at && guess >= fault_.step_at) return fault_.step_at;
         return std::max(now_ + Duration{1}, guess - std::max(fault_.far(guess) - wanted, Duration{}));
     }
     bool stopped() const override { return false; }
