@@ -124,8 +124,8 @@ int run_fairness(const Options& options) {
     runtime.realtime_scheduling = !options.default_scheduling;
     const bool granted = ask_for_precision(runtime, true);
     Json all = Json::array();
+    allow_descriptors(2 * static_cast<std::size_t>(options.flows) + 64);
     for (const double greedy_per_s : {0.0, 1e4, 1e5}) {
-        allow_descriptors(2 * static_cast<std::size_t>(options.flows) + 64);
         const FairnessRound r =
             share_relay(static_cast<std::size_t>(options.flows), greedy_per_s, std::chrono::seconds{5});
         all.push_back({{"flows", options.flows},

@@ -5,7 +5,7 @@ namespace thimble {
 namespace {
 
 // In the order of Port: who listens, to whom, for what.
-constexpr std::array<Flow, static_cast<std::size_t>(Port::kCount)> kFlows{{
+constexpr std::array<Flow, kPortCount> kFlows{{
     {Role::kSession, Role::kMaster, "heartbeats"},
     {Role::kSession, Role::kSlaveSim, "heartbeats"},
     {Role::kSession, Role::kCutaneous, "heartbeats"},
@@ -37,8 +37,7 @@ const Flow& flow(Port port) { return kFlows.at(static_cast<std::size_t>(port)); 
 Role owner(Port port) { return flow(port).listens; }
 
 Endpoint NetworkSettings::at(Port port) const {
-    return {hosts[static_cast<std::size_t>(owner(port))],
-            static_cast<std::uint16_t>(base_port + static_cast<std::uint16_t>(port))};
+    return {host(owner(port)), static_cast<std::uint16_t>(base_port + static_cast<std::uint16_t>(port))};
 }
 
 NetworkSettings read_network_settings(const ConfigFile& file) {

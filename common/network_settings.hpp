@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -42,6 +43,13 @@ enum class Port : std::uint16_t {
     kNetemForceVisual,
     kCount,
 };
+inline constexpr std::size_t kPortCount = static_cast<std::size_t>(Port::kCount);
+// All of them, in order.
+inline constexpr auto kEveryPort = [] {
+    std::array<Port, kPortCount> ports{};
+    for (std::size_t i = 0; i < kPortCount; ++i) ports[i] = static_cast<Port>(i);
+    return ports;
+}();
 
 // Who listens at a port, to whom and for what. The table of docs/machines.md is made of these.
 struct Flow {
@@ -63,6 +71,7 @@ struct NetworkSettings {
     std::array<std::string, 6> hosts{"127.0.0.1", "127.0.0.1", "127.0.0.1",
                                      "127.0.0.1", "127.0.0.1", "127.0.0.1"};  // by Role
 
+    const std::string& host(Role role) const { return hosts[static_cast<std::size_t>(role)]; }
     Endpoint at(Port port) const;
 };
 

@@ -69,8 +69,7 @@ ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& net
         "holds the wires as well.";
     table.columns = {"program", "machine", "address"};
     const auto add = [&](const char* program, const std::string& machine, Role role) {
-        table.rows.push_back(
-            {program, machine.empty() ? "this one" : machine, network.hosts[static_cast<std::size_t>(role)]});
+        table.rows.push_back({program, machine.empty() ? "this one" : machine, network.host(role)});
     };
     add("thimble", "", Role::kSession);
     for (const NodeKind& node : kNodes) add(node.program, starter.machine(node.role), node.role);

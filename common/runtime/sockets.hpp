@@ -18,9 +18,7 @@ class Sockets {
     // Arrivals are stamped: clocks are compared here.
     Channel* between(Port local, Port remote);
     // Listens at `local` to the host of `sender` only.
-    Channel* inlet(Port local, Role sender) {
-        return open(settings_.at(local), {settings_.hosts[static_cast<std::size_t>(sender)], 0});
-    }
+    Channel* inlet(Port local, Role sender) { return open(settings_.at(local), {settings_.host(sender), 0}); }
     // Sends to `remote`, listens to nobody.
     Channel* outlet(Port remote) { return open(std::nullopt, settings_.at(remote)); }
 

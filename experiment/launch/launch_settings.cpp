@@ -28,7 +28,7 @@ std::string where(const std::string& machine) {
 
 void check_flow(const LaunchSettings& launch, const NetworkSettings& network, Role a, Role b) {
     const auto &machine_a = launch.machine(a), &machine_b = launch.machine(b);
-    const std::string& host = network.hosts[static_cast<std::size_t>(a)];
+    const std::string& host = network.host(a);
     if (means_this_machine(host)) {
         throw Error(
             ExitCode::kUsage,
@@ -36,7 +36,7 @@ void check_flow(const LaunchSettings& launch, const NetworkSettings& network, Ro
                         "and {}, which it talks to, on {}: give the address that the others reach it by",
                         to_string(a), host, to_string(a), where(machine_a), to_string(b), where(machine_b)));
     }
-    if (host == network.hosts[static_cast<std::size_t>(b)]) {
+    if (host == network.host(b)) {
         throw Error(
             ExitCode::kUsage,
             fmt::format("[network].host_{} and host_{} are both {}, but {} runs on {} and {} on {}: each "
@@ -88,8 +88,8 @@ std::vector<std::string> exec_words(const LaunchSettings& launch, const std::str
 
 void check_hosts(const LaunchSettings& launch, const NetworkSettings& network) {
     if (launch.shares_loopback) return;
-    for (std::uint16_t i = 0; i < static_cast<std::uint16_t>(Port::kCount); ++i) {
-        const Flow& between = flow(static_cast<Port>(i));
+    for (const Port port : kEveryPort) {
+        const Flow& between = flow(port);
         if (launch.machine(between.listens) == launch.machine(between.hears)) continue;
         check_flow(launch, network, between.listens, between.hears);
         check_flow(launch, network, between.hears, between.listens);

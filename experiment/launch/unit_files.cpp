@@ -30,11 +30,11 @@ bool is_address(const std::string& host) {
 // Whom a node talks to, as lines of a unit; none where a host is a name, which systemd would not resolve.
 std::string address_rules(const NetworkSettings& network, Role role) {
     std::set<std::string> peers;
-    for (std::uint16_t i = 0; i < static_cast<std::uint16_t>(Port::kCount); ++i) {
-        const Flow& between = flow(static_cast<Port>(i));
+    for (const Port port : kEveryPort) {
+        const Flow& between = flow(port);
         if (between.listens != role && between.hears != role) continue;
-        peers.insert(network.hosts[static_cast<std::size_t>(between.listens)]);
-        peers.insert(network.hosts[static_cast<std::size_t>(between.hears)]);
+        peers.insert(network.host(between.listens));
+        peers.insert(network.host(between.hears));
     }
     for (const std::string& peer : peers) {
         if (!is_address(peer)) return "";

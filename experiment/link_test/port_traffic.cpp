@@ -70,16 +70,15 @@ PortTraffic traffic_of(Port port, Encoder& encoder) {
 std::array<PortTraffic, kPortCount> session_traffic() {
     Encoder encoder;
     std::array<PortTraffic, kPortCount> traffic;
-    for (std::size_t i = 0; i < kPortCount; ++i) traffic[i] = traffic_of(static_cast<Port>(i), encoder);
+    for (const Port port : kEveryPort) traffic[static_cast<std::size_t>(port)] = traffic_of(port, encoder);
     return traffic;
 }
 
 std::vector<Port> ports_on(const NetworkSettings& network, const std::string& host) {
     const bool named = std::find(network.hosts.begin(), network.hosts.end(), host) != network.hosts.end();
     std::vector<Port> ports;
-    for (std::size_t i = 0; i < kPortCount; ++i) {
-        const auto port = static_cast<Port>(i);
-        if (!named || network.hosts[static_cast<std::size_t>(owner(port))] == host) ports.push_back(port);
+    for (const Port port : kEveryPort) {
+        if (!named || network.host(owner(port)) == host) ports.push_back(port);
     }
     return ports;
 }

@@ -9,8 +9,6 @@
 
 namespace thimble {
 
-inline constexpr std::size_t kPortCount = static_cast<std::size_t>(Port::kCount);
-
 struct PortTraffic {
     Port port = Port::kCount;
     std::size_t bytes = 0;  // of one datagram
