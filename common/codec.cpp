@@ -14,6 +14,7 @@ constexpr double kMaxPosition_m = 10;
 constexpr double kMaxVelocity_m_per_s = 1000;
 constexpr double kMaxForce_N = 1e5;
 constexpr double kMaxTime_s = 1e6;
+constexpr double kMaxEnergy_J = 1e6;
 constexpr std::int64_t kMaxStamp_ns = std::int64_t{1} << 62;
 
 template <class Enum>
@@ -54,7 +55,7 @@ wire::Header to_wire(const Header& h) {
 Header from_wire(const wire::Header& w, Judge& judge) {
     judge.stamp(w.send_time_ns());
     return {w.instance(), from_nanoseconds(w.send_time_ns()), w.sequence(), w.trial(),
-            judge.choice(raw(w.sender()), Role::kNetem)};
+            judge.choice(raw(w.sender()), Role::kExperimenter)};
 }
 
 wire::NeedleCommand to_wire(const NeedleCommand& b) {
@@ -155,7 +156,7 @@ SessionControl from_wire(const wire::SessionControl& w, Judge& judge) {
             w.network_delay_s(),
             w.subject(),
             w.experiment(),
-            judge.choice(raw(w.kind()), ControlKind::kShutdown),
+            judge.choice(raw(w.kind()), ControlKind::kNetworkChange),
             judge.choice(raw(w.modality()), Modality::kVF),
             w.fixture_present(),
             judge.choice(raw(w.reason()), EndReason::kInterrupted)};
@@ -167,6 +168,8 @@ wire::Heartbeat to_wire(const Heartbeat& b) {
             b.round_trip_median_s,
             b.round_trip_worst_s,
             b.hold_median_s,
+            b.force_hand_N,
+            b.energy_in_J,
             static_cast<wire::NodeState>(b.state),
             static_cast<wire::EndReason>(b.reason)};
 }
@@ -175,11 +178,15 @@ Heartbeat from_wire(const wire::Heartbeat& w, Judge& judge) {
     judge.number(w.round_trip_median_s(), 0, kMaxTime_s);
     judge.number(w.round_trip_worst_s(), 0, kMaxTime_s);
     judge.number(w.hold_median_s(), 0, kMaxTime_s);
+    judge.number(w.force_hand_N(), kMaxForce_N);
+    judge.number(w.energy_in_J(), kMaxEnergy_J);
     return {w.accepted(),
             w.refused(),
             w.round_trip_median_s(),
             w.round_trip_worst_s(),
             w.hold_median_s(),
+            w.force_hand_N(),
+            w.energy_in_J(),
             judge.choice(raw(w.state()), NodeState::kFailed),
             judge.choice(raw(w.reason()), EndReason::kInterrupted)};
 }
@@ -201,6 +208,107 @@ ClockReply from_wire(const wire::ClockReply& w, Judge& judge) {
     return {from_nanoseconds(w.probe_send_time_ns()), from_nanoseconds(w.probe_arrival_time_ns())};
 }
 
+wire::HandInput to_wire(const HandInput& b) { return {b.position_hand_m, b.engaged}; }
+
+HandInput from_wire(const wire::HandInput& w, Judge& judge) {
+    judge.number(w.position_hand_m(), kMaxPosition_m);
+    return {w.position_hand_m(), w.engaged()};
+}
+
+wire::Monitor to_wire(const Monitor& b) {
+    return {b.time_s,
+            b.position_needle_m,
+            b.position_surface_m,
+            b.position_fixture_m,
+            b.force_tissue_N,
+            b.force_fixture_N,
+            b.force_total_N,
+            b.contact_time_s,
+            b.force_hand_N,
+            b.energy_in_J,
+            b.round_trip_s,
+            b.one_way_s,
+            b.one_way_bound_s,
+            b.network_delay_s,
+            b.accepted,
+            b.refused,
+            b.subject,
+            b.trials,
+            static_cast<wire::TissuePhase>(b.phase),
+            static_cast<wire::Modality>(b.modality),
+            static_cast<wire::NodeState>(b.state),
+            static_cast<wire::EndReason>(b.reason),
+            b.fixture_present,
+            b.needle_held,
+            b.beeped,
+            b.paused};
+}
+
+void judge_numbers(const wire::Monitor& w, Judge& judge) {
+    for (const double position_m : {w.position_needle_m(), w.position_surface_m(), w.position_fixture_m()}) {
+        judge.number(position_m, kMaxPosition_m);
+    }
+    for (const double force_N : {w.force_tissue_N(), w.force_fixture_N(), w.force_hand_N()}) {
+        judge.number(force_N, kMaxForce_N);
+    }
+    judge.number(w.force_total_N(), 2 * kMaxForce_N);
+    judge.number(w.energy_in_J(), kMaxEnergy_J);
+    judge.number(w.one_way_s(), -1, kMaxTime_s);
+    for (const double span_s :
+         {w.time_s(), w.contact_time_s(), w.round_trip_s(), w.one_way_bound_s(), w.network_delay_s()}) {
+        judge.number(span_s, 0, kMaxTime_s);
+    }
+}
+
+Monitor from_wire(const wire::Monitor& w, Judge& judge) {
+    judge_numbers(w, judge);
+    return {w.time_s(),
+            w.position_needle_m(),
+            w.position_surface_m(),
+            w.position_fixture_m(),
+            w.force_tissue_N(),
+            w.force_fixture_N(),
+            w.force_total_N(),
+            w.contact_time_s(),
+            w.force_hand_N(),
+            w.energy_in_J(),
+            w.round_trip_s(),
+            w.one_way_s(),
+            w.one_way_bound_s(),
+            w.network_delay_s(),
+            w.accepted(),
+            w.refused(),
+            w.subject(),
+            w.trials(),
+            judge.choice(raw(w.phase()), TissuePhase::kPenetrated),
+            judge.choice(raw(w.modality()), Modality::kVF),
+            judge.choice(raw(w.state()), NodeState::kFailed),
+            judge.choice(raw(w.reason()), EndReason::kInterrupted),
+            w.fixture_present(),
+            w.needle_held(),
+            w.beeped(),
+            w.paused()};
+}
+
+wire::Order to_wire(const Order& b) {
+    return {b.value, b.trial, static_cast<wire::OrderKind>(b.kind), static_cast<wire::Modality>(b.modality)};
+}
+
+Order from_wire(const wire::Order& w, Judge& judge) {
+    judge.number(w.value(), 0, kMaxTime_s);
+    return {w.value(), w.trial(), judge.choice(raw(w.kind()), OrderKind::kSpeed),
+            judge.choice(raw(w.modality()), Modality::kVF)};
+}
+
+wire::Page to_wire(const Page& b) {
+    return {b.remaining_s, b.trial, b.trials, static_cast<wire::PageKind>(b.kind)};
+}
+
+Page from_wire(const wire::Page& w, Judge& judge) {
+    judge.number(w.remaining_s(), 0, kMaxTime_s);
+    return {w.remaining_s(), w.trial(), w.trials(), judge.choice(raw(w.kind()), PageKind::kWait)};
+}
+
 // Returns how many there are; `body` becomes the last of them.
 int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     int count = 0;
@@ -216,6 +324,10 @@ int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     read(p.heartbeat());
     read(p.clock_probe());
     read(p.clock_reply());
+    read(p.hand_input());
+    read(p.monitor());
+    read(p.order());
+    read(p.page());
     return count;
 }
 
@@ -285,6 +397,10 @@ struct Encoder::Templates {
     Template<wire::Heartbeat> heartbeat{wire::Packet::VT_HEARTBEAT};
     Template<wire::ClockProbe> clock_probe{wire::Packet::VT_CLOCK_PROBE};
     Template<wire::ClockReply> clock_reply{wire::Packet::VT_CLOCK_REPLY};
+    Template<wire::HandInput> hand_input{wire::Packet::VT_HAND_INPUT};
+    Template<wire::Monitor> monitor{wire::Packet::VT_MONITOR};
+    Template<wire::Order> order{wire::Packet::VT_ORDER};
+    Template<wire::Page> page{wire::Packet::VT_PAGE};
 };
 
 Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
@@ -312,6 +428,18 @@ Bytes Encoder::encode(const Header& header, const ClockProbe& body) {
 }
 Bytes Encoder::encode(const Header& header, const ClockReply& body) {
     return templates_->clock_reply.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const HandInput& body) {
+    return templates_->hand_input.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const Monitor& body) {
+    return templates_->monitor.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const Order& body) {
+    return templates_->order.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const Page& body) {
+    return templates_->page.fill(header, to_wire(body));
 }
 Bytes Encoder::encode(const Message& message) {
     return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);

@@ -59,6 +59,10 @@ class Encoder {
     Bytes encode(const Header& header, const Heartbeat& body);
     Bytes encode(const Header& header, const ClockProbe& body);
     Bytes encode(const Header& header, const ClockReply& body);
+    Bytes encode(const Header& header, const HandInput& body);
+    Bytes encode(const Header& header, const Monitor& body);
+    Bytes encode(const Header& header, const Order& body);
+    Bytes encode(const Header& header, const Page& body);
     Bytes encode(const Message& message);
 
   private:

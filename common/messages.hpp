@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -13,15 +14,40 @@
 
 namespace thimble {
 
-enum class Role : std::uint8_t { kSession, kMaster, kSlaveSim, kCutaneous, kVisual, kNetem };
+// kExperimenter is no node of a session: a view that comes and goes.
+enum class Role : std::uint8_t { kSession, kMaster, kSlaveSim, kCutaneous, kVisual, kNetem, kExperimenter };
+inline constexpr std::size_t kRoleCount = 7;
 // HF: handle. CF: fingers of the acting hand. CCF: fingers of the other hand. VF: bar on the screen.
 enum class Modality : std::uint8_t { kHF, kCF, kCCF, kVF };
 inline constexpr std::array kModalities{Modality::kHF, Modality::kCF, Modality::kCCF, Modality::kVF};
 enum class TissuePhase : std::uint8_t { kFree, kContact, kPenetrated };
 enum class Finger : std::uint8_t { kNone, kIndex, kThumb };
-enum class ControlKind : std::uint8_t { kTrialStart, kBeep, kFixtureChange, kTrialEnd, kShutdown };
+enum class ControlKind : std::uint8_t {
+    kTrialStart,
+    kBeep,
+    kFixtureChange,
+    kTrialEnd,
+    kShutdown,
+    kNetworkChange,
+};
 enum class NodeState : std::uint8_t { kIdle, kRunning, kFinished, kFailed };
 enum class EndReason : std::uint8_t { kNone, kCompleted, kTimeout, kPeerLost, kInterrupted };
+
+// What a view asks of the session.
+enum class OrderKind : std::uint8_t {
+    kDelay,  // value: one-way delay, s, as [netem] force.delay_s
+    kStart,  // a trial of this modality, ending the running one
+    kPause,  // no further trial
+    kResume,
+    kEndTrial,
+    kQuit,
+    kRepeat,   // which trial
+    kExclude,  // which trial
+    kSeek,     // of a replay: value, s
+    kSpeed,    // of a replay: value, 1 as recorded
+};
+// What the subject reads between trials.
+enum class PageKind : std::uint8_t { kNone, kWelcome, kPractice, kReady, kBreak, kPaused, kDone, kWait };
 
 struct Header {
     std::uint64_t instance = 0;  // random per process start: tells a second master from the first
@@ -92,6 +118,10 @@ struct Heartbeat {
         0;  // master: encoder sample to its force at the handle, this trial; others 0
     double round_trip_worst_s = 0;
     double hold_median_s = 0;  // the part of it spent inside slave_sim
+    double force_hand_N = 0;   // master: what the handle applies now; others 0
+    // master: work of the hand on the handle in this trial, until now, = sum of force x way of the samples; negative:
+    // the handle has given out more than it got (Hannaford and Ryu 2002); others 0
+    double energy_in_J = 0;
     NodeState state = NodeState::kIdle;
     EndReason reason = EndReason::kNone;
 };
@@ -107,9 +137,61 @@ struct ClockReply {
     SessionTime probe_arrival_time{};  // on the replier's clock, never earlier than it came
 };
 
+// visual_node -> master: where a person's hand is, by mouse, trackpad or gamepad. Never delayed by the network.
+struct HandInput {
+    double position_hand_m = 0;  // where the hand wants the handle
+    bool engaged = false;        // false: it has let go
+};
+
+// session -> the experimenter's view, at most 250 Hz. Undelayed truth, with the fixture: never to the subject's.
+struct Monitor {
+    double time_s = 0;  // since the start of the trial, on the master's clock
+    double position_needle_m = 0;
+    double position_surface_m = 0;
+    double position_fixture_m = 0;
+    double force_tissue_N = 0;  // on the operator, negative resists insertion
+    double force_fixture_N = 0;
+    double force_total_N = 0;
+    double contact_time_s = 0;
+    double force_hand_N = 0;  // as in Heartbeat
+    double energy_in_J = 0;
+    double round_trip_s = 0;     // newest, handle to handle; 0: not known yet
+    double one_way_s = -1;       // slave_sim to master by the clocks; negative: not known
+    double one_way_bound_s = 0;  // by how much that may be wrong
+    double network_delay_s = 0;  // as asked now, one way
+    std::uint64_t accepted = 0;  // datagrams, all nodes since their start
+    std::uint64_t refused = 0;
+    std::uint32_t subject = 0;
+    std::uint32_t trials = 0;  // planned; 0: no plan
+    TissuePhase phase = TissuePhase::kFree;
+    Modality modality = Modality::kHF;
+    NodeState state = NodeState::kIdle;  // kRunning while a trial runs
+    EndReason reason = EndReason::kNone;
+    bool fixture_present = true;
+    bool needle_held = false;
+    bool beeped = false;
+    bool paused = false;
+};
+
+// A view -> session.
+struct Order {
+    double value = 0;
+    std::uint32_t trial = 0;
+    OrderKind kind = OrderKind::kDelay;
+    Modality modality = Modality::kHF;
+};
+
+// session -> visual_node, on its control channel.
+struct Page {
+    double remaining_s = 0;    // of a break; 0: until a key is pressed
+    std::uint32_t trial = 0;   // the coming one
+    std::uint32_t trials = 0;  // in all
+    PageKind kind = PageKind::kNone;
+};
+
 // Order as in Packet of messages.fbs.
-using Body =
-    std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe, ClockReply>;
+using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe,
+                          ClockReply, HandInput, Monitor, Order, Page>;
 
 struct Message {
     Header header;

@@ -28,6 +28,9 @@ constexpr std::array<Flow, kPortCount> kFlows{{
     {Role::kNetem, Role::kSlaveSim, "force for master"},
     {Role::kNetem, Role::kSlaveSim, "force for cutaneous"},
     {Role::kNetem, Role::kSlaveSim, "force for visual"},
+    {Role::kMaster, Role::kVisual, "hand"},
+    {Role::kSession, Role::kExperimenter, "wishes"},
+    {Role::kExperimenter, Role::kSession, "monitor"},
 }};
 
 }  // namespace

@@ -41,6 +41,10 @@ enum class Port : std::uint16_t {
     kNetemForceMaster,
     kNetemForceCutaneous,
     kNetemForceVisual,
+    // views and persons
+    kMasterHand,
+    kSessionOrders,
+    kExperimenterMonitor,
     kCount,
 };
 inline constexpr std::size_t kPortCount = static_cast<std::size_t>(Port::kCount);
@@ -68,11 +72,16 @@ struct Endpoint {
 struct NetworkSettings {
     // Below 32768, where Linux starts to hand out ports to sockets that ask for none.
     std::uint16_t base_port = 27000;
-    std::array<std::string, 6> hosts{"127.0.0.1", "127.0.0.1", "127.0.0.1",
-                                     "127.0.0.1", "127.0.0.1", "127.0.0.1"};  // by Role
+    std::array<std::string, kRoleCount> hosts = every_role_here();  // by Role
 
     const std::string& host(Role role) const { return hosts[static_cast<std::size_t>(role)]; }
     Endpoint at(Port port) const;
+
+    static std::array<std::string, kRoleCount> every_role_here() {
+        std::array<std::string, kRoleCount> hosts;
+        hosts.fill("127.0.0.1");
+        return hosts;
+    }
 };
 
 NetworkSettings read_network_settings(const ConfigFile& file);

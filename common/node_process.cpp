@@ -67,6 +67,9 @@ void NodeProcess::take_order(SessionTime now, std::uint32_t trial, const Session
             set_state(NodeState::kIdle, EndReason::kInterrupted);
             stopped_ = true;
             return;
+        case ControlKind::kNetworkChange:
+            if (trial == trial_ && running()) network_changed(now, control);
+            return;
         case ControlKind::kBeep:
         case ControlKind::kFixtureChange:
             if (trial == trial_ && running()) obey(now, control);

@@ -36,6 +36,8 @@ class NodeProcess : public Process {
     // Also when the trial is given up: afterwards no force, nothing in flight.
     virtual void end_trial(SessionTime now) = 0;
     virtual void obey(SessionTime /*now*/, const SessionControl& /*control*/) {}
+    // The delay is another one from now on: control.network_delay_s, and an input may be silent for as long.
+    virtual void network_changed(SessionTime /*now*/, const SessionControl& /*control*/) {}
     // Data plane, called on every tick, also between trials (to keep the channels empty).
     virtual void work(SessionTime now) = 0;
     virtual SessionTime next_work() const = 0;

@@ -18,7 +18,7 @@ inline constexpr const char* kDefaultExec =
     "ssh -o BatchMode=yes -o ConnectTimeout=10 -o ServerAliveInterval=2 -o ServerAliveCountMax=3 {host}";
 
 struct LaunchSettings {
-    std::array<std::string, 6>
+    std::array<std::string, kRoleCount>
         machines{};                   // by Role; empty: this machine. The session's own is always this one
     std::string exec = kDefaultExec;  // runs a command on {host}; words between blanks, no quotes
     std::string programs;             // folder there; empty: sought in PATH there

@@ -19,7 +19,7 @@ namespace thimble {
 
 struct EchoLimits {
     double answers_per_s = 50'000;             // a session's whole traffic five times
-    double hellos_per_s = 100;                 // an asker sends one to each of 22 ports at once
+    double hellos_per_s = 100;                 // an asker sends one to each of the ports at once
     Duration idle = std::chrono::seconds{10};  // after which a test's place is given away
 };
 

@@ -11,6 +11,7 @@ namespace {
 constexpr double kSamples_Hz = 1000;  // of the handle
 constexpr double kFrames_Hz = 60;     // of the screen
 constexpr double kBeeps_Hz = 50;      // five at once, 20 ms apart
+constexpr double kMonitor_Hz = 250;
 // A heartbeat ten times a second, and a clock probe or its reply five times.
 constexpr double kControl_Hz = 1e9 / static_cast<double>(kHeartbeatPeriod.count()) + 5;
 
@@ -35,7 +36,10 @@ constexpr std::array<const char*, kPortCount> kNames{"session_master",
                                                      "netem_needle",
                                                      "netem_force_master",
                                                      "netem_force_cutaneous",
-                                                     "netem_force_visual"};
+                                                     "netem_force_visual",
+                                                     "master_hand",
+                                                     "session_orders",
+                                                     "experimenter_monitor"};
 
 PortTraffic traffic_of(Port port, Encoder& encoder) {
     const Header header;
@@ -60,8 +64,15 @@ PortTraffic traffic_of(Port port, Encoder& encoder) {
             return sized(Percept{}, kFrames_Hz, false);
         case Port::kVisualBeep:
             return sized(SessionControl{}, kBeeps_Hz, false);
+        case Port::kMasterHand:
+            return sized(HandInput{}, kSamples_Hz, true);
+        case Port::kSessionOrders:
+            return sized(Order{}, kBeeps_Hz, false);
+        case Port::kExperimenterMonitor:
+            return sized(Monitor{}, kMonitor_Hz, false);
         default:
-            return sized(Heartbeat{}, kControl_Hz, false);  // the longest of what control channels carry
+            return sized(Heartbeat{}, kControl_Hz,
+                         false);  // the longest of what control channels carry often
     }
 }
 

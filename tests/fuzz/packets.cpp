@@ -32,8 +32,8 @@ auto fields(const SessionControl& m) {
     return std::tie(seed, fixture, network_delay, subject, experiment, kind, modality, present, reason);
 }
 auto fields(const Heartbeat& m) {
-    const auto& [accepted, refused, median, worst, hold, state, reason] = m;
-    return std::tie(accepted, refused, median, worst, hold, state, reason);
+    const auto& [accepted, refused, median, worst, hold, force, energy, state, reason] = m;
+    return std::tie(accepted, refused, median, worst, hold, force, energy, state, reason);
 }
 
 auto fields(const ClockProbe& m) {
@@ -43,6 +43,26 @@ auto fields(const ClockProbe& m) {
 auto fields(const ClockReply& m) {
     const auto& [probe_send_time, probe_arrival_time] = m;
     return std::tie(probe_send_time, probe_arrival_time);
+}
+auto fields(const HandInput& m) {
+    const auto& [position, engaged] = m;
+    return std::tie(position, engaged);
+}
+auto fields(const Monitor& m) {
+    const auto& [time, needle, surface, fixture, tissue_force, fixture_force, total, contact, hand, energy,
+                 round_trip, one_way, bound, delay, accepted, refused, subject, trials, phase, modality,
+                 state, reason, present, held, beeped, paused] = m;
+    return std::tie(time, needle, surface, fixture, tissue_force, fixture_force, total, contact, hand, energy,
+                    round_trip, one_way, bound, delay, accepted, refused, subject, trials, phase, modality,
+                    state, reason, present, held, beeped, paused);
+}
+auto fields(const Order& m) {
+    const auto& [value, trial, kind, modality] = m;
+    return std::tie(value, trial, kind, modality);
+}
+auto fields(const Page& m) {
+    const auto& [remaining, trial, trials, kind] = m;
+    return std::tie(remaining, trial, trials, kind);
 }
 
 // A NaN fails every comparison.
@@ -54,7 +74,7 @@ bool span(double value_s) { return within(value_s, 0, 1e6); }
 bool stamp(std::int64_t nanoseconds) { return nanoseconds >= 0 && nanoseconds <= std::int64_t{1} << 62; }
 bool stamp(SessionTime time) { return stamp(to_nanoseconds(time)); }
 
-bool plausible_header(const Header& m) { return stamp(m.send_time) && m.sender <= Role::kNetem; }
+bool plausible_header(const Header& m) { return stamp(m.send_time) && m.sender <= Role::kExperimenter; }
 
 bool plausible_body(const NeedleCommand& m) {
     return position(m.position_needle_m) && velocity(m.velocity_needle_m_per_s) &&
@@ -72,13 +92,29 @@ bool plausible_body(const Percept& m) {
            position(m.position_surface_shown_m) && span(m.sample_age_s) && m.finger <= Finger::kThumb;
 }
 bool plausible_body(const SessionControl& m) {
-    return position(m.fixture_position_m) && span(m.network_delay_s) && m.kind <= ControlKind::kShutdown &&
-           m.modality <= Modality::kVF && m.reason <= EndReason::kInterrupted;
+    return position(m.fixture_position_m) && span(m.network_delay_s) &&
+           m.kind <= ControlKind::kNetworkChange && m.modality <= Modality::kVF &&
+           m.reason <= EndReason::kInterrupted;
 }
 bool plausible_body(const Heartbeat& m) {
     return span(m.round_trip_median_s) && span(m.round_trip_worst_s) && span(m.hold_median_s) &&
-           m.state <= NodeState::kFailed && m.reason <= EndReason::kInterrupted;
+           force(m.force_hand_N) && within(m.energy_in_J, -1e6, 1e6) && m.state <= NodeState::kFailed &&
+           m.reason <= EndReason::kInterrupted;
 }
+bool plausible_body(const HandInput& m) { return position(m.position_hand_m); }
+bool plausible_body(const Monitor& m) {
+    return span(m.time_s) && position(m.position_needle_m) && position(m.position_surface_m) &&
+           position(m.position_fixture_m) && force(m.force_tissue_N) && force(m.force_fixture_N) &&
+           within(m.force_total_N, -2e5, 2e5) && span(m.contact_time_s) && force(m.force_hand_N) &&
+           within(m.energy_in_J, -1e6, 1e6) && span(m.round_trip_s) && within(m.one_way_s, -1, 1e6) &&
+           span(m.one_way_bound_s) && span(m.network_delay_s) && m.phase <= TissuePhase::kPenetrated &&
+           m.modality <= Modality::kVF && m.state <= NodeState::kFailed &&
+           m.reason <= EndReason::kInterrupted;
+}
+bool plausible_body(const Order& m) {
+    return span(m.value) && m.kind <= OrderKind::kSpeed && m.modality <= Modality::kVF;
+}
+bool plausible_body(const Page& m) { return span(m.remaining_s) && m.kind <= PageKind::kWait; }
 bool plausible_body(const ClockProbe& m) { return stamp(m.send_time); }
 bool plausible_body(const ClockReply& m) { return stamp(m.probe_send_time) && stamp(m.probe_arrival_time); }
 
@@ -100,14 +136,27 @@ std::vector<Message> sample_messages() {
                            TissuePhase::kPenetrated,
                            true,
                            true};
+    Monitor monitor;
+    monitor.time_s = 2.5;
+    monitor.position_needle_m = 0.031;
+    monitor.force_total_N = -3.3;
+    monitor.energy_in_J = -0.01;
+    monitor.accepted = 123'456;
+    monitor.state = NodeState::kRunning;
+    monitor.paused = true;
     return {{header, NeedleCommand{0.03, 0.06, 0.0299, 0.01, 0.02, 1.5}},
             {header, feedback},
             {header, Percept{0.9, 3.1, -0.004, 0.001, 0.052, Finger::kThumb, true, true}},
             {header, SessionControl{99, 0.025, 0.05, 3, 2, ControlKind::kFixtureChange, Modality::kCCF, true,
                                     EndReason::kTimeout}},
-            {header, Heartbeat{1000, 3, 0.101, 0.13, 0.0002, NodeState::kRunning, EndReason::kPeerLost}},
+            {header,
+             Heartbeat{1000, 3, 0.101, 0.13, 0.0002, 1.5, -0.02, NodeState::kRunning, EndReason::kPeerLost}},
             {header, ClockProbe{from_nanoseconds(987'654'321)}},
-            {header, ClockReply{from_nanoseconds(987'654'321), from_nanoseconds(55'000'000'123)}}};
+            {header, ClockReply{from_nanoseconds(987'654'321), from_nanoseconds(55'000'000'123)}},
+            {header, HandInput{0.02, true}},
+            {header, monitor},
+            {header, Order{0.05, 4, OrderKind::kStart, Modality::kCCF}},
+            {header, Page{12.5, 3, 24, PageKind::kBreak}}};
 }
 
 bool plausible(const Message& message) {

@@ -41,6 +41,8 @@ Channel* control_channel(Sockets& sockets, Role role) {
             return sockets.between(Port::kSessionVisual, Port::kVisualControl);
         case Role::kNetem:
             return sockets.between(Port::kSessionNetem, Port::kNetemControl);
+        case Role::kExperimenter:
+            break;  // no node
         case Role::kSession:
             break;
     }

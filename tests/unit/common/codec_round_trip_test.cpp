@@ -64,11 +64,40 @@ bool draw_bool() { return *rc::gen::arbitrary<bool>(); }
 
 Header draw_header() {
     return {draw_bits<std::uint64_t>(), from_nanoseconds(draw_stamp()), draw_bits<std::uint32_t>(),
-            draw_bits<std::uint32_t>(), draw_enum(Role::kNetem)};
+            draw_bits<std::uint32_t>(), draw_enum(Role::kExperimenter)};
+}
+
+Monitor draw_monitor() {
+    return {draw(0, 1e6),
+            draw(10),
+            draw(10),
+            draw(10),
+            draw(1e5),
+            draw(1e5),
+            draw(2e5),
+            draw(0, 1e6),
+            draw(1e5),
+            draw(1e6),
+            draw(0, 1e6),
+            draw(-1, 1e6),
+            draw(0, 1e6),
+            draw(0, 1e6),
+            draw_bits<std::uint64_t>(),
+            draw_bits<std::uint64_t>(),
+            draw_bits<std::uint32_t>(),
+            draw_bits<std::uint32_t>(),
+            draw_enum(TissuePhase::kPenetrated),
+            draw_enum(Modality::kVF),
+            draw_enum(NodeState::kFailed),
+            draw_enum(EndReason::kInterrupted),
+            draw_bool(),
+            draw_bool(),
+            draw_bool(),
+            draw_bool()};
 }
 
 Body draw_body() {
-    switch (*rc::gen::inRange(0, 7)) {
+    switch (*rc::gen::inRange(0, 11)) {
         case 0:
             return NeedleCommand{draw(10), draw(1000), draw(10), draw(10), draw(1000), draw(1e5)};
         case 1:
@@ -96,7 +125,7 @@ Body draw_body() {
                                   draw(0, 1e6),
                                   draw_bits<std::uint32_t>(),
                                   draw_bits<std::uint32_t>(),
-                                  draw_enum(ControlKind::kShutdown),
+                                  draw_enum(ControlKind::kNetworkChange),
                                   draw_enum(Modality::kVF),
                                   draw_bool(),
                                   draw_enum(EndReason::kInterrupted)};
@@ -104,12 +133,24 @@ Body draw_body() {
             return ClockProbe{from_nanoseconds(draw_stamp())};
         case 5:
             return ClockReply{from_nanoseconds(draw_stamp()), from_nanoseconds(draw_stamp())};
+        case 6:
+            return HandInput{draw(10), draw_bool()};
+        case 7:
+            return draw_monitor();
+        case 8:
+            return Order{draw(0, 1e6), draw_bits<std::uint32_t>(), draw_enum(OrderKind::kSpeed),
+                         draw_enum(Modality::kVF)};
+        case 9:
+            return Page{draw(0, 1e6), draw_bits<std::uint32_t>(), draw_bits<std::uint32_t>(),
+                        draw_enum(PageKind::kWait)};
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),
                              draw(0, 1e6),
                              draw(0, 1e6),
                              draw(0, 1e6),
+                             draw(1e5),
+                             draw(1e6),
                              draw_enum(NodeState::kFailed),
                              draw_enum(EndReason::kInterrupted)};
     }
