@@ -100,12 +100,14 @@ void RealtimeLoop::step(Process& process, SessionTime latest) {
     } else {
         ++statistics_.arrivals;
     }
+    woken_ = now;
     process.tick(now);
 }
 
 void RealtimeLoop::run(Process& process, const std::function<void(SessionTime now)>& turned) {
     while (!process.stopped() && !stop) {
         const SessionTime now = wall_now();
+        if (woken_ != kNever) statistics_.turns.add(now - woken_);
         step(process, now + kStopLatency);
         if (turned) turned(now);
     }

@@ -14,6 +14,7 @@ namespace thimble {
 
 struct LoopStatistics {
     Histogram lateness;           // wake-up after its deadline
+    Histogram turns;              // from a wake-up to the next wait: the node's own share of a round trip
     std::uint64_t deadlines = 0;  // timed wake-ups
     std::uint64_t missed = 0;     // later than kDeadlineSlack
     std::uint64_t arrivals = 0;   // wake-ups by a datagram
@@ -53,6 +54,7 @@ class RealtimeLoop {
     int epoll_ = -1;
     int timer_ = -1;
     SessionTime armed_ = kNever;
+    SessionTime woken_ = kNever;  // last, within run()
     LoopStatistics statistics_;
 };
 
