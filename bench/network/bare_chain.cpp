@@ -178,8 +178,12 @@ class Sampler {
             arm(next_ < last ? next_ : end);
             events_.wait(-1);
             now = wall_now();
-            if (next_ < last && now >= next_) sample(now);
-            take_answer(now);
+            // Not both in one turn: an answer that came since would have taken no time.
+            if (next_ < last && now >= next_) {
+                sample(now);
+            } else {
+                take_answer(now);
+            }
         }
     }
     std::vector<double> take() { return std::move(took_us_); }
