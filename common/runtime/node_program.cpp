@@ -104,7 +104,7 @@ int run(const NodeProgram& program, const Options& options) {
     finish_config(program, file);
     install_stop_signals();
     if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
-    RealtimeLoop loop(sockets.descriptors());
+    RealtimeLoop loop(sockets.listeners());
     spdlog::info("ready, ports from {}", network.base_port);
     ServiceNotice notice;
     notice.ready();
