@@ -19,7 +19,8 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 4> kStudies{{
+constexpr std::array<Study, 5> kStudies{{
+    {"chain", "the round trip through all five programs beside bare processes", &chain_study},
     {"netem", "the relay beside the bare machine: lateness, throughput, round trip", &network_study},
     {"scene-cost", "what a scene costs, against the number of layers", &scene_cost_study},
     {"velocity", "velocity estimators: noise against lag, puncture, fixture force", &velocity_study},

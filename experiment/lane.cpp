@@ -23,7 +23,7 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       events_(events),
       sockets_(plan.network),
       session_(system_entropy(), plan.session, open_channels()),
-      loop_(sockets_.descriptors()) {
+      loop_(sockets_.listeners()) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
         if (writer_) writer_->append(sample);

@@ -23,6 +23,8 @@ class Master final : public NodeInstance {
     void describe(nlohmann::ordered_json& report) const override {
         report["samples"] = process_.samples();
         report["samples_skipped"] = process_.samples_skipped();
+        report["round_trip"] = quantiles(process_.round_trip().age());  // of the last trial, as the next
+        report["hold"] = quantiles(process_.round_trip().hold());
     }
 
   private:

@@ -2,9 +2,16 @@
 // 99 %. Maxima and raw 99.9 % belong to the host.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace thimble {
+
+// Of one window.
+struct WindowQuantiles {
+    double median_us = 0, p99_us = 0, worst_us = 0;
+    std::size_t count = 0;
+};
 
 struct WindowErrors {
     double w50_us = 0, w99_us = 0;
@@ -15,6 +22,8 @@ class ErrorWindows {
   public:
     // The errors of one window, a quarter of a second, in microseconds. Less than 20 are not judged.
     void add(std::vector<double> errors_us);
+    // The same where only quantiles are known.
+    void add(const WindowQuantiles& window);
     WindowErrors errors() const;
 
   private:

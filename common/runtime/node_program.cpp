@@ -29,13 +29,6 @@ struct Options {
 
 double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
-nlohmann::ordered_json quantiles(const Histogram& h) {
-    return {{"median_us", microseconds(h.quantile(0.5))},
-            {"p99_us", microseconds(h.quantile(0.99))},
-            {"worst_us", microseconds(h.worst())},
-            {"count", h.count()}};
-}
-
 // What the sockets refused before anybody could decode it stands in the same list.
 nlohmann::ordered_json refusals(FlowCounters counters, const UdpCounters& udp) {
     counters.refused[static_cast<std::size_t>(Refusal::kForeignSource)] += udp.foreign_source;
@@ -64,6 +57,7 @@ nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& 
     report["deadlines_missed"] = loop.missed;
     report["arrivals"] = loop.arrivals;
     report["lateness"] = quantiles(loop.lateness);
+    report["turns"] = quantiles(loop.turns);
     instance.describe(report);
     return report;
 }
@@ -110,7 +104,7 @@ int run(const NodeProgram& program, const Options& options) {
     finish_config(program, file);
     install_stop_signals();
     if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
-    RealtimeLoop loop(sockets.descriptors());
+    RealtimeLoop loop(sockets.listeners());
     spdlog::info("ready, ports from {}", network.base_port);
     ServiceNotice notice;
     notice.ready();
@@ -122,6 +116,13 @@ int run(const NodeProgram& program, const Options& options) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json quantiles(const Histogram& h) {
+    return {{"median_us", microseconds(h.quantile(0.5))},
+            {"p99_us", microseconds(h.quantile(0.99))},
+            {"worst_us", microseconds(h.worst())},
+            {"count", h.count()}};
+}
 
 int guarded_main(const std::string& name, const std::function<int()>& body) {
     spdlog::set_default_logger(spdlog::stderr_color_mt(name));

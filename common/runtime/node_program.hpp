@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/config.hpp"
+#include "common/histogram.hpp"
 #include "common/node_process.hpp"
 #include "common/runtime/sockets.hpp"
 
@@ -37,6 +38,9 @@ struct NodeProgram {
     std::vector<std::string_view> tables;
     std::function<std::unique_ptr<NodeInstance>(const ConfigFile&, Sockets&, std::uint64_t instance)> build;
 };
+
+// For a report: median_us, p99_us, worst_us, count.
+nlohmann::ordered_json quantiles(const Histogram& histogram);
 
 // Runs until SIGINT, SIGTERM or a shutdown from the session; returns the exit code.
 int run_node_program(const NodeProgram& program, int argc, char** argv);

@@ -26,15 +26,6 @@ extern "C" void request_stop(int /*signal*/) { stop = true; }
 // How long a stop request may wait for a sleeping loop.
 constexpr Duration kStopLatency = std::chrono::milliseconds{100};
 
-void watch(int epoll, int descriptor) {
-    epoll_event event{};
-    event.events = EPOLLIN;
-    event.data.fd = descriptor;
-    if (epoll_ctl(epoll, EPOLL_CTL_ADD, descriptor, &event) != 0) {
-        throw Error(ExitCode::kRunFailed, fmt::format("cannot wait for events: {}", std::strerror(errno)));
-    }
-}
-
 }  // namespace
 
 const std::atomic<bool>& stop_requested() { return stop; }
@@ -63,34 +54,61 @@ std::string ask_for_realtime(const RuntimeSettings& settings) {
         std::strerror(errno), settings.priority);
 }
 
-RealtimeLoop::RealtimeLoop(std::span<const int> descriptors)
+RealtimeLoop::RealtimeLoop(std::span<UdpChannel* const> listeners)
     : epoll_(epoll_create1(EPOLL_CLOEXEC)),
-      timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)) {
+      timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
+      listeners_(listeners.begin(), listeners.end()) {
     if (epoll_ < 0 || timer_ < 0) {
         throw Error(ExitCode::kRunFailed, fmt::format("cannot make a timer: {}", std::strerror(errno)));
     }
-    watch(epoll_, timer_);
-    for (const int descriptor : descriptors) watch(epoll_, descriptor);
+    watch(timer_, nullptr);
+    for (UdpChannel* listener : listeners_) watch(listener->file_descriptor(), listener);
+    for (UdpChannel* listener : listeners_) listener->set_watched(true);
 }
 
 RealtimeLoop::~RealtimeLoop() {
+    for (UdpChannel* listener : listeners_) listener->set_watched(false);
     close(timer_);
     close(epoll_);
 }
 
+void RealtimeLoop::watch(int descriptor, UdpChannel* of) {
+    epoll_event event{};
+    event.events = EPOLLIN;
+    event.data.ptr = of;
+    if (epoll_ctl(epoll_, EPOLL_CTL_ADD, descriptor, &event) != 0) {
+        throw Error(ExitCode::kRunFailed, fmt::format("cannot wait for events: {}", std::strerror(errno)));
+    }
+}
+
+// A timer that is set to an earlier moment stays: waking up in vain now and then costs less than setting it each time
+// that a deadline moves on, as slave_sim's does with every command.
 void RealtimeLoop::arm(SessionTime deadline) {
-    if (deadline == armed_) return;
+    if (armed_ <= deadline) return;
     armed_ = deadline;
     set_timer(timer_, deadline);
 }
 
+// Until that moment, or mail, or a signal; returns when that was.
+SessionTime RealtimeLoop::wait(SessionTime until) {
+    std::array<epoll_event, 16> events{};
+    for (;;) {
+        arm(until);
+        const int found = epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), -1);
+        const SessionTime now = wall_now();
+        if (now >= armed_) armed_ = kNever;  // it has fired; the next wait must arm it anew
+        if (found == 1 && events[0].data.ptr == nullptr && now < until) continue;
+        for (int i = 0; i < found; ++i) {
+            void* of = events[static_cast<std::size_t>(i)].data.ptr;
+            if (of != nullptr) static_cast<UdpChannel*>(of)->has_mail();
+        }
+        return now;
+    }
+}
+
 void RealtimeLoop::step(Process& process, SessionTime latest) {
     const SessionTime deadline = process.next_wakeup();
-    arm(std::min(deadline, latest));
-    std::array<epoll_event, 16> events{};
-    epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), -1);
-    const SessionTime now = wall_now();
-    if (now >= armed_) armed_ = kNever;  // it has fired; the next wait must arm it anew
+    const SessionTime now = wait(std::min(deadline, latest));
     if (deadline == SessionTime{}) {
         // "At once", not a deadline: nothing to be late for.
     } else if (now >= deadline) {
@@ -100,12 +118,14 @@ void RealtimeLoop::step(Process& process, SessionTime latest) {
     } else {
         ++statistics_.arrivals;
     }
+    woken_ = now;
     process.tick(now);
 }
 
 void RealtimeLoop::run(Process& process, const std::function<void(SessionTime now)>& turned) {
     while (!process.stopped() && !stop) {
         const SessionTime now = wall_now();
+        if (woken_ != kNever) statistics_.turns.add(now - woken_);
         step(process, now + kStopLatency);
         if (turned) turned(now);
     }

@@ -5,15 +5,18 @@
 #include <atomic>
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "common/histogram.hpp"
 #include "common/process.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "common/runtime/udp_channel.hpp"
 
 namespace thimble {
 
 struct LoopStatistics {
     Histogram lateness;           // wake-up after its deadline
+    Histogram turns;              // from a wake-up to the next wait: the node's own share of a round trip
     std::uint64_t deadlines = 0;  // timed wake-ups
     std::uint64_t missed = 0;     // later than kDeadlineSlack
     std::uint64_t arrivals = 0;   // wake-ups by a datagram
@@ -34,8 +37,9 @@ std::string ask_for_realtime(const RuntimeSettings& settings);
 
 class RealtimeLoop {
   public:
-    // Wakes on `descriptors` becoming readable. Throws Error (run failed) if the kernel refuses a timer.
-    explicit RealtimeLoop(std::span<const int> descriptors);
+    // Wakes on mail for `listeners`, which outlive the loop: from now on they receive nothing but in a step of it.
+    // Throws Error (run failed) if the kernel refuses a timer.
+    explicit RealtimeLoop(std::span<UdpChannel* const> listeners);
     ~RealtimeLoop();
     RealtimeLoop(const RealtimeLoop&) = delete;
     RealtimeLoop& operator=(const RealtimeLoop&) = delete;
@@ -48,11 +52,15 @@ class RealtimeLoop {
     const LoopStatistics& statistics() const { return statistics_; }
 
   private:
+    void watch(int descriptor, UdpChannel* of);  // nobody's: the timer
     void arm(SessionTime deadline);
+    SessionTime wait(SessionTime until);
 
     int epoll_ = -1;
     int timer_ = -1;
+    std::vector<UdpChannel*> listeners_;
     SessionTime armed_ = kNever;
+    SessionTime woken_ = kNever;  // last, within run()
     LoopStatistics statistics_;
 };
 

@@ -4,7 +4,7 @@ namespace thimble {
 
 UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& remote) {
     channels_.push_back(std::make_unique<UdpChannel>(local, remote));
-    if (local) descriptors_.push_back(channels_.back()->file_descriptor());
+    if (local) listeners_.push_back(channels_.back().get());
     return channels_.back().get();
 }
 

@@ -22,8 +22,8 @@ class Sockets {
     // Sends to `remote`, listens to nobody.
     Channel* outlet(Port remote) { return open(std::nullopt, settings_.at(remote)); }
 
-    // Of the channels that listen.
-    const std::vector<int>& descriptors() const { return descriptors_; }
+    // The channels that listen.
+    const std::vector<UdpChannel*>& listeners() const { return listeners_; }
     UdpCounters counters() const;
 
   private:
@@ -31,7 +31,7 @@ class Sockets {
 
     NetworkSettings settings_;
     std::vector<std::unique_ptr<UdpChannel>> channels_;
-    std::vector<int> descriptors_;
+    std::vector<UdpChannel*> listeners_;
 };
 
 }  // namespace thimble

@@ -109,7 +109,10 @@ Bytes UdpChannel::take() {
         // An ICMP "nobody listens" for an earlier send is reported here once; it is the peer's watchdog's
         // business.
         if (size < 0 && (errno == ECONNREFUSED || errno == EINTR)) continue;
-        if (size < 0) return {};
+        if (size < 0) {
+            known_empty_ = watched_;
+            return {};
+        }
         if (!from_peer(static_cast<std::size_t>(size), source)) continue;
         if (stamping_) arrival_ = arrival_of(message);
         return {buffer_.data(), static_cast<std::size_t>(size)};

@@ -39,6 +39,13 @@ class UdpChannel final : public Channel {
 
     // To wait on; readable when a datagram is there.
     int file_descriptor() const { return socket_; }
+    // Asking an empty socket is a system call for nothing. Once watched, the channel counts as empty from the moment
+    // that nothing was left until the watcher says has_mail().
+    void set_watched(bool watched) {
+        watched_ = watched;
+        known_empty_ = false;
+    }
+    void has_mail() { known_empty_ = false; }
     const UdpCounters& counters() const { return counters_; }
 
   private:
@@ -51,6 +58,7 @@ class UdpChannel final : public Channel {
     sockaddr_in remote_{};
     UdpCounters counters_;
     bool stamping_ = false;
+    bool watched_ = false;
     StampClock stamp_clock_;
     std::optional<SessionTime> arrival_;
     alignas(16) std::array<std::uint8_t, kMaxDatagramBytes + 1> buffer_{};

@@ -72,8 +72,8 @@ TEST(RealtimeLoop, ADatagramWakesItBeforeItsDeadline) {
     socklen_t length = sizeof address;
     getsockname(receiver.file_descriptor(), static_cast<sockaddr*>(static_cast<void*>(&address)), &length);
     UdpChannel sender(std::nullopt, Endpoint{"127.0.0.1", ntohs(address.sin_port)});
-    const std::array descriptors{receiver.file_descriptor()};
-    RealtimeLoop loop(descriptors);
+    const std::array listeners{&receiver};
+    RealtimeLoop loop(listeners);
     Ticker ticker(wall_now() + seconds{600}, seconds{1}, 1);
     sender.send(std::vector<std::uint8_t>{1});
     loop.step(ticker, kNever);
@@ -81,6 +81,77 @@ TEST(RealtimeLoop, ADatagramWakesItBeforeItsDeadline) {
     EXPECT_TRUE(ticker.due.empty());
     EXPECT_EQ(loop.statistics().arrivals, 1U);
     EXPECT_EQ(loop.statistics().deadlines, 0U);
+}
+
+// What is sent to `receiver`, which listens on a port of the kernel's choice.
+void send_one(const UdpChannel& receiver) {
+    sockaddr_in address{};
+    socklen_t length = sizeof address;
+    getsockname(receiver.file_descriptor(), static_cast<sockaddr*>(static_cast<void*>(&address)), &length);
+    UdpChannel sender(std::nullopt, Endpoint{"127.0.0.1", ntohs(address.sin_port)});
+    sender.send(std::vector<std::uint8_t>{1});
+}
+
+TEST(RealtimeLoop, AChannelIsAskedOnlyWhenItHasMail) {
+    UdpChannel first(Endpoint{"127.0.0.1", 0}, Endpoint{"127.0.0.1", 0});
+    UdpChannel second(Endpoint{"127.0.0.1", 0}, Endpoint{"127.0.0.1", 0});
+    Ticker ticker(wall_now() + seconds{600}, seconds{1}, 1);
+    {
+        const std::array listeners{&first, &second};
+        RealtimeLoop loop(listeners);
+        EXPECT_TRUE(first.receive().empty());
+        EXPECT_TRUE(second.receive().empty());
+        send_one(first);
+        EXPECT_TRUE(first.known_empty());  // as far as anybody has looked
+        EXPECT_TRUE(first.receive().empty());
+        send_one(first);
+        loop.step(ticker, kNever);
+        EXPECT_TRUE(second.known_empty());
+        EXPECT_EQ(first.receive().size(), 1U);
+        EXPECT_EQ(first.receive().size(), 1U);  // all that came, not one per step
+        EXPECT_FALSE(first.known_empty());
+        EXPECT_TRUE(first.receive().empty());
+        EXPECT_TRUE(first.known_empty());
+        send_one(second);
+        loop.step(ticker, kNever);
+        EXPECT_EQ(second.receive().size(), 1U);
+    }
+    send_one(first);  // nobody watches any more: it looks for itself
+    EXPECT_EQ(first.receive().size(), 1U);
+}
+
+TEST(RealtimeLoop, MailThatWasLeftWakesAgain) {
+    UdpChannel receiver(Endpoint{"127.0.0.1", 0}, Endpoint{"127.0.0.1", 0});
+    const std::array listeners{&receiver};
+    RealtimeLoop loop(listeners);
+    Ticker ticker(wall_now() + seconds{600}, seconds{1}, 1);
+    EXPECT_TRUE(receiver.receive().empty());
+    send_one(receiver);
+    loop.step(ticker, kNever);  // the ticker takes nothing
+    loop.step(ticker, kNever);
+    EXPECT_EQ(ticker.ticks.size(), 2U);
+    EXPECT_EQ(receiver.receive().size(), 1U);
+}
+
+// A deadline that moves on with every datagram leaves the timer set to what it was first.
+TEST(RealtimeLoop, ADeadlineThatMovedOnIsNotTakenEarly) {
+    UdpChannel receiver(Endpoint{"127.0.0.1", 0}, Endpoint{"127.0.0.1", 0});
+    const std::array listeners{&receiver};
+    RealtimeLoop loop(listeners);
+    const SessionTime start = wall_now();
+    Ticker soon(start + milliseconds{20}, seconds{600}, 1);
+    send_one(receiver);
+    loop.step(soon, kNever);  // by mail, or late: the timer is set to 20 ms
+    while (!receiver.receive().empty()) {
+    }
+    Ticker later(start + milliseconds{60}, seconds{600}, 1);
+    loop.step(later, kNever);
+    ASSERT_EQ(later.ticks.size(), 1U);
+    EXPECT_GE(later.ticks[0], start + milliseconds{60});
+    Ticker sooner(wall_now() + milliseconds{1}, seconds{600}, 1);
+    loop.step(sooner, wall_now() + seconds{10});  // and one that comes nearer is not missed
+    ASSERT_EQ(sooner.due.size(), 1U);
+    EXPECT_LT(sooner.late[0], seconds{5});
 }
 
 TEST(RealtimeLoop, WaitsNoLongerThanItsCallerAllows) {

@@ -173,7 +173,7 @@ TEST(Sockets, SumsTheCountersAndWatchesWhatListens) {
     Channel* b = sockets.outlet(Port::kMasterForce);
     a->send(Packet{1});
     b->send(Packet{1});
-    EXPECT_TRUE(sockets.descriptors().empty());
+    EXPECT_TRUE(sockets.listeners().empty());
     EXPECT_EQ(sockets.counters().sent + sockets.counters().send_failed, 2U);
 }
 
