@@ -74,6 +74,8 @@ class SessionProcess final : public Process {
     void change_fixture(bool present, double fixture_position_m);
     // The force path's delay, one way, from now on and in the trials to come. Said again with each heartbeat.
     void change_delay(Duration one_way);
+    // What the subject's screen says from now until a trial starts; repeated with every keep-alive.
+    void show(const Page& page) { page_ = page; }
     // Tells every node to exit.
     void shut_down(SessionTime now);
     // Roles that have not been heard within `limit`, as text; empty if all are there.
@@ -126,6 +128,7 @@ class SessionProcess final : public Process {
     Stage stage_ = Stage::kIdle;
     std::uint32_t trial_ = 0;
     bool fresh_ = false;  // start() was called, the clock is not known yet
+    std::optional<Page> page_;
     std::optional<EndReason> abort_;
     Role abort_peer_ = Role::kSession;
     SessionTime stage_since_{};
