@@ -22,6 +22,9 @@
 
 namespace thimble {
 
+// Somebody to sit beside a session.
+using MakeAttendant = std::function<std::unique_ptr<Process>(SessionProcess&, Sockets&)>;
+
 struct LanePlan {
     std::shared_ptr<NodeStarter>
         starter;  // none: the nodes run already, started by somebody else, and go on running
@@ -32,7 +35,7 @@ struct LanePlan {
     std::vector<TrialConditions> trials;
     // Sits beside the session and is called right after it, with the session's clock; none: nobody watches. What it
     // opens among the sockets wakes the lane.
-    std::function<std::unique_ptr<Process>(SessionProcess&, Sockets&)> attend{};
+    MakeAttendant attend{};
     bool strict_rt = false;
     IfExists if_exists = IfExists::kRefuse;
 };

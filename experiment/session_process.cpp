@@ -194,9 +194,11 @@ bool SessionProcess::all(NodeState state, bool with_master) const {
 
 bool SessionProcess::all_stopped(SessionTime now) const {
     const bool lost = record_.reason == EndReason::kPeerLost;
+    const bool cut_off = lost || record_.reason == EndReason::kInterrupted;
     return std::all_of(peers_.begin(), peers_.end(), [&](const Peer& peer) {
         // The dead do not acknowledge.
-        if (lost && (peer.role == record_.lost_peer || peer.flow.silent_for(now, kPeerTimeout))) return true;
+        if (lost && peer.role == record_.lost_peer) return true;
+        if (cut_off && peer.flow.silent_for(now, kPeerTimeout)) return true;
         return peer.last.state == NodeState::kIdle || peer.last.state == NodeState::kFailed;
     });
 }

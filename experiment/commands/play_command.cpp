@@ -33,7 +33,8 @@ int run_play(const PlayArguments& arguments) {
     const SystemSettings settings = load_system_settings(arguments.config);
     if (settings.launch.anywhere_else()) {
         throw Error(ExitCode::kUsage,
-                    "the session file's [launch] names other machines, and thimble play starts every node on this one: "
+                    "the session file's [launch] names other machines, and thimble play starts every node on "
+                    "this one: "
                     "leave [launch] out");
     }
     RealRunArguments network;
@@ -47,8 +48,8 @@ int run_play(const PlayArguments& arguments) {
     if (arguments.seconds > 0) options.longest = from_seconds(arguments.seconds);
     options.stop = &stop_requested();
     if (arguments.visual_command.empty()) check_window(program_folder());
-    options.starter = std::make_shared<PlayStarter>(program_folder(), arguments.config,
-                                                    words_of(arguments.visual_command));
+    options.starter =
+        std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command));
     install_stop_signals();
     const PlayResult result = play(settings, options);
     fmt::print("{} trials{}\n", result.trials, arguments.record.empty() ? "" : ": " + arguments.record);
@@ -59,7 +60,8 @@ int run_play(const PlayArguments& arguments) {
 
 Command add_play(CLI::App& app) {
     const auto arguments = std::make_shared<PlayArguments>();
-    CLI::App* sub = app.add_subcommand("play", "feel the experiment with a mouse: every node on this machine, a window");
+    CLI::App* sub =
+        app.add_subcommand("play", "feel the experiment with a mouse: every node on this machine, a window");
     sub->add_option("session", arguments->config, "session file (TOML); without it the paper's scene");
     sub->add_option("--modality", arguments->modality, "of the first trial: HF, CF, CCF or VF")
         ->default_val(arguments->modality)

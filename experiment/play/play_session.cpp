@@ -100,19 +100,26 @@ class Play {
     }
 
     void do_trial(Lane& lane, Modality modality) {
-        TrialConditions conditions{protocol_.seed, protocol_.experiment, subject_, ++trials_, modality, session_->delay_s(),
+        TrialConditions conditions{protocol_.seed,
+                                   protocol_.experiment,
+                                   subject_,
+                                   ++trials_,
+                                   modality,
+                                   session_->delay_s(),
                                    draw_fixture_position_m(protocol_, subject_, trials_)};
         std::filesystem::path file;
         if (table_) {
             file = options_.record / "trajectories" /
-                   fmt::format("trial{:02}_{}_{:g}ms.csv", trials_, to_string(modality), 1000 * conditions.delay_s);
+                   fmt::format("trial{:02}_{}_{:g}ms.csv", trials_, to_string(modality),
+                               1000 * conditions.delay_s);
         }
         const TrialRecord& record = lane.run_trial(conditions, lane.last_number() + 1, file);
         desk_.trial_ended(wall_now(), record);
         const TrialRow row = make_row(record);
         if (table_) table_->append(row);
-        say(fmt::format("trial {}, {} {}: {}, {:.1f} s, contacts lost {}", trials_, delay_text(conditions.delay_s),
-                        to_string(modality), outcome_text(row.reason, row.lost_peer), row.metrics.duration_s,
+        say(fmt::format("trial {}, {} {}: {}, {:.1f} s, contacts lost {}", trials_,
+                        delay_text(conditions.delay_s), to_string(modality),
+                        outcome_text(row.reason, row.lost_peer), row.metrics.duration_s,
                         row.metrics.contacts_lost));
         if (!over()) lane.check();
     }

@@ -68,14 +68,17 @@ void check_window(const std::filesystem::path& programs) {
     std::error_code ignored;
     std::filesystem::remove(words, ignored);
     if (help.find("--window") == std::string::npos) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{} was built without a window: install the packages that docs/play.md names, configure "
-                                "and build again",
-                                (programs / "thimble-visual").string()));
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format(
+                "{} was built without a window: install the packages that docs/play.md names, configure "
+                "and build again",
+                (programs / "thimble-visual").string()));
     }
     if (has_text("DISPLAY") || has_text("WAYLAND_DISPLAY")) return;
     throw Error(ExitCode::kUsage,
-                "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a desktop, or over "
+                "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a "
+                "desktop, or over "
                 "`ssh -X`, or give it one: xvfb-run thimble play");
 }
 

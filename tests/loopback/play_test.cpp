@@ -173,8 +173,8 @@ TEST(Play, SaysWhatIsWrongAtTheStart) {
     EXPECT_NE(outcome.words.find("no_such_program"), std::string::npos) << outcome.words;
 
     std::ofstream(folder / "trials.csv") << "something\n";
-    outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual", "--record",
-                                   folder.write("x", "").parent_path().string()});
+    outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual",
+                                   "--record", folder.write("x", "").parent_path().string()});
     EXPECT_EQ(outcome.code, 2);
     EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
 

@@ -16,12 +16,21 @@ NetworkSettings played_network(std::uint16_t base_port) {
     return network;
 }
 
-std::vector<std::string> play_arguments(const Folder& folder, const PortBlock& ports, const std::string& settings,
-                                        const std::vector<std::string>& more) {
+std::vector<std::string> play_arguments(const Folder& folder, const PortBlock& ports,
+                                        const std::string& settings, const std::vector<std::string>& more) {
     std::vector<std::string> arguments{
-        "play", folder.write("session.toml", "[session]\nfixture_jitter_m = 0\n[fixture]\nposition_m = 0.035\n[trial]\n"
-                                             "contact_hold_s = 0.5\n" + settings).string(),
-        "--record", (folder / "out").string(), "--base-port", std::to_string(ports.base()), "--visual-command",
+        "play",
+        folder
+            .write("session.toml",
+                   "[session]\nfixture_jitter_m = 0\n[fixture]\nposition_m = 0.035\n[trial]\n"
+                   "contact_hold_s = 0.5\n" +
+                       settings)
+            .string(),
+        "--record",
+        (folder / "out").string(),
+        "--base-port",
+        std::to_string(ports.base()),
+        "--visual-command",
         "thimble-visual"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
@@ -31,9 +40,8 @@ std::vector<std::string> play_arguments(const Folder& folder, const PortBlock& p
 
 PlayedHand::PlayedHand(const std::vector<std::string>& arguments, const std::string& more_settings)
     : sockets_(played_network(ports_.base())),
-      monitor_in_(sockets_.inlet(Port::kExperimenterMonitor, Role::kSession)),
       hand_(Role::kVisual, 100, {sockets_.outlet(Port::kMasterHand)}),
-      orders_(Role::kExperimenter, 200, {sockets_.outlet(Port::kSessionOrders)}),
+      view_(ports_.base()),
       child_(built_programs() / "thimble", play_arguments(folder_, ports_, more_settings, arguments),
              folder_ / "words") {}
 
@@ -55,20 +63,15 @@ void PlayedHand::order(OrderKind kind, double value, Modality modality) {
     order.kind = kind;
     order.value = value;
     order.modality = modality;
-    orders_.send(wall_now(), trial_, order);
+    view_.order(wall_now(), order);
 }
 
 void PlayedHand::tick(SessionTime now) {
-    while (const Message* message = heard_.receive(now, *monitor_in_)) {
-        if (const auto* monitor = std::get_if<Monitor>(&message->body)) {
-            monitor_ = *monitor;
-            trial_ = message->header.trial;
-        }
-    }
+    view_.listen(now);
     if (!present_ || now < next_) return;
     const double way_m = kHandSpeed_m_per_s * to_seconds(kHandFrame);
     wanted_m_ += std::clamp(target_m_ - wanted_m_, -way_m, way_m);
-    if (running()) hand_.send(now, trial_, HandInput{wanted_m_, true});
+    if (running()) hand_.send(now, trial(), HandInput{wanted_m_, true});
     next_ = now + kHandFrame;
 }
 

@@ -8,6 +8,7 @@
 #include "common/runtime/sockets.hpp"
 #include "experiment/trajectory_file.hpp"
 #include "experiment/trial_table.hpp"
+#include "tests/loopback/played_view.hpp"
 #include "tests/loopback/programs.hpp"
 
 namespace thimble {
@@ -26,10 +27,10 @@ class PlayedHand {
     void leave() { present_ = false; }
     void order(OrderKind kind, double value = 0, Modality modality = Modality::kHF);
 
-    const Monitor& monitor() const { return monitor_; }
-    std::uint32_t trial() const { return trial_; }
-    std::uint64_t monitors() const { return heard_.counters().accepted; }
-    bool running() const { return monitor_.state == NodeState::kRunning; }
+    const Monitor& monitor() const { return view_.monitor(); }
+    std::uint32_t trial() const { return view_.trial(); }
+    std::uint64_t monitors() const { return view_.heard(); }
+    bool running() const { return view_.running(); }
 
     Child& launcher() { return child_; }
     int end() { return child_.wait(kPatience).value_or(-1); }
@@ -44,12 +45,9 @@ class PlayedHand {
     Folder folder_;
     PortBlock ports_;
     Sockets sockets_;
-    Channel* monitor_in_;
-    InboundFlow heard_{Role::kSession};
-    OutboundFlow hand_, orders_;
+    OutboundFlow hand_;
+    PlayedView view_;
     Child child_;
-    Monitor monitor_;
-    std::uint32_t trial_ = 0;
     bool present_ = true;
     double target_m_ = 0, wanted_m_ = 0;
     SessionTime next_{};

@@ -79,7 +79,8 @@ TEST_F(PlayDeskTest, QuitEndsEverything) {
 }
 
 TEST_F(PlayDeskTest, RefusesWhatIsOfSittingsOrReplaysAndDelaysBeyondReason) {
-    for (const OrderKind kind : {OrderKind::kRepeat, OrderKind::kExclude, OrderKind::kSeek, OrderKind::kSpeed})
+    for (const OrderKind kind :
+         {OrderKind::kRepeat, OrderKind::kExclude, OrderKind::kSeek, OrderKind::kSpeed})
         EXPECT_EQ(say(kind), Refusal::kUnexpectedKind);
     EXPECT_EQ(say(OrderKind::kDelay, Modality::kHF, 1.5), Refusal::kOutOfRange);
     EXPECT_EQ(say(OrderKind::kDelay, Modality::kHF, 0.5), Refusal::kCount);
