@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "experiment/critical_delay.hpp"
@@ -151,6 +152,27 @@ TEST(Pointer, AFirmerHandOscillatesToo) {
                     << stiffness_N_per_m << " N/m, " << damping_Ns_per_m << " Ns/m";
             }
         }
+    }
+}
+
+// The table of docs/play.md.
+TEST(Pointer, WhatDelayDoesToAHandThatPresses) {
+    fmt::print("| delay, ms | contacts lost | rms, mm | peak to peak, mm | frequency, Hz | energy in, J |\n");
+    double before_J = 1;
+    for (const int ms : {0, 1, 2, 5, 10, 20, 50, 100}) {
+        SystemSettings settings = pointed(milliseconds{ms});
+        settings.session.trial_timeout = seconds{20};
+        const Outcome felt = press(Modality::kHF, milliseconds{ms}, settings);
+        const TrialMetrics& m = felt.metrics;
+        fmt::print("| {} | {} | {:.2f} | {:.1f} | {:.1f} | {:.3f} |\n", ms, m.contacts_lost,
+                   1000 * m.oscillation_rms_m, 1000 * m.oscillation_peak_to_peak_m,
+                   m.oscillation_frequency_Hz, felt.energy_in_J);
+        EXPECT_EQ(m.oscillates, ms >= 20) << ms;
+        EXPECT_EQ(m.contacts_lost > 0, ms >= 10) << ms;
+        if (ms <= 50) {
+            EXPECT_LT(felt.energy_in_J, before_J) << ms;  // the later, the more comes out
+        }
+        before_J = felt.energy_in_J;
     }
 }
 
