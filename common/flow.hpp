@@ -61,9 +61,15 @@ class InboundFlow {
     // When the newest message was admitted; SessionTime{} before the first.
     SessionTime last_accepted() const { return last_accepted_; }
     bool silent_for(SessionTime now, Duration limit) const { return now - last_accepted_ > limit; }
+    // The network has become slower: silence until `when` says nothing about whoever speaks here.
+    void excuse_silence_until(SessionTime when) { excused_until_ = when; }
+    bool lost_for(SessionTime now, Duration limit) const {
+        return silent_for(now, limit) && now - excused_until_ > limit;
+    }
     // A trial begins: a fresh start for the silence clock, and for whoever speaks first in this trial.
     void expect_from(SessionTime now) {
         last_accepted_ = now;
+        excused_until_ = {};
         locked_ = false;
     }
     const FlowCounters& counters() const { return counters_; }
@@ -83,6 +89,7 @@ class InboundFlow {
     SessionTime stamp_{};
     SessionTime heard_{};
     SessionTime last_accepted_{};
+    SessionTime excused_until_{};
     Message message_;
     FlowCounters counters_;
 };

@@ -68,7 +68,9 @@ void NodeProcess::take_order(SessionTime now, std::uint32_t trial, const Session
             stopped_ = true;
             return;
         case ControlKind::kNetworkChange:
-            if (trial == trial_ && running()) network_changed(now, control);
+            if (trial != trial_ || control.network_delay_s == changed_delay_s_) return;
+            changed_delay_s_ = control.network_delay_s;
+            network_changed(now, control);
             return;
         case ControlKind::kBeep:
         case ControlKind::kFixtureChange:

@@ -36,7 +36,8 @@ class NodeProcess : public Process {
     // Also when the trial is given up: afterwards no force, nothing in flight.
     virtual void end_trial(SessionTime now) = 0;
     virtual void obey(SessionTime /*now*/, const SessionControl& /*control*/) {}
-    // The delay is another one from now on: control.network_delay_s, and an input may be silent for as long.
+    // The force path's delay is another one from now on, control.network_delay_s one way, and an input may be silent for
+    // as long. Once per change, however often it is said; also between trials.
     virtual void network_changed(SessionTime /*now*/, const SessionControl& /*control*/) {}
     // Data plane, called on every tick, also between trials (to keep the channels empty).
     virtual void work(SessionTime now) = 0;
@@ -66,6 +67,7 @@ class NodeProcess : public Process {
     NodeState state_ = NodeState::kIdle;
     EndReason reason_ = EndReason::kNone;
     std::uint32_t trial_ = 0;
+    double changed_delay_s_ = -1;  // of the last change; negative: none yet
     SessionTime next_heartbeat_{};
     bool stopped_ = false;
 };

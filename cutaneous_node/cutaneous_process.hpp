@@ -21,9 +21,12 @@ class CutaneousProcess final : public NodeProcess {
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime now) override { node_.end_trial(now); }
+    void network_changed(SessionTime now, const SessionControl& control) override {
+        force_flow_.excuse_silence_until(now + first_answer_within(control));
+    }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return node_.next_percept(); }
-    bool peer_lost(SessionTime now) const override { return force_flow_.silent_for(now, kPeerTimeout); }
+    bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 
   private:

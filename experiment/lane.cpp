@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/runtime/wall_clock.hpp"
+#include "experiment/event_file.hpp"
 #include "experiment/launch/node_kinds.hpp"
 
 namespace thimble {
@@ -18,11 +19,25 @@ constexpr Duration kProgress = std::chrono::milliseconds{500};
 
 }  // namespace
 
+Lane::Company::Company(SessionProcess& session, std::unique_ptr<Process> attendant)
+    : session_(&session), attendant_(std::move(attendant)) {}
+
+void Lane::Company::tick(SessionTime now) {
+    session_->tick(now);
+    if (attendant_) attendant_->tick(now);
+}
+
+SessionTime Lane::Company::next_wakeup() const {
+    const SessionTime next = session_->next_wakeup();
+    return attendant_ ? std::min(next, attendant_->next_wakeup()) : next;
+}
+
 Lane::Lane(const LanePlan& plan, const LaneEvents& events)
     : plan_(plan),
       events_(events),
       sockets_(plan.network),
       session_(system_entropy(), plan.session, open_channels()),
+      company_(session_, plan.attend ? plan.attend(session_, sockets_) : nullptr),
       loop_(sockets_.listeners()) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
@@ -127,7 +142,7 @@ void Lane::wait_for_machines() {
 void Lane::wait_for_nodes() {
     const SessionTime deadline = wall_now() + plan_.session.peer_wait;
     for (SessionTime now = wall_now(); !session_.missing_peers(now, kPeerTimeout).empty(); now = wall_now()) {
-        loop_.step(session_, now + kPoll);
+        loop_.step(company_, now + kPoll);
         throw_if_dead();
         if (now < deadline) continue;
         throw Error(
@@ -140,16 +155,19 @@ void Lane::wait_for_nodes() {
 
 const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t number,
                                    const std::filesystem::path& trajectory) {
-    std::filesystem::create_directories(trajectory.parent_path());
-    writer_.emplace(trajectory, plan_.if_exists);
+    trajectory_ = trajectory;
+    if (!trajectory.empty()) {
+        std::filesystem::create_directories(trajectory.parent_path());
+        writer_.emplace(trajectory, plan_.if_exists);
+    }
     session_.start(trial, number);
     SessionTime next_poll{}, next_flush{}, next_progress{};
     while (!session_.finished()) {
         const SessionTime now = wall_now();
-        loop_.step(session_, now + kPoll);
+        loop_.step(company_, now + kPoll);
         if (now >= next_poll) look_around(now + kPoll, next_poll);
         if (now >= next_flush) {
-            writer_->flush();
+            if (writer_) writer_->flush();
             if (clock_writer_) clock_writer_->flush();
             next_flush = now + kFlush;
         }
@@ -164,15 +182,19 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
 
 void Lane::look_around(SessionTime next, SessionTime& next_poll) {
     next_poll = next;
-    if (events_.stop && events_.stop()) session_.abort(EndReason::kInterrupted);
+    if (events_.stop && events_.stop()) return session_.abort(EndReason::kInterrupted);
     if (const auto dead = dead_node()) session_.abort(EndReason::kPeerLost, kNodes[*dead].role);
 }
 
 void Lane::close_trial() {
     const TrialRecord& record = session_.record();
-    writer_->end(record.reason, record.lost_peer);
-    writer_.reset();
-    if (record.reason == EndReason::kInterrupted) {
+    if (writer_) {
+        writer_->end(record.reason, record.lost_peer);
+        writer_.reset();
+        if (!record.delay_changes.empty()) write_events(event_path(trajectory_), record.delay_changes);
+    }
+    // Not if whoever watches has ended the trial: then the lane goes on.
+    if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {
         result_.code = ExitCode::kRunFailed;
         result_.problem = "interrupted; what was recorded is kept";
     } else if (record.reason == EndReason::kPeerLost) {
@@ -187,7 +209,7 @@ void Lane::close_trial() {
 void Lane::idle(Duration limit) {
     const SessionTime end = wall_now() + limit;
     for (SessionTime now = wall_now(); now < end; now = wall_now()) {
-        loop_.step(session_, std::min(end, now + kPoll));
+        loop_.step(company_, std::min(end, now + kPoll));
         dead_node();
     }
 }

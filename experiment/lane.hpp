@@ -22,6 +22,9 @@
 
 namespace thimble {
 
+// Somebody to sit beside a session.
+using MakeAttendant = std::function<std::unique_ptr<Process>(SessionProcess&, Sockets&)>;
+
 struct LanePlan {
     std::shared_ptr<NodeStarter>
         starter;  // none: the nodes run already, started by somebody else, and go on running
@@ -30,6 +33,9 @@ struct LanePlan {
     SessionSettings session;
     double delay_s = 0;  // of the force path
     std::vector<TrialConditions> trials;
+    // Sits beside the session and is called right after it, with the session's clock; none: nobody watches. What it
+    // opens among the sockets wakes the lane.
+    MakeAttendant attend{};
     bool strict_rt = false;
     IfExists if_exists = IfExists::kRefuse;
 };
@@ -58,10 +64,12 @@ class Lane {
     // Starts the nodes, unless they run already, and waits for them. Throws Error: network, with the words of
     // the node that failed; run failed, if a machine has no such program, or another version of it.
     void open();
+    // Throws Error (network), with its words, if a node has ended by itself.
+    void check() { throw_if_dead(); }
     // Runs one trial to its end, which may be that a peer was lost or a stop was asked for. `number` tells it
     // apart from the last one on the wire (session_process.hpp).
     const TrialRecord& run_trial(const TrialConditions& trial, std::uint32_t number,
-                                 const std::filesystem::path& trajectory);
+                                 const std::filesystem::path& trajectory);  // empty: none is written
     std::uint32_t last_number() const { return session_.last_number(); }
     // What the subject's screen says until the next trial.
     void show(const Page& page) { session_.show(page); }
@@ -75,6 +83,19 @@ class Lane {
     LaneResult close();
 
   private:
+    // The session and whoever sits beside it, as one.
+    class Company final : public Process {
+      public:
+        Company(SessionProcess& session, std::unique_ptr<Process> attendant);
+        void tick(SessionTime now) override;
+        SessionTime next_wakeup() const override;
+        bool stopped() const override { return false; }
+
+      private:
+        SessionProcess* session_;
+        std::unique_ptr<Process> attendant_;
+    };
+
     SessionProcess::Channels open_channels();
     std::filesystem::path report_path(std::size_t node) const;
     std::filesystem::path clock_path() const;
@@ -91,9 +112,11 @@ class Lane {
     const LaneEvents& events_;
     Sockets sockets_;
     SessionProcess session_;
+    Company company_;
     RealtimeLoop loop_;
     std::vector<std::unique_ptr<RunningNode>> nodes_;
     std::optional<TrajectoryWriter> writer_;
+    std::filesystem::path trajectory_;
     std::optional<ClockWriter> clock_writer_;
     TrajectorySample last_;
     LaneResult result_;

@@ -97,6 +97,7 @@ class Run {
         plan.session = session_settings(with_delay);
         plan.delay_s = delay_s;
         plan.trials = run_trials_of(settings_, delay_s);
+        plan.attend = options_.attend;
         plan.strict_rt = options_.strict_rt;
         plan.if_exists = if_exists_;
         return plan;
@@ -105,7 +106,10 @@ class Run {
     void run_condition(unsigned lane, double delay_s) {
         const LanePlan lane_plan = plan(lane, delay_s);
         LaneEvents events;
-        events.stop = [this] { return failed_ || (options_.stop != nullptr && *options_.stop); };
+        events.stop = [this] {
+            return failed_ || (options_.stop != nullptr && *options_.stop) ||
+                   (options_.quit && options_.quit());
+        };
         events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
         events.trial_done = [this](const TrialRecord& record) { keep(record); };
         LaneResult lane_result = run_lane(lane_plan, events);

@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "experiment/lane.hpp"
 #include "experiment/launch/node_starter.hpp"
 #include "experiment/system_settings.hpp"
 #include "experiment/trial_table.hpp"
@@ -26,6 +27,9 @@ struct RunOptions {
     bool overwrite = false;
     bool strict_rt = false;
     const std::atomic<bool>* stop = nullptr;
+    // An experimenter's view: who feeds it, in every lane, and whether it has asked to stop. None: nobody watches.
+    MakeAttendant attend{};
+    std::function<bool()> quit{};
 };
 
 struct RunResult {

@@ -24,6 +24,7 @@ auto make_peers(std::uint64_t instance, const SessionProcess::Channels& channels
 SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& settings,
                                const Channels& channels)
     : settings_(settings),
+      delay_s_(to_seconds(settings.force_delay)),
       channels_(channels),
       peers_(make_peers(instance, channels, std::make_index_sequence<kNodeRoles.size()>{},
                         [](std::uint64_t id, Channel* channel, Role role) {
@@ -36,6 +37,7 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
 void SessionProcess::start(const TrialConditions& conditions, std::uint32_t number) {
     record_.conditions = conditions;
     record_.samples.clear();
+    record_.delay_changes.clear();
     record_.samples.reserve(static_cast<std::size_t>(to_seconds(settings_.trial_timeout) * 1000) + 1000);
     record_.beep_time_s = record_.round_trip_s = record_.achieved_delay_s = std::nan("");
     record_.reason = EndReason::kNone;
@@ -52,6 +54,7 @@ void SessionProcess::start(const TrialConditions& conditions, std::uint32_t numb
     withdrawn_ = false;
     fresh_ = true;
     fixture_changed_ = false;
+    heard_record_ = false;
     abort_.reset();
     page_.reset();
     next_send_ = {};
@@ -76,6 +79,19 @@ void SessionProcess::change_fixture(bool present, double fixture_position_m) {
     order_.fixture_position_m = fixture_position_m;
     fixture_changed_ = true;
     next_send_ = {};
+}
+
+void SessionProcess::change_delay(Duration one_way) {
+    if (one_way == settings_.force_delay) return;
+    settings_.network_delay += one_way - settings_.force_delay;
+    settings_.force_delay = one_way;
+    delay_s_ = to_seconds(one_way);
+    delay_changed_ = true;
+    next_send_ = {};
+    if (stage_ != Stage::kIdle && stage_ != Stage::kDone) {
+        const double time_s = record_.samples.empty() ? 0 : record_.samples.back().time_s;
+        record_.delay_changes.push_back({time_s, delay_s_});
+    }
 }
 
 void SessionProcess::shut_down(SessionTime now) {
@@ -129,11 +145,15 @@ void SessionProcess::take_clock(SessionTime now, Peer& peer, const Header& heade
 
 void SessionProcess::take_records(SessionTime now) {
     const bool recording = stage_ == Stage::kStartingMaster || stage_ == Stage::kRunning;
-    record_flow_.drain<ForceFeedback>(now, *channels_.record, recording, trial_,
-                                      [&](const Header&, const ForceFeedback& feedback) { store(feedback); });
+    record_flow_.drain<ForceFeedback>(
+        now, *channels_.record, recording, trial_,
+        [&](const Header& header, const ForceFeedback& feedback) { store(header, feedback); });
 }
 
-void SessionProcess::store(const ForceFeedback& feedback) {
+void SessionProcess::store(const Header& header, const ForceFeedback& feedback) {
+    newest_ = feedback;
+    newest_sent_ = header.send_time;
+    heard_record_ = true;
     if (feedback.needle_held) return;
     if (record_.samples.empty()) first_echo_ = feedback.echo_time;
     TrajectorySample sample;
@@ -174,9 +194,11 @@ bool SessionProcess::all(NodeState state, bool with_master) const {
 
 bool SessionProcess::all_stopped(SessionTime now) const {
     const bool lost = record_.reason == EndReason::kPeerLost;
+    const bool cut_off = lost || record_.reason == EndReason::kInterrupted;
     return std::all_of(peers_.begin(), peers_.end(), [&](const Peer& peer) {
         // The dead do not acknowledge.
-        if (lost && (peer.role == record_.lost_peer || peer.flow.silent_for(now, kPeerTimeout))) return true;
+        if (lost && peer.role == record_.lost_peer) return true;
+        if (cut_off && peer.flow.silent_for(now, kPeerTimeout)) return true;
         return peer.last.state == NodeState::kIdle || peer.last.state == NodeState::kFailed;
     });
 }
@@ -288,6 +310,12 @@ void SessionProcess::send_orders(SessionTime now) {
             peer.out.send(now, trial_, change);
         } else {
             peer.out.send(now, trial_, Heartbeat{});
+        }
+        if (delay_changed_ && !starting && stage_ != Stage::kEnding) {
+            SessionControl change = order_;
+            change.kind = ControlKind::kNetworkChange;
+            change.network_delay_s = delay_s_;
+            peer.out.send(now, trial_, change);
         }
         const bool between = stage_ == Stage::kIdle || stage_ == Stage::kDone;
         if (page_ && between && peer.role == Role::kVisual) peer.out.send(now, trial_, *page_);

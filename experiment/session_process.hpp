@@ -19,7 +19,8 @@ struct SessionSettings {
     Duration trial_timeout = std::chrono::seconds{60};
     Duration contact_hold = std::chrono::seconds{5};  // as slave_sim's; tells when the beep was due
     Duration network_delay{};                         // needle and force path together, jitter included
-    Duration peer_wait = std::chrono::seconds{5};     // for a node to answer a start or an end
+    Duration force_delay{};  // the part of it that change_delay() replaces: the force path's mean
+    Duration peer_wait = std::chrono::seconds{5};  // for a node to answer a start or an end
     // Of a person, whose handle may not know when a trial is over: it has also ended once the needle, after
     // the beep, was free of the tissue for kWithdrawnFor.
     bool ends_by_withdrawal = false;
@@ -56,6 +57,14 @@ class SessionProcess final : public Process {
     const ClockProbeCounters& clock_counters(Role role) const { return peer(role).prober.counters(); }
 
     bool finished() const { return stage_ == Stage::kDone; }
+    // What a view of the session shows.
+    bool running() const { return stage_ == Stage::kRunning; }
+    std::uint32_t number() const { return trial_; }  // of the newest trial, on the wire
+    const Heartbeat& heartbeat_of(Role role) const { return peer(role).last; }
+    double delay_s() const { return delay_s_; }  // of the force path, one way, as asked now
+    // Newest answer of slave_sim in this trial and when it left there, on its clock; null before the first one.
+    const ForceFeedback* newest() const { return heard_record_ ? &newest_ : nullptr; }
+    SessionTime newest_sent() const { return newest_sent_; }
     const TrialRecord& record() const { return record_; }
 
     // Ends the running trial (interrupt, a child process that died). Harmless when none runs.
@@ -63,6 +72,8 @@ class SessionProcess final : public Process {
     // Removes or moves the fixture of the running trial. A trial that removes it does so by itself, when the
     // sample arrives that the beep is due with.
     void change_fixture(bool present, double fixture_position_m);
+    // The force path's delay, one way, from now on and in the trials to come. Said again with each heartbeat.
+    void change_delay(Duration one_way);
     // What the subject's screen says from now until a trial starts; repeated with every keep-alive.
     void show(const Page& page) { page_ = page; }
     // Tells every node to exit.
@@ -90,7 +101,7 @@ class SessionProcess final : public Process {
     void take_heartbeats(SessionTime now);
     void take_clock(SessionTime now, Peer& peer, const Header& header, const ClockReply& reply);
     void take_records(SessionTime now);
-    void store(const ForceFeedback& feedback);
+    void store(const Header& header, const ForceFeedback& feedback);
     void watch_withdrawal(const TrajectorySample& sample);
     void advance(SessionTime now);
     void watch(SessionTime now);
@@ -105,6 +116,8 @@ class SessionProcess final : public Process {
     const Peer& laggard(SessionTime now) const;
 
     SessionSettings settings_;
+    double delay_s_;  // as asked, one way
+    bool delay_changed_ = false;
     Channels channels_;
     std::array<Peer, kNodeRoles.size()> peers_;
     InboundFlow record_flow_{Role::kSlaveSim};
@@ -121,6 +134,9 @@ class SessionProcess final : public Process {
     SessionTime stage_since_{};
     SessionTime next_send_{};
     SessionTime first_echo_{};
+    ForceFeedback newest_;
+    SessionTime newest_sent_{};
+    bool heard_record_ = false;
     double free_since_s_ = 0;  // after the beep, in the record's time; NaN: in touch with the tissue
     bool withdrawn_ = false;
     bool fixture_changed_ = false;

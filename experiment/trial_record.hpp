@@ -34,12 +34,19 @@ struct TrajectorySample {
     bool fixture_present = true;
 };
 
+// The force path got another delay while the trial ran.
+struct DelayChange {
+    double time_s = 0;   // of the newest sample when it was ordered
+    double delay_s = 0;  // one way
+};
+
 struct TrialRecord {
     TrialConditions conditions;
     std::vector<TrajectorySample> samples;
     double beep_time_s = std::numeric_limits<double>::quiet_NaN();       // NaN: no beep
     double round_trip_s = std::numeric_limits<double>::quiet_NaN();      // median, handle to handle, by echo
     double achieved_delay_s = std::numeric_limits<double>::quiet_NaN();  // by the network, both ways, median
+    std::vector<DelayChange> delay_changes{};  // in order; delay_s of the conditions held before
     EndReason reason = EndReason::kNone;
     Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost
 };

@@ -1,5 +1,6 @@
 // thimble-master: the handle with the operator's hand on it.
 #include "common/runtime/node_program.hpp"
+#include "master/devices/pointer_handle.hpp"
 #include "master/devices/simulated_handle.hpp"
 #include "master/master_process.hpp"
 
@@ -9,15 +10,19 @@ using namespace thimble;
 
 class Master final : public NodeInstance {
   public:
-    Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
-        : handle_(read_handle_settings(file.table("handle")),
-                  read_operator_parameters(file.table("operator"))),
+    Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
+        : pointer_(settings),
+          handle_(settings, read_operator_parameters(file.table("operator"))),
+          pointed_(settings.kind == HandleKind::kPointer),
           process_(instance, read_master_settings(file.table("master")),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
                     sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
                     sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
                     sockets.inlet(Port::kMasterPerceptVisual, Role::kVisual)},
-                   handle_, handle_) {}
+                   pointed_ ? static_cast<HapticDevice&>(pointer_) : handle_,
+                   pointed_ ? static_cast<OperatorPort&>(pointer_) : handle_) {
+        if (pointed_) process_.follow_hand(*sockets.inlet(Port::kMasterHand, Role::kVisual), pointer_);
+    }
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {
@@ -28,23 +33,33 @@ class Master final : public NodeInstance {
     }
 
   private:
+    // One of the two is used; the other lies idle.
+    PointerHandle pointer_;
     SimulatedHandle handle_;
+    bool pointed_;
     MasterProcess process_;
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
+    bool pointer = false;
     NodeProgram program;
     program.name = "thimble-master";
     program.description =
         "Reads the handle 1000 times a second, sends the needle to thimble-slave-sim through thimble-netem, "
         "and gives "
-        "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it.";
+        "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it, or "
+        "drawn by a "
+        "person's pointer.";
     program.example = "thimble-master --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "handle", "operator"};
-    program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
-        return std::make_unique<Master>(file, sockets, instance);
+    program.flags = {
+        {"--pointer", "a person's pointer draws the handle, instead of [handle].device", &pointer}};
+    program.build = [&pointer](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+        HandleSettings settings = read_handle_settings(file.table("handle"));
+        if (pointer) settings.kind = HandleKind::kPointer;
+        return std::make_unique<Master>(file, sockets, instance, settings);
     };
     return run_node_program(program, argc, argv);
 }

@@ -11,12 +11,19 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
       person_(&person),
       needle_flow_(Role::kMaster, instance, {channels.needle_out}) {}
 
+void MasterProcess::follow_hand(Channel& hand_in, HandFollower& follower) {
+    hand_in_ = &hand_in;
+    follower_ = &follower;
+}
+
 void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(control.modality);
     person_->start_trial(
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
     force_flow_.expect_from(now + first_answer_within(control));
     round_trip_.clear();
+    newest_age_ = {};
+    energy_.clear();
     percept_ = {};
     next_sample_ = now;
 }
@@ -28,9 +35,17 @@ void MasterProcess::end_trial(SessionTime now) {
 
 // Read, send, and only then look at what came in: see master_node.hpp for why the order is fixed.
 void MasterProcess::work(SessionTime now) {
+    take_hand(now);
     take_percepts(now);
     if (running() && now >= next_sample_) sample(now);
     take_forces(now);
+}
+
+void MasterProcess::take_hand(SessionTime now) {
+    if (hand_in_ == nullptr) return;
+    hand_flow_.drain<HandInput>(
+        now, *hand_in_, running(), trial(),
+        [&](const Header&, const HandInput& input) { follower_->follow(now, input); });
 }
 
 // Skin and eyes report separately and at different rates; the operator gets the newest of both.
@@ -56,6 +71,7 @@ void MasterProcess::take_forces(SessionTime now) {
     force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
                                      [&](const Header&, const ForceFeedback& feedback) {
                                          round_trip_.add(now, feedback);
+                                         newest_age_ = now - feedback.echo_time;
                                          device_->command_force(now, node_.handle_force_N(feedback));
                                      });
     if (running() && force_flow_.silent_for(now, node_.settings().stale_after))
@@ -63,7 +79,9 @@ void MasterProcess::take_forces(SessionTime now) {
 }
 
 void MasterProcess::sample(SessionTime now) {
-    needle_flow_.send(now, trial(), node_.sample(now, device_->read(now)));
+    const HandleSample handle = device_->read(now);
+    needle_flow_.send(now, trial(), node_.sample(now, handle));
+    energy_.add(handle);
     ++samples_;
     next_sample_ += node_.settings().sample_period;
     // After a stall the missed samples are gone: a handle cannot be read in the past.
@@ -75,11 +93,17 @@ void MasterProcess::sample(SessionTime now) {
 }
 
 void MasterProcess::add_counters(FlowCounters& sum) const {
-    for (const InboundFlow* flow : {&force_flow_, &cutaneous_flow_, &visual_flow_}) sum.add(flow->counters());
+    for (const InboundFlow* flow : {&force_flow_, &cutaneous_flow_, &visual_flow_, &hand_flow_})
+        sum.add(flow->counters());
 }
 
 void MasterProcess::describe(Heartbeat& heartbeat) const {
-    if (state() == NodeState::kRunning) return;  // quantiles cost microseconds: only once the trial is over
+    heartbeat.energy_in_J = energy_.energy_in_J();
+    if (state() == NodeState::kRunning) {  // quantiles cost microseconds: only once the trial is over
+        heartbeat.force_hand_N = energy_.force_hand_N();
+        heartbeat.round_trip_median_s = to_seconds(newest_age_);
+        return;
+    }
     heartbeat.round_trip_median_s = to_seconds(round_trip_.age().quantile(0.5));
     heartbeat.round_trip_worst_s = to_seconds(round_trip_.age().worst());
     heartbeat.hold_median_s = to_seconds(round_trip_.hold().quantile(0.5));

@@ -4,9 +4,11 @@
 
 #include "common/node_process.hpp"
 #include "common/round_trip.hpp"
+#include "master/devices/hand_follower.hpp"
 #include "master/devices/haptic_device.hpp"
 #include "master/master_node.hpp"
 #include "master/operator/operator_port.hpp"
+#include "master/port_energy.hpp"
 
 namespace thimble {
 
@@ -24,6 +26,11 @@ class MasterProcess final : public NodeProcess {
     MasterProcess(std::uint64_t instance, const MasterSettings& settings, const Channels& channels,
                   HapticDevice& device, OperatorPort& person);
 
+    // From now on `follower` learns what comes in at `hand_in` (a person's pointer, never delayed). Both outlive the
+    // process.
+    void follow_hand(Channel& hand_in, HandFollower& follower);
+
+    const PortEnergy& energy() const { return energy_; }  // of this trial
     const RoundTrip& round_trip() const { return round_trip_; }
     std::uint64_t samples() const { return samples_; }
     std::uint64_t samples_skipped() const { return samples_skipped_; }
@@ -31,13 +38,17 @@ class MasterProcess final : public NodeProcess {
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime now) override;
+    void network_changed(SessionTime now, const SessionControl& control) override {
+        force_flow_.excuse_silence_until(now + first_answer_within(control));
+    }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return running() ? next_sample_ : kNever; }
-    bool peer_lost(SessionTime now) const override { return force_flow_.silent_for(now, kPeerTimeout); }
+    bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override;
     void describe(Heartbeat& heartbeat) const override;
 
   private:
+    void take_hand(SessionTime now);
     void take_percepts(SessionTime now);
     void take_forces(SessionTime now);
     void sample(SessionTime now);
@@ -50,7 +61,12 @@ class MasterProcess final : public NodeProcess {
     InboundFlow force_flow_{Role::kSlaveSim};
     InboundFlow cutaneous_flow_{Role::kCutaneous};
     InboundFlow visual_flow_{Role::kVisual};
+    Channel* hand_in_ = nullptr;
+    HandFollower* follower_ = nullptr;
+    InboundFlow hand_flow_{Role::kVisual};
     RoundTrip round_trip_;
+    Duration newest_age_{};  // of a force at the handle
+    PortEnergy energy_;
     Percept percept_;  // newest of skin and eyes
     SessionTime next_sample_{};
     std::uint64_t samples_ = 0, samples_skipped_ = 0;

@@ -10,7 +10,19 @@ NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::
 void NetemProcess::begin_trial(SessionTime now, const SessionControl& control) {
     for (Relay& relay : relays_) {
         relay.before += relay.model.counters();
+        if (relay.changed) relay.model.change(now, relay.start);
         relay.model.restart({control.study_seed, control.experiment, control.subject, trial()}, now);
+    }
+}
+
+void NetemProcess::network_changed(SessionTime now, const SessionControl& control) {
+    for (Relay& relay : relays_) {
+        if (!relay.delayed) continue;
+        relay.start.delay = from_seconds(control.network_delay_s);
+        relay.changed = true;
+        LinkSettings settings = relay.model.settings();
+        settings.delay = relay.start.delay;
+        relay.model.change(now, settings);
     }
 }
 

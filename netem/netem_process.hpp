@@ -6,6 +6,7 @@
 
 #include "common/node_process.hpp"
 #include "netem/link_model.hpp"
+#include "netem/netem_settings.hpp"
 
 namespace thimble {
 
@@ -20,10 +21,17 @@ struct RelayPlan {
 
 struct Relay {
     explicit Relay(const RelayPlan& plan)
-        : from(plan.from), to(plan.to), model(plan.link, StreamKey{}, plan.direction, plan.timeline) {}
+        : from(plan.from),
+          to(plan.to),
+          delayed(plan.direction != kDirectionNeedle),
+          start(plan.link),
+          model(plan.link, StreamKey{}, plan.direction, plan.timeline) {}
 
     Channel* from;
     Channel* to;
+    bool delayed;  // on the force path, whose delay may be changed
+    bool changed = false;
+    LinkSettings start;  // what each trial begins with
     LinkModel model;
     LinkCounters before;  // of the trials before this one: the model starts anew with each
 };
@@ -37,6 +45,9 @@ class NetemProcess final : public NodeProcess {
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime /*now*/) override {}  // what is in flight still arrives, as in a real network
+    // What is in flight keeps its fate, and nothing overtakes it on a link in order: after a shorter delay the new packets
+    // wait for the old ones. The other settings stay; the next trial begins with its own and this delay.
+    void network_changed(SessionTime now, const SessionControl& control) override;
     void work(SessionTime now) override;
     SessionTime next_work() const override;
 

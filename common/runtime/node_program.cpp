@@ -155,6 +155,7 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
             app.add_option(option.flag, *option.target, option.help)
                 ->check(CLI::Range(option.low, option.high));
         }
+        for (const FlagOption& option : program.flags) app.add_flag(option.flag, *option.target, option.help);
         app.set_version_flag("--version", std::string(kVersion));
         app.footer(
             "Example:\n  " + program.example +

@@ -30,9 +30,15 @@ struct NumberOption {
     double low, high;
 };
 
+struct FlagOption {
+    std::string flag, help;
+    bool* target;
+};
+
 struct NodeProgram {
     std::string name, description, example;
     std::vector<NumberOption> options;
+    std::vector<FlagOption> flags{};
     // Reads the node's tables and opens its channels. The program checks the file for unknown keys
     // afterwards; `tables` are the ones this node reads itself.
     std::vector<std::string_view> tables;

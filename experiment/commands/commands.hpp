@@ -19,6 +19,7 @@ struct Command {
 Command add_run(CLI::App& app, const std::string& typed);
 Command add_up(CLI::App& app, const std::string& typed);
 Command add_study(CLI::App& app);
+Command add_play(CLI::App& app);
 Command add_replay(CLI::App& app);
 Command add_report(CLI::App& app, const std::string& typed);
 Command add_analyse(CLI::App& app);

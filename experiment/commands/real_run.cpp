@@ -10,6 +10,8 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "experiment/commands/say_results.hpp"
+#include "experiment/play/attendant.hpp"
+#include "experiment/play/order_lines.hpp"
 #include "experiment/run.hpp"
 #include "experiment/sitting/dataset.hpp"
 
@@ -32,6 +34,16 @@ int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings
     run.network = network_of(arguments);
     run.strict_rt = arguments.strict_rt;
     run.stop = &stop_requested();
+    OrderLines orders;
+    if (arguments.monitor) {
+        run.view = SittingView{
+            &orders, [&orders] { return orders.context().paused; },
+            [&orders](std::size_t trials) { orders.context().trials = static_cast<std::uint32_t>(trials); },
+            [&orders](SessionProcess& session, Sockets& sockets) {
+                orders.serve(session);
+                return attend(session, sockets, orders, orders.context());
+            }};
+    }
     return sit_and_say(settings, arguments.sitting, run, arguments.json);
 }
 
@@ -47,6 +59,8 @@ void add_real_run_options(CLI::App& command, const std::string& default_out, Rea
         ->type_name("PORT");
     command.add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
     command.add_flag("--strict-rt", a.strict_rt, "exit with 4 if a node missed too many deadlines");
+    command.add_flag("--monitor", a.monitor,
+                     "feed an experimenter's view and take its orders (ports 23 and 24 of docs/protocol.md)");
     command.add_flag("--json", a.json, "print summary.json on stdout");
     add_sitting_options(command, a.sitting);
 }
@@ -78,6 +92,14 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
     options.overwrite = arguments.overwrite;
     options.strict_rt = arguments.strict_rt;
     options.stop = &stop_requested();
+    QuitDesk desk;
+    const MonitorContext context{static_cast<std::uint32_t>(settings.plan.modalities.size())};
+    if (arguments.monitor) {
+        options.quit = [&desk] { return desk.quit(); };
+        options.attend = [&desk, &context](SessionProcess& session, Sockets& sockets) {
+            return attend(session, sockets, desk, context);
+        };
+    }
     const RunResult result = run_session(settings, options);
     say_results(arguments.json, options.out, result.rows);
     if (result.code != ExitCode::kOk) spdlog::error(result.problem);

@@ -20,10 +20,10 @@ struct RealRunArguments {
     int base_port = 0;
     SittingArguments sitting;
     CLI::Option* out_option = nullptr;
-    bool overwrite = false, strict_rt = false, json = false;
+    bool overwrite = false, strict_rt = false, json = false, monitor = false;
 };
 
-// Session file, --out, --base-port, --overwrite, --strict-rt, --json and those of a sitting.
+// Session file, --out, --base-port, --overwrite, --strict-rt, --json, --monitor and those of a sitting.
 void add_real_run_options(CLI::App& command, const std::string& default_out, RealRunArguments& arguments);
 
 // The nodes' programs lie beside this one.

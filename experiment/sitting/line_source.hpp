@@ -19,6 +19,20 @@ class LineSource {
     virtual bool ended() const = 0;
 };
 
+// Whoever says something first. Both outlive this.
+class TwoLineSources final : public LineSource {
+  public:
+    TwoLineSources(LineSource& one, LineSource& other) : one_(&one), other_(&other) {}
+    std::optional<std::string> take_line() override {
+        auto line = one_->take_line();
+        return line ? line : other_->take_line();
+    }
+    bool ended() const override { return one_->ended() && other_->ended(); }
+
+  private:
+    LineSource *one_, *other_;
+};
+
 class DescriptorLines final : public LineSource {
   public:
     explicit DescriptorLines(int descriptor) : descriptor_(descriptor) {}

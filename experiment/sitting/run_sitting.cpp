@@ -97,6 +97,7 @@ LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const 
     plan.session.ends_by_withdrawal = settings.plan.kind == SubjectKind::kHuman;
     plan.delay_s = delay_s;
     plan.strict_rt = run.strict_rt;
+    if (run.view) plan.attend = run.view->attend;
     return plan;
 }
 
@@ -105,13 +106,19 @@ SittingResult sit(const SystemSettings& settings, const SittingRun& run, const D
     const bool human = settings.plan.kind == SubjectKind::kHuman;
     DescriptorLines typed(STDIN_FILENO);
     const bool asks = run.commands || (human && isatty(STDIN_FILENO) == 1);
+    TwoLineSources both(typed, run.view ? *run.view->lines : typed);
+    LineSource* answers = run.view ? static_cast<LineSource*>(&both) : &typed;
     SittingOptions options{dataset,
                            participant,
                            *settings.protocol,
-                           asks ? &typed : nullptr,
+                           asks ? answers : nullptr,
                            human,
                            run.stop,
                            [&trials](const std::string& line) { trials.say(line); }};
+    if (run.view) {
+        options.wishes = run.view->lines;
+        options.paused = run.view->paused;
+    }
     return Sitting(std::move(options), trials).run();
 }
 
@@ -128,6 +135,7 @@ SittingResult run_sitting(const SystemSettings& settings, const SittingRun& run)
     check_delay(settings, order, run.starter == nullptr);
 
     dataset.open(kind, settings.dataset);
+    if (run.view) run.view->planned(order.size());
     RealTrials trials(lane_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
                       run.stop);
     const std::string line = add_participant(dataset, participant, kind, run.person);

@@ -10,6 +10,7 @@
 #include "experiment/launch/node_starter.hpp"
 #include "experiment/sitting/participants_table.hpp"
 #include "experiment/sitting/sitting.hpp"
+#include "experiment/sitting/sitting_view.hpp"
 #include "experiment/system_settings.hpp"
 
 namespace thimble {
@@ -24,6 +25,7 @@ struct SittingRun {
     bool resume = false;
     bool commands = false;  // read them from standard input, also if it is no terminal
     const std::atomic<bool>* stop = nullptr;
+    std::optional<SittingView> view{};  // of an experimenter
 };
 
 // Throws Error: usage, if participant, order, folder and what was said do not fit together (nothing is

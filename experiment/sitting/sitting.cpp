@@ -82,11 +82,27 @@ Sitting::Answer Sitting::before(const std::optional<Step>& step) {
     }
     if (!asks) {
         while (rest_ && !rest_->over_by_itself(runner_.now()) && !stopped()) wait(step);
+        if (const auto wished = hear_wishes(step)) return *wished;
         runner_.show(page(step));
         return Answer::kGo;
     }
     if (!step && !last_block_) return Answer::kGo;  // it was complete before
     return ask(step ? "next: " + name_of(*step) : "that was the last trial", step);
+}
+
+// Nothing: go on.
+std::optional<Sitting::Answer> Sitting::hear_wishes(const std::optional<Step>& step) {
+    if (options_.wishes == nullptr) return std::nullopt;
+    const auto paused = [this] { return options_.paused && options_.paused(); };
+    do {
+        while (const auto line = options_.wishes->take_line()) {
+            if (line->empty()) continue;  // go on: it does
+            // What they mark changes what comes next.
+            if (const Answer answer = obey(*line); answer != Answer::kGo) return answer;
+        }
+        if (step && paused()) wait(step);
+    } while (step && paused() && !stopped());
+    return std::nullopt;
 }
 
 // Neither modality nor fixture: the participant must not know.

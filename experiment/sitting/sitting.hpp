@@ -48,6 +48,9 @@ struct SittingOptions {
     bool rests = true;            // breaks last at least their minimum
     const std::atomic<bool>* stop = nullptr;
     std::function<void(const std::string&)> say;
+    // Where nobody is asked, somebody who watches may still wish: the same lines, and a pause before the next trial.
+    LineSource* wishes = nullptr;
+    std::function<bool()> paused{};
 };
 
 struct SittingResult {
@@ -71,6 +74,7 @@ class Sitting {
     Answer ask(const std::string& prompt, const std::optional<Step>& step);
     Page page(const std::optional<Step>& step) const;
     void wait(const std::optional<Step>& step);
+    std::optional<Answer> hear_wishes(const std::optional<Step>& step);
     Answer obey(const std::string& line);
     Answer go_on();
     void mark_last(ExclusionKind kind, const std::string& reason);

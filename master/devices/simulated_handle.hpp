@@ -8,19 +8,11 @@
 
 #include <optional>
 
+#include "master/devices/handle_settings.hpp"
 #include "master/devices/haptic_device.hpp"
 #include "master/operator/virtual_operator.hpp"
 
 namespace thimble {
-
-struct HandleSettings {
-    double encoder_resolution_m = 1e-5;  // [P] rounded to nearest
-    double force_limit_N = 12;           // [V] omega.3; clips, both directions
-    HandleMechanics mechanics;
-};
-
-// Table [handle]. Throws Error (usage).
-HandleSettings read_handle_settings(const ConfigTable& table);
 
 class SimulatedHandle final : public HapticDevice, public OperatorPort {
   public:

@@ -25,6 +25,7 @@ struct Rig::Parts {
     void wire();
     Channel* tapped(Wire wire, Channel& end);
     MasterProcess::Channels master_channels();
+    std::unique_ptr<MasterProcess> make_master(std::uint64_t instance);
 
     const MakeTap& make_tap;  // during construction
     std::vector<std::unique_ptr<Tap>> taps;
@@ -32,8 +33,10 @@ struct Rig::Parts {
     std::array<QueuePipe, kNodeRoles.size()> control;  // a: session, b: node, in the order of kNodeRoles
     std::array<Channel*, kNodeRoles.size()> orders{}, heartbeats{};
     QueuePipe record, needle_up, needle_down, force_up_master, force_up_cutaneous, force_up_visual,
-        force_down_master, force_down_cutaneous, force_down_visual, beep, percept_cutaneous, percept_visual;
+        force_down_master, force_down_cutaneous, force_down_visual, beep, percept_cutaneous, percept_visual,
+        hand;
     SimulatedHandle handle;
+    PointerHandle pointer;
     SimulatedActuator actuator;
     RecordingDisplay display;
     std::unique_ptr<SessionProcess> session;
@@ -57,10 +60,21 @@ MasterProcess::Channels Rig::Parts::master_channels() {
     return {heartbeats[4], &needle_up.a, &force_down_master.b, &percept_cutaneous.b, &percept_visual.b};
 }
 
+std::unique_ptr<MasterProcess> Rig::Parts::make_master(std::uint64_t instance) {
+    if (settings.handle.kind == HandleKind::kSimulated) {
+        return std::make_unique<MasterProcess>(instance, settings.master, master_channels(), handle, handle);
+    }
+    auto process =
+        std::make_unique<MasterProcess>(instance, settings.master, master_channels(), pointer, pointer);
+    process->follow_hand(hand.b, pointer);
+    return process;
+}
+
 Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap, const std::optional<LinkSettings>& kinesthetic)
     : make_tap(tap),
       settings(s),
       handle(s.handle, s.person),
+      pointer(s.handle),
       actuator(s.cutaneous),
       display(s.visual.pipeline) {
     for (std::size_t i = 0; i < control.size(); ++i) {
@@ -70,8 +84,7 @@ Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap, const std::option
     const LinkSettings to_handle = kinesthetic.value_or(s.netem.force);
     session = std::make_unique<SessionProcess>(instance_of(Role::kSession), session_settings(s),
                                                SessionProcess::Channels{orders, &record.b});
-    master.process = std::make_unique<MasterProcess>(instance_of(Role::kMaster), s.master, master_channels(),
-                                                     handle, handle);
+    master.process = make_master(instance_of(Role::kMaster));
     netem = std::make_unique<NetemProcess>(
         instance_of(Role::kNetem), *heartbeats[0],
         std::vector<RelayPlan>{
@@ -118,7 +131,7 @@ void Rig::Parts::wire() {
         up->b.wake(mask, netem_bit);
     }
     needle_down.b.wake(mask, slave_bit);
-    for (QueuePipe* down : {&force_down_master, &percept_cutaneous, &percept_visual})
+    for (QueuePipe* down : {&force_down_master, &percept_cutaneous, &percept_visual, &hand})
         down->b.wake(mask, master_bit);
     force_down_cutaneous.b.wake(mask, cutaneous_bit);
     for (QueuePipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
@@ -166,6 +179,8 @@ bool Rig::run_until_sample(const std::function<bool(const TrajectorySample&)>& s
 SessionTime Rig::now() const { return parts_->loop.now(); }
 SessionProcess& Rig::session() { return *parts_->session; }
 SimulatedHandle& Rig::handle() { return parts_->handle; }
+Channel& Rig::hand() { return parts_->hand.a; }
+const PointerHandle& Rig::pointer() const { return parts_->pointer; }
 const MasterProcess& Rig::master() const { return *parts_->master.process; }
 const NetemProcess& Rig::netem() const { return *parts_->netem; }
 const SlaveProcess& Rig::slave() const { return *parts_->slave; }
@@ -174,9 +189,7 @@ const VisualProcess& Rig::visual() const { return *parts_->visual; }
 const RecordingDisplay& Rig::display() const { return parts_->display; }
 
 void Rig::restart_master() {
-    parts_->master.process =
-        std::make_unique<MasterProcess>(instance_of(Role::kMaster) + 100, parts_->settings.master,
-                                        parts_->master_channels(), parts_->handle, parts_->handle);
+    parts_->master.process = parts_->make_master(instance_of(Role::kMaster) + 100);
     parts_->loop.poke(parts_->master_bit);
 }
 

@@ -14,6 +14,7 @@
 #include "experiment/session_process.hpp"
 #include "experiment/system_settings.hpp"
 #include "experiment/virtual_loop.hpp"
+#include "master/devices/pointer_handle.hpp"
 #include "master/master_process.hpp"
 #include "netem/netem_process.hpp"
 #include "slave_sim/slave_process.hpp"
@@ -72,6 +73,9 @@ class Rig {
     SessionTime now() const;
     SessionProcess& session();
     SimulatedHandle& handle();
+    // With [handle] device = "pointer": where a person's pointer comes in, and what it draws.
+    Channel& hand();
+    const PointerHandle& pointer() const;
     const MasterProcess& master() const;
     const NetemProcess& netem() const;
     const SlaveProcess& slave() const;

@@ -277,5 +277,15 @@ TEST(FlowCounters, Add) {
     EXPECT_EQ(a.of(Refusal::kTooShort), 6U);
 }
 
+TEST_F(InboundFlowTest, SilenceIsExcusedUntilANamedTimeAndTheUsualPatienceThen) {
+    ASSERT_TRUE(admits(master.say()));
+    flow.excuse_silence_until(now + seconds{2});
+    EXPECT_FALSE(flow.lost_for(now + milliseconds{2400}, milliseconds{500}));
+    EXPECT_TRUE(flow.lost_for(now + milliseconds{2501}, milliseconds{500}));
+    EXPECT_TRUE(flow.silent_for(now + milliseconds{501}, milliseconds{500}));  // it is silent all the same
+    flow.expect_from(now);
+    EXPECT_TRUE(flow.lost_for(now + milliseconds{501}, milliseconds{500}));
+}
+
 }  // namespace
 }  // namespace thimble

@@ -33,6 +33,9 @@ class TinyProcess final : public NodeProcess {
     void obey(SessionTime, const SessionControl& control) override {
         said.push_back(control.kind == ControlKind::kFixtureChange ? "fixture" : "beep");
     }
+    void network_changed(SessionTime, const SessionControl& control) override {
+        said.push_back("delay " + std::to_string(control.network_delay_s));
+    }
     void work(SessionTime) override {
         ++works;
         if (running() && end_at_once) set_state(NodeState::kFinished);
@@ -311,6 +314,27 @@ TEST_F(NodeProcessTest, CountsWhatItHearsAndReportsIt) {
     ASSERT_EQ(messages.size(), 1U);
     EXPECT_EQ(std::get<Heartbeat>(messages[0].body).accepted, 1U);
     EXPECT_EQ(std::get<Heartbeat>(messages[0].body).refused, 3U);
+}
+
+TEST_F(NodeProcessTest, ADelayIsChangedOnceHoweverOftenItIsSaidAndAlsoBetweenTrials) {
+    const auto say = [&](double delay_s, std::uint32_t trial) {
+        SessionControl control;
+        control.kind = ControlKind::kNetworkChange;
+        control.network_delay_s = delay_s;
+        session.send(now, trial, control);
+        process.tick(now);
+    };
+    say(0.25, 0);  // before the first trial
+    order(ControlKind::kTrialStart);
+    tick(milliseconds{10});
+    process.said.clear();
+    say(0.25, 1);
+    say(0.5, 1);
+    say(0.5, 1);
+    say(0, 7);  // of another trial
+    say(0, 1);
+    const std::vector<std::string> expected{"delay 0.500000", "delay 0.000000"};
+    EXPECT_EQ(process.said, expected);
 }
 
 }  // namespace

@@ -83,6 +83,8 @@ class SittingTest : public testing::Test {
             dataset_, 2, settings_, lines, rests_, &trials_.stop, [this](const std::string& line) {
                 said_.push_back(line);
             }};
+        options.wishes = wishes_;
+        options.paused = paused_;
         return Sitting(std::move(options), trials_).run();
     }
     std::vector<std::uint32_t> positions() const {
@@ -98,6 +100,8 @@ class SittingTest : public testing::Test {
     InstantTrials trials_;
     std::vector<std::string> said_;
     bool rests_ = true;
+    LineSource* wishes_ = nullptr;
+    std::function<bool()> paused_;
 };
 
 TEST_F(SittingTest, RunsTheOrderAndRests) {
@@ -247,6 +251,51 @@ TEST_F(SittingTest, NodesAreThereBeforeAnybodyIsAsked) {
     WrittenLines lines({"q"});
     sit(&lines);
     EXPECT_EQ(trials_.prepared, 1);
+}
+
+// Says its line once so many trials have been run.
+class WishAfter final : public LineSource {
+  public:
+    WishAfter(const InstantTrials& trials, std::size_t after, std::string line)
+        : trials_(trials), after_(after), line_(std::move(line)) {}
+    std::optional<std::string> take_line() override {
+        if (said_ || trials_.numbers.size() < after_) return std::nullopt;
+        said_ = true;
+        return line_;
+    }
+    bool ended() const override { return false; }
+
+  private:
+    const InstantTrials& trials_;
+    std::size_t after_;
+    std::string line_;
+    bool said_ = false;
+};
+
+TEST_F(SittingTest, WhereNobodyIsAskedAWatcherMayHaveTheLastTrialAgain) {
+    rests_ = false;
+    for (const std::size_t after : {3U, 5U}) {  // in the middle, and after what was the last one
+        WishAfter wish(trials_, after, "r sneezed");
+        wishes_ = &wish;
+        settings_.repeat = RepeatWhen::kAtOnce;
+        sit();
+    }
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 3, 4, 5, 5));
+}
+
+TEST_F(SittingTest, AWatcherMayStopOrPauseIt) {
+    rests_ = false;
+    WishAfter quit(trials_, 2, "q");
+    wishes_ = &quit;
+    EXPECT_EQ(sit().code, ExitCode::kRunFailed);
+    EXPECT_EQ(trials_.numbers.size(), 2U);
+
+    WishAfter nothing(trials_, 0, "");
+    wishes_ = &nothing;
+    const SessionTime until = trials_.clock + seconds{100};
+    paused_ = [&] { return trials_.clock < until; };
+    EXPECT_EQ(sit().code, ExitCode::kOk);
+    EXPECT_GE(trials_.clock, until + 3 * seconds{10});  // no trial before
 }
 
 }  // namespace

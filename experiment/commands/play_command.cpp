@@ -1,0 +1,87 @@
+// thimble play: feel the experiment with a mouse.
+#include <memory>
+#include <sstream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "experiment/commands/commands.hpp"
+#include "experiment/commands/real_run.hpp"
+#include "experiment/play/play_desk.hpp"
+#include "experiment/play/play_session.hpp"
+
+namespace thimble {
+namespace {
+
+struct PlayArguments {
+    std::string config, record, modality = "HF", visual_command;
+    double delay_s = 0.05, seconds = 0;
+    int base_port = 0;
+};
+
+std::vector<std::string> words_of(const std::string& command) {
+    std::istringstream stream(command);
+    std::vector<std::string> words;
+    for (std::string word; stream >> word;) words.push_back(word);
+    return words;
+}
+
+int run_play(const PlayArguments& arguments) {
+    const SystemSettings settings = load_system_settings(arguments.config);
+    if (settings.launch.anywhere_else()) {
+        throw Error(ExitCode::kUsage,
+                    "the session file's [launch] names other machines, and thimble play starts every node on "
+                    "this one: "
+                    "leave [launch] out");
+    }
+    RealRunArguments network;
+    network.config = arguments.config;
+    network.base_port = arguments.base_port;
+    PlayOptions options;
+    options.network = network_of(network);
+    options.modality = *find_modality(arguments.modality);
+    options.delay_s = arguments.delay_s;
+    options.record = arguments.record;
+    if (arguments.seconds > 0) options.longest = from_seconds(arguments.seconds);
+    options.stop = &stop_requested();
+    if (arguments.visual_command.empty()) check_window(program_folder());
+    options.starter =
+        std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command));
+    install_stop_signals();
+    const PlayResult result = play(settings, options);
+    fmt::print("{} trials{}\n", result.trials, arguments.record.empty() ? "" : ": " + arguments.record);
+    return static_cast<int>(ExitCode::kOk);
+}
+
+}  // namespace
+
+Command add_play(CLI::App& app) {
+    const auto arguments = std::make_shared<PlayArguments>();
+    CLI::App* sub =
+        app.add_subcommand("play", "feel the experiment with a mouse: every node on this machine, a window");
+    sub->add_option("session", arguments->config, "session file (TOML); without it the paper's scene");
+    sub->add_option("--modality", arguments->modality, "of the first trial: HF, CF, CCF or VF")
+        ->default_val(arguments->modality)
+        ->check(CLI::IsMember({"HF", "CF", "CCF", "VF"}));
+    sub->add_option("--delay-s", arguments->delay_s, "one-way delay of the force path at the start")
+        ->default_val(arguments->delay_s)
+        ->check(CLI::Range(0.0, PlayDesk::kLongestDelay_s));
+    sub->add_option("--record", arguments->record, "keep each trial in this folder, as thimble run does");
+    sub->add_option("--base-port", arguments->base_port, "first UDP port, instead of [network].base_port")
+        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+        ->type_name("PORT");
+    sub->add_option("--seconds", arguments->seconds, "end by itself after so long")
+        ->check(CLI::PositiveNumber);
+    sub->add_option("--visual-command", arguments->visual_command,
+                    "program and arguments instead of thimble-visual --window --view player")
+        ->type_name("COMMAND");
+    sub->footer(
+        "Example:\n  thimble play --modality HF --delay-s 0.05 --record out/play\n"
+        "Manual: docs/play.md.");
+    return {sub, [arguments] { return run_play(*arguments); }};
+}
+
+}  // namespace thimble

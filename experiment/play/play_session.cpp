@@ -1,0 +1,156 @@
+#include "experiment/play/play_session.hpp"
+
+#include <cstdlib>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "experiment/condition_summary.hpp"
+#include "experiment/lane.hpp"
+#include "experiment/play/attendant.hpp"
+#include "experiment/play/play_desk.hpp"
+#include "experiment/progress.hpp"
+#include "experiment/protocol.hpp"
+#include "experiment/trial_table.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kLook = std::chrono::milliseconds{20};
+
+// For logs that nobody keeps.
+class ScratchFolder {
+  public:
+    ScratchFolder() {
+        std::string name = (std::filesystem::temp_directory_path() / "thimble_play_XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr) {
+            throw Error(ExitCode::kRunFailed, fmt::format("cannot make a folder for logs at {}", name));
+        }
+        path_ = name;
+    }
+    ~ScratchFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    ScratchFolder(const ScratchFolder&) = delete;
+    ScratchFolder& operator=(const ScratchFolder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+  private:
+    std::filesystem::path path_;
+};
+
+class Play {
+  public:
+    Play(const SystemSettings& settings, const PlayOptions& options)
+        : options_(options),
+          protocol_(experiment_3(settings, settings.plan.subject, settings.plan.seed)),
+          subject_(std::max(1U, settings.plan.subject)),
+          desk_(options.modality) {
+        if (!options.record.empty()) {
+            std::filesystem::create_directories(options.record);
+            table_.emplace(options.record / "trials.csv");
+        } else {
+            scratch_.emplace();
+        }
+        events_.stop = [this] { return over(); };
+        fill_in_plan(settings);
+    }
+
+    PlayResult run() {
+        Lane lane(plan_, events_);
+        lane.open();
+        end_ = options_.longest == Duration::max() ? kNever : wall_now() + options_.longest;
+        say("move the pointer in the window; close it, or press Ctrl-C, to end");
+        while (!over()) {
+            lane.check();
+            if (const auto modality = desk_.take_due(wall_now())) {
+                do_trial(lane, *modality);
+            } else {
+                lane.show(waiting());
+                lane.idle(kLook);
+            }
+        }
+        lane.close();
+        return {trials_};
+    }
+
+  private:
+    void fill_in_plan(const SystemSettings& settings) {
+        SystemSettings with_delay = settings;
+        set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(options_.delay_s));
+        plan_.starter = options_.starter;
+        plan_.out = (table_ ? options_.record : scratch_->path()) / "nodes";
+        plan_.network = options_.network;
+        plan_.session = session_settings(with_delay);
+        plan_.session.ends_by_withdrawal = true;
+        plan_.session.trial_timeout = kPlayTimeout;
+        plan_.delay_s = options_.delay_s;
+        plan_.attend = [this](SessionProcess& session, Sockets& sockets) {
+            desk_.serve(session);
+            session_ = &session;
+            return attend(session, sockets, desk_, desk_.context());
+        };
+    }
+
+    bool over() const {
+        return desk_.quit() || (options_.stop != nullptr && *options_.stop) || wall_now() >= end_ ||
+               options_.starter->window_closed();
+    }
+
+    void do_trial(Lane& lane, Modality modality) {
+        TrialConditions conditions{protocol_.seed,
+                                   protocol_.experiment,
+                                   subject_,
+                                   ++trials_,
+                                   modality,
+                                   session_->delay_s(),
+                                   draw_fixture_position_m(protocol_, subject_, trials_)};
+        std::filesystem::path file;
+        if (table_) {
+            file = options_.record / "trajectories" /
+                   fmt::format("trial{:02}_{}_{:g}ms.csv", trials_, to_string(modality),
+                               1000 * conditions.delay_s);
+        }
+        const TrialRecord& record = lane.run_trial(conditions, lane.last_number() + 1, file);
+        desk_.trial_ended(wall_now(), record);
+        const TrialRow row = make_row(record);
+        if (table_) table_->append(row);
+        say(fmt::format("trial {}, {} {}: {}, {:.1f} s, contacts lost {}", trials_,
+                        delay_text(conditions.delay_s), to_string(modality),
+                        outcome_text(row.reason, row.lost_peer), row.metrics.duration_s,
+                        row.metrics.contacts_lost));
+        if (!over()) lane.check();
+    }
+
+    Page waiting() const {
+        Page page;
+        page.kind = desk_.context().paused ? PageKind::kPaused : PageKind::kReady;
+        page.trial = trials_ + 1;
+        return page;
+    }
+
+    void say(const std::string& line) { progress_.say(line); }
+
+    const PlayOptions& options_;
+    Protocol protocol_;
+    std::uint32_t subject_;
+    PlayDesk desk_;
+    std::optional<TrialTable> table_;
+    std::optional<ScratchFolder> scratch_;
+    Progress progress_;
+    LanePlan plan_;
+    LaneEvents events_;
+    SessionProcess* session_ = nullptr;  // the lane's
+    SessionTime end_ = kNever;
+    std::uint32_t trials_ = 0;
+};
+
+}  // namespace
+
+PlayResult play(const SystemSettings& settings, const PlayOptions& options) {
+    return Play(settings, options).run();
+}
+
+}  // namespace thimble

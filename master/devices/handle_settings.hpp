@@ -1,0 +1,34 @@
+// Table [handle] of a session file: the handle itself, and who moves it.
+#pragma once
+
+#include "common/config.hpp"
+#include "master/operator/limb.hpp"
+
+namespace thimble {
+
+enum class HandleKind : std::uint8_t {
+    kSimulated,  // held by the virtual operator (simulated_handle.hpp)
+    kPointer,    // drawn by a person's mouse (pointer_handle.hpp)
+};
+
+// Between a person's pointer and the simulated handle. A pointer is a position that no force can move, so the
+// coupling stands for the hand's own softness, and its damper for what keeps a sampled wall passive: K h / 2 <= b
+// (Colgate, Stanley and Brown 1995; Colgate and Schenkel 1997), 4.5 Ns/m for the paper's fixture, 9 kN/m at the
+// handle and sampled each 1 ms. All is far below the 2 m / h (5 kNs/m) and 4 m / h^2 (100 MN/m) that steps of 0.1 ms bear.
+struct CouplingSettings {
+    double stiffness_N_per_m = 500;  // [A] between grip and arm of the virtual operator
+    double damping_Ns_per_m = 15;    // [A] with the handle's mass 0.7 of critical; three times K h / 2
+};
+
+struct HandleSettings {
+    double encoder_resolution_m = 1e-5;  // [P] rounded to nearest
+    double force_limit_N = 12;           // [V] omega.3; clips, both directions
+    HandleMechanics mechanics;
+    HandleKind kind = HandleKind::kSimulated;
+    CouplingSettings coupling{};  // kPointer
+};
+
+// Throws Error (usage).
+HandleSettings read_handle_settings(const ConfigTable& table);
+
+}  // namespace thimble

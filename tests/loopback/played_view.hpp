@@ -1,0 +1,31 @@
+// An experimenter's view, or a player's panel, as a session sees it: hears the Monitor, sends orders.
+#pragma once
+
+#include "common/flow.hpp"
+#include "common/runtime/sockets.hpp"
+
+namespace thimble {
+
+class PlayedView {
+  public:
+    explicit PlayedView(std::uint16_t base_port);
+
+    void listen(SessionTime now);
+    // For the trial that the Monitor showed last, as a view does it.
+    void order(SessionTime now, const Order& order) { orders_.send(now, trial_, order); }
+
+    const Monitor& monitor() const { return monitor_; }
+    std::uint32_t trial() const { return trial_; }
+    std::uint64_t heard() const { return heard_.counters().accepted; }
+    bool running() const { return monitor_.state == NodeState::kRunning; }
+
+  private:
+    Sockets sockets_;
+    Channel* in_;
+    InboundFlow heard_{Role::kSession};
+    OutboundFlow orders_;
+    Monitor monitor_;
+    std::uint32_t trial_ = 0;
+};
+
+}  // namespace thimble
