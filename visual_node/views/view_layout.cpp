@@ -1,0 +1,48 @@
+#include "visual_node/views/view_layout.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+namespace {
+
+// At content scale 1.
+constexpr double kBannerHeight = 26, kSideViewHeight = 132, kColumnWidth = 304, kReadingsHeight = 334;
+constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
+constexpr double kSideViewStep_m = 0.02;
+
+}  // namespace
+
+ExperimenterLayout experimenter_layout(double width, double height, double scale) {
+    ExperimenterLayout layout;
+    const double column = std::min(kColumnWidth * scale, width / 2);
+    const double top = std::min(kBannerHeight * scale, height), left = width - column;
+    const double side = std::min(kSideViewHeight * scale, height - top);
+    const double readings = std::min(kReadingsHeight * scale, (height - top) * 0.6);
+    layout.banner = {0, 0, width, top};
+    layout.side_view = {0, top, left, side};
+    layout.readings = {left, top, column, readings};
+    layout.controls = {left, top + readings, column, height - top - readings};
+    const double plot = (height - top - side) / static_cast<double>(kPlotCount);
+    for (std::size_t i = 0; i < kPlotCount; ++i) {
+        layout.plots[i] = {0, top + side + plot * static_cast<double>(i), left, plot};
+    }
+    return layout;
+}
+
+Rect plot_box(const Rect& plot, double scale) {
+    const double left = kNumberWidth * scale, title = kTitleHeight * scale, margin = kMargin * scale;
+    // Whole pixels: a column of a curve is one pixel wide.
+    return {std::floor(plot.x + left), std::floor(plot.y + title),
+            std::max(1.0, std::floor(plot.width - left - margin)),
+            std::max(1.0, std::floor(plot.height - title - margin))};
+}
+
+SideViewScale side_view_scale(const Rect& box, double position_needle_m, double position_deepest_m) {
+    const double low_m = std::min(position_needle_m, 0.0);
+    const double high_m = std::max(position_needle_m, position_deepest_m);
+    return {std::floor(low_m / kSideViewStep_m) * kSideViewStep_m - kSideViewStep_m,
+            std::ceil(std::max(high_m, 0.0) / kSideViewStep_m) * kSideViewStep_m + kSideViewStep_m, box};
+}
+
+}  // namespace thimble
