@@ -7,7 +7,7 @@ namespace thimble {
 namespace {
 
 // At content scale 1.
-constexpr double kBannerHeight = 26, kSideViewHeight = 132, kColumnWidth = 304, kReadingsHeight = 334;
+constexpr double kBannerHeight = 26, kSideViewHeight = 132, kColumnWidth = 330, kReadingsHeight = 316;
 constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
 constexpr double kSideViewStep_m = 0.02;
 
