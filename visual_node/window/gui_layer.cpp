@@ -47,8 +47,10 @@ void GuiLayer::begin() {
         ImGui_ImplOpenGL3_DestroyFontsTexture();
         fit_to_scale();
     }
-    ImGui_ImplOpenGL3_NewFrame();
-    ImGui_ImplGlfw_NewFrame();
+    if (!window_->lost()) {
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+    }
     // A screen that has just gone has no size, and ImGui insists on one.
     if (window_->lost()) ImGui::GetIO().DisplaySize = {1, 1};
     ImGui::NewFrame();
