@@ -22,7 +22,7 @@ struct WindowSettings {
     bool visible = true;
     bool fullscreen = false;   // on the primary monitor, in its own resolution
     bool vsync = true;         // end_frame() waits for the monitor
-    int samples = 4;           // per pixel, against jagged edges; 0 or 1: none
+    int samples = 0;           // per pixel, against jagged edges; several are slow where OpenGL is software
     double content_scale = 0;  // instead of the monitor's; 0: as the monitor says
 };
 

@@ -33,25 +33,32 @@ GuiLayer::GuiLayer(GlWindow& window) : window_(&window) {
 }
 
 GuiLayer::~GuiLayer() {
-    if (window_->lost()) return;  // the backends would ask the screen that is gone
-    ImGui_ImplOpenGL3_Shutdown();
-    ImGui_ImplGlfw_Shutdown();
+    if (!window_->lost()) {  // the backends would ask the screen that is gone
+        ImGui_ImplOpenGL3_Shutdown();
+        ImGui_ImplGlfw_Shutdown();
+    }
+    ImGui::GetIO().BackendPlatformUserData = nullptr;
+    ImGui::GetIO().BackendRendererUserData = nullptr;
     ImGui::DestroyContext();
 }
 
 void GuiLayer::begin() {
-    if (window_->content_scale() != scale_) {
+    if (window_->content_scale() != scale_ && !window_->lost()) {
         ImGui_ImplOpenGL3_DestroyFontsTexture();
         fit_to_scale();
     }
-    ImGui_ImplOpenGL3_NewFrame();
-    ImGui_ImplGlfw_NewFrame();
+    if (!window_->lost()) {
+        ImGui_ImplOpenGL3_NewFrame();
+        ImGui_ImplGlfw_NewFrame();
+    }
+    // A screen that has just gone has no size, and ImGui insists on one.
+    if (window_->lost()) ImGui::GetIO().DisplaySize = {1, 1};
     ImGui::NewFrame();
 }
 
 void GuiLayer::end() {
     ImGui::Render();
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    if (!window_->lost()) ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 bool GuiLayer::wants(const WindowEvent& event) const {

@@ -8,6 +8,8 @@ namespace {
 
 std::atomic<bool> lost{false};
 
+// Xlib asks the first what to say and the second how to end.
+int say_nothing(void* /*display*/) { return 0; }
 void remember_loss(void* /*display*/, void* /*data*/) { lost = true; }
 
 template <class Function>
@@ -23,9 +25,12 @@ void survive_screen_loss() {
     const auto display_of_glfw = find<void* (*)()>("glfwGetX11Display");
     const auto set_handler =
         find<void (*)(void* display, Handler handler, void* data)>("XSetIOErrorExitHandler");
-    if (display_of_glfw == nullptr || set_handler == nullptr) return;
-    if (void* const display = display_of_glfw(); display != nullptr)
-        set_handler(display, remember_loss, nullptr);
+    const auto set_words = find<void* (*)(int (*words)(void* display))>("XSetIOErrorHandler");
+    if (display_of_glfw == nullptr || set_handler == nullptr || set_words == nullptr) return;
+    void* const display = display_of_glfw();
+    if (display == nullptr) return;
+    set_words(say_nothing);
+    set_handler(display, remember_loss, nullptr);
 }
 
 bool screen_lost() { return lost; }
