@@ -8,6 +8,8 @@ namespace {
 // Of ImGui's text, which is meant to be read at arm's length.
 constexpr float kSmallText = 0.8F;
 
+float small_text_size() { return std::floor(ImGui::GetFontSize() * kSmallText); }
+
 }  // namespace
 
 ImU32 paint(Colour colour, double opacity) {
@@ -21,16 +23,16 @@ ImVec2 corner(const Rect& rect) { return point(rect.x, rect.y); }
 ImVec2 far_corner(const Rect& rect) { return point(rect.right(), rect.bottom()); }
 ImVec2 extent(const Rect& rect) { return point(rect.width, rect.height); }
 
-float small_text_height() { return std::floor(ImGui::GetFontSize() * kSmallText); }
+double small_text_height() { return static_cast<double>(small_text_size()); }
 
-float draw_text(ImDrawList& list, const ImVec2& where, Colour colour, const char* text) {
-    const float size = small_text_height();
+double draw_text(ImDrawList& list, const ImVec2& where, Colour colour, const char* text) {
+    const float size = small_text_size();
     list.AddText(ImGui::GetFont(), size, where, paint(colour), text);
-    return ImGui::GetFont()->CalcTextSizeA(size, FLT_MAX, 0, text).x;
+    return static_cast<double>(ImGui::GetFont()->CalcTextSizeA(size, FLT_MAX, 0, text).x);
 }
 
 void draw_text_left_of(ImDrawList& list, const ImVec2& where, Colour colour, const char* text) {
-    const float size = small_text_height();
+    const float size = small_text_size();
     const float width = ImGui::GetFont()->CalcTextSizeA(size, FLT_MAX, 0, text).x;
     list.AddText(ImGui::GetFont(), size, {std::floor(where.x - width), where.y}, paint(colour), text);
 }
@@ -45,7 +47,8 @@ void draw_dashed_vertical(ImDrawList& list, double x, double top, double bottom,
 
 void begin_fixed(const char* name, const Rect& rect, bool scrolls) {
     constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                        ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
+                                        ImGuiWindowFlags_NoSavedSettings |
+                                        ImGuiWindowFlags_NoBringToFrontOnFocus;
     ImGui::SetNextWindowPos(corner(rect));
     ImGui::SetNextWindowSize(extent(rect));
     ImGui::Begin(name, nullptr, scrolls ? kFixed & ~ImGuiWindowFlags_NoScrollbar : kFixed);

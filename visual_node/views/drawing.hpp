@@ -13,15 +13,15 @@ namespace thimble {
 ImU32 paint(Colour colour, double opacity = 1);
 ImVec4 gui_colour(Colour colour);
 ImVec2 point(double x, double y);
-ImVec2 corner(const Rect& rect);       // top left
-ImVec2 far_corner(const Rect& rect);   // bottom right
+ImVec2 corner(const Rect& rect);      // top left
+ImVec2 far_corner(const Rect& rect);  // bottom right
 ImVec2 extent(const Rect& rect);
 
 // Small text for axes and legends. Returns its width.
-float draw_text(ImDrawList& list, const ImVec2& where, Colour colour, const char* text);
+double draw_text(ImDrawList& list, const ImVec2& where, Colour colour, const char* text);
 // Ends at `where`.x.
 void draw_text_left_of(ImDrawList& list, const ImVec2& where, Colour colour, const char* text);
-float small_text_height();
+double small_text_height();
 
 // Dashes of `dash` pixels and gaps as long, from top to bottom.
 void draw_dashed_vertical(ImDrawList& list, double x, double top, double bottom, double width, double dash,

@@ -46,9 +46,12 @@ constexpr double kTimeLine_s = 1;
 bool covered(Dash dash, std::int64_t column, std::int64_t scale) {
     column /= scale;
     switch (dash) {
-        case Dash::kSolid: return true;
-        case Dash::kDashed: return column % 12 < 8;
-        case Dash::kDotted: return column % 5 < 2;
+        case Dash::kSolid:
+            return true;
+        case Dash::kDashed:
+            return column % 12 < 8;
+        case Dash::kDotted:
+            return column % 5 < 2;
     }
     return true;
 }
@@ -105,7 +108,8 @@ void PlotPanel::draw_axes(ImDrawList& list, const PlotSpec& spec, const Frame& f
         draw_text_left_of(list, point(box.x - margin, y - small_text_height() / 2), kWhite, number.c_str());
     }
     const double end_s = frame.begin_s + box.width * frame.column_s;
-    for (double time_s = std::ceil(frame.begin_s / kTimeLine_s) * kTimeLine_s; time_s < end_s; time_s += kTimeLine_s) {
+    for (double time_s = std::ceil(frame.begin_s / kTimeLine_s) * kTimeLine_s; time_s < end_s;
+         time_s += kTimeLine_s) {
         const double x = box.x + std::floor((time_s - frame.begin_s) / frame.column_s);
         list.AddRectFilled(point(x, box.y), point(x + 1, box.bottom()), paint(kGrid, 0.6));
     }
@@ -150,7 +154,8 @@ void PlotPanel::draw_curve(ImDrawList& list, const Curve& curve, std::span<const
         }
         const double top = frame.y(high * factor), bottom = frame.y(low * factor);
         const bool steep = bottom - top > kSteepPitch * frame.pixels;
-        if (!steep && !covered(curve.dash, frame.first_column + static_cast<std::int64_t>(i), pitch)) continue;
+        if (!steep && !covered(curve.dash, frame.first_column + static_cast<std::int64_t>(i), pitch))
+            continue;
         const double x = frame.box.x + static_cast<double>(i);
         list.AddRectFilled(point(x, std::floor(top - width / 2)), point(x + 1, std::ceil(bottom + width / 2)),
                            colour);
@@ -163,7 +168,8 @@ void PlotPanel::draw(ImDrawList& list, const Rect& rect, double scale, const Plo
     frame.box = plot_box(rect, scale);
     frame.pixels = std::max(1.0, scale);
     frame.column_s = history.window_s() / frame.box.width;
-    frame.begin_s = column_begin(history.end_s(now), frame.column_s, static_cast<std::size_t>(frame.box.width));
+    frame.begin_s =
+        column_begin(history.end_s(now), frame.column_s, static_cast<std::size_t>(frame.box.width));
     frame.first_column = std::max<std::int64_t>(0, std::llround(frame.begin_s / frame.column_s) + (1 << 20));
     take(spec, history, frame);
     draw_axes(list, spec, frame);

@@ -2,10 +2,9 @@
 // that nothing faster than a pixel is lost, and so that drawing costs the same whatever is shown.
 #pragma once
 
+#include <imgui.h>
 #include <span>
 #include <vector>
-
-#include <imgui.h>
 
 #include "visual_node/views/colours.hpp"
 #include "visual_node/views/monitor_history.hpp"

@@ -23,7 +23,8 @@ void draw_depths(ImDrawList& list, const SideFrame& frame) {
         list.AddRectFilled(point(x, box.y), point(x + 1, box.bottom()), paint(kGrid));
         if (depth_m + kLine_m > frame.z.high_m) continue;
         const TextLine number = TextLine::of("{:.0f}", depth_m * 1e3 + 0.0);
-        draw_text(list, point(x + 2 * frame.pixels, box.bottom() - small_text_height() - 1), kWhite, number.c_str());
+        draw_text(list, point(x + 2 * frame.pixels, box.bottom() - small_text_height() - 1), kWhite,
+                  number.c_str());
     }
 }
 
@@ -34,8 +35,8 @@ void draw_tissue(ImDrawList& list, const SideFrame& frame, const Monitor& monito
     const double x = std::clamp(frame.z.x(monitor.position_surface_m), box.x, box.right());
     list.AddRectFilled(point(x, box.y), far_corner(box), paint(kSkyBlue, 0.25));
     const double width = 2 * frame.pixels;
-    list.AddRectFilled(point(std::floor(x - width / 2), box.y), point(std::floor(x + width / 2), box.bottom()),
-                       paint(kSkyBlue));
+    list.AddRectFilled(point(std::floor(x - width / 2), box.y),
+                       point(std::floor(x + width / 2), box.bottom()), paint(kSkyBlue));
 }
 
 void draw_needle(ImDrawList& list, const SideFrame& frame, const Monitor& monitor) {
@@ -46,11 +47,13 @@ void draw_needle(ImDrawList& list, const SideFrame& frame, const Monitor& monito
     const double half = 2 * frame.pixels;
     list.AddRectFilled(point(box.x, frame.middle - half), point(entry, frame.middle + half), paint(kWhite));
     if (inside) {
-        list.AddRectFilled(point(entry, frame.middle - half), point(tip, frame.middle + half), paint(kOrange));
+        list.AddRectFilled(point(entry, frame.middle - half), point(tip, frame.middle + half),
+                           paint(kOrange));
     }
     const double tip_length = 8 * frame.pixels;
     list.AddTriangleFilled(point(tip - tip_length, frame.middle - 2 * half), point(tip, frame.middle),
-                           point(tip - tip_length, frame.middle + 2 * half), paint(inside ? kOrange : kWhite));
+                           point(tip - tip_length, frame.middle + 2 * half),
+                           paint(inside ? kOrange : kWhite));
 }
 
 void draw_fixture(ImDrawList& list, const SideFrame& frame, const Monitor& monitor) {

@@ -9,6 +9,7 @@ namespace {
 // At content scale 1.
 constexpr double kBannerHeight = 26, kSideViewHeight = 132, kColumnWidth = 330, kReadingsHeight = 316;
 constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
+constexpr double kRowHeight = 30, kRowGap = 4;
 constexpr double kSideViewStep_m = 0.02;
 
 }  // namespace
@@ -36,6 +37,13 @@ Rect plot_box(const Rect& plot, double scale) {
     return {std::floor(plot.x + left), std::floor(plot.y + title),
             std::max(1.0, std::floor(plot.width - left - margin)),
             std::max(1.0, std::floor(plot.height - title - margin))};
+}
+
+Rect control_cell(const Rect& controls, double scale, int row, int column, int columns) {
+    const double margin = kMargin * scale, gap = kRowGap * scale, height = kRowHeight * scale;
+    const double pitch = (controls.width - 2 * margin + gap) / columns;
+    return {controls.x + margin + column * pitch, controls.y + margin + row * height, pitch - gap,
+            height - gap};
 }
 
 SideViewScale side_view_scale(const Rect& box, double position_needle_m, double position_deepest_m) {

@@ -30,6 +30,9 @@ ExperimenterLayout experimenter_layout(double width, double height, double scale
 // The drawn box of a plot or of the side view in its rectangle, without title and numbers.
 Rect plot_box(const Rect& plot, double scale);
 
+// A button among `columns` of the same width in a row of the controls.
+Rect control_cell(const Rect& controls, double scale, int row, int column, int columns);
+
 // Between depths and pixels of the side view: z to the right, into the tissue.
 struct SideViewScale {
     double low_m = 0, high_m = 0;
