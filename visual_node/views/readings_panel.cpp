@@ -37,7 +37,7 @@ void draw_readings(const Rect& rect, const SessionLink& link, SessionTime now) {
                      silent ? kGrid : colour_of(reading, link.monitor()));
     }
     // What is drawn by hand takes its room here, or a small window would not scroll.
-    ImGui::Dummy(point(1, line.bottom() - begin.y));
+    ImGui::Dummy(point(1, line.bottom() - static_cast<double>(begin.y)));
     ImGui::End();
 }
 
