@@ -32,7 +32,7 @@ void ExperimenterPanels::draw(SessionTime now, const OverlayFrame& frame) {
     const SessionLink& link = model_.link();
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     draw_banner(layout.banner, scale, now);
-    draw_side_view(list, layout.side_view, scale, link.monitor());
+    if (link.receiver().heard()) draw_side_view(list, layout.side_view, scale, link.monitor());
     for (std::size_t i = 0; i < kPlotCount; ++i) {
         plots_[i].draw(list, layout.plots[i], scale, experimenter_plots()[i], link.history(), now);
     }

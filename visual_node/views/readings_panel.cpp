@@ -34,7 +34,7 @@ void draw_readings(const Rect& rect, const SessionLink& link, SessionTime now) {
     for (const Reading& reading : read_monitor(link.monitor(), link.receiver().trial())) {
         line.y += height;
         draw_reading(list, line, reading.name, reading.value.c_str(),
-                     silent ? kGrid : colour_of(reading, link.monitor()));
+                     silent ? kFaded : colour_of(reading, link.monitor()));
     }
     // What is drawn by hand takes its room here, or a small window would not scroll.
     ImGui::Dummy(point(1, line.bottom() - static_cast<double>(begin.y)));

@@ -9,6 +9,8 @@ namespace {
 // At content scale 1.
 constexpr double kBannerHeight = 26, kSideViewHeight = 132, kColumnWidth = 330, kReadingsHeight = 316;
 constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
+// Positions span most: an oscillation of millimetres in a way of 12 cm.
+constexpr std::array kPlotShares{0.34, 0.24, 0.21, 0.21};
 constexpr double kRowHeight = 30, kRowGap = 4;
 constexpr double kSideViewStep_m = 0.02;
 
@@ -24,9 +26,10 @@ ExperimenterLayout experimenter_layout(double width, double height, double scale
     layout.side_view = {0, top, left, side};
     layout.readings = {left, top, column, readings};
     layout.controls = {left, top + readings, column, height - top - readings};
-    const double plot = (height - top - side) / static_cast<double>(kPlotCount);
+    double y = top + side;
     for (std::size_t i = 0; i < kPlotCount; ++i) {
-        layout.plots[i] = {0, top + side + plot * static_cast<double>(i), left, plot};
+        layout.plots[i] = {0, y, left, (height - top - side) * kPlotShares[i]};
+        y = layout.plots[i].bottom();
     }
     return layout;
 }

@@ -32,7 +32,7 @@ TEST(ViewLayout, EverythingHasRoomAt800x600) {
     for (const Rect& plot : layout.plots) {
         const Rect box = plot_box(plot, 1);
         EXPECT_GT(box.width, 400);
-        EXPECT_GT(box.height, 70);
+        EXPECT_GT(box.height, 60);
         EXPECT_GE(box.x, plot.x);
         EXPECT_LE(box.right(), plot.right());
         EXPECT_LE(box.bottom(), plot.bottom());
