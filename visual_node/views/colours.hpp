@@ -22,8 +22,7 @@ inline constexpr Colour kReddishPurple{204, 121, 167};
 
 // Around them.
 inline constexpr Colour kWhite{255, 255, 255};
-inline constexpr Colour kBackground{24, 26, 30};
-inline constexpr Colour kPlotBackground{12, 13, 15};
+inline constexpr Colour kBackground{16, 17, 20};
 inline constexpr Colour kGrid{58, 62, 70};
 inline constexpr Colour kFaded{140, 144, 150};  // text of what is old
 

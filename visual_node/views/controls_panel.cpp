@@ -57,7 +57,8 @@ void draw_trial_rows(const ControlGrid& grid) {
 }  // namespace
 
 void draw_controls(const Rect& rect, double scale, ExperimenterModel& model, SessionTime now) {
-    begin_fixed("controls", rect, true);
+    begin_fixed("controls", rect, Ground::kBare);
+    ImGui::SetWindowFontScale(0.9F);  // five presets beside one another
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, point(2 * scale, 2 * scale));
     const ControlGrid grid{
         {rect.x, rect.y - static_cast<double>(ImGui::GetScrollY()), rect.width, rect.height},
@@ -82,7 +83,7 @@ void draw_question(double scale, ExperimenterModel& model, SessionTime now) {
     const Rect rect{(static_cast<double>(display.x) - width) / 2,
                     (static_cast<double>(display.y) - height) / 2, width, height};
     ImGui::SetNextWindowFocus();
-    begin_fixed("question", rect, false);
+    begin_fixed("question", rect, Ground::kFilled);
     ImGui::Text("Exclude trial %u from the analysis?", *trial);
     if (draw_button(experimenter_keys(), Command::kYes, control_cell(rect, scale, 1, 0, 2))) {
         model.press(now, Command::kYes);

@@ -45,13 +45,13 @@ void draw_dashed_vertical(ImDrawList& list, double x, double top, double bottom,
     }
 }
 
-void begin_fixed(const char* name, const Rect& rect, bool scrolls) {
-    constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                        ImGuiWindowFlags_NoSavedSettings |
-                                        ImGuiWindowFlags_NoBringToFrontOnFocus;
+void begin_fixed(const char* name, const Rect& rect, Ground ground) {
+    constexpr ImGuiWindowFlags kFixed =
+        ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+        ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
     ImGui::SetNextWindowPos(corner(rect));
     ImGui::SetNextWindowSize(extent(rect));
-    ImGui::Begin(name, nullptr, scrolls ? kFixed & ~ImGuiWindowFlags_NoScrollbar : kFixed);
+    ImGui::Begin(name, nullptr, ground == Ground::kBare ? kFixed | ImGuiWindowFlags_NoBackground : kFixed);
 }
 
 }  // namespace thimble

@@ -27,7 +27,12 @@ double small_text_height();
 void draw_dashed_vertical(ImDrawList& list, double x, double top, double bottom, double width, double dash,
                           Colour colour);
 
-// A plain ImGui window at this place, which can neither be moved nor closed. Call ImGui::End() after it in any case.
-void begin_fixed(const char* name, const Rect& rect, bool scrolls);
+// Filled: hides what is behind it. Bare: the window's own background is its background, because each pixel that is painted
+// twice costs where OpenGL is software.
+enum class Ground { kFilled, kBare };
+
+// A plain ImGui window at this place, which can neither be moved nor closed, and scrolls what does not fit. Call ImGui::End()
+// after it in any case.
+void begin_fixed(const char* name, const Rect& rect, Ground ground);
 
 }  // namespace thimble

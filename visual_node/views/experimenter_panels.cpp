@@ -16,7 +16,7 @@ void ExperimenterPanels::draw_banner(const Rect& rect, double scale, SessionTime
     const SessionLink& link = model_.link();
     const TextLine alarm = link.alarm(now);
     const bool alarmed = !alarm.view().empty();
-    list.AddRectFilled(corner(rect), far_corner(rect), paint(alarmed ? kVermillion : kBackground));
+    if (alarmed) list.AddRectFilled(corner(rect), far_corner(rect), paint(kVermillion));
     const TextLine calm =
         TextLine::of("Trial {}, {}, {}", trial_text(link.receiver().trial(), link.monitor().trials).view(),
                      to_string(link.monitor().modality), state_text(link.monitor()).view());

@@ -70,7 +70,7 @@ void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
     for (const Command command : typed_commands(player_keys())) model_.press(now, command);
     const double scale = frame.window.content_scale();
     const Rect rect = place(frame.window.width(), frame.window.height(), scale);
-    begin_fixed("player", rect, true);
+    begin_fixed("player", rect, Ground::kFilled);
     // Hint and alarm first: they are what is read without looking for it.
     const TextLine alarm = model_.link().alarm(now);
     const bool alarmed = !alarm.view().empty();

@@ -98,7 +98,6 @@ void PlotPanel::take(const PlotSpec& spec, const MonitorHistory& history, Frame&
 void PlotPanel::draw_axes(ImDrawList& list, const PlotSpec& spec, const Frame& frame) const {
     const Rect& box = frame.box;
     const double margin = 4 * frame.pixels;
-    list.AddRectFilled(corner(box), far_corner(box), paint(kPlotBackground));
     const auto steps = std::lround((frame.scale.high - frame.scale.low) / frame.scale.step);
     for (std::int64_t i = 0; i <= steps; ++i) {
         const double value = frame.scale.low + static_cast<double>(i) * frame.scale.step;

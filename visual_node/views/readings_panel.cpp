@@ -23,7 +23,7 @@ Colour colour_of(const Reading& reading, const Monitor& monitor) {
 }  // namespace
 
 void draw_readings(const Rect& rect, const SessionLink& link, SessionTime now) {
-    begin_fixed("readings", rect, true);
+    begin_fixed("readings", rect, Ground::kBare);
     const bool silent = link.receiver().silent(now);
     const double height = small_text_height() * kLineHeight;
     const ImVec2 begin = ImGui::GetCursorScreenPos();

@@ -95,7 +95,6 @@ void draw_side_view(ImDrawList& list, const Rect& rect, double scale, const Moni
     frame.z = side_view_scale(plot_box(rect, scale), monitor.position_needle_m, deepest_m);
     frame.pixels = std::max(1.0, scale);
     frame.middle = std::floor(frame.z.box.y + frame.z.box.height / 2);
-    list.AddRectFilled(corner(frame.z.box), far_corner(frame.z.box), paint(kPlotBackground));
     list.PushClipRect(corner(frame.z.box), far_corner(frame.z.box), true);
     draw_tissue(list, frame, monitor);
     draw_depths(list, frame);
