@@ -36,6 +36,8 @@ void NodeProcess::take_orders(SessionTime now) {
             take_order(now, message->header.trial, *control);
         } else if (const auto* probe = std::get_if<ClockProbe>(&message->body)) {
             answer(now, *probe);
+        } else if (const auto* page = std::get_if<Page>(&message->body)) {
+            if (!read_page(now, *page)) orders_.refuse_admitted(Refusal::kUnexpectedKind);
         } else if (!std::holds_alternative<Heartbeat>(message->body)) {
             orders_.refuse_admitted(Refusal::kUnexpectedKind);
         }

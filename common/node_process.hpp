@@ -39,6 +39,8 @@ class NodeProcess : public Process {
     // The force path's delay is another one from now on, control.network_delay_s one way, and an input may be silent for
     // as long. Once per change, however often it is said; also between trials.
     virtual void network_changed(SessionTime /*now*/, const SessionControl& /*control*/) {}
+    // What the subject reads between trials. False: this node has nobody to read it, and the message is refused.
+    virtual bool read_page(SessionTime /*now*/, const Page& /*page*/) { return false; }
     // Data plane, called on every tick, also between trials (to keep the channels empty).
     virtual void work(SessionTime now) = 0;
     virtual SessionTime next_work() const = 0;

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "common/messages.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -14,6 +15,16 @@ struct Scene {
     double bar_full_scale_N = 12;
     bool touching = false;      // the needle touches or has entered the tissue
     SessionTime sample_time{};  // when the shown sample arrived at the display node
+
+    // What only a picture needs; percepts know nothing of it.
+    double position_surface_rest_m =
+        0;  // as in the first sample of the trial: what a dimple is drawn against
+    double fingertip_N =
+        0;  // [visual].fingertip, CF and CCF: what a fingertip graphic shows in place of a device
+    bool bar_shown = false;  // VF: the bar's frame and scale, also while the force is 0
+    bool fingertip_shown = false;
+    SessionTime hand_time{};    // when the handle was read, on the master's clock
+    SessionTime answer_time{};  // when slave_sim answered, on its clock
 };
 
 struct ShownScene {
@@ -34,6 +45,9 @@ class Display {
     virtual std::optional<ShownScene> shown(SessionTime now) = 0;
     // When the next frame becomes visible; kNever if none is on its way.
     virtual SessionTime next_shown() const = 0;
+    // What to read between trials; kNone: nothing.
+    virtual void turn_page(SessionTime /*now*/, const Page& /*page*/) {}
+    virtual void beep(SessionTime /*now*/) {}
 };
 
 }  // namespace thimble

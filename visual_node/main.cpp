@@ -2,6 +2,9 @@
 #include "common/runtime/node_program.hpp"
 #include "visual_node/recording_display.hpp"
 #include "visual_node/visual_process.hpp"
+#ifdef THIMBLE_GUI
+#include "visual_node/views/experimenter_program.hpp"
+#endif
 
 namespace {
 
@@ -30,6 +33,9 @@ class Visual final : public NodeInstance {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef THIMBLE_GUI
+    if (asks_for_experimenter_view(argc, argv)) return run_experimenter_view(argc, argv);
+#endif
     NodeProgram program;
     program.name = "thimble-visual";
     program.description =

@@ -27,8 +27,9 @@ void VisualNode::start_trial(SessionTime now, const SessionControl& control, std
 
 void VisualNode::end_trial(SessionTime) { running_ = false; }
 
-void VisualNode::on_feedback(SessionTime now, const ForceFeedback& feedback) {
+void VisualNode::on_feedback(SessionTime now, const ForceFeedback& feedback, SessionTime answered) {
     if (!running_) return;
+    if (newest_.arrived == kNever) newest_.position_rest_m = feedback.position_surface_m;
     newest_.position_needle_m = feedback.position_needle_m;
     newest_.position_surface_m = feedback.position_surface_m;
     // Written so that a NaN is no force.
@@ -36,6 +37,8 @@ void VisualNode::on_feedback(SessionTime now, const ForceFeedback& feedback) {
     newest_.touching =
         feedback.phase != TissuePhase::kFree || feedback.position_needle_m >= feedback.position_surface_m;
     newest_.arrived = now;
+    newest_.hand_time = feedback.echo_time;
+    newest_.answered = answered;
 }
 
 std::optional<Scene> VisualNode::frame(SessionTime now) {
@@ -49,7 +52,19 @@ std::optional<Scene> VisualNode::frame(SessionTime now) {
     scene.bar_full_scale_N = settings_.bar_full_scale_N;
     scene.touching = newest_.touching;
     scene.sample_time = newest_.arrived;
+    add_what_pictures_need(now, scene);
     return scene;
+}
+
+void VisualNode::add_what_pictures_need(SessionTime now, Scene& scene) const {
+    const bool fresh = running_ && now - newest_.arrived < settings_.stale_after;
+    scene.position_surface_rest_m = newest_.position_rest_m;
+    scene.bar_shown = modality_ == Modality::kVF;
+    scene.fingertip_shown =
+        settings_.fingertip && (modality_ == Modality::kCF || modality_ == Modality::kCCF);
+    scene.fingertip_N = scene.fingertip_shown && fresh ? newest_.force_resisting_N : 0;
+    scene.hand_time = newest_.hand_time;
+    scene.answer_time = newest_.answered;
 }
 
 // Counted from the first frame: 1/60 s is no whole number of nanoseconds, and the error must not add up.

@@ -21,8 +21,8 @@ class VisualNode {
     void start_trial(SessionTime now, const SessionControl& control, std::uint32_t trial);
     // One more frame will come, with an empty bar.
     void end_trial(SessionTime now);
-    // Feedback of this trial, in order (the caller's sequence tracking sees to both).
-    void on_feedback(SessionTime now, const ForceFeedback& feedback);
+    // Feedback of this trial, in order (the caller's sequence tracking sees to both). `answered`: its header's stamp.
+    void on_feedback(SessionTime now, const ForceFeedback& feedback, SessionTime answered = {});
 
     // The next frame to draw; nothing before next_frame() and before the first feedback of a trial.
     std::optional<Scene> frame(SessionTime now);
@@ -41,10 +41,13 @@ class VisualNode {
         double force_resisting_N = 0;  // >= 0
         bool touching = false;
         SessionTime arrived = kNever;  // kNever: none in this trial
+        double position_rest_m = 0;    // the surface in the first one
+        SessionTime hand_time{}, answered{};
     };
 
     void schedule_after(SessionTime now);
     double bar_N(SessionTime now) const;
+    void add_what_pictures_need(SessionTime now, Scene& scene) const;
 
     VisualSettings settings_;
     SessionTime trial_start_{};

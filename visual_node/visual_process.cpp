@@ -3,22 +3,27 @@
 namespace thimble {
 
 VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& settings, const Channels& channels,
-                             Display& display)
+                             Display& display, HandSource* hand)
     : NodeProcess(Role::kVisual, instance, *channels.control),
       channels_(channels),
       node_(settings),
       display_(&display),
-      percept_flow_(Role::kVisual, instance, {channels.percept_out}) {}
+      percept_flow_(Role::kVisual, instance, {channels.percept_out}),
+      hand_flow_(instance, channels.hand_out, hand) {}
 
 void VisualProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(now, control, trial());
+    hand_flow_.start_trial();
+    display_->turn_page(now, Page{});
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
 }
 
 void VisualProcess::work(SessionTime now) {
-    force_flow_.drain<ForceFeedback>(
-        now, *channels_.force_in, running(), trial(),
-        [&](const Header&, const ForceFeedback& feedback) { node_.on_feedback(now, feedback); });
+    force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
+                                     [&](const Header& header, const ForceFeedback& feedback) {
+                                         node_.on_feedback(now, feedback, header.send_time);
+                                     });
+    hand_flow_.work(now, running(), trial());
     take_beep(now);
     if (const auto scene = node_.frame(now)) display_->draw(now, *scene);
     while (const auto shown = display_->shown(now)) {
@@ -27,12 +32,18 @@ void VisualProcess::work(SessionTime now) {
     }
 }
 
+bool VisualProcess::read_page(SessionTime now, const Page& page) {
+    if (!running()) display_->turn_page(now, page);  // a late one must not cover the trial
+    return true;
+}
+
 void VisualProcess::take_beep(SessionTime now) {
     beep_flow_.drain<SessionControl>(now, *channels_.beep_in, running(), trial(),
                                      [&](const Header&, const SessionControl& control) {
                                          if (control.kind != ControlKind::kBeep || beeped_trial_ == trial())
                                              return;
                                          beeped_trial_ = trial();
+                                         display_->beep(now);
                                          percept_flow_.send(now, trial(), node_.beep(now));
                                      });
 }

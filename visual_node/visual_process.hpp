@@ -4,6 +4,7 @@
 
 #include "common/node_process.hpp"
 #include "visual_node/display.hpp"
+#include "visual_node/hand_flow.hpp"
 #include "visual_node/visual_node.hpp"
 
 namespace thimble {
@@ -12,14 +13,15 @@ class VisualProcess final : public NodeProcess {
   public:
     struct Channels {
         Channel* control;
-        Channel* force_in;     // from slave_sim, through netem
-        Channel* beep_in;      // from slave_sim, direct
-        Channel* percept_out;  // to the virtual operator: light and sound, not network
+        Channel* force_in;            // from slave_sim, through netem
+        Channel* beep_in;             // from slave_sim, direct
+        Channel* percept_out;         // to the virtual operator: light and sound, not network
+        Channel* hand_out = nullptr;  // to the master, where a person's hand is read here
     };
 
-    // `display` outlives the process.
+    // `display` and `hand`, which goes with channels.hand_out, outlive the process.
     VisualProcess(std::uint64_t instance, const VisualSettings& settings, const Channels& channels,
-                  Display& display);
+                  Display& display, HandSource* hand = nullptr);
 
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
@@ -27,8 +29,11 @@ class VisualProcess final : public NodeProcess {
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + first_answer_within(control));
     }
+    bool read_page(SessionTime now, const Page& page) override;
     void work(SessionTime now) override;
-    SessionTime next_work() const override { return std::min(node_.next_frame(), display_->next_shown()); }
+    SessionTime next_work() const override {
+        return std::min({node_.next_frame(), display_->next_shown(), hand_flow_.next()});
+    }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override;
 
@@ -41,6 +46,7 @@ class VisualProcess final : public NodeProcess {
     InboundFlow force_flow_{Role::kSlaveSim};
     InboundFlow beep_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;
+    HandFlow hand_flow_;
     std::uint32_t beeped_trial_ = 0;
 };
 

@@ -4,6 +4,11 @@
 //   bar_full_scale_N = 12    the longest bar
 //   bar_resolution = 400     its length in pixels
 //   stale_after_s = 0.1      without feedback for so long, the bar drops to 0
+//   display = "recording"    or "window": where frames go
+//   smoothing_s = 0          a window shows the past by so much, to interpolate what jitter tears apart
+//   pointer_m_per_count = 5e-5   of a mouse's count at the hand, view "player"
+//   fingertip = false        CF and CCF as the picture of a fingertip: for a person without the devices
+//   sound = true             a window beeps
 #pragma once
 
 #include <cstdint>
@@ -19,6 +24,13 @@ struct VisualSettings {
     double bar_full_scale_N = 12;
     std::int64_t bar_resolution = 400;
     Duration stale_after = std::chrono::milliseconds{100};
+    bool window = false;
+    bool refresh_given =
+        false;  // a window takes scenes as often as they come, unless the file says how often
+    Duration smoothing{};
+    double pointer_m_per_count = 5e-5;
+    bool fingertip = false;
+    bool sound = true;
 };
 
 VisualSettings read_visual_settings(const ConfigTable& table);

@@ -1,0 +1,117 @@
+#include "visual_node/views/experimenter_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/views/played_session.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A running session of which the model has just heard.
+struct ExperimenterBench {
+    PlayedViewSession session;
+    ExperimenterModel model{9, session.channels()};
+    SessionTime now = at(milliseconds{100});
+
+    ExperimenterBench() {
+        session.monitor.state = NodeState::kRunning;
+        session.monitor.modality = Modality::kCCF;
+        session.monitor.network_delay_s = 0.05;
+        session.trial = 6;
+        pass(4);
+    }
+    void pass(int milliseconds_passed) {
+        for (int i = 0; i < milliseconds_passed; i += 4) {
+            now += milliseconds{4};
+            session.say(now);
+            model.update(now);
+        }
+    }
+    // The first order that `command` makes, if any.
+    std::optional<Order> press(Command command) {
+        model.press(now, command);
+        const auto heard = session.heard(now);
+        if (heard.empty()) return std::nullopt;
+        return heard.front().order;
+    }
+};
+
+TEST(ExperimenterModel, StartsTheModalityThatWasChosenElseTheSessions) {
+    ExperimenterBench bench;
+    EXPECT_EQ(bench.press(Command::kStart)->modality, Modality::kCCF);
+    EXPECT_EQ(bench.press(Command::kVF), std::nullopt);  // choosing starts nothing in an experiment
+    bench.pass(8);
+    EXPECT_EQ(bench.model.chosen(), Modality::kVF);
+    (void)bench.session.heard(bench.now);
+    const auto start = bench.press(Command::kStart);
+    EXPECT_EQ(start->kind, OrderKind::kStart);
+    EXPECT_EQ(start->modality, Modality::kVF);
+}
+
+TEST(ExperimenterModel, DelayByPresetByStepAndBySlider) {
+    ExperimenterBench bench;
+    EXPECT_NEAR(bench.press(Command::kDelayUp)->value, 0.055, 1e-12);
+    EXPECT_NEAR(bench.press(Command::kDelayUp)->value, 0.060, 1e-12);  // counts from what was asked
+    EXPECT_EQ(bench.press(Command::kPreset4)->value, 0.3);
+    bench.model.set_delay(bench.now, 7);
+    EXPECT_EQ(bench.session.heard(bench.now).front().order.value, kDelayLimit_s);
+    EXPECT_EQ(bench.press(Command::kPreset0)->value, 0);
+    EXPECT_EQ(bench.press(Command::kDelayDown)->value, 0);
+}
+
+TEST(ExperimenterModel, PauseIsResumeWhereItIsPaused) {
+    ExperimenterBench bench;
+    EXPECT_EQ(bench.press(Command::kPause)->kind, OrderKind::kPause);
+    bench.session.monitor.paused = true;
+    bench.pass(100);
+    (void)bench.session.heard(bench.now);
+    EXPECT_EQ(bench.press(Command::kPause)->kind, OrderKind::kResume);
+}
+
+TEST(ExperimenterModel, ExcludingAsksFirst) {
+    ExperimenterBench bench;
+    EXPECT_EQ(bench.press(Command::kYes), std::nullopt);
+    EXPECT_EQ(bench.press(Command::kExclude), std::nullopt);
+    EXPECT_EQ(bench.model.question(), 6U);
+    EXPECT_EQ(bench.press(Command::kNo), std::nullopt);
+    EXPECT_EQ(bench.model.question(), std::nullopt);
+    EXPECT_EQ(bench.press(Command::kExclude), std::nullopt);
+    bench.session.trial = 7;  // the next trial has begun while the question stood: it is still about 6
+    bench.pass(8);
+    const auto exclude = bench.press(Command::kYes);
+    ASSERT_TRUE(exclude);
+    EXPECT_EQ(exclude->kind, OrderKind::kExclude);
+    EXPECT_EQ(exclude->trial, 6U);
+    EXPECT_EQ(bench.model.question(), std::nullopt);
+    bench.pass(400);
+    EXPECT_EQ(bench.model.notice().view(), "exclude of trial 6: sent, the session's log has the answer");
+}
+
+TEST(ExperimenterModel, WithoutATrialNothingIsRepeatedOrExcluded) {
+    ExperimenterBench bench;
+    bench.session.trial = 0;
+    bench.pass(8);
+    EXPECT_EQ(bench.press(Command::kRepeat), std::nullopt);
+    EXPECT_EQ(bench.press(Command::kExclude), std::nullopt);
+    EXPECT_EQ(bench.model.question(), std::nullopt);
+    EXPECT_TRUE(bench.model.notice().view().empty());
+}
+
+TEST(ExperimenterModel, AlarmsForSilenceAndForOrdersWithoutAnswer) {
+    ExperimenterBench bench;
+    EXPECT_TRUE(bench.model.link().alarm(bench.now).view().empty());
+    bench.model.press(bench.now, Command::kPause);
+    bench.pass(2100);
+    EXPECT_NE(bench.model.link().alarm(bench.now).view().find("does not answer: 'pause'"), std::string::npos);
+    const SessionTime later = bench.now + milliseconds{700};
+    bench.model.update(later);
+    EXPECT_NE(bench.model.link().alarm(later).view().find("silent, for 700 ms"), std::string::npos);
+    PlayedViewSession nobody;
+    const ExperimenterModel alone(1, nobody.channels());
+    EXPECT_NE(alone.link().alarm(later).view().find("No session has spoken yet"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,61 @@
+#include "visual_node/views/monitor_receiver.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/views/played_session.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+int take(MonitorReceiver& receiver, SessionTime now) {
+    int taken = 0;
+    receiver.update(now, [&](SessionTime, std::uint32_t, const Monitor&) { ++taken; });
+    return taken;
+}
+
+TEST(MonitorReceiver, HandsOverEveryMessageAndKeepsTheNewest) {
+    PlayedViewSession session;
+    MonitorReceiver receiver(*session.channels().monitor_in);
+    EXPECT_FALSE(receiver.heard());
+    EXPECT_TRUE(receiver.silent(at(milliseconds{1})));
+    EXPECT_EQ(receiver.age(at(milliseconds{1})), Duration::max());
+    for (int i = 1; i <= 3; ++i) {
+        session.trial = static_cast<std::uint32_t>(i);
+        session.monitor.time_s = i;
+        session.say(at(milliseconds{i}));
+    }
+    EXPECT_EQ(take(receiver, at(milliseconds{3})), 3);
+    EXPECT_EQ(receiver.newest().time_s, 3);
+    EXPECT_EQ(receiver.trial(), 3U);
+    EXPECT_EQ(receiver.age(at(milliseconds{10})), milliseconds{7});
+    EXPECT_FALSE(receiver.silent(at(milliseconds{503})));
+    EXPECT_TRUE(receiver.silent(at(milliseconds{504})));
+}
+
+TEST(MonitorReceiver, WhatIsNoMonitorOrNoSessionsIsCounted) {
+    QueuePipe pipe;
+    MonitorReceiver receiver(pipe.b);
+    OutboundFlow master(Role::kMaster, 1, {&pipe.a}), session(Role::kSession, 2, {&pipe.a});
+    master.send(at(milliseconds{1}), 1, Monitor{});
+    session.send(at(milliseconds{2}), 1, Heartbeat{});
+    EXPECT_EQ(take(receiver, at(milliseconds{3})), 0);
+    EXPECT_FALSE(receiver.heard());
+    EXPECT_EQ(receiver.counters().of(Refusal::kUnexpectedKind), 2U);
+}
+
+TEST(MonitorReceiver, AnotherSessionIsHeardOnceTheFirstHasGone) {
+    QueuePipe pipe;
+    MonitorReceiver receiver(pipe.b);
+    OutboundFlow first(Role::kSession, 1, {&pipe.a}), second(Role::kSession, 2, {&pipe.a});
+    first.send(at(milliseconds{1}), 1, Monitor{});
+    EXPECT_EQ(take(receiver, at(milliseconds{1})), 1);
+    second.send(at(milliseconds{500}), 1, Monitor{});
+    EXPECT_EQ(take(receiver, at(milliseconds{500})), 0);  // the first may still live
+    second.send(at(milliseconds{1100}), 1, Monitor{});
+    EXPECT_EQ(take(receiver, at(milliseconds{1100})), 1);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,95 @@
+#include "visual_node/views/monitor_text.hpp"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace thimble {
+namespace {
+
+std::string value_of(const Monitor& monitor, std::string_view name, std::uint32_t trial = 4) {
+    for (const Reading& reading : read_monitor(monitor, trial)) {
+        if (reading.name == name) return reading.value.c_str();
+    }
+    return "no such reading";
+}
+
+TEST(MonitorText, NumbersHaveUnits) {
+    EXPECT_EQ(length_text(0.0123456).view(), "12.35 mm");
+    EXPECT_EQ(length_text(-1e-9).view(), "0.00 mm");
+    EXPECT_EQ(force_text(-3.2).view(), "-3.20 N");
+    EXPECT_EQ(force_text(-0.001).view(), "0.00 N");
+    EXPECT_EQ(time_text(0.0123).view(), "12.3 ms");
+    EXPECT_EQ(time_text(1.5).view(), "1.50 s");
+    EXPECT_EQ(age_text(std::chrono::milliseconds{4}).view(), "4 ms");
+    EXPECT_EQ(age_text(std::chrono::milliseconds{1234}).view(), "1.2 s");
+    EXPECT_EQ(age_text(Duration::max()).view(), "no message yet");
+}
+
+TEST(MonitorText, WhatIsNotKnownIsSaidToBe) {
+    EXPECT_EQ(one_way_text(-1, 0).view(), kNotKnownText);
+    EXPECT_EQ(one_way_text(0.01, 0.01).view(), kNotKnownText);
+    EXPECT_EQ(one_way_text(0.01, 0.02).view(), kNotKnownText);
+    EXPECT_EQ(one_way_text(0, 0).view(), kNotKnownText);
+    EXPECT_EQ(one_way_text(0.0249, 0.0003).view(), "24.9 ms ± 0.3 ms");
+    EXPECT_EQ(round_trip_text(0).view(), kNotKnownText);
+    EXPECT_EQ(round_trip_text(0.051).view(), "51.0 ms");
+    EXPECT_EQ(value_of({}, "one way"), kNotKnownText);
+    EXPECT_EQ(value_of({}, "round trip"), kNotKnownText);
+}
+
+TEST(MonitorText, SaysWhichTrialAndHowItStands) {
+    EXPECT_EQ(trial_text(0, 0).view(), "none yet");
+    EXPECT_EQ(trial_text(3, 0).view(), "3, without a plan");
+    EXPECT_EQ(trial_text(3, 24).view(), "3 of 24");
+    Monitor monitor;
+    EXPECT_EQ(state_text(monitor).view(), "between trials");
+    monitor.paused = true;
+    EXPECT_EQ(state_text(monitor).view(), "paused");
+    monitor.reason = EndReason::kTimeout;
+    EXPECT_EQ(state_text(monitor).view(), "paused, last: timeout");
+    monitor.state = NodeState::kRunning;
+    monitor.time_s = 2.25;
+    EXPECT_EQ(state_text(monitor).view(), "running, 2.2 s, then a pause");
+}
+
+TEST(MonitorText, ReadingsFollowTheMonitor) {
+    Monitor monitor;
+    monitor.position_needle_m = 0.13;
+    monitor.position_surface_m = 0.02;
+    monitor.position_fixture_m = 0.125;
+    monitor.phase = TissuePhase::kPenetrated;
+    monitor.energy_in_J = -0.0021;
+    monitor.accepted = 12345678901ULL;
+    monitor.refused = 3;
+    EXPECT_EQ(value_of(monitor, "needle"), "130.00 mm");
+    EXPECT_EQ(value_of(monitor, "in tissue"), "110.00 mm");
+    EXPECT_EQ(value_of(monitor, "beyond fixture"), "5.00 mm");
+    EXPECT_EQ(value_of(monitor, "port energy"), "-2.10 mJ, gives out more than it got");
+    EXPECT_EQ(value_of(monitor, "packets"), "12345678901 in, 3 refused");
+    monitor.fixture_present = false;
+    monitor.phase = TissuePhase::kContact;
+    EXPECT_EQ(value_of(monitor, "fixture"), "removed");
+    EXPECT_EQ(value_of(monitor, "beyond fixture"), "no fixture");
+    EXPECT_EQ(value_of(monitor, "in tissue"), "outside");
+    monitor.needle_held = true;
+    EXPECT_EQ(value_of(monitor, "tissue"), "contact, needle held");
+}
+
+TEST(MonitorText, EveryReadingHasItsOwnNameAndAValue) {
+    std::set<std::string_view> names;
+    for (const Reading& reading : read_monitor({}, 0)) {
+        EXPECT_TRUE(names.insert(reading.name).second) << reading.name;
+        EXPECT_FALSE(reading.value.view().empty()) << reading.name;
+    }
+    EXPECT_EQ(names.size(), kReadingCount);
+}
+
+TEST(TextLine, CutsWhatIsTooLong) {
+    const std::string text(500, 'x');
+    EXPECT_EQ(TextLine::of("{}", text).view(), std::string(95, 'x'));
+    EXPECT_TRUE(TextLine{}.view().empty());
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,45 @@
+// A session in virtual time, as a view hears it: says what the test wants and remembers what was asked of it.
+#pragma once
+
+#include <vector>
+
+#include "common/flow.hpp"
+#include "common/queue_channel.hpp"
+#include "tests/unit/session_time.hpp"
+#include "visual_node/views/session_link.hpp"
+
+namespace thimble {
+
+struct HeardOrder {
+    SessionTime at{};
+    std::uint32_t trial = 0;  // of the header
+    Order order;
+};
+
+class PlayedViewSession {
+  public:
+    explicit PlayedViewSession(std::uint64_t instance = 7)
+        : flow_(Role::kSession, instance, {&monitors_.a}) {}
+
+    SessionLink::Channels channels() { return {&monitors_.b, &orders_.a}; }
+    void say(SessionTime now) { flow_.send(now, trial, monitor); }
+
+    // All that was asked since the last call.
+    std::vector<HeardOrder> heard(SessionTime now) {
+        std::vector<HeardOrder> all;
+        while (const Message* message = inbound_.receive(now, orders_.b)) {
+            all.push_back({message->header.send_time, message->header.trial, std::get<Order>(message->body)});
+        }
+        return all;
+    }
+
+    Monitor monitor;
+    std::uint32_t trial = 1;
+
+  private:
+    QueuePipe monitors_, orders_;
+    OutboundFlow flow_;
+    InboundFlow inbound_{Role::kExperimenter};
+};
+
+}  // namespace thimble

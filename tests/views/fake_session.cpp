@@ -1,0 +1,64 @@
+#include "tests/views/fake_session.hpp"
+
+#include <algorithm>
+
+#include "tests/views/demonstration.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kMonitorPeriod = std::chrono::milliseconds{4};
+
+NetworkSettings view_network(std::uint16_t base_port) {
+    NetworkSettings network;
+    network.base_port = base_port;
+    return network;
+}
+
+}  // namespace
+
+FakeSession::FakeSession(std::uint16_t base_port, std::uint64_t instance, SessionTime started)
+    : sockets_(view_network(base_port)),
+      monitors_(Role::kSession, instance, {sockets_.outlet(Port::kExperimenterMonitor)}),
+      orders_in_(sockets_.inlet(Port::kSessionOrders, Role::kExperimenter)),
+      started_(started) {}
+
+int FakeSession::count(OrderKind kind) const {
+    return static_cast<int>(std::count_if(heard_.begin(), heard_.end(),
+                                          [kind](const Order& order) { return order.kind == kind; }));
+}
+
+void FakeSession::take(const Order& order, SessionTime now) {
+    heard_.push_back(order);
+    if (!obeys_) return;
+    if (order.kind == OrderKind::kDelay) delay_s_ = order.value;
+    if (order.kind == OrderKind::kPause) paused_ = true;
+    if (order.kind == OrderKind::kResume) paused_ = false;
+    if (order.kind == OrderKind::kEndTrial) running_ = false;
+    if (order.kind == OrderKind::kStart && order.trial == trial_) {
+        ++trial_;
+        started_ = now;
+        running_ = true;
+        modality_ = order.modality;
+    }
+}
+
+void FakeSession::speak(SessionTime now) {
+    Monitor monitor = demonstration(time_s(now));
+    monitor.network_delay_s = delay_s_;
+    monitor.paused = paused_;
+    monitor.modality = modality_;
+    if (!running_) monitor.state = NodeState::kIdle;
+    monitors_.send(now, trial_, monitor);
+}
+
+void FakeSession::tick(SessionTime now) {
+    while (const Message* message = inbound_.receive(now, *orders_in_)) {
+        if (const auto* order = std::get_if<Order>(&message->body)) take(*order, now);
+    }
+    if (next_ == SessionTime{}) next_ = now;
+    // After a stall the samples of the stall come all at once, as recorded.
+    for (; next_ <= now; next_ += kMonitorPeriod) speak(next_);
+}
+
+}  // namespace thimble

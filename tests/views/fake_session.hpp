@@ -1,0 +1,42 @@
+// The session's end of the views' two ports, over loopback UDP: tells a demonstration, obeys delay, pause, start and end, and
+// remembers what was asked.
+#pragma once
+
+#include <vector>
+
+#include "common/flow.hpp"
+#include "common/runtime/sockets.hpp"
+
+namespace thimble {
+
+class FakeSession {
+  public:
+    // `started`: when the demonstration's trial began.
+    FakeSession(std::uint16_t base_port, std::uint64_t instance, SessionTime started);
+
+    // Hears, and speaks 250 times per second of `now`.
+    void tick(SessionTime now);
+    void obey(bool obeys) { obeys_ = obeys; }
+    const std::vector<Order>& heard() const { return heard_; }
+    // How often an order of this kind came.
+    int count(OrderKind kind) const;
+    std::uint32_t trial() const { return trial_; }
+    double time_s(SessionTime now) const { return to_seconds(now - started_); }
+
+  private:
+    void take(const Order& order, SessionTime now);
+    void speak(SessionTime now);
+
+    Sockets sockets_;
+    InboundFlow inbound_{Role::kExperimenter};
+    OutboundFlow monitors_;
+    Channel* orders_in_;
+    SessionTime started_, next_{};
+    std::vector<Order> heard_;
+    std::uint32_t trial_ = 4;
+    double delay_s_ = 0.05;
+    Modality modality_ = Modality::kHF;
+    bool obeys_ = true, paused_ = false, running_ = true;
+};
+
+}  // namespace thimble

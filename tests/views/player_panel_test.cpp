@@ -1,0 +1,111 @@
+// The player's panel over an empty scene, in this process.
+#include "visual_node/views/player_panel.hpp"
+
+#include <gtest/gtest.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "tests/unit/views/played_session.hpp"
+#include "tests/views/demonstration.hpp"
+#include "tests/views/view_bench.hpp"
+
+namespace thimble {
+namespace {
+
+class PlayerWindow {
+  public:
+    PlayerWindow() : window_(settings()), gui_(window_) {}
+
+    // So many seconds at 30 frames per second, the session talking if it does.
+    void run(double seconds, bool talking = true) {
+        const SessionTime until = wall_now() + from_seconds(seconds);
+        while (wall_now() < until) {
+            const SessionTime now = wall_now();
+            if (talking) talk(now);
+            window_.poll_events();
+            panel_.tick(now);
+            window_.begin_frame(0, 0, 0);
+            gui_.begin();
+            panel_.draw(now, {window_, gui_, nullptr});
+            gui_.end();
+            image_ = window_.read_pixels();
+            window_.end_frame();
+            for (const HeardOrder& order : session_.heard(now)) orders_.push_back(order.order);
+            wall_sleep(std::chrono::milliseconds{30});
+        }
+    }
+    bool asked(OrderKind kind, const std::function<bool(const Order&)>& such) const {
+        return std::any_of(orders_.begin(), orders_.end(),
+                           [&](const Order& order) { return order.kind == kind && such(order); });
+    }
+    const Image& image() const { return image_; }
+    static WindowSettings settings() {
+        WindowSettings settings;
+        settings.title = "Thimble, panel under test";
+        settings.content_scale = 1;
+        settings.samples = 0;
+        settings.vsync = false;
+        return settings;
+    }
+
+  private:
+    void talk(SessionTime now) {
+        if (begun_ == SessionTime{}) begun_ = now;
+        for (; told_ms_ < to_seconds(now - begun_) * 1e3; told_ms_ += 4) {
+            session_.monitor = demonstration(kDemonstrationContact_s + 1 + told_ms_ * 1e-3);
+            session_.say(begun_ + from_seconds(told_ms_ * 1e-3));
+            panel_.tick(now);  // as the window does between frames
+        }
+    }
+
+    PlayedViewSession session_;
+    PlayerPanel panel_{5, session_.channels()};
+    GlWindow window_;
+    GuiLayer gui_;
+    Image image_;
+    std::vector<Order> orders_;
+    SessionTime begun_{};
+    double told_ms_ = 0;
+};
+
+TEST(PlayerPanel, ShowsTheLastSecondsAndNeverTheFixture) {
+    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
+    VirtualScreen screen;
+    ASSERT_TRUE(screen.ready());
+    PlayerWindow player;
+    player.run(1.5);
+    const Image& image = player.image();
+    const Rect whole{0, 0, static_cast<double>(image.width), static_cast<double>(image.height)};
+    const Rect panel = PlayerPanel::place(image.width, image.height, 1);
+    EXPECT_GT(count_pixels(image, panel, kOrange), 100);  // the needle's curve
+    EXPECT_EQ(count_pixels(image, whole, kReddishPurple), 0);
+    EXPECT_EQ(count_pixels(image, {0, 0, panel.x, whole.height}, kBlack),
+              static_cast<int>(panel.x * whole.height));
+    EXPECT_EQ(count_pixels(image, panel, kVermillion), 0);
+    player.run(1, false);
+    EXPECT_GT(count_pixels(player.image(), panel, kVermillion), 50);  // silence, in red
+}
+
+TEST(PlayerPanel, KeysAndMouseAskTheSession) {
+    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
+    VirtualScreen screen;
+    ASSERT_TRUE(screen.ready());
+    PlayerWindow player;
+    player.run(0.3);
+    ASSERT_TRUE(screen.wait_for_window("panel under test"));
+    ASSERT_TRUE(screen.hand({"key", "3"}));
+    player.run(0.3);
+    EXPECT_TRUE(player.asked(OrderKind::kStart, [](const Order& o) { return o.modality == Modality::kCCF; }));
+    ASSERT_TRUE(screen.hand({"key", "5"}));
+    player.run(0.3);
+    EXPECT_TRUE(player.asked(OrderKind::kDelay, [](const Order& o) { return o.value == 0; }));
+    ASSERT_TRUE(screen.hand({"key", "plus"}));
+    player.run(0.3);
+    EXPECT_TRUE(player.asked(OrderKind::kDelay, [](const Order& o) { return o.value > 0; }));
+    const Rect panel = PlayerPanel::place(800, 600, 1);
+    ASSERT_TRUE(
+        screen.hand({"mousemove", std::to_string(static_cast<int>(panel.x + panel.width / 2)), "60"}));
+    player.run(0.2);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,62 @@
+// The real experimenter's view on a screen of its own, a session that talks to it, and what its last frame shows.
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "experiment/child.hpp"
+#include "tests/views/fake_session.hpp"
+#include "tests/views/virtual_screen.hpp"
+#include "visual_node/views/colours.hpp"
+#include "visual_node/views/view_layout.hpp"
+#include "visual_node/window/image.hpp"
+
+namespace thimble {
+
+// Talks in a thread of its own, so that it goes on while the test waits for xdotool.
+class TalkingSession {
+  public:
+    // The demonstration has been running for `ahead_s`.
+    TalkingSession(std::uint16_t base_port, std::uint64_t instance, double ahead_s);
+    ~TalkingSession();
+
+    int count(OrderKind kind);
+    // The last of this kind.
+    std::optional<Order> last(OrderKind kind);
+    bool wait_for(OrderKind kind, int count = 1);
+    void obey(bool obeys);
+
+  private:
+    std::mutex mutex_;
+    FakeSession session_;
+    std::jthread thread_;
+};
+
+class ViewBench {
+  public:
+    // 800x600 at scale 1 unless the arguments say otherwise.
+    explicit ViewBench(const std::vector<std::string>& more_arguments = {});
+
+    bool ready();
+    VirtualScreen& screen() { return screen_; }
+    std::uint16_t base_port() const { return ports_.base(); }
+    // SIGTERM; the last frame. Empty if the view did not end well.
+    Image end();
+
+  private:
+    VirtualScreen screen_;
+    Folder folder_;
+    PortBlock ports_;
+    std::optional<Child> view_;
+};
+
+void view_sleep(double seconds);
+
+// How far a pixel is from a colour: the largest difference of a channel.
+int distance(const Image& image, int x, int y, Colour colour);
+// Pixels of this colour in the rectangle.
+int count_pixels(const Image& image, const Rect& rect, Colour colour);
+
+}  // namespace thimble

@@ -1,0 +1,86 @@
+#include "tests/views/virtual_screen.hpp"
+
+#include <cstdlib>
+#include <fcntl.h>
+#include <thread>
+#include <unistd.h>
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+bool in_path(const std::string& program) {
+    const char* path = std::getenv("PATH");
+    std::string folders = path == nullptr ? "" : path;
+    for (std::size_t begin = 0; begin <= folders.size();) {
+        const std::size_t end = std::min(folders.find(':', begin), folders.size());
+        if (access((fs::path(folders.substr(begin, end - begin)) / program).c_str(), X_OK) == 0) return true;
+        begin = end + 1;
+    }
+    return false;
+}
+
+// The display number that the server chose.
+std::string first_line(int descriptor) {
+    std::string line;
+    char character = 0;
+    while (read(descriptor, &character, 1) == 1 && character != '\n') line += character;
+    return line;
+}
+
+}  // namespace
+
+std::string missing_for_windows() {
+    for (const char* program : {"Xvfb", "xdotool"}) {
+        if (!in_path(program))
+            return std::string(program) + " is not installed (deploy/packages.txt, [test])";
+    }
+    return "";
+}
+
+VirtualScreen::VirtualScreen() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) return;
+    server_.emplace(
+        "Xvfb",
+        std::vector<std::string>{"-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"},
+        folder_ / "server", ChildStreams{-1, ends[1]});
+    close(ends[1]);
+    const std::string number = first_line(ends[0]);
+    close(ends[0]);
+    ready_ = !number.empty();
+    setenv("DISPLAY", (":" + number).c_str(), 1);
+}
+
+VirtualScreen::~VirtualScreen() { unsetenv("DISPLAY"); }
+
+bool VirtualScreen::hand(const std::vector<std::string>& words) const {
+    Child tool("xdotool", words, folder_ / "xdotool");
+    return tool.wait(kPatience) == 0;
+}
+
+bool VirtualScreen::wait_for_window(const std::string& title) {
+    // xdotool prints the window's number, and nothing else.
+    Child tool("xdotool", {"search", "--sync", "--onlyvisible", "--name", title}, folder_ / "found");
+    if (tool.wait(kPatience) != 0) return false;
+    const std::string found = read_text(folder_ / "found");
+    window_ = found.substr(0, found.find('\n'));
+    return hand({"windowfocus", "--sync", window_});
+}
+
+bool VirtualScreen::click(int x, int y) const {
+    if (!hand({"mousemove", "--sync", "--window", window_, std::to_string(x), std::to_string(y)}))
+        return false;
+    std::this_thread::sleep_for(milliseconds{100});
+    if (!hand({"mousedown", "1"})) return false;
+    std::this_thread::sleep_for(milliseconds{100});
+    return hand({"mouseup", "1"});
+}
+
+bool VirtualScreen::resize(int width, int height) const {
+    return hand({"windowsize", "--sync", window_, std::to_string(width), std::to_string(height)});
+}
+
+}  // namespace thimble

@@ -1,0 +1,202 @@
+#include "visual_node/views/experimenter_program.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <epoxy/gl.h>
+#include <optional>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
+
+#include "common/config.hpp"
+#include "common/error.hpp"
+#include "common/runtime/command_line.hpp"
+#include "common/runtime/node_program.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/sockets.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/version.hpp"
+#include "visual_node/views/colours.hpp"
+#include "visual_node/views/experimenter_panels.hpp"
+#include "visual_node/views/frame_cost.hpp"
+#include "visual_node/window/gl_window.hpp"
+#include "visual_node/window/gui_layer.hpp"
+#include "visual_node/window/png_file.hpp"
+
+namespace thimble {
+namespace {
+
+struct ViewOptions {
+    std::string view, config, screenshot;
+    int base_port = 0;
+    double seconds = 0;  // 0: until somebody closes it
+    double scale = 0;    // 0: the monitor's
+    int width = 1000, height = 720;
+    bool frame_times = false;
+    bool die_with_parent = false;
+};
+
+NetworkSettings read_network(const ViewOptions& options) {
+    const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
+    NetworkSettings network = read_network_settings(file);
+    std::vector<std::string_view> elsewhere = session_tables();
+    std::erase(elsewhere, "network");
+    file.finish(elsewhere);
+    if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
+    return network;
+}
+
+WindowSettings window_settings(const ViewOptions& options) {
+    WindowSettings settings;
+    settings.title = "Thimble, experimenter";
+    settings.width = options.width;
+    settings.height = options.height;
+    settings.content_scale = options.scale;
+    settings.samples = 0;  // lines here lie on pixels
+    settings.vsync = !options.frame_times;
+    return settings;
+}
+
+float channel_of(std::uint8_t value) { return static_cast<float>(value) / 255; }
+
+class ExperimenterView {
+  public:
+    explicit ExperimenterView(const ViewOptions& options)
+        : options_(options),
+          sockets_(read_network(options)),
+          panels_(system_entropy(), {sockets_.inlet(Port::kExperimenterMonitor, Role::kSession),
+                                     sockets_.outlet(Port::kSessionOrders)}),
+          window_(window_settings(options)),
+          gui_(window_),
+          period_(from_seconds(1 / window_.refresh_Hz())) {}
+
+    int run();
+
+  private:
+    bool turn(SessionTime started);
+    void draw_view(SessionTime now);
+    void draw_empty();
+    void finish();
+
+    ViewOptions options_;
+    Sockets sockets_;
+    ExperimenterPanels panels_;
+    GlWindow window_;
+    GuiLayer gui_;
+    Duration period_;
+    SessionTime due_{};  // next frame
+    FrameCost cost_;
+    Image last_;
+};
+
+// Without swapping: what a compositor adds is neither's cost.
+void ExperimenterView::draw_empty() {
+    const SessionTime begin = wall_now();
+    window_.begin_frame(0, 0, 0);
+    glFinish();
+    cost_.add_empty(wall_now() - begin);
+}
+
+void ExperimenterView::draw_view(SessionTime now) {
+    const SessionTime begin = wall_now();
+    window_.begin_frame(channel_of(kBackground.red), channel_of(kBackground.green),
+                        channel_of(kBackground.blue));
+    gui_.begin();
+    panels_.draw(now, {window_, gui_, nullptr});
+    gui_.end();
+    if (!options_.frame_times || window_.lost()) return;
+    glFinish();
+    cost_.add_view(wall_now() - begin);
+}
+
+// One frame, and what comes in until the next is due. False when it is time to end.
+bool ExperimenterView::turn(SessionTime started) {
+    const SessionTime now = wall_now();
+    if (options_.frame_times && !window_.lost()) draw_empty();
+    panels_.tick(now);
+    draw_view(now);
+    const bool over = stop_requested() || window_.should_close() ||
+                      (options_.seconds > 0 && now - started >= from_seconds(options_.seconds));
+    if (over && !window_.lost() && !options_.screenshot.empty()) last_ = window_.read_pixels();
+    window_.end_frame();
+    due_ = std::max(due_ + period_, now);
+    for (SessionTime at = wall_now(); at < due_ && !over; at = wall_now()) {
+        window_.wait_events(due_ - at);
+        panels_.tick(at);
+        if (window_.should_close() || stop_requested()) break;
+    }
+    window_.poll_events();
+    return !over;
+}
+
+void ExperimenterView::finish() {
+    if (last_.width > 0) write_png(options_.screenshot, last_);
+    if (options_.frame_times) {
+        std::printf("%s\n", cost_.report(window_.width(), window_.height()).dump(2).c_str());
+    }
+}
+
+int ExperimenterView::run() {
+    install_stop_signals();
+    spdlog::info("ready");
+    const SessionTime started = wall_now();
+    due_ = started;
+    while (turn(started)) {
+    }
+    if (window_.lost())
+        throw Error(ExitCode::kRunFailed, "the screen is gone; start the view again on another");
+    finish();
+    return static_cast<int>(ExitCode::kOk);
+}
+
+void add_options(CLI::App& app, ViewOptions& options) {
+    app.add_option("--view", options.view, "experimenter: this view")->required();
+    app.add_option("-c,--config", options.config, "session file (TOML): where the session is");
+    app.add_option("--base-port", options.base_port, "first UDP port, instead of [network].base_port")
+        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+        ->type_name("PORT");
+    app.add_option("--screenshot", options.screenshot, "write the last frame to this PNG file at the end");
+    app.add_option("--seconds", options.seconds, "end after so long; 0: when the window is closed")
+        ->check(CLI::Range(0.0, 1e6));
+    app.add_option("--width", options.width, "of the window, pixels at content scale 1")
+        ->check(CLI::Range(200, 8000));
+    app.add_option("--height", options.height)->check(CLI::Range(150, 8000));
+    app.add_option("--scale", options.scale, "content scale instead of the monitor's")
+        ->check(CLI::Range(0.5, 8.0));
+    app.add_flag("--frame-times", options.frame_times,
+                 "print how long the view and an empty window take to draw, as JSON, at the end");
+    app.add_flag("--die-with-parent", options.die_with_parent, "stop when the launcher dies");
+    app.set_version_flag("--version", std::string(kVersion));
+    app.footer(
+        "Example:\n  thimble-visual --view experimenter --config deploy/sessions/delay50.toml\n\n"
+        "Exit codes: 0 ok, 1 the screen was lost, 2 usage, configuration or no screen, 3 network, 5 data.");
+}
+
+}  // namespace
+
+bool asks_for_experimenter_view(int argc, char** argv) {
+    for (int i = 1; i < argc; ++i) {
+        const std::string_view word = argv[i];
+        if (word == "--view=experimenter") return true;
+        if (word == "--view" && i + 1 < argc && std::string_view(argv[i + 1]) == "experimenter") return true;
+    }
+    return false;
+}
+
+int run_experimenter_view(int argc, char** argv) {
+    return guarded_main("thimble-visual", [&] {
+        CLI::App app(
+            "Shows the experimenter what the subject may not see: fixture, inserted needle, forces, delays, "
+            "energy; "
+            "and asks the session for delay, modality, pause, repeats and exclusions. '?' lists the keys.",
+            "thimble-visual");
+        ViewOptions options;
+        add_options(app, options);
+        if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+        if (options.die_with_parent) stop_with_parent();
+        return ExperimenterView(options).run();
+    });
+}
+
+}  // namespace thimble

@@ -1,0 +1,84 @@
+// The last seconds of Monitor messages, as curves: one ring of times and one per quantity, filled at up to 250 Hz, read
+// at each frame. Memory is taken once.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/messages.hpp"
+#include "common/time.hpp"
+
+namespace thimble {
+
+// What curves are drawn of. Units as in Monitor; one-way delay with its bound as the two edges of what it may be.
+enum class Quantity : std::uint8_t {
+    kNeedle_m,
+    kSurface_m,
+    kFixture_m,
+    kForceTotal_N,
+    kForceHand_N,
+    kRoundTrip_s,
+    kOneWay_s,
+    kOneWayLow_s,
+    kOneWayHigh_s,
+    kEnergy_J,
+    kCount,
+};
+inline constexpr std::size_t kQuantityCount = static_cast<std::size_t>(Quantity::kCount);
+
+// One pixel column of a curve.
+struct Column {
+    double low = 0, high = 0;  // of all samples in it
+    double last = 0;           // the newest of them
+    bool present = false;      // false: no sample, and none to draw a line between
+    bool joined = false;       // goes on from the column before; false: a gap, or the curve's begin
+};
+
+// Samples further apart are not joined by a line: twelve of the 4 ms between two Monitors.
+inline constexpr double kMonitorGap_s = 0.05;
+
+class MonitorHistory {
+  public:
+    // Holds `window_s` of samples at 250 Hz, and a second more.
+    explicit MonitorHistory(double window_s = 10);
+
+    // A new trial, or a time that goes back (a replay's seek), starts anew. The same time again adds nothing, and
+    // neither does a message whose trial has not begun.
+    void add(SessionTime now, std::uint32_t trial, const Monitor& monitor);
+    void clear();
+
+    // Where the right edge of a plot is, s since the trial's start: it moves on while the trial runs, even when no
+    // message comes, so that silence shows as a gap that grows.
+    double end_s(SessionTime now) const;
+    double window_s() const { return window_s_; }
+    std::size_t size() const { return size_; }
+    std::uint32_t trial() const { return trial_; }
+
+    // Smallest and largest sample of each of `columns`, which divide [begin_s, begin_s + columns x column_s), so that no
+    // oscillation is hidden however coarse the columns are. Where columns are finer than samples, a line joins them.
+    // Not-known values (fixture absent, delay not measured) are gaps. begin_s should be a multiple of column_s
+    // (column_begin), or the curve trembles as it moves.
+    void decimate(Quantity quantity, double begin_s, double column_s, std::span<Column> columns) const;
+
+  private:
+    void push(SessionTime now, double time_s, const Monitor& monitor);
+    std::size_t slot(std::size_t i) const { return (first_ + i) % capacity_; }
+    std::size_t first_at(double begin_s) const;
+
+    double window_s_;
+    std::size_t capacity_;
+    std::vector<double> times_s_;
+    std::array<std::vector<double>, kQuantityCount> values_;  // NaN: not known
+    std::size_t first_ = 0, size_ = 0;
+    std::uint32_t trial_ = 0;
+    bool running_ = false;
+    SessionTime advanced_{};  // when the newest sample came
+};
+
+// Begin of the newest `columns` columns that hold end_s in their last one: a multiple of column_s.
+double column_begin(double end_s, double column_s, std::size_t columns);
+
+}  // namespace thimble

@@ -1,0 +1,14 @@
+#include "visual_node/views/monitor_receiver.hpp"
+
+namespace thimble {
+
+Duration MonitorReceiver::age(SessionTime now) const { return heard_ ? now - arrived_ : Duration::max(); }
+
+void MonitorReceiver::keep(SessionTime now, const Header& header, const Monitor& monitor) {
+    heard_ = true;
+    arrived_ = now;
+    trial_ = header.trial;
+    monitor_ = monitor;
+}
+
+}  // namespace thimble

@@ -1,0 +1,55 @@
+// The newest Monitor of whichever session speaks, and how old it is. Sessions come and go: the next one is heard a second
+// after the last has fallen silent (InboundFlow).
+#pragma once
+
+#include <cstdint>
+
+#include "common/flow.hpp"
+#include "common/messages.hpp"
+
+namespace thimble {
+
+// After so long without a word the view says so: twice a heartbeat's patience would be a second of false calm.
+inline constexpr Duration kMonitorSilence = std::chrono::milliseconds{500};
+
+class MonitorReceiver {
+  public:
+    // `channel` outlives the receiver.
+    explicit MonitorReceiver(Channel& channel) : channel_(&channel) {}
+
+    // Empties the channel; `use(now, trial, monitor)` is called for each message, oldest first.
+    template <class Use>
+    void update(SessionTime now, Use&& use) {
+        while (const Message* message = flow_.receive(now, *channel_)) {
+            if (const auto* monitor = std::get_if<Monitor>(&message->body)) {
+                keep(now, message->header, *monitor);
+                use(now, trial_, monitor_);
+            } else {
+                flow_.refuse_admitted(Refusal::kUnexpectedKind);
+            }
+        }
+    }
+
+    // False: no session has spoken since this program started.
+    bool heard() const { return heard_; }
+    // True as well where nothing has been heard at all.
+    bool silent(SessionTime now) const { return !heard_ || age(now) > kMonitorSilence; }
+    // Of the newest message; Duration::max() without one.
+    Duration age(SessionTime now) const;
+
+    const Monitor& newest() const { return monitor_; }  // as constructed before the first
+    std::uint32_t trial() const { return trial_; }      // of the newest
+    const FlowCounters& counters() const { return flow_.counters(); }
+
+  private:
+    void keep(SessionTime now, const Header& header, const Monitor& monitor);
+
+    Channel* channel_;
+    InboundFlow flow_{Role::kSession};
+    Monitor monitor_;
+    std::uint32_t trial_ = 0;
+    SessionTime arrived_{};
+    bool heard_ = false;
+};
+
+}  // namespace thimble

@@ -1,0 +1,122 @@
+#include "visual_node/views/order_sender.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+namespace {
+
+// Doubles travel unchanged, but a session may keep a delay in whole nanoseconds.
+constexpr double kDelayResolution_s = 1e-6;
+// A replay goes on from where it was sent: so far it may have come before its Monitor is seen.
+constexpr double kSeekResolution_s = 0.5;
+
+bool shown_anywhere(OrderKind kind) {
+    return kind != OrderKind::kRepeat && kind != OrderKind::kExclude && kind != OrderKind::kSpeed;
+}
+
+}  // namespace
+
+OrderSender::OrderSender(std::uint64_t instance, Channel& channel)
+    : flow_(Role::kExperimenter, instance, {&channel}) {}
+
+void OrderSender::call_off(OrderKind kind) {
+    Asked& asked = at(kind);
+    if (asked.progress == OrderProgress::kAsking) asked.progress = OrderProgress::kNone;
+}
+
+void OrderSender::ask(SessionTime now, const Order& order, const SessionView& session) {
+    if (order.kind == OrderKind::kPause) call_off(OrderKind::kResume);
+    if (order.kind == OrderKind::kResume) call_off(OrderKind::kPause);
+    if (order.kind == OrderKind::kStart) call_off(OrderKind::kEndTrial);
+    if (order.kind == OrderKind::kEndTrial) call_off(OrderKind::kStart);
+    unanswered_ = nullptr;
+    Asked& asked = at(order.kind);
+    asked = {order, session.trial, now, now, 0, OrderProgress::kAsking};
+    say(now, asked);
+}
+
+// With the trial for which it was asked: a session can tell that an EndTrial was overtaken by the next trial.
+void OrderSender::say(SessionTime now, Asked& asked) {
+    flow_.send(now, asked.trial, asked.order);
+    asked.next = now + kOrderRepeat;
+    ++asked.times;
+}
+
+bool OrderSender::shows(const Asked& asked, const SessionView& session) {
+    const Monitor& monitor = session.monitor;
+    const bool running = monitor.state == NodeState::kRunning;
+    switch (asked.order.kind) {
+        case OrderKind::kDelay:
+            return std::abs(monitor.network_delay_s - asked.order.value) < kDelayResolution_s;
+        case OrderKind::kStart:
+            return running && session.trial != asked.trial && monitor.modality == asked.order.modality;
+        case OrderKind::kPause:
+            return monitor.paused;
+        case OrderKind::kResume:
+            return !monitor.paused;
+        case OrderKind::kEndTrial:
+            return !running || session.trial != asked.trial;
+        case OrderKind::kSeek:
+            return std::abs(monitor.time_s - asked.order.value) < kSeekResolution_s;
+        default:
+            return false;
+    }
+}
+
+void OrderSender::step(SessionTime now, Asked& asked, const SessionView& session) {
+    // What a session said before it fell silent, or before it can have heard the order, proves nothing; that it fell
+    // silent proves that it has quit.
+    const bool quit = asked.order.kind == OrderKind::kQuit;
+    if (now - asked.since < kOrderRepeat) return;
+    if (quit ? session.silent : !session.silent && shows(asked, session)) {
+        asked.progress = OrderProgress::kShown;
+        unanswered_ = nullptr;
+    } else if (!shown_anywhere(asked.order.kind) && asked.times >= kUnseenOrderTimes) {
+        asked.progress = OrderProgress::kSent;
+    } else if (now - asked.since >= kOrderPatience) {
+        asked.progress = OrderProgress::kUnanswered;
+        unanswered_ = &asked.order;
+    } else if (now >= asked.next) {
+        say(now, asked);
+    }
+}
+
+void OrderSender::update(SessionTime now, const SessionView& session) {
+    for (Asked& asked : asked_) {
+        if (asked.progress == OrderProgress::kAsking) step(now, asked, session);
+    }
+}
+
+bool OrderSender::asking() const {
+    return std::any_of(asked_.begin(), asked_.end(),
+                       [](const Asked& asked) { return asked.progress == OrderProgress::kAsking; });
+}
+
+const char* to_string(OrderKind kind) {
+    switch (kind) {
+        case OrderKind::kDelay:
+            return "delay";
+        case OrderKind::kStart:
+            return "start";
+        case OrderKind::kPause:
+            return "pause";
+        case OrderKind::kResume:
+            return "resume";
+        case OrderKind::kEndTrial:
+            return "end trial";
+        case OrderKind::kQuit:
+            return "quit";
+        case OrderKind::kRepeat:
+            return "repeat";
+        case OrderKind::kExclude:
+            return "exclude";
+        case OrderKind::kSeek:
+            return "seek";
+        case OrderKind::kSpeed:
+            return "speed";
+    }
+    return "";
+}
+
+}  // namespace thimble

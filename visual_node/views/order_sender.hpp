@@ -1,0 +1,77 @@
+// What somebody asks of the session, said until the Monitor shows that it has happened. UDP loses messages; a button that
+// sometimes does nothing is worse than none.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/flow.hpp"
+#include "common/messages.hpp"
+
+namespace thimble {
+
+inline constexpr Duration kOrderRepeat = std::chrono::milliseconds{50};
+inline constexpr Duration kOrderPatience = std::chrono::seconds{2};
+// Orders whose effect no Monitor shows are said as often as slave_sim's beep, and believed.
+inline constexpr int kUnseenOrderTimes = 5;
+
+enum class OrderProgress : std::uint8_t {
+    kNone,        // never asked, or called off by its opposite
+    kAsking,      // repeated every 50 ms
+    kShown,       // the Monitor shows it
+    kSent,        // said five times; no Monitor shows a Repeat, an Exclude or a Speed
+    kUnanswered,  // 2 s have passed: the session does not answer
+};
+
+// What the session showed when it spoke last.
+struct SessionView {
+    Monitor monitor;
+    std::uint32_t trial = 0;
+    bool silent = true;
+};
+
+class OrderSender {
+  public:
+    // `instance`: random per program start. `channel` outlives the sender.
+    OrderSender(std::uint64_t instance, Channel& channel);
+
+    // Sends at once, with the trial in the header that `session` shows: an EndTrial that comes late can then be told from one
+    // for the next trial. An order of the same kind that is still being asked is replaced (a slider that moves); Pause calls off
+    // Resume and the reverse, Start calls off EndTrial.
+    void ask(SessionTime now, const Order& order, const SessionView& session);
+    // Repeats what is due, ends what has shown itself or took too long.
+    void update(SessionTime now, const SessionView& session);
+
+    OrderProgress progress(OrderKind kind) const { return at(kind).progress; }
+    const Order& asked(OrderKind kind) const { return at(kind).order; }
+    // Whether something is being repeated.
+    bool asking() const;
+    // The order that was last left unanswered, null once the session has answered any, or another was asked.
+    const Order* unanswered() const { return unanswered_; }
+
+  private:
+    static constexpr std::size_t kKinds = static_cast<std::size_t>(OrderKind::kSpeed) + 1;
+    struct Asked {
+        Order order;
+        std::uint32_t trial = 0;  // what the Monitor said then
+        SessionTime since{}, next{};
+        int times = 0;
+        OrderProgress progress = OrderProgress::kNone;
+    };
+
+    const Asked& at(OrderKind kind) const { return asked_[static_cast<std::size_t>(kind)]; }
+    Asked& at(OrderKind kind) { return asked_[static_cast<std::size_t>(kind)]; }
+    void call_off(OrderKind kind);
+    void say(SessionTime now, Asked& asked);
+    void step(SessionTime now, Asked& asked, const SessionView& session);
+    static bool shows(const Asked& asked, const SessionView& session);
+
+    OutboundFlow flow_;
+    std::array<Asked, kKinds> asked_{};
+    const Order* unanswered_ = nullptr;
+};
+
+// "delay", "pause": for messages to people.
+const char* to_string(OrderKind kind);
+
+}  // namespace thimble

@@ -1,0 +1,34 @@
+// What whoever plays may change and see, over the scene of `thimble play`: delay, modality with what to expect of it, the
+// last seconds, the round trip as measured, and a hint of what to do. It holds no fixture and no inserted needle: they are
+// not for the one who acts.
+#pragma once
+
+#include "visual_node/views/player_model.hpp"
+#include "visual_node/views/plot_panel.hpp"
+#include "visual_node/window/overlay.hpp"
+
+namespace thimble {
+
+class PlayerPanel final : public Overlay {
+  public:
+    // `instance`: random per program start. Monitors come in at Port::kExperimenterMonitor, orders go to
+    // Port::kSessionOrders; the channels outlive the panel and are nobody else's.
+    PlayerPanel(std::uint64_t instance, const SessionLink::Channels& channels) : model_(instance, channels) {}
+
+    void tick(SessionTime now) override { model_.update(now); }
+    void draw(SessionTime now, const OverlayFrame& frame) override;
+
+    const PlayerModel& model() const { return model_; }
+    // Where it stands in a window of this size, so that the scene can keep out of its way.
+    static Rect place(double width, double height, double scale);
+
+  private:
+    void draw_delay(const Rect& column, double scale, SessionTime now);
+    void draw_modalities(double scale, SessionTime now);
+    void draw_plot(double scale, SessionTime now);
+
+    PlayerModel model_;
+    PlotPanel plot_;
+};
+
+}  // namespace thimble

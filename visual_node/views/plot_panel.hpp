@@ -1,0 +1,61 @@
+// A plot of the last seconds: curves drawn as one filled column per pixel from their smallest to their largest sample, so
+// that nothing faster than a pixel is lost, and so that drawing costs the same whatever is shown.
+#pragma once
+
+#include <imgui.h>
+#include <span>
+#include <vector>
+
+#include "visual_node/views/colours.hpp"
+#include "visual_node/views/monitor_history.hpp"
+#include "visual_node/views/plot_scale.hpp"
+#include "visual_node/views/view_layout.hpp"
+
+namespace thimble {
+
+// Besides their colour. Where a curve oscillates within a pixel, it is drawn whole whatever its dashes.
+enum class Dash { kSolid, kDashed, kDotted };
+
+struct Curve {
+    Quantity quantity;
+    Colour colour;
+    Dash dash;
+    const char* name;
+};
+
+struct Band {
+    Quantity low, high;
+    Colour colour;
+};
+
+struct PlotSpec {
+    const char* title;  // with the unit in which `factor` makes the numbers
+    double factor;      // shown = factor x SI
+    double span;        // the least that the axis shows, as shown
+    std::span<const Curve> curves;
+    const Band* band;  // null: none
+};
+
+// The four plots of the experimenter's view, and the player's one.
+std::span<const PlotSpec, kPlotCount> experimenter_plots();
+const PlotSpec& player_plot();
+
+class PlotPanel {
+  public:
+    // In `rect`, the newest history.window_s() up to now.
+    void draw(ImDrawList& list, const Rect& rect, double scale, const PlotSpec& spec,
+              const MonitorHistory& history, SessionTime now);
+
+  private:
+    struct Frame;
+    void take(const PlotSpec& spec, const MonitorHistory& history, Frame& frame);
+    void draw_axes(ImDrawList& list, const PlotSpec& spec, const Frame& frame) const;
+    void draw_band(ImDrawList& list, const PlotSpec& spec, const Frame& frame) const;
+    void draw_curve(ImDrawList& list, const Curve& curve, std::span<const Column> columns, const Frame& frame,
+                    double factor) const;
+
+    // Of every curve and of the two edges of the band; kept between frames for their memory.
+    std::vector<std::vector<Column>> columns_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,11 @@
+// The numbers of the newest Monitor in two columns, with its age. Greyed while the session is silent: they are old then.
+#pragma once
+
+#include "visual_node/views/session_link.hpp"
+#include "visual_node/views/view_layout.hpp"
+
+namespace thimble {
+
+void draw_readings(const Rect& rect, const SessionLink& link, SessionTime now);
+
+}  // namespace thimble

@@ -1,0 +1,44 @@
+// A view's two ends of its talk with the session: Monitors in, kept and remembered; Orders out, until they show.
+#pragma once
+
+#include "common/channel.hpp"
+#include "visual_node/views/monitor_history.hpp"
+#include "visual_node/views/monitor_receiver.hpp"
+#include "visual_node/views/order_sender.hpp"
+#include "visual_node/views/text_line.hpp"
+
+namespace thimble {
+
+class SessionLink {
+  public:
+    // The channels outlive the link.
+    struct Channels {
+        Channel* monitor_in;
+        Channel* orders_out;
+    };
+    SessionLink(std::uint64_t instance, const Channels& channels, double window_s);
+
+    void update(SessionTime now);
+    void ask(SessionTime now, const Order& order);
+    // The delay that was last asked while it is not shown yet, then what the session shows.
+    double delay_s() const;
+    void ask_delay(SessionTime now, double delay_s);  // taken to the nearest of 0 to kDelayLimit_s
+
+    const MonitorReceiver& receiver() const { return receiver_; }
+    const MonitorHistory& history() const { return history_; }
+    const OrderSender& orders() const { return orders_; }
+    const Monitor& monitor() const { return receiver_.newest(); }
+    bool running(SessionTime now) const;
+
+    // What must be read before anything else, empty if nothing: nobody speaks, or does not answer.
+    TextLine alarm(SessionTime now) const;
+
+  private:
+    SessionView seen(SessionTime now) const;
+
+    MonitorReceiver receiver_;
+    MonitorHistory history_;
+    OrderSender orders_;
+};
+
+}  // namespace thimble

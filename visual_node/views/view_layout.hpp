@@ -1,0 +1,46 @@
+// Where everything of the experimenter's view stands, in pixels from the window's top left corner. Pure, so that tests know
+// where to look and to click.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace thimble {
+
+struct Rect {
+    double x = 0, y = 0, width = 0, height = 0;
+    double right() const { return x + width; }
+    double bottom() const { return y + height; }
+};
+
+inline constexpr std::size_t kPlotCount = 4;
+
+struct ExperimenterLayout {
+    Rect banner;  // what the session does; the alarm
+    Rect side_view;
+    std::array<Rect, kPlotCount> plots;  // positions, forces, delays, energy
+    Rect readings;
+    Rect controls;
+};
+
+// `scale`: the monitor's content scale. What does not fit into a small window is cut at the plots' side; readings and
+// controls scroll.
+ExperimenterLayout experimenter_layout(double width, double height, double scale);
+
+// The drawn box of a plot or of the side view in its rectangle, without title and numbers.
+Rect plot_box(const Rect& plot, double scale);
+
+// A button among `columns` of the same width in a row of the controls.
+Rect control_cell(const Rect& controls, double scale, int row, int column, int columns);
+
+// Between depths and pixels of the side view: z to the right, into the tissue.
+struct SideViewScale {
+    double low_m = 0, high_m = 0;
+    Rect box;
+
+    double x(double position_m) const { return box.x + (position_m - low_m) / (high_m - low_m) * box.width; }
+};
+// Holds z = 0, the needle and `position_deepest_m` with 20 mm to spare, in steps of 20 mm so that the picture stands still.
+SideViewScale side_view_scale(const Rect& box, double position_needle_m, double position_deepest_m);
+
+}  // namespace thimble

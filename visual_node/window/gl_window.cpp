@@ -1,0 +1,280 @@
+// epoxy must come before GLFW, which would bring OpenGL headers of its own.
+#include <epoxy/gl.h>
+// clang-format off
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+// clang-format on
+
+#include <cmath>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "visual_node/window/gl_window.hpp"
+#include "visual_node/window/screen_loss.hpp"
+
+namespace thimble {
+namespace {
+
+// GLFW's own words about its last failure.
+std::string glfw_reason() {
+    const char* words = nullptr;
+    glfwGetError(&words);
+    return words == nullptr ? "no reason given" : words;
+}
+
+void start_glfw() {
+    if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) {
+        throw Error(
+            ExitCode::kUsage,
+            "no screen: DISPLAY and WAYLAND_DISPLAY are not set; start this in a desktop session, through "
+            "'ssh -X', or under 'xvfb-run -a', or set [visual] display = \"recording\"");
+    }
+    if (glfwInit() == GLFW_TRUE) return;
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("no screen: {}; is the display that DISPLAY names running, and may this user draw on "
+                    "it? [visual] display = \"recording\" needs none",
+                    glfw_reason()));
+}
+
+void set_hints(const WindowSettings& settings) {
+    glfwDefaultWindowHints();
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+    glfwWindowHint(GLFW_SAMPLES, settings.samples);
+    glfwWindowHint(GLFW_VISIBLE, settings.visible ? GLFW_TRUE : GLFW_FALSE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, settings.content_scale > 0 ? GLFW_FALSE : GLFW_TRUE);
+    glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // a subject's screen stays when another gets the keyboard
+}
+
+GLFWwindow* open_window(const WindowSettings& settings) {
+    set_hints(settings);
+    const double scale = settings.content_scale > 0 ? settings.content_scale : 1;
+    int width = static_cast<int>(std::lround(settings.width * scale));
+    int height = static_cast<int>(std::lround(settings.height * scale));
+    GLFWmonitor* const monitor = settings.fullscreen ? glfwGetPrimaryMonitor() : nullptr;
+    if (const GLFWvidmode* mode = monitor == nullptr ? nullptr : glfwGetVideoMode(monitor); mode != nullptr) {
+        width = mode->width;
+        height = mode->height;
+    }
+    GLFWwindow* const window = glfwCreateWindow(width, height, settings.title.c_str(), monitor, nullptr);
+    if (window != nullptr) return window;
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("no window with OpenGL 3.3: {}; install a driver (Debian's libgl1-mesa-dri draws in "
+                    "software) or set [visual] display = \"recording\"",
+                    glfw_reason()));
+}
+
+}  // namespace
+
+struct GlWindow::Impl {
+    GLFWwindow* window = nullptr;
+    std::vector<WindowEvent> events;
+    std::uint64_t lost_events = 0;
+    int width = 0;
+    int height = 0;
+    double content_scale = 1;
+    bool fixed_scale = false;
+    bool grabbed = false;
+    double pointer_x = 0;
+    double pointer_y = 0;
+    double pixels_per_unit = 1;  // of window coordinates
+
+    static Impl& of(GLFWwindow* window) { return *static_cast<Impl*>(glfwGetWindowUserPointer(window)); }
+
+    WindowEvent* add(WindowEvent::Kind kind) {
+        if (events.size() == kMaxEvents) {
+            ++lost_events;
+            return nullptr;
+        }
+        WindowEvent& event = events.emplace_back();
+        event.kind = kind;
+        event.time = wall_now();
+        event.x = pointer_x;
+        event.y = pointer_y;
+        return &event;
+    }
+
+    void moved(double x, double y) {
+        x *= pixels_per_unit;
+        y *= pixels_per_unit;
+        if (WindowEvent* const event = add(WindowEvent::Kind::kMotion); event != nullptr) {
+            event->x = grabbed ? x - pointer_x : x;
+            event->y = grabbed ? y - pointer_y : y;
+        }
+        pointer_x = x;
+        pointer_y = y;
+    }
+
+    void measure() {
+        int units = 0;
+        glfwGetFramebufferSize(window, &width, &height);
+        glfwGetWindowSize(window, &units, nullptr);
+        pixels_per_unit = units > 0 ? static_cast<double>(width) / units : 1;
+        if (fixed_scale) return;
+        float scale_x = 1;
+        float scale_y = 1;
+        glfwGetWindowContentScale(window, &scale_x, &scale_y);
+        content_scale = std::max(1.0, static_cast<double>(scale_y));
+    }
+
+    void listen();
+};
+
+void GlWindow::Impl::listen() {
+    glfwSetWindowUserPointer(window, this);
+    glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
+        if (WindowEvent* const event = of(w).add(WindowEvent::Kind::kKey); event != nullptr) {
+            event->key = key;
+            event->pressed = action != GLFW_RELEASE;
+            event->repeated = action == GLFW_REPEAT;
+        }
+    });
+    glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { of(w).moved(x, y); });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
+        if (WindowEvent* const event = of(w).add(WindowEvent::Kind::kButton); event != nullptr) {
+            event->button = button;
+            event->pressed = action == GLFW_PRESS;
+        }
+    });
+    glfwSetScrollCallback(window, [](GLFWwindow* w, double x, double y) {
+        if (WindowEvent* const event = of(w).add(WindowEvent::Kind::kScroll); event != nullptr) {
+            event->x = x;
+            event->y = y;
+        }
+    });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int wide, int high) {
+        of(w).measure();
+        if (WindowEvent* const event = of(w).add(WindowEvent::Kind::kResize); event != nullptr) {
+            event->x = wide;
+            event->y = high;
+        }
+    });
+    glfwSetWindowContentScaleCallback(window, [](GLFWwindow* w, float, float) { of(w).measure(); });
+    glfwSetWindowCloseCallback(window, [](GLFWwindow* w) { of(w).add(WindowEvent::Kind::kClose); });
+    glfwSetWindowFocusCallback(window, [](GLFWwindow* w, int focused) {
+        WindowEvent* const event = of(w).add(WindowEvent::Kind::kFocus);
+        if (event != nullptr) event->pressed = focused == GLFW_TRUE;
+    });
+}
+
+GlWindow::GlWindow(const WindowSettings& settings) : impl_(std::make_unique<Impl>()) {
+    start_glfw();
+    Impl& impl = *impl_;
+    impl.events.reserve(kMaxEvents);
+    impl.fixed_scale = settings.content_scale > 0;
+    impl.content_scale = impl.fixed_scale ? settings.content_scale : 1;
+    try {
+        impl.window = open_window(settings);
+    } catch (...) {
+        glfwTerminate();
+        throw;
+    }
+    survive_screen_loss();
+    impl.listen();
+    impl.measure();
+    glfwMakeContextCurrent(impl.window);
+    glfwSwapInterval(settings.vsync ? 1 : 0);
+}
+
+GlWindow::~GlWindow() {
+    if (lost()) return;  // to say goodbye needs a screen as well
+    glfwDestroyWindow(impl_->window);
+    glfwTerminate();
+}
+
+std::span<const WindowEvent> GlWindow::poll_events() {
+    impl_->events.clear();
+    if (!lost()) glfwPollEvents();
+    return impl_->events;
+}
+
+std::span<const WindowEvent> GlWindow::wait_events(Duration longest) {
+    impl_->events.clear();
+    if (lost()) {
+        wall_sleep(longest);
+    } else if (longest > Duration::zero()) {
+        glfwWaitEventsTimeout(to_seconds(longest));
+    } else {
+        glfwPollEvents();
+    }
+    return impl_->events;
+}
+
+std::uint64_t GlWindow::lost_events() const { return impl_->lost_events; }
+
+void GlWindow::begin_frame(float red, float green, float blue) {
+    if (lost()) return;
+    glfwMakeContextCurrent(impl_->window);
+    glViewport(0, 0, impl_->width, impl_->height);
+    glClearColor(red, green, blue, 1);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+void GlWindow::end_frame() {
+    if (!lost()) glfwSwapBuffers(impl_->window);
+}
+
+bool GlWindow::should_close() const { return lost() || glfwWindowShouldClose(impl_->window) == GLFW_TRUE; }
+bool GlWindow::lost() const { return screen_lost(); }
+int GlWindow::width() const { return impl_->width; }
+int GlWindow::height() const { return impl_->height; }
+double GlWindow::content_scale() const { return impl_->content_scale; }
+
+double GlWindow::refresh_Hz() const {
+    GLFWmonitor* const monitor = lost() ? nullptr : glfwGetPrimaryMonitor();
+    const GLFWvidmode* const mode = monitor == nullptr ? nullptr : glfwGetVideoMode(monitor);
+    return mode == nullptr || mode->refreshRate <= 0 ? 60 : mode->refreshRate;
+}
+
+void GlWindow::grab_pointer(bool grabbed) {
+    if (lost() || grabbed == impl_->grabbed) return;
+    glfwSetInputMode(impl_->window, GLFW_CURSOR, grabbed ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
+    if (glfwRawMouseMotionSupported() == GLFW_TRUE) {
+        glfwSetInputMode(impl_->window, GLFW_RAW_MOUSE_MOTION, grabbed ? GLFW_TRUE : GLFW_FALSE);
+    }
+    glfwGetCursorPos(impl_->window, &impl_->pointer_x, &impl_->pointer_y);
+    impl_->pointer_x *= impl_->pixels_per_unit;
+    impl_->pointer_y *= impl_->pixels_per_unit;
+    impl_->grabbed = grabbed;
+}
+
+bool GlWindow::pointer_grabbed() const { return impl_->grabbed; }
+
+void GlWindow::set_size(int width, int height) {
+    if (lost()) return;
+    const double units = impl_->pixels_per_unit;
+    glfwSetWindowSize(impl_->window, static_cast<int>(std::lround(width / units)),
+                      static_cast<int>(std::lround(height / units)));
+}
+
+void GlWindow::set_title(const std::string& title) {
+    if (!lost()) glfwSetWindowTitle(impl_->window, title.c_str());
+}
+
+Image GlWindow::read_pixels() const {
+    Image image;
+    if (lost()) return image;
+    image.width = impl_->width;
+    image.height = impl_->height;
+    const std::size_t row = 3U * image.width;
+    std::vector<std::uint8_t> upwards(row * image.height);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadBuffer(GL_BACK);
+    glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, upwards.data());
+    for (int y = image.height - 1; y >= 0; --y) {
+        const auto begin = upwards.begin() + static_cast<std::ptrdiff_t>(row * y);
+        image.rgb.insert(image.rgb.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
+    }
+    return image;
+}
+
+GLFWwindow* GlWindow::handle() const { return impl_->window; }
+
+}  // namespace thimble

@@ -1,0 +1,38 @@
+// What a view puts over the scene: text, panels, plots and buttons of Dear ImGui, and what they say to the session.
+// Lives in the thread of the window and may take its time; channels it has are its own.
+#pragma once
+
+#include "common/time.hpp"
+#include "visual_node/window/gl_window.hpp"
+#include "visual_node/window/gui_layer.hpp"
+
+namespace thimble {
+
+class FrameTimes;  // frame_times.hpp: how long each stage from hand to light took
+
+struct OverlayFrame {
+    const GlWindow& window;
+    const GuiLayer& gui;
+    const FrameTimes* times;  // null where no scene is drawn
+};
+
+class Overlay {
+  public:
+    virtual ~Overlay() = default;
+    Overlay() = default;
+    Overlay(const Overlay&) = delete;
+    Overlay& operator=(const Overlay&) = delete;
+
+    // Empties its channels, sends what is due; before each frame and several times in between.
+    virtual void tick(SessionTime /*now*/) {}
+    // Once per frame, with ImGui ready: calls ImGui:: and nothing of OpenGL.
+    virtual void draw(SessionTime now, const OverlayFrame& frame) = 0;
+    // An event that ImGui did not want. True: it is taken, the window does nothing with it.
+    virtual bool handle(SessionTime /*now*/, const WindowEvent& /*event*/) { return false; }
+    // The window is about to close because somebody asked for it.
+    virtual void closing(SessionTime /*now*/) {}
+    // True: the program ends (in views without a node of their own).
+    virtual bool done() const { return false; }
+};
+
+}  // namespace thimble
