@@ -12,13 +12,16 @@
 #include "experiment/commands/real_run.hpp"
 #include "experiment/play/play_desk.hpp"
 #include "experiment/play/play_session.hpp"
+#include "experiment/play/replay_clock.hpp"
+#include "experiment/play/replay_session.hpp"
 
 namespace thimble {
 namespace {
 
 struct PlayArguments {
-    std::string config, record, modality = "HF", visual_command;
-    double delay_s = 0.05, seconds = 0;
+    std::string config, record, modality = "HF", visual_command, replay;
+    double delay_s = 0.05, seconds = 0, speed = 1;
+    std::size_t trial = 1;
     int base_port = 0;
 };
 
@@ -27,6 +30,20 @@ std::vector<std::string> words_of(const std::string& command) {
     std::vector<std::string> words;
     for (std::string word; stream >> word;) words.push_back(word);
     return words;
+}
+
+int run_recorded(const PlayArguments& arguments, const SystemSettings& settings, const PlayOptions& play) {
+    ReplayPlayOptions options;
+    options.starter = play.starter;
+    options.network = play.network;
+    options.folder = arguments.replay;
+    options.trial = arguments.trial;
+    options.speed = arguments.speed;
+    options.contact_hold_s = to_seconds(settings.slave.contact_hold);
+    options.longest = play.longest;
+    options.stop = play.stop;
+    play_recorded(options);
+    return static_cast<int>(ExitCode::kOk);
 }
 
 int run_play(const PlayArguments& arguments) {
@@ -51,6 +68,7 @@ int run_play(const PlayArguments& arguments) {
     options.starter =
         std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command));
     install_stop_signals();
+    if (!arguments.replay.empty()) return run_recorded(arguments, settings, options);
     const PlayResult result = play(settings, options);
     fmt::print("{} trials{}\n", result.trials, arguments.record.empty() ? "" : ": " + arguments.record);
     return static_cast<int>(ExitCode::kOk);
@@ -70,6 +88,15 @@ Command add_play(CLI::App& app) {
         ->default_val(arguments->delay_s)
         ->check(CLI::Range(0.0, PlayDesk::kLongestDelay_s));
     sub->add_option("--record", arguments->record, "keep each trial in this folder, as thimble run does");
+    CLI::Option* replay = sub->add_option("--replay", arguments->replay,
+                                          "show a trial of this folder (trials.csv, trajectories/) instead");
+    sub->add_option("--trial", arguments->trial, "which line of its trials.csv, from 1")
+        ->default_val(arguments->trial)
+        ->needs(replay);
+    sub->add_option("--speed", arguments->speed, "of the replay; 1: as it was")
+        ->default_val(arguments->speed)
+        ->check(CLI::Range(ReplayClock::kSlowest, ReplayClock::kFastest))
+        ->needs(replay);
     sub->add_option("--base-port", arguments->base_port, "first UDP port, instead of [network].base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
@@ -80,6 +107,7 @@ Command add_play(CLI::App& app) {
         ->type_name("COMMAND");
     sub->footer(
         "Example:\n  thimble play --modality HF --delay-s 0.05 --record out/play\n"
+        "  thimble play --replay out/play --trial 2 --speed 0.5\n"
         "Manual: docs/play.md.");
     return {sub, [arguments] { return run_play(*arguments); }};
 }

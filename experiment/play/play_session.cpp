@@ -1,6 +1,5 @@
 #include "experiment/play/play_session.hpp"
 
-#include <cstdlib>
 #include <optional>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "experiment/lane.hpp"
 #include "experiment/play/attendant.hpp"
 #include "experiment/play/play_desk.hpp"
+#include "experiment/play/scratch_folder.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/protocol.hpp"
 #include "experiment/trial_table.hpp"
@@ -18,28 +18,6 @@ namespace thimble {
 namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds{20};
-
-// For logs that nobody keeps.
-class ScratchFolder {
-  public:
-    ScratchFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "thimble_play_XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) {
-            throw Error(ExitCode::kRunFailed, fmt::format("cannot make a folder for logs at {}", name));
-        }
-        path_ = name;
-    }
-    ~ScratchFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
-  private:
-    std::filesystem::path path_;
-};
 
 class Play {
   public:

@@ -1,0 +1,171 @@
+#include "experiment/play/replay_process.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <variant>
+
+#include "common/node_process.hpp"
+#include "experiment/play/monitor_feed.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr int kBeepsSaid = 5;
+constexpr Duration kSteerPeriod = std::chrono::milliseconds{50};
+
+ForceFeedback feedback_of(const TrajectorySample& sample, double fixture_m) {
+    ForceFeedback f;
+    f.position_needle_m = sample.position_needle_m;
+    f.position_surface_m = sample.position_surface_m;
+    f.position_proxy_m =
+        sample.fixture_present ? std::min(sample.position_needle_m, fixture_m) : sample.position_needle_m;
+    f.force_tissue_N = sample.force_tissue_N;
+    f.force_fixture_N = sample.force_fixture_N;
+    f.force_total_N = sample.force_total_N;
+    f.contact_time_s = sample.contact_time_s;
+    f.phase = sample.phase;
+    f.fixture_present = sample.fixture_present;
+    return f;
+}
+
+}  // namespace
+
+ReplayProcess::ReplayProcess(std::uint64_t instance, const RecordedTrial& trial, double speed,
+                             const Channels& channels)
+    : trial_(&trial),
+      channels_(channels),
+      clock_(trial.duration_s(), speed),
+      control_(Role::kSession, instance, {channels.control}),
+      force_(Role::kSlaveSim, instance, {channels.force}),
+      beep_(Role::kSlaveSim, instance, {channels.beep}),
+      monitor_(Role::kSession, instance, {channels.monitor}),
+      orders_(*channels.orders, *this) {}
+
+void ReplayProcess::tick(SessionTime now) {
+    listen(now);
+    orders_.tick(now, number_);
+    if (now >= next_steer_) steer(now);
+    if (now < next_) return;
+    next_ = now + kMonitorPeriod;
+    if (shown_) show(now);
+    monitor_.send(now, number_, monitor(now));
+}
+
+void ReplayProcess::listen(SessionTime now) {
+    while (const Message* message = answers_.receive(now, *channels_.control)) {
+        const auto* heartbeat = std::get_if<Heartbeat>(&message->body);
+        if (heartbeat == nullptr) continue;
+        visual_ = *heartbeat;
+        const bool running = message->header.trial == number_ && heartbeat->state == NodeState::kRunning;
+        if (!running || shown_) continue;
+        shown_ = true;
+        if (wants_to_run_) clock_.resume(now);
+    }
+}
+
+// The order is repeated while the trial is shown: a known one is harmless, and a sign of life.
+void ReplayProcess::steer(SessionTime now) {
+    next_steer_ = now + kSteerPeriod;
+    const TrialConditions& c = trial_->record.conditions;
+    SessionControl order;
+    order.kind = ControlKind::kTrialStart;
+    order.study_seed = c.study_seed;
+    order.experiment = c.experiment;
+    order.subject = c.subject;
+    order.modality = c.modality;
+    order.fixture_position_m = c.fixture_position_m;
+    control_.send(now, number_, order);
+}
+
+// Also while it stands still: the newest state is said again, or the screen would think slave_sim dead.
+void ReplayProcess::show(SessionTime now) {
+    const double time_s = clock_.time_s(now);
+    const double seen_s = time_s - trial_->delay_s(time_s);
+    force_.send(now, number_, feedback_of(trial_->at(seen_s), trial_->record.conditions.fixture_position_m));
+    beep(now, time_s);
+}
+
+// Said several times, as slave_sim does: UDP may lose it, and the node beeps once per trial.
+void ReplayProcess::beep(SessionTime now, double shown_s) {
+    if (!(shown_s >= trial_->record.beep_time_s)) return;  // nor if there was none
+    SessionControl control;
+    control.kind = ControlKind::kBeep;
+    if (beeps_ == kBeepsSaid) return;
+    beep_.send(now, number_, control);
+    ++beeps_;
+}
+
+Refusal ReplayProcess::obey(SessionTime now, const Order& order) {
+    switch (order.kind) {
+        case OrderKind::kSeek:
+            clock_.seek(now, order.value);
+            if (beeps_ > 0 && clock_.time_s(now) < trial_->record.beep_time_s) begin_anew();
+            return Refusal::kCount;
+        case OrderKind::kSpeed:
+            if (order.value < ReplayClock::kSlowest || order.value > ReplayClock::kFastest)
+                return Refusal::kOutOfRange;
+            clock_.set_speed(now, order.value);
+            return Refusal::kCount;
+        case OrderKind::kPause:
+            wants_to_run_ = false;
+            clock_.pause(now);
+            return Refusal::kCount;
+        case OrderKind::kResume:
+            wants_to_run_ = true;
+            if (shown_) clock_.resume(now);
+            return Refusal::kCount;
+        case OrderKind::kQuit:
+            quit_ = true;
+            return Refusal::kCount;
+        case OrderKind::kDelay:
+        case OrderKind::kStart:
+        case OrderKind::kEndTrial:
+        case OrderKind::kRepeat:
+        case OrderKind::kExclude:
+            return Refusal::kUnexpectedKind;
+    }
+    return Refusal::kUnexpectedKind;
+}
+
+// Another number, so that the screen forgets the beep.
+void ReplayProcess::begin_anew() {
+    ++number_;
+    beeps_ = 0;
+    shown_ = false;
+    next_steer_ = {};
+}
+
+Monitor ReplayProcess::monitor(SessionTime now) const {
+    const double time_s = clock_.time_s(now);
+    const TrajectorySample& sample = trial_->at(time_s);
+    const TrialRecord& record = trial_->record;
+    Monitor m;
+    m.time_s = time_s;
+    m.position_needle_m = sample.position_needle_m;
+    m.position_surface_m = sample.position_surface_m;
+    m.position_fixture_m = record.conditions.fixture_position_m;
+    m.force_tissue_N = sample.force_tissue_N;
+    m.force_fixture_N = sample.force_fixture_N;
+    m.force_total_N = sample.force_total_N;
+    m.contact_time_s = sample.contact_time_s;
+    m.phase = sample.phase;
+    m.fixture_present = sample.fixture_present;
+    m.network_delay_s = trial_->delay_s(time_s);
+    m.accepted = visual_.accepted;
+    m.refused = visual_.refused;
+    m.subject = record.conditions.subject;
+    m.modality = record.conditions.modality;
+    m.state = shown_ ? NodeState::kRunning : NodeState::kIdle;
+    m.reason = clock_.at_end(now) ? record.reason : EndReason::kNone;
+    m.beeped = time_s >= record.beep_time_s;
+    m.paused = !wants_to_run_;
+    return m;
+}
+
+void ReplayProcess::shut_down(SessionTime now) {
+    SessionControl order;
+    order.kind = ControlKind::kShutdown;
+    control_.send(now, number_, order);
+}
+
+}  // namespace thimble

@@ -1,0 +1,55 @@
+// Shows a recorded trial: plays the session and slave_sim to thimble-visual, and the session to a view. The subject's screen gets
+// what it got then, later by the delay of then; the Monitor is undelayed, as always. No clock, no socket.
+#pragma once
+
+#include "common/flow.hpp"
+#include "common/process.hpp"
+#include "experiment/play/order_taker.hpp"
+#include "experiment/play/recorded_trial.hpp"
+#include "experiment/play/replay_clock.hpp"
+
+namespace thimble {
+
+class ReplayProcess final : public Process, public OrderHandler {
+  public:
+    struct Channels {
+        Channel* control;  // with thimble-visual
+        Channel* force;    // to it, in slave_sim's name
+        Channel* beep;
+        Channel* monitor;
+        Channel* orders;
+    };
+
+    // `trial` outlives the process.
+    ReplayProcess(std::uint64_t instance, const RecordedTrial& trial, double speed, const Channels& channels);
+
+    void tick(SessionTime now) override;
+    SessionTime next_wakeup() const override { return next_; }
+    bool stopped() const override { return quit_; }
+    Refusal obey(SessionTime now, const Order& order) override;
+
+    bool shows() const { return shown_; }  // thimble-visual has taken up the trial
+    void shut_down(SessionTime now);
+
+  private:
+    void listen(SessionTime now);
+    void steer(SessionTime now);
+    void show(SessionTime now);
+    void beep(SessionTime now, double shown_s);
+    Monitor monitor(SessionTime now) const;
+    void begin_anew();
+
+    const RecordedTrial* trial_;
+    Channels channels_;
+    ReplayClock clock_;
+    InboundFlow answers_{Role::kVisual};
+    OutboundFlow control_, force_, beep_, monitor_;
+    OrderTaker orders_;
+    std::uint32_t number_ = 1;
+    bool shown_ = false, wants_to_run_ = true, quit_ = false;
+    int beeps_ = 0;  // said in this trial
+    Heartbeat visual_;
+    SessionTime next_{}, next_steer_{};
+};
+
+}  // namespace thimble

@@ -1,0 +1,153 @@
+// A replay and the real visual node, in virtual time.
+#include "experiment/play/replay_process.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "common/queue_channel.hpp"
+#include "experiment/virtual_loop.hpp"
+#include "visual_node/recording_display.hpp"
+#include "visual_node/visual_process.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// A needle that moves at 10 mm/s for 10 s under a surface far away; the beep at 6 s.
+RecordedTrial steady_trial(double delay_s) {
+    RecordedTrial trial;
+    trial.record.conditions.modality = Modality::kVF;
+    trial.record.conditions.delay_s = delay_s;
+    for (int i = 0; i <= 10'000; ++i) {
+        TrajectorySample sample;
+        sample.time_s = 0.001 * i;
+        sample.position_needle_m = 0.01 * sample.time_s;
+        sample.position_surface_m = 1;
+        sample.force_total_N = -sample.time_s;
+        trial.record.samples.push_back(sample);
+    }
+    trial.record.beep_time_s = 6;
+    trial.record.reason = EndReason::kCompleted;
+    return trial;
+}
+
+class ReplayProcessTest : public testing::Test {
+  protected:
+    explicit ReplayProcessTest(double delay_s = 0)
+        : trial(steady_trial(delay_s)),
+          display(VisualSettings{}.pipeline),
+          replay(1, trial, 1, {&control.a, &force.a, &beep.a, &monitor.a, &orders.b}),
+          visual(2, VisualSettings{}, {&control.b, &force.b, &beep.b, &percept.a}, display),
+          view(Role::kExperimenter, 3, {&orders.a}) {
+        const std::uint32_t replay_bit = loop.add(replay), visual_bit = loop.add(visual);
+        control.a.wake(loop.wake_mask(), replay_bit);
+        orders.b.wake(loop.wake_mask(), replay_bit);
+        for (QueuePipe* pipe : {&control, &force, &beep}) pipe->b.wake(loop.wake_mask(), visual_bit);
+        run_for(milliseconds{200});  // both have found each other
+    }
+    void run_for(Duration time) {
+        const SessionTime end = loop.now() + time;
+        while (loop.now() < end && loop.step()) hear();
+    }
+    void hear() {
+        while (const Message* message = heard.receive(loop.now(), monitor.b))
+            newest = std::get<Monitor>(message->body);
+        while (const Message* message = eyes.receive(loop.now(), percept.b))
+            beeps_heard += std::get<Percept>(message->body).beep && !std::exchange(beeping, true);
+    }
+    void say(OrderKind kind, double value = 0) {
+        Order order;
+        order.kind = kind;
+        order.value = value;
+        view.send(loop.now(), 1, order);
+    }
+    double shown_m() const { return display.recent(0).scene.position_needle_m; }
+
+    RecordedTrial trial;
+    QueuePipe control, force, beep, monitor, orders, percept;
+    RecordingDisplay display;
+    ReplayProcess replay;
+    VisualProcess visual;
+    OutboundFlow view;
+    VirtualLoop loop;
+    InboundFlow heard{Role::kSession}, eyes{Role::kVisual};
+    Monitor newest;
+    int beeps_heard = 0;
+    bool beeping = false;
+};
+
+TEST_F(ReplayProcessTest, TheScreenShowsTheTrialAndTheViewTheTruth) {
+    run_for(seconds{3});
+    EXPECT_TRUE(replay.shows());
+    EXPECT_EQ(newest.state, NodeState::kRunning);
+    EXPECT_NEAR(newest.time_s, 3.2, 0.1);
+    EXPECT_NEAR(newest.position_needle_m, 0.01 * newest.time_s, 1.1e-5);
+    EXPECT_NEAR(shown_m(), newest.position_needle_m, 0.01 * 0.06);  // a frame and its pipeline ago
+    EXPECT_GT(display.recent(0).scene.bar_N, 2.5);
+    EXPECT_EQ(visual.counters().refused_total(), 0U);
+}
+
+TEST_F(ReplayProcessTest, PausesForMinutesAndGoesOn) {
+    say(OrderKind::kPause);
+    run_for(seconds{120});
+    EXPECT_TRUE(newest.paused);
+    EXPECT_EQ(visual.state(), NodeState::kRunning);  // nobody thinks anybody dead
+    const double time_s = newest.time_s;
+    say(OrderKind::kResume);
+    run_for(seconds{1});
+    EXPECT_NEAR(newest.time_s, time_s + 1, 0.02);
+    EXPECT_FALSE(newest.paused);
+}
+
+TEST_F(ReplayProcessTest, SeeksAndChangesItsSpeed) {
+    say(OrderKind::kSeek, 4);
+    say(OrderKind::kSpeed, 0.1);
+    run_for(seconds{2});
+    EXPECT_NEAR(newest.time_s, 4.2, 0.02);
+    say(OrderKind::kSpeed, 1000);  // refused
+    say(OrderKind::kDelay, 0.1);   // of no replay
+    run_for(seconds{1});
+    EXPECT_NEAR(newest.time_s, 4.3, 0.02);
+    say(OrderKind::kSeek, 1000);
+    run_for(seconds{1});
+    EXPECT_EQ(newest.time_s, 10);
+    EXPECT_EQ(newest.reason, EndReason::kCompleted);
+}
+
+TEST_F(ReplayProcessTest, BeepsOnceAndAgainAfterGoingBack) {
+    say(OrderKind::kSeek, 5.5);
+    run_for(seconds{2});
+    EXPECT_EQ(beeps_heard, 1);
+    EXPECT_TRUE(newest.beeped);
+    beeping = false;
+    say(OrderKind::kSeek, 5);
+    run_for(milliseconds{500});
+    EXPECT_FALSE(newest.beeped);
+    EXPECT_EQ(beeps_heard, 1);
+    run_for(seconds{1});
+    EXPECT_EQ(beeps_heard, 2);
+}
+
+TEST_F(ReplayProcessTest, QuitsWhenAsked) {
+    say(OrderKind::kQuit);
+    run_for(milliseconds{100});
+    EXPECT_TRUE(replay.stopped());
+}
+
+class LateReplayTest : public ReplayProcessTest {
+  protected:
+    LateReplayTest() : ReplayProcessTest(0.5) {}
+};
+
+TEST_F(LateReplayTest, TheScreenIsAsLateAsItWasThen) {
+    run_for(seconds{3});
+    EXPECT_NEAR(newest.position_needle_m - shown_m(), 0.01 * 0.5, 0.01 * 0.06);
+    EXPECT_EQ(newest.network_delay_s, 0.5);
+}
+
+}  // namespace
+}  // namespace thimble
