@@ -14,7 +14,7 @@ constexpr double kPanelWidth = 300, kRow = 30, kPlotHeight = 120;
 
 Rect row_here(double width, double height) {
     const ImVec2 here = ImGui::GetCursorScreenPos();
-    return {here.x, here.y, width, height};
+    return {static_cast<double>(here.x), static_cast<double>(here.y), width, height};
 }
 
 double row_width() { return static_cast<double>(ImGui::GetContentRegionAvail().x); }
