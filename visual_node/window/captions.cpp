@@ -39,7 +39,8 @@ void draw_bar_scale(const Picture& picture) {
     for (int i = 0; i <= ticks; ++i) {
         const std::string label = fmt::format("{:g}{}", i * bar.tick_N, i == ticks ? " N" : "");
         const ImVec2 size = ImGui::CalcTextSize(fmt::format("{:g}", i * bar.tick_N).c_str());
-        const double x = std::round(bar.left + bar.full_length * (i * bar.tick_N / bar.full_N) - size.x / 2);
+        const double x = std::round(bar.left + bar.full_length * (i * bar.tick_N / bar.full_N) -
+                                    static_cast<double>(size.x) / 2);
         const double y = bar.top + bar.height + 7 * picture.size.content_scale;
         ImGui::GetBackgroundDrawList()->AddText(ImVec2(static_cast<float>(x), static_cast<float>(y)),
                                                 to_ink(colours::kInk), label.c_str());

@@ -9,6 +9,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "visual_node/window/captions.hpp"
 #include "visual_node/window/png_file.hpp"
+#include "visual_node/window/shader.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
