@@ -22,6 +22,7 @@ class Sockets {
     // Sends to `remote`, listens to nobody.
     Channel* outlet(Port remote) { return open(std::nullopt, settings_.at(remote)); }
 
+    const NetworkSettings& settings() const { return settings_; }
     // Of the channels that listen.
     const std::vector<int>& descriptors() const { return descriptors_; }
     UdpCounters counters() const;
