@@ -3,6 +3,8 @@
 // not for the one who acts.
 #pragma once
 
+#include <initializer_list>
+
 #include "visual_node/views/player_model.hpp"
 #include "visual_node/views/plot_panel.hpp"
 #include "visual_node/window/overlay.hpp"
@@ -23,6 +25,7 @@ class PlayerPanel final : public Overlay {
     static Rect place(double width, double height, double scale);
 
   private:
+    void draw_row(std::initializer_list<Command> commands, const Rect& row, double scale, SessionTime now);
     void draw_delay(const Rect& column, double scale, SessionTime now);
     void draw_modalities(double scale, SessionTime now);
     void draw_plot(double scale, SessionTime now);
