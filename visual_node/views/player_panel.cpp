@@ -34,12 +34,14 @@ Rect PlayerPanel::place(double width, double height, double scale) {
 
 void PlayerPanel::draw_row(std::initializer_list<Command> commands, const Rect& row, double scale,
                            SessionTime now) {
+    ImGui::SetWindowFontScale(0.9F);  // four beside one another
     const double pitch = row.width / static_cast<double>(commands.size());
     Rect cell{row.x, row.y, pitch - 2 * scale, row.height - 4 * scale};
     for (const Command command : commands) {
         if (draw_button(player_keys(), command, cell)) model_.press(now, command);
         cell.x += pitch;
     }
+    ImGui::SetWindowFontScale(1);
 }
 
 void PlayerPanel::draw_delay(const Rect& column, double scale, SessionTime now) {
@@ -78,6 +80,7 @@ void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
     const TextLine alarm = model_.link().alarm(now);
     const bool alarmed = !alarm.view().empty();
     text_in(alarmed ? kVermillion : kYellow, alarmed ? alarm.c_str() : model_.hint(now));
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, point(2 * scale, 2 * scale));
     draw_delay({rect.x, rect.y, row_width(), kRow * scale}, scale, now);
     draw_modalities(scale, now);
     draw_plot(scale, now);
@@ -86,6 +89,7 @@ void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
                     model_.help())) {
         model_.press(now, Command::kHelp);
     }
+    ImGui::PopStyleVar();
     ImGui::End();
     if (model_.help()) draw_key_help(player_keys(), scale);
 }

@@ -1,6 +1,5 @@
 // What whoever plays may change and see, over the scene of `thimble play`: delay, modality with what to expect of it, the
-// last seconds, the round trip as measured, and a hint of what to do. It holds no fixture and no inserted needle: they are
-// not for the one who acts.
+// last seconds, the round trip as measured, and a hint of what to do. It never draws the fixture.
 #pragma once
 
 #include <initializer_list>
