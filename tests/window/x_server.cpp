@@ -29,10 +29,10 @@ XServer::XServer() : folder_(fresh_folder()) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) return;
     try {
-        server_.emplace(
-            "Xvfb",
-            std::vector<std::string>{"-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"},
-            folder_ / "server", ChildStreams{-1, ends[1]});
+        server_.emplace("Xvfb",
+                        std::vector<std::string>{"-displayfd", "1", "-screen", "0", "1280x1024x24",
+                                                 "-nolisten", "tcp", "-noreset"},
+                        folder_ / "server", ChildStreams{-1, ends[1]});
     } catch (const Error&) {
         missing_ = "Xvfb is not installed (deploy/packages.txt, [test])";
     }
