@@ -40,12 +40,16 @@ class RecordingVisual final : public NodeInstance {
 
 #ifdef THIMBLE_GUI
 
+// What a view puts over the scene. Its sockets are its own: the node's wake the node's thread.
+std::unique_ptr<Overlay> make_overlay(const Choices& /*choices*/) { return nullptr; }
+
 class WindowVisual final : public NodeInstance {
   public:
-    WindowVisual(const VisualSettings& settings, const Choices& choices, const ConfigFile& file,
-                 Sockets& sockets, std::uint64_t instance)
-        : window_(settings, {find_view(choices.view), choices.fullscreen, choices.screenshot}, file,
-                  sockets.settings(), instance),
+    WindowVisual(const VisualSettings& settings, const Choices& choices, Sockets& sockets,
+                 std::uint64_t instance)
+        : window_(settings,
+                  {choices.view == "player", choices.fullscreen, choices.screenshot, make_overlay(choices)},
+                  sockets.settings()),
           process_(instance, settings, open_channels(sockets, window_.hand() != nullptr), window_.display(),
                    window_.hand()) {}
 
@@ -59,35 +63,21 @@ class WindowVisual final : public NodeInstance {
     VisualProcess process_;
 };
 
-std::unique_ptr<NodeInstance> build_window(VisualSettings settings, const Choices& choices,
-                                           const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+std::unique_ptr<NodeInstance> build_window(VisualSettings settings, const Choices& choices, Sockets& sockets,
+                                           std::uint64_t instance) {
     // The screen has its own rate; a scene that waits for a second clock would only be older.
     if (!settings.refresh_given) settings.refresh_Hz = 1000;
-    if (find_view(choices.view) == View::kPlayer) settings.fingertip = true;
-    return std::make_unique<WindowVisual>(settings, choices, file, sockets, instance);
-}
-
-bool watch_instead(const Choices& choices, const ConfigFile& file, const NetworkSettings& network,
-                   std::uint64_t instance) {
-    if (find_view(choices.view) != View::kExperimenter) return false;
-    run_watching_view(View::kExperimenter, file, network, instance, choices.fullscreen);
-    return true;
+    if (choices.view == "player") settings.fingertip = true;
+    return std::make_unique<WindowVisual>(settings, choices, sockets, instance);
 }
 
 #else
 
-std::unique_ptr<NodeInstance> build_window(const VisualSettings&, const Choices&, const ConfigFile&, Sockets&,
-                                           std::uint64_t) {
+std::unique_ptr<NodeInstance> build_window(const VisualSettings&, const Choices&, Sockets&, std::uint64_t) {
     throw Error(ExitCode::kUsage,
                 "this build has no windows (THIMBLE_GUI is off): use [visual] display = \"recording\", "
                 "without --window "
                 "and --view");
-}
-
-bool watch_instead(const Choices& choices, const ConfigFile&, const NetworkSettings&, std::uint64_t) {
-    if (choices.view == "experimenter")
-        throw Error(ExitCode::kUsage, "this build has no windows (THIMBLE_GUI is off)");
-    return false;
 }
 
 #endif
@@ -96,7 +86,7 @@ std::unique_ptr<NodeInstance> build(const Choices& choices, const ConfigFile& fi
                                     std::uint64_t instance) {
     const VisualSettings settings = read_visual_settings(file.table("visual"));
     if (settings.window || choices.window || choices.view != "subject") {
-        return build_window(settings, choices, file, sockets, instance);
+        return build_window(settings, choices, sockets, instance);
     }
     return std::make_unique<RecordingVisual>(settings, sockets, instance);
 }
@@ -119,19 +109,13 @@ int main(int argc, char** argv) {
     program.tables = {"network", "runtime", "visual"};
     program.flags = {{"--window", "open a window, whatever [visual].display says", &choices.window},
                      {"--fullscreen", "the window fills the screen", &choices.fullscreen}};
-    program.texts = {
-        {"--view",
-         "subject: the scene alone; player: also the pointer as the hand, and panels (implies --window); "
-         "experimenter: what the session tells, without being a node",
-         &choices.view,
-         {"subject", "player", "experimenter"}},
-        {"--screenshot", "save the last picture to this PNG file", &choices.screenshot}};
+    program.texts = {{"--view",
+                      "subject: the scene alone; player: also the pointer as the hand (implies --window)",
+                      &choices.view,
+                      {"subject", "player"}},
+                     {"--screenshot", "save the last picture to this PNG file", &choices.screenshot}};
     program.build = [&choices](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         return build(choices, file, sockets, instance);
-    };
-    program.instead = [&choices](const ConfigFile& file, const NetworkSettings& network,
-                                 std::uint64_t instance) {
-        return watch_instead(choices, file, network, instance);
     };
     return run_node_program(program, argc, argv);
 }

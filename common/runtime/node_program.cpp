@@ -135,10 +135,6 @@ int run(const NodeProgram& program, const Options& options) {
     NetworkSettings network = read_network_settings(file);
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
     const RuntimeSettings runtime = read_runtime_settings(file);
-    if (program.instead) {
-        install_stop_signals();
-        if (program.instead(file, network, system_entropy())) return static_cast<int>(ExitCode::kOk);
-    }
     Sockets sockets(network);
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);

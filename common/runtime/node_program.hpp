@@ -54,8 +54,6 @@ struct NodeProgram {
     // afterwards; `tables` are the ones this node reads itself.
     std::vector<std::string_view> tables;
     std::function<std::unique_ptr<NodeInstance>(const ConfigFile&, Sockets&, std::uint64_t instance)> build;
-    // Something else to do with the session file than to be a node (a view that only watches). True: it was done.
-    std::function<bool(const ConfigFile&, const NetworkSettings&, std::uint64_t instance)> instead{};
 };
 
 // Runs until SIGINT, SIGTERM or a shutdown from the session; returns the exit code.

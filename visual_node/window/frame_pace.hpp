@@ -23,10 +23,16 @@ class FramePace {
 
   private:
     static constexpr Duration kLeast = std::chrono::milliseconds{4};
+    static constexpr int kFirstFrames =
+        10;                             // slow ones, in which drivers make themselves ready: nothing to learn
     static constexpr int kQuiet = 600;  // frames without a missed refresh, before less time is tried
     static constexpr int kSlack = 50;   // a monitor may be faster than it says by this part
 
     void learn(SessionTime begun, SessionTime swapped) {
+        if (first_frames_ < kFirstFrames) {
+            ++first_frames_;
+            return;
+        }
         const bool missed = last_swap_ != SessionTime{} && swapped - last_swap_ > period_ + period_ / 2;
         if (missed || swapped - begun > period_) {
             budget_ = std::min(budget_ * 2, period_);
@@ -41,6 +47,7 @@ class FramePace {
     Duration budget_ = kLeast;
     SessionTime last_swap_{};
     int quiet_ = 0;
+    int first_frames_ = 0;
 };
 
 }  // namespace thimble

@@ -16,7 +16,10 @@ void add_needle(FlatShapes& shapes, const Picture& picture) {
     const double shoulder = picture.needle_tip_y - point;
     const glm::vec3 white = to_vec3(colours::kNeedle);
     shapes.rectangle(x - half, 0, x + half, shoulder, white);
-    shapes.triangle({x - half, shoulder}, {x + half, shoulder}, {x, picture.needle_tip_y}, white);
+    // Blunt by a pixel on either side, so that the end is seen where it is and not where the taper becomes thin.
+    shapes.triangle({x - half, shoulder}, {x + half, shoulder}, {x + 1, picture.needle_tip_y}, white);
+    shapes.triangle({x - half, shoulder}, {x + 1, picture.needle_tip_y}, {x - 1, picture.needle_tip_y},
+                    white);
 }
 
 void add_bar(FlatShapes& shapes, const Picture::Bar& bar, double scale) {

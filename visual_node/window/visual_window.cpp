@@ -36,14 +36,14 @@ nlohmann::ordered_json beeps_of(const std::vector<BeepTimes>& beeps) {
 
 }  // namespace
 
-VisualWindow::VisualWindow(const VisualSettings& settings, const VisualWindowOptions& options,
-                           const ConfigFile& file, const NetworkSettings& network, std::uint64_t instance)
-    : player_(options.view == View::kPlayer),
+VisualWindow::VisualWindow(const VisualSettings& settings, VisualWindowOptions options,
+                           const NetworkSettings& network)
+    : player_(options.player),
+      window_(window_settings(options)),
       display_(settings.pipeline),
       hand_(settings.pointer_m_per_count),
       beeper_(make_beeper(settings)),
-      overlay_(make_overlay(options.view, file, network, instance)),
-      window_(window_settings(options)),
+      overlay_(std::move(options.overlay)),
       loop_({&window_, &display_, player_ ? &hand_ : nullptr, overlay_.get(), beeper_.get()},
             settings.smoothing, one_clock(network)) {
     if (!options.screenshot.empty()) loop_.set_screenshot(options.screenshot);

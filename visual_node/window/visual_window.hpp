@@ -1,29 +1,31 @@
 // The window of a node thimble-visual: everything that main.cpp would otherwise have to put together.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "common/network_settings.hpp"
 #include "visual_node/visual_settings.hpp"
-#include "visual_node/window/overlays.hpp"
 #include "visual_node/window/window_display.hpp"
 #include "visual_node/window/window_loop.hpp"
 
 namespace thimble {
 
 struct VisualWindowOptions {
-    View view = View::kSubject;
+    bool player = false;  // a pointer in the window moves the hand
     bool fullscreen = false;
-    std::string screenshot;  // file; empty: none
+    std::string screenshot{};  // file; empty: none
+    // What stands over the scene; its channels are its own, since the node's belong to another thread. Null: nothing.
+    std::unique_ptr<Overlay> overlay{};
 };
 
 class VisualWindow {
   public:
     // Opens the window and the sound. Throws Error (usage) where there is no screen.
-    VisualWindow(const VisualSettings& settings, const VisualWindowOptions& options, const ConfigFile& file,
-                 const NetworkSettings& network, std::uint64_t instance);
+    VisualWindow(const VisualSettings& settings, VisualWindowOptions options, const NetworkSettings& network);
 
     Display& display() { return display_; }
     // Null unless the view is the player's.
@@ -34,11 +36,11 @@ class VisualWindow {
 
   private:
     bool player_;
+    GlWindow window_;  // first: without a screen nothing else is worth trying
     WindowDisplay display_;
     PointerHand hand_;
     std::unique_ptr<Beeper> beeper_;
     std::unique_ptr<Overlay> overlay_;
-    GlWindow window_;
     WindowLoop loop_;
 };
 
