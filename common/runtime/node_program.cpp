@@ -1,8 +1,11 @@
 #include "common/runtime/node_program.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
+#include <exception>
 #include <fstream>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -93,6 +96,40 @@ int check_deadlines(const Options& options, const RuntimeSettings& runtime, cons
     return static_cast<int>(ExitCode::kRealtime);
 }
 
+// Deadlines are kept by the thread that calls this, whichever it is: scheduling belongs to threads.
+void run_process(NodeInstance& instance, const RuntimeSettings& runtime, RealtimeLoop& loop,
+                 ServiceNotice& notice) {
+    if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
+    notice.ready();
+    loop.run(instance.process(), [&notice](SessionTime now) { notice.turns(now); });
+    notice.stopping();
+}
+
+// The process in a second thread beside the node's foreground. Whatever the foreground dies of is told after the process has
+// stopped, as it would have without.
+void run_beside_foreground(NodeInstance& instance, const RuntimeSettings& runtime, RealtimeLoop& loop,
+                           ServiceNotice& notice) {
+    std::atomic<bool> stopped{false};
+    std::exception_ptr died, foreground_died;
+    std::thread thread([&] {
+        try {
+            run_process(instance, runtime, loop, notice);
+        } catch (...) {
+            died = std::current_exception();
+        }
+        stopped = true;
+    });
+    try {
+        instance.foreground([&stopped] { return stopped.load(); });
+    } catch (const std::exception& error) {
+        spdlog::error(error.what());
+        foreground_died = std::current_exception();
+    }
+    thread.join();
+    if (died) std::rethrow_exception(died);
+    if (foreground_died) std::rethrow_exception(foreground_died);
+}
+
 int run(const NodeProgram& program, const Options& options) {
     if (options.die_with_parent) stop_with_parent();
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
@@ -103,13 +140,14 @@ int run(const NodeProgram& program, const Options& options) {
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);
     install_stop_signals();
-    if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
     RealtimeLoop loop(sockets.listeners());
     spdlog::info("ready, ports from {}", network.base_port);
     ServiceNotice notice;
-    notice.ready();
-    loop.run(instance->process(), [&notice](SessionTime now) { notice.turns(now); });
-    notice.stopping();
+    if (instance->has_foreground()) {
+        run_beside_foreground(*instance, runtime, loop, notice);
+    } else {
+        run_process(*instance, runtime, loop, notice);
+    }
     save(options.report,
          describe(program, *instance, instance->process().counters(), sockets.counters(), loop.statistics()));
     return check_deadlines(options, runtime, loop.statistics());
@@ -156,6 +194,10 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
                 ->check(CLI::Range(option.low, option.high));
         }
         for (const FlagOption& option : program.flags) app.add_flag(option.flag, *option.target, option.help);
+        for (const TextOption& option : program.texts) {
+            CLI::Option* const added = app.add_option(option.flag, *option.target, option.help);
+            if (!option.choices.empty()) added->check(CLI::IsMember(option.choices));
+        }
         app.set_version_flag("--version", std::string(kVersion));
         app.footer(
             "Example:\n  " + program.example +

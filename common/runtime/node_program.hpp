@@ -22,6 +22,10 @@ class NodeInstance {
     virtual NodeProcess& process() = 0;
     // What the node wants to say in its report besides counters and lateness.
     virtual void describe(nlohmann::ordered_json& /*report*/) const {}
+    // A node with work that only the program's main thread may do (a window): its process then runs in a second thread, and
+    // this in the main one. Returns when `stopped` says true, or before: the process goes on without.
+    virtual bool has_foreground() const { return false; }
+    virtual void foreground(const std::function<bool()>& /*stopped*/) {}
 };
 
 struct NumberOption {
@@ -35,21 +39,28 @@ struct FlagOption {
     bool* target;
 };
 
+struct TextOption {
+    std::string flag, help;
+    std::string* target;
+    std::vector<std::string> choices{};  // empty: any text
+};
+
 struct NodeProgram {
     std::string name, description, example;
     std::vector<NumberOption> options;
     std::vector<FlagOption> flags{};
+    std::vector<TextOption> texts{};
     // Reads the node's tables and opens its channels. The program checks the file for unknown keys
     // afterwards; `tables` are the ones this node reads itself.
     std::vector<std::string_view> tables;
     std::function<std::unique_ptr<NodeInstance>(const ConfigFile&, Sockets&, std::uint64_t instance)> build;
 };
 
-// For a report: median_us, p99_us, worst_us, count.
-nlohmann::ordered_json quantiles(const Histogram& histogram);
-
 // Runs until SIGINT, SIGTERM or a shutdown from the session; returns the exit code.
 int run_node_program(const NodeProgram& program, int argc, char** argv);
+
+// Median, 99 % and worst in microseconds, and the count.
+nlohmann::ordered_json quantiles(const Histogram& histogram);
 
 // Calls `body`, turning Error and other exceptions into a message on stderr and an exit code.
 int guarded_main(const std::string& name, const std::function<int()>& body);

@@ -22,6 +22,7 @@ class Sockets {
     // Sends to `remote`, listens to nobody.
     Channel* outlet(Port remote) { return open(std::nullopt, settings_.at(remote)); }
 
+    const NetworkSettings& settings() const { return settings_; }
     // The channels that listen.
     const std::vector<UdpChannel*>& listeners() const { return listeners_; }
     UdpCounters counters() const;

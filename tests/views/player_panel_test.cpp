@@ -1,12 +1,16 @@
 // The player's panel over an empty scene, in this process.
 #include "visual_node/views/player_panel.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
 #include "tests/unit/views/played_session.hpp"
 #include "tests/views/demonstration.hpp"
 #include "tests/views/view_bench.hpp"
+#include "visual_node/views/player_overlay.hpp"
 
 namespace thimble {
 namespace {
@@ -85,7 +89,7 @@ TEST(PlayerPanel, ShowsTheLastSecondsAndNeverTheFixture) {
     EXPECT_GT(count_pixels(player.image(), panel, kVermillion), 50);  // silence, in red
 }
 
-TEST(PlayerPanel, KeysAndMouseAskTheSession) {
+TEST(PlayerPanel, KeysAskTheSession) {
     if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
     VirtualScreen screen;
     ASSERT_TRUE(screen.ready());
@@ -101,10 +105,52 @@ TEST(PlayerPanel, KeysAndMouseAskTheSession) {
     ASSERT_TRUE(screen.hand({"key", "plus"}));
     player.run(0.3);
     EXPECT_TRUE(player.asked(OrderKind::kDelay, [](const Order& o) { return o.value > 0; }));
-    const Rect panel = PlayerPanel::place(800, 600, 1);
-    ASSERT_TRUE(
-        screen.hand({"mousemove", std::to_string(static_cast<int>(panel.x + panel.width / 2)), "60"}));
-    player.run(0.2);
+}
+
+TEST(PlayerPanel, WithSocketsOfItsOwnItAsksARealSession) {
+    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
+    VirtualScreen screen;
+    ASSERT_TRUE(screen.ready());
+    const PortBlock ports;
+    NetworkSettings network;
+    network.base_port = ports.base();
+    TalkingSession session(ports.base(), 1, 4);
+    const auto overlay = make_player_overlay(network, 5);
+    GlWindow window(PlayerWindow::settings());
+    GuiLayer gui(window);
+    const auto frame = [&] {
+        const SessionTime now = wall_now();
+        window.poll_events();
+        overlay->tick(now);
+        window.begin_frame(0, 0, 0);
+        gui.begin();
+        overlay->draw(now, {window, gui, nullptr});
+        gui.end();
+        window.end_frame();
+    };
+    frame();
+    ASSERT_TRUE(screen.wait_for_window("panel under test"));
+    ASSERT_TRUE(screen.press("4"));
+    EXPECT_TRUE(wait_until([&] {
+        frame();
+        const auto start = session.last(OrderKind::kStart);
+        return start && start->modality == Modality::kVF;
+    }));
+    // The slider lies below the hint; wherever its row is, a click in its middle asks for about half of 500 ms.
+    const Rect panel = PlayerPanel::place(window.width(), window.height(), 1);
+    const int x = static_cast<int>(panel.x + panel.width / 2);
+    const auto half = [&] {
+        const auto delay = session.last(OrderKind::kDelay);
+        return delay && std::abs(delay->value - 0.25) < 0.03;
+    };
+    for (int y = 20; y < 90 && !half(); y += 8) {
+        ASSERT_TRUE(screen.hand({"mousemove", std::to_string(x), std::to_string(y), "mousedown", "1"}));
+        for (int i = 0; i < 4; ++i) frame();
+        ASSERT_TRUE(screen.hand({"mouseup", "1"}));
+        for (int i = 0; i < 4; ++i) frame();
+        view_sleep(0.05);
+    }
+    EXPECT_TRUE(half());
 }
 
 }  // namespace

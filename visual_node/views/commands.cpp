@@ -37,7 +37,9 @@ constexpr std::array kPlayerKeys{
     Key{Command::kPreset2, '7', "paper", "50 ms, as in the paper"},
     Key{Command::kDelayDown, '-', "-5 ms", "less delay; Left arrow too"},
     Key{Command::kDelayUp, '+', "+5 ms", "more delay; Right arrow too"},
-    Key{Command::kStart, ' ', "Start / again", "a trial of the same modality"},
+    Key{Command::kStart, ' ', "Again", "a trial of the same modality"},
+    Key{Command::kPause, 'p', "Pause", "no further trial, or go on"},
+    Key{Command::kEndTrial, 'e', "End", "the running trial"},
     Key{Command::kHelp, '?', "Keys", "this list"},
 };
 

@@ -9,7 +9,7 @@ namespace {
 
 // -0.00 says nothing that 0.00 does not.
 double without_sign_of_zero(double value, double resolution) {
-    return value > -resolution / 2 && value < 0 ? 0.0 : value;
+    return value > -resolution / 2 && value <= 0 ? 0.0 : value;
 }
 
 TextLine not_known() { return TextLine::of("{}", kNotKnownText); }

@@ -3,8 +3,8 @@
 namespace thimble {
 namespace {
 
-// From about here HF with the paper's tissue and fixture starts to shake (docs/results.md).
-constexpr double kNoticeableDelay_s = 0.03;
+// From about here HF with a pointer for a handle swings by millimetres (docs/play.md).
+constexpr double kNoticeableDelay_s = 0.02;
 
 }  // namespace
 
@@ -13,9 +13,9 @@ Modality PlayerModel::modality() const {
     return asking ? link_.orders().asked(OrderKind::kStart).modality : link_.monitor().modality;
 }
 
-void PlayerModel::start(SessionTime now, Modality modality) {
+void PlayerModel::ask(SessionTime now, OrderKind kind, Modality modality) {
     Order order;
-    order.kind = OrderKind::kStart;
+    order.kind = kind;
     order.modality = modality;
     order.trial = link_.receiver().trial();
     link_.ask(now, order);
@@ -31,6 +31,10 @@ void PlayerModel::press(SessionTime now, Command command) {
             return set_delay(now, link_.delay_s() + kDelayStep_s);
         case Command::kStart:
             return start(now, modality());
+        case Command::kPause:
+            return ask(now, link_.monitor().paused ? OrderKind::kResume : OrderKind::kPause, modality());
+        case Command::kEndTrial:
+            return ask(now, OrderKind::kEndTrial, modality());
         case Command::kHelp:
             help_ = !help_;
             return;

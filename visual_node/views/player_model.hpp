@@ -24,7 +24,8 @@ class PlayerModel {
     const char* hint(SessionTime now) const;
 
   private:
-    void start(SessionTime now, Modality modality);
+    void ask(SessionTime now, OrderKind kind, Modality modality);
+    void start(SessionTime now, Modality modality) { ask(now, OrderKind::kStart, modality); }
 
     SessionLink link_;
     bool help_ = false;

@@ -14,7 +14,7 @@ constexpr double kPanelWidth = 300, kRow = 30, kPlotHeight = 120;
 
 Rect row_here(double width, double height) {
     const ImVec2 here = ImGui::GetCursorScreenPos();
-    return {here.x, here.y, width, height};
+    return {static_cast<double>(here.x), static_cast<double>(here.y), width, height};
 }
 
 double row_width() { return static_cast<double>(ImGui::GetContentRegionAvail().x); }
@@ -32,17 +32,23 @@ Rect PlayerPanel::place(double width, double height, double scale) {
     return {width - panel, 0, panel, height};
 }
 
+void PlayerPanel::draw_row(std::initializer_list<Command> commands, const Rect& row, double scale,
+                           SessionTime now) {
+    ImGui::SetWindowFontScale(0.9F);  // four beside one another
+    const double pitch = row.width / static_cast<double>(commands.size());
+    Rect cell{row.x, row.y, pitch - 2 * scale, row.height - 4 * scale};
+    for (const Command command : commands) {
+        if (draw_button(player_keys(), command, cell)) model_.press(now, command);
+        cell.x += pitch;
+    }
+    ImGui::SetWindowFontScale(1);
+}
+
 void PlayerPanel::draw_delay(const Rect& column, double scale, SessionTime now) {
     double delay_s = model_.link().delay_s();
     if (draw_delay_slider(row_here(column.width, kRow * scale), delay_s)) model_.set_delay(now, delay_s);
-    constexpr std::array kSteps{Command::kDelayDown, Command::kDelayUp, Command::kPreset0, Command::kPreset2};
     const Rect row = row_here(column.width, kRow * scale);
-    const double pitch = row.width / static_cast<double>(kSteps.size());
-    for (std::size_t i = 0; i < kSteps.size(); ++i) {
-        const Rect cell{row.x + pitch * static_cast<double>(i), row.y, pitch - 2 * scale,
-                        row.height - 4 * scale};
-        if (draw_button(player_keys(), kSteps[i], cell)) model_.press(now, kSteps[i]);
-    }
+    draw_row({Command::kDelayDown, Command::kDelayUp, Command::kPreset0, Command::kPreset2}, row, scale, now);
 }
 
 void PlayerPanel::draw_modalities(double scale, SessionTime now) {
@@ -55,9 +61,8 @@ void PlayerPanel::draw_modalities(double scale, SessionTime now) {
         text_in(kWhite, key_of(player_keys(), command).help);
         ImGui::SetWindowFontScale(1);
     }
-    if (draw_button(player_keys(), Command::kStart, row_here(row_width(), (kRow - 4) * scale))) {
-        model_.press(now, Command::kStart);
-    }
+    const Rect row = row_here(row_width(), kRow * scale);
+    draw_row({Command::kStart, Command::kPause, Command::kEndTrial}, row, scale, now);
 }
 
 void PlayerPanel::draw_plot(double scale, SessionTime now) {
@@ -75,6 +80,7 @@ void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
     const TextLine alarm = model_.link().alarm(now);
     const bool alarmed = !alarm.view().empty();
     text_in(alarmed ? kVermillion : kYellow, alarmed ? alarm.c_str() : model_.hint(now));
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, point(2 * scale, 2 * scale));
     draw_delay({rect.x, rect.y, row_width(), kRow * scale}, scale, now);
     draw_modalities(scale, now);
     draw_plot(scale, now);
@@ -83,6 +89,7 @@ void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
                     model_.help())) {
         model_.press(now, Command::kHelp);
     }
+    ImGui::PopStyleVar();
     ImGui::End();
     if (model_.help()) draw_key_help(player_keys(), scale);
 }

@@ -1,7 +1,8 @@
 // What whoever plays may change and see, over the scene of `thimble play`: delay, modality with what to expect of it, the
-// last seconds, the round trip as measured, and a hint of what to do. It holds no fixture and no inserted needle: they are
-// not for the one who acts.
+// last seconds, the round trip as measured, and a hint of what to do. It never draws the fixture.
 #pragma once
+
+#include <initializer_list>
 
 #include "visual_node/views/player_model.hpp"
 #include "visual_node/views/plot_panel.hpp"
@@ -23,6 +24,7 @@ class PlayerPanel final : public Overlay {
     static Rect place(double width, double height, double scale);
 
   private:
+    void draw_row(std::initializer_list<Command> commands, const Rect& row, double scale, SessionTime now);
     void draw_delay(const Rect& column, double scale, SessionTime now);
     void draw_modalities(double scale, SessionTime now);
     void draw_plot(double scale, SessionTime now);

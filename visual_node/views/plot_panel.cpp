@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::array kPositionCurves{
     Curve{Quantity::kSurface_m, kSkyBlue, Dash::kDashed, "surface"},
-    Curve{Quantity::kFixture_m, kReddishPurple, Dash::kDotted, "fixture"},
     Curve{Quantity::kNeedle_m, kOrange, Dash::kSolid, "needle"},
+    Curve{Quantity::kFixture_m, kReddishPurple, Dash::kDotted, "fixture"},
 };
 constexpr std::array kForceCurves{
     Curve{Quantity::kForceHand_N, kYellow, Dash::kDashed, "handle"},

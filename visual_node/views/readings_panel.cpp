@@ -27,7 +27,7 @@ void draw_readings(const Rect& rect, const SessionLink& link, SessionTime now) {
     const bool silent = link.receiver().silent(now);
     const double height = small_text_height() * kLineHeight;
     const ImVec2 begin = ImGui::GetCursorScreenPos();
-    Rect line{begin.x, begin.y, rect.width, height};
+    Rect line{static_cast<double>(begin.x), static_cast<double>(begin.y), rect.width, height};
     ImDrawList& list = *ImGui::GetWindowDrawList();
     draw_reading(list, line, "age", age_text(link.receiver().age(now)).c_str(),
                  silent ? kVermillion : kWhite);

@@ -19,6 +19,7 @@ TEST(MonitorText, NumbersHaveUnits) {
     EXPECT_EQ(length_text(-1e-9).view(), "0.00 mm");
     EXPECT_EQ(force_text(-3.2).view(), "-3.20 N");
     EXPECT_EQ(force_text(-0.001).view(), "0.00 N");
+    EXPECT_EQ(force_text(-0.0).view(), "0.00 N");
     EXPECT_EQ(time_text(0.0123).view(), "12.3 ms");
     EXPECT_EQ(time_text(1.5).view(), "1.50 s");
     EXPECT_EQ(age_text(std::chrono::milliseconds{4}).view(), "4 ms");

@@ -1,0 +1,136 @@
+#include "visual_node/window/gl_window.hpp"
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "tests/window/x_server.hpp"
+#include "visual_node/window/png_file.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+std::string refusal_of_window() {
+    try {
+        GlWindow window{WindowSettings{}};
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kUsage);
+        return error.what();
+    }
+    return "";
+}
+
+// The window system answers when it likes: asks for a second.
+bool comes_true(GlWindow& window, const std::function<bool()>& wish) {
+    for (int i = 0; i < 100 && !wish(); ++i) window.wait_events(milliseconds{10});
+    return wish();
+}
+
+TEST(GlWindow, SaysThatThereIsNoScreen) {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    EXPECT_THAT(refusal_of_window(), HasSubstr("no screen: DISPLAY and WAYLAND_DISPLAY are not set"));
+}
+
+TEST(GlWindow, SaysThatTheScreenDoesNotAnswer) {
+    setenv("DISPLAY", ":4711", 1);
+    EXPECT_THAT(refusal_of_window(), HasSubstr(":4711"));
+    unsetenv("DISPLAY");
+}
+
+TEST(GlWindow, ReadsBackWhatItCleared) {
+    XServer server;
+    if (!server.missing().empty()) GTEST_SKIP() << server.missing();
+    GlWindow window{WindowSettings{}};
+    window.begin_frame(1, 0.5F, 0);
+    const Image image = window.read_pixels();
+    window.end_frame();
+    ASSERT_EQ(image.width, 800);
+    ASSERT_EQ(image.height, 600);
+    for (const int x : {0, 399, 799}) {
+        const Rgb colour = image.at(x, x % 600);
+        EXPECT_EQ(colour[0], 255);
+        EXPECT_NEAR(colour[1], 128, 1);
+        EXPECT_EQ(colour[2], 0);
+    }
+}
+
+TEST(GlWindow, GrowsWithTheContentScale) {
+    XServer server;
+    if (!server.missing().empty()) GTEST_SKIP() << server.missing();
+    WindowSettings settings;
+    settings.width = 400;
+    settings.height = 300;
+    settings.content_scale = 2;
+    GlWindow window{settings};
+    EXPECT_EQ(window.width(), 800);
+    EXPECT_EQ(window.height(), 600);
+    EXPECT_EQ(window.content_scale(), 2);
+}
+
+TEST(GlWindow, TellsItsNewSize) {
+    XServer server;
+    if (!server.missing().empty()) GTEST_SKIP() << server.missing();
+    GlWindow window{WindowSettings{}};
+    window.set_size(1000, 500);
+    bool told = false;
+    EXPECT_TRUE(comes_true(window, [&] {
+        for (const WindowEvent& event : window.poll_events()) {
+            told |= event.kind == WindowEvent::Kind::kResize && event.x == 1000 && event.y == 500;
+        }
+        return window.width() == 1000 && window.height() == 500;
+    }));
+    window.begin_frame(0, 0, 1);  // the driver looks at the new size when it swaps
+    window.end_frame();
+    window.begin_frame(0, 0, 1);
+    EXPECT_EQ(window.read_pixels().at(999, 499), (Rgb{0, 0, 255}));
+}
+
+TEST(GlWindow, OutlivesItsScreen) {
+    XServer server;
+    if (!server.missing().empty()) GTEST_SKIP() << server.missing();
+    // Xlib's state belongs to the whole program: what breaks here must not meet the next test.
+    EXPECT_EXIT(
+        {
+            GlWindow window{WindowSettings{}};
+            window.begin_frame(0, 0, 0);
+            window.end_frame();
+            const bool alive = !window.lost();
+            server.kill();
+            for (int i = 0; i < 100 && !window.lost(); ++i) {
+                window.wait_events(milliseconds{10});
+                window.begin_frame(0, 0, 0);
+                window.end_frame();
+            }
+            std::_Exit(alive && window.lost() && window.should_close() ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "");
+}
+
+TEST(PngFile, GivesBackWhatWasWritten) {
+    Image image{2, 3, {}};
+    for (int i = 0; i < 18; ++i) image.rgb.push_back(static_cast<std::uint8_t>(13 * i));
+    const auto path = std::filesystem::path(testing::TempDir()) / "png_file_test.png";
+    write_png(path, image);
+    const Image read = read_png(path);
+    EXPECT_EQ(read.width, 2);
+    EXPECT_EQ(read.height, 3);
+    EXPECT_EQ(read.rgb, image.rgb);
+    std::filesystem::remove(path);
+}
+
+TEST(PngFile, SaysWhatItCannotWriteOrRead) {
+    const Image dot{1, 1, {1, 2, 3}};
+    EXPECT_THAT([&] { write_png("/nowhere/a.png", dot); },
+                testing::ThrowsMessage<Error>(HasSubstr("/nowhere/a.png")));
+    EXPECT_THAT([] { read_png("/nowhere/a.png"); },
+                testing::ThrowsMessage<Error>(HasSubstr("/nowhere/a.png")));
+}
+
+}  // namespace
+}  // namespace thimble

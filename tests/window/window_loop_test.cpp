@@ -1,0 +1,144 @@
+#include "visual_node/window/window_loop.hpp"
+
+#include <atomic>
+#include <imgui.h>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "tests/window/x_server.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+class WindowLoopTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!server_.missing().empty()) GTEST_SKIP() << server_.missing();
+    }
+    XServer server_;
+};
+
+Scene scene_at(SessionTime arrived) {
+    Scene scene;
+    scene.position_surface_m = scene.position_surface_rest_m = 0.02;
+    scene.sample_time = arrived;
+    scene.hand_time = arrived - milliseconds{3};
+    scene.answer_time = arrived - milliseconds{2};
+    return scene;
+}
+
+struct CountingOverlay final : Overlay {
+    void tick(SessionTime) override { ++ticks; }
+    void draw(SessionTime, const OverlayFrame& frame) override {
+        ++draws;
+        has_times |= frame.times != nullptr;
+        ImGui::TextUnformatted("panel");
+    }
+    void closing(SessionTime) override { told_of_end = true; }
+    int ticks = 0, draws = 0;
+    bool has_times = false, told_of_end = false;
+};
+
+TEST_F(WindowLoopTest, ShowsTheNewestSceneAndSaysWhen) {
+    GlWindow window{WindowSettings{}};
+    WindowDisplay display(milliseconds{7});
+    CountingOverlay overlay;
+    WindowLoop loop({&window, &display, nullptr, &overlay}, Duration::zero(), true);
+    const SessionTime before = wall_now();
+    display.draw(before, scene_at(before - milliseconds{2}));
+    display.draw(before, scene_at(before - milliseconds{1}));
+    ASSERT_TRUE(loop.turn());
+    const auto shown = display.shown(kNever - Duration{1});
+    ASSERT_TRUE(shown);
+    EXPECT_EQ(shown->scene.sample_time, before - milliseconds{1});
+    EXPECT_GE(shown->shown_at, before + milliseconds{7});
+    EXPECT_LE(shown->shown_at, wall_now() + milliseconds{7});
+    EXPECT_FALSE(display.shown(kNever - Duration{1}));
+    EXPECT_EQ(loop.times().hand_to_swap.count(), 1U);
+    EXPECT_EQ(loop.times().hand_to_slave.worst(), milliseconds{1});
+    EXPECT_EQ(loop.times().slave_to_arrival.worst(), milliseconds{2});
+    EXPECT_GE(loop.times().arrival_to_frame.worst(), milliseconds{1});
+    EXPECT_EQ(overlay.draws, 1);
+    EXPECT_GE(overlay.ticks, 1);
+    EXPECT_TRUE(overlay.has_times);
+}
+
+TEST_F(WindowLoopTest, DrawsFrameAfterFrameUntilItIsTold) {
+    GlWindow window{WindowSettings{}};
+    WindowDisplay display(Duration::zero());
+    WindowLoop loop({&window, &display}, Duration::zero(), true);
+    const SessionTime end = wall_now() + milliseconds{700};
+    EXPECT_EQ(loop.run([&] { return wall_now() >= end; }), WindowEnd::kAsked);
+    EXPECT_GT(loop.frames(), 5U);
+    EXPECT_LT(loop.frames(), 80U);  // its own pace, where no monitor gives one
+}
+
+TEST_F(WindowLoopTest, PageCoversTheSceneUntilTheTrial) {
+    GlWindow window{WindowSettings{}};
+    WindowDisplay display(Duration::zero());
+    WindowLoop loop({&window, &display}, Duration::zero(), true);
+    display.draw({}, scene_at(wall_now()));
+    const Image scene = loop.picture();
+    Page page;
+    page.kind = PageKind::kBreak;
+    page.remaining_s = 61;
+    display.turn_page({}, page);
+    const Image covered = loop.picture();
+    EXPECT_EQ(covered.at(400, 580), colours::kBackground);
+    int ink = 0;
+    for (int y = 150; y < 350; ++y) {
+        for (int x = 0; x < 800; ++x) ink += covered.at(x, y) != colours::kBackground ? 1 : 0;
+    }
+    EXPECT_GT(ink, 300);
+    EXPECT_LT(ink, 20000);
+    display.turn_page({}, Page{});
+    EXPECT_EQ(loop.picture().rgb, scene.rgb);
+}
+
+TEST_F(WindowLoopTest, ReportsBeepsAlsoWithoutSound) {
+    GlWindow window{WindowSettings{}};
+    WindowDisplay display(Duration::zero());
+    WindowLoop loop({&window, &display}, Duration::zero(), true);
+    const SessionTime asked = wall_now();
+    display.beep(asked);
+    ASSERT_TRUE(loop.turn());
+    ASSERT_EQ(loop.beeps().size(), 1U);
+    EXPECT_EQ(loop.beeps()[0].asked, asked);
+    EXPECT_GE(loop.beeps()[0].begun, asked);
+}
+
+TEST_F(WindowLoopTest, NodeGoesOnWithoutScreen) {
+    EXPECT_EXIT(
+        {
+            GlWindow window{WindowSettings{}};
+            WindowDisplay display(Duration::zero());
+            WindowLoop loop({&window, &display}, Duration::zero(), true);
+            std::atomic<bool> stop{false};
+            std::uint64_t taken = 0;
+            std::thread node([&] {
+                for (int i = 0; i < 1500; ++i) {
+                    const SessionTime now = wall_now();
+                    display.draw(now, scene_at(now));
+                    while (display.shown(now)) ++taken;
+                    if (i == 500) server_.kill();
+                    wall_sleep(milliseconds{1});
+                }
+                stop = true;
+            });
+            const WindowEnd end = loop.run([&] { return stop.load(); });
+            const bool before_node = !stop;
+            node.join();
+            const bool good =
+                end == WindowEnd::kScreenLost && before_node && taken > 0 && display.unseen() > 0;
+            std::_Exit(good ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,92 @@
+#include "visual_node/window/captions.hpp"
+
+#include <array>
+#include <cmath>
+#include <imgui.h>
+
+#include <fmt/format.h>
+
+#include "visual_node/window/page_text.hpp"
+
+namespace thimble {
+namespace {
+
+ImU32 to_ink(const Rgb& colour, int alpha = 255) { return IM_COL32(colour[0], colour[1], colour[2], alpha); }
+
+void draw_centred(ImFont* font, const std::string& text, float y, ImU32 ink) {
+    const ImVec2 size = font->CalcTextSizeA(font->FontSize, FLT_MAX, 0, text.c_str());
+    const float x = (ImGui::GetIO().DisplaySize.x - size.x) / 2;
+    ImGui::GetForegroundDrawList()->AddText(font, font->FontSize, ImVec2(x, y), ink, text.c_str());
+}
+
+// Line by line, each in the middle; returns where the next would stand.
+float draw_lines(ImFont* font, const std::string& text, float y, ImU32 ink) {
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        draw_centred(font, text.substr(begin, end - begin), y, ink);
+        y += 1.4F * font->FontSize;
+        begin = end + 1;
+    }
+    return y;
+}
+
+}  // namespace
+
+void draw_bar_scale(const Picture& picture) {
+    if (!picture.bar) return;
+    const Picture::Bar& bar = *picture.bar;
+    const int ticks = static_cast<int>(std::floor(bar.full_N / bar.tick_N * (1 + 1e-12)));
+    for (int i = 0; i <= ticks; ++i) {
+        const std::string label = fmt::format("{:g}{}", i * bar.tick_N, i == ticks ? " N" : "");
+        const ImVec2 size = ImGui::CalcTextSize(fmt::format("{:g}", i * bar.tick_N).c_str());
+        const double x = std::round(bar.left + bar.full_length * (i * bar.tick_N / bar.full_N) -
+                                    static_cast<double>(size.x) / 2);
+        const double y = bar.top + bar.height + 7 * picture.size.content_scale;
+        ImGui::GetBackgroundDrawList()->AddText(ImVec2(static_cast<float>(x), static_cast<float>(y)),
+                                                to_ink(colours::kInk), label.c_str());
+    }
+}
+
+void draw_page(const GuiLayer& gui, const Page& page) {
+    if (page.kind == PageKind::kNone) return;
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    ImGui::GetForegroundDrawList()->AddRectFilled(ImVec2(0, 0), size, to_ink(colours::kBackground));
+    const PageText text = page_text(page);
+    const float y = draw_lines(gui.large_font(), text.title, 0.3F * size.y, to_ink(colours::kNeedle));
+    draw_lines(ImGui::GetFont(), text.body, y + ImGui::GetFontSize(), to_ink(colours::kInk));
+}
+
+void draw_key_help(const std::string& keys) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(size.x / 2, size.y / 2), ImGuiCond_Always, ImVec2(0.5F, 0.5F));
+    const ImGuiWindowFlags flags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
+                                   ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoSavedSettings;
+    if (ImGui::Begin("keys", nullptr, flags)) ImGui::TextUnformatted(keys.c_str());
+    ImGui::End();
+}
+
+void draw_times(const FrameTimes& times) {
+    const auto ms = [](const Histogram& h, double q) { return 1e3 * to_seconds(h.quantile(q)); };
+    std::array<char, 160> line{};
+    if (times.one_clock() && times.hand_to_swap.count() > 0) {
+        fmt::format_to_n(
+            line.data(), line.size() - 1,
+            "hand to picture {:.1f} ms (half of all; 99 %: {:.1f})   network {:.1f}   waiting {:.1f}   "
+            "drawing {:.1f}",
+            ms(times.hand_to_swap, 0.5), ms(times.hand_to_swap, 0.99), ms(times.slave_to_arrival, 0.5),
+            ms(times.arrival_to_frame, 0.5), ms(times.draw, 0.5));
+    } else {
+        fmt::format_to_n(line.data(), line.size() - 1, "waiting {:.1f} ms   drawing {:.1f} ms",
+                         ms(times.arrival_to_frame, 0.5), ms(times.draw, 0.5));
+    }
+    const float y = ImGui::GetIO().DisplaySize.y - 1.3F * ImGui::GetFontSize();
+    ImGui::GetForegroundDrawList()->AddText(ImVec2(0.5F * ImGui::GetFontSize(), y), to_ink(colours::kInk),
+                                            line.data());
+}
+
+void draw_notice(const std::string& notice) {
+    if (!notice.empty())
+        draw_centred(ImGui::GetFont(), notice, 0.5F * ImGui::GetFontSize(), to_ink(colours::kInk));
+}
+
+}  // namespace thimble

@@ -1,0 +1,49 @@
+#include "visual_node/window/playout.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace thimble {
+namespace {
+
+Scene between(const Scene& older, const Scene& newer, SessionTime stamp) {
+    const double way = to_seconds(stamp - older.hand_time) / to_seconds(newer.hand_time - older.hand_time);
+    Scene scene = older;
+    scene.position_needle_m += way * (newer.position_needle_m - older.position_needle_m);
+    scene.position_surface_m += way * (newer.position_surface_m - older.position_surface_m);
+    // Rounding must not put the needle beneath the surface.
+    scene.position_needle_m = std::min(scene.position_needle_m, scene.position_surface_m);
+    return scene;
+}
+
+}  // namespace
+
+Playout::Playout(Duration smoothing, std::size_t capacity) : smoothing_(smoothing), ring_(capacity) {
+    assert(smoothing >= Duration::zero() && capacity >= 2);
+}
+
+void Playout::add(const Scene& scene) {
+    if (added_ > 0 && scene.hand_time == recent(0).hand_time) {
+        ring_[(added_ - 1) % ring_.size()] = scene;  // the same sample once more: its bar may have fallen
+        return;
+    }
+    if (added_ > 0 && scene.hand_time < recent(0).hand_time) added_ = 0;
+    const Duration took = scene.sample_time - scene.hand_time;
+    quickest_ = added_ == 0 ? took : std::min(quickest_, took);
+    ring_[added_ % ring_.size()] = scene;
+    ++added_;
+}
+
+std::optional<Scene> Playout::at(SessionTime now) {
+    if (added_ == 0) return std::nullopt;
+    const std::size_t kept = std::min(added_, ring_.size());
+    const SessionTime stamp = now - smoothing_ - quickest_;
+    std::size_t older = 0;
+    while (smoothing_ > Duration::zero() && older + 1 < kept && recent(older).hand_time > stamp) ++older;
+    const Scene& from = recent(older);
+    shown_arrival_ = from.sample_time;
+    if (older == 0 || from.hand_time > stamp) return from;
+    return between(from, recent(older - 1), stamp);
+}
+
+}  // namespace thimble

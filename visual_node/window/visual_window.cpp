@@ -1,0 +1,72 @@
+#include "visual_node/window/visual_window.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "common/runtime/node_program.hpp"
+
+namespace thimble {
+namespace {
+
+WindowSettings window_settings(const VisualWindowOptions& options) {
+    WindowSettings settings;
+    settings.fullscreen = options.fullscreen;
+    return settings;
+}
+
+std::unique_ptr<Beeper> make_beeper(const VisualSettings& settings) {
+    if (!settings.sound) return nullptr;
+    auto beeper = std::make_unique<Beeper>();
+    if (!beeper->can_sound()) spdlog::warn(beeper->notice());
+    return beeper;
+}
+
+// Stamps of the master and of slave_sim count on this machine's clock where all of them are this machine.
+bool one_clock(const NetworkSettings& network) {
+    return network.host(Role::kMaster) == network.host(Role::kVisual) &&
+           network.host(Role::kSlaveSim) == network.host(Role::kVisual);
+}
+
+nlohmann::ordered_json beeps_of(const std::vector<BeepTimes>& beeps) {
+    auto list = nlohmann::ordered_json::array();
+    for (const BeepTimes& beep : beeps) {
+        list.push_back({{"asked_ns", to_nanoseconds(beep.asked)}, {"begun_ns", to_nanoseconds(beep.begun)}});
+    }
+    return list;
+}
+
+}  // namespace
+
+VisualWindow::VisualWindow(const VisualSettings& settings, VisualWindowOptions options,
+                           const NetworkSettings& network)
+    : player_(options.player),
+      window_(window_settings(options)),
+      display_(settings.pipeline),
+      hand_(settings.pointer_m_per_count),
+      beeper_(make_beeper(settings)),
+      overlay_(std::move(options.overlay)),
+      loop_({&window_, &display_, player_ ? &hand_ : nullptr, overlay_.get(), beeper_.get()},
+            settings.smoothing, one_clock(network)) {
+    if (!options.screenshot.empty()) loop_.set_screenshot(options.screenshot);
+    if (player_ && beeper_ != nullptr) loop_.set_notice(beeper_->notice());
+}
+
+void VisualWindow::describe(nlohmann::ordered_json& report) const {
+    const FrameTimes& times = loop_.times();
+    nlohmann::ordered_json window;
+    window["end"] = to_string(loop_.end());
+    window["frames"] = loop_.frames();
+    window["scenes_unseen"] = display_.unseen();
+    window["frame_interval"] = quantiles(times.interval);
+    window["frame_to_swap"] = quantiles(times.draw);
+    window["arrival_to_frame"] = quantiles(times.arrival_to_frame);
+    if (times.one_clock()) {
+        window["hand_to_slave_sim"] = quantiles(times.hand_to_slave);
+        window["slave_sim_to_arrival"] = quantiles(times.slave_to_arrival);
+        window["hand_to_swap"] = quantiles(times.hand_to_swap);
+    }
+    window["beeps"] = beeps_of(loop_.beeps());
+    window["sound"] = beeper_ == nullptr ? "off" : beeper_->can_sound() ? "on" : "no_device";
+    report["window"] = window;
+}
+
+}  // namespace thimble

@@ -1,0 +1,47 @@
+// The window of a node thimble-visual: everything that main.cpp would otherwise have to put together.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "common/network_settings.hpp"
+#include "visual_node/visual_settings.hpp"
+#include "visual_node/window/window_display.hpp"
+#include "visual_node/window/window_loop.hpp"
+
+namespace thimble {
+
+struct VisualWindowOptions {
+    bool player = false;  // a pointer in the window moves the hand
+    bool fullscreen = false;
+    std::string screenshot{};  // file; empty: none
+    // What stands over the scene; its channels are its own, since the node's belong to another thread. Null: nothing.
+    std::unique_ptr<Overlay> overlay{};
+};
+
+class VisualWindow {
+  public:
+    // Opens the window and the sound. Throws Error (usage) where there is no screen.
+    VisualWindow(const VisualSettings& settings, VisualWindowOptions options, const NetworkSettings& network);
+
+    Display& display() { return display_; }
+    // Null unless the view is the player's.
+    HandSource* hand() { return player_ ? &hand_ : nullptr; }
+    // The main thread's work. Afterwards describe() may be asked.
+    void run(const std::function<bool()>& stopped) { loop_.run(stopped); }
+    void describe(nlohmann::ordered_json& report) const;
+
+  private:
+    bool player_;
+    GlWindow window_;  // first: without a screen nothing else is worth trying
+    WindowDisplay display_;
+    PointerHand hand_;
+    std::unique_ptr<Beeper> beeper_;
+    std::unique_ptr<Overlay> overlay_;
+    WindowLoop loop_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,51 @@
+#include "visual_node/window/window_display.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kScenes = 1024;  // a second of them at 1 kHz
+constexpr std::size_t kShownScenes = 256;
+constexpr std::size_t kRareThings = 64;
+
+template <class T>
+std::optional<T> take_from(SpscRing<T>& ring) {
+    const T* const oldest = ring.front();
+    if (oldest == nullptr) return std::nullopt;
+    const T value = *oldest;
+    ring.pop();
+    return value;
+}
+
+}  // namespace
+
+WindowDisplay::WindowDisplay(Duration pipeline)
+    : pipeline_(pipeline), scenes_(kScenes), pages_(kRareThings), beeps_(kRareThings), shown_(kShownScenes) {}
+
+void WindowDisplay::draw(SessionTime, const Scene& scene) {
+    if (!open_ || !scenes_.push(scene)) ++unseen_;
+}
+
+std::optional<ShownScene> WindowDisplay::shown(SessionTime now) {
+    if (now < next_shown()) return std::nullopt;
+    return take_from(shown_);
+}
+
+SessionTime WindowDisplay::next_shown() const {
+    const ShownScene* const oldest = shown_.front();
+    return oldest == nullptr ? kNever : oldest->shown_at;
+}
+
+// A full ring has sixty-four of them waiting for a window that hangs: one more says nothing new.
+void WindowDisplay::turn_page(SessionTime, const Page& page) { static_cast<void>(pages_.push(page)); }
+void WindowDisplay::beep(SessionTime now) { static_cast<void>(beeps_.push(now)); }
+
+std::optional<Scene> WindowDisplay::take_scene() { return take_from(scenes_); }
+std::optional<Page> WindowDisplay::take_page() { return take_from(pages_); }
+std::optional<SessionTime> WindowDisplay::take_beep() { return take_from(beeps_); }
+
+// Full: the node has not looked for four seconds, and percepts that old are worth nothing.
+void WindowDisplay::presented(const Scene& scene, SessionTime swapped) {
+    static_cast<void>(shown_.push({scene, swapped + pipeline_}));
+}
+
+}  // namespace thimble

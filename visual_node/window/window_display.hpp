@@ -1,0 +1,48 @@
+// The Display of a node whose window lives in another thread: a mailbox that neither side ever waits at. The node's thread calls
+// what Display has; the window's thread the rest. A window that hangs, is closed or loses its screen leaves the node undisturbed:
+// scenes then go nowhere and are counted.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "visual_node/display.hpp"
+#include "visual_node/window/spsc_ring.hpp"
+
+namespace thimble {
+
+class WindowDisplay final : public Display {
+  public:
+    // `pipeline`: from a swap's return to light.
+    explicit WindowDisplay(Duration pipeline);
+
+    // The node's thread.
+    void draw(SessionTime now, const Scene& scene) override;
+    std::optional<ShownScene> shown(SessionTime now) override;
+    SessionTime next_shown() const override;
+    void turn_page(SessionTime now, const Page& page) override;
+    void beep(SessionTime now) override;
+
+    // The window's thread. The next scene, page or beep (when it was asked for) that waits, oldest first.
+    std::optional<Scene> take_scene();
+    std::optional<Page> take_page();
+    std::optional<SessionTime> take_beep();
+    // This scene has been swapped to the screen.
+    void presented(const Scene& scene, SessionTime swapped);
+    // Nobody looks any more.
+    void close() { open_ = false; }
+
+    // Scenes that nobody took: the window was closed or had not come to fetch them for a second.
+    std::uint64_t unseen() const { return unseen_; }
+
+  private:
+    Duration pipeline_;
+    SpscRing<Scene> scenes_;
+    SpscRing<Page> pages_;
+    SpscRing<SessionTime> beeps_;
+    SpscRing<ShownScene> shown_;
+    std::atomic<bool> open_{true};
+    std::atomic<std::uint64_t> unseen_{0};
+};
+
+}  // namespace thimble

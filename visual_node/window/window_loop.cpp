@@ -1,0 +1,237 @@
+#include "visual_node/window/window_loop.hpp"
+
+#include <algorithm>
+#include <imgui.h>
+
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "visual_node/window/captions.hpp"
+#include "visual_node/window/png_file.hpp"
+#include "visual_node/window/shader.hpp"
+// clang-format off
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+// clang-format on
+
+namespace thimble {
+namespace {
+
+// A hand is read at least so often, also from devices that send no events.
+constexpr Duration kHandPeriod = std::chrono::milliseconds{2};
+constexpr Duration kLongestWait = std::chrono::milliseconds{10};
+
+}  // namespace
+
+const char* to_string(WindowEnd end) {
+    switch (end) {
+        case WindowEnd::kNone:
+            return "none";
+        case WindowEnd::kAsked:
+            return "asked";
+        case WindowEnd::kClosed:
+            return "closed";
+        case WindowEnd::kScreenLost:
+            return "screen_lost";
+    }
+    return "?";
+}
+
+WindowLoop::WindowLoop(const Parts& parts, Duration smoothing, bool one_clock)
+    : parts_(parts),
+      gui_(*parts.window),
+      playout_(smoothing),
+      times_(one_clock),
+      pace_(parts.window->refresh_Hz()),
+      times_shown_(parts.hand != nullptr) {
+    beeps_.reserve(64);
+}
+
+WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
+    while (end_ == WindowEnd::kNone && !stop()) {
+        if (!turn()) break;
+        wait_until(pace_.next(begun_, swapped_), stop);
+    }
+    if (end_ == WindowEnd::kNone) end_ = WindowEnd::kAsked;
+    if (end_ == WindowEnd::kAsked && !screenshot_.empty()) save_screenshot(picture());
+    if (end_ == WindowEnd::kScreenLost) {
+        spdlog::warn("the window's screen is gone: nothing is shown any more, the node goes on");
+    } else if (end_ == WindowEnd::kClosed) {
+        spdlog::warn("the window was closed: nothing is shown any more, the node goes on");
+    }
+    if (parts_.hand != nullptr) parts_.hand->let_go();
+    if (parts_.display != nullptr) parts_.display->close();
+    return end_;
+}
+
+bool WindowLoop::turn() {
+    take_events(wall_now(), parts_.window->poll_events());
+    if (close_asked_ && end_ == WindowEnd::kNone) {
+        end_ = WindowEnd::kClosed;
+        if (parts_.overlay != nullptr) parts_.overlay->closing(wall_now());
+    }
+    if (parts_.window->lost()) end_ = WindowEnd::kScreenLost;
+    if (end_ != WindowEnd::kNone) return false;
+    return draw(wall_now());
+}
+
+void WindowLoop::take_events(SessionTime now, std::span<const WindowEvent> events) {
+    for (const WindowEvent& event : events) {
+        if (!gui_.wants(event)) handle(now, event);
+    }
+    if (parts_.hand != nullptr) read_gamepad(now);
+    take_mail(now);
+    if (parts_.overlay != nullptr) parts_.overlay->tick(now);
+}
+
+void WindowLoop::wait_until(SessionTime begin, const std::function<bool()>& stop) {
+    const Duration longest = parts_.hand != nullptr ? kHandPeriod : kLongestWait;
+    for (SessionTime now = wall_now(); now < begin && !stop() && !parts_.window->lost(); now = wall_now()) {
+        take_events(wall_now(), parts_.window->wait_events(std::min(begin - now, longest)));
+    }
+}
+
+void WindowLoop::take_mail(SessionTime now) {
+    if (parts_.display == nullptr) return;
+    while (const auto scene = parts_.display->take_scene()) playout_.add(*scene);
+    while (const auto page = parts_.display->take_page()) page_ = *page;
+    while (const auto asked = parts_.display->take_beep()) {
+        if (parts_.beeper != nullptr) parts_.beeper->beep();
+        beeps_.push_back({*asked, std::max(now, *asked)});
+    }
+}
+
+void WindowLoop::handle(SessionTime now, const WindowEvent& event) {
+    if (event.kind == WindowEvent::Kind::kClose) close_asked_ = true;
+    if (parts_.overlay != nullptr && parts_.overlay->handle(now, event)) return;
+    if (event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated) handle_key(event);
+    if (parts_.hand == nullptr) return;
+    if (event.kind == WindowEvent::Kind::kButton && event.pressed) {
+        parts_.window->grab_pointer(true);
+        parts_.hand->take_hold();
+    } else if (event.kind == WindowEvent::Kind::kMotion && parts_.window->pointer_grabbed()) {
+        parts_.hand->move(event.y);
+    } else if (event.kind == WindowEvent::Kind::kFocus && !event.pressed) {
+        parts_.window->grab_pointer(false);
+        parts_.hand->let_go();
+    }
+}
+
+void WindowLoop::handle_key(const WindowEvent& event) {
+    switch (event.key) {
+        case GLFW_KEY_ESCAPE:
+            help_ = false;
+            parts_.window->grab_pointer(false);
+            if (parts_.hand != nullptr) parts_.hand->let_go();
+            return;
+        case GLFW_KEY_SLASH:  // "?" on most keyboards, and F1 where it is elsewhere
+        case GLFW_KEY_F1:
+            help_ = !help_;
+            return;
+        case GLFW_KEY_F2:
+            times_shown_ = !times_shown_;
+            return;
+        case GLFW_KEY_F12:
+            shot_asked_ = true;
+            return;
+        default:
+            return;
+    }
+}
+
+std::string WindowLoop::keys() const {
+    std::string text =
+        "? or F1   this list\nF2        times from hand to picture\nF12       save the picture\n";
+    if (parts_.hand != nullptr) {
+        text +=
+            "click     take the needle: move down to push it in\nEsc       let go\n"
+            "gamepad   hold A, push the left stick down\n";
+    }
+    return text;
+}
+
+void WindowLoop::read_gamepad(SessionTime now) {
+    if (parts_.window->lost()) return;
+    const Duration since =
+        stick_read_ == SessionTime{} ? Duration::zero() : std::min(now - stick_read_, kLongestWait);
+    stick_read_ = now;
+    GLFWgamepadstate state{};
+    if (glfwJoystickIsGamepad(GLFW_JOYSTICK_1) != GLFW_TRUE ||
+        glfwGetGamepadState(GLFW_JOYSTICK_1, &state) != GLFW_TRUE) {
+        return;
+    }
+    const bool held = state.buttons[GLFW_GAMEPAD_BUTTON_A] == GLFW_PRESS;
+    if (held != stick_held_) held ? parts_.hand->take_hold() : parts_.hand->let_go();
+    stick_held_ = held;
+    if (held) parts_.hand->push(state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y], since);
+}
+
+bool WindowLoop::draw(SessionTime now) {
+    GlWindow& window = *parts_.window;
+    const glm::vec3 ground = to_vec3(colours::kBackground);
+    begun_ = now;
+    window.begin_frame(ground.x, ground.y, ground.z);
+    const auto scene = playout_.at(now);
+    std::optional<Picture> picture;
+    if (scene && window.width() > 0 && window.height() > 0) {
+        picture = picture_of(*scene, {window.width(), window.height(), window.content_scale()});
+        painter_.paint(*picture);
+    }
+    gui_.begin();
+    draw_captions(now, picture);
+    gui_.end();
+    if (wanted_ != nullptr) *wanted_ = window.read_pixels();
+    if (shot_asked_) save_screenshot(window.read_pixels());
+    shot_asked_ = false;
+    window.end_frame();
+    swapped_ = wall_now();
+    if (window.lost()) {
+        end_ = WindowEnd::kScreenLost;
+        return false;
+    }
+    ++frames_;
+    if (!scene) {
+        times_.add_empty(begun_, swapped_);
+        return true;
+    }
+    times_.add(*scene, begun_, swapped_);
+    parts_.display->presented(*scene, swapped_);
+    return true;
+}
+
+void WindowLoop::draw_captions(SessionTime now, const std::optional<Picture>& picture) {
+    if (picture) draw_bar_scale(*picture);
+    if (parts_.overlay != nullptr) {
+        parts_.overlay->draw(now, {*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_});
+    }
+    if (times_shown_ && parts_.display != nullptr) draw_times(times_);
+    draw_notice(notice_);
+    draw_page(gui_, page_);
+    if (help_) draw_key_help(keys());
+}
+
+Image WindowLoop::picture() {
+    Image image;
+    wanted_ = &image;
+    if (end_ == WindowEnd::kNone || end_ == WindowEnd::kAsked) {
+        take_mail(wall_now());
+        draw(wall_now());
+    }
+    wanted_ = nullptr;
+    return image;
+}
+
+// A picture that cannot be saved is no reason to stop a trial.
+void WindowLoop::save_screenshot(const Image& image) const {
+    if (image.rgb.empty()) return;
+    const std::filesystem::path path = screenshot_.empty() ? "thimble.png" : screenshot_;
+    try {
+        write_png(path, image);
+        spdlog::info("picture saved: {}", path.string());
+    } catch (const Error& error) {
+        spdlog::error(error.what());
+    }
+}
+
+}  // namespace thimble

@@ -1,0 +1,88 @@
+// What the main thread does while the node's thread does its work: events, frames, sound. Ends when it is told to, when somebody
+// closes the window, or when the screen is gone; the node goes on in each case.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "visual_node/visual_settings.hpp"
+#include "visual_node/window/beeper.hpp"
+#include "visual_node/window/frame_pace.hpp"
+#include "visual_node/window/frame_times.hpp"
+#include "visual_node/window/overlay.hpp"
+#include "visual_node/window/painter.hpp"
+#include "visual_node/window/playout.hpp"
+#include "visual_node/window/pointer_hand.hpp"
+#include "visual_node/window/window_display.hpp"
+
+namespace thimble {
+
+enum class WindowEnd : std::uint8_t { kNone, kAsked, kClosed, kScreenLost };
+const char* to_string(WindowEnd end);
+
+// When a beep was asked for and when its tone began: the device's own latency is not in it.
+struct BeepTimes {
+    SessionTime asked{}, begun{};
+};
+
+class WindowLoop {
+  public:
+    // All outlive the loop; those that may be null are left out.
+    struct Parts {
+        GlWindow* window;
+        WindowDisplay* display = nullptr;  // null: no scene, only the overlay
+        PointerHand* hand = nullptr;       // null: the pointer moves nothing
+        Overlay* overlay = nullptr;
+        Beeper* beeper = nullptr;
+    };
+    // `one_clock`: as in FrameTimes.
+    WindowLoop(const Parts& parts, Duration smoothing, bool one_clock);
+
+    // Until `stop` says true (asked several times per frame). Stands in for itself in the log where it ends early.
+    WindowEnd run(const std::function<bool()>& stop);
+    // Takes events, mail and sound, then draws one frame at once. False: closed or lost, no frame was drawn.
+    bool turn();
+    // A line for the subject at the top; empty: none.
+    void set_notice(const std::string& notice) { notice_ = notice; }
+    // The last frame is written here when run() ends, and whenever F12 is pressed.
+    void set_screenshot(const std::filesystem::path& path) { screenshot_ = path; }
+    // Of the next frame, from before its swap.
+    Image picture();
+
+    const FrameTimes& times() const { return times_; }
+    const std::vector<BeepTimes>& beeps() const { return beeps_; }
+    std::uint64_t frames() const { return frames_; }
+    WindowEnd end() const { return end_; }
+
+  private:
+    void take_mail(SessionTime now);
+    void handle(SessionTime now, const WindowEvent& event);
+    void handle_key(const WindowEvent& event);
+    void read_gamepad(SessionTime now);
+    void wait_until(SessionTime begin, const std::function<bool()>& stop);
+    void take_events(SessionTime now, std::span<const WindowEvent> events);
+    bool draw(SessionTime now);
+    void draw_captions(SessionTime now, const std::optional<Picture>& picture);
+    std::string keys() const;
+    void save_screenshot(const Image& image) const;
+
+    Parts parts_;
+    GuiLayer gui_;
+    Painter painter_;
+    Playout playout_;
+    FrameTimes times_;
+    FramePace pace_;
+    Page page_;
+    std::string notice_;
+    std::filesystem::path screenshot_;
+    std::vector<BeepTimes> beeps_;
+    std::uint64_t frames_ = 0;
+    SessionTime begun_{}, swapped_{}, stick_read_{};
+    WindowEnd end_ = WindowEnd::kNone;
+    Image* wanted_ = nullptr;  // where the next frame is to be copied
+    bool help_ = false, times_shown_ = false, close_asked_ = false, stick_held_ = false, shot_asked_ = false;
+};
+
+}  // namespace thimble
