@@ -1,6 +1,6 @@
 // Frames of the subject's window: how long one takes, in this machine's OpenGL.
 //
-//   xvfb-run -a -s "-screen 0 1280x1024x24" build/release/bin/thimble-bench-window
+//   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/bin/thimble-bench-window
 #include <cmath>
 #include <cstdio>
 

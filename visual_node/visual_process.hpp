@@ -2,6 +2,8 @@
 // visible, the beep at once.
 #pragma once
 
+#include <algorithm>
+
 #include "common/node_process.hpp"
 #include "visual_node/display.hpp"
 #include "visual_node/hand_flow.hpp"

@@ -164,7 +164,7 @@ void WindowLoop::read_gamepad(SessionTime now) {
     const bool held = state.buttons[GLFW_GAMEPAD_BUTTON_A] == GLFW_PRESS;
     if (held != stick_held_) held ? parts_.hand->take_hold() : parts_.hand->let_go();
     stick_held_ = held;
-    if (held) parts_.hand->push(state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y], since);
+    if (held) parts_.hand->push(static_cast<double>(state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y]), since);
 }
 
 bool WindowLoop::draw(SessionTime now) {
