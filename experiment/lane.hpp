@@ -63,6 +63,8 @@ class Lane {
     const TrialRecord& run_trial(const TrialConditions& trial, std::uint32_t number,
                                  const std::filesystem::path& trajectory);
     std::uint32_t last_number() const { return session_.last_number(); }
+    // What the subject's screen says until the next trial.
+    void show(const Page& page) { session_.show(page); }
     // Keeps in touch with the nodes between trials, for at most `limit`.
     void idle(Duration limit);
     // A node has ended, or was lost: this lane runs no further trial.

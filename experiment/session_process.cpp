@@ -53,6 +53,7 @@ void SessionProcess::start(const TrialConditions& conditions, std::uint32_t numb
     fresh_ = true;
     fixture_changed_ = false;
     abort_.reset();
+    page_.reset();
     next_send_ = {};
     stage_ = Stage::kStartingOthers;
 }
@@ -288,6 +289,8 @@ void SessionProcess::send_orders(SessionTime now) {
         } else {
             peer.out.send(now, trial_, Heartbeat{});
         }
+        const bool between = stage_ == Stage::kIdle || stage_ == Stage::kDone;
+        if (page_ && between && peer.role == Role::kVisual) peer.out.send(now, trial_, *page_);
         // Behind an order, never alone: a probe wakes nobody who would have slept on.
         if (peer.prober.due(now)) peer.out.send(now, trial_, peer.prober.probe(now));
     }

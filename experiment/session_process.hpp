@@ -63,6 +63,8 @@ class SessionProcess final : public Process {
     // Removes or moves the fixture of the running trial. A trial that removes it does so by itself, when the
     // sample arrives that the beep is due with.
     void change_fixture(bool present, double fixture_position_m);
+    // What the subject's screen says from now until a trial starts; repeated with every keep-alive.
+    void show(const Page& page) { page_ = page; }
     // Tells every node to exit.
     void shut_down(SessionTime now);
     // Roles that have not been heard within `limit`, as text; empty if all are there.
@@ -113,6 +115,7 @@ class SessionProcess final : public Process {
     Stage stage_ = Stage::kIdle;
     std::uint32_t trial_ = 0;
     bool fresh_ = false;  // start() was called, the clock is not known yet
+    std::optional<Page> page_;
     std::optional<EndReason> abort_;
     Role abort_peer_ = Role::kSession;
     SessionTime stage_since_{};

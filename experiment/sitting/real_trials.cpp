@@ -46,6 +46,10 @@ TrialRecord RealTrials::run(const TrialConditions& conditions, std::uint32_t num
     return record;
 }
 
+void RealTrials::show(const Page& page) {
+    if (lane_) lane_->show(page);
+}
+
 void RealTrials::idle(Duration limit) {
     if (lane_) return lane_->idle(limit);
     wall_sleep(limit);

@@ -19,6 +19,7 @@ class RealTrials final : public TrialRunner {
     std::uint32_t last_number() const override { return lane_ ? lane_->last_number() : 0; }
     TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
                     const std::filesystem::path& trajectory) override;
+    void show(const Page& page) override;
     void idle(Duration limit) override;
     SessionTime now() const override;
     std::string problem() const override { return problem_; }

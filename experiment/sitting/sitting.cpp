@@ -43,6 +43,9 @@ SittingResult Sitting::run() {
         const Answer answer = before(step);
         if (answer == Answer::kAskAgain) continue;
         if (answer == Answer::kStop || stopped()) {
+            Page paused = page(step);
+            paused.kind = PageKind::kPaused;
+            runner_.show(paused);
             return result(ExitCode::kRunFailed,
                           "interrupted; the trials that had ended are kept: go on with --resume");
         }
@@ -78,14 +81,38 @@ Sitting::Answer Sitting::before(const std::optional<Step>& step) {
                                            : "break. " + options_.protocol.break_text);
     }
     if (!asks) {
-        while (rest_ && !rest_->over_by_itself(runner_.now()) && !stopped()) runner_.idle(kLook);
+        while (rest_ && !rest_->over_by_itself(runner_.now()) && !stopped()) wait(step);
+        runner_.show(page(step));
         return Answer::kGo;
     }
     if (!step && !last_block_) return Answer::kGo;  // it was complete before
-    return ask(step ? "next: " + name_of(*step) : "that was the last trial");
+    return ask(step ? "next: " + name_of(*step) : "that was the last trial", step);
 }
 
-Sitting::Answer Sitting::ask(const std::string& prompt) {
+// Neither modality nor fixture: the participant must not know.
+Page Sitting::page(const std::optional<Step>& step) const {
+    Page page;
+    page.trials = static_cast<std::uint32_t>(agenda_.order.size());
+    page.kind = PageKind::kDone;
+    if (!step) return page;
+    page.trial = step->entry.position;
+    if (rest_) page.remaining_s = to_seconds(rest_->left(runner_.now()));
+    if (page.remaining_s > 0) {
+        page.kind = PageKind::kBreak;
+    } else if (agenda_.records.empty()) {
+        page.kind = PageKind::kWelcome;
+    } else {
+        page.kind = step->entry.practice ? PageKind::kPractice : PageKind::kReady;
+    }
+    return page;
+}
+
+void Sitting::wait(const std::optional<Step>& step) {
+    runner_.show(page(step));
+    runner_.idle(kLook);
+}
+
+Sitting::Answer Sitting::ask(const std::string& prompt, const std::optional<Step>& step) {
     options_.say(fmt::format("{}. {}", prompt, kPromptHelp));
     for (;;) {
         if (stopped()) return Answer::kStop;
@@ -94,7 +121,7 @@ Sitting::Answer Sitting::ask(const std::string& prompt) {
             options_.say("nobody answers any more: the input has ended");
             return Answer::kStop;
         }
-        runner_.idle(kLook);
+        wait(step);
     }
 }
 

@@ -31,6 +31,8 @@ class TrialRunner {
     virtual std::uint32_t last_number() const = 0;
     virtual TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
                             const std::filesystem::path& trajectory) = 0;
+    // What the participant's screen says until the next trial.
+    virtual void show(const Page& page) = 0;
     // Lets time pass between trials.
     virtual void idle(Duration limit) = 0;
     virtual SessionTime now() const = 0;
@@ -66,7 +68,9 @@ class Sitting {
     enum class Answer { kGo, kAskAgain, kStop };
 
     Answer before(const std::optional<Step>& step);
-    Answer ask(const std::string& prompt);
+    Answer ask(const std::string& prompt, const std::optional<Step>& step);
+    Page page(const std::optional<Step>& step) const;
+    void wait(const std::optional<Step>& step);
     Answer obey(const std::string& line);
     Answer go_on();
     void mark_last(ExclusionKind kind, const std::string& reason);

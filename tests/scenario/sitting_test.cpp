@@ -25,6 +25,7 @@ class VirtualTrials final : public TrialRunner {
         --left_;
         return run_virtual_trial(settings_, conditions);
     }
+    void show(const Page& /*page*/) override {}
     void idle(Duration limit) override { now_ += limit; }
     SessionTime now() const override { return now_; }
     std::string problem() const override { return {}; }

@@ -53,10 +53,10 @@ struct alignas(8) ZeroHeader {
     std::array<std::uint8_t, 32> bytes{};
 };
 struct alignas(8) ZeroBody {  // as large as the largest
-    std::array<std::uint8_t, 88> bytes{};
+    std::array<std::uint8_t, 160> bytes{};
 };
 constexpr flatbuffers::voffset_t kHeaderField = 4;
-constexpr std::array<flatbuffers::voffset_t, 7> kBodyFields{6, 8, 10, 12, 14, 16, 18};
+constexpr std::array<flatbuffers::voffset_t, 11> kBodyFields{6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26};
 
 Packet by_hand(bool header, const std::vector<flatbuffers::voffset_t>& bodies,
                const char* identifier = "THM1") {
@@ -124,7 +124,7 @@ TEST(CodecRefusal, NotOneBody) {
         }
     }
     // A body that a later version may add is none that we know.
-    EXPECT_EQ(judged(by_hand(true, {20})), Refusal::kNotOneBody);
+    EXPECT_EQ(judged(by_hand(true, {28})), Refusal::kNotOneBody);
 }
 
 struct Number {
@@ -172,6 +172,25 @@ std::vector<Number> numbers() {
         field("round trip median", &Heartbeat::round_trip_median_s, 0, 1e6),
         field("round trip worst", &Heartbeat::round_trip_worst_s, 0, 1e6),
         field("hold median", &Heartbeat::hold_median_s, 0, 1e6),
+        field("handle force", &Heartbeat::force_hand_N, -1e5, 1e5),
+        field("handle energy", &Heartbeat::energy_in_J, -1e6, 1e6),
+        field("hand input", &HandInput::position_hand_m, -10, 10),
+        field("monitor time", &Monitor::time_s, 0, 1e6),
+        field("monitor needle", &Monitor::position_needle_m, -10, 10),
+        field("monitor surface", &Monitor::position_surface_m, -10, 10),
+        field("monitor fixture", &Monitor::position_fixture_m, -10, 10),
+        field("monitor tissue force", &Monitor::force_tissue_N, -1e5, 1e5),
+        field("monitor fixture force", &Monitor::force_fixture_N, -1e5, 1e5),
+        field("monitor total force", &Monitor::force_total_N, -2e5, 2e5),
+        field("monitor contact time", &Monitor::contact_time_s, 0, 1e6),
+        field("monitor handle force", &Monitor::force_hand_N, -1e5, 1e5),
+        field("monitor energy", &Monitor::energy_in_J, -1e6, 1e6),
+        field("monitor round trip", &Monitor::round_trip_s, 0, 1e6),
+        field("monitor one way", &Monitor::one_way_s, -1, 1e6),
+        field("monitor bound", &Monitor::one_way_bound_s, 0, 1e6),
+        field("monitor delay", &Monitor::network_delay_s, 0, 1e6),
+        field("order value", &Order::value, 0, 1e6),
+        field("page remaining", &Page::remaining_s, 0, 1e6),
     };
 }
 
@@ -249,14 +268,21 @@ void expect_enum(Enum Body::*member, int legal) {
 }
 
 TEST(CodecRefusal, EnumsOutOfRange) {
-    expect_enum(&Header::sender, 6);
+    expect_enum(&Header::sender, 7);
     expect_enum(&ForceFeedback::phase, 3);
     expect_enum(&Percept::finger, 3);
-    expect_enum(&SessionControl::kind, 5);
+    expect_enum(&SessionControl::kind, 6);
     expect_enum(&SessionControl::modality, 4);
     expect_enum(&SessionControl::reason, 5);
     expect_enum(&Heartbeat::state, 4);
     expect_enum(&Heartbeat::reason, 5);
+    expect_enum(&Monitor::phase, 3);
+    expect_enum(&Monitor::modality, 4);
+    expect_enum(&Monitor::state, 4);
+    expect_enum(&Monitor::reason, 5);
+    expect_enum(&Order::kind, 10);
+    expect_enum(&Order::modality, 4);
+    expect_enum(&Page::kind, 8);
 }
 
 TEST(CodecRefusal, EveryRefusalHasANameOfItsOwn) {

@@ -38,12 +38,17 @@ class InstantTrials final : public TrialRunner {
         if (numbers.size() == stop_after) stop = true;
         return record;
     }
+    void show(const Page& page) override {
+        if (pages.empty() || pages.back().kind != page.kind || pages.back().trial != page.trial)
+            pages.push_back(page);
+    }
     void idle(Duration limit) override { clock += limit; }
     SessionTime now() const override { return clock; }
     std::string problem() const override { return "the cable"; }
 
     std::deque<EndReason> outcomes;
     std::vector<std::uint32_t> numbers;
+    std::vector<Page> pages;  // without repetitions
     std::uint32_t seen = 0;
     std::size_t stop_after = 0;
     int prepared = 0;
@@ -103,6 +108,28 @@ TEST_F(SittingTest, RunsTheOrderAndRests) {
     EXPECT_THAT(trials_.numbers, ElementsAre(1, 2, 3, 4, 5));
     EXPECT_THAT(said_, Contains(HasSubstr(settings_.break_text)).Times(2));
     EXPECT_GE(trials_.clock - SessionTime{}, seconds{5 * 10 + 2 * 30});
+}
+
+TEST_F(SittingTest, TheScreenSaysWhatComesNext) {
+    sit();
+    using enum PageKind;
+    std::vector<PageKind> kinds;
+    std::vector<std::uint32_t> trials;
+    for (const Page& page : trials_.pages) {
+        kinds.push_back(page.kind);
+        trials.push_back(page.trial);
+        EXPECT_EQ(page.trials, 5U);
+        EXPECT_LE(page.remaining_s, 30);
+    }
+    EXPECT_THAT(kinds, ElementsAre(kWelcome, kBreak, kReady, kReady, kBreak, kReady, kReady, kDone));
+    EXPECT_THAT(trials, ElementsAre(1, 2, 2, 3, 4, 4, 5, 0));
+}
+
+TEST_F(SittingTest, TheScreenSaysThatItGoesOnLater) {
+    trials_.stop_after = 1;
+    sit();
+    EXPECT_EQ(trials_.pages.back().kind, PageKind::kPaused);
+    EXPECT_EQ(trials_.pages.back().trial, 2U);
 }
 
 TEST_F(SittingTest, VirtualSubjectsDoNotRest) {
