@@ -5,6 +5,7 @@
 #include "visual_node/visual_process.hpp"
 #ifdef THIMBLE_GUI
 #include "visual_node/views/experimenter_program.hpp"
+#include "visual_node/views/player_overlay.hpp"
 #include "visual_node/window/visual_window.hpp"
 #endif
 
@@ -41,14 +42,19 @@ class RecordingVisual final : public NodeInstance {
 #ifdef THIMBLE_GUI
 
 // What a view puts over the scene. Its sockets are its own: the node's wake the node's thread.
-std::unique_ptr<Overlay> make_overlay(const Choices& /*choices*/) { return nullptr; }
+std::unique_ptr<Overlay> make_overlay(const Choices& choices, const NetworkSettings& network,
+                                      std::uint64_t instance) {
+    if (choices.view != "player") return nullptr;
+    return std::make_unique<PlayerOverlay>(instance, network);
+}
 
 class WindowVisual final : public NodeInstance {
   public:
     WindowVisual(const VisualSettings& settings, const Choices& choices, Sockets& sockets,
                  std::uint64_t instance)
         : window_(settings,
-                  {choices.view == "player", choices.fullscreen, choices.screenshot, make_overlay(choices)},
+                  {choices.view == "player", choices.fullscreen, choices.screenshot,
+                   make_overlay(choices, sockets.settings(), instance)},
                   sockets.settings()),
           process_(instance, settings, open_channels(sockets, window_.hand() != nullptr), window_.display(),
                    window_.hand()) {}

@@ -14,6 +14,8 @@ class PlayerModel {
 
     void update(SessionTime now) { link_.update(now); }
     void press(SessionTime now, Command command);
+    // Asks the session to end.
+    void quit(SessionTime now) { ask(now, OrderKind::kQuit, modality()); }
     void set_delay(SessionTime now, double delay_s) { link_.ask_delay(now, delay_s); }
 
     const SessionLink& link() const { return link_; }

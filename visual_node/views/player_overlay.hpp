@@ -1,15 +1,25 @@
-// The player's panel with sockets of its own, for the window of `thimble-visual --view player`.
+// The player's panel with sockets of its own, as `thimble-visual --view player` puts it over the scene. Whoever closes the
+// window has played enough: the session hears Quit.
 #pragma once
 
-#include <memory>
-
-#include "common/network_settings.hpp"
-#include "visual_node/window/overlay.hpp"
+#include "common/runtime/sockets.hpp"
+#include "visual_node/views/player_panel.hpp"
 
 namespace thimble {
 
-// Listens at Port::kExperimenterMonitor, sends to Port::kSessionOrders: the experimenter's view cannot run on the same base
-// port at the same time. Throws Error (network) if the port is taken.
-std::unique_ptr<Overlay> make_player_overlay(const NetworkSettings& network, std::uint64_t instance);
+class PlayerOverlay final : public Overlay {
+  public:
+    // `instance`: random per program start. Throws Error (network) if the port of Monitors is taken.
+    PlayerOverlay(std::uint64_t instance, const NetworkSettings& network);
+
+    void tick(SessionTime now) override { panel_.tick(now); }
+    void draw(SessionTime now, const OverlayFrame& frame) override { panel_.draw(now, frame); }
+    bool handle(SessionTime now, const WindowEvent& event) override { return panel_.handle(now, event); }
+    void closing(SessionTime now) override;
+
+  private:
+    Sockets sockets_;
+    PlayerPanel panel_;
+};
 
 }  // namespace thimble

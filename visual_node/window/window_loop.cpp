@@ -60,6 +60,7 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
     } else if (end_ == WindowEnd::kClosed) {
         spdlog::warn("the window was closed: nothing is shown any more, the node goes on");
     }
+    if (end_ != WindowEnd::kAsked && parts_.overlay != nullptr) parts_.overlay->closing(wall_now());
     if (parts_.hand != nullptr) parts_.hand->let_go();
     if (parts_.display != nullptr) parts_.display->close();
     return end_;
@@ -67,10 +68,7 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
 
 bool WindowLoop::turn() {
     take_events(wall_now(), parts_.window->poll_events());
-    if (close_asked_ && end_ == WindowEnd::kNone) {
-        end_ = WindowEnd::kClosed;
-        if (parts_.overlay != nullptr) parts_.overlay->closing(wall_now());
-    }
+    if (close_asked_ && end_ == WindowEnd::kNone) end_ = WindowEnd::kClosed;
     if (parts_.window->lost()) end_ = WindowEnd::kScreenLost;
     if (end_ != WindowEnd::kNone) return false;
     return draw(wall_now());

@@ -1,0 +1,58 @@
+#include "experiment/film/film_scenes.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace thimble {
+namespace {
+
+// Any film is slower, so that a scene is due whenever one is asked for.
+constexpr double kScenes_Hz = 1000;
+// Time zero is "never" to some; a film begins later.
+constexpr SessionTime kBegin = from_nanoseconds(1'000'000'000);
+
+VisualSettings for_films(VisualSettings settings) {
+    settings.refresh_Hz = kScenes_Hz;
+    settings.fingertip = true;  // a film's viewer wears no device
+    return settings;
+}
+
+SessionControl start_of(const TrialConditions& conditions) {
+    SessionControl control;
+    control.study_seed = conditions.study_seed;
+    control.experiment = conditions.experiment;
+    control.subject = conditions.subject;
+    control.modality = conditions.modality;
+    return control;
+}
+
+ForceFeedback feedback_of(const TrajectorySample& sample) {
+    ForceFeedback feedback;
+    feedback.position_needle_m = sample.position_needle_m;
+    feedback.position_surface_m = sample.position_surface_m;
+    feedback.force_total_N = sample.force_total_N;
+    feedback.phase = sample.phase;
+    return feedback;
+}
+
+}  // namespace
+
+FilmScenes::FilmScenes(std::span<const TrajectorySample> samples, const TrialConditions& conditions,
+                       VisualSettings settings)
+    : samples_(samples), delay_s_(conditions.delay_s), node_(for_films(settings)) {
+    assert(!samples.empty());
+    node_.start_trial(kBegin, start_of(conditions), conditions.trial);
+}
+
+std::optional<Scene> FilmScenes::at(double time_s) {
+    for (; next_ < samples_.size() && samples_[next_].time_s + delay_s_ <= time_s; ++next_) {
+        const TrajectorySample& sample = samples_[next_];
+        node_.on_feedback(kBegin + from_seconds(sample.time_s + delay_s_), feedback_of(sample));
+    }
+    // A millisecond on: the first scene is due within the first one.
+    const SessionTime now = kBegin + from_seconds(std::max(time_s, 1 / kScenes_Hz));
+    if (const auto scene = node_.frame(now)) newest_ = scene;
+    return newest_;
+}
+
+}  // namespace thimble

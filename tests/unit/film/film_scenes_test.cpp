@@ -1,0 +1,72 @@
+// What a film shows is what the screen showed: late by the delay, the bar in VF only, the needle to the surface.
+#include "experiment/film/film_scenes.hpp"
+
+#include <gtest/gtest.h>
+
+#include "experiment/film/film.hpp"
+
+namespace thimble {
+namespace {
+
+// 2 s at 1 kHz: the needle moves 20 mm/s from -10 mm, meets the surface at rest at 0, the force grows with the way.
+std::vector<TrajectorySample> pushed_in() {
+    std::vector<TrajectorySample> samples(2001);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        TrajectorySample& sample = samples[i];
+        sample.time_s = static_cast<double>(i) * 1e-3;
+        sample.position_needle_m = -0.01 + 0.02 * sample.time_s;
+        sample.force_total_N = sample.position_needle_m > 0 ? -200 * sample.position_needle_m : 0;
+        sample.phase = sample.position_needle_m > 0 ? TissuePhase::kPenetrated : TissuePhase::kFree;
+    }
+    return samples;
+}
+
+TrialConditions condition(Modality modality, double delay_s) {
+    TrialConditions conditions;
+    conditions.modality = modality;
+    conditions.delay_s = delay_s;
+    return conditions;
+}
+
+TEST(FilmScenes, ShowWhatHasArrived) {
+    const auto samples = pushed_in();
+    FilmScenes now(samples, condition(Modality::kHF, 0), {}),
+        later(samples, condition(Modality::kHF, 0.2), {});
+    EXPECT_FALSE(later.at(0.1));
+    for (const double time_s : {0.3, 0.31, 0.45}) {
+        EXPECT_DOUBLE_EQ(now.at(time_s)->position_needle_m, -0.01 + 0.02 * time_s);
+        EXPECT_NEAR(later.at(time_s)->position_needle_m, -0.01 + 0.02 * (time_s - 0.2), 2.1e-5);
+    }
+    EXPECT_DOUBLE_EQ(now.duration_s(), 2);
+    EXPECT_DOUBLE_EQ(later.duration_s(), 2.2);
+}
+
+TEST(FilmScenes, HideTheInsertedNeedle) {
+    const auto samples = pushed_in();
+    FilmScenes scenes(samples, condition(Modality::kHF, 0), {});
+    EXPECT_DOUBLE_EQ(scenes.at(1.5)->position_needle_m, 0);
+    EXPECT_TRUE(scenes.at(1.5)->touching);
+}
+
+TEST(FilmScenes, ShowTheForceAsItsModalityDoes) {
+    const auto samples = pushed_in();
+    FilmScenes vf(samples, condition(Modality::kVF, 0), {}), hf(samples, condition(Modality::kHF, 0), {}),
+        cf(samples, condition(Modality::kCF, 0), {});
+    EXPECT_NEAR(vf.at(1.5)->bar_N, 4, 0.031);  // in steps of a pixel
+    EXPECT_TRUE(vf.at(1.5)->bar_shown);
+    EXPECT_EQ(hf.at(1.5)->bar_N, 0);
+    EXPECT_FALSE(hf.at(1.5)->bar_shown);
+    EXPECT_TRUE(cf.at(1.5)->fingertip_shown);
+    EXPECT_FALSE(hf.at(1.5)->fingertip_shown);
+}
+
+TEST(FilmFrames, OneAtTheStartAndOnePerPeriod) {
+    EXPECT_EQ(frame_count(0, 30), 1U);
+    EXPECT_EQ(frame_count(1, 30), 31U);
+    EXPECT_EQ(frame_count(2.2, 10), 23U);  // 2.2 x 10 is 22 but for rounding
+    EXPECT_EQ(frame_count(0.099, 10), 1U);
+    EXPECT_EQ(frame_file("f", 12).string(), "f/frame_000012.png");
+}
+
+}  // namespace
+}  // namespace thimble
