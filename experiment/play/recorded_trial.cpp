@@ -23,7 +23,7 @@ std::vector<std::string> names_of(const TrialConditions& c) {
 std::filesystem::path trajectory_of(const std::filesystem::path& folder, const TrialConditions& conditions) {
     std::error_code absent;
     for (const std::string& name : names_of(conditions)) {
-        const auto file = folder / "trajectories" / name;
+        auto file = folder / "trajectories" / name;
         if (std::filesystem::exists(file, absent)) return file;
     }
     throw Error(
