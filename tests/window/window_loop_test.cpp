@@ -9,6 +9,11 @@
 #include "common/runtime/wall_clock.hpp"
 #include "tests/window/x_server.hpp"
 
+// clang-format off
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+// clang-format on
+
 namespace thimble {
 namespace {
 
@@ -110,6 +115,19 @@ TEST_F(WindowLoopTest, ReportsBeepsAlsoWithoutSound) {
     ASSERT_EQ(loop.beeps().size(), 1U);
     EXPECT_EQ(loop.beeps()[0].asked, asked);
     EXPECT_GE(loop.beeps()[0].begun, asked);
+}
+
+TEST_F(WindowLoopTest, ClosedWindowEndsTheLoopAndNotTheNode) {
+    GlWindow window{WindowSettings{}};
+    WindowDisplay display(Duration::zero());
+    CountingOverlay overlay;
+    WindowLoop loop({&window, &display, nullptr, &overlay}, Duration::zero(), true);
+    ASSERT_TRUE(loop.turn());
+    glfwSetWindowShouldClose(window.handle(), GLFW_TRUE);  // what a click on the frame's cross does
+    EXPECT_EQ(loop.run([] { return false; }), WindowEnd::kClosed);
+    EXPECT_TRUE(overlay.told_of_end);
+    display.draw({}, Scene{});
+    EXPECT_EQ(display.unseen(), 1U);
 }
 
 // A person's click and motion, by xdotool.
