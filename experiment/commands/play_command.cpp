@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "experiment/commands/commands.hpp"
+#include "experiment/commands/film_options.hpp"
 #include "experiment/commands/real_run.hpp"
 #include "experiment/play/play_desk.hpp"
 #include "experiment/play/play_session.hpp"
@@ -23,6 +24,7 @@ struct PlayArguments {
     double delay_s = 0.05, seconds = 0, speed = 1;
     std::size_t trial = 1;
     int base_port = 0;
+    FilmArguments film;
 };
 
 std::vector<std::string> words_of(const std::string& command) {
@@ -64,6 +66,12 @@ int run_play(const PlayArguments& arguments) {
     options.record = arguments.record;
     if (arguments.seconds > 0) options.longest = from_seconds(arguments.seconds);
     options.stop = &stop_requested();
+    if (arguments.film.asked()) {
+        install_stop_signals();
+        const auto hold_s = to_seconds(settings.slave.contact_hold);
+        return film_and_say(find_recorded_trial(arguments.replay, arguments.trial, hold_s), settings.visual,
+                            arguments.film, options.stop);
+    }
     if (arguments.visual_command.empty()) check_window(program_folder());
     options.starter =
         std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command));
@@ -97,6 +105,7 @@ Command add_play(CLI::App& app) {
         ->default_val(arguments->speed)
         ->check(CLI::Range(ReplayClock::kSlowest, ReplayClock::kFastest))
         ->needs(replay);
+    add_film_options(*sub, replay, arguments->film);
     sub->add_option("--base-port", arguments->base_port, "first UDP port, instead of [network].base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
@@ -108,6 +117,7 @@ Command add_play(CLI::App& app) {
     sub->footer(
         "Example:\n  thimble play --modality HF --delay-s 0.05 --record out/play\n"
         "  thimble play --replay out/play --trial 2 --speed 0.5\n"
+        "  thimble play --replay out/play --trial 2 --video trial2.mp4\n"
         "Manual: docs/play.md.");
     return {sub, [arguments] { return run_play(*arguments); }};
 }

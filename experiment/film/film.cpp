@@ -91,12 +91,11 @@ void make_video(const FilmPlan& plan) {
 
 }  // namespace
 
-FilmResult make_film(const TrialConditions& conditions, const std::vector<TrajectorySample>& samples,
-                     const FilmPlan& plan) {
-    if (samples.empty()) throw Error(ExitCode::kData, "this trial has no samples: there is nothing to show");
+FilmResult make_film(const RecordedTrial& trial, const FilmPlan& plan) {
+    const TrialConditions& conditions = trial.record.conditions;
     Studio studio(plan, fmt::format("{} {}", to_string(conditions.modality), delay_text(conditions.delay_s)));
     prepare(plan);
-    FilmScenes scenes(samples, conditions, plan.visual);
+    FilmScenes scenes(trial, plan.visual);
     const std::size_t all = frame_count(scenes.duration_s(), plan.frames_per_s);
     FilmResult result;
     for (; result.frames < all; ++result.frames) {

@@ -6,9 +6,8 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <vector>
 
-#include "experiment/trial_record.hpp"
+#include "experiment/play/recorded_trial.hpp"
 #include "visual_node/visual_settings.hpp"
 
 namespace thimble {
@@ -33,9 +32,8 @@ struct FilmResult {
 std::size_t frame_count(double duration_s, double frames_per_s);
 std::filesystem::path frame_file(const std::filesystem::path& folder, std::size_t frame);
 
-// Throws Error: usage, if there are frames or a video already, or no screen (also none of xvfb-run) to draw on; data, if a
-// trial has no samples or a file cannot be written; run failed, with ffmpeg's words.
-FilmResult make_film(const TrialConditions& conditions, const std::vector<TrajectorySample>& samples,
-                     const FilmPlan& plan);
+// Throws Error: usage, if there are frames or a video already, or no screen (xvfb-run makes one) to draw on; data, if a
+// file cannot be written; run failed, with ffmpeg's words.
+FilmResult make_film(const RecordedTrial& trial, const FilmPlan& plan);
 
 }  // namespace thimble

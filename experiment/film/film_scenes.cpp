@@ -37,17 +37,27 @@ ForceFeedback feedback_of(const TrajectorySample& sample) {
 
 }  // namespace
 
-FilmScenes::FilmScenes(std::span<const TrajectorySample> samples, const TrialConditions& conditions,
-                       VisualSettings settings)
-    : samples_(samples), delay_s_(conditions.delay_s), node_(for_films(settings)) {
-    assert(!samples.empty());
+FilmScenes::FilmScenes(const RecordedTrial& trial, VisualSettings settings)
+    : trial_(&trial), node_(for_films(settings)) {
+    assert(!trial.record.samples.empty());
+    const TrialConditions& conditions = trial.record.conditions;
     node_.start_trial(kBegin, start_of(conditions), conditions.trial);
 }
 
+double FilmScenes::duration_s() const {
+    const TrajectorySample& last = trial_->record.samples.back();
+    return last.time_s + trial_->delay_s(last.time_s);
+}
+
+double FilmScenes::arrival_s(const TrajectorySample& sample) const {
+    return std::max(sample.time_s + trial_->delay_s(sample.time_s), newest_s_);
+}
+
 std::optional<Scene> FilmScenes::at(double time_s) {
-    for (; next_ < samples_.size() && samples_[next_].time_s + delay_s_ <= time_s; ++next_) {
-        const TrajectorySample& sample = samples_[next_];
-        node_.on_feedback(kBegin + from_seconds(sample.time_s + delay_s_), feedback_of(sample));
+    const auto& samples = trial_->record.samples;
+    for (; next_ < samples.size() && arrival_s(samples[next_]) <= time_s; ++next_) {
+        newest_s_ = arrival_s(samples[next_]);
+        node_.on_feedback(kBegin + from_seconds(newest_s_), feedback_of(samples[next_]));
     }
     // A millisecond on: the first scene is due within the first one.
     const SessionTime now = kBegin + from_seconds(std::max(time_s, 1 / kScenes_Hz));

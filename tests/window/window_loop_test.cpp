@@ -9,6 +9,11 @@
 #include "common/runtime/wall_clock.hpp"
 #include "tests/window/x_server.hpp"
 
+// clang-format off
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+// clang-format on
+
 namespace thimble {
 namespace {
 
@@ -110,6 +115,48 @@ TEST_F(WindowLoopTest, ReportsBeepsAlsoWithoutSound) {
     ASSERT_EQ(loop.beeps().size(), 1U);
     EXPECT_EQ(loop.beeps()[0].asked, asked);
     EXPECT_GE(loop.beeps()[0].begun, asked);
+}
+
+TEST_F(WindowLoopTest, ClosedWindowEndsTheLoopAndNotTheNode) {
+    GlWindow window{WindowSettings{}};
+    WindowDisplay display(Duration::zero());
+    CountingOverlay overlay;
+    WindowLoop loop({&window, &display, nullptr, &overlay}, Duration::zero(), true);
+    ASSERT_TRUE(loop.turn());
+    glfwSetWindowShouldClose(window.handle(), GLFW_TRUE);  // what a click on the frame's cross does
+    EXPECT_EQ(loop.run([] { return false; }), WindowEnd::kClosed);
+    EXPECT_TRUE(overlay.told_of_end);
+    display.draw({}, Scene{});
+    EXPECT_EQ(display.unseen(), 1U);
+}
+
+// A person's click and motion, by xdotool.
+TEST_F(WindowLoopTest, MouseTakesTheHandMovesItAndLetsGo) {
+    WindowSettings settings;
+    settings.title = "hand under test";
+    GlWindow window{settings};
+    WindowDisplay display(Duration::zero());
+    PointerHand hand(1e-4);
+    WindowLoop loop({&window, &display, &hand}, Duration::zero(), true);
+    const auto person = [&](std::vector<std::string> words) {
+        Child tool("xdotool", words, server_.folder() / "xdotool");
+        for (int i = 0; i < 200 && !tool.poll(); ++i) loop.turn();  // who moves waits for who shows
+        return tool.poll() == 0;
+    };
+    if (!person({"version"})) GTEST_SKIP() << "xdotool is not installed (deploy/packages.txt, [test])";
+    ASSERT_TRUE(person({"search", "--name", "hand under test", "windowfocus"}));
+    ASSERT_TRUE(person({"search", "--name", "hand under test", "mousemove", "--window", "%1", "400", "300"}));
+    EXPECT_FALSE(hand.hand().engaged);
+    ASSERT_TRUE(person({"click", "1"}));
+    for (int i = 0; i < 20; ++i) loop.turn();
+    EXPECT_TRUE(hand.hand().engaged);
+    const double before_m = hand.hand().position_hand_m;
+    ASSERT_TRUE(person({"mousemove_relative", "0", "60"}));
+    for (int i = 0; i < 20; ++i) loop.turn();
+    EXPECT_NEAR(hand.hand().position_hand_m - before_m, 60e-4, 30e-4);
+    ASSERT_TRUE(person({"key", "Escape"}));
+    for (int i = 0; i < 20; ++i) loop.turn();
+    EXPECT_FALSE(hand.hand().engaged);
 }
 
 TEST_F(WindowLoopTest, NodeGoesOnWithoutScreen) {

@@ -68,8 +68,11 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
 
 bool WindowLoop::turn() {
     take_events(wall_now(), parts_.window->poll_events());
-    if (close_asked_ && end_ == WindowEnd::kNone) end_ = WindowEnd::kClosed;
-    if (parts_.window->lost()) end_ = WindowEnd::kScreenLost;
+    if (parts_.window->lost()) {
+        end_ = WindowEnd::kScreenLost;
+    } else if (parts_.window->should_close() && end_ == WindowEnd::kNone) {
+        end_ = WindowEnd::kClosed;
+    }
     if (end_ != WindowEnd::kNone) return false;
     return draw(wall_now());
 }
@@ -101,7 +104,6 @@ void WindowLoop::take_mail(SessionTime now) {
 }
 
 void WindowLoop::handle(SessionTime now, const WindowEvent& event) {
-    if (event.kind == WindowEvent::Kind::kClose) close_asked_ = true;
     if (parts_.overlay != nullptr && parts_.overlay->handle(now, event)) return;
     if (event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated) handle_key(event);
     if (parts_.hand == nullptr) return;

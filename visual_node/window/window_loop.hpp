@@ -82,7 +82,7 @@ class WindowLoop {
     SessionTime begun_{}, swapped_{}, stick_read_{};
     WindowEnd end_ = WindowEnd::kNone;
     Image* wanted_ = nullptr;  // where the next frame is to be copied
-    bool help_ = false, times_shown_ = false, close_asked_ = false, stick_held_ = false, shot_asked_ = false;
+    bool help_ = false, times_shown_ = false, stick_held_ = false, shot_asked_ = false;
 };
 
 }  // namespace thimble

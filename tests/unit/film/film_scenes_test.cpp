@@ -21,17 +21,17 @@ std::vector<TrajectorySample> pushed_in() {
     return samples;
 }
 
-TrialConditions condition(Modality modality, double delay_s) {
-    TrialConditions conditions;
-    conditions.modality = modality;
-    conditions.delay_s = delay_s;
-    return conditions;
+RecordedTrial trial_with(Modality modality, double delay_s) {
+    RecordedTrial trial;
+    trial.record.samples = pushed_in();
+    trial.record.conditions.modality = modality;
+    trial.record.conditions.delay_s = delay_s;
+    return trial;
 }
 
 TEST(FilmScenes, ShowWhatHasArrived) {
-    const auto samples = pushed_in();
-    FilmScenes now(samples, condition(Modality::kHF, 0), {}),
-        later(samples, condition(Modality::kHF, 0.2), {});
+    const RecordedTrial undelayed = trial_with(Modality::kHF, 0), delayed = trial_with(Modality::kHF, 0.2);
+    FilmScenes now(undelayed, {}), later(delayed, {});
     EXPECT_FALSE(later.at(0.1));
     for (const double time_s : {0.3, 0.31, 0.45}) {
         EXPECT_DOUBLE_EQ(now.at(time_s)->position_needle_m, -0.01 + 0.02 * time_s);
@@ -42,22 +42,33 @@ TEST(FilmScenes, ShowWhatHasArrived) {
 }
 
 TEST(FilmScenes, HideTheInsertedNeedle) {
-    const auto samples = pushed_in();
-    FilmScenes scenes(samples, condition(Modality::kHF, 0), {});
+    const RecordedTrial trial = trial_with(Modality::kHF, 0);
+    FilmScenes scenes(trial, {});
     EXPECT_DOUBLE_EQ(scenes.at(1.5)->position_needle_m, 0);
     EXPECT_TRUE(scenes.at(1.5)->touching);
 }
 
 TEST(FilmScenes, ShowTheForceAsItsModalityDoes) {
-    const auto samples = pushed_in();
-    FilmScenes vf(samples, condition(Modality::kVF, 0), {}), hf(samples, condition(Modality::kHF, 0), {}),
-        cf(samples, condition(Modality::kCF, 0), {});
+    const RecordedTrial trials[] = {trial_with(Modality::kVF, 0), trial_with(Modality::kHF, 0),
+                                    trial_with(Modality::kCF, 0)};
+    FilmScenes vf(trials[0], {}), hf(trials[1], {}), cf(trials[2], {});
     EXPECT_NEAR(vf.at(1.5)->bar_N, 4, 0.031);  // in steps of a pixel
     EXPECT_TRUE(vf.at(1.5)->bar_shown);
     EXPECT_EQ(hf.at(1.5)->bar_N, 0);
     EXPECT_FALSE(hf.at(1.5)->bar_shown);
     EXPECT_TRUE(cf.at(1.5)->fingertip_shown);
     EXPECT_FALSE(hf.at(1.5)->fingertip_shown);
+}
+
+TEST(FilmScenes, ADelayThatFallsMakesNobodyOvertake) {
+    RecordedTrial trial = trial_with(Modality::kHF, 0.5);
+    trial.record.delay_changes.push_back({1.0, 0.0});
+    FilmScenes scenes(trial, {});
+    EXPECT_NEAR(scenes.at(1.2)->position_needle_m, -0.01 + 0.02 * 0.7, 2.1e-5);
+    // What was sent before 1.0 s arrives until 1.5 s; what was sent since, all at once after it.
+    EXPECT_NEAR(scenes.at(1.498)->position_needle_m, 0, 1e-12);
+    EXPECT_NEAR(scenes.at(1.6)->sample_time.time_since_epoch().count() * 1e-9, 1 + 1.6, 0.0011);
+    EXPECT_DOUBLE_EQ(scenes.duration_s(), 2);
 }
 
 TEST(FilmFrames, OneAtTheStartAndOnePerPeriod) {
