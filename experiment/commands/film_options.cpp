@@ -52,7 +52,8 @@ int film_and_say(const RecordedTrial& trial, const VisualSettings& visual, const
 
 #else
 
-int film_and_say(const RecordedTrial&, const VisualSettings&, const FilmArguments&, const std::atomic<bool>*) {
+int film_and_say(const RecordedTrial&, const VisualSettings&, const FilmArguments&,
+                 const std::atomic<bool>*) {
     throw Error(ExitCode::kUsage, "this build has no windows (THIMBLE_GUI is off), and so no pictures");
 }
 

@@ -24,7 +24,8 @@ class FilmScenes {
     const RecordedTrial* trial_;
     VisualNode node_;
     std::size_t next_ = 0;
-    double newest_s_ = 0;  // when the newest sample arrived: after a shorter delay the others wait for those in flight
+    double newest_s_ =
+        0;  // when the newest sample arrived: after a shorter delay the others wait for those in flight
     std::optional<Scene> newest_;
 };
 

@@ -46,7 +46,7 @@ void play_recorded(const ReplayPlayOptions& options) {
     const ScratchFolder logs;
     Sockets sockets(options.network);
     ReplayProcess replay(system_entropy(), trial, options.speed, open_replay_channels(sockets));
-    RealtimeLoop loop(sockets.descriptors());
+    RealtimeLoop loop(sockets.listeners());
     const auto window = start_window(options, logs.path());
     const SessionTime begin = wall_now();
     for (SessionTime now = begin; !replay.stopped(); now = wall_now()) {
