@@ -112,7 +112,10 @@ TEST_F(ExperimenterView, EveryKeyAsksTheSession) {
     ASSERT_TRUE(bench.screen().type("8"));
     ASSERT_TRUE(session.wait_for(OrderKind::kDelay));
     EXPECT_EQ(session.last(OrderKind::kDelay)->value, 0.085);
-    ASSERT_TRUE(bench.screen().press("Right"));
+    // Held as a finger would: ImGui asks at each frame whether an arrow is down.
+    ASSERT_TRUE(bench.screen().hand({"keydown", "Right"}));
+    view_sleep(0.15);
+    ASSERT_TRUE(bench.screen().hand({"keyup", "Right"}));
     EXPECT_TRUE(wait_until([&] { return std::abs(session.last(OrderKind::kDelay)->value - 0.09) < 1e-9; }));
     ASSERT_TRUE(bench.screen().type("p"));
     EXPECT_TRUE(session.wait_for(OrderKind::kPause));

@@ -11,7 +11,7 @@ namespace {
 
 struct ControlGrid {
     Rect area;  // moves with the scroll bar
-    double scale;
+    double scale = 1;
     ExperimenterModel& model;
     SessionTime now;
 

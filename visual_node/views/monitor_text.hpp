@@ -28,7 +28,7 @@ TextLine trial_text(std::uint32_t trial, std::uint32_t trials);
 TextLine state_text(const Monitor& monitor);
 
 struct Reading {
-    const char* name;
+    const char* name = "";
     TextLine value;
 };
 // All that the experimenter reads, in the order of the panel; forces act on the operator, negative resists insertion.

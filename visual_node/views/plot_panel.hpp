@@ -17,14 +17,14 @@ namespace thimble {
 enum class Dash { kSolid, kDashed, kDotted };
 
 struct Curve {
-    Quantity quantity;
+    Quantity quantity = Quantity::kNeedle_m;
     Colour colour;
-    Dash dash;
-    const char* name;
+    Dash dash = Dash::kSolid;
+    const char* name = "";
 };
 
 struct Band {
-    Quantity low, high;
+    Quantity low = Quantity::kOneWayLow_s, high = Quantity::kOneWayHigh_s;
     Colour colour;
 };
 
