@@ -115,7 +115,7 @@ TEST(PlayerPanel, WithSocketsOfItsOwnItAsksARealSession) {
     NetworkSettings network;
     network.base_port = ports.base();
     TalkingSession session(ports.base(), 1, 4);
-    const auto overlay = make_player_overlay(network, 5);
+    const auto overlay = std::make_unique<PlayerOverlay>(5, network);
     GlWindow window(PlayerWindow::settings());
     GuiLayer gui(window);
     const auto frame = [&] {

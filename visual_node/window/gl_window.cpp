@@ -222,6 +222,9 @@ void GlWindow::end_frame() {
 }
 
 bool GlWindow::should_close() const { return lost() || glfwWindowShouldClose(impl_->window) == GLFW_TRUE; }
+void GlWindow::ask_to_close() {
+    if (!lost()) glfwSetWindowShouldClose(impl_->window, GLFW_TRUE);
+}
 bool GlWindow::lost() const { return screen_lost(); }
 int GlWindow::width() const { return impl_->width; }
 int GlWindow::height() const { return impl_->height; }

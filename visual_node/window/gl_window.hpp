@@ -70,6 +70,8 @@ class GlWindow {
 
     // Somebody asked to close it, or the screen is gone.
     bool should_close() const;
+    // As somebody does who clicks it away.
+    void ask_to_close();
     // The connection to the screen broke: nothing can be drawn any more. Every call is then harmless and does nothing.
     bool lost() const;
 

@@ -135,6 +135,9 @@ void WindowLoop::handle_key(const WindowEvent& event) {
         case GLFW_KEY_F12:
             shot_asked_ = true;
             return;
+        case GLFW_KEY_F10:  // a subject does not end the experiment
+            if (parts_.hand != nullptr) parts_.window->ask_to_close();
+            return;
         default:
             return;
     }
@@ -146,7 +149,7 @@ std::string WindowLoop::keys() const {
     if (parts_.hand != nullptr) {
         text +=
             "click     take the needle: move down to push it in\nEsc       let go\n"
-            "gamepad   hold A, push the left stick down\n";
+            "gamepad   hold A, push the left stick down\nF10       close the window and end\n";
     }
     return text;
 }

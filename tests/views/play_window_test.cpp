@@ -1,0 +1,117 @@
+// `thimble play` as a person meets it: a window, a mouse, keys, and its pictures afterwards.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "experiment/film/film.hpp"
+#include "experiment/trajectory_file.hpp"
+#include "experiment/trial_table.hpp"
+#include "tests/loopback/workbench.hpp"
+#include "tests/views/virtual_screen.hpp"
+#include "visual_node/window/picture.hpp"
+#include "visual_node/window/png_file.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr const char* kThimble = THIMBLE_BIN_DIR "/thimble";
+
+class PlayInAWindow : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
+        screen_.emplace();
+        ASSERT_TRUE(screen_->ready());
+    }
+
+    // The needle of the trial under way, as far as it is on the disk.
+    bool needle_beyond(const std::filesystem::path& trajectory, double position_m) const {
+        std::error_code absent;
+        if (!std::filesystem::exists(trajectory, absent)) return false;
+        const std::string text = read_text(trajectory);
+        const std::size_t end = text.find_last_of('\n');
+        if (end == std::string::npos || end == 0) return false;
+        const std::size_t begin = text.find_last_of('\n', end - 1) + 1;
+        const std::size_t comma = text.find(',', begin);
+        if (begin == 1 || comma == std::string::npos) return false;
+        return std::strtod(text.c_str() + comma + 1, nullptr) > position_m;
+    }
+
+    bool push_until(const std::filesystem::path& trajectory, double position_m) const {
+        return wait_until([&] {
+            screen_->hand({"mousemove_relative", "--sync", "0", "12"});
+            wall_sleep(std::chrono::milliseconds{10});
+            return needle_beyond(trajectory, position_m);
+        });
+    }
+
+    Folder folder_;
+    PortBlock ports_;
+    std::optional<VirtualScreen> screen_;
+};
+
+TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAll) {
+    const auto out = folder_ / "played";
+    Child play(kThimble,
+               {"play", "--modality", "HF", "--delay-s", "0", "--record", out.string(), "--base-port",
+                std::to_string(ports_.base()), "--seconds", "60"},
+               folder_ / "words");
+    ASSERT_TRUE(screen_->wait_for_window("Thimble")) << read_text(folder_ / "words");
+    const auto first = out / "trajectories" / "trial01_HF_0ms.csv";
+    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(first); })) << read_text(folder_ / "words");
+    ASSERT_TRUE(screen_->click(250, 450));
+    EXPECT_TRUE(push_until(first, 0.005)) << read_text(folder_ / "words");
+    ASSERT_TRUE(screen_->press("Escape"));
+    wall_sleep(std::chrono::milliseconds{300});
+    ASSERT_TRUE(screen_->type("4"));
+    const auto second = out / "trajectories" / "trial02_VF_0ms.csv";
+    EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(second); })) << read_text(folder_ / "words");
+    wall_sleep(std::chrono::seconds{1});
+    ASSERT_TRUE(screen_->press("F10"));
+    EXPECT_EQ(play.wait(kPatience), 0) << read_text(folder_ / "words");
+
+    const auto rows = read_trial_table(out / "trials.csv");
+    ASSERT_EQ(rows.size(), 2U);
+    EXPECT_EQ(rows[0].conditions.modality, Modality::kHF);
+    EXPECT_EQ(rows[1].conditions.modality, Modality::kVF);
+    EXPECT_EQ(rows[1].reason, EndReason::kInterrupted);
+
+    // Its first trial again, as pictures.
+    const auto frames = folder_ / "frames";
+    Child film(kThimble,
+               {"play", "--replay", out.string(), "--frames", frames.string(), "--frames-per-s", "5"},
+               folder_ / "film");
+    ASSERT_EQ(film.wait(kPatience), 0) << read_text(folder_ / "film");
+    const Trajectory trajectory = read_trajectory(first);
+    const std::size_t count = frame_count(trajectory.samples.back().time_s, 5);
+    EXPECT_TRUE(std::filesystem::exists(frame_file(frames, count - 1)));
+    EXPECT_FALSE(std::filesystem::exists(frame_file(frames, count)));
+    const Image early = read_png(frame_file(frames, 1)), late = read_png(frame_file(frames, count - 1));
+    ASSERT_EQ(early.width, 800);
+    EXPECT_NE(early.rgb, late.rgb);  // the needle has come nearer
+    // Once more would overwrite them.
+    Child again(kThimble, {"play", "--replay", out.string(), "--frames", frames.string()}, folder_ / "again");
+    EXPECT_EQ(again.wait(kPatience), 2);
+    EXPECT_THAT(read_text(folder_ / "again"), testing::HasSubstr("--overwrite"));
+}
+
+TEST_F(PlayInAWindow, AScreenThatGoesAwayEndsThePlay) {
+    Child play(kThimble, {"play", "--base-port", std::to_string(ports_.base()), "--seconds", "60"},
+               folder_ / "words");
+    ASSERT_TRUE(screen_->wait_for_window("Thimble")) << read_text(folder_ / "words");
+    wall_sleep(std::chrono::seconds{1});
+    screen_.reset();
+    EXPECT_EQ(play.wait(kPatience), 0) << read_text(folder_ / "words");
+}
+
+TEST(PlayWithoutAScreen, IsRefusedWithTheReason) {
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
+    const Folder folder;
+    Child play(kThimble, {"play", "--base-port", "26190"}, folder / "words");
+    EXPECT_EQ(play.wait(kPatience), 2);
+    EXPECT_THAT(read_text(folder / "words"), testing::HasSubstr("screen"));
+}
+
+}  // namespace
+}  // namespace thimble
