@@ -64,7 +64,7 @@ TEST(FilmScenes, ADelayThatFallsMakesNobodyOvertake) {
     RecordedTrial trial = trial_with(Modality::kHF, 0.5);
     trial.record.delay_changes.push_back({1.0, 0.0});
     FilmScenes scenes(trial, {});
-    EXPECT_NEAR(scenes.at(1.2)->position_needle_m, -0.01 + 0.02 * 0.7, 2.1e-5);
+    EXPECT_NEAR(scenes.at(0.9)->position_needle_m, -0.01 + 0.02 * 0.4, 2.1e-5);
     // What was sent before 1.0 s arrives until 1.5 s; what was sent since, all at once after it.
     EXPECT_NEAR(scenes.at(1.498)->position_needle_m, 0, 1e-12);
     EXPECT_NEAR(to_seconds(scenes.at(1.6)->sample_time - scenes.at(1.55)->sample_time), 0.05, 0.0011);
