@@ -14,8 +14,8 @@ const char* name_of(const std::array<const char*, N>& names, Enum value) {
 }  // namespace
 
 const char* to_string(Role role) {
-    static constexpr std::array kNames{"session", "master", "slave_sim", "cutaneous", "visual", "netem",
-                                      "experimenter"};
+    static constexpr std::array kNames{"session", "master", "slave_sim",   "cutaneous",
+                                       "visual",  "netem",  "experimenter"};
     return name_of(kNames, role);
 }
 
