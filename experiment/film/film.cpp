@@ -62,7 +62,7 @@ class Studio {
         if (picture) painter_.paint(*picture);
         gui_.begin();
         if (picture) draw_bar_scale(*picture);
-        draw_notice(fmt::format("{}   {:6.2f} s", title_, time_s));
+        draw_notice(fmt::format("{}   {:6.2f} s", title_, time_s), window_.width());
         gui_.end();
         Image image = window_.read_pixels();
         window_.end_frame();

@@ -7,6 +7,10 @@ PlayerOverlay::PlayerOverlay(std::uint64_t instance, const NetworkSettings& netw
       panel_(instance, {sockets_.inlet(Port::kExperimenterMonitor, Role::kSession),
                         sockets_.outlet(Port::kSessionOrders)}) {}
 
+double PlayerOverlay::right_margin(const GlWindow& window) const {
+    return PlayerPanel::place(window.width(), window.height(), window.content_scale()).width;
+}
+
 // Nobody will be there to repeat it until the Monitor shows it.
 void PlayerOverlay::closing(SessionTime now) {
     for (int i = 0; i < kUnseenOrderTimes; ++i) panel_.quit(now);

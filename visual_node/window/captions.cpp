@@ -13,9 +13,9 @@ namespace {
 
 ImU32 to_ink(const Rgb& colour, int alpha = 255) { return IM_COL32(colour[0], colour[1], colour[2], alpha); }
 
-void draw_centred(ImFont* font, const std::string& text, float y, ImU32 ink) {
+void draw_centred(ImFont* font, const std::string& text, float y, ImU32 ink, float width) {
     const ImVec2 size = font->CalcTextSizeA(font->FontSize, FLT_MAX, 0, text.c_str());
-    const float x = (ImGui::GetIO().DisplaySize.x - size.x) / 2;
+    const float x = (width - size.x) / 2;
     ImGui::GetForegroundDrawList()->AddText(font, font->FontSize, ImVec2(x, y), ink, text.c_str());
 }
 
@@ -23,7 +23,7 @@ void draw_centred(ImFont* font, const std::string& text, float y, ImU32 ink) {
 float draw_lines(ImFont* font, const std::string& text, float y, ImU32 ink) {
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find('\n', begin), text.size());
-        draw_centred(font, text.substr(begin, end - begin), y, ink);
+        draw_centred(font, text.substr(begin, end - begin), y, ink, ImGui::GetIO().DisplaySize.x);
         y += 1.4F * font->FontSize;
         begin = end + 1;
     }
@@ -84,9 +84,10 @@ void draw_times(const FrameTimes& times) {
                                             line.data());
 }
 
-void draw_notice(const std::string& notice) {
-    if (!notice.empty())
-        draw_centred(ImGui::GetFont(), notice, 0.5F * ImGui::GetFontSize(), to_ink(colours::kInk));
+void draw_notice(const std::string& notice, double scene_width) {
+    if (notice.empty()) return;
+    draw_centred(ImGui::GetFont(), notice, 0.5F * ImGui::GetFontSize(), to_ink(colours::kInk),
+                 static_cast<float>(scene_width));
 }
 
 }  // namespace thimble

@@ -18,7 +18,7 @@ void draw_page(const GuiLayer& gui, const Page& page);
 void draw_key_help(const std::string& keys);
 // One line at the bottom left: how old what is seen is.
 void draw_times(const FrameTimes& times);
-// One line at the top: something the user should know.
-void draw_notice(const std::string& notice);
+// One line at the top, in the middle of a scene so wide: something the user should know.
+void draw_notice(const std::string& notice, double scene_width);
 
 }  // namespace thimble

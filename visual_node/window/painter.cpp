@@ -61,6 +61,7 @@ void Painter::paint(const Picture& picture) {
     const PictureSize& size = picture.size;
     const glm::mat4 to_clip =
         glm::ortho(0.0F, static_cast<float>(size.width), static_cast<float>(size.height), 0.0F);
+    glViewport(0, 0, size.width, size.height);
     glDisable(GL_DEPTH_TEST);  // the tissue is painted from back to front, the needle and the rest over it
     glDisable(GL_CULL_FACE);
     glDisable(GL_BLEND);

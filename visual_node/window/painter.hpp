@@ -16,7 +16,7 @@ class Painter {
     Painter(const Painter&) = delete;
     Painter& operator=(const Painter&) = delete;
 
-    // Into the current framebuffer, whose viewport is picture.size. Does not clear.
+    // Into the lower left picture.size pixels of the current framebuffer. Does not clear.
     void paint(const Picture& picture);
 
   private:

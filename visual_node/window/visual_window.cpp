@@ -10,6 +10,7 @@ namespace {
 WindowSettings window_settings(const VisualWindowOptions& options) {
     WindowSettings settings;
     settings.fullscreen = options.fullscreen;
+    if (options.player) settings.width = 1100;  // a panel beside a scene as large as the subject's
     return settings;
 }
 

@@ -1,6 +1,7 @@
 #include "visual_node/window/window_loop.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <imgui.h>
 
 #include <spdlog/spdlog.h>
@@ -170,6 +171,11 @@ void WindowLoop::read_gamepad(SessionTime now) {
     if (held) parts_.hand->push(static_cast<double>(state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y]), since);
 }
 
+int WindowLoop::scene_width() const {
+    const double taken = parts_.overlay == nullptr ? 0 : parts_.overlay->right_margin(*parts_.window);
+    return parts_.window->width() - static_cast<int>(std::lround(taken));
+}
+
 bool WindowLoop::draw(SessionTime now) {
     GlWindow& window = *parts_.window;
     const glm::vec3 ground = to_vec3(colours::kBackground);
@@ -177,8 +183,8 @@ bool WindowLoop::draw(SessionTime now) {
     window.begin_frame(ground.x, ground.y, ground.z);
     const auto scene = playout_.at(now);
     std::optional<Picture> picture;
-    if (scene && window.width() > 0 && window.height() > 0) {
-        picture = picture_of(*scene, {window.width(), window.height(), window.content_scale()});
+    if (const int width = scene_width(); scene && width > 0 && window.height() > 0) {
+        picture = picture_of(*scene, {width, window.height(), window.content_scale()});
         painter_.paint(*picture);
     }
     gui_.begin();
@@ -209,7 +215,7 @@ void WindowLoop::draw_captions(SessionTime now, const std::optional<Picture>& pi
         parts_.overlay->draw(now, {*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_});
     }
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
-    draw_notice(notice_);
+    draw_notice(notice_, scene_width());
     draw_page(gui_, page_);
     if (help_) draw_key_help(keys());
 }

@@ -63,6 +63,7 @@ class WindowLoop {
     void read_gamepad(SessionTime now);
     void wait_until(SessionTime begin, const std::function<bool()>& stop);
     void take_events(SessionTime now, std::span<const WindowEvent> events);
+    int scene_width() const;
     bool draw(SessionTime now);
     void draw_captions(SessionTime now, const std::optional<Picture>& picture);
     std::string keys() const;
