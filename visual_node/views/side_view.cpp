@@ -71,8 +71,8 @@ void draw_fixture(ImDrawList& list, const SideFrame& frame, const Monitor& monit
 void draw_legend(ImDrawList& list, const Rect& rect, const SideFrame& frame, const Monitor& monitor) {
     struct Entry {
         Colour colour;
-        const char* name;
-        bool shown;
+        const char* name = "";
+        bool shown = false;
     };
     const double y = frame.z.box.y - small_text_height() - 2;
     double x = rect.x + 8 * frame.pixels;
