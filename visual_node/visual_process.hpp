@@ -14,11 +14,11 @@ namespace thimble {
 class VisualProcess final : public NodeProcess {
   public:
     struct Channels {
-        Channel* control;
-        Channel* force_in;            // from slave_sim, through netem
-        Channel* beep_in;             // from slave_sim, direct
-        Channel* percept_out;         // to the virtual operator: light and sound, not network
-        Channel* hand_out = nullptr;  // to the master, where a person's hand is read here
+        Channel* control = nullptr;
+        Channel* force_in = nullptr;     // from slave_sim, through netem
+        Channel* beep_in = nullptr;      // from slave_sim, direct
+        Channel* percept_out = nullptr;  // to the virtual operator: light and sound, not network
+        Channel* hand_out = nullptr;     // to the master, where a person's hand is read here
     };
 
     // `display` and `hand`, which goes with channels.hand_out, outlive the process.

@@ -266,8 +266,8 @@ Image GlWindow::read_pixels() const {
     if (lost()) return image;
     image.width = impl_->width;
     image.height = impl_->height;
-    const std::size_t row = 3U * image.width;
-    std::vector<std::uint8_t> upwards(row * image.height);
+    const std::size_t row = std::size_t{3} * static_cast<std::size_t>(image.width);
+    std::vector<std::uint8_t> upwards(row * static_cast<std::size_t>(image.height));
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadBuffer(GL_BACK);
     glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, upwards.data());
