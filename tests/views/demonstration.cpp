@@ -26,6 +26,7 @@ void move(Monitor& monitor, double time_s) {
 }  // namespace
 
 Monitor demonstration(double time_s) {
+    time_s = std::max(0.0, time_s);  // who starts anew may ask before
     Monitor monitor;
     monitor.state = NodeState::kRunning;
     monitor.modality = Modality::kHF;
