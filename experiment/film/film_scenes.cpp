@@ -26,15 +26,6 @@ SessionControl start_of(const TrialConditions& conditions) {
     return control;
 }
 
-ForceFeedback feedback_of(const TrajectorySample& sample) {
-    ForceFeedback feedback;
-    feedback.position_needle_m = sample.position_needle_m;
-    feedback.position_surface_m = sample.position_surface_m;
-    feedback.force_total_N = sample.force_total_N;
-    feedback.phase = sample.phase;
-    return feedback;
-}
-
 }  // namespace
 
 FilmScenes::FilmScenes(const RecordedTrial& trial, VisualSettings settings)
@@ -57,7 +48,7 @@ std::optional<Scene> FilmScenes::at(double time_s) {
     const auto& samples = trial_->record.samples;
     for (; next_ < samples.size() && arrival_s(samples[next_]) <= time_s; ++next_) {
         newest_s_ = arrival_s(samples[next_]);
-        node_.on_feedback(kBegin + from_seconds(newest_s_), feedback_of(samples[next_]));
+        node_.on_feedback(kBegin + from_seconds(newest_s_), trial_->feedback(samples[next_]));
     }
     // A millisecond on: the first scene is due within the first one.
     const SessionTime now = kBegin + from_seconds(std::max(time_s, 1 / kScenes_Hz));

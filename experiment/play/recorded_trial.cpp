@@ -43,6 +43,22 @@ const TrajectorySample& RecordedTrial::at(double time_s) const {
     return after == record.samples.begin() ? *after : *(after - 1);
 }
 
+ForceFeedback RecordedTrial::feedback(const TrajectorySample& sample) const {
+    const double fixture_m = record.conditions.fixture_position_m;
+    ForceFeedback f;
+    f.position_needle_m = sample.position_needle_m;
+    f.position_surface_m = sample.position_surface_m;
+    f.position_proxy_m =
+        sample.fixture_present ? std::min(sample.position_needle_m, fixture_m) : sample.position_needle_m;
+    f.force_tissue_N = sample.force_tissue_N;
+    f.force_fixture_N = sample.force_fixture_N;
+    f.force_total_N = sample.force_total_N;
+    f.contact_time_s = sample.contact_time_s;
+    f.phase = sample.phase;
+    f.fixture_present = sample.fixture_present;
+    return f;
+}
+
 double RecordedTrial::delay_s(double time_s) const {
     double delay_s = record.conditions.delay_s;
     for (const DelayChange& change : record.delay_changes) {

@@ -15,6 +15,8 @@ struct RecordedTrial {
     double duration_s() const { return record.samples.back().time_s; }
     // The newest sample at `time_s`, which may lie before the first one.
     const TrajectorySample& at(double time_s) const;
+    // What slave_sim said then, as far as a trajectory keeps it: no velocity, no stamps.
+    ForceFeedback feedback(const TrajectorySample& sample) const;
     // One way, of the force path.
     double delay_s(double time_s) const;
 };

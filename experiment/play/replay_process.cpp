@@ -1,7 +1,5 @@
 #include "experiment/play/replay_process.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <variant>
 
 #include "common/node_process.hpp"
@@ -12,21 +10,6 @@ namespace {
 
 constexpr int kBeepsSaid = 5;
 constexpr Duration kSteerPeriod = std::chrono::milliseconds{50};
-
-ForceFeedback feedback_of(const TrajectorySample& sample, double fixture_m) {
-    ForceFeedback f;
-    f.position_needle_m = sample.position_needle_m;
-    f.position_surface_m = sample.position_surface_m;
-    f.position_proxy_m =
-        sample.fixture_present ? std::min(sample.position_needle_m, fixture_m) : sample.position_needle_m;
-    f.force_tissue_N = sample.force_tissue_N;
-    f.force_fixture_N = sample.force_fixture_N;
-    f.force_total_N = sample.force_total_N;
-    f.contact_time_s = sample.contact_time_s;
-    f.phase = sample.phase;
-    f.fixture_present = sample.fixture_present;
-    return f;
-}
 
 }  // namespace
 
@@ -81,7 +64,7 @@ void ReplayProcess::steer(SessionTime now) {
 void ReplayProcess::show(SessionTime now) {
     const double time_s = clock_.time_s(now);
     const double seen_s = time_s - trial_->delay_s(time_s);
-    force_.send(now, number_, feedback_of(trial_->at(seen_s), trial_->record.conditions.fixture_position_m));
+    force_.send(now, number_, trial_->feedback(trial_->at(seen_s)));
     beep(now, time_s);
 }
 

@@ -1,7 +1,6 @@
 #include "tests/views/virtual_screen.hpp"
 
 #include <cstdlib>
-#include <fcntl.h>
 #include <thread>
 #include <unistd.h>
 
@@ -22,14 +21,6 @@ bool in_path(const std::string& program) {
     return false;
 }
 
-// The display number that the server chose.
-std::string first_line(int descriptor) {
-    std::string line;
-    char character = 0;
-    while (read(descriptor, &character, 1) == 1 && character != '\n') line += character;
-    return line;
-}
-
 }  // namespace
 
 std::string missing_for_windows() {
@@ -39,22 +30,6 @@ std::string missing_for_windows() {
     }
     return "";
 }
-
-VirtualScreen::VirtualScreen() {
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) return;
-    server_.emplace(
-        "Xvfb",
-        std::vector<std::string>{"-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"},
-        folder_ / "server", ChildStreams{-1, ends[1]});
-    close(ends[1]);
-    const std::string number = first_line(ends[0]);
-    close(ends[0]);
-    ready_ = !number.empty();
-    setenv("DISPLAY", (":" + number).c_str(), 1);
-}
-
-VirtualScreen::~VirtualScreen() { unsetenv("DISPLAY"); }
 
 bool VirtualScreen::hand(const std::vector<std::string>& words) const {
     Child tool("xdotool", words, folder_ / "xdotool");

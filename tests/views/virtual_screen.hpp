@@ -1,27 +1,21 @@
 // An X server without a screen for tests with real windows, and a person's keys and mouse by xdotool.
 #pragma once
 
-#include <optional>
 #include <string>
+#include <vector>
 
-#include "experiment/child.hpp"
 #include "tests/loopback/workbench.hpp"
+#include "tests/window/x_server.hpp"
 
 namespace thimble {
 
 // What is missing on this machine for such tests: a reason to skip them. Empty: nothing.
 std::string missing_for_windows();
 
-// Xvfb on a display of its own, named by DISPLAY as long as this object lives.
 class VirtualScreen {
   public:
-    VirtualScreen();
-    ~VirtualScreen();
-    VirtualScreen(const VirtualScreen&) = delete;
-    VirtualScreen& operator=(const VirtualScreen&) = delete;
-
     // False if the server did not come up.
-    bool ready() const { return ready_; }
+    bool ready() const { return server_.missing().empty(); }
     // Waits for a window with this in its title, and for its turn to hear keys.
     bool wait_for_window(const std::string& title);
     // One call of xdotool with these words, which are its own. False if it failed.
@@ -33,10 +27,9 @@ class VirtualScreen {
     bool resize(int width, int height) const;
 
   private:
+    XServer server_;
     Folder folder_;
-    std::optional<Child> server_;
     std::string window_;
-    bool ready_ = false;
 };
 
 }  // namespace thimble

@@ -15,7 +15,6 @@ class PlayerOverlay final : public Overlay {
     void tick(SessionTime now) override { panel_.tick(now); }
     void draw(SessionTime now, const OverlayFrame& frame) override { panel_.draw(now, frame); }
     double right_margin(const GlWindow& window) const override;
-    bool handle(SessionTime now, const WindowEvent& event) override { return panel_.handle(now, event); }
     void closing(SessionTime now) override;
 
   private:

@@ -29,8 +29,6 @@ class Overlay {
     virtual void draw(SessionTime now, const OverlayFrame& frame) = 0;
     // How much of the window's right edge the scene leaves to it, pixels.
     virtual double right_margin(const GlWindow& /*window*/) const { return 0; }
-    // An event that ImGui did not want. True: it is taken, the window does nothing with it.
-    virtual bool handle(SessionTime /*now*/, const WindowEvent& /*event*/) { return false; }
     // The window is about to close, because somebody asked for it or because its screen is gone.
     virtual void closing(SessionTime /*now*/) {}
     // True: the program ends (in views without a node of their own).

@@ -80,7 +80,7 @@ bool WindowLoop::turn() {
 
 void WindowLoop::take_events(SessionTime now, std::span<const WindowEvent> events) {
     for (const WindowEvent& event : events) {
-        if (!gui_.wants(event)) handle(now, event);
+        if (!gui_.wants(event)) handle(event);
     }
     if (parts_.hand != nullptr) read_gamepad(now);
     take_mail(now);
@@ -104,8 +104,7 @@ void WindowLoop::take_mail(SessionTime now) {
     }
 }
 
-void WindowLoop::handle(SessionTime now, const WindowEvent& event) {
-    if (parts_.overlay != nullptr && parts_.overlay->handle(now, event)) return;
+void WindowLoop::handle(const WindowEvent& event) {
     if (event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated) handle_key(event);
     if (parts_.hand == nullptr) return;
     if (event.kind == WindowEvent::Kind::kButton && event.pressed) {

@@ -58,7 +58,7 @@ class WindowLoop {
 
   private:
     void take_mail(SessionTime now);
-    void handle(SessionTime now, const WindowEvent& event);
+    void handle(const WindowEvent& event);
     void handle_key(const WindowEvent& event);
     void read_gamepad(SessionTime now);
     void wait_until(SessionTime begin, const std::function<bool()>& stop);
