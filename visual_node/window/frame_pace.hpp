@@ -27,6 +27,10 @@ class FramePace {
         10;                             // slow ones, in which drivers make themselves ready: nothing to learn
     static constexpr int kQuiet = 600;  // frames without a missed refresh, before less time is tried
     static constexpr int kSlack = 50;   // a monitor may be faster than it says by this part
+    // Frames that take longer than they are given, and miss nothing: there is no refresh, and the time they are given is
+    // what keeps the rate. A monitor slower than it says by 0.1 ms a frame does not look like that yet.
+    static constexpr Duration kOver = std::chrono::microseconds{100};
+    static constexpr int kOverPart = 8;
 
     void learn(SessionTime begun, SessionTime swapped) {
         if (first_frames_ < kFirstFrames) {
@@ -37,7 +41,11 @@ class FramePace {
         if (missed || swapped - begun > period_) {
             budget_ = std::min(budget_ * 2, period_);
             quiet_ = 0;
-        } else if (++quiet_ == kQuiet) {
+            return;
+        }
+        const Duration over = swapped - begun - budget_;
+        if (over > kOver) budget_ = std::min(budget_ + over / kOverPart, period_);
+        if (++quiet_ == kQuiet) {
             budget_ = std::max(budget_ - budget_ / 8, std::min(kLeast, period_));
             quiet_ = 0;
         }

@@ -60,6 +60,16 @@ TEST(FramePace, KeepsItsOwnTimeWithoutAMonitor) {
     EXPECT_LE(begun, at(milliseconds{10000}));
 }
 
+TEST(FramePace, KeepsItsRateWithoutAMonitorHoweverLongDrawingTakes) {
+    for (const Duration draw : {milliseconds{5}, milliseconds{7}, milliseconds{9}}) {
+        FramePace pace(100);
+        SessionTime begun = at(milliseconds{0});
+        for (int i = 0; i < 1000; ++i) begun = std::max(pace.next(begun, begun + draw), begun + draw);
+        EXPECT_GE(begun, at(milliseconds{9700})) << to_seconds(draw);
+        EXPECT_LE(begun, at(milliseconds{10250})) << to_seconds(draw);
+    }
+}
+
 TEST(FrameTimes, CountsNewSamplesByStageAndFramesByInterval) {
     FrameTimes times(true);
     Scene scene;
