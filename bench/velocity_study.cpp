@@ -138,11 +138,11 @@ int velocity_study(int argc, char** argv) {
     app.add_option("--jitter", options.jitter_s, "sampling jitter in s, uniform, either way")
         ->check(CLI::Range(0.0, 0.0004))
         ->capture_default_str();
-    app.add_flag("--quick", options.quick, "2 repeats instead of 32: for a look, not for a table");
+    app.add_flag("--quick", options.quick, "1 repeat instead of 32: for a look, not for a table");
     app.footer("Example:\n  thimble-bench velocity --seed 1 --out out/velocity");
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     options.study.encoder.jitter = from_seconds(options.jitter_s);
-    if (options.quick) options.study.repeats = 2;
+    if (options.quick) options.study.repeats = 1;
     run_study(options);
     return static_cast<int>(ExitCode::kOk);
 }

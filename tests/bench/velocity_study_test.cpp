@@ -18,9 +18,11 @@ class VelocityStudy : public StudyRun {
     }
 };
 
-TEST_F(VelocityStudy, MeasuresWhatIsKnownOnPaper) {
+TEST_F(VelocityStudy, MeasuresWhatIsKnownOnPaperTheSameEachTime) {
     const ProgramResult result = bench({"--quick", "--out", "a"});
     ASSERT_EQ(result.exit_code, 0) << result.output;
+    ASSERT_EQ(bench({"--quick", "--out", "b"}).exit_code, 0);
+    EXPECT_EQ(text("a/velocity.csv"), text("b/velocity.csv"));
     EXPECT_NE(text("a/velocity.svg").find("</svg>"), std::string::npos);
     const auto found = rows("a/velocity.csv");
     ASSERT_GE(found.size(), 15U);
@@ -47,12 +49,10 @@ TEST_F(VelocityStudy, MeasuresWhatIsKnownOnPaper) {
     }
 }
 
-TEST_F(VelocityStudy, TheSameSeedGivesTheSameBytesAnotherDoesNot) {
+TEST_F(VelocityStudy, AnotherSeedGivesOtherBytes) {
     ASSERT_EQ(bench({"--quick", "--out", "a", "--seed", "7"}).exit_code, 0);
-    ASSERT_EQ(bench({"--quick", "--out", "b", "--seed", "7"}).exit_code, 0);
-    ASSERT_EQ(bench({"--quick", "--out", "c", "--seed", "8"}).exit_code, 0);
-    EXPECT_EQ(text("a/velocity.csv"), text("b/velocity.csv"));
-    EXPECT_NE(text("a/velocity.csv"), text("c/velocity.csv"));
+    ASSERT_EQ(bench({"--quick", "--out", "b", "--seed", "8"}).exit_code, 0);
+    EXPECT_NE(text("a/velocity.csv"), text("b/velocity.csv"));
 }
 
 TEST_F(VelocityStudy, SaysHowToUseIt) {
