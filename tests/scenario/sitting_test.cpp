@@ -26,6 +26,7 @@ class VirtualTrials final : public TrialRunner {
         return run_virtual_trial(settings_, conditions);
     }
     void show(const Page& /*page*/) override {}
+    bool take_go_on() override { return false; }
     void idle(Duration limit) override { now_ += limit; }
     SessionTime now() const override { return now_; }
     std::string problem() const override { return {}; }

@@ -40,8 +40,10 @@ class InstantTrials final : public TrialRunner {
     }
     void show(const Page& page) override {
         if (pages.empty() || pages.back().kind != page.kind || pages.back().trial != page.trial)
-            pages.push_back(page);
+            pages.push_back(page), turned = clock;
     }
+    // Presses on every page that waits, once it has been read; also on those that do not.
+    bool take_go_on() override { return presses && clock - turned >= seconds{1}; }
     void idle(Duration limit) override { clock += limit; }
     SessionTime now() const override { return clock; }
     std::string problem() const override { return "the cable"; }
@@ -52,7 +54,8 @@ class InstantTrials final : public TrialRunner {
     std::uint32_t seen = 0;
     std::size_t stop_after = 0;
     int prepared = 0;
-    SessionTime clock{};
+    SessionTime clock{}, turned{};
+    bool presses = false;
     std::atomic<bool> stop = false;
 };
 
@@ -85,6 +88,7 @@ class SittingTest : public testing::Test {
             }};
         options.wishes = wishes_;
         options.paused = paused_;
+        options.subject_goes_on = subject_goes_on_;
         return Sitting(std::move(options), trials_).run();
     }
     std::vector<std::uint32_t> positions() const {
@@ -101,6 +105,7 @@ class SittingTest : public testing::Test {
     std::vector<std::string> said_;
     bool rests_ = true;
     LineSource* wishes_ = nullptr;
+    bool subject_goes_on_ = false;
     std::function<bool()> paused_;
 };
 
