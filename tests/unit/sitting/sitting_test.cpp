@@ -161,7 +161,7 @@ TEST_F(SittingTest, AParticipantAloneBeginsEachTrialAndTheEndComesByItself) {
     subject_goes_on_ = trials_.presses = true;
     EXPECT_EQ(sit().code, ExitCode::kOk);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));
-    EXPECT_THAT(said_, Contains(HasSubstr("The participant goes on")).Times(testing::AtLeast(5)));
+    EXPECT_THAT(said_, Contains(HasSubstr("The participant goes on")).Times(testing::Ge(5)));
     EXPECT_GE(trials_.clock - SessionTime{}, seconds{5 * 10 + 2 * 30}) << "a key shortens no break";
 }
 
