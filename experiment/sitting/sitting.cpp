@@ -138,7 +138,8 @@ Sitting::Answer Sitting::ask(const std::string& prompt, const std::optional<Step
             options_.say("nobody answers any more: the input has ended");
             return Answer::kStop;
         }
-        if (options_.subject_goes_on && step && runner_.take_go_on() && !paused()) return go_on();
+        if (options_.subject_goes_on && runner_.take_go_on() && waits_to_go_on(page(step).kind))
+            return go_on();
         wait(step);
     }
 }

@@ -141,7 +141,7 @@ class PressedTrials final : public TrialRunner {
     std::uint64_t refused() { return rig_.session().heard_from(Role::kVisual).refused_total(); }
 
   private:
-    Rig rig_;
+    mutable Rig rig_;  // what it tells of its session it tells through a way in
     Page read_;
     SessionTime since_{};
 };

@@ -1,6 +1,7 @@
 // A person's sitting with the mouse alone, as one person meets it: pages, a key, a needle; a power cut in between.
 #include <csignal>
 #include <cstdlib>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -37,8 +38,12 @@ class SittingWithAMouse : public testing::Test {
         return dataset_.source(7) / "trajectories" /
                fmt::format("record{:03}_experiment1_trial{:02}_CF_0ms.csv", record, trial);
     }
-    bool reaches(const std::filesystem::path& trial) const {
-        return wait_until([&] { return newest_needle_m(trial) > -1; });
+    // Presses until it does: its page may not be there yet.
+    static bool begins(const VirtualScreen& screen, const std::filesystem::path& trial) {
+        return wait_until([&] {
+            screen.press("space");
+            return newest_needle_m(trial) > -1;
+        });
     }
 
     Folder folder_;
@@ -58,17 +63,11 @@ TEST_F(SittingWithAMouse, IsCutAndGoesOn) {
     {
         Child first = start();
         ASSERT_TRUE(screen.wait_for_window("Thimble")) << words();
-        ASSERT_TRUE(wait_until([&] {  // the page may not be there yet
-            screen.press("space");
-            return newest_needle_m(practice) > -1;
-        })) << words();
+        ASSERT_TRUE(begins(screen, practice)) << words();
         ASSERT_TRUE(screen.press("F10"));  // a subject does not end it
         ASSERT_TRUE(screen.click(250, 450));
         ASSERT_TRUE(insert_and_withdraw(practice, 1)) << words();
-        ASSERT_TRUE(wait_until([&] {
-            screen.press("space");
-            return newest_needle_m(real) > -1;
-        })) << words();
+        ASSERT_TRUE(begins(screen, real)) << words();
         first.signal(SIGKILL);
         first.wait(kPatience);
     }
@@ -92,6 +91,20 @@ TEST_F(SittingWithAMouse, IsCutAndGoesOn) {
     EXPECT_EQ(done[1].repeat_of, 0U);
     EXPECT_TRUE(std::filesystem::exists(real.parent_path() / (real.stem().string() + "_cut1.csv")));
     EXPECT_THAT(words(), testing::HasSubstr("2 of 2 trials"));
+}
+
+TEST_F(SittingWithAMouse, AScreenThatGoesAwayStopsItInOrder) {
+    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
+    std::optional<VirtualScreen> screen(std::in_place);
+    ASSERT_TRUE(screen->ready());
+    Child run = start();
+    ASSERT_TRUE(screen->wait_for_window("Thimble")) << words();
+    ASSERT_TRUE(begins(*screen, trajectory(1, 1001))) << words();
+    screen.reset();
+    EXPECT_EQ(run.wait(kPatience), 3) << words();
+    EXPECT_THAT(words(), testing::HasSubstr("no screen"));
+    ASSERT_EQ(records().size(), 1U);
+    EXPECT_EQ(records()[0].row.reason, EndReason::kPeerLost);
 }
 
 TEST_F(SittingWithAMouse, WithoutAScreenIsRefusedBeforeAnythingIsWritten) {

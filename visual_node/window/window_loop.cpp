@@ -58,7 +58,9 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
     if (end_ == WindowEnd::kNone) end_ = WindowEnd::kAsked;
     if (end_ == WindowEnd::kAsked && !screenshot_.empty()) save_screenshot(picture());
     if (end_ == WindowEnd::kScreenLost) {
-        spdlog::warn("the window's screen is gone: nothing is shown any more, the node goes on");
+        spdlog::warn(parts_.stays_open
+                         ? "the window's screen is gone"
+                         : "the window's screen is gone: nothing is shown any more, the node goes on");
     } else if (end_ == WindowEnd::kClosed) {
         spdlog::warn("the window was closed: nothing is shown any more, the node goes on");
     }

@@ -172,7 +172,7 @@ TEST_F(SittingTest, WithoutTheProtocolsWordAKeyDoesNothing) {
     EXPECT_THAT(positions(), ElementsAre(1));
 }
 
-// Practice by Enter, the rest by the participant; after the last trial the experimenter is asked.
+// After the last trial the experimenter is asked, whatever the participant presses.
 TEST_F(SittingTest, BothMayGoOnAndTheLastWordIsTheExperimenters) {
     rests_ = false;
     subject_goes_on_ = trials_.presses = true;
