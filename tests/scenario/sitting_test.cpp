@@ -118,9 +118,9 @@ class PressedTrials final : public TrialRunner {
     std::uint32_t last_number() const override { return rig_.session().last_number(); }
     TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
                     const std::filesystem::path& /*trajectory*/) override {
-        rig_.press_key();  // early: in the trial there is nothing to go on from
         rig_.session().start(conditions, number);
-        rig_.idle(std::chrono::milliseconds{1});
+        rig_.idle(std::chrono::milliseconds{50});
+        rig_.press_key();  // in a trial, where there is nothing to go on from
         return rig_.finish();
     }
     void show(const Page& page) override { rig_.session().show(page); }
@@ -130,7 +130,7 @@ class PressedTrials final : public TrialRunner {
         if (rig_.page().kind != read_.kind || rig_.page().trial != read_.trial) {
             read_ = rig_.page();
             since_ = rig_.now();
-            pages.push_back(read_.kind);
+            if (read_.kind != PageKind::kNone) pages.push_back(read_.kind);
         }
         if (rig_.now() - since_ >= std::chrono::seconds{1}) rig_.press_key();
     }
@@ -141,7 +141,7 @@ class PressedTrials final : public TrialRunner {
     std::uint64_t refused() { return rig_.session().heard_from(Role::kVisual).refused_total(); }
 
   private:
-    mutable Rig rig_;  // what it tells of its session it tells through a way in
+    mutable Rig rig_;  // tells of its session by a way in
     Page read_;
     SessionTime since_{};
 };
