@@ -38,6 +38,7 @@ void VisualProcess::work(SessionTime now) {
 bool VisualProcess::read_page(SessionTime now, const Page& page) {
     if (running()) return true;  // a late one must not cover the trial
     display_->turn_page(now, page);
+    if (display_->take_go_on()) go_on_.press(now);  // on the page before this one
     go_on_.turn(now, page);
     return true;
 }

@@ -1,6 +1,7 @@
 // A participant's sitting in virtual time: the whole haptic loop, the tables of a dataset, a power cut.
 #include "experiment/sitting/sitting.hpp"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -118,6 +119,7 @@ class PressedTrials final : public TrialRunner {
     std::uint32_t last_number() const override { return rig_.session().last_number(); }
     TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
                     const std::filesystem::path& /*trajectory*/) override {
+        shortest_read = std::min(shortest_read, rig_.now() - since_);
         rig_.session().start(conditions, number);
         rig_.idle(std::chrono::milliseconds{50});
         rig_.press_key();  // in a trial, where there is nothing to go on from
@@ -138,6 +140,7 @@ class PressedTrials final : public TrialRunner {
     std::string problem() const override { return {}; }
 
     std::vector<PageKind> pages;
+    Duration shortest_read = Duration::max();
     std::uint64_t refused() { return rig_.session().heard_from(Role::kVisual).refused_total(); }
 
   private:
@@ -163,6 +166,8 @@ TEST_F(VirtualSitting, TheSubjectsKeyMovesItOn) {
     EXPECT_EQ(trials.pages, (std::vector{kWelcome, kBreak, kReady, kReady, kBreak, kReady, kReady}));
     EXPECT_EQ(read_records(folder.records(2)).size(), 5U);
     EXPECT_EQ(trials.refused(), 0U) << "a key that can do nothing is not even said";
+    EXPECT_GE(trials.shortest_read, std::chrono::seconds{1})
+        << "a key pressed in a break is not kept for its end";
 }
 
 // Session alone, and whoever speaks in the name of visual_node.
