@@ -48,6 +48,11 @@ enum class OrderKind : std::uint8_t {
 };
 // What the subject reads between trials.
 enum class PageKind : std::uint8_t { kNone, kWelcome, kPractice, kReady, kBreak, kPaused, kDone, kWait };
+inline constexpr std::size_t kPageKinds = static_cast<std::size_t>(PageKind::kWait) + 1;
+// A trial follows as soon as somebody says so: the experimenter, or the subject where the protocol lets them.
+constexpr bool waits_to_go_on(PageKind kind) {
+    return kind == PageKind::kWelcome || kind == PageKind::kPractice || kind == PageKind::kReady;
+}
 
 struct Header {
     std::uint64_t instance = 0;  // random per process start: tells a second master from the first

@@ -53,6 +53,11 @@ class NodeProcess : public Process {
     std::uint32_t trial() const { return trial_; }
     std::uint64_t instance() const { return instance_; }
     void set_state(NodeState state, EndReason reason = EndReason::kNone);
+    // Beside the heartbeats.
+    template <class Body>
+    void tell_session(SessionTime now, const Body& body) {
+        heartbeats_.send(now, trial_, body);
+    }
 
   private:
     void take_orders(SessionTime now);

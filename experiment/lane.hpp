@@ -73,6 +73,8 @@ class Lane {
     std::uint32_t last_number() const { return session_.last_number(); }
     // What the subject's screen says until the next trial.
     void show(const Page& page) { session_.show(page); }
+    // Whether the subject has asked to go on from it since the last call.
+    bool take_go_on() { return session_.take_go_on(); }
     // Keeps in touch with the nodes between trials, for at most `limit`.
     void idle(Duration limit);
     // A node has ended, or was lost: this lane runs no further trial.

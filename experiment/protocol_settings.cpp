@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "experiment/protocol.hpp"
+#include "visual_node/visual_settings.hpp"
 
 namespace thimble {
 namespace {
@@ -49,6 +50,7 @@ ProtocolSettings read_protocol_settings(const ConfigTable& table) {
                                                                            : RepeatWhen::kAtOnce;
     p.repeats_limit = whole(table, "repeats_limit", p.repeats_limit, 0, 100);
     p.repeat_timeouts = table.boolean("repeat_timeouts", p.repeat_timeouts);
+    p.subject_goes_on = read_subject_goes_on(table);
     return p;
 }
 

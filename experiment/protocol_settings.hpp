@@ -26,6 +26,7 @@ struct ProtocolSettings {
     RepeatWhen repeat = RepeatWhen::kEndOfBlock;
     std::uint32_t repeats_limit = 2;  // ... at most so often on its own account; by command without limit
     bool repeat_timeouts = true;
+    bool subject_goes_on = false;  // next_by = "subject": a person may begin the next trial
 };
 
 struct DatasetSettings {

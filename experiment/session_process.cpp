@@ -57,6 +57,7 @@ void SessionProcess::start(const TrialConditions& conditions, std::uint32_t numb
     heard_record_ = false;
     abort_.reset();
     page_.reset();
+    go_on_ = false;
     next_send_ = {};
     stage_ = Stage::kStartingOthers;
 }
@@ -129,11 +130,30 @@ void SessionProcess::take_heartbeats(SessionTime now) {
                 peer.trial = message->header.trial;
             } else if (const auto* reply = std::get_if<ClockReply>(&message->body)) {
                 take_clock(now, peer, message->header, *reply);
+            } else if (const auto* order = std::get_if<Order>(&message->body)) {
+                const Refusal refusal = judge_wish(peer, message->header.trial, *order);
+                if (refusal == Refusal::kCount) go_on_ = true;
+                if (refusal != Refusal::kCount) peer.flow.refuse_admitted(refusal);
             } else {
                 peer.flow.refuse_admitted(Refusal::kUnexpectedKind);
             }
         }
     }
+}
+
+// `trial`: the newest that whoever asks has seen; one that comes late is not for the next page. kCount: it holds.
+Refusal SessionProcess::judge_wish(const Peer& peer, std::uint32_t trial, const Order& order) const {
+    const bool waits =
+        (stage_ == Stage::kIdle || stage_ == Stage::kDone) && page_ && waits_to_go_on(page_->kind);
+    if (peer.role != Role::kVisual || order.kind != OrderKind::kResume || !settings_.subject_goes_on ||
+        !waits)
+        return Refusal::kUnexpectedKind;
+    return trial == std::max(trial_, last_number()) ? Refusal::kCount : Refusal::kWrongTrial;
+}
+
+void SessionProcess::show(const Page& page) {
+    if (!page_ || page_->kind != page.kind || page_->trial != page.trial) go_on_ = false;
+    page_ = page;
 }
 
 void SessionProcess::take_clock(SessionTime now, Peer& peer, const Header& header, const ClockReply& reply) {

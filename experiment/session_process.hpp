@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/flow.hpp"
 #include "common/node_process.hpp"
@@ -24,6 +25,8 @@ struct SessionSettings {
     // Of a person, whose handle may not know when a trial is over: it has also ended once the needle, after
     // the beep, was free of the tissue for kWithdrawnFor.
     bool ends_by_withdrawal = false;
+    // The subject's window may ask to go on, while a page waits for that, and nothing else.
+    bool subject_goes_on = false;
 };
 
 inline constexpr std::array kNodeRoles{Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual,
@@ -75,7 +78,11 @@ class SessionProcess final : public Process {
     // The force path's delay, one way, from now on and in the trials to come. Said again with each heartbeat.
     void change_delay(Duration one_way);
     // What the subject's screen says from now until a trial starts; repeated with every keep-alive.
-    void show(const Page& page) { page_ = page; }
+    void show(const Page& page);
+    // Whether the subject has asked to go on from the page that is shown, since the last call.
+    bool take_go_on() { return std::exchange(go_on_, false); }
+    // What visual_node was heard and refused with.
+    const FlowCounters& heard_from(Role role) const { return peer(role).flow.counters(); }
     // Tells every node to exit.
     void shut_down(SessionTime now);
     // Roles that have not been heard within `limit`, as text; empty if all are there.
@@ -100,6 +107,7 @@ class SessionProcess final : public Process {
 
     void take_heartbeats(SessionTime now);
     void take_clock(SessionTime now, Peer& peer, const Header& header, const ClockReply& reply);
+    Refusal judge_wish(const Peer& peer, std::uint32_t trial, const Order& order) const;
     void take_records(SessionTime now);
     void store(const Header& header, const ForceFeedback& feedback);
     void watch_withdrawal(const TrajectorySample& sample);
@@ -127,6 +135,7 @@ class SessionProcess final : public Process {
     SessionControl order_;
     Stage stage_ = Stage::kIdle;
     std::uint32_t trial_ = 0;
+    bool go_on_ = false;  // asked for, on the page shown
     bool fresh_ = false;  // start() was called, the clock is not known yet
     std::optional<Page> page_;
     std::optional<EndReason> abort_;

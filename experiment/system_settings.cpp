@@ -111,7 +111,8 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     s.person = read_operator_parameters(file.table("operator"));
     s.slave = read_slave_settings(file);
     s.cutaneous = read_cutaneous_settings(file.table("cutaneous"));
-    s.visual = read_visual_settings(file.table("visual"));
+    s.visual = read_visual_settings(file);
+    s.instructions = read_instructions(file.table("instructions"));
     s.netem = read_netem_settings(file);
     s.session = read_session(file);
     s.session.contact_hold = s.slave.contact_hold;

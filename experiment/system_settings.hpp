@@ -19,6 +19,7 @@
 #include "netem/link_settings.hpp"
 #include "netem/netem_settings.hpp"
 #include "slave_sim/slave_settings.hpp"
+#include "visual_node/instructions.hpp"
 #include "visual_node/visual_settings.hpp"
 
 namespace thimble {
@@ -52,6 +53,7 @@ struct SystemSettings {
     SlaveSettings slave;
     CutaneousSettings cutaneous;
     VisualSettings visual;
+    Instructions instructions;
     NetemSettings netem;
     SessionSettings session;
     SessionPlan plan;

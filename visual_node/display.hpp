@@ -48,6 +48,8 @@ class Display {
     // What to read between trials; kNone: nothing.
     virtual void turn_page(SessionTime /*now*/, const Page& /*page*/) {}
     virtual void beep(SessionTime /*now*/) {}
+    // Whether the subject has asked to go on since the last call.
+    virtual bool take_go_on() { return false; }
 };
 
 }  // namespace thimble

@@ -1,4 +1,6 @@
 // thimble-visual: what the operator may see.
+#include <csignal>
+
 #include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 #include "visual_node/recording_display.hpp"
@@ -6,8 +8,10 @@
 #ifdef THIMBLE_GUI
 #include "visual_node/views/experimenter_program.hpp"
 #include "visual_node/views/player_overlay.hpp"
+#include "visual_node/window/fonts.hpp"
 #include "visual_node/window/visual_window.hpp"
 #endif
+#include "visual_node/instructions.hpp"
 
 namespace {
 
@@ -50,11 +54,12 @@ std::unique_ptr<Overlay> make_overlay(const Choices& choices, const NetworkSetti
 
 class WindowVisual final : public NodeInstance {
   public:
-    WindowVisual(const VisualSettings& settings, const Choices& choices, Sockets& sockets,
-                 std::uint64_t instance)
-        : window_(settings,
-                  {choices.view == "player", choices.fullscreen, choices.screenshot,
-                   make_overlay(choices, sockets.settings(), instance)},
+    WindowVisual(const VisualSettings& settings, const Instructions& instructions, const Choices& choices,
+                 Sockets& sockets, std::uint64_t instance)
+        : subject_points_(settings.pointer && choices.view != "player"),
+          window_(settings,
+                  {choices.view == "player", settings.pointer, settings.fullscreen, choices.screenshot,
+                   make_overlay(choices, sockets.settings(), instance), instructions},
                   sockets.settings()),
           process_(instance, settings, open_channels(sockets, window_.hand() != nullptr), window_.display(),
                    window_.hand()) {}
@@ -62,24 +67,33 @@ class WindowVisual final : public NodeInstance {
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override { window_.describe(report); }
     bool has_foreground() const override { return true; }
-    void foreground(const std::function<bool()>& stopped) override { window_.run(stopped); }
+    void foreground(const std::function<bool()>& stopped) override {
+        if (window_.run(stopped) != WindowEnd::kScreenLost || !subject_points_) return;
+        // A subject without eyes and hand only waits for the trial's timeout: let the session know.
+        static_cast<void>(std::raise(SIGTERM));
+        throw Error(ExitCode::kRunFailed, "the subject's screen is gone, and with it the pointer");
+    }
 
   private:
+    bool subject_points_;
     VisualWindow window_;
     VisualProcess process_;
 };
 
-std::unique_ptr<NodeInstance> build_window(VisualSettings settings, const Choices& choices, Sockets& sockets,
-                                           std::uint64_t instance) {
+std::unique_ptr<NodeInstance> build_window(VisualSettings settings, const Instructions& instructions,
+                                           const Choices& choices, Sockets& sockets, std::uint64_t instance) {
+    check_drawable(instructions.text());
     // The screen has its own rate; a scene that waits for a second clock would only be older.
     if (!settings.refresh_given) settings.refresh_Hz = 1000;
-    if (choices.view == "player") settings.fingertip = true;
-    return std::make_unique<WindowVisual>(settings, choices, sockets, instance);
+    if (choices.view == "player") settings.fingertip = settings.pointer = true;
+    settings.fullscreen = settings.fullscreen || choices.fullscreen;
+    return std::make_unique<WindowVisual>(settings, instructions, choices, sockets, instance);
 }
 
 #else
 
-std::unique_ptr<NodeInstance> build_window(const VisualSettings&, const Choices&, Sockets&, std::uint64_t) {
+std::unique_ptr<NodeInstance> build_window(const VisualSettings&, const Instructions&, const Choices&,
+                                           Sockets&, std::uint64_t) {
     throw Error(ExitCode::kUsage,
                 "this build has no windows (THIMBLE_GUI is off): use [visual] display = \"recording\", "
                 "without --window "
@@ -90,9 +104,10 @@ std::unique_ptr<NodeInstance> build_window(const VisualSettings&, const Choices&
 
 std::unique_ptr<NodeInstance> build(const Choices& choices, const ConfigFile& file, Sockets& sockets,
                                     std::uint64_t instance) {
-    const VisualSettings settings = read_visual_settings(file.table("visual"));
+    const VisualSettings settings = read_visual_settings(file);
+    const Instructions instructions = read_instructions(file.table("instructions"));
     if (settings.window || choices.window || choices.view != "subject") {
-        return build_window(settings, choices, sockets, instance);
+        return build_window(settings, instructions, choices, sockets, instance);
     }
     return std::make_unique<RecordingVisual>(settings, sockets, instance);
 }
@@ -112,14 +127,16 @@ int main(int argc, char** argv) {
         "Never shows the fixture or the inserted part of the needle. Without a window, the display records "
         "frames.";
     program.example = "thimble-visual --config deploy/sessions/delay50.toml --window";
-    program.tables = {"network", "runtime", "visual"};
+    program.tables = {"network", "runtime", "visual", "instructions"};
     program.flags = {{"--window", "open a window, whatever [visual].display says", &choices.window},
                      {"--fullscreen", "the window fills the screen", &choices.fullscreen}};
-    program.texts = {{"--view",
-                      "subject: the scene alone; player: also the pointer as the hand (implies --window)",
-                      &choices.view,
-                      {"subject", "player"}},
-                     {"--screenshot", "save the last picture to this PNG file", &choices.screenshot}};
+    program.texts = {
+        {"--view",
+         "subject: the scene alone, and the pointer as the hand where [handle] device says so; player: the "
+         "pointer and a panel (implies --window)",
+         &choices.view,
+         {"subject", "player"}},
+        {"--screenshot", "save the last picture to this PNG file", &choices.screenshot}};
     program.build = [&choices](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         return build(choices, file, sockets, instance);
     };

@@ -9,12 +9,14 @@ VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& setti
       node_(settings),
       display_(&display),
       percept_flow_(Role::kVisual, instance, {channels.percept_out}),
-      hand_flow_(instance, channels.hand_out, hand) {}
+      hand_flow_(instance, channels.hand_out, hand),
+      go_on_(settings.subject_goes_on) {}
 
 void VisualProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(now, control, trial());
     hand_flow_.start_trial();
     display_->turn_page(now, Page{});
+    go_on_.turn(now, Page{});
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
 }
 
@@ -25,6 +27,7 @@ void VisualProcess::work(SessionTime now) {
                                      });
     hand_flow_.work(now, running(), trial());
     take_beep(now);
+    ask_to_go_on(now);
     if (const auto scene = node_.frame(now)) display_->draw(now, *scene);
     while (const auto shown = display_->shown(now)) {
         const auto percept = node_.to_percept(*shown);
@@ -33,8 +36,20 @@ void VisualProcess::work(SessionTime now) {
 }
 
 bool VisualProcess::read_page(SessionTime now, const Page& page) {
-    if (!running()) display_->turn_page(now, page);  // a late one must not cover the trial
+    if (running()) return true;  // a late one must not cover the trial
+    display_->turn_page(now, page);
+    if (display_->take_go_on()) go_on_.press(now);  // on the page before this one
+    go_on_.turn(now, page);
     return true;
+}
+
+// A key of the trial's time is taken as well, and forgotten.
+void VisualProcess::ask_to_go_on(SessionTime now) {
+    if (display_->take_go_on()) go_on_.press(now);
+    if (!go_on_.take_due(now)) return;
+    Order order;
+    order.kind = OrderKind::kResume;
+    tell_session(now, order);
 }
 
 void VisualProcess::take_beep(SessionTime now) {

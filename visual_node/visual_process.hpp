@@ -1,11 +1,12 @@
 // visual_node: force feedback in (through netem), frames to the display, percepts out when a frame has become
-// visible, the beep at once.
+// visible, the beep at once; between trials the subject's wish to go on, where the protocol allows it.
 #pragma once
 
 #include <algorithm>
 
 #include "common/node_process.hpp"
 #include "visual_node/display.hpp"
+#include "visual_node/go_on_wish.hpp"
 #include "visual_node/hand_flow.hpp"
 #include "visual_node/visual_node.hpp"
 
@@ -34,13 +35,14 @@ class VisualProcess final : public NodeProcess {
     bool read_page(SessionTime now, const Page& page) override;
     void work(SessionTime now) override;
     SessionTime next_work() const override {
-        return std::min({node_.next_frame(), display_->next_shown(), hand_flow_.next()});
+        return std::min({node_.next_frame(), display_->next_shown(), hand_flow_.next(), go_on_.next()});
     }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override;
 
   private:
     void take_beep(SessionTime now);
+    void ask_to_go_on(SessionTime now);
 
     Channels channels_;
     VisualNode node_;
@@ -49,6 +51,7 @@ class VisualProcess final : public NodeProcess {
     InboundFlow beep_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;
     HandFlow hand_flow_;
+    GoOnWish go_on_;
     std::uint32_t beeped_trial_ = 0;
 };
 

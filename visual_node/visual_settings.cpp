@@ -17,7 +17,20 @@ VisualSettings read_visual_settings(const ConfigTable& table) {
     node.pointer_m_per_count = table.number("pointer_m_per_count", node.pointer_m_per_count, 1e-7, 0.01);
     node.fingertip = table.boolean("fingertip", node.fingertip);
     node.sound = table.boolean("sound", node.sound);
+    node.fullscreen = table.boolean("fullscreen", node.fullscreen);
     return node;
+}
+
+// Which devices there are is the master's to know.
+VisualSettings read_visual_settings(const ConfigFile& file) {
+    VisualSettings node = read_visual_settings(file.table("visual"));
+    node.pointer = file.table("handle").text("device", "") == "pointer";
+    node.subject_goes_on = read_subject_goes_on(file.table("protocol"));
+    return node;
+}
+
+bool read_subject_goes_on(const ConfigTable& protocol) {
+    return protocol.choice("next_by", 0, {"experimenter", "subject"}) == 1;
 }
 
 }  // namespace thimble

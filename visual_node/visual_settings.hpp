@@ -9,6 +9,8 @@
 //   pointer_m_per_count = 5e-5   of a mouse's count at the hand, view "player"
 //   fingertip = false        CF and CCF as the picture of a fingertip: for a person without the devices
 //   sound = true             a window beeps
+//   fullscreen = false       a window fills the screen
+// and, so that a value that two programs must agree on stands once, what this node must know of other tables.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +33,17 @@ struct VisualSettings {
     double pointer_m_per_count = 5e-5;
     bool fingertip = false;
     bool sound = true;
+    bool fullscreen = false;
+    bool pointer = false;          // [handle] device = "pointer": the mouse in the window is the hand
+    bool subject_goes_on = false;  // [protocol] next_by
 };
 
+// Of [visual] alone, and of the whole file. Throw Error (usage).
 VisualSettings read_visual_settings(const ConfigTable& table);
+VisualSettings read_visual_settings(const ConfigFile& file);
+
+// [protocol] next_by = "experimenter" or "subject": who says, at the end of a page, that the next trial may begin. The
+// experimenter may always. Throws Error (usage).
+bool read_subject_goes_on(const ConfigTable& protocol);
 
 }  // namespace thimble

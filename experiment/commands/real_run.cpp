@@ -12,14 +12,28 @@
 #include "experiment/commands/say_results.hpp"
 #include "experiment/play/attendant.hpp"
 #include "experiment/play/order_lines.hpp"
+#include "experiment/play/play_starter.hpp"
 #include "experiment/run.hpp"
 #include "experiment/sitting/dataset.hpp"
+#ifdef THIMBLE_GUI
+#include "visual_node/window/fonts.hpp"
+#endif
 
 namespace thimble {
 namespace {
 
 ConfigFile file_of(const RealRunArguments& arguments) {
     return arguments.config.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.config);
+}
+
+// What would only come to light in thimble-visual's log, when a folder is written already.
+void check_screen(const SystemSettings& settings, const std::shared_ptr<NodeStarter>& starter) {
+    const bool window = settings.visual.window || settings.plan.kind == SubjectKind::kHuman;
+    if (starter && window && starter->machine(Role::kVisual).empty()) check_window(program_folder());
+#ifdef THIMBLE_GUI
+    check_drawable(settings.instructions.text());
+#endif
+    for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
 }
 
 int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings& settings,
@@ -34,6 +48,7 @@ int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings
     run.network = network_of(arguments);
     run.strict_rt = arguments.strict_rt;
     run.stop = &stop_requested();
+    run.check_screen = [&] { check_screen(settings, starter); };
     OrderLines orders;
     if (arguments.monitor) {
         run.view = SittingView{
@@ -83,6 +98,7 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
     if (settings.protocol) return run_sitting_for_real(arguments, settings, starter);
     refuse_sitting(arguments.sitting, settings);
     refuse_dataset(arguments.out);
+    check_screen(settings, starter);
     RunOptions options;
     options.starter = starter;
     options.out = arguments.out;

@@ -45,7 +45,8 @@ Command add_run(CLI::App& app, const std::string& typed) {
         "their own session file sets the delay");
     run->footer(
         "Examples:\n  thimble run deploy/sessions/delay50.toml --out out/run\n"
-        "  thimble run deploy/sessions/human.toml --out out/study7 --attach --consent --participant P07 "
+        "  thimble run deploy/sessions/mouse-study.toml --out out/study7 --consent --participant P07\n"
+        "  thimble run deploy/sessions/human.toml --out out/study8 --attach --consent --participant P07 "
         "--age 31");
     return {run, [arguments] { return run_here(*arguments); }};
 }

@@ -79,7 +79,7 @@ void check_window(const std::filesystem::path& programs) {
     throw Error(ExitCode::kUsage,
                 "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a "
                 "desktop, or over "
-                "`ssh -X`, or give it one: xvfb-run thimble play");
+                "`ssh -X`, or give it one: xvfb-run -a thimble ...");
 }
 
 }  // namespace thimble

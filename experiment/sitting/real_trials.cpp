@@ -51,8 +51,13 @@ void RealTrials::show(const Page& page) {
 }
 
 void RealTrials::idle(Duration limit) {
-    if (lane_) return lane_->idle(limit);
-    wall_sleep(limit);
+    if (!lane_) return wall_sleep(limit);
+    // A participant who is to go on needs the window that asks.
+    if (plan_.starter && lane_->broken() && !events_.stop()) {
+        say("a program has ended: all are started anew");
+        prepare();
+    }
+    lane_->idle(limit);
 }
 
 SessionTime RealTrials::now() const { return wall_now(); }

@@ -20,6 +20,7 @@ class RealTrials final : public TrialRunner {
     TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
                     const std::filesystem::path& trajectory) override;
     void show(const Page& page) override;
+    bool take_go_on() override { return lane_ && lane_->take_go_on(); }
     void idle(Duration limit) override;
     SessionTime now() const override;
     std::string problem() const override { return problem_; }

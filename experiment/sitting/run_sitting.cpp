@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "experiment/sitting/person_starter.hpp"
 #include "experiment/sitting/real_trials.hpp"
 #include "experiment/sitting/tsv.hpp"
 
@@ -21,17 +22,27 @@ std::uint32_t participant_of(const SystemSettings& settings, const std::string& 
                     : fmt::format("--participant {}: use P and a number, e.g. P07, never a name", said));
 }
 
-void check_person(const SittingRun& run) {
-    if (run.starter) {
-        throw Error(ExitCode::kUsage,
-                    "a person needs a real handle, and the one that thimble would start is simulated, with a "
-                    "virtual operator's hand on it: start the nodes with a master that holds a real handle "
-                    "(on the ports of [network], docs/protocol.md), and say --attach");
+void check_person(const SystemSettings& settings, const SittingRun& run) {
+    if (run.starter && settings.handle.kind == HandleKind::kSimulated) {
+        throw Error(
+            ExitCode::kUsage,
+            "a person needs a handle to hold, and the one that thimble would start is in a virtual "
+            "operator's hand. Say [handle] device = \"pointer\" in the session file for a sitting with "
+            "the mouse; or start the nodes with a master that holds a real handle (on the ports of "
+            "[network], docs/protocol.md), and say --attach");
     }
     if (!run.person.consent) {
         throw Error(ExitCode::kUsage,
                     "a person takes part with informed consent only: once you have it, say --consent");
     }
+}
+
+void check_virtual_subject(const SystemSettings& settings, const SittingRun& run) {
+    if (!run.starter || settings.handle.kind == HandleKind::kSimulated) return;
+    throw Error(
+        ExitCode::kUsage,
+        "a virtual subject holds the simulated handle only, and [handle] device says otherwise: leave it "
+        "out, or say [session] subject = \"human\"");
 }
 
 // Nodes that run already have the delay of their own file, which is to be this one.
@@ -90,11 +101,13 @@ LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const 
     SystemSettings with_delay = settings;
     set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
     LanePlan plan;
-    plan.starter = run.starter;
+    const bool human = settings.plan.kind == SubjectKind::kHuman;
+    plan.starter = human && run.starter ? std::make_shared<PersonStarter>(run.starter) : run.starter;
     plan.out = dataset.source(participant) / "nodes";
     plan.network = run.network;
     plan.session = session_settings(with_delay);
-    plan.session.ends_by_withdrawal = settings.plan.kind == SubjectKind::kHuman;
+    plan.session.ends_by_withdrawal = human;
+    plan.session.subject_goes_on = human && settings.protocol->subject_goes_on;
     plan.delay_s = delay_s;
     plan.strict_rt = run.strict_rt;
     if (run.view) plan.attend = run.view->attend;
@@ -119,6 +132,7 @@ SittingResult sit(const SystemSettings& settings, const SittingRun& run, const D
         options.wishes = run.view->lines;
         options.paused = run.view->paused;
     }
+    options.subject_goes_on = human && settings.protocol->subject_goes_on;
     return Sitting(std::move(options), trials).run();
 }
 
@@ -127,12 +141,14 @@ SittingResult sit(const SystemSettings& settings, const SittingRun& run, const D
 SittingResult run_sitting(const SystemSettings& settings, const SittingRun& run) {
     const SubjectKind kind = settings.plan.kind;
     const std::uint32_t participant = participant_of(settings, run.participant);
-    if (kind == SubjectKind::kHuman) check_person(run);
+    if (kind == SubjectKind::kHuman) check_person(settings, run);
+    if (kind == SubjectKind::kVirtual) check_virtual_subject(settings, run);
     const Dataset dataset(run.out);
     if (const auto found = dataset.kind(); found && *found != kind) dataset.open(kind, settings.dataset);
     bool written = false;
     const auto order = order_of(settings, dataset, participant, run.resume, written);
     check_delay(settings, order, run.starter == nullptr);
+    if (run.check_screen) run.check_screen();
 
     dataset.open(kind, settings.dataset);
     if (run.view) run.view->planned(order.size());

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -26,6 +27,8 @@ struct SittingRun {
     bool commands = false;  // read them from standard input, also if it is no terminal
     const std::atomic<bool>* stop = nullptr;
     std::optional<SittingView> view{};  // of an experimenter
+    // Throws Error (usage) if this machine cannot show a person what the nodes would; may be empty.
+    std::function<void()> check_screen{};
 };
 
 // Throws Error: usage, if participant, order, folder and what was said do not fit together (nothing is

@@ -72,7 +72,7 @@ std::string Sitting::name_of(const Step& step) const {
 }
 
 Sitting::Answer Sitting::before(const std::optional<Step>& step) {
-    const bool asks = options_.lines != nullptr;
+    const bool asks = options_.lines != nullptr || (options_.subject_goes_on && step);
     if (rest_is_due(step) && !rest_ && (asks || options_.rests)) {
         const Duration minimum = options_.rests ? options_.protocol.break_minimum : Duration{0};
         rest_.emplace(runner_.now(), minimum, asks);
@@ -93,7 +93,6 @@ Sitting::Answer Sitting::before(const std::optional<Step>& step) {
 // Nothing: go on.
 std::optional<Sitting::Answer> Sitting::hear_wishes(const std::optional<Step>& step) {
     if (options_.wishes == nullptr) return std::nullopt;
-    const auto paused = [this] { return options_.paused && options_.paused(); };
     do {
         while (const auto line = options_.wishes->take_line()) {
             if (line->empty()) continue;  // go on: it does
@@ -113,7 +112,9 @@ Page Sitting::page(const std::optional<Step>& step) const {
     if (!step) return page;
     page.trial = step->entry.position;
     if (rest_) page.remaining_s = to_seconds(rest_->left(runner_.now()));
-    if (page.remaining_s > 0) {
+    if (paused()) {
+        page.kind = PageKind::kPaused;
+    } else if (page.remaining_s > 0) {
         page.kind = PageKind::kBreak;
     } else if (agenda_.records.empty()) {
         page.kind = PageKind::kWelcome;
@@ -129,16 +130,30 @@ void Sitting::wait(const std::optional<Step>& step) {
 }
 
 Sitting::Answer Sitting::ask(const std::string& prompt, const std::optional<Step>& step) {
-    options_.say(fmt::format("{}. {}", prompt, kPromptHelp));
+    options_.say(fmt::format("{}. {}", prompt, who_goes_on(step)));
     for (;;) {
         if (stopped()) return Answer::kStop;
-        if (const auto line = options_.lines->take_line()) return obey(*line);
-        if (options_.lines->ended()) {
+        if (const auto line = take_line()) return obey(*line);
+        if (options_.lines != nullptr && options_.lines->ended()) {
             options_.say("nobody answers any more: the input has ended");
             return Answer::kStop;
         }
+        if (options_.subject_goes_on && runner_.take_go_on() && waits_to_go_on(page(step).kind))
+            return go_on();
         wait(step);
     }
+}
+
+// The last word, after the last trial, is the experimenter's.
+std::string Sitting::who_goes_on(const std::optional<Step>& step) const {
+    if (!options_.subject_goes_on || !step) return kPromptHelp;
+    return options_.lines == nullptr ? "The participant goes on"
+                                     : fmt::format("{}. The participant, too, may go on", kPromptHelp);
+}
+
+std::optional<std::string> Sitting::take_line() {
+    if (options_.lines != nullptr) return options_.lines->take_line();
+    return options_.wishes == nullptr ? std::nullopt : options_.wishes->take_line();
 }
 
 Sitting::Answer Sitting::obey(const std::string& line) {

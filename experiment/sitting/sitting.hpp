@@ -33,6 +33,8 @@ class TrialRunner {
                             const std::filesystem::path& trajectory) = 0;
     // What the participant's screen says until the next trial.
     virtual void show(const Page& page) = 0;
+    // Whether the participant has asked to go on from that page since the last call.
+    virtual bool take_go_on() = 0;
     // Lets time pass between trials.
     virtual void idle(Duration limit) = 0;
     virtual SessionTime now() const = 0;
@@ -51,6 +53,8 @@ struct SittingOptions {
     // Where nobody is asked, somebody who watches may still wish: the same lines, and a pause before the next trial.
     LineSource* wishes = nullptr;
     std::function<bool()> paused{};
+    // The participant, too, may begin the next trial; with no experimenter asked, the participant alone.
+    bool subject_goes_on = false;
 };
 
 struct SittingResult {
@@ -75,6 +79,9 @@ class Sitting {
     Page page(const std::optional<Step>& step) const;
     void wait(const std::optional<Step>& step);
     std::optional<Answer> hear_wishes(const std::optional<Step>& step);
+    std::string who_goes_on(const std::optional<Step>& step) const;
+    std::optional<std::string> take_line();
+    bool paused() const { return options_.paused && options_.paused(); }
     Answer obey(const std::string& line);
     Answer go_on();
     void mark_last(ExclusionKind kind, const std::string& reason);

@@ -96,6 +96,7 @@ TEST(SittingProgram, APersonNeedsARealHandleAndGivesConsent) {
     const Outcome simulated = sittings.run({"--consent"});
     EXPECT_EQ(simulated.code, 2);
     EXPECT_THAT(simulated.words, HasSubstr("--attach"));
+    EXPECT_THAT(simulated.words, HasSubstr("[handle] device = \"pointer\""));
     const Outcome unasked = sittings.run({"--attach"});
     EXPECT_EQ(unasked.code, 2);
     EXPECT_THAT(unasked.words, HasSubstr("--consent"));

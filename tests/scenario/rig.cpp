@@ -1,6 +1,7 @@
 #include "tests/scenario/rig.hpp"
 
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace thimble::test {
@@ -9,6 +10,21 @@ namespace {
 std::uint64_t instance_of(Role role) { return 1000 + static_cast<std::uint64_t>(role); }
 
 }  // namespace
+
+// A screen that is read, and a key beside it.
+class ReadDisplay final : public Display {
+  public:
+    explicit ReadDisplay(Duration pipeline) : frames(pipeline) {}
+    void draw(SessionTime now, const Scene& scene) override { frames.draw(now, scene); }
+    std::optional<ShownScene> shown(SessionTime now) override { return frames.shown(now); }
+    SessionTime next_shown() const override { return frames.next_shown(); }
+    void turn_page(SessionTime, const Page& turned) override { page = turned; }
+    bool take_go_on() override { return std::exchange(pressed, false); }
+
+    RecordingDisplay frames;
+    Page page;
+    bool pressed = false;
+};
 
 struct Rig::Parts {
     // Keeps its place in the loop while what runs in it is replaced.
@@ -38,7 +54,7 @@ struct Rig::Parts {
     SimulatedHandle handle;
     PointerHandle pointer;
     SimulatedActuator actuator;
-    RecordingDisplay display;
+    ReadDisplay display;
     std::unique_ptr<SessionProcess> session;
     Replaceable master;
     std::unique_ptr<NetemProcess> netem;
@@ -186,7 +202,16 @@ const NetemProcess& Rig::netem() const { return *parts_->netem; }
 const SlaveProcess& Rig::slave() const { return *parts_->slave; }
 const CutaneousProcess& Rig::cutaneous() const { return *parts_->cutaneous; }
 const VisualProcess& Rig::visual() const { return *parts_->visual; }
-const RecordingDisplay& Rig::display() const { return parts_->display; }
+const RecordingDisplay& Rig::display() const { return parts_->display.frames; }
+
+void Rig::idle(Duration limit) {
+    const SessionTime end = now() + limit;
+    while (now() < end && parts_->loop.step()) {
+    }
+}
+
+void Rig::press_key() { parts_->display.pressed = true; }
+const Page& Rig::page() const { return parts_->display.page; }
 
 void Rig::restart_master() {
     parts_->master.process = parts_->make_master(instance_of(Role::kMaster) + 100);

@@ -83,6 +83,11 @@ class Rig {
     const VisualProcess& visual() const;
     const RecordingDisplay& display() const;
 
+    // Between trials: lets time pass, presses the subject's key, and what the subject reads.
+    void idle(Duration limit);
+    void press_key();
+    const Page& page() const;
+
     // The master's program dies and comes up again, as another instance that knows nothing.
     void restart_master();
 

@@ -1,11 +1,17 @@
 // A participant's sitting in virtual time: the whole haptic loop, the tables of a dataset, a power cut.
 #include "experiment/sitting/sitting.hpp"
 
+#include <algorithm>
+#include <array>
+#include <vector>
+
 #include <gtest/gtest.h>
 
+#include "common/queue_channel.hpp"
 #include "experiment/sitting/counted_trials.hpp"
 #include "experiment/sitting/participants_table.hpp"
 #include "experiment/virtual_session.hpp"
+#include "tests/scenario/rig.hpp"
 #include "tests/unit/experiment/records.hpp"
 
 namespace thimble::test {
@@ -26,6 +32,7 @@ class VirtualTrials final : public TrialRunner {
         return run_virtual_trial(settings_, conditions);
     }
     void show(const Page& /*page*/) override {}
+    bool take_go_on() override { return false; }
     void idle(Duration limit) override { now_ += limit; }
     SessionTime now() const override { return now_; }
     std::string problem() const override { return {}; }
@@ -101,6 +108,128 @@ TEST_F(VirtualSitting, TimeoutsAreRepeatedAndTheLastOneCounts) {
     const CountedTrials counted = counted_trials(timed_out);
     EXPECT_EQ(counted.rows.size(), 4U);
     EXPECT_EQ(counted.left_out.size(), records.size() - 4);
+}
+
+// One set of nodes for the whole sitting, as in real time, and a participant who reads each page for a second and presses.
+class PressedTrials final : public TrialRunner {
+  public:
+    explicit PressedTrials(const SystemSettings& settings) : rig_(settings) {}
+
+    void prepare() override {}
+    std::uint32_t last_number() const override { return rig_.session().last_number(); }
+    TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
+                    const std::filesystem::path& /*trajectory*/) override {
+        shortest_read = std::min(shortest_read, rig_.now() - since_);
+        rig_.session().start(conditions, number);
+        rig_.idle(std::chrono::milliseconds{50});
+        rig_.press_key();  // in a trial, where there is nothing to go on from
+        return rig_.finish();
+    }
+    void show(const Page& page) override { rig_.session().show(page); }
+    bool take_go_on() override { return rig_.session().take_go_on(); }
+    void idle(Duration limit) override {
+        rig_.idle(limit);
+        if (rig_.page().kind != read_.kind || rig_.page().trial != read_.trial) {
+            read_ = rig_.page();
+            since_ = rig_.now();
+            if (read_.kind != PageKind::kNone) pages.push_back(read_.kind);
+        }
+        if (rig_.now() - since_ >= std::chrono::seconds{1}) rig_.press_key();
+    }
+    SessionTime now() const override { return rig_.now(); }
+    std::string problem() const override { return {}; }
+
+    std::vector<PageKind> pages;
+    Duration shortest_read = Duration::max();
+    std::uint64_t refused() { return rig_.session().heard_from(Role::kVisual).refused_total(); }
+
+  private:
+    mutable Rig rig_;  // tells of its session by a way in
+    Page read_;
+    SessionTime since_{};
+};
+
+SittingResult sit_with_key(const Dataset& dataset, const SystemSettings& settings, PressedTrials& trials) {
+    SittingOptions options{dataset, 2, *settings.protocol, nullptr, true, nullptr, [](const std::string&) {}};
+    options.subject_goes_on = true;
+    return Sitting(std::move(options), trials).run();
+}
+
+TEST_F(VirtualSitting, TheSubjectsKeyMovesItOn) {
+    use("[trial]\ncontact_hold_s = 0.5\n");
+    settings_.protocol->break_minimum = std::chrono::seconds{5};
+    settings_.visual.subject_goes_on = settings_.session.subject_goes_on = true;
+    const Dataset folder = dataset("pressed");
+    PressedTrials trials(settings_);
+    EXPECT_EQ(sit_with_key(folder, settings_, trials).code, ExitCode::kOk);
+    using enum PageKind;
+    EXPECT_EQ(trials.pages, (std::vector{kWelcome, kBreak, kReady, kReady, kBreak, kReady, kReady}));
+    EXPECT_EQ(read_records(folder.records(2)).size(), 5U);
+    EXPECT_EQ(trials.refused(), 0U) << "a key that can do nothing is not even said";
+    EXPECT_GE(trials.shortest_read, std::chrono::seconds{1})
+        << "a key pressed in a break is not kept for its end";
+}
+
+// Session alone, and whoever speaks in the name of visual_node.
+class WishTest : public testing::Test {
+  protected:
+    // Whether it is heard; if not, it is counted.
+    bool wish(PageKind kind, OrderKind order, std::uint32_t trial = 0) {
+        Page page;
+        page.kind = kind;
+        session_.show(page);
+        const std::uint64_t before = session_.heard_from(Role::kVisual).refused_total();
+        Order wished;
+        wished.kind = order;
+        visual_.send(now_ += std::chrono::milliseconds{1}, trial, wished);
+        session_.tick(now_);
+        const bool heard = session_.take_go_on();
+        EXPECT_EQ(session_.heard_from(Role::kVisual).refused_total() - before, heard ? 0U : 1U);
+        return heard;
+    }
+    static SessionSettings settings() {
+        SessionSettings settings;
+        settings.subject_goes_on = true;
+        return settings;
+    }
+
+    std::array<QueuePipe, kNodeRoles.size()> control_;  // a: session
+    QueuePipe record_;
+    SessionTime now_{std::chrono::seconds{1}};
+    SessionProcess session_{
+        1,
+        settings(),
+        {{&control_[0].a, &control_[1].a, &control_[2].a, &control_[3].a, &control_[4].a}, &record_.b}};
+    OutboundFlow visual_{Role::kVisual, 2, {&control_[3].b}};
+};
+
+TEST_F(WishTest, IsHeardWhereAPageWaitsForIt) {
+    for (const PageKind waits : {PageKind::kWelcome, PageKind::kPractice, PageKind::kReady})
+        EXPECT_TRUE(wish(waits, OrderKind::kResume));
+    for (const PageKind rests : {PageKind::kBreak, PageKind::kPaused, PageKind::kDone, PageKind::kWait})
+        EXPECT_FALSE(wish(rests, OrderKind::kResume));
+    EXPECT_FALSE(wish(PageKind::kReady, OrderKind::kResume, 7)) << "asked for another trial";
+}
+
+TEST_F(WishTest, NoOtherOrderIs) {
+    for (int kind = 0; kind <= static_cast<int>(OrderKind::kSpeed); ++kind) {
+        const auto other = static_cast<OrderKind>(kind);
+        EXPECT_EQ(wish(PageKind::kReady, other), other == OrderKind::kResume) << kind;
+    }
+}
+
+TEST_F(WishTest, IsOfThePageOnWhichItWasSaid) {
+    Page page;
+    page.kind = PageKind::kReady;
+    page.trial = 3;
+    session_.show(page);
+    Order wished;
+    wished.kind = OrderKind::kResume;
+    visual_.send(now_, 0, wished);
+    session_.tick(now_);
+    page.trial = 4;
+    session_.show(page);
+    EXPECT_FALSE(session_.take_go_on());
 }
 
 }  // namespace

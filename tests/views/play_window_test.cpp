@@ -7,6 +7,7 @@
 #include "experiment/trajectory_file.hpp"
 #include "experiment/trial_table.hpp"
 #include "tests/loopback/workbench.hpp"
+#include "tests/views/pushed_needle.hpp"
 #include "tests/views/virtual_screen.hpp"
 #include "visual_node/window/picture.hpp"
 #include "visual_node/window/png_file.hpp"
@@ -24,27 +25,6 @@ class PlayInAWindow : public testing::Test {
         ASSERT_TRUE(screen_->ready());
     }
 
-    // The needle of the trial under way, as far as it is on the disk.
-    bool needle_beyond(const std::filesystem::path& trajectory, double position_m) const {
-        std::error_code absent;
-        if (!std::filesystem::exists(trajectory, absent)) return false;
-        const std::string text = read_text(trajectory);
-        const std::size_t end = text.find_last_of('\n');
-        if (end == std::string::npos || end == 0) return false;
-        const std::size_t begin = text.find_last_of('\n', end - 1) + 1;
-        const std::size_t comma = text.find(',', begin);
-        if (begin == 1 || comma == std::string::npos) return false;
-        return std::strtod(text.c_str() + comma + 1, nullptr) > position_m;
-    }
-
-    bool push_until(const std::filesystem::path& trajectory, double position_m) const {
-        return wait_until([&] {
-            screen_->hand({"mousemove_relative", "--sync", "0", "12"});
-            wall_sleep(std::chrono::milliseconds{10});
-            return needle_beyond(trajectory, position_m);
-        });
-    }
-
     Folder folder_;
     PortBlock ports_;
     std::optional<VirtualScreen> screen_;
@@ -60,7 +40,8 @@ TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAl
     const auto first = out / "trajectories" / "trial01_HF_0ms.csv";
     ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(first); })) << read_text(folder_ / "words");
     ASSERT_TRUE(screen_->click(250, 450));
-    EXPECT_TRUE(push_until(first, 0.005)) << read_text(folder_ / "words");
+    EXPECT_TRUE(move_until(*screen_, 12, [&] { return newest_needle_m(first) > 0.005; }))
+        << read_text(folder_ / "words");
     ASSERT_TRUE(screen_->press("Escape"));
     wall_sleep(std::chrono::milliseconds{300});
     ASSERT_TRUE(screen_->type("4"));

@@ -1,12 +1,11 @@
 #include "visual_node/window/captions.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <imgui.h>
 
 #include <fmt/format.h>
-
-#include "visual_node/window/page_text.hpp"
 
 namespace thimble {
 namespace {
@@ -19,12 +18,27 @@ void draw_centred(ImFont* font, const std::string& text, float y, ImU32 ink, flo
     ImGui::GetForegroundDrawList()->AddText(font, font->FontSize, ImVec2(x, y), ink, text.c_str());
 }
 
+// How much of a line fits into the width, at least a character; the blank it is broken at belongs to none.
+std::size_t fitting(const ImFont& font, const std::string& line, float width) {
+    const char* const begin = line.c_str();
+    const char* end = font.CalcWordWrapPositionA(1, begin, begin + line.size(), width);
+    if (end == begin) ++end;
+    while ((*end & 0xC0) == 0x80) ++end;  // not within a character
+    return static_cast<std::size_t>(end - begin);
+}
+
 // Line by line, each in the middle; returns where the next would stand.
 float draw_lines(ImFont* font, const std::string& text, float y, ImU32 ink) {
+    const float width = ImGui::GetIO().DisplaySize.x;
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find('\n', begin), text.size());
-        draw_centred(font, text.substr(begin, end - begin), y, ink, ImGui::GetIO().DisplaySize.x);
-        y += 1.4F * font->FontSize;
+        std::string line = text.substr(begin, end - begin);
+        do {
+            const std::size_t length = line.empty() ? 0 : fitting(*font, line, 0.95F * width);
+            draw_centred(font, line.substr(0, length), y, ink, width);
+            y += 1.4F * font->FontSize;
+            line.erase(0, std::max(length, std::min(line.find_first_not_of(' ', length), line.size())));
+        } while (!line.empty());
         begin = end + 1;
     }
     return y;
@@ -47,11 +61,9 @@ void draw_bar_scale(const Picture& picture) {
     }
 }
 
-void draw_page(const GuiLayer& gui, const Page& page) {
-    if (page.kind == PageKind::kNone) return;
+void draw_page(const GuiLayer& gui, const PageText& text) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::GetForegroundDrawList()->AddRectFilled(ImVec2(0, 0), size, to_ink(colours::kBackground));
-    const PageText text = page_text(page);
     const float y = draw_lines(gui.large_font(), text.title, 0.3F * size.y, to_ink(colours::kNeedle));
     draw_lines(ImGui::GetFont(), text.body, y + ImGui::GetFontSize(), to_ink(colours::kInk));
 }

@@ -225,6 +225,9 @@ bool GlWindow::should_close() const { return lost() || glfwWindowShouldClose(imp
 void GlWindow::ask_to_close() {
     if (!lost()) glfwSetWindowShouldClose(impl_->window, GLFW_TRUE);
 }
+void GlWindow::stay_open() {
+    if (!lost()) glfwSetWindowShouldClose(impl_->window, GLFW_FALSE);
+}
 bool GlWindow::lost() const { return screen_lost(); }
 int GlWindow::width() const { return impl_->width; }
 int GlWindow::height() const { return impl_->height; }

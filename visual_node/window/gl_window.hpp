@@ -72,6 +72,8 @@ class GlWindow {
     bool should_close() const;
     // As somebody does who clicks it away.
     void ask_to_close();
+    // Whoever asked is not heard.
+    void stay_open();
     // The connection to the screen broke: nothing can be drawn any more. Every call is then harmless and does nothing.
     bool lost() const;
 

@@ -2,28 +2,14 @@
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
-#include <filesystem>
 #include <imgui.h>
+#include <utility>
+
+#include "visual_node/window/fonts.hpp"
 
 namespace thimble {
-namespace {
 
-constexpr float kText_px = 16;  // at content scale 1
-constexpr float kLargeText_px = 32;
-// Debian's fonts-dejavu-core. Without it ImGui's own font, of 13 pixels and thus coarse when enlarged.
-constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-
-ImFont* add_font(float size_px) {
-    ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
-    if (std::filesystem::exists(kFont)) return fonts.AddFontFromFileTTF(kFont, size_px);
-    ImFontConfig own;
-    own.SizePixels = size_px;
-    return fonts.AddFontDefault(&own);
-}
-
-}  // namespace
-
-GuiLayer::GuiLayer(GlWindow& window) : window_(&window) {
+GuiLayer::GuiLayer(GlWindow& window, std::string text) : window_(&window), text_(std::move(text)) {
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;  // a session leaves no files behind that it does not name
@@ -77,13 +63,11 @@ bool GuiLayer::wants(const WindowEvent& event) const {
 
 void GuiLayer::fit_to_scale() {
     scale_ = window_->content_scale();
-    const auto scale = static_cast<float>(scale_);
     ImGui::GetIO().Fonts->Clear();
-    add_font(kText_px * scale);
-    large_ = add_font(kLargeText_px * scale);
+    large_ = build_fonts(*ImGui::GetIO().Fonts, scale_, text_).large;
     ImGui::GetStyle() = ImGuiStyle{};
     ImGui::StyleColorsDark();
-    ImGui::GetStyle().ScaleAllSizes(scale);
+    ImGui::GetStyle().ScaleAllSizes(static_cast<float>(scale_));
 }
 
 }  // namespace thimble

@@ -12,7 +12,8 @@ namespace thimble {
 
 class GuiLayer {
   public:
-    explicit GuiLayer(GlWindow& window);
+    // `text`: what will be drawn beyond Latin-1, as far as the font has it.
+    explicit GuiLayer(GlWindow& window, std::string text = {});
     ~GuiLayer();
     GuiLayer(const GuiLayer&) = delete;
     GuiLayer& operator=(const GuiLayer&) = delete;
@@ -30,6 +31,7 @@ class GuiLayer {
     void fit_to_scale();
 
     GlWindow* window_;
+    std::string text_;
     ImFont* large_ = nullptr;
     double scale_ = 0;  // that fonts and style were made for
 };

@@ -1,7 +1,5 @@
 #include "visual_node/window/page_text.hpp"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 namespace thimble {
@@ -11,6 +9,7 @@ constexpr const char* kTask =
     "Push the needle into the tissue until something stops it.\n"
     "Hold it there, no deeper and no harder, until you hear the beep.\n"
     "Then pull it out.";
+constexpr const char* kGoOn = "Press the space bar, or click, when you are ready.";
 
 std::string which_of(const Page& page) {
     if (page.trial == 0) return {};
@@ -20,8 +19,7 @@ std::string which_of(const Page& page) {
 
 std::string break_text(const Page& page) {
     if (page.remaining_s <= 0) return "Say when you want to go on.";
-    const auto left_s = static_cast<long>(std::ceil(page.remaining_s));
-    return fmt::format("{}:{:02} to go", left_s / 60, left_s % 60);
+    return break_time(page) + " to go";
 }
 
 }  // namespace
@@ -46,6 +44,19 @@ PageText page_text(const Page& page) {
             return {"One moment", which_of(page)};
     }
     return {};
+}
+
+PageText page_text(const Page& page, const Instructions& instructions, bool subject_goes_on) {
+    PageText text = page_text(page);
+    if (page.kind == PageKind::kNone) return text;
+    const PageWords& own = instructions.of(page.kind);
+    if (own.title) text.title = fill_in(*own.title, page);
+    if (own.body) {
+        text.body = fill_in(*own.body, page);
+    } else if (subject_goes_on && waits_to_go_on(page.kind)) {
+        text.body += text.body.empty() ? kGoOn : std::string("\n\n") + kGoOn;
+    }
+    return text;
 }
 
 }  // namespace thimble

@@ -1,5 +1,7 @@
 #include "visual_node/window/visual_window.hpp"
 
+#include <utility>
+
 #include <spdlog/spdlog.h>
 
 #include "common/runtime/node_program.hpp"
@@ -39,16 +41,18 @@ nlohmann::ordered_json beeps_of(const std::vector<BeepTimes>& beeps) {
 
 VisualWindow::VisualWindow(const VisualSettings& settings, VisualWindowOptions options,
                            const NetworkSettings& network)
-    : player_(options.player),
+    : pointer_(options.pointer),
       window_(window_settings(options)),
       display_(settings.pipeline),
       hand_(settings.pointer_m_per_count),
       beeper_(make_beeper(settings)),
       overlay_(std::move(options.overlay)),
-      loop_({&window_, &display_, player_ ? &hand_ : nullptr, overlay_.get(), beeper_.get()},
+      instructions_(std::move(options.instructions)),
+      loop_({&window_, &display_, pointer_ ? &hand_ : nullptr, overlay_.get(), beeper_.get(), &instructions_,
+             settings.subject_goes_on && !options.player, pointer_ && !options.player},
             settings.smoothing, one_clock(network)) {
     if (!options.screenshot.empty()) loop_.set_screenshot(options.screenshot);
-    if (player_ && beeper_ != nullptr) loop_.set_notice(beeper_->notice());
+    if (pointer_ && beeper_ != nullptr) loop_.set_notice(beeper_->notice());
 }
 
 void VisualWindow::describe(nlohmann::ordered_json& report) const {

@@ -22,6 +22,7 @@ class WindowDisplay final : public Display {
     SessionTime next_shown() const override;
     void turn_page(SessionTime now, const Page& page) override;
     void beep(SessionTime now) override;
+    bool take_go_on() override { return go_on_.exchange(false); }
 
     // The window's thread. The next scene, page or beep (when it was asked for) that waits, oldest first.
     std::optional<Scene> take_scene();
@@ -29,6 +30,8 @@ class WindowDisplay final : public Display {
     std::optional<SessionTime> take_beep();
     // This scene has been swapped to the screen.
     void presented(const Scene& scene, SessionTime swapped);
+    // The subject asks to go on.
+    void ask_to_go_on() { go_on_ = true; }
     // Nobody looks any more.
     void close() { open_ = false; }
 
@@ -42,6 +45,7 @@ class WindowDisplay final : public Display {
     SpscRing<SessionTime> beeps_;
     SpscRing<ShownScene> shown_;
     std::atomic<bool> open_{true};
+    std::atomic<bool> go_on_{false};
     std::atomic<std::uint64_t> unseen_{0};
 };
 

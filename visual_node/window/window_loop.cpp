@@ -9,6 +9,7 @@
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "visual_node/window/captions.hpp"
+#include "visual_node/window/page_text.hpp"
 #include "visual_node/window/png_file.hpp"
 #include "visual_node/window/shader.hpp"
 // clang-format off
@@ -41,11 +42,11 @@ const char* to_string(WindowEnd end) {
 
 WindowLoop::WindowLoop(const Parts& parts, Duration smoothing, bool one_clock)
     : parts_(parts),
-      gui_(*parts.window),
+      gui_(*parts.window, parts.instructions == nullptr ? std::string() : parts.instructions->text()),
       playout_(smoothing),
       times_(one_clock),
       pace_(parts.window->refresh_Hz()),
-      times_shown_(parts.hand != nullptr) {
+      times_shown_(parts.hand != nullptr && !parts.stays_open) {
     beeps_.reserve(64);
 }
 
@@ -57,7 +58,9 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
     if (end_ == WindowEnd::kNone) end_ = WindowEnd::kAsked;
     if (end_ == WindowEnd::kAsked && !screenshot_.empty()) save_screenshot(picture());
     if (end_ == WindowEnd::kScreenLost) {
-        spdlog::warn("the window's screen is gone: nothing is shown any more, the node goes on");
+        spdlog::warn(parts_.stays_open
+                         ? "the window's screen is gone"
+                         : "the window's screen is gone: nothing is shown any more, the node goes on");
     } else if (end_ == WindowEnd::kClosed) {
         spdlog::warn("the window was closed: nothing is shown any more, the node goes on");
     }
@@ -69,6 +72,7 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
 
 bool WindowLoop::turn() {
     take_events(wall_now(), parts_.window->poll_events());
+    if (parts_.stays_open) parts_.window->stay_open();
     if (parts_.window->lost()) {
         end_ = WindowEnd::kScreenLost;
     } else if (parts_.window->should_close() && end_ == WindowEnd::kNone) {
@@ -106,6 +110,7 @@ void WindowLoop::take_mail(SessionTime now) {
 
 void WindowLoop::handle(const WindowEvent& event) {
     if (event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated) handle_key(event);
+    if (event.kind == WindowEvent::Kind::kButton && event.pressed) ask_to_go_on();
     if (parts_.hand == nullptr) return;
     if (event.kind == WindowEvent::Kind::kButton && event.pressed) {
         parts_.window->grab_pointer(true);
@@ -115,6 +120,12 @@ void WindowLoop::handle(const WindowEvent& event) {
     } else if (event.kind == WindowEvent::Kind::kFocus && !event.pressed) {
         parts_.window->grab_pointer(false);
         parts_.hand->let_go();
+    }
+}
+
+void WindowLoop::ask_to_go_on() {
+    if (parts_.subject_goes_on && parts_.display != nullptr && waits_to_go_on(page_.kind)) {
+        parts_.display->ask_to_go_on();
     }
 }
 
@@ -135,8 +146,12 @@ void WindowLoop::handle_key(const WindowEvent& event) {
         case GLFW_KEY_F12:
             shot_asked_ = true;
             return;
+        case GLFW_KEY_SPACE:
+        case GLFW_KEY_ENTER:
+        case GLFW_KEY_KP_ENTER:
+            return ask_to_go_on();
         case GLFW_KEY_F10:  // a subject does not end the experiment
-            if (parts_.hand != nullptr) parts_.window->ask_to_close();
+            if (parts_.hand != nullptr && !parts_.stays_open) parts_.window->ask_to_close();
             return;
         default:
             return;
@@ -149,8 +164,10 @@ std::string WindowLoop::keys() const {
     if (parts_.hand != nullptr) {
         text +=
             "click     take the needle: move down to push it in\nEsc       let go\n"
-            "gamepad   hold A, push the left stick down\nF10       close the window and end\n";
+            "gamepad   hold A, push the left stick down\n";
+        if (!parts_.stays_open) text += "F10       close the window and end\n";
     }
+    if (parts_.subject_goes_on) text += "space     go on, where a page waits for it\n";
     return text;
 }
 
@@ -166,6 +183,7 @@ void WindowLoop::read_gamepad(SessionTime now) {
     }
     const bool held = state.buttons[GLFW_GAMEPAD_BUTTON_A] == GLFW_PRESS;
     if (held != stick_held_) held ? parts_.hand->take_hold() : parts_.hand->let_go();
+    if (held && !stick_held_) ask_to_go_on();
     stick_held_ = held;
     if (held) parts_.hand->push(static_cast<double>(state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y]), since);
 }
@@ -215,7 +233,11 @@ void WindowLoop::draw_captions(SessionTime now, const std::optional<Picture>& pi
     }
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
     draw_notice(notice_, scene_width());
-    draw_page(gui_, page_);
+    if (page_.kind != PageKind::kNone) {
+        static const Instructions kUnchanged;
+        const Instructions& words = parts_.instructions == nullptr ? kUnchanged : *parts_.instructions;
+        draw_page(gui_, page_text(page_, words, parts_.subject_goes_on));
+    }
     if (help_) draw_key_help(keys());
 }
 

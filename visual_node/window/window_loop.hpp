@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "visual_node/instructions.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/frame_pace.hpp"
@@ -36,6 +37,10 @@ class WindowLoop {
         PointerHand* hand = nullptr;       // null: the pointer moves nothing
         Overlay* overlay = nullptr;
         Beeper* beeper = nullptr;
+        const Instructions* instructions = nullptr;  // null: the pages' own words
+        bool subject_goes_on = false;                // a key or a click ends a page that waits
+        // A subject with the pointer: nothing that a subject does closes the window, and no times are shown.
+        bool stays_open = false;
     };
     // `one_clock`: as in FrameTimes.
     WindowLoop(const Parts& parts, Duration smoothing, bool one_clock);
@@ -60,6 +65,7 @@ class WindowLoop {
     void take_mail(SessionTime now);
     void handle(const WindowEvent& event);
     void handle_key(const WindowEvent& event);
+    void ask_to_go_on();
     void read_gamepad(SessionTime now);
     void wait_until(SessionTime begin, const std::function<bool()>& stop);
     void take_events(SessionTime now, std::span<const WindowEvent> events);

@@ -41,6 +41,16 @@ TEST(SittingSettings, WhoItIsWith) {
     }
 }
 
+TEST(SittingSettings, WhoBeginsATrial) {
+    EXPECT_FALSE(read("[protocol]").protocol->subject_goes_on);
+    const SystemSettings subject = read("[handle]\ndevice = 'pointer'\n[protocol]\nnext_by = 'subject'");
+    EXPECT_TRUE(subject.protocol->subject_goes_on);
+    EXPECT_TRUE(subject.visual.subject_goes_on) << "the same value, for the window";
+    EXPECT_TRUE(subject.visual.pointer);
+    EXPECT_THROW(read("[protocol]\nnext_by = 'both'"), Error);
+    EXPECT_THROW(read("[instructions]\nwelcom = ''"), Error);
+}
+
 TEST(SittingSettings, ParticipantsAreNumbersOnly) {
     EXPECT_EQ(parse_participant("P07"), 7U);
     EXPECT_EQ(parse_participant("sub-123"), 123U);

@@ -40,8 +40,10 @@ class InstantTrials final : public TrialRunner {
     }
     void show(const Page& page) override {
         if (pages.empty() || pages.back().kind != page.kind || pages.back().trial != page.trial)
-            pages.push_back(page);
+            pages.push_back(page), turned = clock;
     }
+    // Presses on every page that waits, once it has been read; also on those that do not.
+    bool take_go_on() override { return presses && clock - turned >= seconds{1}; }
     void idle(Duration limit) override { clock += limit; }
     SessionTime now() const override { return clock; }
     std::string problem() const override { return "the cable"; }
@@ -52,7 +54,8 @@ class InstantTrials final : public TrialRunner {
     std::uint32_t seen = 0;
     std::size_t stop_after = 0;
     int prepared = 0;
-    SessionTime clock{};
+    SessionTime clock{}, turned{};
+    bool presses = false;
     std::atomic<bool> stop = false;
 };
 
@@ -71,6 +74,25 @@ class WrittenLines final : public LineSource {
     std::deque<std::string> lines_;
 };
 
+// Says its line once so many trials have been run.
+class WishAfter final : public LineSource {
+  public:
+    WishAfter(const InstantTrials& trials, std::size_t after, std::string line)
+        : trials_(trials), after_(after), line_(std::move(line)) {}
+    std::optional<std::string> take_line() override {
+        if (said_ || trials_.numbers.size() < after_) return std::nullopt;
+        said_ = true;
+        return line_;
+    }
+    bool ended() const override { return false; }
+
+  private:
+    const InstantTrials& trials_;
+    std::size_t after_;
+    std::string line_;
+    bool said_ = false;
+};
+
 class SittingTest : public testing::Test {
   protected:
     SittingTest() : dataset_(directory_ / "d"), settings_(*short_settings().protocol) {
@@ -85,7 +107,12 @@ class SittingTest : public testing::Test {
             }};
         options.wishes = wishes_;
         options.paused = paused_;
+        options.subject_goes_on = subject_goes_on_;
         return Sitting(std::move(options), trials_).run();
+    }
+    SittingResult sit_until_stopped(LineSource* lines, std::size_t trials) {
+        trials_.stop_after = trials;
+        return sit(lines);
     }
     std::vector<std::uint32_t> positions() const {
         std::vector<std::uint32_t> list;
@@ -101,6 +128,7 @@ class SittingTest : public testing::Test {
     std::vector<std::string> said_;
     bool rests_ = true;
     LineSource* wishes_ = nullptr;
+    bool subject_goes_on_ = false;
     std::function<bool()> paused_;
 };
 
@@ -127,6 +155,30 @@ TEST_F(SittingTest, TheScreenSaysWhatComesNext) {
     }
     EXPECT_THAT(kinds, ElementsAre(kWelcome, kBreak, kReady, kReady, kBreak, kReady, kReady, kDone));
     EXPECT_THAT(trials, ElementsAre(1, 2, 2, 3, 4, 4, 5, 0));
+}
+
+TEST_F(SittingTest, AParticipantAloneBeginsEachTrialAndTheEndComesByItself) {
+    subject_goes_on_ = trials_.presses = true;
+    EXPECT_EQ(sit().code, ExitCode::kOk);
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));
+    EXPECT_THAT(said_, Contains(HasSubstr("The participant goes on")).Times(testing::Ge(5)));
+    EXPECT_GE(trials_.clock - SessionTime{}, seconds{5 * 10 + 2 * 30}) << "a key shortens no break";
+}
+
+TEST_F(SittingTest, WithoutTheProtocolsWordAKeyDoesNothing) {
+    trials_.presses = true;
+    WrittenLines lines({"", "q"});
+    EXPECT_EQ(sit(&lines).code, ExitCode::kRunFailed);
+    EXPECT_THAT(positions(), ElementsAre(1));
+}
+
+// After the last trial the experimenter is asked, whatever the participant presses.
+TEST_F(SittingTest, BothMayGoOnAndTheLastWordIsTheExperimenters) {
+    rests_ = false;
+    subject_goes_on_ = trials_.presses = true;
+    WishAfter reject(trials_, 5, "r slipped");
+    EXPECT_EQ(sit_until_stopped(&reject, 6).code, ExitCode::kRunFailed);
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5, 5));
 }
 
 TEST_F(SittingTest, TheScreenSaysThatItGoesOnLater) {
@@ -252,25 +304,6 @@ TEST_F(SittingTest, NodesAreThereBeforeAnybodyIsAsked) {
     sit(&lines);
     EXPECT_EQ(trials_.prepared, 1);
 }
-
-// Says its line once so many trials have been run.
-class WishAfter final : public LineSource {
-  public:
-    WishAfter(const InstantTrials& trials, std::size_t after, std::string line)
-        : trials_(trials), after_(after), line_(std::move(line)) {}
-    std::optional<std::string> take_line() override {
-        if (said_ || trials_.numbers.size() < after_) return std::nullopt;
-        said_ = true;
-        return line_;
-    }
-    bool ended() const override { return false; }
-
-  private:
-    const InstantTrials& trials_;
-    std::size_t after_;
-    std::string line_;
-    bool said_ = false;
-};
 
 TEST_F(SittingTest, WhereNobodyIsAskedAWatcherMayHaveTheLastTrialAgain) {
     rests_ = false;

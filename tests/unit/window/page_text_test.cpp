@@ -1,6 +1,11 @@
 #include "visual_node/window/page_text.hpp"
 
+#include <filesystem>
+
 #include <gmock/gmock.h>
+
+#include "common/error.hpp"
+#include "visual_node/window/fonts.hpp"
 
 namespace thimble {
 namespace {
@@ -25,6 +30,39 @@ TEST(PageText, CountsABreakDown) {
 }
 
 TEST(PageText, SaysWhichTrialComes) { EXPECT_EQ(page_text(page_of(PageKind::kReady)).body, "Trial 3 of 12"); }
+
+TEST(PageText, ALabsOwnWordsStandInPlaceOfOurs) {
+    Instructions words;
+    words.pages[static_cast<std::size_t>(PageKind::kReady)] = {"Bereit?", "Versuch {trial}"};
+    words.pages[static_cast<std::size_t>(PageKind::kDone)].title = "Fertig";
+    const PageText ready = page_text(page_of(PageKind::kReady), words, true);
+    EXPECT_EQ(ready.title, "Bereit?");
+    EXPECT_EQ(ready.body, "Versuch 3") << "and nothing added";
+    const PageText done = page_text(page_of(PageKind::kDone), words, true);
+    EXPECT_EQ(done.title, "Fertig");
+    EXPECT_EQ(done.body, page_text(page_of(PageKind::kDone)).body);
+    EXPECT_TRUE(page_text(page_of(PageKind::kNone), words, true).body.empty());
+}
+
+TEST(PageText, SaysHowToGoOnWhereASubjectMay) {
+    const Instructions none;
+    for (int i = 1; i <= static_cast<int>(PageKind::kWait); ++i) {
+        const auto kind = static_cast<PageKind>(i);
+        const std::string with = page_text(page_of(kind), none, true).body;
+        EXPECT_EQ(with.find("space bar") != std::string::npos, waits_to_go_on(kind)) << i;
+        EXPECT_EQ(page_text(page_of(kind), none, false).body, page_text(page_of(kind)).body);
+    }
+}
+
+TEST(Fonts, WhatCannotBeDrawnIsNamed) {
+    EXPECT_EQ(undrawable("Grüße, ça va? ¿Qué? Ærø\n{trial}"), "");
+    if (std::filesystem::exists("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")) {
+        EXPECT_EQ(undrawable("Готовы? Έτοιμοι; Připraveni? Gotowi? Hazır mısınız?"), "");
+    }
+    EXPECT_EQ(undrawable("a\xF0\x9F\x98\x80 \xE4\xB8\xAD\xE4\xB8\xAD"), "U+4E2D, U+1F600");
+    EXPECT_THROW(check_drawable("\xE4\xB8\xAD"), Error);
+    EXPECT_NO_THROW(check_drawable(""));
+}
 
 TEST(PageText, EveryPageHasATitleAndNoneNamesAModality) {
     for (int i = 1; i <= static_cast<int>(PageKind::kWait); ++i) {
