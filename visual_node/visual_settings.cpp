@@ -17,6 +17,8 @@ VisualSettings read_visual_settings(const ConfigTable& table) {
     node.pointer_m_per_count = table.number("pointer_m_per_count", node.pointer_m_per_count, 1e-7, 0.01);
     node.fingertip = table.boolean("fingertip", node.fingertip);
     node.sound = table.boolean("sound", node.sound);
+    node.vibration = table.boolean("vibration", node.vibration);
+    node.vibration_device = table.text("vibration_device", "");
     return node;
 }
 

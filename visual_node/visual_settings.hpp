@@ -9,9 +9,12 @@
 //   pointer_m_per_count = 5e-5   of a mouse's count at the hand, view "player"
 //   fingertip = false        CF and CCF as the picture of a fingertip: for a person without the devices
 //   sound = true             a window beeps
+//   vibration = true         in CF and CCF a player's gamepad vibrates, where it can
+//   vibration_device = ""    its event device, /dev/input/eventN; empty: it is sought
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "common/config.hpp"
 #include "common/time.hpp"
@@ -31,6 +34,8 @@ struct VisualSettings {
     double pointer_m_per_count = 5e-5;
     bool fingertip = false;
     bool sound = true;
+    bool vibration = true;
+    std::string vibration_device{};
 };
 
 VisualSettings read_visual_settings(const ConfigTable& table);

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -41,6 +42,7 @@ class VisualWindow {
     PointerHand hand_;
     std::unique_ptr<Beeper> beeper_;
     std::unique_ptr<Overlay> overlay_;
+    std::optional<Vibration> vibration_;
     WindowLoop loop_;
 };
 

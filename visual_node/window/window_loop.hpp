@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "visual_node/gamepad/vibration.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/frame_pace.hpp"
@@ -36,6 +37,7 @@ class WindowLoop {
         PointerHand* hand = nullptr;       // null: the pointer moves nothing
         Overlay* overlay = nullptr;
         Beeper* beeper = nullptr;
+        Vibration* vibration = nullptr;
     };
     // `one_clock`: as in FrameTimes.
     WindowLoop(const Parts& parts, Duration smoothing, bool one_clock);
@@ -61,6 +63,7 @@ class WindowLoop {
     void handle(const WindowEvent& event);
     void handle_key(const WindowEvent& event);
     void read_gamepad(SessionTime now);
+    void vibrate(SessionTime now, const std::optional<Scene>& scene);
     void wait_until(SessionTime begin, const std::function<bool()>& stop);
     void take_events(SessionTime now, std::span<const WindowEvent> events);
     int scene_width() const;
@@ -83,6 +86,7 @@ class WindowLoop {
     SessionTime begun_{}, swapped_{}, stick_read_{};
     WindowEnd end_ = WindowEnd::kNone;
     Image* wanted_ = nullptr;  // where the next frame is to be copied
+    JoystickIdentity joystick_;  // GLFW's first gamepad; no name: there is none
     bool help_ = false, times_shown_ = false, stick_held_ = false, shot_asked_ = false;
 };
 

@@ -40,7 +40,7 @@ class ReplayProcessTest : public testing::Test {
     explicit ReplayProcessTest(double delay_s = 0)
         : trial(steady_trial(delay_s)),
           display(VisualSettings{}.pipeline),
-          replay(1, trial, 1, {&control.a, &force.a, &beep.a, &monitor.a, &orders.b}),
+          replay(1, trial, 1, {&control.a, &force.a, &beep.a, {&monitor.a, &orders.b, &second_monitor.a, &second_orders.b}}),
           visual(2, VisualSettings{}, {&control.b, &force.b, &beep.b, &percept.a}, display),
           view(Role::kExperimenter, 3, {&orders.a}) {
         const std::uint32_t replay_bit = loop.add(replay), visual_bit = loop.add(visual);
@@ -55,7 +55,11 @@ class ReplayProcessTest : public testing::Test {
     }
     void hear() {
         while (const Message* message = heard.receive(loop.now(), monitor.b))
-            newest = std::get<Monitor>(message->body);
+            if (const auto* said = std::get_if<Monitor>(&message->body)) {
+                newest = *said;
+            } else {
+                state = std::get<ReplayState>(message->body);
+            }
         while (const Message* message = eyes.receive(loop.now(), percept.b))
             beeps_heard += std::get<Percept>(message->body).beep && !std::exchange(beeping, true);
     }
@@ -68,7 +72,7 @@ class ReplayProcessTest : public testing::Test {
     double shown_m() const { return display.recent(0).scene.position_needle_m; }
 
     RecordedTrial trial;
-    QueuePipe control, force, beep, monitor, orders, percept;
+    QueuePipe control, force, beep, monitor, orders, second_monitor, second_orders, percept;
     RecordingDisplay display;
     ReplayProcess replay;
     VisualProcess visual;
@@ -76,6 +80,7 @@ class ReplayProcessTest : public testing::Test {
     VirtualLoop loop;
     InboundFlow heard{Role::kSession}, eyes{Role::kVisual};
     Monitor newest;
+    ReplayState state;
     int beeps_heard = 0;
     bool beeping = false;
 };
