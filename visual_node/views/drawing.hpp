@@ -3,7 +3,7 @@
 
 #include <imgui.h>
 
-#include "visual_node/views/colours.hpp"
+#include "visual_node/window/colours.hpp"
 #include "visual_node/views/text_line.hpp"
 #include "visual_node/views/view_layout.hpp"
 

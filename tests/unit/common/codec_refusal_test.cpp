@@ -309,7 +309,7 @@ TEST(CodecRefusal, EnumsOutOfRange) {
     expect_enum(&Monitor::modality, 4);
     expect_enum(&Monitor::state, 4);
     expect_enum(&Monitor::reason, 5);
-    expect_enum(&Order::kind, 10);
+    expect_enum(&Order::kind, 11);
     expect_enum(&Order::modality, 4);
     expect_enum(&Page::kind, 8);
 }

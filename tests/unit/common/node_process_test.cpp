@@ -337,5 +337,25 @@ TEST_F(NodeProcessTest, ADelayIsChangedOnceHoweverOftenItIsSaidAndAlsoBetweenTri
     EXPECT_EQ(process.said, expected);
 }
 
+TEST_F(NodeProcessTest, ANetworkIsChangedOnceAndItsDelayOnceMore) {
+    const auto say = [&](const char* name, double delay_s) {
+        SessionControl control;
+        control.kind = ControlKind::kNetworkChange;
+        control.network = *NetworkName::of(name);
+        control.network_delay_s = delay_s;
+        session.send(now, 1, control);
+        process.tick(now);
+    };
+    order(ControlKind::kTrialStart);
+    tick(milliseconds{10});
+    process.said.clear();
+    say("lte", 0.25);
+    say("lte", 0.25);
+    say("geo", 0.25);
+    say("geo", 0.5);
+    const std::vector<std::string> expected{"delay 0.250000lte", "delay 0.250000geo", "delay 0.500000geo"};
+    EXPECT_EQ(process.said, expected);
+}
+
 }  // namespace
 }  // namespace thimble

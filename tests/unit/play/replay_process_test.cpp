@@ -108,6 +108,67 @@ TEST_F(ReplayProcessTest, PausesForMinutesAndGoesOn) {
     EXPECT_FALSE(newest.paused);
 }
 
+TEST_F(ReplayProcessTest, ASeekShowsAtOnceWhileItStandsStill) {
+    say(OrderKind::kPause);
+    run_for(seconds{1});
+    for (const double time_s : {3.0, 8.0, 1.0, 1.05}) {  // past the beep and back: another trial number, no other picture
+        say(OrderKind::kSeek, time_s);
+        run_for(milliseconds{300});
+        EXPECT_TRUE(newest.paused);
+        EXPECT_EQ(newest.time_s, time_s);
+        EXPECT_NEAR(shown_m(), 0.01 * time_s, 1.1e-5);
+    }
+}
+
+TEST_F(ReplayProcessTest, ADimpleIsDrawnAgainstTheTrialsFirstSampleWhereverItBegins) {
+    trial.record.samples.front().position_surface_m = 0.5;
+    run_for(seconds{7});
+    say(OrderKind::kSeek, 3);  // before the beep: begins anew, and not with the first sample
+    run_for(milliseconds{300});
+    EXPECT_EQ(display.recent(0).scene.position_surface_m, 1);
+    EXPECT_EQ(display.recent(0).scene.position_surface_rest_m, 0.5);
+}
+
+TEST_F(ReplayProcessTest, BothViewsHearTheSameAndMaySeek) {
+    OutboundFlow player(Role::kExperimenter, 4, {&second_orders.a});
+    InboundFlow ears{Role::kSession};
+    Order order;
+    order.kind = OrderKind::kSeek;
+    order.value = 4;
+    player.send(loop.now(), 1, order);
+    say(OrderKind::kSpeed, 0.1);
+    run_for(seconds{1});
+    EXPECT_NEAR(newest.time_s, 4.1, 0.02);
+    EXPECT_EQ(state.speed, 0.1);
+    EXPECT_EQ(state.duration_s, 10);
+    EXPECT_EQ(state.beep_s, 6);
+    EXPECT_EQ(state.contact_s, -1);  // this needle touches nothing
+    int monitors = 0, states = 0;
+    while (const Message* message = ears.receive(loop.now(), second_monitor.b)) {
+        monitors += std::holds_alternative<Monitor>(message->body);
+        states += std::holds_alternative<ReplayState>(message->body);
+    }
+    EXPECT_GT(monitors, 30);  // as many as wait in a queue
+    EXPECT_GT(states, 1);
+}
+
+TEST(ReplayState, MarksChangesAHundredthApartAndNoMoreThanThereIsRoomFor) {
+    RecordedTrial trial = steady_trial(0);
+    trial.record.samples[2500].phase = TissuePhase::kContact;
+    trial.record.network_events = {{0, 0.05, "paper50", {}, {}}, {2, 0.1}, {2.04, 0.2}, {2.09, 0.3}, {5, 0}};
+    const ReplayState state = replay_state_of(trial);
+    EXPECT_EQ(state.contact_s, 2.5);
+    ASSERT_EQ(state.changes, 2U);  // not what it began with, and a slider that was dragged once
+    EXPECT_EQ(state.change_s[0], 2);
+    EXPECT_EQ(state.change_s[1], 5);
+    trial.record.network_events.clear();
+    for (int i = 0; i < 60; ++i) trial.record.network_events.push_back({0.15 * i, 0.1});
+    EXPECT_EQ(replay_state_of(trial).changes, ReplayState::kMostChanges);
+    trial.record.beep_time_s = std::nan("");
+    EXPECT_EQ(replay_state_of(trial).beep_s, -1);
+    EXPECT_EQ(trial.network(5).empty(), true);
+}
+
 TEST_F(ReplayProcessTest, SeeksAndChangesItsSpeed) {
     say(OrderKind::kSeek, 4);
     say(OrderKind::kSpeed, 0.1);
