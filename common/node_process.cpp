@@ -80,8 +80,7 @@ void NodeProcess::take_order(SessionTime now, std::uint32_t trial, const Session
 }
 
 void NodeProcess::take_network(SessionTime now, const SessionControl& control) {
-    const bool known =
-        control.network_delay_s == changed_delay_s_ && control.network == changed_network_;
+    const bool known = control.network_delay_s == changed_delay_s_ && control.network == changed_network_;
     if (known) return;
     changed_delay_s_ = control.network_delay_s;
     changed_network_ = control.network;

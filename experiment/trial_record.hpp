@@ -44,9 +44,9 @@ struct WayInShort {
 
 // The network became another one: while the trial ran, or before it, where a profile was chosen then (time 0).
 struct NetworkEvent {
-    double time_s = 0;      // of the newest sample when it was ordered
-    double delay_s = 0;     // force path, one way
-    std::string profile{};  // whose name was chosen; empty: the delay alone changed
+    double time_s = 0;             // of the newest sample when it was ordered
+    double delay_s = 0;            // force path, one way
+    std::string profile{};         // whose name was chosen; empty: the delay alone changed
     WayInShort needle{}, force{};  // of a profile
 };
 

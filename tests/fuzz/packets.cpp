@@ -100,8 +100,7 @@ bool plausible_body(const Percept& m) {
 }
 bool plausible_body(const SessionControl& m) {
     return position(m.fixture_position_m) && span(m.network_delay_s) && span(m.silence_s) &&
-           m.network.well_formed() &&
-           m.kind <= ControlKind::kNetworkChange && m.modality <= Modality::kVF &&
+           m.network.well_formed() && m.kind <= ControlKind::kNetworkChange && m.modality <= Modality::kVF &&
            m.reason <= EndReason::kInterrupted;
 }
 bool plausible_body(const Heartbeat& m) {

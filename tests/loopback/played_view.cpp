@@ -17,9 +17,9 @@ PlayedView::PlayedView(std::uint16_t base_port, Ports ports)
     : sockets_(viewed_network(base_port)),
       in_(sockets_.inlet(ports == Ports::kPlayer ? Port::kPlayerMonitor : Port::kExperimenterMonitor,
                          Role::kSession)),
-      orders_(Role::kExperimenter, ports == Ports::kPlayer ? 201 : 200,
-              {sockets_.outlet(ports == Ports::kPlayer ? Port::kSessionPlayerOrders : Port::kSessionOrders)}) {
-}
+      orders_(
+          Role::kExperimenter, ports == Ports::kPlayer ? 201 : 200,
+          {sockets_.outlet(ports == Ports::kPlayer ? Port::kSessionPlayerOrders : Port::kSessionOrders)}) {}
 
 void PlayedView::listen(SessionTime now) {
     while (const Message* message = heard_.receive(now, *in_)) {

@@ -177,7 +177,8 @@ TEST_F(LiveDelay, EvenTheMoonIsWaitedFor) {
 }
 
 TEST_F(LiveDelay, AnUnknownNetworkIsRefusedAndNothingChanges) {
-    for (const char* name : {"lte-9", "", "out"}) EXPECT_FALSE(rig.session().change_network(*NetworkName::of(name)));
+    for (const char* name : {"lte-9", "", "out"})
+        EXPECT_FALSE(rig.session().change_network(*NetworkName::of(name)));
     run_for(seconds{1});
     EXPECT_EQ(round_trip_s(), 0);
     EXPECT_TRUE(rig.session().network().empty());

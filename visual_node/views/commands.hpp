@@ -60,7 +60,8 @@ struct Key {
 };
 
 // Keys that type no character.
-inline constexpr char kLeftKey = 1, kRightKey = 2, kShiftLeftKey = 3, kShiftRightKey = 4, kHomeKey = 5, kEndKey = 6;
+inline constexpr char kLeftKey = 1, kRightKey = 2, kShiftLeftKey = 3, kShiftRightKey = 4, kHomeKey = 5,
+                      kEndKey = 6;
 // "Space", "Shift Left"; empty for a character that can be read.
 std::string_view special_key_name(char character);
 

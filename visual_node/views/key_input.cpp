@@ -107,9 +107,8 @@ void draw_key_help(std::span<const Key> keys, double scale) {
         ImGui::SameLine(static_cast<float>(200 * scale));
         ImGui::TextUnformatted(key.help);
     }
-    const bool networks = std::any_of(keys.begin(), keys.end(), [](const Key& key) {
-        return key.command == Command::kNetwork0;
-    });
+    const bool networks = std::any_of(keys.begin(), keys.end(),
+                                      [](const Key& key) { return key.command == Command::kNetwork0; });
     if (networks)
         ImGui::TextUnformatted("The slider changes a network's delay alone; its jitter and loss stay.");
     ImGui::End();

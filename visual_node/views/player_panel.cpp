@@ -78,8 +78,7 @@ void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
         draw_plot(scale, now);
         ImGui::Text("round trip: %s", round_trip_text(model_.link().monitor().round_trip_s).c_str());
     }
-    if (draw_button(model_.keys(), Command::kHelp, row_here((kRow - 4) * scale),
-                    model_.help())) {
+    if (draw_button(model_.keys(), Command::kHelp, row_here((kRow - 4) * scale), model_.help())) {
         model_.press(now, Command::kHelp);
     }
     ImGui::PopStyleVar();

@@ -50,7 +50,8 @@ void draw_words(const ReplayModel& model, const Monitor& monitor) {
     const ReplayState& state = model.state();
     ImGui::Text("%.3f of %.3f s, %s", model.position_s(), state.duration_s, to_string(monitor.modality));
     ImGui::SameLine();
-    ImGui::Text("%.0f ms %s", monitor.network_delay_s * 1e3, TextLine::of("{}", monitor.network.view()).c_str());
+    ImGui::Text("%.0f ms %s", monitor.network_delay_s * 1e3,
+                TextLine::of("{}", monitor.network.view()).c_str());
     mark_in_words(kBluishGreen, "contact", state.contact_s);
     mark_in_words(kYellow, "beep", state.beep_s);
     if (state.changes > 0) {

@@ -85,7 +85,7 @@ class WindowLoop {
     std::uint64_t frames_ = 0;
     SessionTime begun_{}, swapped_{}, stick_read_{};
     WindowEnd end_ = WindowEnd::kNone;
-    Image* wanted_ = nullptr;  // where the next frame is to be copied
+    Image* wanted_ = nullptr;    // where the next frame is to be copied
     JoystickIdentity joystick_;  // GLFW's first gamepad; no name: there is none
     bool help_ = false, times_shown_ = false, stick_held_ = false, shot_asked_ = false;
 };

@@ -34,7 +34,8 @@ class TinyProcess final : public NodeProcess {
         said.push_back(control.kind == ControlKind::kFixtureChange ? "fixture" : "beep");
     }
     void network_changed(SessionTime, const SessionControl& control) override {
-        said.push_back("delay " + std::to_string(control.network_delay_s) + std::string(control.network.view()));
+        said.push_back("delay " + std::to_string(control.network_delay_s) +
+                       std::string(control.network.view()));
     }
     void work(SessionTime) override {
         ++works;

@@ -22,8 +22,8 @@ TEST(EventDevice, IdentityIsReadFromTheGuidOfGlfw) {
 
 TEST(EventDevice, NameAndIdentityAndMotorsDecide) {
     FakeInputClasses classes;
-    classes.add("event3", {"Pad", 0x045e, 0x028e}, "0");                  // no motors
-    classes.add("event4", {"Pad", 0x045e, 0x1111}, "107030000 0");        // another make
+    classes.add("event3", {"Pad", 0x045e, 0x028e}, "0");                   // no motors
+    classes.add("event4", {"Pad", 0x045e, 0x1111}, "107030000 0");         // another make
     classes.add("event5", {"Pad Consumer Control", 0x045e, 0x028e}, "1");  // another part of it
     classes.add("event7", {"Pad", 0x045e, 0x028e}, "107030000 0");
     classes.add("js0", {"Pad", 0x045e, 0x028e}, "107030000 0");

@@ -40,7 +40,9 @@ class ReplayProcessTest : public testing::Test {
     explicit ReplayProcessTest(double delay_s = 0)
         : trial(steady_trial(delay_s)),
           display(VisualSettings{}.pipeline),
-          replay(1, trial, 1, {&control.a, &force.a, &beep.a, {&monitor.a, &orders.b, &second_monitor.a, &second_orders.b}}),
+          replay(
+              1, trial, 1,
+              {&control.a, &force.a, &beep.a, {&monitor.a, &orders.b, &second_monitor.a, &second_orders.b}}),
           visual(2, VisualSettings{}, {&control.b, &force.b, &beep.b, &percept.a}, display),
           view(Role::kExperimenter, 3, {&orders.a}) {
         const std::uint32_t replay_bit = loop.add(replay), visual_bit = loop.add(visual);
@@ -111,7 +113,8 @@ TEST_F(ReplayProcessTest, PausesForMinutesAndGoesOn) {
 TEST_F(ReplayProcessTest, ASeekShowsAtOnceWhileItStandsStill) {
     say(OrderKind::kPause);
     run_for(seconds{1});
-    for (const double time_s : {3.0, 8.0, 1.0, 1.05}) {  // past the beep and back: another trial number, no other picture
+    for (const double time_s :
+         {3.0, 8.0, 1.0, 1.05}) {  // past the beep and back: another trial number, no other picture
         say(OrderKind::kSeek, time_s);
         run_for(milliseconds{300});
         EXPECT_TRUE(newest.paused);

@@ -28,9 +28,8 @@ TEST(Commands, EveryKeyIsOneCommandsAndEveryCommandHasOne) {
     expect_sound(replay_keys());
     for (std::size_t i = 0; i < static_cast<std::size_t>(Command::kCount); ++i) {
         const auto has = [i](std::span<const Key> keys) {
-            return std::any_of(keys.begin(), keys.end(), [i](const Key& key) {
-                return static_cast<std::size_t>(key.command) == i;
-            });
+            return std::any_of(keys.begin(), keys.end(),
+                               [i](const Key& key) { return static_cast<std::size_t>(key.command) == i; });
         };
         EXPECT_TRUE(has(experimenter_keys()) || has(replay_keys())) << i;
     }

@@ -45,10 +45,14 @@ class ReplayBench {
 };
 
 TEST(ReplayModel, StepsSeekFromWhereItStands) {
-    const std::vector<std::pair<Command, double>> steps{
-        {Command::kBack, 3.9},    {Command::kOn, 4.1},    {Command::kFarBack, 3}, {Command::kFarOn, 5},
-        {Command::kToBegin, 0},   {Command::kToEnd, 10},  {Command::kFrameOn, 4 + 1.0 / 60},
-        {Command::kFrameBack, 4 - 1.0 / 60}};
+    const std::vector<std::pair<Command, double>> steps{{Command::kBack, 3.9},
+                                                        {Command::kOn, 4.1},
+                                                        {Command::kFarBack, 3},
+                                                        {Command::kFarOn, 5},
+                                                        {Command::kToBegin, 0},
+                                                        {Command::kToEnd, 10},
+                                                        {Command::kFrameOn, 4 + 1.0 / 60},
+                                                        {Command::kFrameBack, 4 - 1.0 / 60}};
     for (const auto& [command, time_s] : steps) {
         ReplayBench bench;
         const Order order = bench.first(command);
