@@ -35,6 +35,7 @@ class Judge {
     void stamp(std::int64_t nanoseconds) {
         if (nanoseconds < 0 || nanoseconds > kMaxStamp_ns) in_range_ = false;
     }
+    void require(bool in_range) { in_range_ = in_range_ && in_range; }
     template <class Enum>
     Enum choice(std::uint8_t value, Enum last) {
         if (value > raw(last)) in_range_ = false;
@@ -137,10 +138,22 @@ inline Percept from_wire(const wire::Percept& w, Judge& judge) {
             w.beep()};
 }
 
+inline wire::NetworkName to_wire(const NetworkName& name) { return wire::NetworkName(name.text); }
+
+inline NetworkName from_wire(const wire::NetworkName& w, Judge& judge) {
+    NetworkName name;
+    for (std::size_t i = 0; i < name.text.size(); ++i)
+        name.text[i] = w.text()->Get(static_cast<flatbuffers::uoffset_t>(i));
+    judge.require(name.well_formed());
+    return name;
+}
+
 inline wire::SessionControl to_wire(const SessionControl& b) {
     return {b.study_seed,
             b.fixture_position_m,
             b.network_delay_s,
+            b.silence_s,
+            to_wire(b.network),
             b.subject,
             b.experiment,
             static_cast<wire::ControlKind>(b.kind),
@@ -152,6 +165,7 @@ inline wire::SessionControl to_wire(const SessionControl& b) {
 inline SessionControl from_wire(const wire::SessionControl& w, Judge& judge) {
     judge.number(w.fixture_position_m(), kMaxPosition_m);
     judge.number(w.network_delay_s(), 0, kMaxTime_s);
+    judge.number(w.silence_s(), 0, kMaxTime_s);
     return {w.study_seed(),
             w.fixture_position_m(),
             w.network_delay_s(),
@@ -160,7 +174,9 @@ inline SessionControl from_wire(const wire::SessionControl& w, Judge& judge) {
             judge.choice(raw(w.kind()), ControlKind::kNetworkChange),
             judge.choice(raw(w.modality()), Modality::kVF),
             w.fixture_present(),
-            judge.choice(raw(w.reason()), EndReason::kInterrupted)};
+            judge.choice(raw(w.reason()), EndReason::kInterrupted),
+            w.silence_s(),
+            from_wire(w.network(), judge)};
 }
 
 inline wire::Heartbeat to_wire(const Heartbeat& b) {
@@ -231,6 +247,7 @@ inline wire::Monitor to_wire(const Monitor& b) {
             b.one_way_s,
             b.one_way_bound_s,
             b.network_delay_s,
+            to_wire(b.network),
             b.accepted,
             b.refused,
             b.subject,
@@ -288,17 +305,19 @@ inline Monitor from_wire(const wire::Monitor& w, Judge& judge) {
             w.fixture_present(),
             w.needle_held(),
             w.beeped(),
-            w.paused()};
+            w.paused(),
+            from_wire(w.network(), judge)};
 }
 
 inline wire::Order to_wire(const Order& b) {
-    return {b.value, b.trial, static_cast<wire::OrderKind>(b.kind), static_cast<wire::Modality>(b.modality)};
+    return {b.value, to_wire(b.network), b.trial, static_cast<wire::OrderKind>(b.kind),
+            static_cast<wire::Modality>(b.modality)};
 }
 
 inline Order from_wire(const wire::Order& w, Judge& judge) {
     judge.number(w.value(), 0, kMaxTime_s);
-    return {w.value(), w.trial(), judge.choice(raw(w.kind()), OrderKind::kSpeed),
-            judge.choice(raw(w.modality()), Modality::kVF)};
+    return {w.value(), w.trial(), judge.choice(raw(w.kind()), OrderKind::kNetwork),
+            judge.choice(raw(w.modality()), Modality::kVF), from_wire(w.network(), judge)};
 }
 
 inline wire::Page to_wire(const Page& b) {
@@ -308,6 +327,24 @@ inline wire::Page to_wire(const Page& b) {
 inline Page from_wire(const wire::Page& w, Judge& judge) {
     judge.number(w.remaining_s(), 0, kMaxTime_s);
     return {w.remaining_s(), w.trial(), w.trials(), judge.choice(raw(w.kind()), PageKind::kWait)};
+}
+
+inline wire::ReplayState to_wire(const ReplayState& b) {
+    return {b.duration_s, b.speed, b.contact_s, b.beep_s, b.change_s, b.changes};
+}
+
+inline ReplayState from_wire(const wire::ReplayState& w, Judge& judge) {
+    ReplayState b{w.duration_s(), w.speed(), w.contact_s(), w.beep_s(), {}, w.changes()};
+    judge.number(b.duration_s, 0, kMaxTime_s);
+    judge.number(b.speed, 0, kMaxTime_s);
+    judge.number(b.contact_s, -1, kMaxTime_s);
+    judge.number(b.beep_s, -1, kMaxTime_s);
+    for (std::size_t i = 0; i < b.change_s.size(); ++i) {
+        b.change_s[i] = w.change_s()->Get(static_cast<flatbuffers::uoffset_t>(i));
+        judge.number(b.change_s[i], 0, kMaxTime_s);
+    }
+    judge.require(b.changes <= b.change_s.size());
+    return b;
 }
 
 }  // namespace thimble

@@ -1,5 +1,6 @@
 #include "common/messages.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace thimble {
@@ -12,6 +13,22 @@ const char* name_of(const std::array<const char*, N>& names, Enum value) {
 }
 
 }  // namespace
+
+std::optional<NetworkName> NetworkName::of(std::string_view text) {
+    NetworkName name;
+    if (text.size() >= name.text.size()) return std::nullopt;
+    const bool legal = std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+    });
+    if (!legal) return std::nullopt;
+    std::copy(text.begin(), text.end(), name.text.begin());
+    return name;
+}
+
+std::string_view NetworkName::view() const {
+    const auto end = std::find(text.begin(), text.end(), 0);
+    return {reinterpret_cast<const char*>(text.data()), static_cast<std::size_t>(end - text.begin())};
+}
 
 const char* to_string(Role role) {
     static constexpr std::array kNames{"session", "master", "slave_sim",   "cutaneous",

@@ -45,6 +45,7 @@ enum class OrderKind : std::uint8_t {
     kExclude,  // which trial
     kSeek,     // of a replay: value, s
     kSpeed,    // of a replay: value, 1 as recorded
+    kNetwork,  // network: the profile whose both ways hold from now on
 };
 // What the subject reads between trials.
 enum class PageKind : std::uint8_t { kNone, kWelcome, kPractice, kReady, kBreak, kPaused, kDone, kWait };
@@ -53,6 +54,19 @@ inline constexpr std::size_t kPageKinds = static_cast<std::size_t>(PageKind::kWa
 constexpr bool waits_to_go_on(PageKind kind) {
     return kind == PageKind::kWelcome || kind == PageKind::kPractice || kind == PageKind::kReady;
 }
+
+// What a profile of networks is called (docs/network-profiles.md): lower case letters, digits and '-', padded with zeros.
+// Empty: the session file's own network.
+struct NetworkName {
+    std::array<std::uint8_t, 16> text{};
+
+    // Nothing for a text that is too long or has other characters.
+    static std::optional<NetworkName> of(std::string_view text);
+    std::string_view view() const;
+    bool empty() const { return text.front() == 0; }
+    bool well_formed() const { return of(view()) == *this; }
+    bool operator==(const NetworkName&) const = default;
+};
 
 struct Header {
     std::uint64_t instance = 0;  // random per process start: tells a second master from the first
@@ -106,13 +120,16 @@ struct Percept {
 struct SessionControl {
     std::uint64_t study_seed = 0;
     double fixture_position_m = 0;
-    double network_delay_s = 0;  // both ways together, as configured: how long the first answer may take
+    // TrialStart: both ways together, as configured: how long the first answer may take. NetworkChange: of the force path.
+    double network_delay_s = 0;
     std::uint32_t subject = 0;
     std::uint32_t experiment = 0;
     ControlKind kind = ControlKind::kTrialStart;
     Modality modality = Modality::kHF;
     bool fixture_present = true;
     EndReason reason = EndReason::kNone;
+    double silence_s = 0;   // NetworkChange: for so long an input may now be silent
+    NetworkName network{};  // NetworkChange: the profile that holds, with network_delay_s on the force path
 };
 
 // every node -> session, at 10 Hz and at once after each SessionControl (it is the acknowledgement).
@@ -176,6 +193,7 @@ struct Monitor {
     bool needle_held = false;
     bool beeped = false;
     bool paused = false;
+    NetworkName network{};  // the profile that holds, its force path at network_delay_s
 };
 
 // A view -> session.
@@ -184,6 +202,7 @@ struct Order {
     std::uint32_t trial = 0;
     OrderKind kind = OrderKind::kDelay;
     Modality modality = Modality::kHF;
+    NetworkName network{};
 };
 
 // session -> visual_node, on its control channel.
@@ -194,9 +213,21 @@ struct Page {
     PageKind kind = PageKind::kNone;
 };
 
+// A replay -> the view that watches it.
+struct ReplayState {
+    static constexpr std::size_t kMostChanges = 16;
+
+    double duration_s = 0;
+    double speed = 1;
+    double contact_s = -1;                        // needle and tissue first touched; negative: never
+    double beep_s = -1;                           // negative: no beep
+    std::array<double, kMostChanges> change_s{};  // when the network changed, in order
+    std::uint32_t changes = 0;                    // how many of them; the rest is 0
+};
+
 // Order as in Packet of messages.fbs.
 using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe,
-                          ClockReply, HandInput, Monitor, Order, Page>;
+                          ClockReply, HandInput, Monitor, Order, Page, ReplayState>;
 
 struct Message {
     Header header;

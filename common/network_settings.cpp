@@ -31,6 +31,8 @@ constexpr std::array<Flow, kPortCount> kFlows{{
     {Role::kMaster, Role::kVisual, "hand"},
     {Role::kSession, Role::kExperimenter, "wishes"},
     {Role::kExperimenter, Role::kSession, "monitor"},
+    {Role::kSession, Role::kVisual, "player's wishes"},
+    {Role::kVisual, Role::kSession, "player's monitor"},
 }};
 
 }  // namespace

@@ -45,6 +45,8 @@ enum class Port : std::uint16_t {
     kMasterHand,
     kSessionOrders,
     kExperimenterMonitor,
+    kSessionPlayerOrders,
+    kPlayerMonitor,
     kCount,
 };
 inline constexpr std::size_t kPortCount = static_cast<std::size_t>(Port::kCount);

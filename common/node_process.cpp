@@ -70,15 +70,21 @@ void NodeProcess::take_order(SessionTime now, std::uint32_t trial, const Session
             stopped_ = true;
             return;
         case ControlKind::kNetworkChange:
-            if (trial != trial_ || control.network_delay_s == changed_delay_s_) return;
-            changed_delay_s_ = control.network_delay_s;
-            network_changed(now, control);
+            if (trial == trial_) take_network(now, control);
             return;
         case ControlKind::kBeep:
         case ControlKind::kFixtureChange:
             if (trial == trial_ && running()) obey(now, control);
             return;
     }
+}
+
+void NodeProcess::take_network(SessionTime now, const SessionControl& control) {
+    const bool known = control.network_delay_s == changed_delay_s_ && control.network == changed_network_;
+    if (known) return;
+    changed_delay_s_ = control.network_delay_s;
+    changed_network_ = control.network;
+    network_changed(now, control);
 }
 
 void NodeProcess::give_up_if_alone(SessionTime now) {

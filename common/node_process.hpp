@@ -15,6 +15,8 @@ inline constexpr Duration kPeerTimeout = std::chrono::milliseconds{500};
 inline Duration first_answer_within(const SessionControl& control) {
     return from_seconds(control.network_delay_s);
 }
+// Of a NetworkChange: for so long its making the network slower may silence an input.
+inline Duration silence_of_change(const SessionControl& control) { return from_seconds(control.silence_s); }
 
 class NodeProcess : public Process {
   public:
@@ -36,8 +38,8 @@ class NodeProcess : public Process {
     // Also when the trial is given up: afterwards no force, nothing in flight.
     virtual void end_trial(SessionTime now) = 0;
     virtual void obey(SessionTime /*now*/, const SessionControl& /*control*/) {}
-    // The force path's delay is another one from now on, control.network_delay_s one way, and an input may be silent for
-    // as long. Once per change, however often it is said; also between trials.
+    // Another network holds from now on: control.network, its force path at control.network_delay_s one way. Once per
+    // change, however often it is said; also between trials.
     virtual void network_changed(SessionTime /*now*/, const SessionControl& /*control*/) {}
     // What the subject reads between trials. False: this node has nobody to read it, and the message is refused.
     virtual bool read_page(SessionTime /*now*/, const Page& /*page*/) { return false; }
@@ -62,6 +64,7 @@ class NodeProcess : public Process {
   private:
     void take_orders(SessionTime now);
     void take_order(SessionTime now, std::uint32_t trial, const SessionControl& control);
+    void take_network(SessionTime now, const SessionControl& control);
     void answer(SessionTime now, const ClockProbe& probe);
     void give_up_if_alone(SessionTime now);
     void report(SessionTime now);
@@ -75,6 +78,7 @@ class NodeProcess : public Process {
     EndReason reason_ = EndReason::kNone;
     std::uint32_t trial_ = 0;
     double changed_delay_s_ = -1;  // of the last change; negative: none yet
+    NetworkName changed_network_;
     SessionTime next_heartbeat_{};
     bool stopped_ = false;
 };

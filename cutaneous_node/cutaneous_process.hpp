@@ -22,7 +22,7 @@ class CutaneousProcess final : public NodeProcess {
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime now) override { node_.end_trial(now); }
     void network_changed(SessionTime now, const SessionControl& control) override {
-        force_flow_.excuse_silence_until(now + first_answer_within(control));
+        force_flow_.excuse_silence_until(now + silence_of_change(control));
     }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return node_.next_percept(); }

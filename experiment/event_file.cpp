@@ -1,5 +1,6 @@
 #include "experiment/event_file.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -11,7 +12,41 @@ namespace thimble {
 namespace {
 
 constexpr std::array<std::string_view, 3> kEventColumns{"time_s", "event", "value"};
-constexpr std::string_view kDelayEvent = "delay_s";
+constexpr std::string_view kProfileEvent = "profile", kDelayEvent = "delay_s";
+
+// The numbers of a profile, in the order of their lines.
+struct ProfileNumber {
+    std::string_view name;
+    double& (*in)(NetworkEvent& event);
+};
+constexpr std::array<ProfileNumber, 6> kProfileNumbers{{
+    {kDelayEvent, [](NetworkEvent& e) -> double& { return e.force.delay_s; }},
+    {"jitter_spread_s", [](NetworkEvent& e) -> double& { return e.force.jitter_spread_s; }},
+    {"loss", [](NetworkEvent& e) -> double& { return e.force.loss; }},
+    {"needle_delay_s", [](NetworkEvent& e) -> double& { return e.needle.delay_s; }},
+    {"needle_jitter_spread_s", [](NetworkEvent& e) -> double& { return e.needle.jitter_spread_s; }},
+    {"needle_loss", [](NetworkEvent& e) -> double& { return e.needle.loss; }},
+}};
+
+// By value: the numbers are reached as ones that could be written to.
+std::string lines_of(NetworkEvent event) {
+    if (event.profile.empty()) return fmt::format("{},{},{}\n", event.time_s, kDelayEvent, event.delay_s);
+    std::string lines = fmt::format("{},{},{}\n", event.time_s, kProfileEvent, event.profile);
+    for (const ProfileNumber& number : kProfileNumbers)
+        lines += fmt::format("{},{},{}\n", event.time_s, number.name, number.in(event));
+    return lines;
+}
+
+void read_profile(CsvReader& reader, NetworkEvent& event) {
+    const CsvField begin = reader.field(1);
+    for (const ProfileNumber& number : kProfileNumbers) {
+        if (!reader.next()) begin.fail(fmt::format("is not followed by its {}", number.name));
+        if (reader.field(1).text != number.name)
+            reader.field(1).fail(fmt::format("is not the profile's {}, which comes next", number.name));
+        number.in(event) = reader.field(2).number();
+    }
+    event.delay_s = event.force.delay_s;
+}
 
 }  // namespace
 
@@ -20,23 +55,30 @@ std::filesystem::path event_path(const std::filesystem::path& trajectory) {
     return path.replace_extension(".events.csv");
 }
 
-void write_events(const std::filesystem::path& path, const std::vector<DelayChange>& changes) {
+void write_events(const std::filesystem::path& path, const std::vector<NetworkEvent>& events) {
     CsvFile file(path, IfExists::kReplace);
     file.write(fmt::format("{}\n", fmt::join(kEventColumns, ",")));
-    for (const DelayChange& change : changes) {
-        file.write(fmt::format("{},{},{}\n", change.time_s, kDelayEvent, change.delay_s));
-    }
+    for (const NetworkEvent& event : events) file.write(lines_of(event));
     file.sync();
 }
 
-std::vector<DelayChange> read_events(const std::filesystem::path& path) {
+std::vector<NetworkEvent> read_events(const std::filesystem::path& path) {
     CsvReader reader(path, kEventColumns);
-    std::vector<DelayChange> changes;
+    std::vector<NetworkEvent> events;
     while (reader.next()) {
-        if (reader.field(1).text != kDelayEvent) reader.field(1).fail("is no event known here: delay_s");
-        changes.push_back({reader.field(0).number(), reader.field(2).number()});
+        NetworkEvent event;
+        event.time_s = reader.field(0).number();
+        if (reader.field(1).text == kProfileEvent) {
+            event.profile = reader.field(2).text;
+            read_profile(reader, event);
+        } else if (reader.field(1).text == kDelayEvent) {
+            event.delay_s = reader.field(2).number();
+        } else {
+            reader.field(1).fail("is no event known here: delay_s, profile");
+        }
+        events.push_back(std::move(event));
     }
-    return changes;
+    return events;
 }
 
 }  // namespace thimble

@@ -191,7 +191,7 @@ void Lane::close_trial() {
     if (writer_) {
         writer_->end(record.reason, record.lost_peer);
         writer_.reset();
-        if (!record.delay_changes.empty()) write_events(event_path(trajectory_), record.delay_changes);
+        if (!record.network_events.empty()) write_events(event_path(trajectory_), record.network_events);
     }
     // Not if whoever watches has ended the trial: then the lane goes on.
     if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {

@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "netem/profiles/profiles.hpp"
+
 namespace thimble {
 namespace {
 
@@ -12,6 +14,10 @@ constexpr Duration kResend = std::chrono::milliseconds{50};
 // A node that says "my peer is silent" is right about the silence; the culprit is whoever the session has not
 // heard for longer than a few heartbeats.
 constexpr Duration kSuspicious = std::chrono::milliseconds{250};
+
+WayInShort in_short(const LinkSettings& link) {
+    return {to_seconds(link.delay), to_seconds(link.jitter.spread), stationary_loss(link.loss)};
+}
 
 template <std::size_t... I>
 auto make_peers(std::uint64_t instance, const SessionProcess::Channels& channels, std::index_sequence<I...>,
@@ -37,7 +43,8 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
 void SessionProcess::start(const TrialConditions& conditions, std::uint32_t number) {
     record_.conditions = conditions;
     record_.samples.clear();
-    record_.delay_changes.clear();
+    record_.network_events.clear();
+    if (!network_.empty()) note_network(0, true);
     record_.samples.reserve(static_cast<std::size_t>(to_seconds(settings_.trial_timeout) * 1000) + 1000);
     record_.beep_time_s = record_.round_trip_s = record_.achieved_delay_s = std::nan("");
     record_.reason = EndReason::kNone;
@@ -69,7 +76,7 @@ std::uint32_t SessionProcess::last_number() const {
 }
 
 void SessionProcess::abort(EndReason reason, Role lost_peer) {
-    if (stage_ == Stage::kIdle || stage_ == Stage::kDone) return;
+    if (!under_way()) return;
     abort_ = reason;
     abort_peer_ = lost_peer;
     next_send_ = {};
@@ -87,12 +94,50 @@ void SessionProcess::change_delay(Duration one_way) {
     settings_.network_delay += one_way - settings_.force_delay;
     settings_.force_delay = one_way;
     delay_s_ = to_seconds(one_way);
-    delay_changed_ = true;
+    tell_network();
+    if (under_way()) note_network(record_.samples.empty() ? 0 : record_.samples.back().time_s, false);
+}
+
+bool SessionProcess::change_network(const NetworkName& name) {
+    const LinkProfile* profile = built_in_profile(name.view());
+    if (profile == nullptr) return false;
+    if (name == network_ && profile->down.delay == settings_.force_delay) return true;
+    network_ = name;
+    settings_.network_delay = nearly_longest_delay(profile->up) + nearly_longest_delay(profile->down);
+    settings_.force_delay = profile->down.delay;
+    delay_s_ = to_seconds(settings_.force_delay);
+    tell_network();
+    if (under_way()) note_network(record_.samples.empty() ? 0 : record_.samples.back().time_s, true);
+    return true;
+}
+
+void SessionProcess::tell_network() {
+    network_changed_ = network_fresh_ = true;
     next_send_ = {};
-    if (stage_ != Stage::kIdle && stage_ != Stage::kDone) {
-        const double time_s = record_.samples.empty() ? 0 : record_.samples.back().time_s;
-        record_.delay_changes.push_back({time_s, delay_s_});
+}
+
+void SessionProcess::note_network(double time_s, bool profile) {
+    NetworkEvent event;
+    event.time_s = time_s;
+    event.delay_s = delay_s_;
+    const LinkProfile* chosen = profile ? built_in_profile(network_.view()) : nullptr;
+    if (chosen != nullptr) {
+        event.profile = chosen->name;
+        event.needle = in_short(chosen->up);
+        event.force = in_short(chosen->down);
+        event.force.delay_s = delay_s_;  // which may have been changed since the profile was chosen
     }
+    record_.network_events.push_back(std::move(event));
+}
+
+SessionControl SessionProcess::network_order() const {
+    SessionControl change = order_;
+    change.kind = ControlKind::kNetworkChange;
+    change.network = network_;
+    change.network_delay_s = delay_s_;
+    // A profile may have made the needle's way slower, too, and an answer then waits for both.
+    change.silence_s = network_.empty() ? delay_s_ : to_seconds(settings_.network_delay);
+    return change;
 }
 
 void SessionProcess::shut_down(SessionTime now) {
@@ -290,7 +335,7 @@ void SessionProcess::watch(SessionTime now) {
     }
     if (settings_.ends_by_withdrawal && withdrawn_) return end(now, EndReason::kCompleted);
     // A record with a hole in it is no record of this trial.
-    if (record_flow_.silent_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, Role::kSlaveSim);
+    if (record_flow_.lost_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, Role::kSlaveSim);
     if (now - stage_since_ > settings_.trial_timeout) end(now, EndReason::kTimeout);
 }
 
@@ -319,6 +364,9 @@ void SessionProcess::finish() {
 void SessionProcess::send_orders(SessionTime now) {
     const bool starting = stage_ == Stage::kStartingOthers || stage_ == Stage::kStartingMaster;
     next_send_ = now + (starting || stage_ == Stage::kEnding ? kResend : kHeartbeatPeriod);
+    const bool tells = network_changed_ && !starting && stage_ != Stage::kEnding;
+    if (tells && std::exchange(network_fresh_, false))
+        record_flow_.excuse_silence_until(now + from_seconds(network_order().silence_s));
     for (Peer& peer : peers_) {
         const bool its_turn = stage_ == Stage::kEnding || stage_ == Stage::kStartingMaster ||
                               (stage_ == Stage::kStartingOthers && peer.role != Role::kMaster);
@@ -331,12 +379,7 @@ void SessionProcess::send_orders(SessionTime now) {
         } else {
             peer.out.send(now, trial_, Heartbeat{});
         }
-        if (delay_changed_ && !starting && stage_ != Stage::kEnding) {
-            SessionControl change = order_;
-            change.kind = ControlKind::kNetworkChange;
-            change.network_delay_s = delay_s_;
-            peer.out.send(now, trial_, change);
-        }
+        if (tells) peer.out.send(now, trial_, network_order());
         const bool between = stage_ == Stage::kIdle || stage_ == Stage::kDone;
         if (page_ && between && peer.role == Role::kVisual) peer.out.send(now, trial_, *page_);
         // Behind an order, never alone: a probe wakes nobody who would have slept on.

@@ -77,6 +77,10 @@ class SessionProcess final : public Process {
     void change_fixture(bool present, double fixture_position_m);
     // The force path's delay, one way, from now on and in the trials to come. Said again with each heartbeat.
     void change_delay(Duration one_way);
+    // Both ways of a profile that comes with the program, its delay included, likewise. False: there is none of this name,
+    // nothing changes.
+    bool change_network(const NetworkName& name);
+    const NetworkName& network() const { return network_; }  // empty: the settings' own
     // What the subject's screen says from now until a trial starts; repeated with every keep-alive.
     void show(const Page& page);
     // Whether the subject has asked to go on from the page that is shown, since the last call.
@@ -114,9 +118,13 @@ class SessionProcess final : public Process {
     void advance(SessionTime now);
     void watch(SessionTime now);
     void send_orders(SessionTime now);
+    void tell_network();
+    void note_network(double time_s, bool profile);
+    SessionControl network_order() const;
     void enter(SessionTime now, Stage stage);
     void end(SessionTime now, EndReason reason, Role lost_peer = Role::kSession);
     void finish();
+    bool under_way() const { return stage_ != Stage::kIdle && stage_ != Stage::kDone; }
     bool all(NodeState state, bool with_master) const;
     bool all_stopped(SessionTime now) const;
     const Peer& peer(Role role) const;
@@ -125,7 +133,9 @@ class SessionProcess final : public Process {
 
     SessionSettings settings_;
     double delay_s_;  // as asked, one way
-    bool delay_changed_ = false;
+    NetworkName network_;
+    bool network_changed_ = false;  // by either of the two
+    bool network_fresh_ = false;    // and nobody has been told yet
     Channels channels_;
     std::array<Peer, kNodeRoles.size()> peers_;
     InboundFlow record_flow_{Role::kSlaveSim};

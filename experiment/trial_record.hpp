@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "common/messages.hpp"
@@ -34,10 +35,19 @@ struct TrajectorySample {
     bool fixture_present = true;
 };
 
-// The force path got another delay while the trial ran.
-struct DelayChange {
-    double time_s = 0;   // of the newest sample when it was ordered
-    double delay_s = 0;  // one way
+// What a profile makes of one way of the network, in short.
+struct WayInShort {
+    double delay_s = 0;          // mean
+    double jitter_spread_s = 0;  // of its shape, as in a session file
+    double loss = 0;             // share of packets, in the long run
+};
+
+// The network became another one: while the trial ran, or before it, where a profile was chosen then (time 0).
+struct NetworkEvent {
+    double time_s = 0;             // of the newest sample when it was ordered
+    double delay_s = 0;            // force path, one way
+    std::string profile{};         // whose name was chosen; empty: the delay alone changed
+    WayInShort needle{}, force{};  // of a profile
 };
 
 struct TrialRecord {
@@ -46,7 +56,7 @@ struct TrialRecord {
     double beep_time_s = std::numeric_limits<double>::quiet_NaN();       // NaN: no beep
     double round_trip_s = std::numeric_limits<double>::quiet_NaN();      // median, handle to handle, by echo
     double achieved_delay_s = std::numeric_limits<double>::quiet_NaN();  // by the network, both ways, median
-    std::vector<DelayChange> delay_changes{};  // in order; delay_s of the conditions held before
+    std::vector<NetworkEvent> network_events{};  // in order; delay_s of the conditions held before
     EndReason reason = EndReason::kNone;
     Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost
 };

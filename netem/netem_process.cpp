@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "netem/profiles/profiles.hpp"
+
 namespace thimble {
 
 NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::vector<RelayPlan>& plans)
@@ -16,14 +18,21 @@ void NetemProcess::begin_trial(SessionTime now, const SessionControl& control) {
 }
 
 void NetemProcess::network_changed(SessionTime now, const SessionControl& control) {
-    for (Relay& relay : relays_) {
-        if (!relay.delayed) continue;
-        relay.start.delay = from_seconds(control.network_delay_s);
-        relay.changed = true;
-        LinkSettings settings = relay.model.settings();
-        settings.delay = relay.start.delay;
-        relay.model.change(now, settings);
+    for (Relay& relay : relays_) change(now, relay, control);
+}
+
+void NetemProcess::change(SessionTime now, Relay& relay, const SessionControl& control) {
+    LinkSettings settings = relay.model.settings();
+    const LinkProfile* profile =
+        control.network == relay.network ? nullptr : built_in_profile(control.network.view());
+    if (profile != nullptr) {
+        relay.network = control.network;
+        relay.start = settings = relay.delayed ? profile->down : profile->up;
     }
+    if (relay.delayed) relay.start.delay = settings.delay = from_seconds(control.network_delay_s);
+    if (profile == nullptr && !relay.delayed) return;
+    relay.changed = true;
+    relay.model.change(now, settings);
 }
 
 void NetemProcess::work(SessionTime now) {

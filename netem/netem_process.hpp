@@ -29,9 +29,10 @@ struct Relay {
 
     Channel* from;
     Channel* to;
-    bool delayed;  // on the force path, whose delay may be changed
+    bool delayed;  // on the force path, whose delay may be changed alone
     bool changed = false;
-    LinkSettings start;  // what each trial begins with
+    LinkSettings start;   // what each trial begins with
+    NetworkName network;  // the profile that holds; empty: the plan's own link
     LinkModel model;
     LinkCounters before;  // of the trials before this one: the model starts anew with each
 };
@@ -45,14 +46,17 @@ class NetemProcess final : public NodeProcess {
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime /*now*/) override {}  // what is in flight still arrives, as in a real network
-    // What is in flight keeps its fate, and nothing overtakes it on a link in order: after a shorter delay the new packets
-    // wait for the old ones. The other settings stay; the next trial begins with its own and this delay.
+    // A profile's two ways, by its name among those that come with the program, and the force path's delay. What is in flight
+    // keeps its fate, and nothing overtakes it on a link in order: after a shorter delay the new packets wait for the old
+    // ones. Where the profile stays, so do all settings but the delay. The next trial begins with the same. A name that
+    // nobody knows changes the delay alone.
     void network_changed(SessionTime now, const SessionControl& control) override;
     void work(SessionTime now) override;
     SessionTime next_work() const override;
 
   private:
     static void send_due(SessionTime now, Relay& relay);
+    static void change(SessionTime now, Relay& relay, const SessionControl& control);
 
     std::vector<Relay> relays_;
 };

@@ -25,9 +25,12 @@ class SlaveProcess final : public NodeProcess {
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime now) override;
     void obey(SessionTime now, const SessionControl& control) override;
+    void network_changed(SessionTime now, const SessionControl& control) override {
+        needle_flow_.excuse_silence_until(now + silence_of_change(control));
+    }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return running() ? std::min(next_hold_, next_beep_) : kNever; }
-    bool peer_lost(SessionTime now) const override { return needle_flow_.silent_for(now, kPeerTimeout); }
+    bool peer_lost(SessionTime now) const override { return needle_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(needle_flow_.counters()); }
 
   private:

@@ -21,6 +21,7 @@ struct Scene {
         0;  // as in the first sample of the trial: what a dimple is drawn against
     double fingertip_N =
         0;  // [visual].fingertip, CF and CCF: what a fingertip graphic shows in place of a device
+    double thumb_N = 0;      // the same of the thumb, which feels what draws the needle in
     bool bar_shown = false;  // VF: the bar's frame and scale, also while the force is 0
     bool fingertip_shown = false;
     SessionTime hand_time{};    // when the handle was read, on the master's clock

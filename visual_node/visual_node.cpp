@@ -34,6 +34,7 @@ void VisualNode::on_feedback(SessionTime now, const ForceFeedback& feedback, Ses
     newest_.position_surface_m = feedback.position_surface_m;
     // Written so that a NaN is no force.
     newest_.force_resisting_N = feedback.force_total_N < 0 ? -feedback.force_total_N : 0.0;
+    newest_.force_drawing_N = feedback.force_total_N > 0 ? feedback.force_total_N : 0.0;
     newest_.touching =
         feedback.phase != TissuePhase::kFree || feedback.position_needle_m >= feedback.position_surface_m;
     newest_.arrived = now;
@@ -63,6 +64,7 @@ void VisualNode::add_what_pictures_need(SessionTime now, Scene& scene) const {
     scene.fingertip_shown =
         settings_.fingertip && (modality_ == Modality::kCF || modality_ == Modality::kCCF);
     scene.fingertip_N = scene.fingertip_shown && fresh ? newest_.force_resisting_N : 0;
+    scene.thumb_N = scene.fingertip_shown && fresh ? newest_.force_drawing_N : 0;
     scene.hand_time = newest_.hand_time;
     scene.answer_time = newest_.answered;
 }

@@ -39,6 +39,7 @@ class VisualNode {
         double position_needle_m = 0;
         double position_surface_m = 0;
         double force_resisting_N = 0;  // >= 0
+        double force_drawing_N = 0;    // >= 0: into the tissue
         bool touching = false;
         SessionTime arrived = kNever;  // kNever: none in this trial
         double position_rest_m = 0;    // the surface in the first one

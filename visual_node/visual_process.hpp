@@ -30,7 +30,7 @@ class VisualProcess final : public NodeProcess {
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime now) override { node_.end_trial(now); }
     void network_changed(SessionTime now, const SessionControl& control) override {
-        force_flow_.excuse_silence_until(now + first_answer_within(control));
+        force_flow_.excuse_silence_until(now + silence_of_change(control));
     }
     bool read_page(SessionTime now, const Page& page) override;
     void work(SessionTime now) override;

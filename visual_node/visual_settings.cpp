@@ -18,6 +18,8 @@ VisualSettings read_visual_settings(const ConfigTable& table) {
     node.fingertip = table.boolean("fingertip", node.fingertip);
     node.sound = table.boolean("sound", node.sound);
     node.fullscreen = table.boolean("fullscreen", node.fullscreen);
+    node.vibration = table.boolean("vibration", node.vibration);
+    node.vibration_device = table.text("vibration_device", "");
     return node;
 }
 

@@ -11,9 +11,12 @@
 //   sound = true             a window beeps
 //   fullscreen = false       a window fills the screen
 // and, so that a value that two programs must agree on stands once, what this node must know of other tables.
+//   vibration = true         in CF and CCF a player's gamepad vibrates, where it can
+//   vibration_device = ""    its event device, /dev/input/eventN; empty: it is sought
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "common/config.hpp"
 #include "common/time.hpp"
@@ -36,6 +39,8 @@ struct VisualSettings {
     bool fullscreen = false;
     bool pointer = false;          // [handle] device = "pointer": the mouse in the window is the hand
     bool subject_goes_on = false;  // [protocol] next_by
+    bool vibration = true;
+    std::string vibration_device{};
 };
 
 // Of [visual] alone, and of the whole file. Throw Error (usage).

@@ -28,8 +28,6 @@ void add_film_options(CLI::App& play, CLI::Option* replay, FilmArguments& a) {
         ->group(group);
 }
 
-#ifdef THIMBLE_GUI
-
 int film_and_say(const RecordedTrial& trial, const VisualSettings& visual, const FilmArguments& arguments,
                  const std::atomic<bool>* stop) {
     FilmPlan plan;
@@ -49,14 +47,5 @@ int film_and_say(const RecordedTrial& trial, const VisualSettings& visual, const
     if (!result.complete) spdlog::error("interrupted; the {} frames done are kept", result.frames);
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
-
-#else
-
-int film_and_say(const RecordedTrial&, const VisualSettings&, const FilmArguments&,
-                 const std::atomic<bool>*) {
-    throw Error(ExitCode::kUsage, "this build has no windows (THIMBLE_GUI is off), and so no pictures");
-}
-
-#endif
 
 }  // namespace thimble

@@ -39,7 +39,9 @@ constexpr std::array<const char*, kPortCount> kNames{"session_master",
                                                      "netem_force_visual",
                                                      "master_hand",
                                                      "session_orders",
-                                                     "experimenter_monitor"};
+                                                     "experimenter_monitor",
+                                                     "session_player_orders",
+                                                     "player_monitor"};
 
 PortTraffic traffic_of(Port port, Encoder& encoder) {
     const Header header;
@@ -67,8 +69,10 @@ PortTraffic traffic_of(Port port, Encoder& encoder) {
         case Port::kMasterHand:
             return sized(HandInput{}, kSamples_Hz, true);
         case Port::kSessionOrders:
+        case Port::kSessionPlayerOrders:
             return sized(Order{}, kBeeps_Hz, false);
         case Port::kExperimenterMonitor:
+        case Port::kPlayerMonitor:
             return sized(Monitor{}, kMonitor_Hz, false);
         default:
             return sized(Heartbeat{}, kControl_Hz,

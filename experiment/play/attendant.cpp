@@ -4,23 +4,30 @@
 
 namespace thimble {
 
-Attendant::Attendant(std::uint64_t instance, const SessionProcess& session, Channel& monitor_out,
-                     Channel& orders_in, OrderHandler& handler, const MonitorContext& context)
+Attendant::Attendant(std::uint64_t instance, const SessionProcess& session, const ViewChannels& channels,
+                     OrderHandler& handler, const MonitorContext& context)
     : session_(&session),
       context_(&context),
-      feed_(instance, monitor_out, session),
-      orders_(orders_in, handler) {}
+      feed_(instance, {channels.experimenter_monitor, channels.player_monitor}, session),
+      experimenter_(*channels.experimenter_orders, handler),
+      player_(*channels.player_orders, handler) {}
 
 void Attendant::tick(SessionTime now) {
-    orders_.tick(now, session_->number());
+    experimenter_.tick(now, session_->number());
+    player_.tick(now, session_->number());
     feed_.tick(now, *context_);
+}
+
+ViewChannels open_view_channels(Sockets& sockets) {
+    return {sockets.outlet(Port::kExperimenterMonitor),
+            sockets.inlet(Port::kSessionOrders, Role::kExperimenter), sockets.outlet(Port::kPlayerMonitor),
+            sockets.inlet(Port::kSessionPlayerOrders, Role::kVisual)};
 }
 
 std::unique_ptr<Process> attend(const SessionProcess& session, Sockets& sockets, OrderHandler& handler,
                                 const MonitorContext& context) {
-    Channel* orders = sockets.inlet(Port::kSessionOrders, Role::kExperimenter);
-    return std::make_unique<Attendant>(system_entropy(), session, *sockets.outlet(Port::kExperimenterMonitor),
-                                       *orders, handler, context);
+    return std::make_unique<Attendant>(system_entropy(), session, open_view_channels(sockets), handler,
+                                       context);
 }
 
 }  // namespace thimble

@@ -56,6 +56,7 @@ Monitor make_monitor(SessionTime now, const SessionProcess& session, const Monit
     monitor.state = session.running() ? NodeState::kRunning : NodeState::kIdle;
     monitor.beeped = session.number() != 0 && !std::isnan(record.beep_time_s);
     monitor.network_delay_s = session.delay_s();
+    monitor.network = session.network();
     monitor.trials = context.trials;
     monitor.paused = context.paused;
     fill_in_newest(monitor, session);

@@ -25,9 +25,9 @@ Monitor make_monitor(SessionTime now, const SessionProcess& session, const Monit
 
 class MonitorFeed {
   public:
-    // All outlive the feed. `instance`: random per program start.
-    MonitorFeed(std::uint64_t instance, Channel& out, const SessionProcess& session)
-        : flow_(Role::kSession, instance, {&out}), session_(&session) {}
+    // All outlive the feed. `instance`: random per program start. `out`: every view hears the same.
+    MonitorFeed(std::uint64_t instance, std::initializer_list<Channel*> out, const SessionProcess& session)
+        : flow_(Role::kSession, instance, out), session_(&session) {}
 
     // Sends what is due. What was missed is not made up for: the newest counts.
     void tick(SessionTime now, const MonitorContext& context);

@@ -23,6 +23,7 @@ Refusal OrderLines::obey(SessionTime /*now*/, const Order& order) {
             if (lines_.empty() || lines_.back() != "q") lines_.emplace_back("q");
             return Refusal::kCount;
         case OrderKind::kDelay:
+        case OrderKind::kNetwork:
         case OrderKind::kEndTrial:
         case OrderKind::kSeek:
         case OrderKind::kSpeed:

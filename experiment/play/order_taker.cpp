@@ -27,6 +27,7 @@ Refusal OrderTaker::judge(SessionTime now, std::uint32_t asked_for, std::uint32_
                 return Refusal::kCount;
             break;
         case OrderKind::kDelay:
+        case OrderKind::kNetwork:
         case OrderKind::kPause:
         case OrderKind::kResume:
         case OrderKind::kQuit:

@@ -8,6 +8,9 @@ Refusal PlayDesk::obey(SessionTime now, const Order& order) {
             if (order.value > kLongestDelay_s) return Refusal::kOutOfRange;
             if (session_ != nullptr) session_->change_delay(from_seconds(order.value));
             return Refusal::kCount;
+        case OrderKind::kNetwork:
+            if (session_ != nullptr && !session_->change_network(order.network)) return Refusal::kOutOfRange;
+            return Refusal::kCount;
         case OrderKind::kStart:
             next_ = order.modality;
             not_before_ = now;

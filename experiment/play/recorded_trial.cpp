@@ -61,10 +61,19 @@ ForceFeedback RecordedTrial::feedback(const TrajectorySample& sample) const {
 
 double RecordedTrial::delay_s(double time_s) const {
     double delay_s = record.conditions.delay_s;
-    for (const DelayChange& change : record.delay_changes) {
+    for (const NetworkEvent& change : record.network_events) {
         if (change.time_s <= time_s) delay_s = change.delay_s;
     }
     return delay_s;
+}
+
+NetworkName RecordedTrial::network(double time_s) const {
+    NetworkName name;
+    for (const NetworkEvent& event : record.network_events) {
+        if (event.time_s <= time_s && !event.profile.empty())
+            name = NetworkName::of(event.profile).value_or(NetworkName{});
+    }
+    return name;
 }
 
 RecordedTrial find_recorded_trial(const std::filesystem::path& folder, std::size_t number,
@@ -86,7 +95,7 @@ RecordedTrial find_recorded_trial(const std::filesystem::path& folder, std::size
     trial.record.lost_peer = row.lost_peer;
     std::error_code absent;
     if (std::filesystem::exists(event_path(trial.file), absent))
-        trial.record.delay_changes = read_events(event_path(trial.file));
+        trial.record.network_events = read_events(event_path(trial.file));
     const auto beep =
         std::find_if(trial.record.samples.begin(), trial.record.samples.end(),
                      [&](const TrajectorySample& s) { return s.contact_time_s >= contact_hold_s; });

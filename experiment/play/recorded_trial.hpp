@@ -19,6 +19,8 @@ struct RecordedTrial {
     ForceFeedback feedback(const TrajectorySample& sample) const;
     // One way, of the force path.
     double delay_s(double time_s) const;
+    // The profile that held then; empty: the session file's own network.
+    NetworkName network(double time_s) const;
 };
 
 // The `number`-th line of trials.csv in `folder`, from 1. `contact_hold_s` tells when the beep was: the table says only whether.

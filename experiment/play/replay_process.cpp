@@ -1,5 +1,7 @@
 #include "experiment/play/replay_process.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include "common/node_process.hpp"
@@ -10,6 +12,7 @@ namespace {
 
 constexpr int kBeepsSaid = 5;
 constexpr Duration kSteerPeriod = std::chrono::milliseconds{50};
+constexpr Duration kStatePeriod = std::chrono::milliseconds{100};
 
 }  // namespace
 
@@ -21,17 +24,25 @@ ReplayProcess::ReplayProcess(std::uint64_t instance, const RecordedTrial& trial,
       control_(Role::kSession, instance, {channels.control}),
       force_(Role::kSlaveSim, instance, {channels.force}),
       beep_(Role::kSlaveSim, instance, {channels.beep}),
-      monitor_(Role::kSession, instance, {channels.monitor}),
-      orders_(*channels.orders, *this) {}
+      monitor_(Role::kSession, instance,
+               {channels.views.experimenter_monitor, channels.views.player_monitor}),
+      experimenter_(*channels.views.experimenter_orders, *this),
+      player_(*channels.views.player_orders, *this),
+      state_(replay_state_of(trial)) {}
 
 void ReplayProcess::tick(SessionTime now) {
     listen(now);
-    orders_.tick(now, number_);
+    experimenter_.tick(now, number_);
+    player_.tick(now, number_);
     if (now >= next_steer_) steer(now);
     if (now < next_) return;
     next_ = now + kMonitorPeriod;
     if (shown_) show(now);
     monitor_.send(now, number_, monitor(now));
+    if (now < next_state_) return;
+    next_state_ = now + kStatePeriod;
+    state_.speed = clock_.speed();
+    monitor_.send(now, number_, state_);
 }
 
 void ReplayProcess::listen(SessionTime now) {
@@ -42,6 +53,8 @@ void ReplayProcess::listen(SessionTime now) {
         const bool running = message->header.trial == number_ && heartbeat->state == NodeState::kRunning;
         if (!running || shown_) continue;
         shown_ = true;
+        rest(now);
+        next_ = {};  // what is to be seen follows at once
         if (wants_to_run_) clock_.resume(now);
     }
 }
@@ -68,6 +81,11 @@ void ReplayProcess::show(SessionTime now) {
     beep(now, time_s);
 }
 
+// A dimple is drawn against the surface of a trial's first sample, wherever the replay begins.
+void ReplayProcess::rest(SessionTime now) {
+    force_.send(now, number_, trial_->feedback(trial_->record.samples.front()));
+}
+
 // Said several times, as slave_sim does: UDP may lose it, and the node beeps once per trial.
 void ReplayProcess::beep(SessionTime now, double shown_s) {
     if (!(shown_s >= trial_->record.beep_time_s)) return;  // nor if there was none
@@ -88,6 +106,7 @@ Refusal ReplayProcess::obey(SessionTime now, const Order& order) {
             if (order.value < ReplayClock::kSlowest || order.value > ReplayClock::kFastest)
                 return Refusal::kOutOfRange;
             clock_.set_speed(now, order.value);
+            next_state_ = {};
             return Refusal::kCount;
         case OrderKind::kPause:
             wants_to_run_ = false;
@@ -101,6 +120,7 @@ Refusal ReplayProcess::obey(SessionTime now, const Order& order) {
             quit_ = true;
             return Refusal::kCount;
         case OrderKind::kDelay:
+        case OrderKind::kNetwork:
         case OrderKind::kStart:
         case OrderKind::kEndTrial:
         case OrderKind::kRepeat:
@@ -134,6 +154,7 @@ Monitor ReplayProcess::monitor(SessionTime now) const {
     m.phase = sample.phase;
     m.fixture_present = sample.fixture_present;
     m.network_delay_s = trial_->delay_s(time_s);
+    m.network = trial_->network(time_s);
     m.accepted = visual_.accepted;
     m.refused = visual_.refused;
     m.subject = record.conditions.subject;
@@ -143,6 +164,25 @@ Monitor ReplayProcess::monitor(SessionTime now) const {
     m.beeped = time_s >= record.beep_time_s;
     m.paused = !wants_to_run_;
     return m;
+}
+
+ReplayState replay_state_of(const RecordedTrial& trial) {
+    ReplayState state;
+    state.duration_s = trial.duration_s();
+    const auto& samples = trial.record.samples;
+    const auto touch = std::find_if(samples.begin(), samples.end(), [](const TrajectorySample& sample) {
+        return sample.phase != TissuePhase::kFree;
+    });
+    if (touch != samples.end()) state.contact_s = touch->time_s;
+    if (!std::isnan(trial.record.beep_time_s)) state.beep_s = trial.record.beep_time_s;
+    double last_s = -state.duration_s;
+    for (const NetworkEvent& event : trial.record.network_events) {
+        const bool begins_with_it = event.time_s <= 0;
+        if (begins_with_it || event.time_s - last_s < state.duration_s / 100) continue;
+        if (state.changes == state.change_s.size()) break;
+        last_s = state.change_s[state.changes++] = event.time_s;
+    }
+    return state;
 }
 
 void ReplayProcess::shut_down(SessionTime now) {

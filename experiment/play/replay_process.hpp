@@ -1,10 +1,11 @@
 // Shows a recorded trial: plays the session and slave_sim to thimble-visual, and the session to a view. The subject's screen gets
-// what it got then, later by the delay of then; the Monitor is undelayed, as always. No clock, no socket.
+// what it got then, later by the delay of then; the Monitor is undelayed, as always. Views also hear what their scrub bars are
+// made of (ReplayState). No clock, no socket.
 #pragma once
 
 #include "common/flow.hpp"
 #include "common/process.hpp"
-#include "experiment/play/order_taker.hpp"
+#include "experiment/play/attendant.hpp"
 #include "experiment/play/recorded_trial.hpp"
 #include "experiment/play/replay_clock.hpp"
 
@@ -16,8 +17,7 @@ class ReplayProcess final : public Process, public OrderHandler {
         Channel* control;  // with thimble-visual
         Channel* force;    // to it, in slave_sim's name
         Channel* beep;
-        Channel* monitor;
-        Channel* orders;
+        ViewChannels views;
     };
 
     // `trial` outlives the process.
@@ -35,6 +35,7 @@ class ReplayProcess final : public Process, public OrderHandler {
     void listen(SessionTime now);
     void steer(SessionTime now);
     void show(SessionTime now);
+    void rest(SessionTime now);
     void beep(SessionTime now, double shown_s);
     Monitor monitor(SessionTime now) const;
     void begin_anew();
@@ -44,12 +45,17 @@ class ReplayProcess final : public Process, public OrderHandler {
     ReplayClock clock_;
     InboundFlow answers_{Role::kVisual};
     OutboundFlow control_, force_, beep_, monitor_;
-    OrderTaker orders_;
+    OrderTaker experimenter_, player_;
+    ReplayState state_;
     std::uint32_t number_ = 1;
     bool shown_ = false, wants_to_run_ = true, quit_ = false;
     int beeps_ = 0;  // said in this trial
     Heartbeat visual_;
-    SessionTime next_{}, next_steer_{};
+    SessionTime next_{}, next_steer_{}, next_state_{};
 };
+
+// What a scrub bar of this trial shows, at speed 1. Changes of the network that lie closer than a hundredth of the trial are one
+// mark.
+ReplayState replay_state_of(const RecordedTrial& trial);
 
 }  // namespace thimble

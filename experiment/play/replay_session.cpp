@@ -31,8 +31,7 @@ std::unique_ptr<RunningNode> start_window(const ReplayPlayOptions& options,
 
 ReplayProcess::Channels open_replay_channels(Sockets& sockets) {
     return {sockets.between(Port::kSessionVisual, Port::kVisualControl), sockets.outlet(Port::kVisualForce),
-            sockets.outlet(Port::kVisualBeep), sockets.outlet(Port::kExperimenterMonitor),
-            sockets.inlet(Port::kSessionOrders, Role::kExperimenter)};
+            sockets.outlet(Port::kVisualBeep), open_view_channels(sockets)};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "netem/commands/commands.hpp"
 #include "netem/netem_process.hpp"
 #include "netem/netem_settings.hpp"
+#include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 namespace {
@@ -13,7 +14,9 @@ class Netem final : public NodeInstance {
   public:
     Netem(const NetemSettings& settings, Sockets& sockets, std::uint64_t instance)
         : process_(instance, *sockets.between(Port::kNetemControl, Port::kSessionNetem),
-                   make_relays(settings, sockets)) {}
+                   make_relays(settings, sockets)) {
+        built_in_profile("");  // read now, not in the middle of a trial that changes its network
+    }
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {

@@ -111,12 +111,24 @@ LinkProfile parse_profile(std::string_view text, std::string_view name, const Fi
     return profile;
 }
 
+const LinkProfile* built_in_profile(std::string_view name) {
+    static const std::vector<LinkProfile> profiles = [] {
+        std::vector<LinkProfile> all;
+        all.reserve(profile_names().size());
+        for (const std::string_view one : profile_names()) {
+            const BuiltInFile* file = built_in(std::string(one) + ".toml");
+            all.push_back(parse_profile(file->text, file->name, find_built_in));
+            all.back().name = one;
+        }
+        return all;
+    }();
+    const auto found = std::find_if(profiles.begin(), profiles.end(),
+                                    [name](const LinkProfile& profile) { return profile.name == name; });
+    return found == profiles.end() ? nullptr : &*found;
+}
+
 LinkProfile load_profile(const std::string& given) {
-    if (const BuiltInFile* file = built_in(given + ".toml")) {
-        LinkProfile profile = parse_profile(file->text, file->name, find_built_in);
-        profile.name = given;
-        return profile;
-    }
+    if (const LinkProfile* profile = built_in_profile(given)) return *profile;
     if (std::filesystem::is_regular_file(given))
         return parse_profile(read_whole_file(given), given, beside(given));
     if (looks_like_tc_words(given)) return of_words(given);

@@ -35,6 +35,9 @@ const std::vector<BuiltInFile>& built_in_profile_files();
 // The built-in ones, from the nearest network to the farthest.
 const std::vector<std::string_view>& profile_names();
 
+// A built-in profile by name, null if there is none. All are read at the first call and kept: later ones take no time.
+const LinkProfile* built_in_profile(std::string_view name);
+
 // A built-in profile by name ("leo"), a file ("my/lab.toml"), or tc's words ("delay 50ms loss 1%", tc_words.hpp), which
 // then hold both ways. Throws Error (usage), naming the profiles there are.
 LinkProfile load_profile(const std::string& given);

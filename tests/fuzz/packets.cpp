@@ -1,5 +1,6 @@
 #include "tests/fuzz/packets.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
@@ -28,8 +29,10 @@ auto fields(const Percept& m) {
     return std::tie(force, bar, needle, surface, age, finger, touching, beep);
 }
 auto fields(const SessionControl& m) {
-    const auto& [seed, fixture, network_delay, subject, experiment, kind, modality, present, reason] = m;
-    return std::tie(seed, fixture, network_delay, subject, experiment, kind, modality, present, reason);
+    const auto& [seed, fixture, network_delay, subject, experiment, kind, modality, present, reason, silence,
+                 network] = m;
+    return std::tie(seed, fixture, network_delay, subject, experiment, kind, modality, present, reason,
+                    silence, network);
 }
 auto fields(const Heartbeat& m) {
     const auto& [accepted, refused, median, worst, hold, force, energy, state, reason] = m;
@@ -51,18 +54,22 @@ auto fields(const HandInput& m) {
 auto fields(const Monitor& m) {
     const auto& [time, needle, surface, fixture, tissue_force, fixture_force, total, contact, hand, energy,
                  round_trip, one_way, bound, delay, accepted, refused, subject, trials, phase, modality,
-                 state, reason, present, held, beeped, paused] = m;
+                 state, reason, present, held, beeped, paused, network] = m;
     return std::tie(time, needle, surface, fixture, tissue_force, fixture_force, total, contact, hand, energy,
                     round_trip, one_way, bound, delay, accepted, refused, subject, trials, phase, modality,
-                    state, reason, present, held, beeped, paused);
+                    state, reason, present, held, beeped, paused, network);
 }
 auto fields(const Order& m) {
-    const auto& [value, trial, kind, modality] = m;
-    return std::tie(value, trial, kind, modality);
+    const auto& [value, trial, kind, modality, network] = m;
+    return std::tie(value, trial, kind, modality, network);
 }
 auto fields(const Page& m) {
     const auto& [remaining, trial, trials, kind] = m;
     return std::tie(remaining, trial, trials, kind);
+}
+auto fields(const ReplayState& m) {
+    const auto& [duration, speed, contact, beep, change, changes] = m;
+    return std::tie(duration, speed, contact, beep, change, changes);
 }
 
 // A NaN fails every comparison.
@@ -92,8 +99,8 @@ bool plausible_body(const Percept& m) {
            position(m.position_surface_shown_m) && span(m.sample_age_s) && m.finger <= Finger::kThumb;
 }
 bool plausible_body(const SessionControl& m) {
-    return position(m.fixture_position_m) && span(m.network_delay_s) &&
-           m.kind <= ControlKind::kNetworkChange && m.modality <= Modality::kVF &&
+    return position(m.fixture_position_m) && span(m.network_delay_s) && span(m.silence_s) &&
+           m.network.well_formed() && m.kind <= ControlKind::kNetworkChange && m.modality <= Modality::kVF &&
            m.reason <= EndReason::kInterrupted;
 }
 bool plausible_body(const Heartbeat& m) {
@@ -109,10 +116,16 @@ bool plausible_body(const Monitor& m) {
            within(m.energy_in_J, -1e6, 1e6) && span(m.round_trip_s) && within(m.one_way_s, -1, 1e6) &&
            span(m.one_way_bound_s) && span(m.network_delay_s) && m.phase <= TissuePhase::kPenetrated &&
            m.modality <= Modality::kVF && m.state <= NodeState::kFailed &&
-           m.reason <= EndReason::kInterrupted;
+           m.reason <= EndReason::kInterrupted && m.network.well_formed();
 }
 bool plausible_body(const Order& m) {
-    return span(m.value) && m.kind <= OrderKind::kSpeed && m.modality <= Modality::kVF;
+    return span(m.value) && m.kind <= OrderKind::kNetwork && m.modality <= Modality::kVF &&
+           m.network.well_formed();
+}
+bool plausible_body(const ReplayState& m) {
+    return span(m.duration_s) && span(m.speed) && within(m.contact_s, -1, 1e6) && within(m.beep_s, -1, 1e6) &&
+           m.changes <= ReplayState::kMostChanges &&
+           std::all_of(m.change_s.begin(), m.change_s.end(), [](double time_s) { return span(time_s); });
 }
 bool plausible_body(const Page& m) { return span(m.remaining_s) && m.kind <= PageKind::kWait; }
 bool plausible_body(const ClockProbe& m) { return stamp(m.send_time); }
@@ -144,19 +157,23 @@ std::vector<Message> sample_messages() {
     monitor.accepted = 123'456;
     monitor.state = NodeState::kRunning;
     monitor.paused = true;
+    monitor.network = *NetworkName::of("transatlantic");
+    ReplayState replay{12.5, 0.5, 1.25, 6.5, {}, 2};
+    replay.change_s[1] = 3.5;
     return {{header, NeedleCommand{0.03, 0.06, 0.0299, 0.01, 0.02, 1.5}},
             {header, feedback},
             {header, Percept{0.9, 3.1, -0.004, 0.001, 0.052, Finger::kThumb, true, true}},
             {header, SessionControl{99, 0.025, 0.05, 3, 2, ControlKind::kFixtureChange, Modality::kCCF, true,
-                                    EndReason::kTimeout}},
+                                    EndReason::kTimeout, 0.6, *NetworkName::of("geo")}},
             {header,
              Heartbeat{1000, 3, 0.101, 0.13, 0.0002, 1.5, -0.02, NodeState::kRunning, EndReason::kPeerLost}},
             {header, ClockProbe{from_nanoseconds(987'654'321)}},
             {header, ClockReply{from_nanoseconds(987'654'321), from_nanoseconds(55'000'000'123)}},
             {header, HandInput{0.02, true}},
             {header, monitor},
-            {header, Order{0.05, 4, OrderKind::kStart, Modality::kCCF}},
-            {header, Page{12.5, 3, 24, PageKind::kBreak}}};
+            {header, Order{0.05, 4, OrderKind::kNetwork, Modality::kCCF, *NetworkName::of("5g-nsa")}},
+            {header, Page{12.5, 3, 24, PageKind::kBreak}},
+            {header, replay}};
 }
 
 bool plausible(const Message& message) {

@@ -101,6 +101,41 @@ TEST(Play, TheDelayMovesInMidTrial) {
     EXPECT_GT(changes[1].time_s, changes[0].time_s);
 }
 
+TEST(Play, APlayerAndAnExperimenterWatchTheSameTrialAndEitherChangesItsNetwork) {
+    PlayedHand hand({"--modality", "VF", "--delay-s", "0"});
+    PlayedView player(hand.base_port(), PlayedView::Ports::kPlayer);
+    const auto both_show = [&](const char* network) {
+        return hand.play([&] {
+            player.listen(wall_now());
+            return hand.monitor().network.view() == network && player.monitor().network.view() == network;
+        });
+    };
+    const auto ask = [&](const char* network) {
+        Order order;
+        order.kind = OrderKind::kNetwork;
+        order.network = *NetworkName::of(network);
+        return order;
+    };
+    ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();
+    player.order(wall_now(), ask("nowhere"));
+    player.order(wall_now(), ask("lte"));
+    EXPECT_TRUE(both_show("lte")) << hand.words();
+    EXPECT_EQ(hand.monitor().network_delay_s, 0.035);
+    EXPECT_TRUE(hand.play([&] { return hand.monitor().round_trip_s > 0.04; })) << hand.words();
+    hand.network("geo");  // the experimenter's
+    EXPECT_TRUE(both_show("geo")) << hand.words();
+    EXPECT_TRUE(hand.play([&] { return hand.monitor().round_trip_s > 0.5; })) << hand.words();
+    EXPECT_TRUE(hand.running());
+    EXPECT_EQ(hand.trial(), 1U);
+    hand.order(OrderKind::kQuit);
+    EXPECT_EQ(hand.end(), 0) << hand.words();
+    const auto events = read_events(hand.out() / "trajectories" / "trial01_VF_0ms.events.csv");
+    ASSERT_EQ(events.size(), 2U);
+    EXPECT_EQ(events[0].profile, "lte");
+    EXPECT_EQ(events[1].profile, "geo");
+    EXPECT_EQ(events[1].needle.delay_s, 0.3);
+}
+
 TEST(Play, OrdersEndAndStartTrials) {
     PlayedHand hand({"--modality", "VF", "--delay-s", "0"});
     ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();

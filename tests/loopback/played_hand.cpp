@@ -66,6 +66,13 @@ void PlayedHand::order(OrderKind kind, double value, Modality modality) {
     view_.order(wall_now(), order);
 }
 
+void PlayedHand::network(const char* name) {
+    Order order;
+    order.kind = OrderKind::kNetwork;
+    order.network = *NetworkName::of(name);
+    view_.order(wall_now(), order);
+}
+
 void PlayedHand::tick(SessionTime now) {
     view_.listen(now);
     if (!present_ || now < next_) return;

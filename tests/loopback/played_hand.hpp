@@ -27,6 +27,8 @@ class PlayedHand {
     void leave() { present_ = false; }
     void order(OrderKind kind, double value = 0, Modality modality = Modality::kHF);
 
+    void network(const char* name);
+
     const Monitor& monitor() const { return view_.monitor(); }
     std::uint32_t trial() const { return view_.trial(); }
     std::uint64_t monitors() const { return view_.heard(); }

@@ -87,11 +87,119 @@ TEST_F(LiveDelay, TheRecordSaysWhen) {
     run_for(seconds{1});
     rig.session().abort(EndReason::kInterrupted);
     const TrialRecord& record = rig.finish();
-    ASSERT_EQ(record.delay_changes.size(), 2U);
-    EXPECT_EQ(record.delay_changes[0].delay_s, 0.5);
-    EXPECT_EQ(record.delay_changes[1].delay_s, 0.05);
-    EXPECT_NEAR(record.delay_changes[1].time_s - record.delay_changes[0].time_s, 2, 0.01);
+    ASSERT_EQ(record.network_events.size(), 2U);
+    EXPECT_EQ(record.network_events[0].delay_s, 0.5);
+    EXPECT_EQ(record.network_events[1].delay_s, 0.05);
+    EXPECT_NEAR(record.network_events[1].time_s - record.network_events[0].time_s, 2, 0.01);
     EXPECT_EQ(record.conditions.delay_s, 0);
+}
+
+// Every sample that was recorded and every packet's fate, while the network becomes wifi, lte, geo and none in one trial.
+struct Visited {
+    std::vector<TrajectorySample> samples;
+    std::vector<NetworkEvent> events;
+    std::vector<std::uint64_t> fates;
+    std::vector<double> delays_s;
+    std::uint64_t lost = 0, reordered = 0;
+};
+
+Visited visit_networks() {
+    SystemSettings settings = paper();
+    settings.slave.contact_hold = settings.session.contact_hold = seconds{40};
+    Rig rig(settings);
+    rig.start(trial_of(Modality::kVF));
+    Visited visited;
+    for (const char* name : {"", "wifi", "lte", "geo", "ideal"}) {
+        if (*name != 0) EXPECT_TRUE(rig.session().change_network(*NetworkName::of(name))) << name;
+        rig.run_until(rig.now() + seconds{2});
+        EXPECT_TRUE(rig.session().running()) << name;
+        visited.delays_s.push_back(rig.session().delay_s());
+    }
+    for (const Relay& relay : rig.netem().relays()) {
+        const LinkCounters& counters = relay.model.counters();
+        visited.fates.insert(visited.fates.end(), {counters.pushed, counters.delivered, counters.lost});
+        visited.lost += counters.lost;
+        visited.reordered += counters.reordered;
+    }
+    rig.session().abort(EndReason::kInterrupted);
+    const TrialRecord& record = rig.finish();
+    visited.samples = record.samples;
+    visited.events = record.network_events;
+    return visited;
+}
+
+TEST(NetworkChange, NobodyIsLostAndTheRecordSaysWhichAndWhen) {
+    const Visited visited = visit_networks();
+    EXPECT_EQ(visited.delays_s.back(), 0);
+    EXPECT_GT(visited.lost, 10U);  // geo loses 0.5 %, in bursts of ten
+    EXPECT_EQ(visited.reordered, 0U);
+    ASSERT_EQ(visited.events.size(), 4U);
+    EXPECT_EQ(visited.events[0].profile, "wifi");
+    EXPECT_EQ(visited.events[2].profile, "geo");
+    EXPECT_EQ(visited.events[2].delay_s, 0.3);
+    EXPECT_EQ(visited.events[2].force.jitter_spread_s, 0.005);
+    EXPECT_NEAR(visited.events[2].needle.loss, 0.005, 1e-12);
+    // The recorder hears of needle commands, which geo's way up makes 0.3 s late: the clock of a record stands still so long.
+    EXPECT_NEAR(visited.events[2].time_s - visited.events[1].time_s, 2, 0.1);
+}
+
+TEST(NetworkChange, HasTheSameBitsTwice) {
+    const Visited one = visit_networks(), other = visit_networks();
+    EXPECT_EQ(one.fates, other.fates);
+    ASSERT_EQ(one.samples.size(), other.samples.size());
+    for (std::size_t i = 0; i < one.samples.size(); ++i) {
+        ASSERT_EQ(one.samples[i].time_s, other.samples[i].time_s) << i;
+        ASSERT_EQ(one.samples[i].position_needle_m, other.samples[i].position_needle_m) << i;
+        ASSERT_EQ(one.samples[i].force_total_N, other.samples[i].force_total_N) << i;
+    }
+}
+
+TEST_F(LiveDelay, ANetworkKeepsItsJitterAndLossUnderAnotherDelay) {
+    ASSERT_TRUE(rig.session().change_network(*NetworkName::of("lte")));
+    run_for(seconds{1});
+    rig.session().change_delay(milliseconds{100});
+    run_for(seconds{1});
+    ASSERT_TRUE(rig.session().running());
+    const LinkSettings& force = rig.netem().relays()[1].model.settings();
+    EXPECT_EQ(force.delay, milliseconds{100});
+    EXPECT_EQ(force.jitter.shape, JitterShape::kParetoNormal);
+    EXPECT_EQ(rig.netem().relays()[0].model.settings().delay, milliseconds{35});  // the needle's way is lte's
+    EXPECT_TRUE(rig.session().change_network(*NetworkName::of("lte")));           // back to its own delay
+    run_for(seconds{1});
+    EXPECT_EQ(force.delay, milliseconds{35});
+}
+
+TEST_F(LiveDelay, EvenTheMoonIsWaitedFor) {
+    ASSERT_TRUE(rig.session().change_network(*NetworkName::of("moon")));
+    run_for(seconds{6});
+    EXPECT_TRUE(rig.session().running());
+    EXPECT_GT(round_trip_s(), 2.4);
+}
+
+TEST_F(LiveDelay, AnUnknownNetworkIsRefusedAndNothingChanges) {
+    for (const char* name : {"lte-9", "", "out"})
+        EXPECT_FALSE(rig.session().change_network(*NetworkName::of(name)));
+    run_for(seconds{1});
+    EXPECT_EQ(round_trip_s(), 0);
+    EXPECT_TRUE(rig.session().network().empty());
+    rig.session().abort(EndReason::kInterrupted);
+    EXPECT_TRUE(rig.finish().network_events.empty());
+}
+
+TEST(DelayChangeBetweenTrials, ANetworkIsTheNextTrialsFromItsStartAndItsRecordSaysSo) {
+    SystemSettings settings = paper();
+    settings.slave.contact_hold = settings.session.contact_hold = milliseconds{200};
+    VirtualSession session(settings);
+    TrialConditions trial = trial_of(Modality::kVF);
+    session.run(trial);
+    ASSERT_TRUE(session.session().change_network(*NetworkName::of("lte")));
+    trial.trial = 2;
+    const TrialRecord& record = session.run(trial);
+    EXPECT_EQ(record.reason, EndReason::kCompleted);
+    EXPECT_GT(record.round_trip_s, 0.05);
+    ASSERT_EQ(record.network_events.size(), 1U);
+    EXPECT_EQ(record.network_events[0].time_s, 0);
+    EXPECT_EQ(record.network_events[0].profile, "lte");
 }
 
 TEST(DelayChangeBetweenTrials, TheNextTrialHasItFromItsStart) {
@@ -105,7 +213,7 @@ TEST(DelayChangeBetweenTrials, TheNextTrialHasItFromItsStart) {
     const TrialRecord& record = session.run(trial);
     EXPECT_EQ(record.reason, EndReason::kCompleted);
     EXPECT_EQ(record.round_trip_s, 0.5);
-    EXPECT_TRUE(record.delay_changes.empty());  // it did not change while it ran
+    EXPECT_TRUE(record.network_events.empty());  // it did not change while it ran
 }
 
 TEST(DelayChangeWithFault, WhoFallsSilentForGoodIsMissedAfterTheExcuse) {

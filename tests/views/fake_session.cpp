@@ -19,8 +19,10 @@ NetworkSettings view_network(std::uint16_t base_port) {
 
 FakeSession::FakeSession(std::uint16_t base_port, std::uint64_t instance, SessionTime started)
     : sockets_(view_network(base_port)),
-      monitors_(Role::kSession, instance, {sockets_.outlet(Port::kExperimenterMonitor)}),
-      orders_in_(sockets_.inlet(Port::kSessionOrders, Role::kExperimenter)),
+      monitors_(Role::kSession, instance,
+                {sockets_.outlet(Port::kExperimenterMonitor), sockets_.outlet(Port::kPlayerMonitor)}),
+      orders_in_{sockets_.inlet(Port::kSessionOrders, Role::kExperimenter),
+                 sockets_.inlet(Port::kSessionPlayerOrders, Role::kVisual)},
       started_(started) {}
 
 int FakeSession::count(OrderKind kind) const {
@@ -32,6 +34,10 @@ void FakeSession::take(const Order& order, SessionTime now) {
     heard_.push_back(order);
     if (!obeys_) return;
     if (order.kind == OrderKind::kDelay) delay_s_ = order.value;
+    if (order.kind == OrderKind::kNetwork) {
+        network_ = order.network;
+        delay_s_ = order.value;
+    }
     if (order.kind == OrderKind::kPause) paused_ = true;
     if (order.kind == OrderKind::kResume) paused_ = false;
     if (order.kind == OrderKind::kEndTrial) running_ = false;
@@ -46,6 +52,7 @@ void FakeSession::take(const Order& order, SessionTime now) {
 void FakeSession::speak(SessionTime now) {
     Monitor monitor = demonstration(time_s(now));
     monitor.network_delay_s = delay_s_;
+    monitor.network = network_;
     monitor.paused = paused_;
     monitor.modality = modality_;
     if (!running_) monitor.state = NodeState::kIdle;
@@ -53,8 +60,10 @@ void FakeSession::speak(SessionTime now) {
 }
 
 void FakeSession::tick(SessionTime now) {
-    while (const Message* message = inbound_.receive(now, *orders_in_)) {
-        if (const auto* order = std::get_if<Order>(&message->body)) take(*order, now);
+    for (std::size_t i = 0; i < orders_in_.size(); ++i) {
+        while (const Message* message = inbound_[i].receive(now, *orders_in_[i])) {
+            if (const auto* order = std::get_if<Order>(&message->body)) take(*order, now);
+        }
     }
     if (next_ == SessionTime{}) next_ = now;
     // After a stall the samples of the stall come all at once, as recorded.

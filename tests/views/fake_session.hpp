@@ -1,7 +1,8 @@
-// The session's end of the views' two ports, over loopback UDP: tells a demonstration, obeys delay, pause, start and end, and
+// The session's end of both views' ports, over loopback UDP: tells a demonstration, obeys delay, network, pause, start and end, and
 // remembers what was asked.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "common/flow.hpp"
@@ -28,13 +29,14 @@ class FakeSession {
     void speak(SessionTime now);
 
     Sockets sockets_;
-    InboundFlow inbound_{Role::kExperimenter};
+    std::array<InboundFlow, 2> inbound_{InboundFlow{Role::kExperimenter}, InboundFlow{Role::kExperimenter}};
     OutboundFlow monitors_;
-    Channel* orders_in_;
+    std::array<Channel*, 2> orders_in_;  // of the experimenter and of the player
     SessionTime started_, next_{};
     std::vector<Order> heard_;
     std::uint32_t trial_ = 4;
     double delay_s_ = 0.05;
+    NetworkName network_;
     Modality modality_ = Modality::kHF;
     bool obeys_ = true, paused_ = false, running_ = true;
 };

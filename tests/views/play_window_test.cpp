@@ -6,6 +6,7 @@
 #include "experiment/film/film.hpp"
 #include "experiment/trajectory_file.hpp"
 #include "experiment/trial_table.hpp"
+#include "tests/loopback/played_view.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/views/pushed_needle.hpp"
 #include "tests/views/virtual_screen.hpp"
@@ -23,6 +24,56 @@ class PlayInAWindow : public testing::Test {
         if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
         screen_.emplace();
         ASSERT_TRUE(screen_->ready());
+    }
+
+    // As a finger would: ImGui asks at each frame whether an arrow is down.
+    bool hold(const std::string& key) const {
+        if (!screen_->hand({"keydown", key})) return false;
+        wall_sleep(std::chrono::milliseconds{150});
+        return screen_->hand({"keyup", key});
+    }
+
+    // Keys and the scrub bar of a replay, watched from the experimenter's ports.
+    void seek_in_a_replay(const std::filesystem::path& out) {
+        Child replay(kThimble,
+                     {"play", "--replay", out.string(), "--speed", "0.1", "--base-port",
+                      std::to_string(ports_.base()), "--seconds", "60"},
+                     folder_ / "replay");
+        PlayedView view(ports_.base());
+        const auto shows = [&](const std::function<bool(const Monitor&)>& such) {
+            return wait_until([&] {
+                view.listen(wall_now());
+                return view.replay().duration_s > 0 && view.running() && such(view.monitor());
+            });
+        };
+        ASSERT_TRUE(shows([](const Monitor&) { return true; })) << read_text(folder_ / "replay");
+        ASSERT_TRUE(screen_->wait_for_window("Thimble"));
+        const double length_s = view.replay().duration_s;
+        const auto at = [](double time_s) {
+            return [time_s](const Monitor& m) { return m.paused && std::abs(m.time_s - time_s) < 1e-9; };
+        };
+        ASSERT_TRUE(screen_->press("period"));  // a frame on: it stands still
+        EXPECT_TRUE(shows([](const Monitor& m) { return m.paused; }));
+        ASSERT_TRUE(hold("End"));
+        EXPECT_TRUE(shows(at(length_s)));
+        ASSERT_TRUE(hold("Left"));
+        EXPECT_TRUE(shows(at(length_s - 0.1)));
+        ASSERT_TRUE(screen_->press("comma"));
+        EXPECT_TRUE(shows(at(length_s - 0.1 - 1.0 / 60)));
+        // The scrub bar lies below the hint; wherever it is, a click in its middle is about half of the trial.
+        const auto half = [&] {
+            view.listen(wall_now());
+            return std::abs(view.monitor().time_s - length_s / 2) < 0.05 * length_s;
+        };
+        for (int y = 20; y < 100 && !half(); y += 10) {
+            ASSERT_TRUE(screen_->click(950, y));
+            wall_sleep(std::chrono::milliseconds{60});
+        }
+        EXPECT_TRUE(half());
+        ASSERT_TRUE(screen_->press("5"));
+        EXPECT_TRUE(shows([&](const Monitor&) { return view.replay().speed == 2; }));
+        ASSERT_TRUE(screen_->press("F10"));
+        EXPECT_EQ(replay.wait(kPatience), 0) << read_text(folder_ / "replay");
     }
 
     Folder folder_;
@@ -56,6 +107,8 @@ TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAl
     EXPECT_EQ(rows[0].conditions.modality, Modality::kHF);
     EXPECT_EQ(rows[1].conditions.modality, Modality::kVF);
     EXPECT_EQ(rows[1].reason, EndReason::kInterrupted);
+
+    seek_in_a_replay(out);
 
     // Its first trial again, as pictures.
     const auto frames = folder_ / "frames";

@@ -101,7 +101,8 @@ TEST(PlayerPanel, KeysAskTheSession) {
     EXPECT_TRUE(player.asked(OrderKind::kStart, [](const Order& o) { return o.modality == Modality::kCCF; }));
     ASSERT_TRUE(screen.hand({"key", "5"}));
     player.run(0.3);
-    EXPECT_TRUE(player.asked(OrderKind::kDelay, [](const Order& o) { return o.value == 0; }));
+    EXPECT_TRUE(
+        player.asked(OrderKind::kNetwork, [](const Order& o) { return o.network.view() == "ideal"; }));
     ASSERT_TRUE(screen.hand({"key", "plus"}));
     player.run(0.3);
     EXPECT_TRUE(player.asked(OrderKind::kDelay, [](const Order& o) { return o.value > 0; }));

@@ -87,8 +87,8 @@ void view_sleep(double seconds) { wall_sleep(from_seconds(seconds)); }
 
 int distance(const Image& image, int x, int y, Colour colour) {
     const Rgb pixel = image.at(x, y);
-    return std::max({std::abs(pixel[0] - colour.red), std::abs(pixel[1] - colour.green),
-                     std::abs(pixel[2] - colour.blue)});
+    return std::max(
+        {std::abs(pixel[0] - colour[0]), std::abs(pixel[1] - colour[1]), std::abs(pixel[2] - colour[2])});
 }
 
 int count_pixels(const Image& image, const Rect& rect, Colour colour) {

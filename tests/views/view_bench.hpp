@@ -9,8 +9,8 @@
 #include "experiment/child.hpp"
 #include "tests/views/fake_session.hpp"
 #include "tests/views/virtual_screen.hpp"
-#include "visual_node/views/colours.hpp"
 #include "visual_node/views/view_layout.hpp"
+#include "visual_node/window/colours.hpp"
 #include "visual_node/window/image.hpp"
 
 namespace thimble {

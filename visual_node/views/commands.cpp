@@ -6,16 +6,24 @@
 namespace thimble {
 namespace {
 
+constexpr Key kIdeal{Command::kNetwork0, '5', "ideal", "no network at all"};
+constexpr Key kWifi{Command::kNetwork1, '6', "wifi", "2 ms back, in bursts, 0.2 % lost"};
+constexpr Key kPaper{Command::kNetwork2, '7', "paper50", "50 ms back and nothing else, as in the paper"};
+constexpr Key kLeo{Command::kNetwork3, '8', "leo", "low satellites: 18 ms, jitter, another one each 15 s"};
+constexpr Key kLte{Command::kNetwork4, '9', "lte", "35 ms each way, jitter, 0.1 % lost"};
+constexpr Key kGeo{Command::kNetwork5, '0', "geo", "300 ms each way by a high satellite, 0.5 % lost"};
+
 constexpr std::array kExperimenterKeys{
     Key{Command::kHF, '1', "HF", "next start: force at the handle"},
     Key{Command::kCF, '2', "CF", "next start: on the fingers that act"},
     Key{Command::kCCF, '3', "CCF", "next start: on the other hand's fingers"},
     Key{Command::kVF, '4', "VF", "next start: bar on the screen"},
-    Key{Command::kPreset0, '5', "ideal", "delay 0 ms"},
-    Key{Command::kPreset1, '6', "lte", "delay 35 ms, as lte"},
-    Key{Command::kPreset2, '7', "paper", "delay 50 ms, as paper50"},
-    Key{Command::kPreset3, '8', "4g", "delay 85 ms, as 4g"},
-    Key{Command::kPreset4, '9', "geo", "delay 300 ms, as geo"},
+    kIdeal,
+    kWifi,
+    kPaper,
+    kLeo,
+    kLte,
+    kGeo,
     Key{Command::kDelayDown, '-', "-5 ms", "less delay; Left arrow too"},
     Key{Command::kDelayUp, '+', "+5 ms", "more delay; Right arrow too"},
     Key{Command::kStart, 's', "Start", "a trial of the chosen modality"},
@@ -33,8 +41,12 @@ constexpr std::array kPlayerKeys{
     Key{Command::kCF, '2', "CF", "A device presses the fingers you move with. It stays calm."},
     Key{Command::kCCF, '3', "CCF", "The same on your other hand. It stays calm, and feels elsewhere."},
     Key{Command::kVF, '4', "VF", "A bar on the screen shows the force. Calm; watch its length."},
-    Key{Command::kPreset0, '5', "ideal", "no delay"},
-    Key{Command::kPreset2, '7', "paper", "50 ms, as in the paper"},
+    kIdeal,
+    kWifi,
+    kPaper,
+    kLeo,
+    kLte,
+    kGeo,
     Key{Command::kDelayDown, '-', "-5 ms", "less delay; Left arrow too"},
     Key{Command::kDelayUp, '+', "+5 ms", "more delay; Right arrow too"},
     Key{Command::kStart, ' ', "Again", "a trial of the same modality"},
@@ -43,10 +55,43 @@ constexpr std::array kPlayerKeys{
     Key{Command::kHelp, '?', "Keys", "this list"},
 };
 
+constexpr std::array kReplayKeys{
+    Key{Command::kPlayPause, ' ', "Play", "stand still, or go on; from the end: once more"},
+    Key{Command::kFrameBack, ',', "Frame", "a sixtieth of a second back, and stand still"},
+    Key{Command::kFrameOn, '.', "Frame", "a sixtieth of a second on, and stand still"},
+    Key{Command::kBack, kLeftKey, "-0.1 s", "a tenth of a second back"},
+    Key{Command::kOn, kRightKey, "+0.1 s", "a tenth of a second on"},
+    Key{Command::kFarBack, kShiftLeftKey, "-1 s", "a second back"},
+    Key{Command::kFarOn, kShiftRightKey, "+1 s", "a second on"},
+    Key{Command::kToBegin, kHomeKey, "Begin", "to the trial's begin"},
+    Key{Command::kToEnd, kEndKey, "End", "to the trial's end"},
+    Key{Command::kSpeed0, '1', "0.1 x", "of the recorded speed"},
+    Key{Command::kSpeed1, '2', "0.25 x", "of the recorded speed"},
+    Key{Command::kSpeed2, '3', "0.5 x", "of the recorded speed"},
+    Key{Command::kSpeed3, '4', "1 x", "as fast as it was"},
+    Key{Command::kSpeed4, '5', "2 x", "of the recorded speed"},
+    Key{Command::kSpeed5, '6', "5 x", "of the recorded speed"},
+    Key{Command::kHelp, '?', "Keys", "this list"},
+};
+
+constexpr std::array<std::string_view, 6> kNamedKeys{"Left",        "Right", "Shift Left",
+                                                     "Shift Right", "Home",  "End"};
+
+std::size_t index_after(Command command, Command first) {
+    return static_cast<std::size_t>(command) - static_cast<std::size_t>(first);
+}
+
 }  // namespace
+
+std::string_view special_key_name(char character) {
+    if (character == ' ') return "Space";
+    if (character < kLeftKey || character > kEndKey) return {};
+    return kNamedKeys.at(static_cast<std::size_t>(character - kLeftKey));
+}
 
 std::span<const Key> experimenter_keys() { return kExperimenterKeys; }
 std::span<const Key> player_keys() { return kPlayerKeys; }
+std::span<const Key> replay_keys() { return kReplayKeys; }
 
 std::optional<Command> find_command(std::span<const Key> keys, unsigned character) {
     if (character >= 'A' && character <= 'Z') character += 'a' - 'A';
@@ -71,10 +116,14 @@ std::optional<Modality> modality_of(Command command) {
     return static_cast<Modality>(command);
 }
 
-std::optional<double> preset_of_s(Command command) {
-    if (command < Command::kPreset0 || command > Command::kPreset4) return std::nullopt;
-    const auto i = static_cast<std::size_t>(command) - static_cast<std::size_t>(Command::kPreset0);
-    return kDelayPresets.at(i).delay_s;
+const OfferedNetwork* network_of(Command command) {
+    if (command < Command::kNetwork0 || command > Command::kNetwork5) return nullptr;
+    return &kOfferedNetworks.at(index_after(command, Command::kNetwork0));
+}
+
+std::optional<double> speed_of(Command command) {
+    if (command < Command::kSpeed0 || command > Command::kSpeed5) return std::nullopt;
+    return kReplaySpeeds.at(index_after(command, Command::kSpeed0));
 }
 
 Command command_of(Modality modality) { return static_cast<Command>(modality); }

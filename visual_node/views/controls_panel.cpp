@@ -1,6 +1,5 @@
 #include "visual_node/views/controls_panel.hpp"
 
-#include <cmath>
 #include <initializer_list>
 
 #include "visual_node/views/drawing.hpp"
@@ -26,15 +25,13 @@ struct ControlGrid {
     }
 };
 
-bool same_delay(double a_s, double b_s) { return std::abs(a_s - b_s) < 1e-6; }
-
 void draw_delay_rows(const ControlGrid& grid) {
     double delay_s = grid.model.link().delay_s();
     if (draw_delay_slider(grid.cell(kSliderRow, 0, 1), delay_s)) grid.model.set_delay(grid.now, delay_s);
-    constexpr int kPresets = static_cast<int>(kDelayPresets.size());
-    for (int i = 0; i < kPresets; ++i) {
-        const auto command = static_cast<Command>(static_cast<int>(Command::kPreset0) + i);
-        grid.button(command, kPresetRow, i, kPresets, same_delay(delay_s, *preset_of_s(command)));
+    for (int i = 0; i < static_cast<int>(kOfferedNetworks.size()); ++i) {
+        const auto command = static_cast<Command>(static_cast<int>(Command::kNetwork0) + i);
+        grid.button(command, kNetworkRow + i / kNetworksPerRow, i % kNetworksPerRow, kNetworksPerRow,
+                    grid.model.link().holds(command));
     }
     grid.button(Command::kDelayDown, kStepRow, 0, 2);
     grid.button(Command::kDelayUp, kStepRow, 1, 2);
@@ -58,7 +55,7 @@ void draw_trial_rows(const ControlGrid& grid) {
 
 void draw_controls(const Rect& rect, double scale, ExperimenterModel& model, SessionTime now) {
     begin_fixed("controls", rect, Ground::kBare);
-    ImGui::SetWindowFontScale(0.9F);  // five presets beside one another
+    ImGui::SetWindowFontScale(0.9F);  // four modalities beside one another
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, point(2 * scale, 2 * scale));
     const ControlGrid grid{
         {rect.x, rect.y - static_cast<double>(ImGui::GetScrollY()), rect.width, rect.height},

@@ -6,7 +6,16 @@
 
 namespace thimble {
 
-enum ControlRow : int { kSliderRow, kPresetRow, kStepRow, kModalityRow, kTrialRow, kAfterRow, kNoticeRow };
+enum ControlRow : int {
+    kSliderRow,
+    kStepRow,
+    kNetworkRow,  // and the next one
+    kModalityRow = kNetworkRow + 2,
+    kTrialRow,
+    kAfterRow,
+    kNoticeRow
+};
+inline constexpr int kNetworksPerRow = 3;
 
 void draw_controls(const Rect& rect, double scale, ExperimenterModel& model, SessionTime now);
 // The question that excluding asks, over everything; nothing while there is none.

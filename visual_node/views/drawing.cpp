@@ -13,7 +13,7 @@ float small_text_size() { return std::floor(ImGui::GetFontSize() * kSmallText); 
 }  // namespace
 
 ImU32 paint(Colour colour, double opacity) {
-    return IM_COL32(colour.red, colour.green, colour.blue, static_cast<int>(std::lround(255 * opacity)));
+    return IM_COL32(colour[0], colour[1], colour[2], static_cast<int>(std::lround(255 * opacity)));
 }
 
 ImVec4 gui_colour(Colour colour) { return ImGui::ColorConvertU32ToFloat4(paint(colour)); }

@@ -3,9 +3,9 @@
 
 #include <imgui.h>
 
-#include "visual_node/views/colours.hpp"
 #include "visual_node/views/text_line.hpp"
 #include "visual_node/views/view_layout.hpp"
+#include "visual_node/window/colours.hpp"
 
 namespace thimble {
 

@@ -7,17 +7,12 @@ void ExperimenterModel::update(SessionTime now) {
     if (!choosing_ && link_.receiver().heard()) chosen_ = link_.monitor().modality;
 }
 
-void ExperimenterModel::ask(SessionTime now, OrderKind kind, std::uint32_t trial) {
-    Order order;
-    order.kind = kind;
-    order.trial = trial;
-    order.modality = chosen_;
-    link_.ask(now, order);
-}
-
 void ExperimenterModel::answer(SessionTime now, bool yes) {
     if (yes && question_) {
-        ask(now, OrderKind::kExclude, *question_);
+        Order order;
+        order.kind = OrderKind::kExclude;
+        order.trial = *question_;  // the trial shown may be the next one by now
+        link_.ask(now, order);
         unseen_ = OrderKind::kExclude;
     }
     question_.reset();
@@ -30,22 +25,14 @@ void ExperimenterModel::press(SessionTime now, Command command) {
         choosing_ = true;
         return;
     }
-    if (const auto delay_s = preset_of_s(command)) return set_delay(now, *delay_s);
+    if (link_.take(now, command)) return;
     switch (command) {
-        case Command::kDelayDown:
-            return set_delay(now, link_.delay_s() - kDelayStep_s);
-        case Command::kDelayUp:
-            return set_delay(now, link_.delay_s() + kDelayStep_s);
         case Command::kStart:
-            return ask(now, OrderKind::kStart, trial);
-        case Command::kPause:
-            return ask(now, link_.monitor().paused ? OrderKind::kResume : OrderKind::kPause, 0);
-        case Command::kEndTrial:
-            return ask(now, OrderKind::kEndTrial, trial);
+            return link_.ask(now, OrderKind::kStart, chosen_);
         case Command::kRepeat:
             if (trial == 0) return;
             unseen_ = OrderKind::kRepeat;
-            return ask(now, OrderKind::kRepeat, trial);
+            return link_.ask(now, OrderKind::kRepeat);
         case Command::kExclude:
             if (trial != 0) question_ = trial;
             return;

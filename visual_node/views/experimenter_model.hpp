@@ -27,7 +27,6 @@ class ExperimenterModel {
     TextLine notice() const;
 
   private:
-    void ask(SessionTime now, OrderKind kind, std::uint32_t trial);
     void answer(SessionTime now, bool yes);
 
     SessionLink link_;

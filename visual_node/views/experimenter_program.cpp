@@ -17,9 +17,9 @@
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
-#include "visual_node/views/colours.hpp"
 #include "visual_node/views/experimenter_panels.hpp"
 #include "visual_node/views/frame_cost.hpp"
+#include "visual_node/window/colours.hpp"
 #include "visual_node/window/gl_window.hpp"
 #include "visual_node/window/gui_layer.hpp"
 #include "visual_node/window/png_file.hpp"
@@ -100,8 +100,7 @@ void ExperimenterView::draw_empty() {
 
 void ExperimenterView::draw_view(SessionTime now) {
     const SessionTime begin = wall_now();
-    window_.begin_frame(channel_of(kBackground.red), channel_of(kBackground.green),
-                        channel_of(kBackground.blue));
+    window_.begin_frame(channel_of(kBackground[0]), channel_of(kBackground[1]), channel_of(kBackground[2]));
     gui_.begin();
     panels_.draw(now, {window_, gui_, nullptr});
     gui_.end();

@@ -15,7 +15,8 @@ void add(TypedCommands& typed, std::span<const Key> keys, Command command) {
 }
 
 TextLine key_name(const Key& key) {
-    return key.character == ' ' ? TextLine::of("Space") : TextLine::of("{}", key.character);
+    const std::string_view special = special_key_name(key.character);
+    return special.empty() ? TextLine::of("{}", key.character) : TextLine::of("{}", special);
 }
 
 bool pressed(ImGuiKey_ key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); }
@@ -29,8 +30,14 @@ TypedCommands typed_commands(std::span<const Key> keys) {
     for (const ImWchar character : io.InputQueueCharacters) {
         if (const auto command = find_command(keys, character)) add(typed, keys, *command);
     }
-    if (pressed(ImGuiKey_LeftArrow)) add(typed, keys, Command::kDelayDown);
-    if (pressed(ImGuiKey_RightArrow)) add(typed, keys, Command::kDelayUp);
+    const auto type = [&](ImGuiKey_ key, char special, Command otherwise) {
+        if (pressed(key))
+            add(typed, keys, find_command(keys, static_cast<unsigned>(special)).value_or(otherwise));
+    };
+    type(ImGuiKey_LeftArrow, io.KeyShift ? kShiftLeftKey : kLeftKey, Command::kDelayDown);
+    type(ImGuiKey_RightArrow, io.KeyShift ? kShiftRightKey : kRightKey, Command::kDelayUp);
+    type(ImGuiKey_Home, kHomeKey, Command::kCount);
+    type(ImGuiKey_End, kEndKey, Command::kCount);
     if (pressed(ImGuiKey_Escape)) add(typed, keys, Command::kNo);
     return typed;
 }
@@ -43,11 +50,36 @@ bool draw_button(std::span<const Key> keys, Command command, const Rect& cell, b
         ImGui::PushStyleColor(ImGuiCol_Button, gui_colour(kBlue));
         ImGui::PushStyleColor(ImGuiCol_ButtonHovered, gui_colour(kBlue));
     }
-    const TextLine label =
-        TextLine::of("{} [{}]##{}", name == nullptr ? key.button : name, key_name(key).view(), key.button);
+    // Arrows and the like are named in the help only: their names are longer than the buttons.
+    const char* shown = name == nullptr ? key.button : name;
+    const bool plain = special_key_name(key.character).empty() || key.character == ' ';
+    const int id = static_cast<int>(command);
+    const TextLine label = plain ? TextLine::of("{} [{}]##{}", shown, key_name(key).view(), id)
+                                 : TextLine::of("{}##{}", shown, id);
     const bool hit = ImGui::Button(label.c_str(), extent(cell));
     if (chosen) ImGui::PopStyleColor(2);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", key.help);
+    return hit;
+}
+
+Rect row_here(double height) {
+    const ImVec2 here = ImGui::GetCursorScreenPos();
+    return {static_cast<double>(here.x), static_cast<double>(here.y),
+            static_cast<double>(ImGui::GetContentRegionAvail().x), height};
+}
+
+std::optional<Command> draw_button_row(std::span<const Key> keys, std::initializer_list<Command> commands,
+                                       const Rect& row, double scale,
+                                       const std::function<bool(Command)>& chosen) {
+    std::optional<Command> hit;
+    ImGui::SetWindowFontScale(0.9F);  // four beside one another
+    const double pitch = row.width / static_cast<double>(commands.size());
+    Rect cell{row.x, row.y, pitch - 2 * scale, row.height - 4 * scale};
+    for (const Command command : commands) {
+        if (draw_button(keys, command, cell, chosen && chosen(command))) hit = command;
+        cell.x += pitch;
+    }
+    ImGui::SetWindowFontScale(1);
     return hit;
 }
 
@@ -70,12 +102,15 @@ void draw_key_help(std::span<const Key> keys, double scale) {
                      ImGuiWindowFlags_NoSavedSettings);
     for (const Key& key : keys) {
         ImGui::TextColored(gui_colour(kOrange), "%s", key_name(key).c_str());
-        ImGui::SameLine(static_cast<float>(64 * scale));
+        ImGui::SameLine(static_cast<float>(96 * scale));
         ImGui::Text("%s", key.button);
-        ImGui::SameLine(static_cast<float>(180 * scale));
+        ImGui::SameLine(static_cast<float>(200 * scale));
         ImGui::TextUnformatted(key.help);
     }
-    ImGui::TextUnformatted("A preset sets the delay alone; jitter and loss stay the session file's.");
+    const bool networks = std::any_of(keys.begin(), keys.end(),
+                                      [](const Key& key) { return key.command == Command::kNetwork0; });
+    if (networks)
+        ImGui::TextUnformatted("The slider changes a network's delay alone; its jitter and loss stay.");
     ImGui::End();
 }
 

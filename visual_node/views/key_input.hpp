@@ -2,6 +2,9 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <initializer_list>
+#include <optional>
 #include <span>
 
 #include "visual_node/views/commands.hpp"
@@ -25,6 +28,13 @@ TypedCommands typed_commands(std::span<const Key> keys);
 // Within a window of ImGui.
 bool draw_button(std::span<const Key> keys, Command command, const Rect& cell, bool chosen = false,
                  const char* name = nullptr);
+
+// The row in which ImGui stands, of the window's width.
+Rect row_here(double height);
+// Buttons of the same width beside one another, those lit for which `chosen` is true; the one that was pressed.
+std::optional<Command> draw_button_row(std::span<const Key> keys, std::initializer_list<Command> commands,
+                                       const Rect& row, double scale,
+                                       const std::function<bool(Command)>& chosen = {});
 
 // Slider of the one-way delay; true when it was moved, with the new value.
 bool draw_delay_slider(const Rect& cell, double& delay_s);

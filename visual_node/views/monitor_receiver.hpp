@@ -11,6 +11,8 @@ namespace thimble {
 
 // After so long without a word the view says so: twice a heartbeat's patience would be a second of false calm.
 inline constexpr Duration kMonitorSilence = std::chrono::milliseconds{500};
+// A replay says so ten times a second. Who has not said it for so long, and speaks, is none.
+inline constexpr Duration kReplaySilence = std::chrono::seconds{1};
 
 class MonitorReceiver {
   public:
@@ -24,6 +26,9 @@ class MonitorReceiver {
             if (const auto* monitor = std::get_if<Monitor>(&message->body)) {
                 keep(now, message->header, *monitor);
                 use(now, trial_, monitor_);
+            } else if (const auto* replay = std::get_if<ReplayState>(&message->body)) {
+                replay_ = *replay;
+                replay_arrived_ = now;
             } else {
                 flow_.refuse_admitted(Refusal::kUnexpectedKind);
             }
@@ -39,6 +44,8 @@ class MonitorReceiver {
 
     const Monitor& newest() const { return monitor_; }  // as constructed before the first
     std::uint32_t trial() const { return trial_; }      // of the newest
+    // Where what speaks is a recorded trial; else null.
+    const ReplayState* replay() const;
     const FlowCounters& counters() const { return flow_.counters(); }
 
   private:
@@ -48,7 +55,8 @@ class MonitorReceiver {
     InboundFlow flow_{Role::kSession};
     Monitor monitor_;
     std::uint32_t trial_ = 0;
-    SessionTime arrived_{};
+    ReplayState replay_;
+    SessionTime arrived_{}, replay_arrived_ = kNever;
     bool heard_ = false;
 };
 

@@ -8,8 +8,18 @@ namespace {
 
 // Doubles travel unchanged, but a session may keep a delay in whole nanoseconds.
 constexpr double kDelayResolution_s = 1e-6;
-// A replay goes on from where it was sent: so far it may have come before its Monitor is seen.
+// A replay that runs goes on from where it was sent: so far it may have come, at speed 1, before its Monitor is seen.
 constexpr double kSeekResolution_s = 0.5;
+
+bool sought(double time_s, const SessionView& session) {
+    const double resolution_s =
+        session.monitor.paused ? kDelayResolution_s : kSeekResolution_s * std::max(1.0, session.replay_speed);
+    return std::abs(session.monitor.time_s - time_s) < resolution_s;
+}
+
+bool has_delay(const Monitor& monitor, double delay_s) {
+    return std::abs(monitor.network_delay_s - delay_s) < kDelayResolution_s;
+}
 
 bool shown_anywhere(OrderKind kind) {
     return kind != OrderKind::kRepeat && kind != OrderKind::kExclude && kind != OrderKind::kSpeed;
@@ -30,6 +40,8 @@ void OrderSender::ask(SessionTime now, const Order& order, const SessionView& se
     if (order.kind == OrderKind::kResume) call_off(OrderKind::kPause);
     if (order.kind == OrderKind::kStart) call_off(OrderKind::kEndTrial);
     if (order.kind == OrderKind::kEndTrial) call_off(OrderKind::kStart);
+    if (order.kind == OrderKind::kDelay) call_off(OrderKind::kNetwork);
+    if (order.kind == OrderKind::kNetwork) call_off(OrderKind::kDelay);
     unanswered_ = nullptr;
     Asked& asked = at(order.kind);
     asked = {order, session.trial, now, now, 0, OrderProgress::kAsking};
@@ -48,7 +60,9 @@ bool OrderSender::shows(const Asked& asked, const SessionView& session) {
     const bool running = monitor.state == NodeState::kRunning;
     switch (asked.order.kind) {
         case OrderKind::kDelay:
-            return std::abs(monitor.network_delay_s - asked.order.value) < kDelayResolution_s;
+            return has_delay(monitor, asked.order.value);
+        case OrderKind::kNetwork:
+            return monitor.network == asked.order.network && has_delay(monitor, asked.order.value);
         case OrderKind::kStart:
             return running && session.trial != asked.trial && monitor.modality == asked.order.modality;
         case OrderKind::kPause:
@@ -58,7 +72,7 @@ bool OrderSender::shows(const Asked& asked, const SessionView& session) {
         case OrderKind::kEndTrial:
             return !running || session.trial != asked.trial;
         case OrderKind::kSeek:
-            return std::abs(monitor.time_s - asked.order.value) < kSeekResolution_s;
+            return sought(asked.order.value, session);
         default:
             return false;
     }
@@ -115,6 +129,8 @@ const char* to_string(OrderKind kind) {
             return "seek";
         case OrderKind::kSpeed:
             return "speed";
+        case OrderKind::kNetwork:
+            return "network";
     }
     return "";
 }

@@ -28,6 +28,7 @@ struct SessionView {
     Monitor monitor;
     std::uint32_t trial = 0;
     bool silent = true;
+    double replay_speed = 1;  // 1 as well where no recorded trial is shown
 };
 
 class OrderSender {
@@ -37,7 +38,7 @@ class OrderSender {
 
     // Sends at once, with the trial in the header that `session` shows: an EndTrial that comes late can then be told from one
     // for the next trial. An order of the same kind that is still being asked is replaced (a slider that moves); Pause calls off
-    // Resume and the reverse, Start calls off EndTrial.
+    // Resume and the reverse, Start calls off EndTrial, Delay calls off Network and the reverse.
     void ask(SessionTime now, const Order& order, const SessionView& session);
     // Repeats what is due, ends what has shown itself or took too long.
     void update(SessionTime now, const SessionView& session);
@@ -50,7 +51,7 @@ class OrderSender {
     const Order* unanswered() const { return unanswered_; }
 
   private:
-    static constexpr std::size_t kKinds = static_cast<std::size_t>(OrderKind::kSpeed) + 1;
+    static constexpr std::size_t kKinds = static_cast<std::size_t>(OrderKind::kNetwork) + 1;
     struct Asked {
         Order order;
         std::uint32_t trial = 0;  // what the Monitor said then

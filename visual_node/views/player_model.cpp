@@ -13,37 +13,22 @@ Modality PlayerModel::modality() const {
     return asking ? link_.orders().asked(OrderKind::kStart).modality : link_.monitor().modality;
 }
 
-void PlayerModel::ask(SessionTime now, OrderKind kind, Modality modality) {
-    Order order;
-    order.kind = kind;
-    order.modality = modality;
-    order.trial = link_.receiver().trial();
-    link_.ask(now, order);
-}
-
 void PlayerModel::press(SessionTime now, Command command) {
-    if (const auto modality = modality_of(command)) return start(now, *modality);
-    if (const auto delay_s = preset_of_s(command)) return set_delay(now, *delay_s);
-    switch (command) {
-        case Command::kDelayDown:
-            return set_delay(now, link_.delay_s() - kDelayStep_s);
-        case Command::kDelayUp:
-            return set_delay(now, link_.delay_s() + kDelayStep_s);
-        case Command::kStart:
-            return start(now, modality());
-        case Command::kPause:
-            return ask(now, link_.monitor().paused ? OrderKind::kResume : OrderKind::kPause, modality());
-        case Command::kEndTrial:
-            return ask(now, OrderKind::kEndTrial, modality());
-        case Command::kHelp:
-            help_ = !help_;
-            return;
-        default:
-            return;
+    if (command == Command::kHelp) {
+        help_ = !help_;
+    } else if (replaying()) {
+        replay_.press(now, command);
+    } else if (const auto modality = modality_of(command)) {
+        start(now, *modality);
+    } else if (command == Command::kStart) {
+        start(now, this->modality());
+    } else {
+        link_.take(now, command);
     }
 }
 
 const char* PlayerModel::hint(SessionTime now) const {
+    if (replaying()) return "A recorded trial. Drag the bar, or press Space.";
     const Monitor& monitor = link_.monitor();
     if (!link_.running(now)) return "Choose a modality, or press Space, to start.";
     if (monitor.needle_held) return "The needle is held: no commands arrive at the tissue.";

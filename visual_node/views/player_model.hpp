@@ -1,8 +1,9 @@
 // The player's panel without a screen: a modality that is pressed starts at once, because somebody who plays wants to feel
-// it and not to plan it.
+// it and not to plan it. Where a recorded trial is shown instead, its keys are those of replay_model.hpp.
 #pragma once
 
 #include "visual_node/views/commands.hpp"
+#include "visual_node/views/replay_model.hpp"
 #include "visual_node/views/session_link.hpp"
 
 namespace thimble {
@@ -11,11 +12,13 @@ class PlayerModel {
   public:
     PlayerModel(std::uint64_t instance, const SessionLink::Channels& channels)
         : link_(instance, channels, 5) {}
+    PlayerModel(const PlayerModel&) = delete;  // its replay refers to its link
+    PlayerModel& operator=(const PlayerModel&) = delete;
 
     void update(SessionTime now) { link_.update(now); }
     void press(SessionTime now, Command command);
     // Asks the session to end.
-    void quit(SessionTime now) { ask(now, OrderKind::kQuit, modality()); }
+    void quit(SessionTime now) { link_.ask(now, OrderKind::kQuit); }
     void set_delay(SessionTime now, double delay_s) { link_.ask_delay(now, delay_s); }
 
     const SessionLink& link() const { return link_; }
@@ -25,11 +28,16 @@ class PlayerModel {
     // What to do now, or what to look out for.
     const char* hint(SessionTime now) const;
 
+    // A recorded trial is shown: then the keys are replay_keys().
+    bool replaying() const { return link_.receiver().replay() != nullptr; }
+    ReplayModel& replay() { return replay_; }
+    std::span<const Key> keys() const { return replaying() ? replay_keys() : player_keys(); }
+
   private:
-    void ask(SessionTime now, OrderKind kind, Modality modality);
-    void start(SessionTime now, Modality modality) { ask(now, OrderKind::kStart, modality); }
+    void start(SessionTime now, Modality modality) { link_.ask(now, OrderKind::kStart, modality); }
 
     SessionLink link_;
+    ReplayModel replay_{link_};
     bool help_ = false;
 };
 

@@ -4,8 +4,8 @@ namespace thimble {
 
 PlayerOverlay::PlayerOverlay(std::uint64_t instance, const NetworkSettings& network)
     : sockets_(network),
-      panel_(instance, {sockets_.inlet(Port::kExperimenterMonitor, Role::kSession),
-                        sockets_.outlet(Port::kSessionOrders)}) {}
+      panel_(instance, {sockets_.inlet(Port::kPlayerMonitor, Role::kSession),
+                        sockets_.outlet(Port::kSessionPlayerOrders)}) {}
 
 double PlayerOverlay::right_margin(const GlWindow& window) const {
     return PlayerPanel::place(window.width(), window.height(), window.content_scale()).width;

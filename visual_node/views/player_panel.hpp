@@ -1,5 +1,6 @@
-// What whoever plays may change and see, over the scene of `thimble play`: delay, modality with what to expect of it, the
-// last seconds, the round trip as measured, and a hint of what to do. It never draws the fixture.
+// What whoever plays may change and see, over the scene of `thimble play`: delay and network, modality with what to expect of it,
+// the last seconds, the round trip as measured, and a hint of what to do; of a recorded trial the controls of replay_panel.hpp.
+// It never draws the fixture.
 #pragma once
 
 #include <initializer_list>
@@ -12,8 +13,8 @@ namespace thimble {
 
 class PlayerPanel final : public Overlay {
   public:
-    // `instance`: random per program start. Monitors come in at Port::kExperimenterMonitor, orders go to
-    // Port::kSessionOrders; the channels outlive the panel and are nobody else's.
+    // `instance`: random per program start. Monitors come in at Port::kPlayerMonitor, orders go to
+    // Port::kSessionPlayerOrders; the channels outlive the panel and are nobody else's.
     PlayerPanel(std::uint64_t instance, const SessionLink::Channels& channels) : model_(instance, channels) {}
 
     void tick(SessionTime now) override { model_.update(now); }
@@ -27,8 +28,8 @@ class PlayerPanel final : public Overlay {
     static Rect place(double width, double height, double scale);
 
   private:
-    void draw_row(std::initializer_list<Command> commands, const Rect& row, double scale, SessionTime now);
-    void draw_delay(const Rect& column, double scale, SessionTime now);
+    void draw_row(std::initializer_list<Command> commands, double scale, SessionTime now);
+    void draw_delay(double scale, SessionTime now);
     void draw_modalities(double scale, SessionTime now);
     void draw_plot(double scale, SessionTime now);
 

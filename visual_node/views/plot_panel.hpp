@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "visual_node/views/colours.hpp"
 #include "visual_node/views/monitor_history.hpp"
 #include "visual_node/views/plot_scale.hpp"
 #include "visual_node/views/view_layout.hpp"
+#include "visual_node/window/colours.hpp"
 
 namespace thimble {
 

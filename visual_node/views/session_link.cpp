@@ -1,8 +1,8 @@
 #include "visual_node/views/session_link.hpp"
 
 #include <algorithm>
+#include <cmath>
 
-#include "visual_node/views/commands.hpp"
 #include "visual_node/views/monitor_text.hpp"
 
 namespace thimble {
@@ -11,7 +11,9 @@ SessionLink::SessionLink(std::uint64_t instance, const Channels& channels, doubl
     : receiver_(*channels.monitor_in), history_(window_s), orders_(instance, *channels.orders_out) {}
 
 SessionView SessionLink::seen(SessionTime now) const {
-    return {receiver_.newest(), receiver_.trial(), receiver_.silent(now)};
+    const ReplayState* replay = receiver_.replay();
+    return {receiver_.newest(), receiver_.trial(), receiver_.silent(now),
+            replay == nullptr ? 1 : replay->speed};
 }
 
 void SessionLink::update(SessionTime now) {
@@ -23,16 +25,66 @@ void SessionLink::update(SessionTime now) {
 
 void SessionLink::ask(SessionTime now, const Order& order) { orders_.ask(now, order, seen(now)); }
 
+void SessionLink::ask(SessionTime now, OrderKind kind, Modality modality, double value) {
+    Order order;
+    order.kind = kind;
+    order.trial = receiver_.trial();
+    order.modality = modality;
+    order.value = value;
+    ask(now, order);
+}
+
 double SessionLink::delay_s() const {
-    const bool asking = orders_.progress(OrderKind::kDelay) == OrderProgress::kAsking;
-    return asking ? orders_.asked(OrderKind::kDelay).value : monitor().network_delay_s;
+    for (const OrderKind kind : {OrderKind::kDelay, OrderKind::kNetwork}) {
+        if (orders_.progress(kind) == OrderProgress::kAsking) return orders_.asked(kind).value;
+    }
+    return monitor().network_delay_s;
+}
+
+NetworkName SessionLink::network() const {
+    const bool asking = orders_.progress(OrderKind::kNetwork) == OrderProgress::kAsking;
+    return asking ? orders_.asked(OrderKind::kNetwork).network : monitor().network;
+}
+
+bool SessionLink::holds(Command command) const {
+    const OfferedNetwork* offered = network_of(command);
+    return offered != nullptr && network().view() == offered->profile &&
+           std::abs(delay_s() - offered->delay_s) < kDelayStep_s / 10;
 }
 
 void SessionLink::ask_delay(SessionTime now, double delay_s) {
+    ask(now, OrderKind::kDelay, Modality::kHF, std::clamp(delay_s, 0.0, kDelayLimit_s));
+}
+
+void SessionLink::ask_network(SessionTime now, const OfferedNetwork& offered) {
     Order order;
-    order.kind = OrderKind::kDelay;
-    order.value = std::clamp(delay_s, 0.0, kDelayLimit_s);
+    order.kind = OrderKind::kNetwork;
+    order.value = offered.delay_s;
+    order.network = NetworkName::of(offered.profile).value_or(NetworkName{});
     ask(now, order);
+}
+
+bool SessionLink::take(SessionTime now, Command command) {
+    if (const OfferedNetwork* offered = network_of(command)) {
+        ask_network(now, *offered);
+        return true;
+    }
+    switch (command) {
+        case Command::kDelayDown:
+            ask_delay(now, delay_s() - kDelayStep_s);
+            return true;
+        case Command::kDelayUp:
+            ask_delay(now, delay_s() + kDelayStep_s);
+            return true;
+        case Command::kPause:
+            ask(now, monitor().paused ? OrderKind::kResume : OrderKind::kPause);
+            return true;
+        case Command::kEndTrial:
+            ask(now, OrderKind::kEndTrial);
+            return true;
+        default:
+            return false;
+    }
 }
 
 bool SessionLink::running(SessionTime now) const {
@@ -45,7 +97,12 @@ TextLine SessionLink::alarm(SessionTime now) const {
         return TextLine::of("The session is silent, for {} now. What you see is old.",
                             age_text(receiver_.age(now)).view());
     }
-    if (const Order* order = orders_.unanswered()) {
+    const Order* order = orders_.unanswered();
+    if (order != nullptr && order->kind == OrderKind::kNetwork) {
+        return TextLine::of("The session has not taken the network '{}': it may not know it.",
+                            order->network.view());
+    }
+    if (order != nullptr) {
         return TextLine::of("The session does not answer: '{}' was asked for {} s.", to_string(order->kind),
                             to_seconds(kOrderPatience));
     }

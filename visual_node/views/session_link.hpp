@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/channel.hpp"
+#include "visual_node/views/commands.hpp"
 #include "visual_node/views/monitor_history.hpp"
 #include "visual_node/views/monitor_receiver.hpp"
 #include "visual_node/views/order_sender.hpp"
@@ -20,9 +21,16 @@ class SessionLink {
 
     void update(SessionTime now);
     void ask(SessionTime now, const Order& order);
-    // The delay that was last asked while it is not shown yet, then what the session shows.
+    // About the trial shown.
+    void ask(SessionTime now, OrderKind kind, Modality modality = Modality::kHF, double value = 0);
+    // Delay and network that were last asked while they are not shown yet, then what the session shows.
     double delay_s() const;
+    NetworkName network() const;
     void ask_delay(SessionTime now, double delay_s);  // taken to the nearest of 0 to kDelayLimit_s
+    // What means the same in every view of a session: networks, steps of the delay, pause, end. False: another command.
+    bool take(SessionTime now, Command command);
+    // Whether `command` is the network that holds, with its own delay.
+    bool holds(Command command) const;
 
     const MonitorReceiver& receiver() const { return receiver_; }
     const MonitorHistory& history() const { return history_; }
@@ -35,6 +43,7 @@ class SessionLink {
 
   private:
     SessionView seen(SessionTime now) const;
+    void ask_network(SessionTime now, const OfferedNetwork& offered);
 
     MonitorReceiver receiver_;
     MonitorHistory history_;

@@ -6,22 +6,9 @@
 #include <optional>
 
 #include "visual_node/display.hpp"
-#include "visual_node/window/image.hpp"
+#include "visual_node/window/colours.hpp"
 
 namespace thimble {
-
-// Okabe and Ito (2008), "Color universal design": told apart with every common kind of colour blindness; the tissue is
-// their sky blue, lightened, and needle, tissue, bar differ in lightness as well.
-namespace colours {
-inline constexpr Rgb kBackground{28, 32, 40};
-inline constexpr Rgb kNeedle{255, 255, 255};
-inline constexpr Rgb kTissue{150, 208, 240};
-inline constexpr Rgb kBar{230, 159, 0};
-inline constexpr Rgb kBarGround{52, 58, 70};
-inline constexpr Rgb kInk{225, 228, 232};
-inline constexpr Rgb kSkin{213, 120, 100};
-inline constexpr Rgb kBlanched{250, 226, 214};
-}  // namespace colours
 
 struct PictureSize {
     int width = 800;

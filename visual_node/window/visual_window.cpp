@@ -23,6 +23,12 @@ std::unique_ptr<Beeper> make_beeper(const VisualSettings& settings) {
     return beeper;
 }
 
+// A subject has devices on the fingers.
+std::optional<Vibration> make_vibration(const VisualSettings& settings, bool player) {
+    if (!player || !settings.vibration) return std::nullopt;
+    return std::optional<Vibration>(std::in_place, settings.vibration_device);
+}
+
 // Stamps of the master and of slave_sim count on this machine's clock where all of them are this machine.
 bool one_clock(const NetworkSettings& network) {
     return network.host(Role::kMaster) == network.host(Role::kVisual) &&
@@ -48,8 +54,10 @@ VisualWindow::VisualWindow(const VisualSettings& settings, VisualWindowOptions o
       beeper_(make_beeper(settings)),
       overlay_(std::move(options.overlay)),
       instructions_(std::move(options.instructions)),
+      vibration_(make_vibration(settings, options.player)),
       loop_({&window_, &display_, pointer_ ? &hand_ : nullptr, overlay_.get(), beeper_.get(), &instructions_,
-             settings.subject_goes_on && !options.player, pointer_ && !options.player},
+             settings.subject_goes_on && !options.player, pointer_ && !options.player,
+             vibration_ ? &*vibration_ : nullptr},
             settings.smoothing, one_clock(network)) {
     if (!options.screenshot.empty()) loop_.set_screenshot(options.screenshot);
     if (pointer_ && beeper_ != nullptr) loop_.set_notice(beeper_->notice());

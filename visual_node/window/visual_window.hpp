@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -45,6 +46,7 @@ class VisualWindow {
     std::unique_ptr<Beeper> beeper_;
     std::unique_ptr<Overlay> overlay_;
     Instructions instructions_;
+    std::optional<Vibration> vibration_;
     WindowLoop loop_;
 };
 

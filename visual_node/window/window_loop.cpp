@@ -24,6 +24,8 @@ namespace {
 constexpr Duration kHandPeriod = std::chrono::milliseconds{2};
 constexpr Duration kLongestWait = std::chrono::milliseconds{10};
 
+std::string text_of(const char* text) { return text == nullptr || *text == '\0' ? "gamepad" : text; }
+
 }  // namespace
 
 const char* to_string(WindowEnd end) {
@@ -66,6 +68,7 @@ WindowEnd WindowLoop::run(const std::function<bool()>& stop) {
     }
     if (end_ != WindowEnd::kAsked && parts_.overlay != nullptr) parts_.overlay->closing(wall_now());
     if (parts_.hand != nullptr) parts_.hand->let_go();
+    if (parts_.vibration != nullptr) parts_.vibration->stop();
     if (parts_.display != nullptr) parts_.display->close();
     return end_;
 }
@@ -177,15 +180,25 @@ void WindowLoop::read_gamepad(SessionTime now) {
         stick_read_ == SessionTime{} ? Duration::zero() : std::min(now - stick_read_, kLongestWait);
     stick_read_ = now;
     GLFWgamepadstate state{};
-    if (glfwJoystickIsGamepad(GLFW_JOYSTICK_1) != GLFW_TRUE ||
-        glfwGetGamepadState(GLFW_JOYSTICK_1, &state) != GLFW_TRUE) {
-        return;
+    const bool there = glfwJoystickIsGamepad(GLFW_JOYSTICK_1) == GLFW_TRUE &&
+                       glfwGetGamepadState(GLFW_JOYSTICK_1, &state) == GLFW_TRUE;
+    if (parts_.vibration != nullptr && there == joystick_.name.empty()) {
+        joystick_ = there ? identity_of(text_of(glfwGetJoystickName(GLFW_JOYSTICK_1)),
+                                        text_of(glfwGetJoystickGUID(GLFW_JOYSTICK_1)))
+                          : JoystickIdentity{};
+        parts_.vibration->plugged(joystick_);
     }
+    if (!there) return;
     const bool held = state.buttons[GLFW_GAMEPAD_BUTTON_A] == GLFW_PRESS;
     if (held != stick_held_) held ? parts_.hand->take_hold() : parts_.hand->let_go();
     if (held && !stick_held_) ask_to_go_on();
     stick_held_ = held;
     if (held) parts_.hand->push(static_cast<double>(state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y]), since);
+}
+
+void WindowLoop::vibrate(SessionTime now, const std::optional<Scene>& scene) {
+    if (parts_.vibration == nullptr) return;
+    parts_.vibration->feel(now, scene ? scene->fingertip_N : 0, scene ? scene->thumb_N : 0);
 }
 
 int WindowLoop::scene_width() const {
@@ -199,6 +212,7 @@ bool WindowLoop::draw(SessionTime now) {
     begun_ = now;
     window.begin_frame(ground.x, ground.y, ground.z);
     const auto scene = playout_.at(now);
+    vibrate(now, scene);
     std::optional<Picture> picture;
     if (const int width = scene_width(); scene && width > 0 && window.height() > 0) {
         picture = picture_of(*scene, {width, window.height(), window.content_scale()});

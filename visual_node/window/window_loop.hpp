@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "visual_node/instructions.hpp"
+#include "visual_node/gamepad/vibration.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/frame_pace.hpp"
@@ -41,6 +42,7 @@ class WindowLoop {
         bool subject_goes_on = false;                // a key or a click ends a page that waits
         // A subject with the pointer: nothing that a subject does closes the window, and no times are shown.
         bool stays_open = false;
+        Vibration* vibration = nullptr;
     };
     // `one_clock`: as in FrameTimes.
     WindowLoop(const Parts& parts, Duration smoothing, bool one_clock);
@@ -67,6 +69,7 @@ class WindowLoop {
     void handle_key(const WindowEvent& event);
     void ask_to_go_on();
     void read_gamepad(SessionTime now);
+    void vibrate(SessionTime now, const std::optional<Scene>& scene);
     void wait_until(SessionTime begin, const std::function<bool()>& stop);
     void take_events(SessionTime now, std::span<const WindowEvent> events);
     int scene_width() const;
@@ -88,7 +91,8 @@ class WindowLoop {
     std::uint64_t frames_ = 0;
     SessionTime begun_{}, swapped_{}, stick_read_{};
     WindowEnd end_ = WindowEnd::kNone;
-    Image* wanted_ = nullptr;  // where the next frame is to be copied
+    Image* wanted_ = nullptr;    // where the next frame is to be copied
+    JoystickIdentity joystick_;  // GLFW's first gamepad; no name: there is none
     bool help_ = false, times_shown_ = false, stick_held_ = false, shot_asked_ = false;
 };
 

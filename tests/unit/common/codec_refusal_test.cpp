@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <flatbuffers/flatbuffers.h>
@@ -53,10 +54,10 @@ struct alignas(8) ZeroHeader {
     std::array<std::uint8_t, 32> bytes{};
 };
 struct alignas(8) ZeroBody {  // as large as the largest
-    std::array<std::uint8_t, 160> bytes{};
+    std::array<std::uint8_t, 168> bytes{};
 };
 constexpr flatbuffers::voffset_t kHeaderField = 4;
-constexpr std::array<flatbuffers::voffset_t, 11> kBodyFields{6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26};
+constexpr std::array<flatbuffers::voffset_t, 12> kBodyFields{6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28};
 
 Packet by_hand(bool header, const std::vector<flatbuffers::voffset_t>& bodies,
                const char* identifier = "THM1") {
@@ -124,7 +125,7 @@ TEST(CodecRefusal, NotOneBody) {
         }
     }
     // A body that a later version may add is none that we know.
-    EXPECT_EQ(judged(by_hand(true, {28})), Refusal::kNotOneBody);
+    EXPECT_EQ(judged(by_hand(true, {30})), Refusal::kNotOneBody);
 }
 
 struct Number {
@@ -191,6 +192,11 @@ std::vector<Number> numbers() {
         field("monitor delay", &Monitor::network_delay_s, 0, 1e6),
         field("order value", &Order::value, 0, 1e6),
         field("page remaining", &Page::remaining_s, 0, 1e6),
+        field("silence", &SessionControl::silence_s, 0, 1e6),
+        field("replay duration", &ReplayState::duration_s, 0, 1e6),
+        field("replay speed", &ReplayState::speed, 0, 1e6),
+        field("replay contact", &ReplayState::contact_s, -1, 1e6),
+        field("replay beep", &ReplayState::beep_s, -1, 1e6),
     };
 }
 
@@ -212,6 +218,28 @@ TEST(CodecRefusal, OutOfRangeInAnyField) {
             EXPECT_EQ(number.verdict_with(beyond), Refusal::kOutOfRange) << number.name << ' ' << beyond;
         }
     }
+}
+
+TEST(CodecRefusal, NamesOfNetworksThatAreNone) {
+    const auto verdict_on = [](std::string_view text) {
+        Order order;
+        std::copy(text.begin(), text.end(), order.network.text.begin());
+        return verdict(order);
+    };
+    EXPECT_EQ(verdict_on("transatlantic"), Refusal::kCount);
+    EXPECT_EQ(verdict_on("fifteen-letters"), Refusal::kCount);
+    EXPECT_EQ(verdict_on("no-zero-at-its-e"), Refusal::kOutOfRange);
+    EXPECT_EQ(verdict_on("../secret"), Refusal::kOutOfRange);
+    EXPECT_EQ(verdict_on("LTE"), Refusal::kOutOfRange);
+    EXPECT_EQ(verdict_on(std::string_view("lte\0x", 5)), Refusal::kOutOfRange);  // something behind the end
+}
+
+TEST(CodecRefusal, MoreMarksThanThereIsRoomFor) {
+    ReplayState state;
+    state.changes = ReplayState::kMostChanges;
+    EXPECT_EQ(verdict(state), Refusal::kCount);
+    ++state.changes;
+    EXPECT_EQ(verdict(state), Refusal::kOutOfRange);
 }
 
 TEST(CodecRefusal, NotFiniteBeatsOutOfRange) {
@@ -280,7 +308,7 @@ TEST(CodecRefusal, EnumsOutOfRange) {
     expect_enum(&Monitor::modality, 4);
     expect_enum(&Monitor::state, 4);
     expect_enum(&Monitor::reason, 5);
-    expect_enum(&Order::kind, 10);
+    expect_enum(&Order::kind, 11);
     expect_enum(&Order::modality, 4);
     expect_enum(&Page::kind, 8);
 }

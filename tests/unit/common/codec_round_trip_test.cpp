@@ -67,6 +67,11 @@ Header draw_header() {
             draw_bits<std::uint32_t>(), draw_enum(Role::kExperimenter)};
 }
 
+NetworkName draw_network() {
+    static constexpr std::array<std::string_view, 5> kNames{"", "-", "geo", "5g-nsa", "fifteen-letters"};
+    return *NetworkName::of(kNames[*rc::gen::inRange<std::size_t>(0, kNames.size())]);
+}
+
 Monitor draw_monitor() {
     return {draw(0, 1e6),
             draw(10),
@@ -93,11 +98,19 @@ Monitor draw_monitor() {
             draw_bool(),
             draw_bool(),
             draw_bool(),
-            draw_bool()};
+            draw_bool(),
+            draw_network()};
+}
+
+ReplayState draw_replay() {
+    ReplayState state{draw(0, 1e6), draw(0, 1e6), draw(-1, 1e6), draw(-1, 1e6), {}, 0};
+    for (double& time_s : state.change_s) time_s = draw(0, 1e6);
+    state.changes = *rc::gen::inRange(0U, 17U);
+    return state;
 }
 
 Body draw_body() {
-    switch (*rc::gen::inRange(0, 11)) {
+    switch (*rc::gen::inRange(0, 12)) {
         case 0:
             return NeedleCommand{draw(10), draw(1000), draw(10), draw(10), draw(1000), draw(1e5)};
         case 1:
@@ -128,7 +141,9 @@ Body draw_body() {
                                   draw_enum(ControlKind::kNetworkChange),
                                   draw_enum(Modality::kVF),
                                   draw_bool(),
-                                  draw_enum(EndReason::kInterrupted)};
+                                  draw_enum(EndReason::kInterrupted),
+                                  draw(0, 1e6),
+                                  draw_network()};
         case 4:
             return ClockProbe{from_nanoseconds(draw_stamp())};
         case 5:
@@ -138,11 +153,13 @@ Body draw_body() {
         case 7:
             return draw_monitor();
         case 8:
-            return Order{draw(0, 1e6), draw_bits<std::uint32_t>(), draw_enum(OrderKind::kSpeed),
-                         draw_enum(Modality::kVF)};
+            return Order{draw(0, 1e6), draw_bits<std::uint32_t>(), draw_enum(OrderKind::kNetwork),
+                         draw_enum(Modality::kVF), draw_network()};
         case 9:
             return Page{draw(0, 1e6), draw_bits<std::uint32_t>(), draw_bits<std::uint32_t>(),
                         draw_enum(PageKind::kWait)};
+        case 10:
+            return draw_replay();
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),

@@ -34,7 +34,8 @@ class TinyProcess final : public NodeProcess {
         said.push_back(control.kind == ControlKind::kFixtureChange ? "fixture" : "beep");
     }
     void network_changed(SessionTime, const SessionControl& control) override {
-        said.push_back("delay " + std::to_string(control.network_delay_s));
+        said.push_back("delay " + std::to_string(control.network_delay_s) +
+                       std::string(control.network.view()));
     }
     void work(SessionTime) override {
         ++works;
@@ -334,6 +335,26 @@ TEST_F(NodeProcessTest, ADelayIsChangedOnceHoweverOftenItIsSaidAndAlsoBetweenTri
     say(0, 7);  // of another trial
     say(0, 1);
     const std::vector<std::string> expected{"delay 0.500000", "delay 0.000000"};
+    EXPECT_EQ(process.said, expected);
+}
+
+TEST_F(NodeProcessTest, ANetworkIsChangedOnceAndItsDelayOnceMore) {
+    const auto say = [&](const char* name, double delay_s) {
+        SessionControl control;
+        control.kind = ControlKind::kNetworkChange;
+        control.network = *NetworkName::of(name);
+        control.network_delay_s = delay_s;
+        session.send(now, 1, control);
+        process.tick(now);
+    };
+    order(ControlKind::kTrialStart);
+    tick(milliseconds{10});
+    process.said.clear();
+    say("lte", 0.25);
+    say("lte", 0.25);
+    say("geo", 0.25);
+    say("geo", 0.5);
+    const std::vector<std::string> expected{"delay 0.250000lte", "delay 0.250000geo", "delay 0.500000geo"};
     EXPECT_EQ(process.said, expected);
 }
 

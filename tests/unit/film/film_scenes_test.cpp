@@ -62,7 +62,7 @@ TEST(FilmScenes, ShowTheForceAsItsModalityDoes) {
 
 TEST(FilmScenes, ADelayThatFallsMakesNobodyOvertake) {
     RecordedTrial trial = trial_with(Modality::kHF, 0.5);
-    trial.record.delay_changes.push_back({1.0, 0.0});
+    trial.record.network_events.push_back({1.0, 0.0});
     FilmScenes scenes(trial, {});
     EXPECT_NEAR(scenes.at(0.9)->position_needle_m, -0.01 + 0.02 * 0.4, 2.1e-5);
     // What was sent before 1.0 s arrives until 1.5 s; what was sent since, all at once after it.

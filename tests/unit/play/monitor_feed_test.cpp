@@ -89,7 +89,7 @@ TEST_F(MonitorFeedTest, HasTheHandlesForceAndEnergy) {
 
 TEST_F(MonitorFeedTest, SendsNoMoreThan250PerSecondUnderTheTrialsNumber) {
     QueuePipe pipe;
-    MonitorFeed feed(8, pipe.a, session.session());
+    MonitorFeed feed(8, {&pipe.a}, session.session());
     session.start(trial());
     std::uint64_t heard = 0;
     InboundFlow view(Role::kSession);

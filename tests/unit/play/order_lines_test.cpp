@@ -52,7 +52,7 @@ TEST_F(OrderLinesTest, PauseTakesAGoOnBackAndResumeIsOne) {
 
 TEST_F(OrderLinesTest, ConditionsAreNotTheExperimentersToChange) {
     for (const OrderKind kind :
-         {OrderKind::kDelay, OrderKind::kEndTrial, OrderKind::kSeek, OrderKind::kSpeed})
+         {OrderKind::kDelay, OrderKind::kNetwork, OrderKind::kEndTrial, OrderKind::kSeek, OrderKind::kSpeed})
         EXPECT_EQ(say(kind), Refusal::kUnexpectedKind);
     EXPECT_FALSE(lines.take_line());
 }

@@ -40,7 +40,9 @@ class ReplayProcessTest : public testing::Test {
     explicit ReplayProcessTest(double delay_s = 0)
         : trial(steady_trial(delay_s)),
           display(VisualSettings{}.pipeline),
-          replay(1, trial, 1, {&control.a, &force.a, &beep.a, &monitor.a, &orders.b}),
+          replay(
+              1, trial, 1,
+              {&control.a, &force.a, &beep.a, {&monitor.a, &orders.b, &second_monitor.a, &second_orders.b}}),
           visual(2, VisualSettings{}, {&control.b, &force.b, &beep.b, &percept.a}, display),
           view(Role::kExperimenter, 3, {&orders.a}) {
         const std::uint32_t replay_bit = loop.add(replay), visual_bit = loop.add(visual);
@@ -55,7 +57,11 @@ class ReplayProcessTest : public testing::Test {
     }
     void hear() {
         while (const Message* message = heard.receive(loop.now(), monitor.b))
-            newest = std::get<Monitor>(message->body);
+            if (const auto* said = std::get_if<Monitor>(&message->body)) {
+                newest = *said;
+            } else {
+                state = std::get<ReplayState>(message->body);
+            }
         while (const Message* message = eyes.receive(loop.now(), percept.b))
             beeps_heard += std::get<Percept>(message->body).beep && !std::exchange(beeping, true);
     }
@@ -68,7 +74,7 @@ class ReplayProcessTest : public testing::Test {
     double shown_m() const { return display.recent(0).scene.position_needle_m; }
 
     RecordedTrial trial;
-    QueuePipe control, force, beep, monitor, orders, percept;
+    QueuePipe control, force, beep, monitor, orders, second_monitor, second_orders, percept;
     RecordingDisplay display;
     ReplayProcess replay;
     VisualProcess visual;
@@ -76,6 +82,7 @@ class ReplayProcessTest : public testing::Test {
     VirtualLoop loop;
     InboundFlow heard{Role::kSession}, eyes{Role::kVisual};
     Monitor newest;
+    ReplayState state;
     int beeps_heard = 0;
     bool beeping = false;
 };
@@ -101,6 +108,68 @@ TEST_F(ReplayProcessTest, PausesForMinutesAndGoesOn) {
     run_for(seconds{1});
     EXPECT_NEAR(newest.time_s, time_s + 1, 0.02);
     EXPECT_FALSE(newest.paused);
+}
+
+TEST_F(ReplayProcessTest, ASeekShowsAtOnceWhileItStandsStill) {
+    say(OrderKind::kPause);
+    run_for(seconds{1});
+    for (const double time_s :
+         {3.0, 8.0, 1.0, 1.05}) {  // past the beep and back: another trial number, no other picture
+        say(OrderKind::kSeek, time_s);
+        run_for(milliseconds{300});
+        EXPECT_TRUE(newest.paused);
+        EXPECT_EQ(newest.time_s, time_s);
+        EXPECT_NEAR(shown_m(), 0.01 * time_s, 1.1e-5);
+    }
+}
+
+TEST_F(ReplayProcessTest, ADimpleIsDrawnAgainstTheTrialsFirstSampleWhereverItBegins) {
+    trial.record.samples.front().position_surface_m = 0.5;
+    run_for(seconds{7});
+    say(OrderKind::kSeek, 3);  // before the beep: begins anew, and not with the first sample
+    run_for(milliseconds{300});
+    EXPECT_EQ(display.recent(0).scene.position_surface_m, 1);
+    EXPECT_EQ(display.recent(0).scene.position_surface_rest_m, 0.5);
+}
+
+TEST_F(ReplayProcessTest, BothViewsHearTheSameAndMaySeek) {
+    OutboundFlow player(Role::kExperimenter, 4, {&second_orders.a});
+    InboundFlow ears{Role::kSession};
+    Order order;
+    order.kind = OrderKind::kSeek;
+    order.value = 4;
+    player.send(loop.now(), 1, order);
+    say(OrderKind::kSpeed, 0.1);
+    run_for(seconds{1});
+    EXPECT_NEAR(newest.time_s, 4.1, 0.02);
+    EXPECT_EQ(state.speed, 0.1);
+    EXPECT_EQ(state.duration_s, 10);
+    EXPECT_EQ(state.beep_s, 6);
+    EXPECT_EQ(state.contact_s, -1);  // this needle touches nothing
+    int monitors = 0, states = 0;
+    while (const Message* message = ears.receive(loop.now(), second_monitor.b)) {
+        monitors += std::holds_alternative<Monitor>(message->body);
+        states += std::holds_alternative<ReplayState>(message->body);
+    }
+    EXPECT_GT(monitors, 30);  // as many as wait in a queue
+    EXPECT_GT(states, 1);
+}
+
+TEST(ReplayState, MarksChangesAHundredthApartAndNoMoreThanThereIsRoomFor) {
+    RecordedTrial trial = steady_trial(0);
+    trial.record.samples[2500].phase = TissuePhase::kContact;
+    trial.record.network_events = {{0, 0.05, "paper50", {}, {}}, {2, 0.1}, {2.04, 0.2}, {2.09, 0.3}, {5, 0}};
+    const ReplayState state = replay_state_of(trial);
+    EXPECT_EQ(state.contact_s, 2.5);
+    ASSERT_EQ(state.changes, 2U);  // not what it began with, and a slider that was dragged once
+    EXPECT_EQ(state.change_s[0], 2);
+    EXPECT_EQ(state.change_s[1], 5);
+    trial.record.network_events.clear();
+    for (int i = 0; i < 60; ++i) trial.record.network_events.push_back({0.15 * i, 0.1});
+    EXPECT_EQ(replay_state_of(trial).changes, ReplayState::kMostChanges);
+    trial.record.beep_time_s = std::nan("");
+    EXPECT_EQ(replay_state_of(trial).beep_s, -1);
+    EXPECT_EQ(trial.network(5).empty(), true);
 }
 
 TEST_F(ReplayProcessTest, SeeksAndChangesItsSpeed) {

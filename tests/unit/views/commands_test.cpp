@@ -1,8 +1,11 @@
 #include "visual_node/views/commands.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include <gtest/gtest.h>
+
+#include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 namespace {
@@ -22,7 +25,14 @@ void expect_sound(std::span<const Key> keys) {
 TEST(Commands, EveryKeyIsOneCommandsAndEveryCommandHasOne) {
     expect_sound(experimenter_keys());
     expect_sound(player_keys());
-    EXPECT_EQ(experimenter_keys().size(), static_cast<std::size_t>(Command::kCount));
+    expect_sound(replay_keys());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(Command::kCount); ++i) {
+        const auto has = [i](std::span<const Key> keys) {
+            return std::any_of(keys.begin(), keys.end(),
+                               [i](const Key& key) { return static_cast<std::size_t>(key.command) == i; });
+        };
+        EXPECT_TRUE(has(experimenter_keys()) || has(replay_keys())) << i;
+    }
 }
 
 TEST(Commands, KeysAreCharactersOfAnyLayout) {
@@ -34,13 +44,28 @@ TEST(Commands, KeysAreCharactersOfAnyLayout) {
     EXPECT_EQ(find_command(keys, 0x100 + 'p'), std::nullopt);
 }
 
-TEST(Commands, ModalitiesAndPresetsAreInOrder) {
+TEST(Commands, ModalitiesNetworksAndSpeedsAreInOrder) {
     for (const Modality modality : kModalities) EXPECT_EQ(modality_of(command_of(modality)), modality);
-    EXPECT_EQ(modality_of(Command::kPreset0), std::nullopt);
-    EXPECT_EQ(preset_of_s(Command::kPreset2), 0.05);
-    EXPECT_EQ(preset_of_s(Command::kPreset4), kDelayPresets.back().delay_s);
-    EXPECT_EQ(preset_of_s(Command::kVF), std::nullopt);
-    EXPECT_EQ(preset_of_s(Command::kDelayDown), std::nullopt);
+    EXPECT_EQ(modality_of(Command::kNetwork0), std::nullopt);
+    EXPECT_STREQ(network_of(Command::kNetwork2)->profile, "paper50");
+    EXPECT_EQ(network_of(Command::kNetwork5), &kOfferedNetworks.back());
+    EXPECT_EQ(network_of(Command::kVF), nullptr);
+    EXPECT_EQ(network_of(Command::kDelayDown), nullptr);
+    EXPECT_EQ(speed_of(Command::kSpeed5), 5);
+    EXPECT_EQ(speed_of(Command::kToEnd), std::nullopt);
+}
+
+TEST(Commands, OfferedNetworksAreProfilesAndEachSaysWhatItIsCalled) {
+    for (std::size_t i = 0; i < kOfferedNetworks.size(); ++i) {
+        const OfferedNetwork& offered = kOfferedNetworks[i];
+        const LinkProfile* profile = built_in_profile(offered.profile);
+        ASSERT_NE(profile, nullptr) << offered.profile;
+        EXPECT_EQ(to_seconds(profile->down.delay), offered.delay_s) << offered.profile;
+        EXPECT_TRUE(NetworkName::of(offered.profile)) << offered.profile;
+        const auto command = static_cast<Command>(static_cast<std::size_t>(Command::kNetwork0) + i);
+        EXPECT_STREQ(key_of(experimenter_keys(), command).button, offered.profile);
+        EXPECT_STREQ(key_of(player_keys(), command).button, offered.profile);
+    }
 }
 
 }  // namespace

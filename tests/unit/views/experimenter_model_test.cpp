@@ -54,11 +54,51 @@ TEST(ExperimenterModel, DelayByPresetByStepAndBySlider) {
     ExperimenterBench bench;
     EXPECT_NEAR(bench.press(Command::kDelayUp)->value, 0.055, 1e-12);
     EXPECT_NEAR(bench.press(Command::kDelayUp)->value, 0.060, 1e-12);  // counts from what was asked
-    EXPECT_EQ(bench.press(Command::kPreset4)->value, 0.3);
     bench.model.set_delay(bench.now, 7);
     EXPECT_EQ(bench.session.heard(bench.now).front().order.value, kDelayLimit_s);
-    EXPECT_EQ(bench.press(Command::kPreset0)->value, 0);
+    bench.model.set_delay(bench.now, 0);
+    (void)bench.session.heard(bench.now);
     EXPECT_EQ(bench.press(Command::kDelayDown)->value, 0);
+}
+
+TEST(ExperimenterModel, ANetworkIsAskedByNameUntilItHoldsWithItsDelay) {
+    ExperimenterBench bench;
+    const auto geo = bench.press(Command::kNetwork5);
+    ASSERT_TRUE(geo);
+    EXPECT_EQ(geo->kind, OrderKind::kNetwork);
+    EXPECT_EQ(geo->network.view(), "geo");
+    EXPECT_TRUE(bench.model.link().holds(Command::kNetwork5));  // as it was asked
+    EXPECT_EQ(bench.model.link().delay_s(), 0.3);
+    bench.session.monitor.network = *NetworkName::of("geo");
+    bench.pass(200);
+    EXPECT_FALSE(bench.session.heard(bench.now).empty());  // its name alone is not enough
+    bench.session.monitor.network_delay_s = 0.3;
+    bench.pass(60);
+    (void)bench.session.heard(bench.now);
+    bench.pass(200);
+    EXPECT_TRUE(bench.session.heard(bench.now).empty());
+    bench.session.monitor.network_delay_s = 0.1;  // somebody has moved the slider
+    bench.pass(8);
+    EXPECT_FALSE(bench.model.link().holds(Command::kNetwork5));
+}
+
+TEST(ExperimenterModel, AnUnknownNetworkIsSaid) {
+    ExperimenterBench bench;
+    bench.press(Command::kNetwork1);
+    bench.pass(2100);
+    const TextLine alarm = bench.model.link().alarm(bench.now);
+    EXPECT_NE(alarm.view().find("has not taken the network 'wifi'"), std::string::npos) << alarm.view();
+}
+
+TEST(ExperimenterModel, TheSliderCallsOffANetworkThatIsStillAsked) {
+    ExperimenterBench bench;
+    bench.press(Command::kNetwork5);
+    bench.model.set_delay(bench.now, 0.2);
+    (void)bench.session.heard(bench.now);
+    bench.pass(200);
+    for (const HeardOrder& heard : bench.session.heard(bench.now))
+        EXPECT_EQ(heard.order.kind, OrderKind::kDelay);
+    EXPECT_EQ(bench.model.link().delay_s(), 0.2);
 }
 
 TEST(ExperimenterModel, PauseIsResumeWhereItIsPaused) {

@@ -1,6 +1,7 @@
 // A session in virtual time, as a view hears it: says what the test wants and remembers what was asked of it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/flow.hpp"
@@ -22,7 +23,10 @@ class PlayedViewSession {
         : flow_(Role::kSession, instance, {&monitors_.a}) {}
 
     SessionLink::Channels channels() { return {&monitors_.b, &orders_.a}; }
-    void say(SessionTime now) { flow_.send(now, trial, monitor); }
+    void say(SessionTime now) {
+        flow_.send(now, trial, monitor);
+        if (replay) flow_.send(now, trial, *replay);
+    }
 
     // All that was asked since the last call.
     std::vector<HeardOrder> heard(SessionTime now) {
@@ -35,6 +39,7 @@ class PlayedViewSession {
 
     Monitor monitor;
     std::uint32_t trial = 1;
+    std::optional<ReplayState> replay;  // there if a recorded trial is shown
 
   private:
     QueuePipe monitors_, orders_;

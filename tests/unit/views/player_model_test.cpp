@@ -40,7 +40,7 @@ TEST(PlayerModel, AModalityStartsAtOnceAndSpaceStartsItAgain) {
     EXPECT_EQ(started[0].order.modality, Modality::kVF);
     EXPECT_EQ(bench.model.modality(), Modality::kVF);
     EXPECT_EQ(bench.press(Command::kStart)[0].order.modality, Modality::kVF);
-    EXPECT_NEAR(bench.press(Command::kPreset2)[0].order.value, 0.05, 1e-12);
+    EXPECT_EQ(bench.press(Command::kNetwork2)[0].order.network.view(), "paper50");
     EXPECT_EQ(bench.press(Command::kPause)[0].order.kind, OrderKind::kPause);
     EXPECT_EQ(bench.press(Command::kEndTrial)[0].order.kind, OrderKind::kEndTrial);
     EXPECT_TRUE(bench.press(Command::kExclude).empty());

@@ -134,6 +134,28 @@ TEST(VisualNode, BarDropsWhenFeedbackStops) {
     }
 }
 
+TEST(VisualNode, FingersAreForThosePeopleWhoHaveNoDevices) {
+    VisualSettings settings;
+    settings.fingertip = true;
+    for (const Modality modality : kModalities) {
+        VisualNode node(settings);
+        node.start_trial(at({}), trial(modality), 1);
+        const bool pressed = modality == Modality::kCF || modality == Modality::kCCF;
+        const auto scene_with = [&](double force_N) {
+            const SessionTime now = node.next_frame();
+            node.on_feedback(now, feedback(0.05, 0.1, force_N));
+            return node.frame(now).value();
+        };
+        const Scene resisted = scene_with(-2), drawn = scene_with(3);
+        EXPECT_EQ(resisted.fingertip_N, pressed ? 2 : 0) << to_string(modality);
+        EXPECT_EQ(resisted.thumb_N, 0) << to_string(modality);
+        EXPECT_EQ(drawn.fingertip_N, 0) << to_string(modality);
+        EXPECT_EQ(drawn.thumb_N, pressed ? 3 : 0) << to_string(modality);
+        node.end_trial(node.next_frame());
+        EXPECT_EQ(node.frame(node.next_frame()).value().thumb_N, 0) << to_string(modality);
+    }
+}
+
 TEST(VisualNode, TouchingIsSeen) {
     EXPECT_FALSE(scene_of(feedback(0.09, 0.1), Modality::kHF).touching);
     EXPECT_TRUE(scene_of(feedback(0.1, 0.1), Modality::kHF).touching);

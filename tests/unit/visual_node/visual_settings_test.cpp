@@ -25,17 +25,21 @@ TEST(VisualSettings, DefaultsAreTheScreenOfTheExperiments) {
     EXPECT_EQ(settings.bar_full_scale_N, 12);
     EXPECT_EQ(settings.bar_resolution, 400);
     EXPECT_EQ(settings.stale_after, milliseconds{100});
+    EXPECT_TRUE(settings.vibration);
+    EXPECT_EQ(settings.vibration_device, "");
 }
 
 TEST(VisualSettings, ReadsEveryKey) {
     const VisualSettings settings = read(
         "refresh_Hz = 144\npipeline_s = 0.005\nbar_full_scale_N = 20\nbar_resolution = 1000\n"
-        "stale_after_s = 0.05");
+        "stale_after_s = 0.05\nvibration = false\nvibration_device = '/dev/input/event7'");
     EXPECT_EQ(settings.refresh_Hz, 144);
     EXPECT_EQ(settings.pipeline, milliseconds{5});
     EXPECT_EQ(settings.bar_full_scale_N, 20);
     EXPECT_EQ(settings.bar_resolution, 1000);
     EXPECT_EQ(settings.stale_after, milliseconds{50});
+    EXPECT_FALSE(settings.vibration);
+    EXPECT_EQ(settings.vibration_device, "/dev/input/event7");
 }
 
 TEST(VisualSettings, RefusesWhatIsOutOfRange) {

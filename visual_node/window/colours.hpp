@@ -1,15 +1,13 @@
 // Eight colours that people with any common colour blindness tell apart (Okabe and Ito 2008, "Color Universal
-// Design"), by their names there. Views never tell by colour alone: lines differ in their dashes as well.
+// Design"), by their names there, and what is drawn in them. Views never tell by colour alone: lines differ in their dashes as
+// well, and needle, tissue and bar of the subject's scene in lightness.
 #pragma once
 
-#include <cstdint>
+#include "visual_node/window/image.hpp"
 
 namespace thimble {
 
-struct Colour {
-    std::uint8_t red = 0, green = 0, blue = 0;
-    bool operator==(const Colour&) const = default;
-};
+using Colour = Rgb;
 
 inline constexpr Colour kBlack{0, 0, 0};
 inline constexpr Colour kOrange{230, 159, 0};
@@ -20,10 +18,22 @@ inline constexpr Colour kBlue{0, 114, 178};
 inline constexpr Colour kVermillion{213, 94, 0};  // the red of this set
 inline constexpr Colour kReddishPurple{204, 121, 167};
 
-// Around them.
+// Around them, in views.
 inline constexpr Colour kWhite{255, 255, 255};
 inline constexpr Colour kBackground{16, 17, 20};
 inline constexpr Colour kGrid{58, 62, 70};
 inline constexpr Colour kFaded{140, 144, 150};  // text of what is old
+
+// Of the subject's scene.
+namespace colours {
+inline constexpr Colour kBackground{28, 32, 40};
+inline constexpr Colour kNeedle = kWhite;
+inline constexpr Colour kTissue{150, 208, 240};  // sky blue, lightened
+inline constexpr Colour kBar = kOrange;
+inline constexpr Colour kBarGround{52, 58, 70};
+inline constexpr Colour kInk{225, 228, 232};
+inline constexpr Colour kSkin{213, 120, 100};
+inline constexpr Colour kBlanched{250, 226, 214};
+}  // namespace colours
 
 }  // namespace thimble
