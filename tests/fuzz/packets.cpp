@@ -65,6 +65,8 @@ auto fields(const Page& m) {
     return std::tie(remaining, trial, trials, kind);
 }
 
+auto fields(const DeviceFault& m) { return std::tie(m.text); }
+
 // A NaN fails every comparison.
 bool within(double value, double low, double high) { return value >= low && value <= high; }
 bool position(double value_m) { return within(value_m, -10, 10); }
@@ -94,12 +96,12 @@ bool plausible_body(const Percept& m) {
 bool plausible_body(const SessionControl& m) {
     return position(m.fixture_position_m) && span(m.network_delay_s) &&
            m.kind <= ControlKind::kNetworkChange && m.modality <= Modality::kVF &&
-           m.reason <= EndReason::kInterrupted;
+           m.reason <= EndReason::kDeviceFault;
 }
 bool plausible_body(const Heartbeat& m) {
     return span(m.round_trip_median_s) && span(m.round_trip_worst_s) && span(m.hold_median_s) &&
            force(m.force_hand_N) && within(m.energy_in_J, -1e6, 1e6) && m.state <= NodeState::kFailed &&
-           m.reason <= EndReason::kInterrupted;
+           m.reason <= EndReason::kDeviceFault;
 }
 bool plausible_body(const HandInput& m) { return position(m.position_hand_m); }
 bool plausible_body(const Monitor& m) {
@@ -109,12 +111,13 @@ bool plausible_body(const Monitor& m) {
            within(m.energy_in_J, -1e6, 1e6) && span(m.round_trip_s) && within(m.one_way_s, -1, 1e6) &&
            span(m.one_way_bound_s) && span(m.network_delay_s) && m.phase <= TissuePhase::kPenetrated &&
            m.modality <= Modality::kVF && m.state <= NodeState::kFailed &&
-           m.reason <= EndReason::kInterrupted;
+           m.reason <= EndReason::kDeviceFault;
 }
 bool plausible_body(const Order& m) {
     return span(m.value) && m.kind <= OrderKind::kSpeed && m.modality <= Modality::kVF;
 }
 bool plausible_body(const Page& m) { return span(m.remaining_s) && m.kind <= PageKind::kWait; }
+bool plausible_body(const DeviceFault& m) { return m.words().size() < m.text.size(); }
 bool plausible_body(const ClockProbe& m) { return stamp(m.send_time); }
 bool plausible_body(const ClockReply& m) { return stamp(m.probe_send_time) && stamp(m.probe_arrival_time); }
 
@@ -156,7 +159,8 @@ std::vector<Message> sample_messages() {
             {header, HandInput{0.02, true}},
             {header, monitor},
             {header, Order{0.05, 4, OrderKind::kStart, Modality::kCCF}},
-            {header, Page{12.5, 3, 24, PageKind::kBreak}}};
+            {header, Page{12.5, 3, 24, PageKind::kBreak}},
+            {header, DeviceFault("the handle is unplugged; plug it in")}};
 }
 
 bool plausible(const Message& message) {

@@ -89,7 +89,7 @@ Monitor draw_monitor() {
             draw_enum(TissuePhase::kPenetrated),
             draw_enum(Modality::kVF),
             draw_enum(NodeState::kFailed),
-            draw_enum(EndReason::kInterrupted),
+            draw_enum(EndReason::kDeviceFault),
             draw_bool(),
             draw_bool(),
             draw_bool(),
@@ -128,7 +128,7 @@ Body draw_body() {
                                   draw_enum(ControlKind::kNetworkChange),
                                   draw_enum(Modality::kVF),
                                   draw_bool(),
-                                  draw_enum(EndReason::kInterrupted)};
+                                  draw_enum(EndReason::kDeviceFault)};
         case 4:
             return ClockProbe{from_nanoseconds(draw_stamp())};
         case 5:
@@ -143,6 +143,8 @@ Body draw_body() {
         case 9:
             return Page{draw(0, 1e6), draw_bits<std::uint32_t>(), draw_bits<std::uint32_t>(),
                         draw_enum(PageKind::kWait)};
+        case 10:
+            return DeviceFault(std::string(*rc::gen::inRange<std::size_t>(0, 400), 'x'));
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),
@@ -152,7 +154,7 @@ Body draw_body() {
                              draw(1e5),
                              draw(1e6),
                              draw_enum(NodeState::kFailed),
-                             draw_enum(EndReason::kInterrupted)};
+                             draw_enum(EndReason::kDeviceFault)};
     }
 }
 
