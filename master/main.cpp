@@ -2,6 +2,8 @@
 #include <spdlog/spdlog.h>
 
 #include "common/runtime/node_program.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/runtime_settings.hpp"
 #include "master/devices/open_handle.hpp"
 #include "master/devices/pointer_handle.hpp"
 #include "master/devices/simulated_handle.hpp"
@@ -16,7 +18,8 @@ class Master final : public NodeInstance {
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
         : pointer_(settings),
           handle_(settings, read_operator_parameters(file.table("operator"))),
-          real_(open_handle(settings)),
+          real_(
+              open_handle(settings, [runtime = read_runtime_settings(file)] { ask_for_realtime(runtime); })),
           pointed_(settings.kind == HandleKind::kPointer),
           process_(instance, read_master_settings(file.table("master")),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),

@@ -8,14 +8,15 @@
 
 namespace thimble {
 
-std::unique_ptr<RealHandle> open_handle(const HandleSettings& settings) {
+std::unique_ptr<RealHandle> open_handle(const HandleSettings& settings,
+                                        [[maybe_unused]] const std::function<void()>& prepare_thread) {
     if (settings.kind == HandleKind::kForceDimension) {
         return std::make_unique<ForceDimensionHandle>(settings.force_dimension, settings.force_limit_N,
                                                       DhdLibrary(settings.force_dimension.library));
     }
     if (settings.kind == HandleKind::kFalcon) {
 #ifdef THIMBLE_DEVICES
-        return open_falcon(settings.falcon, settings.force_limit_N);
+        return open_falcon(settings.falcon, settings.force_limit_N, prepare_thread);
 #else
         throw Error(ExitCode::kUsage,
                     "this build has no driver for the Falcon: install libusb-1.0-0-dev and libsodium-dev and "

@@ -1,6 +1,7 @@
 #include "master/devices/falcon/falcon_exchange.hpp"
 
 #include <array>
+#include <utility>
 
 namespace thimble {
 namespace {
@@ -59,8 +60,9 @@ bool FalconExchange::turn() {
     return !lost();
 }
 
-void FalconExchange::start() {
-    thread_ = std::thread([this] {
+void FalconExchange::start(std::function<void()> prepare) {
+    thread_ = std::thread([this, prepare = std::move(prepare)] {
+        if (prepare) prepare();
         while (!stop_.load(std::memory_order_acquire) && turn()) {
         }
     });

@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <thread>
 
 #include "master/devices/falcon/falcon_link.hpp"
@@ -24,8 +25,8 @@ class FalconExchange {
     FalconExchange(const FalconExchange&) = delete;
     FalconExchange& operator=(const FalconExchange&) = delete;
 
-    // The thread. Without it (tests) somebody calls turn().
-    void start();
+    // The thread, which calls `prepare` first (scheduling belongs to threads). Without it (tests) somebody calls turn().
+    void start(std::function<void()> prepare = {});
     // Ends it, with a last command without force.
     void stop();
 

@@ -3,6 +3,7 @@
 // position and gets no force: the fault says so, and goes by itself.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "master/devices/falcon/falcon_exchange.hpp"
@@ -52,7 +53,9 @@ class FalconHandle final : public RealHandle {
     std::uint64_t reads_ = 0, saturated_ = 0, refused_forces_ = 0;
 };
 
-// Finds the device, loads its firmware if it has none, and starts the exchange. Throws Error with what is missing and what to do.
-std::unique_ptr<RealHandle> open_falcon(const FalconSettings& settings, double force_limit_N);
+// Finds the device, loads its firmware if it has none, and starts the exchange. Its thread calls
+// `prepare_thread` first. Throws Error with what is missing and what to do.
+std::unique_ptr<RealHandle> open_falcon(const FalconSettings& settings, double force_limit_N,
+                                        const std::function<void()>& prepare_thread = {});
 
 }  // namespace thimble

@@ -29,7 +29,7 @@ bool get(std::span<const std::uint8_t, kFalconPacketBytes> packet, FalconTriple&
 }
 
 FalconPacket frame(const FalconTriple& values, unsigned flags) {
-    FalconPacket packet;
+    FalconPacket packet{};
     packet.fill(kLetter);
     packet.front() = kFirst;
     packet.back() = kLast;

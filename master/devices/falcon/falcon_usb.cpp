@@ -164,10 +164,11 @@ class OpenedUsb {
 // Owns from the USB up; the handle goes first, then the exchange with its last command, then the device.
 class OpenedFalcon final : public RealHandle {
   public:
-    OpenedFalcon(const FalconSettings& settings, double force_limit_N)
+    OpenedFalcon(const FalconSettings& settings, double force_limit_N,
+                 const std::function<void()>& prepare_thread)
         : usb_(settings.serial), link_(usb_.handle()), exchange_(link_) {
         make_ready(settings);
-        exchange_.start();
+        exchange_.start(prepare_thread);
         handle_ = std::make_unique<FalconHandle>(
             settings, force_limit_N, fmt::format("Novint Falcon, serial {}", usb_.serial()), exchange_);
         if (!handle_->fault().empty()) spdlog::warn(handle_->fault());
@@ -209,8 +210,9 @@ class OpenedFalcon final : public RealHandle {
 
 }  // namespace
 
-std::unique_ptr<RealHandle> open_falcon(const FalconSettings& settings, double force_limit_N) {
-    return std::make_unique<OpenedFalcon>(settings, force_limit_N);
+std::unique_ptr<RealHandle> open_falcon(const FalconSettings& settings, double force_limit_N,
+                                        const std::function<void()>& prepare_thread) {
+    return std::make_unique<OpenedFalcon>(settings, force_limit_N, prepare_thread);
 }
 
 }  // namespace thimble

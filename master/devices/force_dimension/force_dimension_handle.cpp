@@ -133,7 +133,9 @@ void ForceDimensionHandle::prepare() {
         if (answer >= 0) return;
         throw Error(ExitCode::kRunFailed, fmt::format("{} refuses {}: {}", name_, what, last_error()));
     };
-    demand(dhd_.set_max_force(force_limit_N_, id_), "a limit of its force");
+    const AxisSettings& axis = settings_.axis;
+    const double lateral_N = axis.lateral == LateralHold::kVirtual ? axis.lateral_force_limit_N : 0;
+    demand(dhd_.set_max_force(force_limit_N_ + lateral_N, id_), "a limit of its force");
     demand(dhd_.set_gravity_compensation(settings_.gravity_compensation ? 1 : 0, id_),
            "gravity compensation");
     demand(dhd_.set_brakes(0, id_), "to release its brakes");
@@ -238,6 +240,7 @@ void ForceDimensionHandle::apply() {
 
 void ForceDimensionHandle::enable_force(SessionTime now, bool enabled) {
     force_hand_N_ = 0;
+    heard_ = false;
     if (!enabled || !fault_.empty()) {
         const bool had_force = std::exchange(forced_, false);
         if (!had_force || !fault_.empty()) return;
@@ -246,7 +249,6 @@ void ForceDimensionHandle::enable_force(SessionTime now, bool enabled) {
             fail_in("switching its motors off");
         return;
     }
-    heard_ = false;
     if (!take_position(now)) return;
     axis_.hold_here();
     if (dhd_.enable_force(1, id_) < 0) return fail_in("dhdEnableForce");
