@@ -9,6 +9,14 @@ find_package(tomlplusplus REQUIRED)
 find_package(FlatBuffers REQUIRED)
 find_program(FLATC_EXECUTABLE flatc REQUIRED)
 
+# What the driver of the Novint Falcon needs. Force Dimension's library is opened at run time and needs nothing here.
+option(THIMBLE_DEVICES "build the drivers of USB devices" ON)
+if(THIMBLE_DEVICES)
+    find_package(PkgConfig REQUIRED)
+    pkg_check_modules(libusb REQUIRED IMPORTED_TARGET libusb-1.0)
+    pkg_check_modules(libsodium REQUIRED IMPORTED_TARGET libsodium)
+endif()
+
 # What windows and sound need. Without it every program still runs, with displays that only record.
 option(THIMBLE_GUI "build windows, sound and thimble play" ON)
 if(THIMBLE_GUI)

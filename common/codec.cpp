@@ -28,6 +28,7 @@ int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     read(p.order());
     read(p.page());
     read(p.replay_state());
+    read(p.device_fault());
     return count;
 }
 
@@ -102,6 +103,7 @@ struct Encoder::Templates {
     Template<wire::Order> order{wire::Packet::VT_ORDER};
     Template<wire::Page> page{wire::Packet::VT_PAGE};
     Template<wire::ReplayState> replay_state{wire::Packet::VT_REPLAY_STATE};
+    Template<wire::DeviceFault> device_fault{wire::Packet::VT_DEVICE_FAULT};
 };
 
 Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
@@ -144,6 +146,9 @@ Bytes Encoder::encode(const Header& header, const Page& body) {
 }
 Bytes Encoder::encode(const Header& header, const ReplayState& body) {
     return templates_->replay_state.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const DeviceFault& body) {
+    return templates_->device_fault.fill(header, to_wire(body));
 }
 Bytes Encoder::encode(const Message& message) {
     return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);

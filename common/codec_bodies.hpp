@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "common/codec.hpp"
 #include "messages_generated.h"
@@ -174,7 +175,7 @@ inline SessionControl from_wire(const wire::SessionControl& w, Judge& judge) {
             judge.choice(raw(w.kind()), ControlKind::kNetworkChange),
             judge.choice(raw(w.modality()), Modality::kVF),
             w.fixture_present(),
-            judge.choice(raw(w.reason()), EndReason::kInterrupted),
+            judge.choice(raw(w.reason()), EndReason::kDeviceFault),
             w.silence_s(),
             from_wire(w.network(), judge)};
 }
@@ -205,7 +206,7 @@ inline Heartbeat from_wire(const wire::Heartbeat& w, Judge& judge) {
             w.force_hand_N(),
             w.energy_in_J(),
             judge.choice(raw(w.state()), NodeState::kFailed),
-            judge.choice(raw(w.reason()), EndReason::kInterrupted)};
+            judge.choice(raw(w.reason()), EndReason::kDeviceFault)};
 }
 
 inline wire::ClockProbe to_wire(const ClockProbe& b) { return wire::ClockProbe(to_nanoseconds(b.send_time)); }
@@ -301,7 +302,7 @@ inline Monitor from_wire(const wire::Monitor& w, Judge& judge) {
             judge.choice(raw(w.phase()), TissuePhase::kPenetrated),
             judge.choice(raw(w.modality()), Modality::kVF),
             judge.choice(raw(w.state()), NodeState::kFailed),
-            judge.choice(raw(w.reason()), EndReason::kInterrupted),
+            judge.choice(raw(w.reason()), EndReason::kDeviceFault),
             w.fixture_present(),
             w.needle_held(),
             w.beeped(),
@@ -345,6 +346,21 @@ inline ReplayState from_wire(const wire::ReplayState& w, Judge& judge) {
     }
     judge.require(b.changes <= b.change_s.size());
     return b;
+}
+
+inline wire::DeviceFault to_wire(const DeviceFault& b) {
+    wire::DeviceFault w;
+    static_assert(sizeof w == sizeof b.text);
+    std::memcpy(&w, b.text.data(), sizeof w);
+    return w;
+}
+
+// Whatever bytes come, the text has an end.
+inline DeviceFault from_wire(const wire::DeviceFault& w, Judge& judge) {
+    DeviceFault fault;
+    std::memcpy(fault.text.data(), &w, sizeof w);
+    judge.number(static_cast<unsigned char>(fault.text.back()), 0, 0);
+    return fault;
 }
 
 }  // namespace thimble

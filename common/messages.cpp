@@ -54,8 +54,18 @@ const char* to_string(TissuePhase phase) {
 }
 
 const char* to_string(EndReason reason) {
-    static constexpr std::array kNames{"none", "completed", "timeout", "peer_lost", "interrupted"};
+    static constexpr std::array kNames{"none",      "completed",   "timeout",
+                                       "peer_lost", "interrupted", "device_fault"};
     return name_of(kNames, reason);
+}
+
+// One place is left for the zero that ends it.
+DeviceFault::DeviceFault(std::string_view words) {
+    std::copy_n(words.begin(), std::min(words.size(), text.size() - 1), text.begin());
+}
+
+std::string_view DeviceFault::words() const {
+    return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
 }
 
 const char* to_string(NodeState state) {

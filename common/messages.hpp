@@ -31,7 +31,7 @@ enum class ControlKind : std::uint8_t {
     kNetworkChange,
 };
 enum class NodeState : std::uint8_t { kIdle, kRunning, kFinished, kFailed };
-enum class EndReason : std::uint8_t { kNone, kCompleted, kTimeout, kPeerLost, kInterrupted };
+enum class EndReason : std::uint8_t { kNone, kCompleted, kTimeout, kPeerLost, kInterrupted, kDeviceFault };
 
 // What a view asks of the session.
 enum class OrderKind : std::uint8_t {
@@ -225,9 +225,18 @@ struct ReplayState {
     std::uint32_t changes = 0;                    // how many of them; the rest is 0
 };
 
+// A node whose device has failed -> session, behind each heartbeat that says kDeviceFault.
+struct DeviceFault {
+    std::array<char, 320> text{};  // which device, why, what to do; UTF-8, zeros behind its end
+
+    DeviceFault() = default;
+    explicit DeviceFault(std::string_view words);  // cut where it is too long
+    std::string_view words() const;
+};
+
 // Order as in Packet of messages.fbs.
 using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe,
-                          ClockReply, HandInput, Monitor, Order, Page, ReplayState>;
+                          ClockReply, HandInput, Monitor, Order, Page, ReplayState, DeviceFault>;
 
 struct Message {
     Header header;

@@ -89,9 +89,13 @@ void NodeProcess::take_network(SessionTime now, const SessionControl& control) {
 
 void NodeProcess::give_up_if_alone(SessionTime now) {
     if (!running()) return;
-    if (!orders_.silent_for(now, kPeerTimeout) && !peer_lost(now)) return;
+    if (!device_fault().empty()) return give_up(now, EndReason::kDeviceFault);
+    if (orders_.silent_for(now, kPeerTimeout) || peer_lost(now)) give_up(now, EndReason::kPeerLost);
+}
+
+void NodeProcess::give_up(SessionTime now, EndReason reason) {
     end_trial(now);
-    set_state(NodeState::kFailed, EndReason::kPeerLost);
+    set_state(NodeState::kFailed, reason);
 }
 
 void NodeProcess::report(SessionTime now) {
@@ -105,6 +109,9 @@ void NodeProcess::report(SessionTime now) {
     heartbeat.reason = reason_;
     describe(heartbeat);
     heartbeats_.send(now, trial_, heartbeat);
+    if (reason_ == EndReason::kDeviceFault && state_ == NodeState::kFailed) {
+        heartbeats_.send(now, trial_, DeviceFault(device_fault()));
+    }
 }
 
 }  // namespace thimble

@@ -2,6 +2,8 @@
 // when the session or a peer falls silent. Derived classes add begin_trial / work / end_trial.
 #pragma once
 
+#include <string_view>
+
 #include "common/flow.hpp"
 #include "common/process.hpp"
 
@@ -48,6 +50,8 @@ class NodeProcess : public Process {
     virtual SessionTime next_work() const = 0;
     // True when an input this node cannot do without has been silent for kPeerTimeout.
     virtual bool peer_lost(SessionTime /*now*/) const { return false; }
+    // Empty while the node's device works; else which one, why, and what to do. It ends the trial.
+    virtual std::string_view device_fault() const { return {}; }
     virtual void add_counters(FlowCounters& /*sum*/) const {}
     virtual void describe(Heartbeat& /*heartbeat*/) const {}
 
@@ -66,6 +70,7 @@ class NodeProcess : public Process {
     void take_order(SessionTime now, std::uint32_t trial, const SessionControl& control);
     void take_network(SessionTime now, const SessionControl& control);
     void answer(SessionTime now, const ClockProbe& probe);
+    void give_up(SessionTime now, EndReason reason);
     void give_up_if_alone(SessionTime now);
     void report(SessionTime now);
 

@@ -197,6 +197,10 @@ void Lane::close_trial() {
     if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {
         result_.code = ExitCode::kRunFailed;
         result_.problem = "interrupted; what was recorded is kept";
+    } else if (record.reason == EndReason::kDeviceFault) {
+        result_.code = ExitCode::kRunFailed;
+        result_.problem =
+            fmt::format("the device of {} failed: {}", to_string(record.lost_peer), record.fault);
     } else if (record.reason == EndReason::kPeerLost) {
         result_.code = ExitCode::kNetwork;
         const auto dead = dead_node();

@@ -34,10 +34,15 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
       channels_(channels),
       peers_(make_peers(instance, channels, std::make_index_sequence<kNodeRoles.size()>{},
                         [](std::uint64_t id, Channel* channel, Role role) {
-                            return Peer{InboundFlow(role), OutboundFlow(Role::kSession, id, {channel}),
-                                        channel,           role,
-                                        Heartbeat{},       0,
-                                        ClockProber{},     ClockFilter{}};
+                            return Peer{InboundFlow(role),
+                                        OutboundFlow(Role::kSession, id, {channel}),
+                                        channel,
+                                        role,
+                                        Heartbeat{},
+                                        std::nullopt,
+                                        0,
+                                        ClockProber{},
+                                        ClockFilter{}};
                         })) {}
 
 void SessionProcess::start(const TrialConditions& conditions, std::uint32_t number) {
@@ -49,6 +54,8 @@ void SessionProcess::start(const TrialConditions& conditions, std::uint32_t numb
     record_.beep_time_s = record_.round_trip_s = record_.achieved_delay_s = std::nan("");
     record_.reason = EndReason::kNone;
     record_.lost_peer = Role::kSession;
+    record_.fault.clear();
+    for (Peer& peer : peers_) peer.fault.reset();
     order_ = {};
     order_.study_seed = conditions.study_seed;
     order_.experiment = conditions.experiment;
@@ -173,6 +180,8 @@ void SessionProcess::take_heartbeats(SessionTime now) {
             if (const auto* heartbeat = std::get_if<Heartbeat>(&message->body)) {
                 peer.last = *heartbeat;
                 peer.trial = message->header.trial;
+            } else if (const auto* fault = std::get_if<DeviceFault>(&message->body)) {
+                peer.fault = *fault;
             } else if (const auto* reply = std::get_if<ClockReply>(&message->body)) {
                 take_clock(now, peer, message->header, *reply);
             } else if (const auto* order = std::get_if<Order>(&message->body)) {
@@ -259,7 +268,8 @@ bool SessionProcess::all(NodeState state, bool with_master) const {
 
 bool SessionProcess::all_stopped(SessionTime now) const {
     const bool lost = record_.reason == EndReason::kPeerLost;
-    const bool cut_off = lost || record_.reason == EndReason::kInterrupted;
+    const bool cut_off =
+        lost || record_.reason == EndReason::kInterrupted || record_.reason == EndReason::kDeviceFault;
     return std::all_of(peers_.begin(), peers_.end(), [&](const Peer& peer) {
         // The dead do not acknowledge.
         if (lost && peer.role == record_.lost_peer) return true;
@@ -317,17 +327,32 @@ void SessionProcess::advance(SessionTime now) {
         case Stage::kDone:
             return;
     }
+    if (end_with_device(now)) return;
     const bool starting = stage_ == Stage::kStartingOthers || stage_ == Stage::kStartingMaster;
     if (starting && now - stage_since_ > settings_.peer_wait)
         end(now, EndReason::kPeerLost, laggard(now).role);
 }
 
+// A heartbeat says that a device has failed, the datagram behind it why; if that is lost, the next one comes in 100 ms.
+bool SessionProcess::end_with_device(SessionTime now) {
+    for (const Peer& peer : peers_) {
+        const bool failed =
+            peer.last.state == NodeState::kFailed && peer.last.reason == EndReason::kDeviceFault;
+        if (peer.trial != trial_ || !failed || !peer.fault) continue;
+        record_.fault = peer.fault->words();
+        end(now, EndReason::kDeviceFault, peer.role);
+        return true;
+    }
+    return false;
+}
+
 void SessionProcess::watch(SessionTime now) {
+    if (end_with_device(now)) return;
     const Peer& quiet = *quietest();
     if (quiet.flow.silent_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, quiet.role);
     for (const Peer& peer : peers_) {
         if (peer.trial != trial_) continue;
-        if (peer.last.state == NodeState::kFailed) {
+        if (peer.last.state == NodeState::kFailed && peer.last.reason != EndReason::kDeviceFault) {
             const bool silent = quiet.flow.silent_for(now, kSuspicious);
             return end(now, EndReason::kPeerLost, silent ? quiet.role : peer.role);
         }

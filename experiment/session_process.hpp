@@ -104,6 +104,7 @@ class SessionProcess final : public Process {
         Channel* channel;
         Role role;
         Heartbeat last;
+        std::optional<DeviceFault> fault;  // said in this trial
         std::uint32_t trial = 0;
         ClockProber prober{};
         ClockFilter clock{};
@@ -116,6 +117,7 @@ class SessionProcess final : public Process {
     void store(const Header& header, const ForceFeedback& feedback);
     void watch_withdrawal(const TrajectorySample& sample);
     void advance(SessionTime now);
+    bool end_with_device(SessionTime now);
     void watch(SessionTime now);
     void send_orders(SessionTime now);
     void tell_network();

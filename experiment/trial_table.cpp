@@ -70,7 +70,7 @@ void write_outcome(Out out, const TrialRow& row) {
 
 void read_outcome(const CsvField& field, TrialRow& row) {
     if (!parse_outcome(field.text, row.reason, row.lost_peer)) {
-        field.fail("is none of completed, timeout, interrupted, peer_lost_<role>");
+        field.fail("is none of completed, timeout, interrupted, peer_lost_<role>, device_fault_<role>");
     }
 }
 
@@ -133,13 +133,14 @@ std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows) {
 }
 
 std::string outcome_text(EndReason reason, Role lost_peer) {
-    if (reason != EndReason::kPeerLost) return to_string(reason);
+    if (reason != EndReason::kPeerLost && reason != EndReason::kDeviceFault) return to_string(reason);
     return fmt::format("{}_{}", to_string(reason), to_string(lost_peer));
 }
 
 bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer) {
-    for (const EndReason candidate : {EndReason::kNone, EndReason::kCompleted, EndReason::kTimeout,
-                                      EndReason::kPeerLost, EndReason::kInterrupted}) {
+    for (const EndReason candidate :
+         {EndReason::kNone, EndReason::kCompleted, EndReason::kTimeout, EndReason::kPeerLost,
+          EndReason::kInterrupted, EndReason::kDeviceFault}) {
         for (const Role role : {Role::kSession, Role::kMaster, Role::kSlaveSim, Role::kCutaneous,
                                 Role::kVisual, Role::kNetem}) {
             if (text != outcome_text(candidate, role)) continue;

@@ -22,7 +22,7 @@ struct TrialRow {
     TrialConditions conditions;
     TrialMetrics metrics;
     EndReason reason = EndReason::kNone;
-    Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost
+    Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost and kDeviceFault
     // Of the network, needle and force path together: the round trip without the slave's hold time. Medians.
     double delay_achieved_s = std::numeric_limits<double>::quiet_NaN();
     double round_trip_s = std::numeric_limits<double>::quiet_NaN();

@@ -1,5 +1,10 @@
 // thimble-master: the handle with the operator's hand on it.
+#include <spdlog/spdlog.h>
+
 #include "common/runtime/node_program.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "master/devices/open_handle.hpp"
 #include "master/devices/pointer_handle.hpp"
 #include "master/devices/simulated_handle.hpp"
 #include "master/master_process.hpp"
@@ -13,14 +18,16 @@ class Master final : public NodeInstance {
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
         : pointer_(settings),
           handle_(settings, read_operator_parameters(file.table("operator"))),
+          real_(
+              open_handle(settings, [runtime = read_runtime_settings(file)] { ask_for_realtime(runtime); })),
           pointed_(settings.kind == HandleKind::kPointer),
           process_(instance, read_master_settings(file.table("master")),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
                     sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
                     sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
                     sockets.inlet(Port::kMasterPerceptVisual, Role::kVisual)},
-                   pointed_ ? static_cast<HapticDevice&>(pointer_) : handle_,
-                   pointed_ ? static_cast<OperatorPort&>(pointer_) : handle_) {
+                   chosen<HapticDevice>(), chosen<OperatorPort>()) {
+        if (real_) spdlog::info("handle: {}", real_->name());
         if (pointed_) process_.follow_hand(*sockets.inlet(Port::kMasterHand, Role::kVisual), pointer_);
     }
 
@@ -30,12 +37,20 @@ class Master final : public NodeInstance {
         report["samples_skipped"] = process_.samples_skipped();
         report["round_trip"] = quantiles(process_.round_trip().age());  // of the last trial, as the next
         report["hold"] = quantiles(process_.round_trip().hold());
+        if (real_) real_->describe(report["handle"]);
     }
 
   private:
-    // One of the two is used; the other lies idle.
+    template <class Seam>
+    Seam& chosen() {
+        if (real_) return *real_;
+        return pointed_ ? static_cast<Seam&>(pointer_) : handle_;
+    }
+
+    // One of the three is used; the others lie idle.
     PointerHandle pointer_;
     SimulatedHandle handle_;
+    std::unique_ptr<RealHandle> real_;
     bool pointed_;
     MasterProcess process_;
 };
@@ -51,7 +66,7 @@ int main(int argc, char** argv) {
         "and gives "
         "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it, or "
         "drawn by a "
-        "person's pointer.";
+        "person's pointer, or a real one (docs/handles.md).";
     program.example = "thimble-master --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "handle", "operator"};
     program.flags = {

@@ -20,6 +20,7 @@ void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) 
     node_.start_trial(control.modality);
     person_->start_trial(
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
+    device_->enable_force(now, control.modality == Modality::kHF);
     force_flow_.expect_from(now + first_answer_within(control));
     round_trip_.clear();
     newest_age_ = {};
@@ -30,6 +31,7 @@ void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) 
 
 void MasterProcess::end_trial(SessionTime now) {
     device_->command_force(now, 0);
+    device_->enable_force(now, false);
     node_.end_trial();
 }
 
@@ -80,9 +82,11 @@ void MasterProcess::take_forces(SessionTime now) {
 
 void MasterProcess::sample(SessionTime now) {
     const HandleSample handle = device_->read(now);
-    needle_flow_.send(now, trial(), node_.sample(now, handle));
-    energy_.add(handle);
-    ++samples_;
+    if (handle.valid) {
+        needle_flow_.send(now, trial(), node_.sample(now, handle));
+        energy_.add(handle);
+        ++samples_;
+    }
     next_sample_ += node_.settings().sample_period;
     // After a stall the missed samples are gone: a handle cannot be read in the past.
     while (next_sample_ <= now) {

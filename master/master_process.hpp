@@ -44,6 +44,7 @@ class MasterProcess final : public NodeProcess {
     void work(SessionTime now) override;
     SessionTime next_work() const override { return running() ? next_sample_ : kNever; }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
+    std::string_view device_fault() const override { return device_->fault(); }
     void add_counters(FlowCounters& sum) const override;
     void describe(Heartbeat& heartbeat) const override;
 

@@ -36,7 +36,8 @@ class Positions {
 
   private:
     bool failed_by_itself(const SittingRecord& record) const {
-        if (record.row.reason == EndReason::kPeerLost) return true;
+        if (record.row.reason == EndReason::kPeerLost || record.row.reason == EndReason::kDeviceFault)
+            return true;
         return record.row.reason == EndReason::kTimeout && settings_.repeat_timeouts && !record.practice;
     }
 

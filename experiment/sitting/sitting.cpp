@@ -217,12 +217,16 @@ void Sitting::do_trial(const Step& step) {
                             fmt::format("record{:03}_experiment{}_trial{:02}_{}_{:g}ms.csv", record.record,
                                         c.experiment, c.trial, to_string(c.modality), 1000 * c.delay_s);
     keep_aside(trajectory);
-    record.row = make_row(runner_.run(c, record.number, trajectory));
+    const TrialRecord& trial = runner_.run(c, record.number, trajectory);
+    record.row = make_row(trial);
     table_.append(record);
     agenda_.records.push_back(record);
     last_number_ = record.number;
     last_block_ = step.entry.block;
-    lost_in_a_row_ = record.row.reason == EndReason::kPeerLost ? lost_in_a_row_ + 1 : 0;
+    const bool lost =
+        record.row.reason == EndReason::kPeerLost || record.row.reason == EndReason::kDeviceFault;
+    lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
+    if (!trial.fault.empty()) options_.say(trial.fault);
     options_.say(fmt::format("{}: {}, {:.1f} s, maximum penetration {:.2f} mm", name_of(step),
                              outcome_text(record.row.reason, record.row.lost_peer),
                              record.row.metrics.completion_time_s,

@@ -2,13 +2,17 @@
 #pragma once
 
 #include "common/config.hpp"
+#include "master/devices/falcon/falcon_settings.hpp"
+#include "master/devices/force_dimension/force_dimension_settings.hpp"
 #include "master/operator/limb.hpp"
 
 namespace thimble {
 
 enum class HandleKind : std::uint8_t {
-    kSimulated,  // held by the virtual operator (simulated_handle.hpp)
-    kPointer,    // drawn by a person's mouse (pointer_handle.hpp)
+    kSimulated,       // held by the virtual operator (simulated_handle.hpp)
+    kPointer,         // drawn by a person's mouse (pointer_handle.hpp)
+    kForceDimension,  // a real one (docs/handles.md)
+    kFalcon,          // a real one
 };
 
 // Between a person's pointer and the simulated handle. A pointer is a position that no force can move, so the
@@ -26,7 +30,12 @@ struct HandleSettings {
     HandleMechanics mechanics;
     HandleKind kind = HandleKind::kSimulated;
     CouplingSettings coupling{};  // kPointer
+    ForceDimensionSettings force_dimension{};
+    FalconSettings falcon{};
 };
+
+// A person holds it, who has no words for "I am done".
+constexpr bool held_by_person(HandleKind kind) { return kind != HandleKind::kSimulated; }
 
 // Throws Error (usage).
 HandleSettings read_handle_settings(const ConfigTable& table);

@@ -1,6 +1,8 @@
 // The second seam: a handle that is read and pushes back. One axis, z, positive into the tissue.
 #pragma once
 
+#include <string_view>
+
 #include "common/time.hpp"
 
 namespace thimble {
@@ -8,6 +10,7 @@ namespace thimble {
 struct HandleSample {
     double position_hand_m = 0;  // encoder reading (quantised)
     double force_hand_N = 0;     // force the handle applies at this moment, positive pushes the hand out (-z)
+    bool valid = true;           // false: the device has failed, and these are no measurements
 };
 
 class HapticDevice {
@@ -21,6 +24,14 @@ class HapticDevice {
 
     // Held until the next command. The device clips at its own limit; read() says what it really applies.
     virtual void command_force(SessionTime now, double force_hand_N) = 0;
+
+    // Whether a force may be commanded in what follows. Where it may not (CF, CCF, VF, between trials) a real device has no current
+    // in its motors and is an encoder only, as in the paper.
+    virtual void enable_force(SessionTime /*now*/, bool /*enabled*/) {}
+
+    // Empty while the device works. Then: which device, what happened, what to do; it applies no force and read() is not
+    // valid from the moment at which this is not empty.
+    virtual std::string_view fault() const { return {}; }
 };
 
 }  // namespace thimble

@@ -301,16 +301,23 @@ TEST(CodecRefusal, EnumsOutOfRange) {
     expect_enum(&Percept::finger, 3);
     expect_enum(&SessionControl::kind, 6);
     expect_enum(&SessionControl::modality, 4);
-    expect_enum(&SessionControl::reason, 5);
+    expect_enum(&SessionControl::reason, 6);
     expect_enum(&Heartbeat::state, 4);
-    expect_enum(&Heartbeat::reason, 5);
+    expect_enum(&Heartbeat::reason, 6);
     expect_enum(&Monitor::phase, 3);
     expect_enum(&Monitor::modality, 4);
     expect_enum(&Monitor::state, 4);
-    expect_enum(&Monitor::reason, 5);
+    expect_enum(&Monitor::reason, 6);
     expect_enum(&Order::kind, 11);
     expect_enum(&Order::modality, 4);
     expect_enum(&Page::kind, 8);
+}
+
+TEST(CodecRefusal, AFaultWhoseTextHasNoEnd) {
+    DeviceFault fault;
+    fault.text.fill('x');
+    Encoder encoder;
+    EXPECT_EQ(decode(encoder.encode(Header{}, fault)).refusal, Refusal::kOutOfRange);
 }
 
 TEST(CodecRefusal, EveryRefusalHasANameOfItsOwn) {

@@ -94,7 +94,7 @@ Monitor draw_monitor() {
             draw_enum(TissuePhase::kPenetrated),
             draw_enum(Modality::kVF),
             draw_enum(NodeState::kFailed),
-            draw_enum(EndReason::kInterrupted),
+            draw_enum(EndReason::kDeviceFault),
             draw_bool(),
             draw_bool(),
             draw_bool(),
@@ -141,7 +141,7 @@ Body draw_body() {
                                   draw_enum(ControlKind::kNetworkChange),
                                   draw_enum(Modality::kVF),
                                   draw_bool(),
-                                  draw_enum(EndReason::kInterrupted),
+                                  draw_enum(EndReason::kDeviceFault),
                                   draw(0, 1e6),
                                   draw_network()};
         case 4:
@@ -160,6 +160,8 @@ Body draw_body() {
                         draw_enum(PageKind::kWait)};
         case 10:
             return draw_replay();
+        case 10:
+            return DeviceFault(std::string(*rc::gen::inRange<std::size_t>(0, 400), 'x'));
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),
@@ -169,7 +171,7 @@ Body draw_body() {
                              draw(1e5),
                              draw(1e6),
                              draw_enum(NodeState::kFailed),
-                             draw_enum(EndReason::kInterrupted)};
+                             draw_enum(EndReason::kDeviceFault)};
     }
 }
 

@@ -21,6 +21,7 @@ class TinyProcess final : public NodeProcess {
 
     std::vector<std::string> said;
     SessionTime wanted = kNever;
+    std::string fault;         // of its device
     bool alone = false;        // its peer has fallen silent
     bool end_at_once = false;  // finishes in its own work
     using NodeProcess::set_state;
@@ -43,6 +44,7 @@ class TinyProcess final : public NodeProcess {
     }
     SessionTime next_work() const override { return wanted; }
     bool peer_lost(SessionTime) const override { return alone; }
+    std::string_view device_fault() const override { return fault; }
     void describe(Heartbeat& heartbeat) const override { heartbeat.hold_median_s = 0.25; }
 
   public:
@@ -257,6 +259,26 @@ TEST_F(NodeProcessTest, ALostPeerEndsTheTrial) {
     tick(milliseconds{11});
     EXPECT_EQ(process.said, Said{"end 1"});
     expect_heartbeat(1, NodeState::kFailed, EndReason::kPeerLost);
+}
+
+TEST_F(NodeProcessTest, AFailedDeviceEndsTheTrialAndSaysWhy) {
+    start();
+    process.fault = "the handle is unplugged; plug it in";
+    tick(milliseconds{11});
+    EXPECT_EQ(process.said, Said{"end 1"});
+    const std::vector<Message> said = heartbeats();
+    ASSERT_EQ(said.size(), 2U);
+    EXPECT_EQ(std::get<Heartbeat>(said[0].body).reason, EndReason::kDeviceFault);
+    EXPECT_EQ(std::get<Heartbeat>(said[0].body).state, NodeState::kFailed);
+    EXPECT_EQ(std::get<DeviceFault>(said[1].body).words(), process.fault);
+}
+
+TEST_F(NodeProcessTest, NoTrialBeginsWithAFailedDevice) {
+    process.fault = "gone";
+    order(ControlKind::kTrialStart);
+    tick(milliseconds{10});
+    EXPECT_EQ(process.state(), NodeState::kFailed);
+    EXPECT_EQ(process.said, (Said{"begin 1 CF", "end 1"}));
 }
 
 TEST_F(NodeProcessTest, BetweenTrialsSilenceIsNoFailure) {

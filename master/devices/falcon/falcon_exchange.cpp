@@ -1,0 +1,77 @@
+#include "master/devices/falcon/falcon_exchange.hpp"
+
+#include <array>
+#include <utility>
+
+namespace thimble {
+namespace {
+
+// A report later than this is none: the exchange goes on without.
+constexpr Duration kReportWithin = std::chrono::milliseconds{5};
+
+std::uint64_t pack(const FalconTriple& values, std::uint8_t flags, std::uint8_t count) {
+    std::uint64_t word = (std::uint64_t{flags} << 48) | (std::uint64_t{count} << 56);
+    for (std::size_t i = 0; i < 3; ++i)
+        word |= std::uint64_t{static_cast<std::uint16_t>(values[i])} << (16 * i);
+    return word;
+}
+
+FalconTriple values_of(std::uint64_t word) {
+    FalconTriple values{};
+    for (std::size_t i = 0; i < 3; ++i)
+        values[i] = static_cast<std::int16_t>(static_cast<std::uint16_t>(word >> (16 * i)));
+    return values;
+}
+
+std::uint8_t flags_of(std::uint64_t word) { return static_cast<std::uint8_t>(word >> 48); }
+std::uint8_t count_of(std::uint64_t word) { return static_cast<std::uint8_t>(word >> 56); }
+
+}  // namespace
+
+void FalconExchange::command(const FalconTriple& motors) {
+    command_.store(pack(motors, 0, ++commands_), std::memory_order_release);
+}
+
+FalconExchange::Latest FalconExchange::latest() const {
+    if (!any_.load(std::memory_order_acquire)) return {};
+    const std::uint64_t word = report_.load(std::memory_order_acquire);
+    const std::uint8_t flags = flags_of(word);
+    return {{values_of(word), static_cast<std::uint8_t>(flags & 0xfU), static_cast<std::uint8_t>(flags >> 4)},
+            count_of(word),
+            true};
+}
+
+bool FalconExchange::turn() {
+    const std::uint64_t word = command_.load(std::memory_order_acquire);
+    unattended_ = word == carried_ ? unattended_ + 1 : 0;
+    carried_ = word;
+    FalconCommand command{values_of(word), true, homed_ ? kFalconGreen : kFalconRed};
+    if (unattended_ > kUnattendedTurns) command.motors = {};
+    std::array<std::uint8_t, 64> bytes{};
+    const bool sent = link_->write(encode(command));
+    const std::size_t count = sent ? link_->read(bytes, kReportWithin) : 0;
+    if (const auto report = reader_.take(std::span(bytes).first(count))) {
+        const auto flags = static_cast<std::uint8_t>(report->buttons | (report->homed_legs << 4));
+        report_.store(pack(report->encoders, flags, ++reports_), std::memory_order_release);
+        any_.store(true, std::memory_order_release);
+        homed_ = report->homed();
+    }
+    if (link_->lost()) lost_.store(true, std::memory_order_release);
+    return !lost();
+}
+
+void FalconExchange::start(std::function<void()> prepare) {
+    thread_ = std::thread([this, prepare = std::move(prepare)] {
+        if (prepare) prepare();
+        while (!stop_.load(std::memory_order_acquire) && turn()) {
+        }
+    });
+}
+
+void FalconExchange::stop() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    if (!lost()) link_->write(encode(FalconCommand{}));
+}
+
+}  // namespace thimble

@@ -1,0 +1,58 @@
+// Commands out, reports in, over and over, in a thread of its own: the answer to a command takes the USB's next frame, about 1 ms, and
+// the thread that reads the handle must not wait for it. What the two threads share are two words of 64 bits, each always whole, so
+// neither waits for the other, and nothing is torn: three motors or encoders of 16 bits, 8 bits of flags, 8 bits that count.
+//
+// A hand is not left to a force that nobody renews: after kUnattendedTurns exchanges without a word from the handle's side the
+// motors get zero. The light is green once the legs are homed, red before.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <thread>
+
+#include "master/devices/falcon/falcon_link.hpp"
+#include "master/devices/falcon/falcon_packet.hpp"
+
+namespace thimble {
+
+class FalconExchange {
+  public:
+    static constexpr int kUnattendedTurns = 20;
+
+    explicit FalconExchange(FalconLink& link) : link_(&link) {}
+    ~FalconExchange() { stop(); }
+    FalconExchange(const FalconExchange&) = delete;
+    FalconExchange& operator=(const FalconExchange&) = delete;
+
+    // The thread, which calls `prepare` first (scheduling belongs to threads). Without it (tests) somebody calls turn().
+    void start(std::function<void()> prepare = {});
+    // Ends it, with a last command without force.
+    void stop();
+
+    // One command and what comes back. False once the link is lost.
+    bool turn();
+
+    // From the handle's side; any thread, one at a time.
+    void command(const FalconTriple& motors);
+    struct Latest {
+        FalconReport report;
+        std::uint8_t count = 0;  // changes with each report
+        bool any = false;
+    };
+    Latest latest() const;
+    bool lost() const { return lost_.load(std::memory_order_acquire); }
+
+  private:
+    FalconLink* link_;
+    FalconReportReader reader_;
+    std::atomic<std::uint64_t> command_{0}, report_{0};
+    std::atomic<bool> any_{false}, lost_{false}, stop_{false};
+    std::uint8_t commands_ = 0, reports_ = 0;
+    std::uint64_t carried_ = 0;  // command that the last turn sent
+    int unattended_ = 0;
+    bool homed_ = false;
+    std::thread thread_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,114 @@
+#include "master/devices/falcon/falcon_handle.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "master/devices/falcon/falcon_kinematics.hpp"
+
+namespace thimble {
+
+FalconHandle::FalconHandle(const FalconSettings& settings, double force_limit_N, std::string name,
+                           FalconExchange& exchange)
+    : settings_(settings),
+      name_(std::move(name)),
+      not_homed_(name_ +
+                 ": not homed; pull the handle out as far as it goes, push it in as far as it goes, until "
+                 "its light turns "
+                 "from red to green, and start the trial again"),
+      exchange_(&exchange),
+      axis_(settings.axis, force_limit_N) {
+    exchange_->command({});
+}
+
+FalconHandle::~FalconHandle() { exchange_->command({}); }
+
+std::string_view FalconHandle::fault() const {
+    if (!fault_.empty()) return fault_;
+    return exchange_->latest().report.homed() ? std::string_view{} : not_homed_;
+}
+
+HandleSample FalconHandle::read(SessionTime now) {
+    const bool good = fault_.empty() && take_report(now);
+    if (good) {
+        ++reads_;
+        apply();
+    }
+    return {axis_.position_hand_m(), good ? force_hand_N_ : 0, good};
+}
+
+bool FalconHandle::take_report(SessionTime now) {
+    const FalconExchange::Latest latest = exchange_->latest();
+    if (exchange_->lost()) return fail("it was unplugged or switched off");
+    if (!reading_ || latest.count != count_) heard_ = now;
+    reading_ = true;
+    count_ = latest.count;
+    if (now - heard_ > kStalledAfter)
+        return fail(fmt::format("no report for {} ms: it has stopped", kStalledAfter.count() / 1'000'000));
+    if (!latest.report.homed()) {
+        if (homed_) return fail("it has lost where its legs are (power or firmware)");
+        return false;
+    }
+    homed_ = true;
+    FalconAngles angles_rad{};
+    for (std::size_t leg = 0; leg < 3; ++leg)
+        angles_rad[leg] = falcon_leg_angle_rad(latest.report.encoders[leg]);
+    const auto position_m = falcon_position_m(angles_rad, position_m_);
+    if (!position_m)
+        return fail(fmt::format("impossible encoder counts {} {} {}", latest.report.encoders[0],
+                                latest.report.encoders[1], latest.report.encoders[2]));
+    position_m_ = *position_m;
+    axis_.move_to(now, position_m_);
+    return true;
+}
+
+void FalconHandle::command_force(SessionTime /*now*/, double force_hand_N) {
+    if (!std::isfinite(force_hand_N)) ++refused_forces_;
+    const double wanted_N = forced_ && fault_.empty() ? axis_.clipped_N(force_hand_N) : 0;
+    if (wanted_N == force_hand_N_) return;
+    force_hand_N_ = wanted_N;
+    apply();
+}
+
+// Also without force: each word from here says that somebody attends.
+void FalconHandle::apply() {
+    FalconMotors motors;
+    if (forced_ && fault_.empty()) {
+        const auto torques_Nm = falcon_leg_torques_Nm(position_m_, axis_.force_device_N(force_hand_N_));
+        if (torques_Nm) motors = falcon_motors(*torques_Nm, settings_.motor_gain_per_Nm);
+        if (motors.saturated) ++saturated_;
+    }
+    exchange_->command(motors.counts);
+}
+
+void FalconHandle::enable_force(SessionTime now, bool enabled) {
+    forced_ = false;
+    force_hand_N_ = 0;
+    reading_ = false;  // between trials nobody looked
+    if (enabled && fault_.empty() && take_report(now)) {
+        axis_.hold_here();
+        forced_ = true;
+    }
+    apply();
+}
+
+// The first fault counts, and no force comes back by itself.
+bool FalconHandle::fail(const std::string& what) {
+    forced_ = false;
+    force_hand_N_ = 0;
+    fault_ = fmt::format(
+        "{}: {}; unplug it from power and USB, plug both in again, and start thimble-master again", name_,
+        what);
+    exchange_->command({});
+    return false;
+}
+
+void FalconHandle::describe(nlohmann::ordered_json& report) const {
+    report["device"] = name_;
+    report["reads"] = reads_;
+    report["saturated"] = saturated_;
+    if (!fault_.empty()) report["fault"] = fault_;
+}
+
+}  // namespace thimble

@@ -1,0 +1,61 @@
+// The Novint Falcon. Its frame: z from the base towards the user; the needle's axis and the other two are AxisConstraint's.
+// Before its legs are homed (the user pulls the handle out and pushes it in, once after each loading of the firmware) it has no
+// position and gets no force: the fault says so, and goes by itself.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "master/devices/falcon/falcon_exchange.hpp"
+#include "master/devices/falcon/falcon_settings.hpp"
+#include "master/devices/real_handle.hpp"
+
+namespace thimble {
+
+class FalconHandle final : public RealHandle {
+  public:
+    // No report for so long: the device stands still.
+    static constexpr Duration kStalledAfter = std::chrono::milliseconds{20};
+
+    // `exchange` runs, or is turned by whoever tests; it outlives the handle.
+    FalconHandle(const FalconSettings& settings, double force_limit_N, std::string name,
+                 FalconExchange& exchange);
+    ~FalconHandle() override;
+
+    HandleSample read(SessionTime now) override;
+    // A force that is not a number counts as zero.
+    void command_force(SessionTime now, double force_hand_N) override;
+    void enable_force(SessionTime now, bool enabled) override;
+    std::string_view fault() const override;
+
+    std::string name() const override { return name_; }
+    void describe(nlohmann::ordered_json& report) const override;
+    std::uint64_t saturated() const {
+        return saturated_;
+    }  // forces that were scaled down to the motors' limit
+
+  private:
+    bool take_report(SessionTime now);
+    void apply();
+    bool fail(const std::string& what);
+
+    FalconSettings settings_;
+    std::string name_, not_homed_, fault_;
+    FalconExchange* exchange_;
+    AxisConstraint axis_;
+    DeviceVector position_m_{0, 0, 0.11};
+    bool forced_ = false;
+    bool homed_ = false;
+    double force_hand_N_ = 0;
+    std::uint8_t count_ = 0;
+    SessionTime heard_{};
+    bool reading_ = false;  // heard_ is of this trial
+    std::uint64_t reads_ = 0, saturated_ = 0, refused_forces_ = 0;
+};
+
+// Finds the device, loads its firmware if it has none, and starts the exchange. Its thread calls
+// `prepare_thread` first. Throws Error with what is missing and what to do.
+std::unique_ptr<RealHandle> open_falcon(const FalconSettings& settings, double force_limit_N,
+                                        const std::function<void()>& prepare_thread = {});
+
+}  // namespace thimble

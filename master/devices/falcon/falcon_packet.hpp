@@ -1,0 +1,56 @@
+// What the Novint Falcon and its host say to each other: 16 bytes each way, one report for each command (docs/handles.md names the
+// source). Pure: bytes in, values out.
+//
+// '<', three signed 16-bit numbers of four letters each ('A' + nibble, lowest first), a letter of flags, 'A', '>'. The flags are
+// 'A' + bits and may pass 0x7f.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace thimble {
+
+inline constexpr std::size_t kFalconPacketBytes = 16;
+inline constexpr std::int16_t kFalconMotorLimit = 4095;
+
+using FalconPacket = std::array<std::uint8_t, kFalconPacketBytes>;
+using FalconTriple = std::array<std::int16_t, 3>;  // of the legs: top, right, left, seen from the front
+
+enum FalconLight : std::uint8_t { kFalconGreen = 2, kFalconBlue = 4, kFalconRed = 8 };
+
+struct FalconCommand {
+    FalconTriple motors{};  // counts; beyond +-kFalconMotorLimit they are cut
+    bool homing = true;     // in each packet, or the legs never count as homed
+    std::uint8_t lights = 0;
+};
+
+struct FalconReport {
+    FalconTriple encoders{};      // counts from where the leg was homed
+    std::uint8_t buttons = 0;     // 1 plus, 2 forward, 4 centre, 8 minus
+    std::uint8_t homed_legs = 0;  // a bit each
+    bool homed() const { return homed_legs == 7; }
+};
+
+FalconPacket encode(const FalconCommand& command);
+FalconPacket encode(const FalconReport& report);
+// Nothing if it is no packet.
+std::optional<FalconCommand> decode_falcon_command(std::span<const std::uint8_t, kFalconPacketBytes> packet);
+std::optional<FalconReport> decode_falcon_report(std::span<const std::uint8_t, kFalconPacketBytes> packet);
+
+// Finds the reports in a stream of bytes that may begin anywhere and lose some.
+class FalconReportReader {
+  public:
+    // The newest report that these bytes complete.
+    std::optional<FalconReport> take(std::span<const std::uint8_t> bytes);
+    std::uint64_t reports() const { return reports_; }
+    std::uint64_t stray_bytes() const { return stray_bytes_; }  // that belonged to no report
+
+  private:
+    FalconPacket window_{};
+    std::size_t filled_ = 0;
+    std::uint64_t reports_ = 0, stray_bytes_ = 0;
+};
+
+}  // namespace thimble

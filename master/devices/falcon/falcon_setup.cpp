@@ -1,0 +1,147 @@
+#include "master/devices/falcon/falcon_setup.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sodium.h>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "master/devices/falcon/falcon_packet.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Requests of the FTDI chip.
+constexpr std::uint8_t kReset = 0, kModem = 1, kFlow = 2, kBaud = 3, kLine = 4, kLatency = 9;
+constexpr std::uint16_t kPurgeReceived = 1, kPurgeUnsent = 2, kNoFlow = 0, kEightBits = 8;
+constexpr std::uint16_t kRtsLow = 0x0200, kDtrLow = 0x0100, kDtrHigh = 0x0101;
+constexpr std::uint16_t kBaud9600 = 0x4138, kBaud140k = 0x0015, kBaud1500k = 0x0002;
+
+constexpr std::size_t kChunk = 62;  // with the two status bytes of its echo one USB packet
+constexpr int kGreetings = 100, kLoads = 3, kKnocks = 10;
+constexpr Duration kAnswer = milliseconds{20};
+
+constexpr std::array<std::uint8_t, 3> kGreeting{0x0a, 0x43, 0x0d};
+constexpr std::array<std::uint8_t, 4> kGreeted{0x0a, 0x44, 0x2c, 0x0d};
+constexpr std::array<std::uint8_t, 1> kBegin{0x41};
+
+// As many bytes as asked, or as came before it fell silent.
+std::vector<std::uint8_t> read_all(FalconLink& link, std::size_t count) {
+    std::vector<std::uint8_t> bytes(count);
+    std::size_t have = 0;
+    while (have < count) {
+        const std::size_t more = link.read(std::span(bytes).subspan(have), kAnswer);
+        if (more == 0) break;
+        have += more;
+    }
+    bytes.resize(have);
+    return bytes;
+}
+
+bool purge(FalconLink& link) {
+    return link.control(kReset, kPurgeReceived) && link.control(kReset, kPurgeUnsent);
+}
+
+bool set_loading(FalconLink& link) {
+    return purge(link) && link.control(kLatency, 16) && link.control(kBaud, kBaud9600) &&
+           link.control(kLine, kEightBits) && link.control(kFlow, kNoFlow) && link.control(kModem, kRtsLow) &&
+           link.control(kModem, kDtrLow) && link.control(kModem, kDtrHigh);
+}
+
+bool greet(FalconLink& link) {
+    for (int i = 0; i < kGreetings && !link.lost(); ++i) {
+        if (!link.write(kGreeting)) return false;
+        const auto answer = read_all(link, kGreeted.size());
+        if (std::equal(answer.begin(), answer.end(), kGreeted.begin(), kGreeted.end())) return true;
+    }
+    return false;
+}
+
+bool echoes(FalconLink& link, std::span<const std::uint8_t> bytes) {
+    if (!link.write(bytes)) return false;
+    const auto echo = read_all(link, bytes.size());
+    return std::equal(bytes.begin(), bytes.end(), echo.begin(), echo.end());
+}
+
+// Empty if the image is in the device; else the step that failed.
+std::string try_to_load(FalconLink& link, std::span<const std::uint8_t> image) {
+    if (!set_loading(link)) return "setting up its USB chip";
+    if (!greet(link)) return "its boot loader's greeting";
+    if (!link.control(kModem, kDtrLow) || !link.control(kBaud, kBaud140k) || !echoes(link, kBegin))
+        return "the beginning of the upload";
+    for (std::size_t sent = 0; sent < image.size(); sent += kChunk) {
+        if (!echoes(link, image.subspan(sent, std::min(kChunk, image.size() - sent))))
+            return fmt::format("the echo of byte {} of {}", sent, image.size());
+    }
+    if (!set_falcon_running(link)) return "setting up its USB chip again";
+    return falcon_answers(link) ? "" : "the first report of what was loaded";
+}
+
+std::string hexadecimal(std::span<const std::uint8_t> bytes) {
+    std::string text;
+    for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
+    return text;
+}
+
+}  // namespace
+
+bool set_falcon_running(FalconLink& link) {
+    return link.control(kLatency, 1) && link.control(kBaud, kBaud1500k) && purge(link);
+}
+
+bool falcon_answers(FalconLink& link) {
+    FalconReportReader reader;
+    for (int i = 0; i < kKnocks && !link.lost(); ++i) {
+        // A boot loader that waits for more echoes the command, which is a report too, but one that follows the lights.
+        const FalconPacket command = encode(FalconCommand{{}, true, i % 2 == 0 ? kFalconRed : kFalconGreen});
+        std::array<std::uint8_t, 64> bytes{};
+        if (!link.write(command)) return false;
+        const std::size_t count = link.read(bytes, kAnswer);
+        const auto report = reader.take(std::span(bytes).first(count));
+        if (report && encode(*report) != command) return true;
+    }
+    return false;
+}
+
+void load_falcon_firmware(FalconLink& link, std::span<const std::uint8_t> image) {
+    std::string failed;
+    for (int i = 0; i < kLoads && !link.lost(); ++i) {
+        failed = try_to_load(link, image);
+        if (failed.empty()) return;
+    }
+    throw Error(ExitCode::kRunFailed,
+                fmt::format("the Falcon's firmware could not be loaded: {} failed {} times ({}). Unplug the "
+                            "Falcon from power and "
+                            "USB, plug both in again, no hub between; is the file a firmware for it?",
+                            failed, kLoads, link.last_error()));
+}
+
+std::vector<std::uint8_t> read_falcon_firmware(const std::string& path, const std::string& sha256) {
+    std::ifstream file(path, std::ios::binary);
+    std::vector<std::uint8_t> image{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    if (!file || image.empty()) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("cannot read the Falcon's firmware '{}' ([handle.falcon] firmware): {}", path,
+                                file ? "it is empty" : std::strerror(errno)));
+    }
+    std::array<std::uint8_t, crypto_hash_sha256_BYTES> sum{};
+    crypto_hash_sha256(sum.data(), image.data(), image.size());
+    if (hexadecimal(sum) != sha256) {
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format(
+                "the Falcon's firmware '{}' is not the one that the session file means: its SHA-256 is {}, "
+                "[handle.falcon] firmware_sha256 says {}",
+                path, hexadecimal(sum), sha256));
+    }
+    return image;
+}
+
+}  // namespace thimble

@@ -1,0 +1,218 @@
+// The Falcon on a real USB, by libusb.
+#include <algorithm>
+#include <array>
+#include <libusb-1.0/libusb.h>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "master/devices/falcon/falcon_handle.hpp"
+#include "master/devices/falcon/falcon_setup.hpp"
+#include "master/devices/usb_presence.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xcb48;
+constexpr unsigned char kOut = 0x02, kIn = 0x81;
+constexpr int kUsbPacket = 64, kChipStatus = 2;
+constexpr unsigned kWriteLimit_ms = 100;
+constexpr std::uint8_t kVendorRequest = 0x40;  // to the device, no data
+
+// Every packet that comes begins with two bytes of the chip's own.
+class UsbFalconLink final : public FalconLink {
+  public:
+    explicit UsbFalconLink(libusb_device_handle* handle) : handle_(handle) {}
+
+    bool control(std::uint8_t request, std::uint16_t value) override {
+        return note(libusb_control_transfer(handle_, kVendorRequest, request, value, 0, nullptr, 0,
+                                            kWriteLimit_ms)) >= 0;
+    }
+    bool write(std::span<const std::uint8_t> bytes) override {
+        int written = 0;
+        auto* data = const_cast<std::uint8_t*>(bytes.data());  // libusb's prototype serves both directions
+        const int answer = note(libusb_bulk_transfer(handle_, kOut, data, static_cast<int>(bytes.size()),
+                                                     &written, kWriteLimit_ms));
+        return answer == LIBUSB_SUCCESS && written == static_cast<int>(bytes.size());
+    }
+    // The chip answers even when it has nothing: packets of its status alone. Each of them counts as a millisecond of patience.
+    std::size_t read(std::span<std::uint8_t> room, Duration limit) override {
+        const auto limit_ms = std::max<std::int64_t>(1, limit.count() / 1'000'000);
+        for (std::int64_t waited_ms = 0; waited_ms < limit_ms; ++waited_ms) {
+            if (const std::size_t left = give(room); left > 0) return left;
+            std::array<std::uint8_t, kUsbPacket> packet{};
+            int got = 0;
+            const int answer = note(libusb_bulk_transfer(handle_, kIn, packet.data(), kUsbPacket, &got,
+                                                         static_cast<unsigned>(limit_ms)));
+            if (answer != LIBUSB_SUCCESS && got <= kChipStatus) return 0;
+            if (got > kChipStatus) {
+                std::copy(packet.begin() + kChipStatus, packet.begin() + got, kept_.begin());
+                kept_count_ = static_cast<std::size_t>(got - kChipStatus);
+                kept_from_ = 0;
+            }
+        }
+        return give(room);
+    }
+    bool lost() const override { return lost_; }
+    std::string last_error() const override { return libusb_strerror(static_cast<libusb_error>(error_)); }
+
+  private:
+    int note(int answer) {
+        if (answer < 0) error_ = answer;
+        if (answer == LIBUSB_ERROR_NO_DEVICE || answer == LIBUSB_ERROR_IO || answer == LIBUSB_ERROR_PIPE)
+            lost_ = true;
+        return answer;
+    }
+    std::size_t give(std::span<std::uint8_t> room) {
+        const std::size_t count = std::min(room.size(), kept_count_ - kept_from_);
+        std::copy_n(kept_.begin() + static_cast<std::ptrdiff_t>(kept_from_), count, room.begin());
+        kept_from_ += count;
+        return count;
+    }
+
+    libusb_device_handle* handle_;
+    std::array<std::uint8_t, kUsbPacket> kept_{};  // came, not yet read
+    std::size_t kept_from_ = 0, kept_count_ = 0;
+    int error_ = LIBUSB_SUCCESS;
+    bool lost_ = false;
+};
+
+std::string usb_text(libusb_device_handle* handle, std::uint8_t index) {
+    std::array<unsigned char, 64> text{};
+    const int length =
+        libusb_get_string_descriptor_ascii(handle, index, text.data(), static_cast<int>(text.size()));
+    return length <= 0 ? "" : std::string(text.begin(), text.begin() + length);
+}
+
+std::string advice() {
+    return usb_advice(look_for_usb(kVendor, kProduct), "Novint Falcon", "70-thimble-handles.rules");
+}
+
+// The claimed device; all that belongs to libusb goes with this object.
+class OpenedUsb {
+  public:
+    explicit OpenedUsb(const std::string& wanted_serial) {
+        if (libusb_init(&context_) != LIBUSB_SUCCESS)
+            throw Error(ExitCode::kUsage, "no USB on this machine (libusb)");
+        try {
+            find(wanted_serial);
+        } catch (...) {
+            close();
+            throw;
+        }
+    }
+    ~OpenedUsb() { close(); }
+    OpenedUsb(const OpenedUsb&) = delete;
+    OpenedUsb& operator=(const OpenedUsb&) = delete;
+
+    libusb_device_handle* handle() const { return handle_; }
+    const std::string& serial() const { return serial_; }
+
+  private:
+    void find(const std::string& wanted_serial) {
+        libusb_device** devices = nullptr;
+        const auto count = libusb_get_device_list(context_, &devices);
+        std::vector<std::string> serials;
+        for (ssize_t i = 0; i < count; ++i) consider(devices[i], wanted_serial, serials);
+        if (count >= 0) libusb_free_device_list(devices, 1);
+        std::sort(serials.begin(), serials.end());
+        if (serials.size() > 1 && wanted_serial.empty()) {
+            throw Error(ExitCode::kUsage, fmt::format("{} Falcons are connected, with the serial numbers {}: "
+                                                      "name one by [handle.falcon] serial",
+                                                      serials.size(), fmt::join(serials, ", ")));
+        }
+        if (handle_ == nullptr) {
+            throw Error(
+                ExitCode::kUsage,
+                fmt::format("no Novint Falcon{} to be had{}: {}",
+                            wanted_serial.empty() ? "" : fmt::format(" with serial '{}'", wanted_serial),
+                            serials.empty() ? "" : fmt::format(" (there are {})", fmt::join(serials, ", ")),
+                            advice()));
+        }
+        libusb_set_auto_detach_kernel_driver(handle_, 1);
+        if (libusb_claim_interface(handle_, 0) != LIBUSB_SUCCESS) throw Error(ExitCode::kUsage, advice());
+    }
+    void consider(libusb_device* device, const std::string& wanted_serial,
+                  std::vector<std::string>& serials) {
+        libusb_device_descriptor descriptor{};
+        if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS) return;
+        if (descriptor.idVendor != kVendor || descriptor.idProduct != kProduct) return;
+        libusb_device_handle* opened = nullptr;
+        if (libusb_open(device, &opened) != LIBUSB_SUCCESS) return;
+        serials.push_back(usb_text(opened, descriptor.iSerialNumber));
+        if (handle_ == nullptr && (wanted_serial.empty() || serials.back() == wanted_serial)) {
+            handle_ = opened;
+            serial_ = serials.back();
+        } else {
+            libusb_close(opened);
+        }
+    }
+    void close() {
+        if (handle_ != nullptr) libusb_close(handle_);  // releases what is claimed
+        libusb_exit(context_);
+    }
+
+    libusb_context* context_ = nullptr;
+    libusb_device_handle* handle_ = nullptr;
+    std::string serial_;
+};
+
+// Owns from the USB up; the handle goes first, then the exchange with its last command, then the device.
+class OpenedFalcon final : public RealHandle {
+  public:
+    OpenedFalcon(const FalconSettings& settings, double force_limit_N,
+                 const std::function<void()>& prepare_thread)
+        : usb_(settings.serial), link_(usb_.handle()), exchange_(link_) {
+        make_ready(settings);
+        exchange_.start(prepare_thread);
+        handle_ = std::make_unique<FalconHandle>(
+            settings, force_limit_N, fmt::format("Novint Falcon, serial {}", usb_.serial()), exchange_);
+        if (!handle_->fault().empty()) spdlog::warn(handle_->fault());
+    }
+
+    HandleSample read(SessionTime now) override { return handle_->read(now); }
+    void command_force(SessionTime now, double force_hand_N) override {
+        handle_->command_force(now, force_hand_N);
+    }
+    void enable_force(SessionTime now, bool enabled) override { handle_->enable_force(now, enabled); }
+    std::string_view fault() const override { return handle_->fault(); }
+    std::string name() const override { return handle_->name(); }
+    void describe(nlohmann::ordered_json& report) const override { handle_->describe(report); }
+
+  private:
+    void make_ready(const FalconSettings& settings) {
+        if (!set_falcon_running(link_))
+            throw Error(ExitCode::kRunFailed, "the Falcon's USB chip does not obey: " + link_.last_error());
+        if (falcon_answers(link_)) {
+            exchange_.turn();  // what it says first decides whether it is homed
+            return;
+        }
+        if (settings.firmware.empty()) {
+            throw Error(ExitCode::kUsage,
+                        "the Falcon has no firmware, which it forgets without power: name Novint's file in "
+                        "[handle.falcon] firmware "
+                        "(docs/handles.md)");
+        }
+        const auto image = read_falcon_firmware(settings.firmware, settings.firmware_sha256);
+        spdlog::info("loading the Falcon's firmware, {} bytes", image.size());
+        load_falcon_firmware(link_, image);
+    }
+
+    OpenedUsb usb_;
+    UsbFalconLink link_;
+    FalconExchange exchange_;
+    std::unique_ptr<FalconHandle> handle_;
+};
+
+}  // namespace
+
+std::unique_ptr<RealHandle> open_falcon(const FalconSettings& settings, double force_limit_N,
+                                        const std::function<void()>& prepare_thread) {
+    return std::make_unique<OpenedFalcon>(settings, force_limit_N, prepare_thread);
+}
+
+}  // namespace thimble

@@ -1,0 +1,137 @@
+// The Falcon's driver over a real kernel's USB, with an emulated device plugged into vhci_hcd: absent, found, loaded, read and pushed for
+// two seconds, unplugged. What differs from what must be is said, and the exit code is 1. For the kernel lane, as root.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sodium.h>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "master/devices/falcon/falcon_handle.hpp"
+#include "tests/kernel/vhci_falcon.hpp"
+
+namespace {
+
+using namespace thimble;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr double kLimit_N = 8;
+constexpr std::size_t kImageBytes = 8000;
+int complaints = 0;
+
+void expect(bool good, const std::string& what) {
+    fmt::print("{} {}\n", good ? "ok  " : "FAIL", what);
+    std::fflush(stdout);
+    if (!good) ++complaints;
+}
+
+std::string refusal(const FalconSettings& settings) {
+    try {
+        open_falcon(settings, kLimit_N);
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "opened";
+}
+
+bool comes(const std::function<bool()>& condition, Duration limit) {
+    for (const SessionTime end = wall_now() + limit; wall_now() < end; wall_sleep(milliseconds{1})) {
+        if (condition()) return true;
+    }
+    return false;
+}
+
+// libusb without udevd sees only what was there when it began.
+bool kernel_has_it() {
+    return comes(
+        [] {
+            std::error_code none;
+            for (const auto& entry : std::filesystem::directory_iterator("/sys/bus/usb/devices", none)) {
+                std::string product;
+                std::ifstream(entry.path() / "idProduct") >> product;
+                if (product == "cb48" && std::filesystem::exists(entry.path() / "bConfigurationValue"))
+                    return true;
+            }
+            return false;
+        },
+        seconds{10});
+}
+
+FalconSettings with_firmware() {
+    std::vector<std::uint8_t> image(kImageBytes);
+    for (std::size_t i = 0; i < image.size(); ++i) image[i] = static_cast<std::uint8_t>(i * 7);
+    FalconSettings settings;
+    settings.firmware = (std::filesystem::temp_directory_path() / "falcon.bin").string();
+    std::ofstream(settings.firmware, std::ios::binary)
+        .write(reinterpret_cast<const char*>(image.data()), static_cast<std::streamsize>(image.size()));
+    std::array<std::uint8_t, crypto_hash_sha256_BYTES> sum{};
+    crypto_hash_sha256(sum.data(), image.data(), image.size());
+    for (const std::uint8_t byte : sum) settings.firmware_sha256 += fmt::format("{:02x}", byte);
+    return settings;
+}
+
+// 1 kHz for two seconds, as the master does it; how many exchanges there were, per second.
+void read_and_push(RealHandle& handle, VhciFalcon& falcon) {
+    const auto exchanges = [&] {
+        return falcon.with([](FalconEmulator& device) { return device.commands; });
+    };
+    handle.enable_force(wall_now(), true);
+    const auto before = exchanges();
+    const SessionTime begin = wall_now();
+    int good = 0;
+    for (int i = 0; i < 2000; ++i) {
+        wall_sleep(begin + milliseconds{i} - wall_now());
+        good += handle.read(wall_now()).valid ? 1 : 0;
+        handle.command_force(wall_now(), 1);
+    }
+    const double rate_Hz = static_cast<double>(exchanges() - before) / to_seconds(wall_now() - begin);
+    expect(good == 2000, fmt::format("{} of 2000 reads are valid", good));
+    expect(rate_Hz > 400, fmt::format("{:.0f} exchanges per second", rate_Hz));
+    const auto motors = falcon.with([](FalconEmulator& device) { return device.commanded.motors; });
+    expect(motors[0] < -200,
+           fmt::format("the motors push outwards: {} {} {}", motors[0], motors[1], motors[2]));
+}
+
+void unplug_in_trial(RealHandle& handle, VhciFalcon& falcon) {
+    const SessionTime unplugged = wall_now();
+    falcon.unplug();
+    const bool noticed = comes([&] { return !handle.read(wall_now()).valid; }, seconds{1});
+    expect(noticed && wall_now() - unplugged < milliseconds{50},
+           fmt::format("noticed after {:.1f} ms: {}", 1000 * to_seconds(wall_now() - unplugged),
+                       handle.fault()));
+    expect(handle.fault().find("unplugged") != std::string_view::npos, "and named");
+}
+
+void run() {
+    expect(refusal({}).find("no Novint Falcon is on the USB") != std::string::npos, "absent: " + refusal({}));
+    VhciFalcon falcon(0);
+    falcon.with([](FalconEmulator& device) {
+        device.image_bytes = kImageBytes;
+        device.put_hand_at({0, 0, 0.115});
+    });
+    expect(kernel_has_it(), "the kernel has found it");
+    expect(refusal({}).find("has no firmware") != std::string::npos, "unloaded: " + refusal({}));
+    const auto handle = open_falcon(with_firmware(), kLimit_N);
+    expect(falcon.with([](FalconEmulator& device) { return device.running; }), "firmware loaded");
+    expect(comes([&] { return handle->fault().empty(); }, seconds{1}),
+           "homed: " + std::string(handle->fault()));
+    expect(refusal({}).find("another program has it") != std::string::npos, "busy: " + refusal({}));
+    read_and_push(*handle, falcon);
+    unplug_in_trial(*handle, falcon);
+}
+
+}  // namespace
+
+int main() {
+    try {
+        run();
+    } catch (const std::exception& error) {
+        expect(false, error.what());
+    }
+    return complaints == 0 ? 0 : 1;
+}

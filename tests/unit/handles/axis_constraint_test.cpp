@@ -1,0 +1,75 @@
+// One axis out of three: signs, origin, limits, and the spring that holds the other two.
+#include "master/devices/axis_constraint.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/session_time.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+AxisSettings away_from_user() {
+    AxisSettings settings{0, -1};
+    settings.origin_m = 0.01;
+    return settings;
+}
+
+TEST(AxisConstraint, ZIsTheAxisFromItsOriginWithItsSign) {
+    AxisConstraint axis(away_from_user(), 12);
+    axis.move_to(at(milliseconds{1}), {-0.02, 0.5, 0.7});
+    EXPECT_DOUBLE_EQ(axis.position_hand_m(), 0.03);
+    // Pushing the hand out is -z, and z is -x.
+    EXPECT_EQ(axis.force_device_N(5), (DeviceVector{5, 0, 0}));
+}
+
+TEST(AxisConstraint, ClipsAndRefusesWhatIsNoNumber) {
+    const AxisConstraint axis(away_from_user(), 8);
+    EXPECT_EQ(axis.clipped_N(9), 8);
+    EXPECT_EQ(axis.clipped_N(-9), -8);
+    EXPECT_EQ(axis.clipped_N(std::numeric_limits<double>::quiet_NaN()), 0);
+    EXPECT_EQ(axis.force_device_N(std::numeric_limits<double>::infinity())[0], 0);
+}
+
+TEST(AxisConstraint, TheSpringPullsTowardsTheLineOnly) {
+    AxisSettings settings{2, 1};
+    settings.lateral = LateralHold::kVirtual;
+    settings.lateral_damping_Ns_per_m = 0;
+    AxisConstraint axis(settings, 12);
+    axis.move_to(at(milliseconds{0}), {0.1, 0.2, 0});
+    axis.hold_here();
+    axis.move_to(at(milliseconds{1}), {0.101, 0.198, 0.03});
+    const DeviceVector force_N = axis.force_device_N(2);
+    EXPECT_NEAR(force_N[0], -1, 1e-9);
+    EXPECT_NEAR(force_N[1], 2, 1e-9);
+    EXPECT_EQ(force_N[2], -2);
+}
+
+TEST(AxisConstraint, ItsLimitKeepsTheDirection) {
+    AxisSettings settings{2, 1};
+    settings.lateral = LateralHold::kVirtual;
+    settings.lateral_damping_Ns_per_m = 0;
+    AxisConstraint axis(settings, 12);
+    axis.move_to(at(milliseconds{1}), {0.03, 0.04, 0});
+    const DeviceVector force_N = axis.force_device_N(0);  // the line is through 0: 50 N without the limit
+    EXPECT_NEAR(force_N[0], -0.6 * 4, 1e-9);
+    EXPECT_NEAR(force_N[1], -0.8 * 4, 1e-9);
+}
+
+TEST(AxisConstraint, TheDamperOpposesLateralMotion) {
+    AxisSettings settings{2, 1};
+    settings.lateral = LateralHold::kVirtual;
+    settings.lateral_stiffness_N_per_m = 0;
+    settings.lateral_damping_Ns_per_m = 10;
+    AxisConstraint axis(settings, 12);
+    for (int ms = 0; ms < 100; ++ms) axis.move_to(at(milliseconds{ms}), {1e-4 * ms, 0, 0});
+    EXPECT_NEAR(axis.force_device_N(0)[0], -10 * 0.1, 1e-6);
+    axis.move_to(at(milliseconds{500}), {0.5, 0, 0});  // a pause says nothing about now
+    EXPECT_EQ(axis.force_device_N(0)[0], 0);
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,95 @@
+// Commands and reports between two threads: newest wins, a silent side costs the force, not the hand.
+#include "master/devices/falcon/falcon_exchange.hpp"
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/handles/falcon_emulator.hpp"
+
+namespace thimble {
+namespace {
+
+class FalconExchangeTest : public testing::Test {
+  protected:
+    FalconExchangeTest() {
+        device.running = true;
+        link.control(3, 0x0002);
+    }
+    FalconEmulator device;
+    EmulatedFalconLink link{device};
+    FalconExchange exchange{link};
+};
+
+TEST_F(FalconExchangeTest, BringsMotorsThereAndEncodersBack) {
+    EXPECT_FALSE(exchange.latest().any);
+    device.report = {{-1447, 32767, -32768}, 0xf, 5};
+    exchange.command({4095, -4095, 7});
+    ASSERT_TRUE(exchange.turn());
+    EXPECT_EQ(device.commanded.motors, (FalconTriple{4095, -4095, 7}));
+    EXPECT_EQ(device.commanded.lights, kFalconRed);
+    const auto latest = exchange.latest();
+    ASSERT_TRUE(latest.any);
+    EXPECT_EQ(latest.report.encoders, device.report.encoders);
+    EXPECT_EQ(latest.report.buttons, 0xf);
+    EXPECT_EQ(latest.report.homed_legs, 5);
+    device.report.homed_legs = 7;
+    exchange.turn();
+    exchange.turn();
+    EXPECT_EQ(device.commanded.lights, kFalconGreen);
+    EXPECT_EQ(exchange.latest().count, static_cast<std::uint8_t>(latest.count + 2));
+}
+
+TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEnds) {
+    exchange.command({100, 0, 0});
+    for (int i = 0; i <= FalconExchange::kUnattendedTurns; ++i) {
+        exchange.turn();
+        EXPECT_EQ(device.commanded.motors[0], 100) << i;
+    }
+    exchange.turn();
+    EXPECT_EQ(device.commanded.motors[0], 0);
+    exchange.command({100, 0, 0});
+    exchange.turn();
+    EXPECT_EQ(device.commanded.motors[0], 100);
+}
+
+TEST_F(FalconExchangeTest, ShortAndGarbledReportsAreNone) {
+    device.short_reports = true;
+    for (int i = 0; i < 5; ++i) exchange.turn();
+    EXPECT_FALSE(exchange.latest().any);
+    device.short_reports = false;
+    exchange.turn();
+    EXPECT_TRUE(exchange.latest().any);
+    const auto before = exchange.latest().count;
+    device.garbled_reports = true;
+    exchange.turn();
+    EXPECT_EQ(exchange.latest().count, before);
+}
+
+TEST_F(FalconExchangeTest, EndsWithoutForce) {
+    exchange.command({100, 100, 100});
+    exchange.turn();
+    exchange.stop();
+    EXPECT_EQ(device.commanded.motors, FalconTriple{});
+    device.unplugged = true;
+    EXPECT_FALSE(exchange.turn());
+    EXPECT_TRUE(exchange.lost());
+}
+
+// What the reader gets is always one report, never parts of two.
+TEST_F(FalconExchangeTest, NothingIsTornBetweenThreads) {
+    device.report = {{-1, -1, -1}, 0xf, 7};
+    exchange.start();
+    for (std::int16_t i = 0; i < 20000; ++i) {
+        const auto value = static_cast<std::int16_t>(i % 2 == 0 ? -1 : 0x5555);
+        exchange.command({value, value, value});
+        const auto latest = exchange.latest();
+        if (!latest.any) continue;
+        ASSERT_EQ(latest.report.encoders, device.report.encoders);
+    }
+    exchange.stop();
+    EXPECT_GT(device.commands, 0U);
+}
+
+}  // namespace
+}  // namespace thimble

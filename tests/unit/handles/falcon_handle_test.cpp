@@ -1,0 +1,160 @@
+// The Falcon as a handle: positions from legs, forces to motors, and every way to lose it. The exchange is turned by hand, once each
+// millisecond of a time that the test makes.
+#include "master/devices/falcon/falcon_handle.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/handles/falcon_emulator.hpp"
+#include "tests/unit/session_time.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+class FalconHandleTest : public testing::Test {
+  protected:
+    FalconHandleTest() {
+        device.running = true;
+        link.control(3, 0x0002);
+        device.put_hand_at({0, 0, 0.115});
+        exchange.turn();
+    }
+    // One millisecond: the handle is read and pushes, then a packet goes and one comes.
+    HandleSample step(double force_hand_N = 0) {
+        now += milliseconds{1};
+        const HandleSample sample = handle.read(now);
+        handle.command_force(now, force_hand_N);
+        exchange.turn();
+        return sample;
+    }
+    bool motors_still() const { return device.commanded.motors == FalconTriple{}; }
+    // Breaks it in a trial with force; how many reads were still good.
+    template <class Break>
+    int good_reads_after(Break&& break_it) {
+        handle.enable_force(now, true);
+        for (int i = 0; i < 5; ++i) step(2);
+        EXPECT_FALSE(motors_still());
+        break_it();
+        int good = 0;
+        while (good < 200 && step(2).valid) ++good;
+        return good;
+    }
+    void expect_gone_for_good(const char* words) {
+        EXPECT_THAT(std::string(handle.fault()), testing::StartsWith("Novint Falcon, serial F1: "));
+        EXPECT_THAT(std::string(handle.fault()), HasSubstr(words));
+        EXPECT_LT(handle.fault().size(), 320U);
+        handle.enable_force(now, true);
+        EXPECT_FALSE(step(5).valid);
+        EXPECT_EQ(step(5).force_hand_N, 0);
+    }
+
+    FalconEmulator device;
+    EmulatedFalconLink link{device};
+    FalconExchange exchange{link};
+    FalconHandle handle{FalconSettings{}, 8, "Novint Falcon, serial F1", exchange};
+    SessionTime now = at(milliseconds{7});
+};
+
+TEST_F(FalconHandleTest, ZIsTowardsTheBaseFromTheMiddle) {
+    EXPECT_TRUE(handle.fault().empty());
+    EXPECT_NEAR(step().position_hand_m, 0.010, 5e-5);  // a count is 48 um there
+    device.put_hand_at({0, 0, 0.13});
+    step();
+    EXPECT_NEAR(step().position_hand_m, -0.005, 5e-5);
+}
+
+TEST_F(FalconHandleTest, AForceBecomesMotorCounts) {
+    device.put_hand_at({0, 0, 0.110});
+    exchange.turn();
+    handle.enable_force(now, true);
+    step(1);
+    // 1 N outwards is +z of the device; the golden vector is for inwards.
+    for (const std::int16_t counts : device.commanded.motors) EXPECT_NEAR(counts, -241, 2);
+    EXPECT_EQ(step(1).force_hand_N, 1);
+    step(100);
+    for (const std::int16_t counts : device.commanded.motors) EXPECT_NEAR(counts, -8 * 241, 12);
+    EXPECT_EQ(step(100).force_hand_N, 8);  // its limit
+}
+
+TEST_F(FalconHandleTest, WithoutForceItIsAnEncoder) {
+    handle.enable_force(now, false);
+    for (int i = 0; i < 20; ++i) {
+        EXPECT_TRUE(step(5).valid);
+        EXPECT_TRUE(motors_still());
+    }
+    handle.enable_force(now, true);
+    step(5);
+    EXPECT_FALSE(motors_still());
+    step(std::numeric_limits<double>::quiet_NaN());
+    EXPECT_TRUE(motors_still());
+    handle.enable_force(now, false);
+    exchange.turn();
+    EXPECT_TRUE(motors_still());
+}
+
+TEST_F(FalconHandleTest, ForcesBeyondTheMotorsAreCountedAndCut) {
+    FalconSettings strong;
+    strong.motor_gain_per_Nm = 1e5;
+    FalconHandle hard(strong, 12, "strong", exchange);
+    hard.enable_force(now, true);
+    hard.command_force(now, 12);
+    exchange.turn();
+    EXPECT_EQ(hard.saturated(), 1U);
+    for (const std::int16_t counts : device.commanded.motors) EXPECT_LE(std::abs(counts), kFalconMotorLimit);
+}
+
+TEST_F(FalconHandleTest, BeforeHomingThereIsNoForceAndTheWordsSayWhatToDo) {
+    device.report.homed_legs = 3;
+    FalconExchange fresh(link);
+    fresh.turn();
+    FalconHandle unhomed(FalconSettings{}, 8, "Falcon", fresh);
+    EXPECT_THAT(std::string(unhomed.fault()), HasSubstr("pull the handle out"));
+    unhomed.enable_force(now, true);
+    EXPECT_FALSE(unhomed.read(now += milliseconds{1}).valid);
+    unhomed.command_force(now, 5);
+    fresh.turn();
+    EXPECT_TRUE(motors_still());
+    device.report.homed_legs = 7;  // the person has done it
+    fresh.turn();
+    EXPECT_TRUE(unhomed.fault().empty());
+    EXPECT_TRUE(unhomed.read(now += milliseconds{1}).valid);
+}
+
+TEST_F(FalconHandleTest, UnpluggedItIsGoneAtOnce) {
+    EXPECT_LE(good_reads_after([this] { device.unplugged = true; }), 1);
+    expect_gone_for_good("unplugged");
+    device.unplugged = false;  // plugged in again: a hand may be anywhere by now
+    EXPECT_FALSE(step(5).valid);
+}
+
+TEST_F(FalconHandleTest, AStalledDeviceLosesItsForce) {
+    EXPECT_LE(good_reads_after([this] { device.silent = true; }), 22);
+    expect_gone_for_good("no report for 20 ms");
+    EXPECT_TRUE(motors_still());
+}
+
+TEST_F(FalconHandleTest, GarbledReportsAreNoReports) {
+    EXPECT_LE(good_reads_after([this] { device.garbled_reports = true; }), 22);
+    expect_gone_for_good("no report");
+}
+
+TEST_F(FalconHandleTest, LostHomingIsAFaultInTwoTicks) {
+    EXPECT_LE(good_reads_after([this] { device.report.homed_legs = 0; }), 1);
+    expect_gone_for_good("has lost where its legs are");
+    EXPECT_TRUE(motors_still());
+}
+
+TEST_F(FalconHandleTest, CountsThatNoPositionHasAreAFaultInTwoTicks) {
+    EXPECT_LE(good_reads_after([this] { device.report.encoders = {32767, 0, -32768}; }), 1);
+    expect_gone_for_good("impossible encoder counts 32767 0 -32768");
+    EXPECT_TRUE(motors_still());
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,133 @@
+// The Falcon's driver through the real libusb, with an emulated device below it (umockdev): found, loaded, read, pushed, lost.
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <numeric>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "master/devices/falcon/falcon_handle.hpp"
+#include "master/devices/usb_presence.hpp"
+#include "tests/unit/handles/mock_usb.hpp"
+#include "tests/unit/session_time.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kLimit_N = 8;
+
+class FalconUsb : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!MockBus::works())
+            GTEST_SKIP() << "not run under umockdev-wrapper (package umockdev): no emulated USB";
+    }
+    // Running and homed, the hand in the middle.
+    static void make_ready(FalconEmulator& device) {
+        device.running = true;
+        device.put_hand_at({0, 0, 0.115});
+    }
+    std::string refusal() const {
+        try {
+            open_falcon(settings, kLimit_N);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "opened";
+    }
+    // The exchange has a thread of its own: waits for what it must bring. False if patience ended first.
+    static bool comes(const std::function<bool()>& condition) {
+        for (int i = 0; i < 5000; ++i) {
+            if (condition()) return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        }
+        return false;
+    }
+
+    MockBus bus;
+    FalconSettings settings;
+    SessionTime now = at(std::chrono::milliseconds{5});  // stands still: no report is late
+};
+
+TEST_F(FalconUsb, IsReadAndPushed) {
+    MockFalcon falcon(bus, 2, "F1");
+    falcon.with(make_ready);
+    const auto handle = open_falcon(settings, kLimit_N);
+    EXPECT_EQ(handle->name(), "Novint Falcon, serial F1");
+    ASSERT_TRUE(comes([&] { return handle->fault().empty(); }));
+    handle->enable_force(now, true);
+    EXPECT_NEAR(handle->read(now).position_hand_m, 0.010, 5e-5);
+    EXPECT_TRUE(comes([&] {
+        handle->command_force(now, 1);
+        handle->read(now);
+        return falcon.with([](FalconEmulator& device) { return device.commanded.motors[0] < -200; });
+    }));
+}
+
+TEST_F(FalconUsb, GetsItsFirmware) {
+    std::vector<char> image(500);
+    std::iota(image.begin(), image.end(), char{0});
+    const auto path = std::filesystem::temp_directory_path() / "thimble-falcon-usb-test.bin";
+    std::ofstream(path, std::ios::binary).write(image.data(), static_cast<std::streamsize>(image.size()));
+    MockFalcon falcon(bus, 2, "F1");
+    falcon.with([](FalconEmulator& device) { device.image_bytes = 500; });
+    EXPECT_THAT(refusal(), HasSubstr("the Falcon has no firmware"));
+    settings.firmware = path.string();
+    settings.firmware_sha256 = std::string(64, '0');
+    EXPECT_THAT(refusal(), HasSubstr("firmware_sha256 says 000"));
+    // sha256sum of the bytes 0, 1, ... 255, 0, ... 243
+    settings.firmware_sha256 = "6a259da4dacdfb0f51369649cbf8864d8e2d675462c8625a70334bfc2c50d1af";
+    EXPECT_EQ(refusal(), "opened");
+    EXPECT_TRUE(
+        falcon.with([](FalconEmulator& device) { return device.running && device.loaded.size() == 500; }));
+    std::filesystem::remove(path);
+}
+
+TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
+    MockFalcon falcon(bus, 2, "F1");
+    falcon.with(make_ready);
+    const auto handle = open_falcon(settings, kLimit_N);
+    ASSERT_TRUE(comes([&] { return handle->fault().empty(); }));
+    handle->enable_force(now, true);
+    ASSERT_TRUE(handle->read(now).valid);
+    falcon.unplug();
+    ASSERT_TRUE(comes([&] { return !handle->read(now).valid; }));
+    EXPECT_THAT(std::string(handle->fault()),
+                HasSubstr("Novint Falcon, serial F1: it was unplugged or switched off"));
+}
+
+TEST_F(FalconUsb, TellsAbsentFromBusyAndOneFromTwo) {
+    EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kAbsent);
+    EXPECT_THAT(refusal(), HasSubstr("no Novint Falcon is on the USB"));
+    MockFalcon first(bus, 2, "F1");
+    first.with(make_ready);
+    EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kFree);
+    EXPECT_EQ(look_for_usb(0x0403, 0x6001).presence, UsbPresence::kAbsent);
+    EXPECT_EQ(look_for_usb(0x0403, std::nullopt).count, 1);
+    first.be_claimed_by_somebody();
+    EXPECT_THAT(refusal(), HasSubstr("another program has it: `sudo fuser -v " + first.file()));
+    MockFalcon second(bus, 3, "F2");
+    second.with(make_ready);
+    EXPECT_THAT(refusal(), HasSubstr("2 Falcons are connected, with the serial numbers F1, F2"));
+    settings.serial = "F2";
+    EXPECT_EQ(refusal(), "opened");
+    settings.serial = "F3";
+    EXPECT_THAT(refusal(), HasSubstr("with serial 'F3' to be had (there are F1, F2)"));
+}
+
+TEST_F(FalconUsb, TellsForbidden) {
+    if (geteuid() == 0) GTEST_SKIP() << "root may open everything";
+    MockFalcon falcon(bus, 2, "F1");
+    std::filesystem::permissions(falcon.file(), std::filesystem::perms::none);
+    EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kForbidden);
+    EXPECT_THAT(refusal(), HasSubstr("deploy/udev/70-thimble-handles.rules"));
+}
+
+}  // namespace
+}  // namespace thimble

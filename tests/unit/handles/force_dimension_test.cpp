@@ -1,0 +1,232 @@
+// Force Dimension's handle through the real dlopen, with a library of our own and a script behind it.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+#include "master/devices/force_dimension/force_dimension_handle.hpp"
+#include "tests/unit/session_time.hpp"
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+class ForceDimension : public testing::Test {
+  protected:
+    ForceDimension() {
+        std::string name = (fs::temp_directory_path() / "thimble-dhd-XXXXXX").string();
+        folder_ = ::mkdtemp(name.data());
+        script("");
+    }
+    ~ForceDimension() override { fs::remove_all(folder_); }
+
+    void script(const std::string& lines) {
+        std::ofstream(folder_ / "script") << "log " << (folder_ / "log").string() << '\n' << lines;
+        setenv("THIMBLE_FAKE_DHD", (folder_ / "script").c_str(), 1);
+    }
+    std::unique_ptr<ForceDimensionHandle> open() {
+        return std::make_unique<ForceDimensionHandle>(settings_, 12.0, DhdLibrary(THIMBLE_FAKE_DHD_FILE));
+    }
+    // Why it cannot be opened.
+    std::string refusal() {
+        try {
+            open();
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "opened";
+    }
+    std::string log() const {
+        std::ifstream file(folder_ / "log");
+        std::stringstream text;
+        text << file.rdbuf();
+        return text.str();
+    }
+    // Reads for so many milliseconds with this force; false from the first that is not valid.
+    bool reads(ForceDimensionHandle& handle, int count, double force_hand_N = 0) {
+        for (int i = 0; i < count; ++i) {
+            now_ += milliseconds{1};
+            if (!handle.read(now_).valid) return false;
+            handle.command_force(now_, force_hand_N);
+        }
+        return true;
+    }
+    // With force, until something happens; how many reads were still good.
+    int good_reads(ForceDimensionHandle& handle) {
+        handle.enable_force(now_, true);
+        int good = 0;
+        while (good < 1000 && reads(handle, 1, 3)) ++good;
+        return good;
+    }
+
+    fs::path folder_;
+    ForceDimensionSettings settings_;
+    SessionTime now_ = at(milliseconds{5});
+};
+
+TEST_F(ForceDimension, IsPreparedReadAndPushed) {
+    script("x -0.02\n");
+    auto handle = open();
+    EXPECT_EQ(handle->name(), "omega.3, serial 1001, SDK 3.17.0.0");
+    EXPECT_THAT(log(), HasSubstr("max 12.000000\ngravity 1\nbrakes 0\nwatchdog 255\n"));
+    const HandleSample sample = handle->read(now_);
+    EXPECT_DOUBLE_EQ(sample.position_hand_m, 0.02);
+    EXPECT_TRUE(sample.valid);
+    handle->enable_force(now_, true);
+    handle->command_force(now_, 3);
+    EXPECT_THAT(log(), testing::EndsWith("enable 1\nforce 0.000 0.000 0.000\nforce 3.000 0.000 0.000\n"));
+    EXPECT_EQ(handle->read(now_ += milliseconds{1}).force_hand_N, 3);
+    handle->command_force(now_, 20);
+    EXPECT_EQ(handle->read(now_ += milliseconds{1}).force_hand_N, 12);
+    handle.reset();
+    EXPECT_THAT(log(), testing::EndsWith("stop\nclose\n"));
+}
+
+TEST_F(ForceDimension, WithoutForceItIsAnEncoder) {
+    auto handle = open();
+    handle->enable_force(now_, false);
+    EXPECT_TRUE(reads(*handle, 100, 5));
+    EXPECT_EQ(handle->read(now_).force_hand_N, 0);
+    EXPECT_THAT(log(), testing::Not(HasSubstr("force")));
+    handle->enable_force(now_, true);
+    reads(*handle, 1, 5);
+    handle->enable_force(now_, false);
+    EXPECT_THAT(log(),
+                testing::EndsWith("force 5.000 0.000 0.000\nforce 0.000 0.000 0.000\nenable 0\nbrakes 0\n"));
+}
+
+TEST_F(ForceDimension, AVirtualConstraintHoldsTheOtherAxes) {
+    script("moved_after 50\n");
+    settings_.axis.lateral = LateralHold::kVirtual;
+    settings_.axis.lateral_damping_Ns_per_m = 0;
+    auto handle = open();
+    handle->enable_force(now_, true);
+    EXPECT_TRUE(reads(*handle, 100, 2));
+    EXPECT_THAT(log(), testing::EndsWith("force 2.000 0.000 0.000\nforce 2.000 -1.000 0.000\n"));
+}
+
+TEST_F(ForceDimension, TheVelocityOfTheSdkAgreesWithOurs) {
+    script("press 0.03\n");
+    auto handle = open();
+    EXPECT_TRUE(reads(*handle, 1000));
+    EXPECT_GT(handle->velocity_difference_m_per_s(), 0);
+    EXPECT_LT(handle->velocity_difference_m_per_s(), 0.005);  // of 0.047 m/s at most
+}
+
+TEST_F(ForceDimension, SaturationIsCountedAndGoesOn) {
+    script("saturated_after 10\n");
+    auto handle = open();
+    handle->enable_force(now_, true);
+    EXPECT_TRUE(reads(*handle, 30, 3));
+    EXPECT_GE(handle->saturated(), 15U);
+    nlohmann::ordered_json report;
+    handle->describe(report);
+    EXPECT_EQ(report["saturated"], handle->saturated());
+}
+
+struct Fault {
+    const char* name;
+    const char* script;
+    int good_reads_at_most;
+    const char* words;
+};
+std::ostream& operator<<(std::ostream& out, const Fault& fault) { return out << fault.name; }
+
+class ForceDimensionFault : public ForceDimension, public testing::WithParamInterface<Fault> {};
+
+// Two ticks for what every call tells, the status' period for what it tells, 20 ms for a clock that stands.
+TEST_P(ForceDimensionFault, TakesTheForceAwayAndSaysWhy) {
+    script(GetParam().script);
+    auto handle = open();
+    EXPECT_LE(good_reads(*handle), GetParam().good_reads_at_most);
+    EXPECT_THAT(std::string(handle->fault()), testing::StartsWith("omega.3, serial 1001"));
+    EXPECT_THAT(std::string(handle->fault()), HasSubstr(GetParam().words));
+    EXPECT_LT(handle->fault().size(), 320U);
+    EXPECT_EQ(handle->read(now_).force_hand_N, 0);
+    EXPECT_FALSE(handle->read(now_).valid);
+    EXPECT_THAT(log(), testing::EndsWith("stop\n"));
+    const std::string before = log();
+    handle->enable_force(now_, true);  // nor does the next trial bring it back
+    handle->command_force(now_, 5);
+    EXPECT_EQ(log(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, ForceDimensionFault,
+                         testing::Values(Fault{"Unplugged", "unplugged_after 30\n", 30,
+                                               "communication error"},
+                                         Fault{"Stalled", "stalled_after 30\n", 51, "its clock stands still"},
+                                         Fault{"Garbled", "garbled_after 30\n", 30, "impossible position"},
+                                         Fault{"Uncalibrated", "uncalibrated_after 30\n", 40,
+                                               "hold the handle in its rest position"},
+                                         Fault{"MotorsOff", "motors_off_after 30\n", 40,
+                                               "its watchdog: this program called too rarely"}),
+                         [](const auto& fault) { return std::string(fault.param.name); });
+
+TEST_F(ForceDimension, SaysWhichDeviceItCannotHave) {
+    script("devices 0\n");
+    EXPECT_THAT(refusal(), HasSubstr("no Force Dimension handle found"));
+    script("devices 2\n");
+    EXPECT_THAT(refusal(), HasSubstr("name one by [handle.force_dimension] serial"));
+    settings_.serial = 1002;
+    EXPECT_EQ(open()->name(), "omega.3, serial 1002, SDK 3.17.0.0");
+    settings_.serial = 7;
+    EXPECT_THAT(refusal(), HasSubstr("serial 7: number 0 has serial 1001; number 1 has serial 1002"));
+    settings_.serial = 0;
+    script("in_use 1\n");
+    EXPECT_THAT(refusal(), HasSubstr("device already in use (error 20)"));
+    script("type 60\n");
+    EXPECT_THAT(refusal(), HasSubstr("a Falcon has a driver of its own"));
+    script("uncalibrated 1\n");
+    EXPECT_THAT(refusal(), HasSubstr("it is not calibrated"));
+    script("power 0\n");
+    EXPECT_THAT(refusal(), HasSubstr("switch it on"));
+    script("no_watchdog 1\n");
+    EXPECT_THAT(refusal(), HasSubstr("watchdog = false"));
+    settings_.watchdog = false;
+    EXPECT_EQ(refusal(), "opened");
+}
+
+std::string library_refusal(const std::string& file) {
+    try {
+        const DhdLibrary library(file);
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "opened";
+}
+
+TEST_F(ForceDimension, SaysWhichLibraryItLacks) {
+    EXPECT_THAT(library_refusal("/nowhere/libdhd.so.3"),
+                HasSubstr("/nowhere/libdhd.so.3: cannot open shared object"));
+    EXPECT_THAT(library_refusal("/nowhere/libdhd.so.3"), HasSubstr("[handle.force_dimension] library"));
+    EXPECT_THAT(library_refusal(THIMBLE_NO_DHD_FILE), HasSubstr("has no function dhdOpenID"));
+    std::ofstream(folder_ / "libdhd.so.3.17.0") << "no library";
+    const std::string link = (folder_ / "libdhd.so.3").string();
+    EXPECT_THAT(library_refusal(link),
+                HasSubstr("The link is missing: run `sudo ln -s libdhd.so.3.17.0 " + link));
+}
+
+TEST_F(ForceDimension, LooksWhereTheSdkLiesNewestFirst) {
+    const fs::path lib = folder_ / "lib";
+    fs::create_directories(lib);
+    for (const char* name : {"libdhd.so.3.9.1", "libdhd.so.3.17.0", "libdrd.so.3.9.1", "libother.so.3"}) {
+        std::ofstream(lib / name) << "";
+    }
+    std::vector<std::string> names;
+    for (const fs::path& file : dhd_files_in(lib)) names.push_back(file.filename().string());
+    EXPECT_THAT(names, testing::ElementsAre("libdrd.so.3.9.1", "libdhd.so.3.17.0", "libdhd.so.3.9.1"));
+    setenv("FORCEDIMENSION_LIB", THIMBLE_FAKE_DHD_FILE, 1);
+    EXPECT_EQ(DhdLibrary("").file(), THIMBLE_FAKE_DHD_FILE);
+    unsetenv("FORCEDIMENSION_LIB");
+}
+
+}  // namespace
+}  // namespace thimble

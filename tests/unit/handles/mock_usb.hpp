@@ -1,0 +1,78 @@
+// USB devices that are not there, below the real libusb: umockdev answers the file system and the calls that libusb makes to the
+// kernel's usbfs, and an emulated Falcon answers the transfers. Needs umockdev's library preloaded (umockdev-wrapper).
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <umockdev.h>
+#include <vector>
+
+#include "tests/unit/handles/falcon_emulator.hpp"
+
+namespace thimble {
+
+class MockBus {
+  public:
+    MockBus();
+    ~MockBus();
+    MockBus(const MockBus&) = delete;
+    MockBus& operator=(const MockBus&) = delete;
+
+    // Whether libusb's calls come here at all.
+    static bool works();
+    UMockdevTestbed* testbed() const { return testbed_; }
+
+  private:
+    UMockdevTestbed* testbed_;
+};
+
+class MockFalcon {
+  public:
+    // The `number`th device on the bus, from 2.
+    MockFalcon(const MockBus& bus, int number, std::string serial);
+    ~MockFalcon();
+    MockFalcon(const MockFalcon&) = delete;
+    MockFalcon& operator=(const MockFalcon&) = delete;
+
+    // With the emulator, while no transfer is served.
+    template <class Use>
+    auto with(Use&& use) {
+        const std::lock_guard lock(mutex_);
+        return use(emulator_);
+    }
+    void unplug();
+    void be_claimed_by_somebody() { busy_ = true; }
+    std::string file() const;  // as the program sees it: /dev/bus/usb/001/002
+
+  private:
+    struct Urb {
+        UMockdevIoctlData *urb = nullptr, *buffer = nullptr;
+        std::uint64_t address = 0;
+    };
+    static int on_ioctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
+    int serve(UMockdevIoctlClient* client);
+    void submit(UMockdevIoctlData* argument);
+    void control(Urb urb);
+    void finish(Urb urb, int status, const std::vector<std::uint8_t>& data, std::size_t offset, int length);
+    bool discard(UMockdevIoctlData* argument);
+    bool reap(UMockdevIoctlData* argument);
+    void feed();
+    void signal_done();
+    static void forget(Urb urb);
+
+    std::string path_, serial_;
+    std::mutex mutex_;
+    FalconEmulator emulator_;
+    UMockdevIoctlBase* base_ = nullptr;
+    int fifo_ = -1;
+    bool full_ = false;  // the fifo: nothing to reap
+    bool busy_ = false;
+    std::list<Urb> pending_in_;
+    std::deque<Urb> done_;
+};
+
+}  // namespace thimble
