@@ -1,5 +1,9 @@
 // thimble-master: the handle with the operator's hand on it.
+#include <memory>
+
+#include "common/runtime/hid/hid_thread.hpp"
 #include "common/runtime/node_program.hpp"
+#include "master/devices/hid/hid_hand.hpp"
 #include "master/devices/pointer_handle.hpp"
 #include "master/devices/simulated_handle.hpp"
 #include "master/master_process.hpp"
@@ -8,19 +12,28 @@ namespace {
 
 using namespace thimble;
 
+// A person's SpaceMouse or gamepad, and the thread that talks to it.
+struct HidInput {
+    explicit HidInput(const HandleSettings& settings)
+        : hand(settings.hid), handle(settings, settings.hid, hand), thread(hand) {}
+    HidHand hand;
+    HidHandle handle;
+    HidThread thread;
+};
+
 class Master final : public NodeInstance {
   public:
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
         : pointer_(settings),
           handle_(settings, read_operator_parameters(file.table("operator"))),
+          hid_(settings.kind == HandleKind::kHid ? std::make_unique<HidInput>(settings) : nullptr),
           pointed_(settings.kind == HandleKind::kPointer),
           process_(instance, read_master_settings(file.table("master")),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
                     sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
                     sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
                     sockets.inlet(Port::kMasterPerceptVisual, Role::kVisual)},
-                   pointed_ ? static_cast<HapticDevice&>(pointer_) : handle_,
-                   pointed_ ? static_cast<OperatorPort&>(pointer_) : handle_) {
+                   chosen<HapticDevice>(), chosen<OperatorPort>()) {
         if (pointed_) process_.follow_hand(*sockets.inlet(Port::kMasterHand, Role::kVisual), pointer_);
     }
 
@@ -30,12 +43,22 @@ class Master final : public NodeInstance {
         report["samples_skipped"] = process_.samples_skipped();
         report["round_trip"] = quantiles(process_.round_trip().age());  // of the last trial, as the next
         report["hold"] = quantiles(process_.round_trip().hold());
+        if (hid_)
+            report["hid"] = {{"attachments", hid_->hand.attachments()},
+                             {"bad_reports", hid_->hand.bad_reports()}};
     }
 
   private:
-    // One of the two is used; the other lies idle.
+    template <class Seam>
+    Seam& chosen() {
+        if (hid_) return hid_->handle;
+        return pointed_ ? static_cast<Seam&>(pointer_) : handle_;
+    }
+
+    // One of them is used; the others lie idle.
     PointerHandle pointer_;
     SimulatedHandle handle_;
+    std::unique_ptr<HidInput> hid_;
     bool pointed_;
     MasterProcess process_;
 };
@@ -51,7 +74,7 @@ int main(int argc, char** argv) {
         "and gives "
         "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it, or "
         "drawn by a "
-        "person's pointer.";
+        "person's pointer, SpaceMouse or gamepad.";
     program.example = "thimble-master --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "handle", "operator"};
     program.flags = {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/config.hpp"
+#include "master/devices/hid/hid_settings.hpp"
 #include "master/operator/limb.hpp"
 
 namespace thimble {
@@ -9,6 +10,7 @@ namespace thimble {
 enum class HandleKind : std::uint8_t {
     kSimulated,  // held by the virtual operator (simulated_handle.hpp)
     kPointer,    // drawn by a person's mouse (pointer_handle.hpp)
+    kHid,        // by a person's SpaceMouse, joystick or gamepad (hid/hid_hand.hpp)
 };
 
 // Between a person's pointer and the simulated handle. A pointer is a position that no force can move, so the
@@ -25,7 +27,8 @@ struct HandleSettings {
     double force_limit_N = 12;           // [V] omega.3; clips, both directions
     HandleMechanics mechanics;
     HandleKind kind = HandleKind::kSimulated;
-    CouplingSettings coupling{};  // kPointer
+    CouplingSettings coupling{};  // kPointer, kHid
+    HidHandSettings hid{};        // kHid
 };
 
 // Throws Error (usage).
