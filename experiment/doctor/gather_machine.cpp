@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "cutaneous_node/board/board_reports.hpp"
 #include "experiment/doctor/gather.hpp"
 #include "experiment/subprocess.hpp"
 #include "master/devices/hid/hid_models.hpp"
@@ -19,8 +20,6 @@ namespace fs = std::filesystem;
 
 // Link types of /sys/class/net/*/type (ARPHRD_...).
 constexpr const char* kCanLink = "280";
-// As FingertipActuator's board has it (docs/board-protocol.md).
-constexpr std::uint16_t kBoardPage = 0xff54, kBoardUsage = 1;
 
 std::string read_whole(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -83,7 +82,7 @@ std::optional<DeviceFacts::Device> hid_device(const fs::path& root, const fs::pa
     const bool desktop = layout->usage_page == kGenericDesktop;
     const bool stick = desktop && (layout->usage == kJoystickUsage || layout->usage == kGamepadUsage ||
                                    layout->usage == kMultiAxisUsage);
-    if (layout->usage_page == kBoardPage && layout->usage == kBoardUsage) {
+    if (layout->usage_page == kBoardUsagePage && layout->usage == kBoardUsage) {
         device.use = DeviceUse::kFingertipBoard;
     } else if (stick && (!model || model->six_axes)) {
         device.use = DeviceUse::kHidHand;
