@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "common/error.hpp"
 #include "cutaneous_node/board/board_reports.hpp"
 #include "experiment/doctor/gather.hpp"
 #include "experiment/subprocess.hpp"

@@ -7,6 +7,7 @@
 #include <sys/timex.h>
 #include <thread>
 
+#include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"

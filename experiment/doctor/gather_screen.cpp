@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "common/error.hpp"
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/gl_window.hpp"
 #endif

@@ -31,6 +31,9 @@ struct HandleSettings {
     HidHandSettings hid{};        // kHid
 };
 
+// Somebody who does not say when a trial is over: it ends with the needle withdrawn.
+constexpr bool held_by_person(HandleKind kind) { return kind != HandleKind::kSimulated; }
+
 // Throws Error (usage).
 HandleSettings read_handle_settings(const ConfigTable& table);
 

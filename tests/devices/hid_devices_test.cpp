@@ -6,7 +6,7 @@
 #include "common/runtime/hid/hidapi_bus.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
 #include "master/devices/hid/hid_hand.hpp"
-#include "tests/devices/mock_hid.hpp"
+#include "tests/devices/mock_devices.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
 #include "tests/unit/session_time.hpp"
@@ -17,20 +17,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::HasSubstr;
-
-// Six axes of 16 bits in report 1, as the descriptor of a SpaceMouse begins.
-const Report kCapDescriptor{0x05, 0x01, 0x09, 0x08, 0xa1, 0x01, 0x85, 0x01, 0x16,
-                            0xa2, 0xfe, 0x26, 0x5e, 0x01, 0x09, 0x30, 0x09, 0x31,
-                            0x09, 0x32, 0x75, 0x10, 0x95, 0x03, 0x81, 0x06, 0xc0};
-// As docs/board-protocol.md prints it.
-const Report kBoardDescriptor{0x06, 0x54, 0xff, 0x09, 0x01, 0xa1, 0x01, 0x15, 0x00, 0x26,
-                              0xff, 0x00, 0x75, 0x08, 0x95, 0x09, 0x85, 0x01, 0x09, 0x01,
-                              0x91, 0x02, 0x85, 0x02, 0x09, 0x02, 0x81, 0x02, 0xc0};
-
-MockHidDevice cap(unsigned number = 0, const std::string& serial = "A1") {
-    return {number, 0x256f, 0xc635, "SpaceMouse Compact", serial, kCapDescriptor};
-}
-MockHidDevice board() { return {1, 0x1209, 0x0001, "Thimble board", "B7", kBoardDescriptor}; }
 
 Report bytes_of(const BoardReport& report) { return {report.begin(), report.end()}; }
 
@@ -60,8 +46,8 @@ class HidDevices : public testing::Test {
 };
 
 TEST_F(HidDevices, AreListedWithWhatTheySayTheyAre) {
-    mock->plug(cap());
-    mock->plug(board());
+    mock->plug(mock_cap());
+    mock->plug(mock_board());
     const auto devices = bus->list();
     ASSERT_EQ(devices.size(), 2U);
     for (const HidDevice& device : devices) {
@@ -74,7 +60,7 @@ TEST_F(HidDevices, AreListedWithWhatTheySayTheyAre) {
 }
 
 TEST_F(HidDevices, ASpaceMouseIsReadLostAndFoundAgain) {
-    mock->plug(cap());
+    mock->plug(mock_cap());
     HidHand hand{HidHandSettings{}};
     HidAttendant attendant(*bus, hand, say);
     attendant.step(now);
@@ -84,14 +70,14 @@ TEST_F(HidDevices, ASpaceMouseIsReadLostAndFoundAgain) {
     mock->unplug(0);
     EXPECT_TRUE(step_until(attendant, [&] { return !hand.deflection(); }));
     EXPECT_THAT(said.back(), HasSubstr("is gone: plug it in again"));
-    mock->plug(cap(3));
+    mock->plug(mock_cap(3));
     EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == 0.0; }));
     EXPECT_THAT(said.back(), HasSubstr("/dev/hidraw3 is in use"));
 }
 
 TEST_F(HidDevices, TwoAreNotGuessedAtAndOneIsChosenBySerial) {
-    mock->plug(cap(0, "A1"));
-    mock->plug(cap(1, "B2"));
+    mock->plug(mock_cap(0, "A1"));
+    mock->plug(mock_cap(1, "B2"));
     HidHand any{HidHandSettings{}};
     HidAttendant unsure(*bus, any, say);
     unsure.step(now);
@@ -106,7 +92,7 @@ TEST_F(HidDevices, TwoAreNotGuessedAtAndOneIsChosenBySerial) {
 }
 
 TEST_F(HidDevices, ABoardIsToldAndHeard) {
-    mock->plug(board());
+    mock->plug(mock_board());
     BoardActuator actuator(HidChoice{}, 1.5);
     HidAttendant attendant(*bus, actuator, say);
     EXPECT_THAT(actuator.trouble(), HasSubstr("not plugged in"));
@@ -129,7 +115,7 @@ TEST_F(HidDevices, ABoardIsToldAndHeard) {
 TEST_F(HidDevices, TheThreadFindsADeviceAndEnds) {
     HidHand hand{HidHandSettings{}};
     { const HidThread looking(hand); }
-    mock->plug(cap());
+    mock->plug(mock_cap());
     {
         const HidThread reading(hand);
         EXPECT_TRUE(wait_until([&] { return hand.deflection().has_value(); }));

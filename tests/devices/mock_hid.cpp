@@ -18,23 +18,24 @@
 #include <fmt/format.h>
 
 namespace thimble {
-namespace {
 
-struct Plugged {
+struct PluggedMock {
     MockHidDevice device;
     std::string path;  // in sysfs, of the USB device
     int board_end = -1, computer_end = -1;
     UMockdevIoctlBase* handler = nullptr;
 };
 
+namespace {
+
 // What hidapi asks when it opens a device.
 gboolean answer_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, gpointer data) {
-    const auto& device = static_cast<const Plugged*>(data)->device;
+    const auto& device = static_cast<const PluggedMock*>(data)->device;
     const gulong request = umockdev_ioctl_client_get_request(client);
     UMockdevIoctlData* const argument = umockdev_ioctl_client_get_arg(client);
     UMockdevIoctlData* const memory = umockdev_ioctl_data_resolve(argument, 0, _IOC_SIZE(request), nullptr);
-    const auto fill = [memory](const auto& value) {
-        umockdev_ioctl_data_update(memory, 0, reinterpret_cast<const guint8*>(&value), sizeof value);
+    const auto fill = [memory](auto value) {
+        umockdev_ioctl_data_update(memory, 0, reinterpret_cast<guint8*>(&value), sizeof value);
     };
     int result = 0, error = 0;
     if (memory == nullptr) {
@@ -65,7 +66,7 @@ void complain(GError* error) {
 
 struct MockHid::Impl {
     UMockdevTestbed* bed = umockdev_testbed_new();
-    std::map<unsigned, std::unique_ptr<Plugged>> plugged;
+    std::map<unsigned, std::unique_ptr<PluggedMock>> plugged;
 };
 
 bool MockHid::possible() {
@@ -81,7 +82,7 @@ MockHid::~MockHid() {
 }
 
 void MockHid::plug(const MockHidDevice& device) {
-    auto plugged = std::make_unique<Plugged>();
+    auto plugged = std::make_unique<PluggedMock>();
     plugged->device = device;
     const unsigned n = device.number;
     plugged->path = fmt::format("/devices/pci0/usb1/1-{}", n + 1);
