@@ -54,7 +54,7 @@ void tud_hid_set_report_cb(uint8_t instance, uint8_t report_id, hid_report_type_
     pressing = true;
     for (int finger = 0; finger < 2; ++finger) {
         const unsigned asked = report[4 + 2 * finger] + 256u * report[5 + 2 * finger];
-        wanted_mN[finger] = (uint16_t)(asked < MOST_MN ? asked : MOST_MN);
+        wanted_mN[finger] = asked < MOST_MN ? (uint16_t)asked : (uint16_t)MOST_MN;
     }
 }
 

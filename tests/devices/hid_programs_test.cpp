@@ -43,7 +43,7 @@ TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
     RealRun run(session("HF", "[handle]\ndevice = \"hid\"\n"));
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     mock->say(0, std::vector<std::uint8_t>{1, 0, 0, 0x5e, 0x01, 0, 0});
-    wall_sleep(milliseconds{300});
+    wall_sleep(milliseconds{200});
     mock->unplug(0);
     EXPECT_TRUE(wait_until([&] {
         return log_of(run, "thimble-master").find("is gone") != std::string::npos;

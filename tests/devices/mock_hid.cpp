@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <fcntl.h>
 #include <linux/hidraw.h>
 #include <map>
 #include <poll.h>
@@ -113,6 +114,8 @@ void MockHid::plug(const MockHidDevice& device) {
     std::array<char, 64> name{};
     if (openpty(&plugged->board_end, &plugged->computer_end, name.data(), nullptr, nullptr) != 0)
         throw std::runtime_error("no pseudo terminal");
+    // A copy in a program that a test starts would keep the device alive when it is pulled out.
+    for (const int end : {plugged->board_end, plugged->computer_end}) fcntl(end, F_SETFD, FD_CLOEXEC);
     termios mode{};
     tcgetattr(plugged->computer_end, &mode);
     cfmakeraw(&mode);

@@ -7,6 +7,7 @@
 
 #include "cutaneous_node/board/board_actuator.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
+#include "tests/unit/master/allocation_count.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble::test {
@@ -195,6 +196,17 @@ TEST_F(BoardActuatorTest, ABoardThatIsSlackByItsWatchdogPressesNothing) {
     turn();
     EXPECT_EQ(actuator.output(now).finger, Finger::kNone);
     EXPECT_THAT(actuator.trouble(), IsEmpty());
+}
+
+TEST_F(BoardActuatorTest, TheLoopsHalfAllocatesNothing) {
+    const auto before = allocation_count();
+    for (int i = 0; i < 300; ++i) {
+        actuator.command(now, Finger::kThumb, 1);
+        actuator.output(now);
+        EXPECT_FALSE(actuator.trouble().empty());  // nothing has been heard yet
+    }
+    actuator.release(now);
+    EXPECT_EQ(allocation_count(), before);
 }
 
 TEST(BoardChoice, TwoBoardsAreNotGuessedAt) {

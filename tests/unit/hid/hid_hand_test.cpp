@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
+#include "tests/unit/master/allocation_count.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble::test {
@@ -120,6 +121,13 @@ TEST_F(HidHandleTest, AWallIsNotWoundUpAgainst) {
     say(0xa2, 0xfe);       // full deflection outwards
     const double pressed_m = run(milliseconds{1}, 6.0);
     EXPECT_LT(run(milliseconds{700}, 6.0), pressed_m - 0.005);
+}
+
+TEST_F(HidHandleTest, AllocatesNothing) {
+    say(0x5e, 0x01);
+    const auto before = allocation_count();
+    run(milliseconds{100});
+    EXPECT_EQ(allocation_count(), before);
 }
 
 TEST(HidSettings, AreReadAndRefused) {

@@ -94,9 +94,9 @@ TEST_F(Firmware, SpeaksOftenEnoughWhenNothingChanges) {
 TEST_F(Firmware, LetsGoFiftyMillisecondsAfterTheLastCommand) {
     actuator.command(now, Finger::kIndex, 1);
     run(3);
-    run(49, false);
+    run(46, false);
     EXPECT_EQ(played::pressed_mN[0], 1000);
-    run(3, false);
+    run(6, false);
     EXPECT_EQ(played::pressed_mN[0], 0);
     run(12, false);  // its next status
     const auto status = decode_board_status(played::told);
