@@ -28,3 +28,10 @@ if(THIMBLE_GUI)
     pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
     pkg_check_modules(openal REQUIRED IMPORTED_TARGET openal)
 endif()
+
+# Real devices. Without it every program still runs, with simulated ones.
+option(THIMBLE_DEVICES "build what talks to real devices" ON)
+if(THIMBLE_DEVICES)
+    find_package(PkgConfig REQUIRED)
+    pkg_check_modules(hidapi REQUIRED IMPORTED_TARGET hidapi-hidraw)
+endif()

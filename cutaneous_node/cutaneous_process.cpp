@@ -6,6 +6,7 @@ CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettin
                                    const Channels& channels, FingertipActuator& actuator)
     : NodeProcess(Role::kCutaneous, instance, *channels.control),
       channels_(channels),
+      actuator_(&actuator),
       node_(settings, actuator),
       percept_flow_(Role::kCutaneous, instance, {channels.percept_out}) {}
 

@@ -26,11 +26,15 @@ class CutaneousProcess final : public NodeProcess {
     }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return node_.next_percept(); }
-    bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
+    bool peer_lost(SessionTime now) const override {
+        const bool broken = node_.active() && !actuator_->trouble().empty();
+        return broken || force_flow_.lost_for(now, kPeerTimeout);
+    }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 
   private:
     Channels channels_;
+    FingertipActuator* actuator_;
     CutaneousNode node_;
     InboundFlow force_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;

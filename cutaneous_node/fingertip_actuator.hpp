@@ -1,6 +1,8 @@
 // The third seam: a wearable device that presses the index finger and the thumb, and can never pull.
 #pragma once
 
+#include <string_view>
+
 #include "common/messages.hpp"
 #include "common/time.hpp"
 
@@ -26,6 +28,8 @@ class FingertipActuator {
     virtual FingertipForce output(SessionTime now) = 0;
     // Both cables slack and nothing in flight (start of a trial, stop).
     virtual void release(SessionTime now) = 0;
+    // Which device has failed, why and what to do about it; empty: none. Then it presses nothing.
+    virtual std::string_view trouble() const { return {}; }
 };
 
 }  // namespace thimble

@@ -1,5 +1,9 @@
 // thimble-cutaneous: the wearable fingertip device.
+#include <memory>
+
+#include "common/runtime/hid/hid_thread.hpp"
 #include "common/runtime/node_program.hpp"
+#include "cutaneous_node/board/board_actuator.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 
@@ -7,22 +11,40 @@ namespace {
 
 using namespace thimble;
 
+// A fingertip board, and the thread that talks to it.
+struct Board {
+    explicit Board(const CutaneousSettings& settings)
+        : actuator(settings.board, settings.force_limit_N), thread(actuator) {}
+    BoardActuator actuator;
+    HidThread thread;
+};
+
 class Cutaneous final : public NodeInstance {
   public:
     Cutaneous(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
         : settings_(read_cutaneous_settings(file.table("cutaneous"))),
-          actuator_(settings_),
+          simulated_(settings_),
+          board_(settings_.device == FingertipDevice::kBoard ? std::make_unique<Board>(settings_) : nullptr),
           process_(instance, settings_,
                    {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
                     sockets.inlet(Port::kCutaneousForce, Role::kNetem),
                     sockets.outlet(Port::kMasterPerceptCutaneous)},
-                   actuator_) {}
+                   actuator()) {}
 
     NodeProcess& process() override { return process_; }
+    void describe(nlohmann::ordered_json& report) const override {
+        if (board_) report["board"] = {{"bad_reports", board_->actuator.bad_reports()}};
+    }
 
   private:
+    FingertipActuator& actuator() {
+        if (board_) return board_->actuator;
+        return simulated_;
+    }
+
     CutaneousSettings settings_;
-    SimulatedActuator actuator_;
+    SimulatedActuator simulated_;
+    std::unique_ptr<Board> board_;
     CutaneousProcess process_;
 };
 
@@ -34,7 +56,7 @@ int main(int argc, char** argv) {
     program.description =
         "Presses the force that the needle feels on a finger: the index for a push, the thumb for a pull, of "
         "the hand "
-        "on the handle (CF) or of the other one (CCF). The actuator is simulated.";
+        "on the handle (CF) or of the other one (CCF). The device is simulated, or a fingertip board on USB.";
     program.example = "thimble-cutaneous --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "cutaneous"};
     program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {

@@ -1,9 +1,13 @@
 // thimble-master: the handle with the operator's hand on it.
+#include <memory>
+
 #include <spdlog/spdlog.h>
 
+#include "common/runtime/hid/hid_thread.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "master/devices/hid/hid_hand.hpp"
 #include "master/devices/open_handle.hpp"
 #include "master/devices/pointer_handle.hpp"
 #include "master/devices/simulated_handle.hpp"
@@ -13,6 +17,15 @@ namespace {
 
 using namespace thimble;
 
+// A person's SpaceMouse or gamepad, and the thread that talks to it.
+struct HidInput {
+    explicit HidInput(const HandleSettings& settings)
+        : hand(settings.hid), handle(settings, settings.hid, hand), thread(hand) {}
+    HidHand hand;
+    HidHandle handle;
+    HidThread thread;
+};
+
 class Master final : public NodeInstance {
   public:
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
@@ -20,6 +33,7 @@ class Master final : public NodeInstance {
           handle_(settings, read_operator_parameters(file.table("operator"))),
           real_(
               open_handle(settings, [runtime = read_runtime_settings(file)] { ask_for_realtime(runtime); })),
+          hid_(settings.kind == HandleKind::kHid ? std::make_unique<HidInput>(settings) : nullptr),
           pointed_(settings.kind == HandleKind::kPointer),
           process_(instance, read_master_settings(file.table("master")),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
@@ -38,19 +52,24 @@ class Master final : public NodeInstance {
         report["round_trip"] = quantiles(process_.round_trip().age());  // of the last trial, as the next
         report["hold"] = quantiles(process_.round_trip().hold());
         if (real_) real_->describe(report["handle"]);
+        if (hid_)
+            report["hid"] = {{"attachments", hid_->hand.attachments()},
+                             {"bad_reports", hid_->hand.bad_reports()}};
     }
 
   private:
     template <class Seam>
     Seam& chosen() {
         if (real_) return *real_;
+        if (hid_) return hid_->handle;
         return pointed_ ? static_cast<Seam&>(pointer_) : handle_;
     }
 
-    // One of the three is used; the others lie idle.
+    // One of them is used; the others lie idle.
     PointerHandle pointer_;
     SimulatedHandle handle_;
     std::unique_ptr<RealHandle> real_;
+    std::unique_ptr<HidInput> hid_;
     bool pointed_;
     MasterProcess process_;
 };
@@ -66,7 +85,7 @@ int main(int argc, char** argv) {
         "and gives "
         "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it, or "
         "drawn by a "
-        "person's pointer, or a real one (docs/handles.md).";
+        "person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
     program.example = "thimble-master --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "handle", "operator"};
     program.flags = {

@@ -24,6 +24,7 @@ Command add_replay(CLI::App& app);
 Command add_report(CLI::App& app, const std::string& typed);
 Command add_analyse(CLI::App& app);
 Command add_check(CLI::App& app);
+Command add_doctor(CLI::App& app);
 Command add_exclude(CLI::App& app);
 Command add_link_test(CLI::App& app);
 

@@ -74,7 +74,8 @@ int run_play(const PlayArguments& arguments) {
     }
     if (arguments.visual_command.empty()) check_window(program_folder());
     options.starter =
-        std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command));
+        std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command),
+                                      settings.handle.kind != HandleKind::kHid);
     install_stop_signals();
     if (!arguments.replay.empty()) return run_recorded(arguments, settings, options);
     const PlayResult result = play(settings, options);

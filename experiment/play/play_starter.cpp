@@ -34,12 +34,14 @@ bool has_text(const char* variable) {
 }  // namespace
 
 PlayStarter::PlayStarter(std::filesystem::path programs, std::filesystem::path config,
-                         std::vector<std::string> visual_command)
-    : local_(std::move(programs), std::move(config)), visual_command_(std::move(visual_command)) {}
+                         std::vector<std::string> visual_command, bool pointer)
+    : local_(std::move(programs), std::move(config)),
+      visual_command_(std::move(visual_command)),
+      pointer_(pointer) {}
 
 std::unique_ptr<RunningNode> PlayStarter::start(const NodeOrder& order) const {
     NodeOrder mine = order;
-    if (order.role == Role::kMaster) mine.arguments.emplace_back("--pointer");
+    if (order.role == Role::kMaster && pointer_) mine.arguments.emplace_back("--pointer");
     if (order.role != Role::kVisual) return local_.start(mine);
     if (visual_command_.empty()) {
         mine.arguments.insert(mine.arguments.end(), kWindow.begin(), kWindow.end());

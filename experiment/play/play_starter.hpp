@@ -12,9 +12,10 @@ namespace thimble {
 
 class PlayStarter final : public NodeStarter {
   public:
-    // `visual_command`: program and arguments instead of thimble-visual's window; empty: the window.
+    // `visual_command`: program and arguments instead of thimble-visual's window; empty: the window. `pointer`: the window's
+    // pointer is the hand, else the session file's [handle] says what is.
     PlayStarter(std::filesystem::path programs, std::filesystem::path config,
-                std::vector<std::string> visual_command);
+                std::vector<std::string> visual_command, bool pointer = true);
 
     std::unique_ptr<RunningNode> start(const NodeOrder& order) const override;
     Duration reach() const override { return local_.reach(); }
@@ -26,6 +27,7 @@ class PlayStarter final : public NodeStarter {
   private:
     LocalStarter local_;
     std::vector<std::string> visual_command_;
+    bool pointer_;
     mutable std::weak_ptr<RunningNode> window_;
 };
 

@@ -65,12 +65,13 @@ HandleSettings read_handle_settings(const ConfigTable& table) {
     read("friction_N", settings.mechanics.friction_N, 0, 5);
     read("friction_travel_m", settings.mechanics.friction_travel_m, 1e-6, 1e-3);
     settings.kind = static_cast<HandleKind>(
-        table.choice("device", 0, {"simulated", "pointer", "force-dimension", "falcon"}));
+        table.choice("device", 0, {"simulated", "pointer", "hid", "force-dimension", "falcon"}));
     // Within what the lightest handle bears in steps of 0.1 ms.
     read("coupling_stiffness_N_per_m", settings.coupling.stiffness_N_per_m, 1, 10000);
     read("coupling_damping_Ns_per_m", settings.coupling.damping_Ns_per_m, 0, 100);
     settings.force_dimension = read_force_dimension(table.table("force_dimension"));
     settings.falcon = read_falcon(table.table("falcon"));
+    settings.hid = read_hid_hand_settings(table.table("hid"));
     return settings;
 }
 

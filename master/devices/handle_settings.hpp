@@ -4,6 +4,7 @@
 #include "common/config.hpp"
 #include "master/devices/falcon/falcon_settings.hpp"
 #include "master/devices/force_dimension/force_dimension_settings.hpp"
+#include "master/devices/hid/hid_settings.hpp"
 #include "master/operator/limb.hpp"
 
 namespace thimble {
@@ -11,6 +12,7 @@ namespace thimble {
 enum class HandleKind : std::uint8_t {
     kSimulated,       // held by the virtual operator (simulated_handle.hpp)
     kPointer,         // drawn by a person's mouse (pointer_handle.hpp)
+    kHid,             // by a person's SpaceMouse, joystick or gamepad (hid/hid_hand.hpp)
     kForceDimension,  // a real one (docs/handles.md)
     kFalcon,          // a real one
 };
@@ -29,12 +31,13 @@ struct HandleSettings {
     double force_limit_N = 12;           // [V] omega.3; clips, both directions
     HandleMechanics mechanics;
     HandleKind kind = HandleKind::kSimulated;
-    CouplingSettings coupling{};  // kPointer
+    CouplingSettings coupling{};  // kPointer, kHid
+    HidHandSettings hid{};
     ForceDimensionSettings force_dimension{};
     FalconSettings falcon{};
 };
 
-// A person holds it, who has no words for "I am done".
+// Somebody who does not say when a trial is over: it ends with the needle withdrawn.
 constexpr bool held_by_person(HandleKind kind) { return kind != HandleKind::kSimulated; }
 
 // Throws Error (usage).

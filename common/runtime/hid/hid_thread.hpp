@@ -1,0 +1,32 @@
+// A HID device beside a node's loop, in a thread of its own: looking for it takes milliseconds, and a report to it waits for
+// the device. What is exchanged with the loop is its user's business, and must not block.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "common/hid/hid_attendant.hpp"
+
+namespace thimble {
+
+class HidThread {
+  public:
+    // Starts at once. `user` outlives this. Throws Error as make_hidapi_bus().
+    explicit HidThread(HidUser& user);
+    ~HidThread();
+    HidThread(const HidThread&) = delete;
+    HidThread& operator=(const HidThread&) = delete;
+
+  private:
+    void run();
+
+    std::unique_ptr<HidBus> bus_;
+    HidAttendant attendant_;
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    bool stop_ = false;
+    std::thread thread_;
+};
+
+}  // namespace thimble

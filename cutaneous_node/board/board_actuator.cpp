@@ -1,0 +1,151 @@
+#include "cutaneous_node/board/board_actuator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace thimble {
+namespace {
+
+constexpr Duration kBoardRead = std::chrono::milliseconds{1};  // a command waits no longer for a status
+constexpr std::uint8_t kNoTrouble = 0;
+
+// index_mN, thumb_mN (16 bits each), sequence (8), press (1).
+std::uint64_t pack(const BoardCommand& command) {
+    return command.index_mN | std::uint64_t{command.thumb_mN} << 16U |
+           std::uint64_t{command.sequence} << 32U | std::uint64_t{command.press} << 40U;
+}
+
+BoardCommand unpack_command(std::uint64_t word) {
+    return {static_cast<std::uint8_t>(word >> 32U), ((word >> 40U) & 1U) != 0,
+            static_cast<std::uint16_t>(word), static_cast<std::uint16_t>(word >> 16U)};
+}
+
+bool is_board(const HidDevice& device) {
+    return device.usage_page == kBoardUsagePage && device.usage == kBoardUsage;
+}
+
+// In the order of Trouble after those of BoardFault.
+constexpr std::array<std::string_view, 10> kTroubles{
+    "",
+    "fingertip board: over-current, it has let go; look for a jammed cable, then plug it in anew",
+    "fingertip board: over-temperature, it has let go; let it cool down",
+    "fingertip board: its force sensor fails, it has let go; check the sensor's wires, then plug it in anew",
+    "fingertip board: its supply fails, it has let go; check the supply's voltage",
+    "fingertip board: its calibration is lost, it has let go; plug it in anew with both fingers out",
+    "fingertip board: a fault of its own (docs/board-protocol.md, code 255), it has let go; plug it in anew",
+    "fingertip board: not plugged in, or this user may not open it; plug it in, and ask thimble doctor",
+    "fingertip board: no good report for 100 ms; plug it in anew, and check its firmware's report rate and "
+    "CRC",
+    "fingertip board: it speaks another version of docs/board-protocol.md; load firmware of version 1 into "
+    "it"};
+
+}  // namespace
+
+void BoardActuator::command(SessionTime now, Finger finger, double force_N) {
+    // Written so that a NaN is no force.
+    const bool pressed = finger != Finger::kNone && force_N > 0;
+    say(now, true, finger, pressed ? std::min(force_N, limit_N_) : 0);
+}
+
+void BoardActuator::release(SessionTime now) { say(now, false, Finger::kNone, 0); }
+
+void BoardActuator::say(SessionTime now, bool press, Finger finger, double force_N) {
+    const auto force_mN = static_cast<std::uint16_t>(std::lround(std::min(1000 * force_N, 65535.0)));
+    ++sequence_;
+    commanded_[sequence_] = now;
+    command_.store(pack({sequence_, press, finger == Finger::kIndex ? force_mN : std::uint16_t{0},
+                         finger == Finger::kThumb ? force_mN : std::uint16_t{0}}),
+                   std::memory_order_release);
+    loop_seen_ns_.store(to_nanoseconds(now), std::memory_order_release);
+}
+
+FingertipForce BoardActuator::output(SessionTime now) {
+    loop_seen_ns_.store(to_nanoseconds(now), std::memory_order_release);
+    const std::uint64_t word = status_.load(std::memory_order_acquire);
+    const double index_N = 1e-3 * static_cast<double>(word & 0xffffU),
+                 thumb_N = 1e-3 * static_cast<double>((word >> 16U) & 0xffffU);
+    const SessionTime sample_time = commanded_[(word >> 32U) & 0xffU];
+    const double strongest_N = std::max(index_N, thumb_N);
+    if (strongest_N == 0) return {Finger::kNone, 0, sample_time};
+    return {index_N >= thumb_N ? Finger::kIndex : Finger::kThumb, strongest_N, sample_time};
+}
+
+std::string_view BoardActuator::trouble() const {
+    return kTroubles.at((status_.load(std::memory_order_acquire) >> 48U) & 0xffU);
+}
+
+// A board that does not press, or is in trouble, presses nothing, whatever its sensors say.
+void BoardActuator::publish(const BoardStatus& status, std::uint8_t trouble) {
+    const bool felt = status.pressing && trouble == kNoTrouble;
+    status_.store((felt ? status.index_mN : std::uint64_t{0}) |
+                      (felt ? std::uint64_t{status.thumb_mN} : std::uint64_t{0}) << 16U |
+                      std::uint64_t{status.sequence} << 32U | std::uint64_t{trouble} << 48U,
+                  std::memory_order_release);
+}
+
+std::optional<std::size_t> BoardActuator::choose(const std::vector<HidDevice>& present,
+                                                 std::string& trouble) {
+    const auto found = distinct_devices(
+        present, [this](const HidDevice& device) { return is_board(device) && choice_.matches(device); });
+    if (found.size() == 1) return found.front();
+    if (found.empty()) {
+        trouble =
+            "no fingertip board is plugged in (usage page ff54, docs/board-protocol.md): it is looked for "
+            "each second";
+    } else {
+        trouble = fmt::format(
+            "two fingertip boards, {} and {}: name one with [cutaneous.board] device_id or serial",
+            to_string(present[found[0]]), to_string(present[found[1]]));
+    }
+    return std::nullopt;
+}
+
+bool BoardActuator::attach(const HidDevice& /*device*/, std::span<const std::uint8_t> /*descriptor*/,
+                           std::string& /*trouble*/) {
+    fresh_ = true;
+    written_ = 0;
+    written_at_ = {};
+    return true;
+}
+
+bool BoardActuator::turn(SessionTime now, HidLink& link) {
+    if (fresh_) heard_ = now;  // from now on it is expected to speak
+    fresh_ = false;
+    if (!write(now, link)) return false;
+    std::array<std::uint8_t, 64> report{};
+    const int size = link.read(report, kBoardRead);
+    if (size < 0) return false;
+    if (size > 0) take(now, std::span(report).first(static_cast<std::size_t>(size)));
+    if (now - heard_ < kSilence) return true;
+    publish({}, static_cast<std::uint8_t>(Trouble::kSilent));
+    return true;
+}
+
+void BoardActuator::take(SessionTime now, std::span<const std::uint8_t> report) {
+    if (const auto status = decode_board_status(report)) {
+        heard_ = now;
+        return publish(*status, static_cast<std::uint8_t>(status->fault));
+    }
+    if (foreign_version(report)) {
+        heard_ = now;
+        return publish({}, static_cast<std::uint8_t>(Trouble::kOtherVersion));
+    }
+    bad_reports_.fetch_add(1, std::memory_order_relaxed);
+}
+
+bool BoardActuator::write(SessionTime now, HidLink& link) {
+    BoardCommand command = unpack_command(command_.load(std::memory_order_acquire));
+    const auto seen = from_nanoseconds(loop_seen_ns_.load(std::memory_order_acquire));
+    if (command.press && now - seen > kLoopSilence) command = {command.sequence, false, 0, 0};
+    const std::uint64_t word = pack(command);
+    if (word == written_ && now - written_at_ < kRepeat) return true;
+    written_ = word;
+    written_at_ = now;
+    return link.write(encode(command));
+}
+
+void BoardActuator::detach() { publish({}, static_cast<std::uint8_t>(Trouble::kAbsent)); }
+
+}  // namespace thimble

@@ -1,0 +1,63 @@
+// A fingertip board on USB (docs/board-protocol.md). Two halves: the node's loop commands and asks, never waiting; the
+// device's thread (HidAttendant) writes the newest command and reads statuses.
+//
+// Nothing presses without somebody: the board goes slack by itself 50 ms after the last good command, and the thread stops
+// asking it to press once the node's loop has been silent for kLoopSilence.
+#pragma once
+
+#include <array>
+#include <atomic>
+
+#include "common/hid/hid_attendant.hpp"
+#include "cutaneous_node/board/board_reports.hpp"
+#include "cutaneous_node/fingertip_actuator.hpp"
+
+namespace thimble {
+
+class BoardActuator final : public FingertipActuator, public HidUser {
+  public:
+    static constexpr Duration kRepeat = std::chrono::milliseconds{5};        // of an unchanged command
+    static constexpr Duration kSilence = std::chrono::milliseconds{100};     // of the board: it is dropped
+    static constexpr Duration kLoopSilence = std::chrono::milliseconds{40};  // of the node: slack
+
+    BoardActuator(const HidChoice& choice, double force_limit_N) : choice_(choice), limit_N_(force_limit_N) {}
+
+    // The node's loop.
+    void command(SessionTime now, Finger finger, double force_N) override;
+    FingertipForce output(SessionTime now) override;
+    void release(SessionTime now) override;
+    std::string_view trouble() const override;
+
+    // The device's thread.
+    std::optional<std::size_t> choose(const std::vector<HidDevice>& present, std::string& trouble) override;
+    bool attach(const HidDevice& device, std::span<const std::uint8_t> descriptor,
+                std::string& trouble) override;
+    bool turn(SessionTime now, HidLink& link) override;
+    void detach() override;
+    std::uint64_t bad_reports() const { return bad_reports_.load(std::memory_order_relaxed); }
+
+  private:
+    // Exchanged as one word, so that neither half ever sees a mixture. Trouble 0 to 6: a BoardFault's, kNone: none.
+    enum class Trouble : std::uint8_t { kAbsent = 7, kSilent, kOtherVersion };
+
+    void say(SessionTime now, bool press, Finger finger, double force_N);
+    void take(SessionTime now, std::span<const std::uint8_t> report);
+    bool write(SessionTime now, HidLink& link);
+    void publish(const BoardStatus& status, std::uint8_t trouble);
+
+    HidChoice choice_;
+    double limit_N_;
+    // Of the loop.
+    std::uint8_t sequence_ = 0;
+    std::array<SessionTime, 256> commanded_{};  // by sequence
+    // Between both.
+    std::atomic<std::uint64_t> command_{0}, status_{std::uint64_t{7} << 48};
+    std::atomic<std::int64_t> loop_seen_ns_{0};
+    std::atomic<std::uint64_t> bad_reports_{0};
+    // Of the thread.
+    SessionTime heard_{}, written_at_{};
+    std::uint64_t written_ = 0;
+    bool fresh_ = false;  // attached, nothing heard yet
+};
+
+}  // namespace thimble

@@ -1,0 +1,129 @@
+// What is known about this machine and a session, gathered by gather.hpp and judged by checks.hpp. Plain values, so that
+// checks can be tried with machines that nobody has.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace thimble {
+
+struct SessionFacts {
+    std::string file;     // as given; empty: the defaults
+    std::string problem;  // why it cannot be read; empty: it can
+    bool several_machines = false;
+    std::string handle = "simulated", fingertip = "simulated";  // [handle] device, [cutaneous] device
+    bool window = false;                                        // [visual] display
+};
+
+struct RealtimeFacts {
+    bool wanted = true;   // [runtime] realtime_scheduling
+    bool granted = true;  // SCHED_FIFO was asked for and given
+    int priority = 60;
+    long hard_limit = 0;  // ulimit -H -r; negative: none
+};
+
+// Lateness of absolute deadlines, one each period_s.
+struct TimerFacts {
+    double period_s = 0.001;
+    std::uint64_t wake_ups = 0;  // 0: not measured
+    double median_s = 0, p99_s = 0, allowed_s = 0, worst_s = 0;
+    double allowed_miss_fraction = 0.001;  // allowed_s: this share was later
+};
+
+struct ProcessorFacts {
+    unsigned processors = 1;
+    std::vector<std::string> governors;  // different ones; empty: the frequency is not the kernel's to choose
+    std::string clock_source;
+    std::vector<std::string> clock_sources;  // to choose from
+};
+
+struct KernelFacts {
+    std::string release, preemption;
+    double timer_resolution_s = 1e-9;
+    bool can = false, hidraw = false;
+};
+
+struct ClockFacts {
+    bool known = false, synchronised = false;
+    double error_bound_s = 0;  // the kernel's own, of a synchronised clock
+    std::string chrony;        // what it says itself
+};
+
+struct TakenPort {
+    std::uint16_t port = 0;
+    long process = 0;     // 0: not to be seen by this user
+    std::string program;  // its name
+};
+struct PortFacts {
+    std::uint16_t first = 27000, count = 0, block = 1;  // block: of one lane
+    std::vector<TakenPort> taken;
+    bool loopback_passes = true;  // a datagram to 127.0.0.1 came back
+};
+
+enum class FirewallKind : std::uint8_t { kNone, kUfw, kFirewalld, kNftables };
+struct FirewallFacts {
+    FirewallKind kind = FirewallKind::kNone;
+    std::string chain;  // kNftables: "inet filter input"
+};
+
+struct ProgramFacts {
+    struct Program {
+        std::string name;
+        std::string version;  // empty: not there, or does not start
+    };
+    std::string own_version, folder;
+    std::vector<Program> nodes;
+    std::string gnuplot;  // version; empty: not there
+    std::string system;   // "Debian GNU/Linux 12 (bookworm)"
+};
+
+enum class DeviceUse : std::uint8_t { kHidHand, kForceDimension, kFalcon, kFingertipBoard, kUnusable };
+struct DeviceFacts {
+    struct Device {
+        DeviceUse use = DeviceUse::kUnusable;
+        std::string name;  // "SpaceMouse Compact (256f:c635)"
+        std::string node;  // "/dev/hidraw0"
+        bool accessible = false;
+    };
+    std::vector<Device> devices;
+    std::vector<std::string> rules;  // of ours that are installed, file names
+};
+
+struct CanFacts {
+    struct Interface {
+        std::string name;
+        bool up = false;
+    };
+    std::vector<Interface> interfaces;
+};
+
+struct ScreenFacts {
+    bool built = true;    // THIMBLE_GUI
+    std::string problem;  // empty: a window with OpenGL could be opened
+    std::string renderer, version;
+};
+
+struct SoundFacts {
+    bool built = true;
+    std::string problem;  // empty: there is a device
+};
+
+struct Facts {
+    SessionFacts session;
+    ProgramFacts programs;
+    PortFacts ports;
+    FirewallFacts firewall;
+    RealtimeFacts realtime;
+    TimerFacts timer;
+    ProcessorFacts processors;
+    KernelFacts kernel;
+    ClockFacts clock;
+    DeviceFacts devices;
+    CanFacts can;
+    ScreenFacts screen;
+    SoundFacts sound;
+};
+
+}  // namespace thimble

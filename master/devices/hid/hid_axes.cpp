@@ -1,0 +1,65 @@
+#include "master/devices/hid/hid_axes.hpp"
+
+#include <algorithm>
+
+namespace thimble {
+namespace {
+
+constexpr double kFullScale = 350;
+constexpr int kNonsense = 700;                   // no cap of any model gives twice the full scale
+constexpr std::uint16_t kFirstAxisUsage = 0x30;  // X; then Y, Z, Rx, Ry, Rz
+constexpr std::uint8_t kTranslation = 1, kRotation = 2;
+
+}  // namespace
+
+std::optional<HidAxes> HidAxes::described_by(const HidLayout& layout) {
+    HidAxes axes;
+    axes.layout_ = layout;
+    bool any = false;
+    for (const HidField& field : layout.fields) {
+        const unsigned axis = static_cast<unsigned>(field.usage) - kFirstAxisUsage;
+        if (field.usage_page != kGenericDesktop || axis >= kHidAxes || axes.fields_[axis].bits > 0) continue;
+        axes.fields_[axis] = field;
+        any = true;
+    }
+    return any ? std::optional(axes) : std::nullopt;
+}
+
+ReportVerdict HidAxes::take(std::span<const std::uint8_t> report) {
+    if (report.empty()) return ReportVerdict::kBad;
+    return layout_ ? take_described(report) : take_spacemouse(report);
+}
+
+ReportVerdict HidAxes::take_spacemouse(std::span<const std::uint8_t> report) {
+    const bool translation = report[0] == kTranslation, rotation = report[0] == kRotation;
+    if (!translation && !rotation) return ReportVerdict::kOther;
+    const std::size_t count = report.size() == 13 && translation ? 6 : 3;
+    if (report.size() != 1 + 2 * count) return ReportVerdict::kBad;
+    std::array<double, kHidAxes> read{};
+    for (std::size_t i = 0; i < count; ++i) {
+        const unsigned raw = report[1 + 2 * i] + 256U * report[2 + 2 * i];
+        const int value = static_cast<int>(raw) - (raw >= 0x8000 ? 0x10000 : 0);
+        if (value < -kNonsense || value > kNonsense) return ReportVerdict::kBad;
+        read[i] = std::clamp(value / kFullScale, -1.0, 1.0);
+    }
+    std::copy_n(read.begin(), count, values_.begin() + (rotation ? 3 : 0));
+    return ReportVerdict::kTaken;
+}
+
+// The range's middle is rest. A value outside its range is what the standard calls a null state: no news.
+ReportVerdict HidAxes::take_described(std::span<const std::uint8_t> report) {
+    ReportVerdict verdict = ReportVerdict::kOther;
+    for (std::size_t axis = 0; axis < kHidAxes; ++axis) {
+        const HidField& field = fields_[axis];
+        if (field.bits == 0 || (layout_->numbered && report[0] != field.report)) continue;
+        const auto value = value_of(*layout_, field, report);
+        if (!value) return ReportVerdict::kBad;  // too short
+        if (*value < field.minimum || *value > field.maximum) continue;
+        const double low = field.minimum, high = field.maximum;
+        values_[axis] = (2 * *value - low - high) / (high - low);
+        verdict = ReportVerdict::kTaken;
+    }
+    return verdict;
+}
+
+}  // namespace thimble

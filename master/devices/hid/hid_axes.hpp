@@ -1,0 +1,44 @@
+// Reports of a SpaceMouse, joystick or gamepad as six axes between -1 and 1. Axes are the device's own:
+// of a SpaceMouse x to the right, y towards the person, z down, and turns about them; of a stick x to the right, y
+// towards the person.
+//
+// SpaceMouse reports are told apart by their length, not by the model (spacenavd, PySpaceMouse): number 1 with 6 bytes of
+// x, y, z and number 2 with those of rx, ry, rz in turn, or number 1 with all 12; little-endian, full scale 350. Others are
+// read as their report descriptor says.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "master/devices/hid/report_descriptor.hpp"
+
+namespace thimble {
+
+inline constexpr std::size_t kHidAxes = 6;  // x, y, z, rx, ry, rz
+
+enum class ReportVerdict : std::uint8_t { kTaken, kOther, kBad };  // kOther: buttons, battery
+
+class HidAxes {
+  public:
+    static HidAxes of_spacemouse() { return {}; }
+    // Nothing if the layout has no axis.
+    static std::optional<HidAxes> described_by(const HidLayout& layout);
+
+    // A bad report changes nothing.
+    ReportVerdict take(std::span<const std::uint8_t> report);
+    // At rest until the first report.
+    const std::array<double, kHidAxes>& values() const { return values_; }
+    bool has(std::size_t axis) const { return !layout_ || fields_[axis].bits > 0; }
+
+  private:
+    ReportVerdict take_spacemouse(std::span<const std::uint8_t> report);
+    ReportVerdict take_described(std::span<const std::uint8_t> report);
+
+    std::array<double, kHidAxes> values_{};
+    std::optional<HidLayout> layout_;  // none: a SpaceMouse
+    std::array<HidField, kHidAxes> fields_{};
+};
+
+}  // namespace thimble

@@ -1,0 +1,158 @@
+#include "master/devices/hid/hid_hand.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "master/devices/hid/hid_models.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kLongestReport = 256;
+constexpr Duration kOneRead = std::chrono::milliseconds{100};  // the thread can be ended that often
+constexpr Duration kLongestPause = std::chrono::milliseconds{100};
+constexpr std::array<const char*, kHidAxes> kAxisNames{"x", "y", "z", "rx", "ry", "rz"};
+
+bool is_hand(const HidDevice& device) {
+    if (device.usage_page != kGenericDesktop) return false;
+    const auto model = find_hid_model(device.vendor, device.product);
+    if (model && !model->six_axes) return false;
+    return device.usage == kMultiAxisUsage || device.usage == kGamepadUsage || device.usage == kJoystickUsage;
+}
+
+// Of the family, or what the settings name, and still no hand.
+std::string unusable_among(const std::vector<HidDevice>& present, const HidChoice& choice) {
+    for (const HidDevice& device : present) {
+        const auto model = find_hid_model(device.vendor, device.product);
+        const bool named = (choice.vendor != 0 || !choice.serial.empty()) && choice.matches(device);
+        if ((named || (model && !model->six_axes)) && !is_hand(device))
+            return fmt::format("; {} is no SpaceMouse, joystick or gamepad", to_string(device));
+    }
+    return "";
+}
+
+}  // namespace
+
+HidHandSettings read_hid_hand_settings(const ConfigTable& table) {
+    HidHandSettings settings;
+    settings.device = read_hid_choice(table);
+    settings.axis = table.choice("axis", settings.axis, {kAxisNames.begin(), kAxisNames.end()});
+    settings.inverted = table.boolean("inverted", settings.inverted);
+    settings.control = static_cast<HidControl>(table.choice("control", 0, {"rate", "position"}));
+    settings.dead_zone_fraction = table.number("dead_zone_fraction", settings.dead_zone_fraction, 0, 0.9);
+    settings.speed_hand_m_per_s = table.number("speed_hand_m_per_s", settings.speed_hand_m_per_s, 0.001, 1);
+    settings.travel_hand_m = table.number("travel_hand_m", settings.travel_hand_m, 0.001, 1);
+    return settings;
+}
+
+std::optional<double> HidHand::deflection() const {
+    const double value = deflection_.load(std::memory_order_acquire);
+    return value == kAbsent ? std::nullopt : std::optional(value);
+}
+
+std::optional<std::size_t> HidHand::choose(const std::vector<HidDevice>& present, std::string& trouble) {
+    const auto found = distinct_devices(present, [this](const HidDevice& device) {
+        return is_hand(device) && settings_.device.matches(device);
+    });
+    if (found.size() == 1) return found.front();
+    if (found.empty()) {
+        trouble =
+            "no SpaceMouse, joystick or gamepad for the hand: plug one in, it is looked for each second" +
+            unusable_among(present, settings_.device);
+    } else {
+        trouble = fmt::format(
+            "two devices could be the hand, {} and {}: name one with [handle.hid] device_id or serial",
+            to_string(present[found[0]]), to_string(present[found[1]]));
+    }
+    return std::nullopt;
+}
+
+bool HidHand::attach(const HidDevice& device, std::span<const std::uint8_t> descriptor,
+                     std::string& trouble) {
+    axes_ = HidAxes::of_spacemouse();
+    if (!find_hid_model(device.vendor, device.product)) {
+        const auto layout = parse_report_descriptor(descriptor);
+        const auto described = layout ? HidAxes::described_by(*layout) : std::nullopt;
+        if (!described || !described->has(settings_.axis)) {
+            trouble = fmt::format("{} has no axis {}: choose another with [handle.hid] axis",
+                                  to_string(device), kAxisNames[settings_.axis]);
+            return false;
+        }
+        axes_ = *described;
+    }
+    attachments_.fetch_add(1, std::memory_order_relaxed);
+    deflection_.store(0, std::memory_order_release);
+    return true;
+}
+
+bool HidHand::turn(SessionTime /*now*/, HidLink& link) {
+    std::array<std::uint8_t, kLongestReport> report{};
+    const int size = link.read(report, kOneRead);
+    if (size < 0) return false;
+    if (size == 0) return true;
+    switch (axes_.take(std::span(report).first(static_cast<std::size_t>(size)))) {
+        case ReportVerdict::kBad:
+            bad_reports_.fetch_add(1, std::memory_order_relaxed);
+            break;
+        case ReportVerdict::kTaken: {
+            const double value = axes_.values()[settings_.axis];
+            deflection_.store(settings_.inverted ? -value : value, std::memory_order_release);
+            break;
+        }
+        case ReportVerdict::kOther:
+            break;
+    }
+    return true;
+}
+
+void HidHand::detach() { deflection_.store(kAbsent, std::memory_order_release); }
+
+void HidMapping::start(SessionTime now) {
+    reached_ = now;
+    wanted_m_ = 0;
+}
+
+// From 0 at its edge to 1 at full deflection, without a jump.
+double HidMapping::beyond_dead_zone(double deflection) const {
+    const double size = std::fabs(deflection);
+    if (size <= settings_.dead_zone_fraction) return 0;
+    const double beyond = (size - settings_.dead_zone_fraction) / (1 - settings_.dead_zone_fraction);
+    return std::copysign(beyond, deflection);
+}
+
+HandInput HidMapping::hand(SessionTime now, std::optional<double> deflection, double position_hand_m,
+                           double reach_m) {
+    // After a stall the way that nobody steered is left out.
+    const double elapsed_s = to_seconds(std::clamp(now - reached_, Duration::zero(), kLongestPause));
+    reached_ = now;
+    if (!deflection) {
+        wanted_m_ = position_hand_m;
+        return {wanted_m_, false};
+    }
+    const double amount = beyond_dead_zone(*deflection);
+    if (settings_.control == HidControl::kPosition) return {amount * settings_.travel_hand_m, true};
+    wanted_m_ = std::clamp(wanted_m_ + amount * settings_.speed_hand_m_per_s * elapsed_s,
+                           position_hand_m - reach_m, position_hand_m + reach_m);
+    wanted_m_ = std::clamp(wanted_m_, -settings_.travel_hand_m, settings_.travel_hand_m);
+    return {wanted_m_, true};
+}
+
+HidHandle::HidHandle(const HandleSettings& handle, const HidHandSettings& settings, const HidHand& hand)
+    : pointer_(handle),
+      mapping_(settings),
+      hand_(hand),
+      reach_m_(handle.force_limit_N / handle.coupling.stiffness_N_per_m) {}
+
+HandleSample HidHandle::read(SessionTime now) {
+    pointer_.follow(now, mapping_.hand(now, hand_.deflection(), pointer_.position_hand_m(), reach_m_));
+    return pointer_.read(now);
+}
+
+void HidHandle::start_trial(SessionTime now, const OperatorTask& task) {
+    pointer_.start_trial(now, task);
+    mapping_.start(now);
+}
+
+}  // namespace thimble

@@ -1,0 +1,78 @@
+// A SpaceMouse, joystick or gamepad as a person's hand. Two halves: HidHand talks to the device, in a thread of its own;
+// HidHandle is the handle that the node reads, and asks the first for one number, never waiting.
+#pragma once
+
+#include <atomic>
+
+#include "common/hid/hid_attendant.hpp"
+#include "master/devices/hid/hid_axes.hpp"
+#include "master/devices/hid/hid_settings.hpp"
+#include "master/devices/pointer_handle.hpp"
+
+namespace thimble {
+
+class HidHand final : public HidUser {
+  public:
+    explicit HidHand(const HidHandSettings& settings) : settings_(settings) {}
+
+    // Of the chosen axis, -1 to 1, positive into the tissue; none while no device is there. Any thread. A device that says
+    // nothing is one that does not move: SpaceMouses report changes only.
+    std::optional<double> deflection() const;
+    std::uint64_t bad_reports() const { return bad_reports_.load(std::memory_order_relaxed); }
+    std::uint64_t attachments() const { return attachments_.load(std::memory_order_relaxed); }
+
+    std::optional<std::size_t> choose(const std::vector<HidDevice>& present, std::string& trouble) override;
+    bool attach(const HidDevice& device, std::span<const std::uint8_t> descriptor,
+                std::string& trouble) override;
+    bool turn(SessionTime now, HidLink& link) override;
+    void detach() override;
+
+  private:
+    HidHandSettings settings_;
+    HidAxes axes_ = HidAxes::of_spacemouse();
+    std::atomic<double> deflection_{kAbsent};
+    std::atomic<std::uint64_t> bad_reports_{0}, attachments_{0};
+
+    static constexpr double kAbsent = 2;  // no deflection
+};
+
+// From deflections to where the hand wants the handle. Pure.
+class HidMapping {
+  public:
+    explicit HidMapping(const HidHandSettings& settings) : settings_(settings) {}
+
+    void start(SessionTime now);
+    // `reach`: how far from `position_hand_m` a wish may be; one beyond it would only have to come back before it is felt.
+    HandInput hand(SessionTime now, std::optional<double> deflection, double position_hand_m, double reach_m);
+
+  private:
+    double beyond_dead_zone(double deflection) const;
+
+    HidHandSettings settings_;
+    SessionTime reached_{};
+    double wanted_m_ = 0;
+};
+
+// The simulated handle of a pointer, drawn by that hand: with force limits, friction and letting go as there. A device that is
+// unplugged lets go at once; one that comes back takes the handle where it then is (kRate).
+class HidHandle final : public HapticDevice, public OperatorPort {
+  public:
+    // `hand` outlives it.
+    HidHandle(const HandleSettings& handle, const HidHandSettings& settings, const HidHand& hand);
+
+    HandleSample read(SessionTime now) override;
+    void command_force(SessionTime now, double force_hand_N) override {
+        pointer_.command_force(now, force_hand_N);
+    }
+    void start_trial(SessionTime now, const OperatorTask& task) override;
+    void perceive(SessionTime /*now*/, const Percept& /*percept*/) override {}
+    bool finished() const override { return false; }  // as PointerHandle
+
+  private:
+    PointerHandle pointer_;
+    HidMapping mapping_;
+    const HidHand& hand_;
+    double reach_m_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,127 @@
+// hidapi itself, and what is built on it, with devices that umockdev makes: no hardware, no rights, every fault.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/runtime/hid/hid_thread.hpp"
+#include "common/runtime/hid/hidapi_bus.hpp"
+#include "cutaneous_node/board/board_actuator.hpp"
+#include "master/devices/hid/hid_hand.hpp"
+#include "tests/devices/mock_devices.hpp"
+#include "tests/loopback/workbench.hpp"
+#include "tests/unit/hid/fake_hid.hpp"
+#include "tests/unit/session_time.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+Report bytes_of(const BoardReport& report) { return {report.begin(), report.end()}; }
+
+class HidDevices : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!MockHid::possible())
+            GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
+        mock.emplace();
+        bus = make_hidapi_bus();
+    }
+    // Steps until the condition holds, as the thread would but without its pauses.
+    template <class Condition>
+    bool step_until(HidAttendant& attendant, Condition holds, int steps = 200) {
+        for (int i = 0; i < steps && !holds(); ++i) {
+            now += milliseconds{1};
+            attendant.step(now);
+        }
+        return holds();
+    }
+
+    std::optional<MockHid> mock;
+    std::unique_ptr<HidBus> bus;
+    std::vector<std::string> said;
+    std::function<void(const std::string&)> say = [this](const std::string& words) { said.push_back(words); };
+    SessionTime now = at(seconds{1});
+};
+
+TEST_F(HidDevices, AreListedWithWhatTheySayTheyAre) {
+    mock->plug(mock_cap());
+    mock->plug(mock_board());
+    const auto devices = bus->list();
+    ASSERT_EQ(devices.size(), 2U);
+    for (const HidDevice& device : devices) {
+        const bool is_cap = device.vendor == 0x256f;
+        EXPECT_EQ(device.usage_page, is_cap ? 0x01 : kBoardUsagePage);
+        EXPECT_EQ(device.usage, is_cap ? 0x08 : kBoardUsage);
+        EXPECT_EQ(device.serial, is_cap ? "A1" : "B7");
+        EXPECT_EQ(bus->descriptor(device), is_cap ? kCapDescriptor : kBoardDescriptor);
+    }
+}
+
+TEST_F(HidDevices, ASpaceMouseIsReadLostAndFoundAgain) {
+    mock->plug(mock_cap());
+    HidHand hand{HidHandSettings{}};
+    HidAttendant attendant(*bus, hand, say);
+    attendant.step(now);
+    ASSERT_TRUE(attendant.attached()) << testing::PrintToString(said);
+    mock->say(0, Report{1, 0, 0, 0x5e, 0x01, 0, 0});
+    EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == 1.0; }));
+    mock->unplug(0);
+    EXPECT_TRUE(step_until(attendant, [&] { return !hand.deflection(); }));
+    EXPECT_THAT(said.back(), HasSubstr("is gone: plug it in again"));
+    mock->plug(mock_cap(3));
+    EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == 0.0; }));
+    EXPECT_THAT(said.back(), HasSubstr("/dev/hidraw3 is in use"));
+}
+
+TEST_F(HidDevices, TwoAreNotGuessedAtAndOneIsChosenBySerial) {
+    mock->plug(mock_cap(0, "A1"));
+    mock->plug(mock_cap(1, "B2"));
+    HidHand any{HidHandSettings{}};
+    HidAttendant unsure(*bus, any, say);
+    unsure.step(now);
+    EXPECT_FALSE(unsure.attached());
+    EXPECT_THAT(said.back(), HasSubstr("two devices could be the hand"));
+    HidHandSettings settings;
+    settings.device.serial = "B2";
+    HidHand second{settings};
+    HidAttendant sure(*bus, second, say);
+    sure.step(now);
+    EXPECT_THAT(said.back(), HasSubstr("/dev/hidraw1 is in use"));
+}
+
+TEST_F(HidDevices, ABoardIsToldAndHeard) {
+    mock->plug(mock_board());
+    BoardActuator actuator(HidChoice{}, 1.5);
+    HidAttendant attendant(*bus, actuator, say);
+    EXPECT_THAT(actuator.trouble(), HasSubstr("not plugged in"));
+    actuator.command(now, Finger::kIndex, 1.2);
+    attendant.step(now);
+    ASSERT_TRUE(attendant.attached()) << testing::PrintToString(said);
+    const Report told = mock->hear(1, kBoardReportBytes, seconds{5});
+    const auto command = decode_board_command(told);
+    ASSERT_TRUE(command) << testing::PrintToString(told);
+    EXPECT_EQ(command->index_mN, 1200);
+    mock->say(1, bytes_of(encode(BoardStatus{command->sequence, true, false, BoardFault::kNone, 1100, 0})));
+    EXPECT_TRUE(step_until(attendant, [&] { return actuator.output(now).force_N > 0; }));
+    EXPECT_DOUBLE_EQ(actuator.output(now).force_N, 1.1);
+    mock->unplug(1);
+    EXPECT_TRUE(step_until(attendant, [&] { return !actuator.trouble().empty(); }));
+    EXPECT_EQ(actuator.output(now).force_N, 0);
+}
+
+// The thread ends at once, with a device and while it looks for one.
+TEST_F(HidDevices, TheThreadFindsADeviceAndEnds) {
+    HidHand hand{HidHandSettings{}};
+    { const HidThread looking(hand); }
+    mock->plug(mock_cap());
+    {
+        const HidThread reading(hand);
+        EXPECT_TRUE(wait_until([&] { return hand.deflection().has_value(); }));
+    }
+    EXPECT_FALSE(hand.deflection());
+}
+
+}  // namespace
+}  // namespace thimble::test

@@ -1,0 +1,105 @@
+// Reports of both SpaceMouse styles and of described devices; what is refused; models and their udev rules.
+#include "master/devices/hid/hid_axes.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "master/devices/hid/hid_models.hpp"
+#include "tests/unit/hid/fake_hid.hpp"
+
+namespace thimble::test {
+namespace {
+
+Report axes_report(std::uint8_t number, const std::vector<int>& values) {
+    Report report{number};
+    for (const int value : values) {
+        report.push_back(static_cast<std::uint8_t>(value & 0xff));
+        report.push_back(static_cast<std::uint8_t>((value >> 8) & 0xff));
+    }
+    return report;
+}
+
+TEST(SpaceMouseAxes, OldStyleHasTwoReports) {
+    HidAxes axes = HidAxes::of_spacemouse();
+    EXPECT_EQ(axes.take(axes_report(1, {350, -175, 0})), ReportVerdict::kTaken);
+    EXPECT_EQ(axes.take(axes_report(2, {0, 35, -350})), ReportVerdict::kTaken);
+    const std::array<double, 6> wanted{1, -0.5, 0, 0, 0.1, -1};
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_DOUBLE_EQ(axes.values()[i], wanted[i]) << i;
+}
+
+TEST(SpaceMouseAxes, NewStyleHasOne) {
+    HidAxes axes = HidAxes::of_spacemouse();
+    EXPECT_EQ(axes.take(axes_report(1, {0, 70, 0, 0, 0, -420})), ReportVerdict::kTaken);
+    EXPECT_DOUBLE_EQ(axes.values()[1], 0.2);
+    EXPECT_DOUBLE_EQ(axes.values()[5], -1);  // beyond the scale is full deflection
+}
+
+TEST(SpaceMouseAxes, ShortGarbledAndOtherReportsChangeNothing) {
+    HidAxes axes = HidAxes::of_spacemouse();
+    axes.take(axes_report(1, {35, 70, 105}));
+    const auto before = axes.values();
+    EXPECT_EQ(axes.take({}), ReportVerdict::kBad);
+    EXPECT_EQ(axes.take(Report{1}), ReportVerdict::kBad);
+    EXPECT_EQ(axes.take(Report{1, 0, 0, 0, 0, 0}), ReportVerdict::kBad);
+    EXPECT_EQ(axes.take(Report(8, 1)), ReportVerdict::kBad);
+    EXPECT_EQ(axes.take(axes_report(2, {0, 0, 0, 0, 0, 0})), ReportVerdict::kBad);
+    EXPECT_EQ(axes.take(axes_report(1, {0, 30000, 0})), ReportVerdict::kBad);
+    EXPECT_EQ(axes.take(Report{3, 1, 0}), ReportVerdict::kOther);   // buttons
+    EXPECT_EQ(axes.take(Report{0x17, 80}), ReportVerdict::kOther);  // battery
+    EXPECT_EQ(axes.values(), before);
+}
+
+TEST(DescribedAxes, AreScaledToTheirRange) {
+    auto axes = HidAxes::described_by(*parse_report_descriptor(kGamepadDescriptor));
+    ASSERT_TRUE(axes);
+    EXPECT_TRUE(axes->has(0));
+    EXPECT_TRUE(axes->has(5));  // Rz, the second stick
+    EXPECT_FALSE(axes->has(3));
+    EXPECT_EQ(axes->take(Report{1, 0, 255, 128, 127, 0}), ReportVerdict::kTaken);
+    EXPECT_DOUBLE_EQ(axes->values()[0], -1);
+    EXPECT_DOUBLE_EQ(axes->values()[1], 1);
+    EXPECT_NEAR(axes->values()[2], 0, 0.005);
+    EXPECT_EQ(axes->take(Report{1, 0}), ReportVerdict::kBad);
+    EXPECT_EQ(axes->take(Report{2, 0, 0, 0, 0, 0}), ReportVerdict::kOther);
+    EXPECT_DOUBLE_EQ(axes->values()[1], 1);
+}
+
+TEST(DescribedAxes, AKeyboardHasNone) {
+    const auto layout =
+        parse_report_descriptor(Report{0x05, 0x01, 0x09, 0x06, 0xa1, 0x01, 0x05, 0x07, 0x19, 0xe0, 0x29, 0xe7,
+                                       0x15, 0x00, 0x25, 0x01, 0x75, 0x01, 0x95, 0x08, 0x81, 0x02, 0xc0});
+    ASSERT_TRUE(layout);
+    EXPECT_FALSE(HidAxes::described_by(*layout));
+}
+
+TEST(HidModels, MiceAndStrangersAreNone) {
+    EXPECT_TRUE(find_hid_model(0x046d, 0xc626)->six_axes);
+    EXPECT_TRUE(find_hid_model(0x256f, 0xc635)->six_axes);
+    EXPECT_FALSE(find_hid_model(0x256f, 0xc650)->six_axes);
+    EXPECT_FALSE(find_hid_model(0x046d, 0xc077));  // a mouse of the vendor's
+}
+
+// A model that the program knows and the rules forget could be opened by root only.
+TEST(HidModels, EachHasItsUdevRule) {
+    std::ifstream file(THIMBLE_SOURCE_DIR "/deploy/udev/70-thimble-hid.rules");
+    const std::string rules{std::istreambuf_iterator<char>(file), {}};
+    int known = 0;
+    for (const unsigned vendor : {0x046dU, 0x256fU}) {
+        for (unsigned product = 0xc600; product < 0xc700; ++product) {
+            const auto model =
+                find_hid_model(static_cast<std::uint16_t>(vendor), static_cast<std::uint16_t>(product));
+            const bool ruled =
+                rules.find(fmt::format("*:{:04X}:{:04X}.*", vendor, product)) != std::string::npos;
+            EXPECT_EQ(ruled, model && model->six_axes) << std::hex << vendor << ':' << product;
+            known += ruled ? 1 : 0;
+        }
+    }
+    EXPECT_EQ(known, 22);
+}
+
+}  // namespace
+}  // namespace thimble::test
