@@ -110,7 +110,7 @@ ReplayState draw_replay() {
 }
 
 Body draw_body() {
-    switch (*rc::gen::inRange(0, 12)) {
+    switch (*rc::gen::inRange(0, 13)) {
         case 0:
             return NeedleCommand{draw(10), draw(1000), draw(10), draw(10), draw(1000), draw(1e5)};
         case 1:
@@ -160,7 +160,7 @@ Body draw_body() {
                         draw_enum(PageKind::kWait)};
         case 10:
             return draw_replay();
-        case 10:
+        case 11:
             return DeviceFault(std::string(*rc::gen::inRange<std::size_t>(0, 400), 'x'));
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
