@@ -59,7 +59,8 @@ class PlayInAWindow : public testing::Test {
             });
         };
         ASSERT_TRUE(shows([](const Monitor&) { return true; })) << read_text(folder_ / "replay");
-        ASSERT_TRUE(screen_->wait_for_window("Thimble"));
+        // The window before this one may still be on its way out.
+        ASSERT_TRUE(wait_until([&] { return screen_->wait_for_window("Thimble"); }));
         const double length_s = view.replay().duration_s;
         const auto at = [](double time_s) {
             return [time_s](const Monitor& m) { return m.paused && std::abs(m.time_s - time_s) < 1e-9; };
