@@ -110,7 +110,8 @@ Visited visit_networks() {
     rig.start(trial_of(Modality::kVF));
     Visited visited;
     for (const char* name : {"", "wifi", "lte", "geo", "ideal"}) {
-        if (*name != 0) EXPECT_TRUE(rig.session().change_network(*NetworkName::of(name))) << name;
+        const bool changes = *name != 0;
+        EXPECT_EQ(rig.session().change_network(*NetworkName::of(name)), changes) << name;
         rig.run_until(rig.now() + seconds{2});
         EXPECT_TRUE(rig.session().running()) << name;
         visited.delays_s.push_back(rig.session().delay_s());
