@@ -101,9 +101,9 @@ void unplug_in_trial(RealHandle& handle, VhciFalcon& falcon) {
     const SessionTime unplugged = wall_now();
     falcon.unplug();
     const bool noticed = comes([&] { return !handle.read(wall_now()).valid; }, seconds{1});
-    expect(noticed && wall_now() - unplugged < milliseconds{50},
-           fmt::format("noticed after {:.1f} ms: {}", 1000 * to_seconds(wall_now() - unplugged),
-                       handle.fault()));
+    const Duration after = wall_now() - unplugged;
+    expect(noticed && after < milliseconds{50},
+           fmt::format("noticed after {:.1f} ms: {}", 1000 * to_seconds(after), handle.fault()));
     expect(handle.fault().find("unplugged") != std::string_view::npos, "and named");
 }
 
@@ -118,8 +118,7 @@ void run() {
     expect(refusal({}).find("has no firmware") != std::string::npos, "unloaded: " + refusal({}));
     const auto handle = open_falcon(with_firmware(), kLimit_N);
     expect(falcon.with([](FalconEmulator& device) { return device.running; }), "firmware loaded");
-    expect(comes([&] { return handle->fault().empty(); }, seconds{1}),
-           "homed: " + std::string(handle->fault()));
+    expect(comes([&] { return handle->fault().empty(); }, seconds{1}), "and homed");
     expect(refusal({}).find("another program has it") != std::string::npos, "busy: " + refusal({}));
     read_and_push(*handle, falcon);
     unplug_in_trial(*handle, falcon);
