@@ -1,11 +1,13 @@
-// The Falcon's driver over a real kernel's USB, with an emulated device plugged into vhci_hcd: absent, found, loaded, read and pushed for
+// The Falcon's driver over a real kernel's USB, with an emulated device plugged into vhci_hcd: absent, found, forbidden, loaded, read and pushed for
 // two seconds, unplugged. What differs from what must be is said, and the exit code is 1. For the kernel lane, as root.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <sodium.h>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -75,6 +77,21 @@ FalconSettings with_firmware() {
     return settings;
 }
 
+// Another user, before any rule of udev.
+void forbidden_to_nobody() {
+    const pid_t child = fork();
+    if (child == 0) {
+        const bool other = setgid(65534) == 0 && setuid(65534) == 0;
+        const std::string words = refusal({});
+        fmt::print("     nobody is told: {}\n", words);
+        std::fflush(stdout);
+        _exit(other && words.find("may not be opened by this user") != std::string::npos ? 0 : 1);
+    }
+    int status = -1;
+    waitpid(child, &status, 0);
+    expect(status == 0, "forbidden to another user");
+}
+
 // 1 kHz for two seconds, as the master does it; how many exchanges there were, per second.
 void read_and_push(RealHandle& handle, VhciFalcon& falcon) {
     const auto exchanges = [&] {
@@ -101,9 +118,9 @@ void unplug_in_trial(RealHandle& handle, VhciFalcon& falcon) {
     const SessionTime unplugged = wall_now();
     falcon.unplug();
     const bool noticed = comes([&] { return !handle.read(wall_now()).valid; }, seconds{1});
-    expect(noticed && wall_now() - unplugged < milliseconds{50},
-           fmt::format("noticed after {:.1f} ms: {}", 1000 * to_seconds(wall_now() - unplugged),
-                       handle.fault()));
+    const Duration after = wall_now() - unplugged;
+    expect(noticed && after < milliseconds{50},
+           fmt::format("noticed after {:.1f} ms: {}", 1000 * to_seconds(after), handle.fault()));
     expect(handle.fault().find("unplugged") != std::string_view::npos, "and named");
 }
 
@@ -115,11 +132,11 @@ void run() {
         device.put_hand_at({0, 0, 0.115});
     });
     expect(kernel_has_it(), "the kernel has found it");
+    forbidden_to_nobody();
     expect(refusal({}).find("has no firmware") != std::string::npos, "unloaded: " + refusal({}));
     const auto handle = open_falcon(with_firmware(), kLimit_N);
     expect(falcon.with([](FalconEmulator& device) { return device.running; }), "firmware loaded");
-    expect(comes([&] { return handle->fault().empty(); }, seconds{1}),
-           "homed: " + std::string(handle->fault()));
+    expect(comes([&] { return handle->fault().empty(); }, seconds{1}), "and homed");
     expect(refusal({}).find("another program has it") != std::string::npos, "busy: " + refusal({}));
     read_and_push(*handle, falcon);
     unplug_in_trial(*handle, falcon);

@@ -52,6 +52,7 @@ struct Rig::Parts {
         force_down_master, force_down_cutaneous, force_down_visual, beep, percept_cutaneous, percept_visual,
         hand;
     SimulatedHandle handle;
+    BreakableHandle breakable{handle};
     PointerHandle pointer;
     SimulatedActuator actuator;
     ReadDisplay display;
@@ -64,6 +65,12 @@ struct Rig::Parts {
     VirtualLoop loop;
     std::uint32_t session_bit = 0, master_bit = 0;
 };
+
+HandleSample BreakableHandle::read(SessionTime now) {
+    HandleSample sample = inner_->read(now);
+    sample.valid = words.empty();
+    return sample;
+}
 
 Channel* Rig::Parts::tapped(Wire wire, Channel& end) {
     auto tap = make_tap ? make_tap(wire, end) : nullptr;
@@ -78,7 +85,8 @@ MasterProcess::Channels Rig::Parts::master_channels() {
 
 std::unique_ptr<MasterProcess> Rig::Parts::make_master(std::uint64_t instance) {
     if (settings.handle.kind == HandleKind::kSimulated) {
-        return std::make_unique<MasterProcess>(instance, settings.master, master_channels(), handle, handle);
+        return std::make_unique<MasterProcess>(instance, settings.master, master_channels(), breakable,
+                                               handle);
     }
     auto process =
         std::make_unique<MasterProcess>(instance, settings.master, master_channels(), pointer, pointer);
@@ -212,6 +220,8 @@ void Rig::idle(Duration limit) {
 
 void Rig::press_key() { parts_->display.pressed = true; }
 const Page& Rig::page() const { return parts_->display.page; }
+
+void Rig::break_handle(const std::string& words) { parts_->breakable.words = words; }
 
 void Rig::restart_master() {
     parts_->master.process = parts_->make_master(instance_of(Role::kMaster) + 100);

@@ -54,6 +54,21 @@ class Tap : public Channel {
 // Puts a tap on a wire; null leaves it as it is.
 using MakeTap = std::function<std::unique_ptr<Tap>(Wire, Channel&)>;
 
+// A handle that may fail; untouched until then.
+class BreakableHandle final : public HapticDevice {
+  public:
+    explicit BreakableHandle(SimulatedHandle& inner) : inner_(&inner) {}
+    HandleSample read(SessionTime now) override;
+    void command_force(SessionTime now, double force_hand_N) override {
+        inner_->command_force(now, words.empty() ? force_hand_N : 0);
+    }
+    std::string_view fault() const override { return words; }
+    std::string words;
+
+  private:
+    SimulatedHandle* inner_;
+};
+
 class Rig {
   public:
     // `kinesthetic`: the link that carries the force to the handle, if it shall differ from the other two.
@@ -88,6 +103,8 @@ class Rig {
     void press_key();
     const Page& page() const;
 
+    // From now on the simulated handle has failed, as a real one may, with these words.
+    void break_handle(const std::string& words);
     // The master's program dies and comes up again, as another instance that knows nothing.
     void restart_master();
 

@@ -50,6 +50,36 @@ TEST(Session, ATimeoutEndsTheTrialOnTime) {
     expect_all_stopped(rig, EndReason::kTimeout);
 }
 
+// The force is gone with the sample that could not be read; the session hears why and ends the trial for all.
+TEST(Session, AFailedHandleEndsTheTrialInItsOwnWords) {
+    Rig rig(paper());
+    rig.start(trial_of(Modality::kHF));
+    ASSERT_TRUE(
+        rig.run_until_sample([](const TrajectorySample& sample) { return sample.force_fixture_N < -1; }));
+    const double pressed_N = rig.handle().force_hand_N();
+    EXPECT_GT(pressed_N, 1);
+    const SessionTime broken = rig.now();
+    rig.break_handle("the handle is unplugged; plug it in");
+    rig.run_until(broken + milliseconds{2});
+    EXPECT_EQ(rig.handle().force_hand_N(), 0);
+    EXPECT_NE(rig.master().state(), NodeState::kRunning);
+    const TrialRecord& record = rig.finish();
+    EXPECT_LT(rig.now() - broken, milliseconds{200});
+    EXPECT_EQ(record.reason, EndReason::kDeviceFault);
+    EXPECT_EQ(record.lost_peer, Role::kMaster);
+    EXPECT_EQ(record.fault, "the handle is unplugged; plug it in");
+    EXPECT_FALSE(record.samples.empty());
+    expect_all_stopped(rig, EndReason::kDeviceFault);
+    // Nor does another trial begin with it.
+    TrialConditions conditions = trial_of(Modality::kCF);
+    conditions.trial = 2;
+    const TrialRecord& next = rig.run(conditions);
+    EXPECT_EQ(next.reason, EndReason::kDeviceFault)
+        << to_string(next.lost_peer) << ' ' << to_seconds(rig.now() - broken);
+    EXPECT_EQ(next.fault, "the handle is unplugged; plug it in");
+    EXPECT_TRUE(next.samples.empty());
+}
+
 // Of a person: the handle need not know that the trial is over. A slow hand is seen before it is back at rest.
 TEST(Session, AWithdrawnNeedleEndsAPersonsTrial) {
     SystemSettings settings = paper();

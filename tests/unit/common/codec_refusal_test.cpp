@@ -57,6 +57,7 @@ struct alignas(8) ZeroBody {  // as large as the largest
     std::array<std::uint8_t, 168> bytes{};
 };
 constexpr flatbuffers::voffset_t kHeaderField = 4;
+// All but the device fault, of which two have no room in a datagram.
 constexpr std::array<flatbuffers::voffset_t, 12> kBodyFields{6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28};
 
 Packet by_hand(bool header, const std::vector<flatbuffers::voffset_t>& bodies,

@@ -121,6 +121,19 @@ TEST_F(FalconUsb, TellsAbsentFromBusyAndOneFromTwo) {
     EXPECT_THAT(refusal(), HasSubstr("with serial 'F3' to be had (there are F1, F2)"));
 }
 
+TEST(UsbAdvice, NamesTheNextStep) {
+    const auto advice = [](UsbPresence presence) {
+        return usb_advice({presence, 1, "/dev/bus/usb/001/004"}, "Falcon", "70.rules");
+    };
+    EXPECT_THAT(advice(UsbPresence::kAbsent), HasSubstr("no Falcon is on the USB: plug it in"));
+    EXPECT_THAT(advice(UsbPresence::kForbidden),
+                testing::AllOf(HasSubstr("/dev/bus/usb/001/004 may not be opened"),
+                               HasSubstr("sudo cp deploy/udev/70.rules")));
+    EXPECT_THAT(advice(UsbPresence::kBusy), HasSubstr("fuser -v /dev/bus/usb/001/004"));
+    EXPECT_THAT(advice(UsbPresence::kFree), HasSubstr("switch it off and on again"));
+    EXPECT_THAT(advice(UsbPresence::kUnknown), HasSubstr("is a Falcon plugged in"));
+}
+
 TEST_F(FalconUsb, TellsForbidden) {
     if (geteuid() == 0) GTEST_SKIP() << "root may open everything";
     MockFalcon falcon(bus, 2, "F1");
