@@ -13,8 +13,8 @@ using namespace thimble;
 
 // A fingertip board, and the thread that talks to it.
 struct Board {
-    explicit Board(const CutaneousSettings& settings)
-        : actuator(settings.board, settings.force_limit_N), thread(actuator) {}
+    Board(const CutaneousSettings& settings, const RuntimeSettings& runtime)
+        : actuator(settings.board, settings.force_limit_N), thread(actuator, runtime) {}
     BoardActuator actuator;
     HidThread thread;
 };
@@ -24,7 +24,9 @@ class Cutaneous final : public NodeInstance {
     Cutaneous(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
         : settings_(read_cutaneous_settings(file.table("cutaneous"))),
           simulated_(settings_),
-          board_(settings_.device == FingertipDevice::kBoard ? std::make_unique<Board>(settings_) : nullptr),
+          board_(settings_.device == FingertipDevice::kBoard
+                     ? std::make_unique<Board>(settings_, read_runtime_settings(file))
+                     : nullptr),
           process_(instance, settings_,
                    {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
                     sockets.inlet(Port::kCutaneousForce, Role::kNetem),
