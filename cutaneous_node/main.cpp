@@ -3,6 +3,7 @@
 
 #include "common/runtime/hid/hid_thread.hpp"
 #include "common/runtime/node_program.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
@@ -11,10 +12,17 @@ namespace {
 
 using namespace thimble;
 
+constexpr Duration kFirstWord = std::chrono::seconds{1};
+
 // A fingertip board, and the thread that talks to it.
 struct Board {
-    explicit Board(const CutaneousSettings& settings)
-        : actuator(settings.board, settings.force_limit_N), thread(actuator) {}
+    Board(const CutaneousSettings& settings, const RuntimeSettings& runtime)
+        : actuator(settings.board, settings.force_limit_N), thread(actuator, runtime) {
+        // The first trial may begin as soon as this node is ready: a board that is there has spoken by then.
+        for (const SessionTime end = wall_now() + kFirstWord;
+             !actuator.trouble().empty() && wall_now() < end;)
+            wall_sleep(std::chrono::milliseconds{5});
+    }
     BoardActuator actuator;
     HidThread thread;
 };
@@ -24,7 +32,9 @@ class Cutaneous final : public NodeInstance {
     Cutaneous(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
         : settings_(read_cutaneous_settings(file.table("cutaneous"))),
           simulated_(settings_),
-          board_(settings_.device == FingertipDevice::kBoard ? std::make_unique<Board>(settings_) : nullptr),
+          board_(settings_.device == FingertipDevice::kBoard
+                     ? std::make_unique<Board>(settings_, read_runtime_settings(file))
+                     : nullptr),
           process_(instance, settings_,
                    {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
                     sockets.inlet(Port::kCutaneousForce, Role::kNetem),

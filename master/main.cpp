@@ -19,8 +19,8 @@ using namespace thimble;
 
 // A person's SpaceMouse or gamepad, and the thread that talks to it.
 struct HidInput {
-    explicit HidInput(const HandleSettings& settings)
-        : hand(settings.hid), handle(settings, settings.hid, hand), thread(hand) {}
+    HidInput(const HandleSettings& settings, const RuntimeSettings& runtime)
+        : hand(settings.hid), handle(settings, settings.hid, hand), thread(hand, runtime) {}
     HidHand hand;
     HidHandle handle;
     HidThread thread;
@@ -33,7 +33,9 @@ class Master final : public NodeInstance {
           handle_(settings, read_operator_parameters(file.table("operator"))),
           real_(
               open_handle(settings, [runtime = read_runtime_settings(file)] { ask_for_realtime(runtime); })),
-          hid_(settings.kind == HandleKind::kHid ? std::make_unique<HidInput>(settings) : nullptr),
+          hid_(settings.kind == HandleKind::kHid
+                   ? std::make_unique<HidInput>(settings, read_runtime_settings(file))
+                   : nullptr),
           pointed_(settings.kind == HandleKind::kPointer),
           process_(instance, read_master_settings(file.table("master")),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),

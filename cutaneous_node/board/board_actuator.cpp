@@ -9,6 +9,7 @@ namespace thimble {
 namespace {
 
 constexpr Duration kBoardRead = std::chrono::milliseconds{1};  // a command waits no longer for a status
+constexpr Duration kOwnStall = std::chrono::milliseconds{20};  // between turns: no silence of the board's
 constexpr std::uint8_t kNoTrouble = 0;
 
 // index_mN, thumb_mN (16 bits each), sequence (8), press (1).
@@ -111,8 +112,10 @@ bool BoardActuator::attach(const HidDevice& /*device*/, std::span<const std::uin
 }
 
 bool BoardActuator::turn(SessionTime now, HidLink& link) {
-    if (fresh_) heard_ = now;  // from now on it is expected to speak
+    if (fresh_) heard_ = turned_ = now;  // from now on it is expected to speak
     fresh_ = false;
+    if (now - turned_ > kOwnStall) heard_ += now - turned_;
+    turned_ = now;
     if (!write(now, link)) return false;
     std::array<std::uint8_t, 64> report{};
     const int size = link.read(report, kBoardRead);

@@ -55,7 +55,7 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     std::atomic<std::int64_t> loop_seen_ns_{0};
     std::atomic<std::uint64_t> bad_reports_{0};
     // Of the thread.
-    SessionTime heard_{}, written_at_{};
+    SessionTime heard_{}, turned_{}, written_at_{};
     std::uint64_t written_ = 0;
     bool fresh_ = false;  // attached, nothing heard yet
 };

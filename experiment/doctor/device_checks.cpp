@@ -31,6 +31,7 @@ std::vector<Device> devices_for(const DeviceFacts& facts, std::optional<DeviceUs
 
 std::string list_of(const std::vector<Device>& devices) {
     std::vector<std::string> words;
+    words.reserve(devices.size());
     for (const Device& device : devices) {
         words.push_back(device.name +
                         (device.use == DeviceUse::kUnusable ? ", which is no hand's input" : ""));

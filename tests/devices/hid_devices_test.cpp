@@ -114,10 +114,10 @@ TEST_F(HidDevices, ABoardIsToldAndHeard) {
 // The thread ends at once, with a device and while it looks for one.
 TEST_F(HidDevices, TheThreadFindsADeviceAndEnds) {
     HidHand hand{HidHandSettings{}};
-    { const HidThread looking(hand); }
+    { const HidThread looking(hand, RuntimeSettings{}); }
     mock->plug(mock_cap());
     {
-        const HidThread reading(hand);
+        const HidThread reading(hand, RuntimeSettings{});
         EXPECT_TRUE(wait_until([&] { return hand.deflection().has_value(); }));
     }
     EXPECT_FALSE(hand.deflection());

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/board/board_reports.hpp"
 #include "tests/devices/mock_devices.hpp"
@@ -29,7 +30,7 @@ class HidPrograms : public testing::Test {
         SessionFile file;
         file.modalities = "[\"" + modality + "\"]";
         file.contact_hold_s = kEndlessHold_s;
-        file.more = "[runtime]\nrealtime_scheduling = false\n" + more;
+        file.more = more;
         return file;
     }
     static std::string log_of(const RealRun& run, const std::string& program) {
@@ -42,8 +43,9 @@ TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
     mock->plug(mock_cap());
     RealRun run(session("HF", "[handle]\ndevice = \"hid\"\n"));
     ASSERT_TRUE(run.reaches_trial()) << run.words();
-    mock->say(0, std::vector<std::uint8_t>{1, 0, 0, 0x5e, 0x01, 0, 0});
-    wall_sleep(milliseconds{200});
+    const std::vector<std::uint8_t> pushed{1, 0, 0, 0x5e, 0x01, 0, 0};
+    mock->say(0, pushed);
+    wall_sleep(milliseconds{100});
     mock->unplug(0);
     EXPECT_TRUE(wait_until([&] {
         return log_of(run, "thimble-master").find("is gone") != std::string::npos;
@@ -52,6 +54,8 @@ TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
     EXPECT_TRUE(wait_until([&] {
         return log_of(run, "thimble-master").find("hidraw2 is in use") != std::string::npos;
     })) << log_of(run, "thimble-master");
+    mock->say(2, pushed);
+    wall_sleep(milliseconds{200});
     run.launcher().signal(SIGINT);
     EXPECT_EQ(run.end(), 1) << run.words();
     const auto rows = run.rows();
@@ -77,6 +81,7 @@ class AnsweringBoard {
 
   private:
     void answer(MockHid& mock) {
+        ask_for_realtime({});  // as the nodes: a board is never late
         while (!stop_) {
             const auto command = decode_board_command(mock.hear(1, kBoardReportBytes, milliseconds{5}));
             if (!command) continue;

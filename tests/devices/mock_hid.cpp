@@ -149,13 +149,18 @@ void MockHid::say(unsigned number, std::span<const std::uint8_t> report) {
         throw std::runtime_error("the report did not fit");
 }
 
+// A terminal hands over bytes, not reports: what has begun is waited for.
 std::vector<std::uint8_t> MockHid::hear(unsigned number, std::size_t size, Duration longest) {
     pollfd ready{impl_->plugged.at(number)->board_end, POLLIN, 0};
     const auto longest_ms = std::chrono::duration_cast<std::chrono::milliseconds>(longest).count();
     if (poll(&ready, 1, static_cast<int>(longest_ms)) <= 0) return {};
     std::vector<std::uint8_t> report(size);
-    const ssize_t got = ::read(ready.fd, report.data(), report.size());
-    report.resize(got < 0 ? 0 : static_cast<std::size_t>(got));
+    std::size_t got = 0;
+    while (got < size) {
+        const ssize_t more = ::read(ready.fd, report.data() + got, size - got);
+        if (more <= 0) return {};
+        got += static_cast<std::size_t>(more);
+    }
     return report;
 }
 

@@ -5,18 +5,19 @@
 #include <spdlog/spdlog.h>
 
 #include "common/runtime/hid/hidapi_bus.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
 
-HidThread::HidThread(HidUser& user)
+HidThread::HidThread(HidUser& user, const RuntimeSettings& runtime)
     : bus_(make_hidapi_bus()),
       attendant_(*bus_, user, [](const std::string& sentence) { spdlog::info(sentence); }) {
     // Signals belong to the thread that the node's loop runs in.
     sigset_t all{}, before{};
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    thread_ = std::thread([this] { run(); });
+    thread_ = std::thread([this, runtime] { run(runtime); });
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
@@ -29,7 +30,8 @@ HidThread::~HidThread() {
     thread_.join();
 }
 
-void HidThread::run() {
+void HidThread::run(const RuntimeSettings& runtime) {
+    ask_for_realtime(runtime);  // if it is refused the node's loop says so
     std::unique_lock lock(mutex_);
     while (!stop_) {
         lock.unlock();

@@ -7,19 +7,21 @@
 #include <thread>
 
 #include "common/hid/hid_attendant.hpp"
+#include "common/runtime/runtime_settings.hpp"
 
 namespace thimble {
 
 class HidThread {
   public:
-    // Starts at once. `user` outlives this. Throws Error as make_hidapi_bus().
-    explicit HidThread(HidUser& user);
+    // Starts at once, scheduled as the node's loop is: what is felt may come from here. `user` outlives this. Throws Error
+    // as make_hidapi_bus().
+    HidThread(HidUser& user, const RuntimeSettings& runtime);
     ~HidThread();
     HidThread(const HidThread&) = delete;
     HidThread& operator=(const HidThread&) = delete;
 
   private:
-    void run();
+    void run(const RuntimeSettings& runtime);
 
     std::unique_ptr<HidBus> bus_;
     HidAttendant attendant_;

@@ -150,6 +150,16 @@ TEST_F(BoardActuatorTest, ASilentBoardIsTroubleAndOneThatSpeaksAgainIsNot) {
     EXPECT_THAT(actuator.trouble(), IsEmpty());
 }
 
+TEST_F(BoardActuatorTest, AStallOfThisComputerIsNoSilenceOfTheBoard) {
+    board_says({0, true, false, BoardFault::kNone, 900, 0});
+    turn();
+    now += milliseconds{500};
+    turn();
+    EXPECT_THAT(actuator.trouble(), IsEmpty());
+    turn(milliseconds{110});
+    EXPECT_THAT(actuator.trouble(), HasSubstr("no good report"));
+}
+
 TEST_F(BoardActuatorTest, GarbledReportsAreNoSignOfLife) {
     for (int i = 0; i < 120; ++i) cable.said.push_back({2, 1, 0, 1, 0xff, 0xff, 0, 0, 0, 0});
     turn(milliseconds{120});
