@@ -27,6 +27,7 @@ int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     read(p.monitor());
     read(p.order());
     read(p.page());
+    read(p.device_fault());
     return count;
 }
 
@@ -100,6 +101,7 @@ struct Encoder::Templates {
     Template<wire::Monitor> monitor{wire::Packet::VT_MONITOR};
     Template<wire::Order> order{wire::Packet::VT_ORDER};
     Template<wire::Page> page{wire::Packet::VT_PAGE};
+    Template<wire::DeviceFault> device_fault{wire::Packet::VT_DEVICE_FAULT};
 };
 
 Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
@@ -139,6 +141,9 @@ Bytes Encoder::encode(const Header& header, const Order& body) {
 }
 Bytes Encoder::encode(const Header& header, const Page& body) {
     return templates_->page.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const DeviceFault& body) {
+    return templates_->device_fault.fill(header, to_wire(body));
 }
 Bytes Encoder::encode(const Message& message) {
     return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);

@@ -63,6 +63,7 @@ class Encoder {
     Bytes encode(const Header& header, const Monitor& body);
     Bytes encode(const Header& header, const Order& body);
     Bytes encode(const Header& header, const Page& body);
+    Bytes encode(const Header& header, const DeviceFault& body);
     Bytes encode(const Message& message);
 
   private:

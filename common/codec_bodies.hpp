@@ -2,6 +2,8 @@
 // only, nobody else knows the wire's structs.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -34,6 +36,10 @@ class Judge {
     }
     void stamp(std::int64_t nanoseconds) {
         if (nanoseconds < 0 || nanoseconds > kMaxStamp_ns) in_range_ = false;
+    }
+    // Of a text that zeros fill up.
+    void character(std::uint8_t byte, bool ended) {
+        if (byte != 0 && (ended || byte < ' ' || byte > '~')) in_range_ = false;
     }
     template <class Enum>
     Enum choice(std::uint8_t value, Enum last) {
@@ -308,6 +314,24 @@ inline wire::Page to_wire(const Page& b) {
 inline Page from_wire(const wire::Page& w, Judge& judge) {
     judge.number(w.remaining_s(), 0, kMaxTime_s);
     return {w.remaining_s(), w.trial(), w.trials(), judge.choice(raw(w.kind()), PageKind::kWait)};
+}
+
+inline wire::DeviceFault to_wire(const DeviceFault& b) {
+    std::array<std::uint8_t, std::tuple_size_v<decltype(b.text)>> bytes{};
+    std::copy(b.text.begin(), b.text.end(), bytes.begin());
+    return wire::DeviceFault(bytes);
+}
+
+inline DeviceFault from_wire(const wire::DeviceFault& w, Judge& judge) {
+    DeviceFault fault;
+    bool ended = false;
+    for (std::size_t i = 0; i < fault.text.size(); ++i) {
+        const std::uint8_t byte = w.text()->Get(static_cast<flatbuffers::uoffset_t>(i));
+        fault.text[i] = static_cast<char>(byte);
+        judge.character(byte, ended);
+        ended = ended || byte == 0;
+    }
+    return fault;
 }
 
 }  // namespace thimble

@@ -1,5 +1,6 @@
 #include "common/messages.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace thimble {
@@ -12,6 +13,20 @@ const char* name_of(const std::array<const char*, N>& names, Enum value) {
 }
 
 }  // namespace
+
+DeviceFault device_fault(std::string_view text) {
+    DeviceFault fault;
+    std::size_t length = 0;
+    for (const char c : text) {
+        if (length < fault.text.size() && c >= ' ' && c <= '~') fault.text[length++] = c;
+    }
+    return fault;
+}
+
+std::string_view text_of(const DeviceFault& fault) {
+    const std::string_view all(fault.text.data(), fault.text.size());
+    return all.substr(0, std::min(all.find('\0'), all.size()));
+}
 
 const char* to_string(Role role) {
     static constexpr std::array kNames{"session", "master", "slave_sim",   "cutaneous",

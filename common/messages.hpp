@@ -189,9 +189,18 @@ struct Page {
     PageKind kind = PageKind::kNone;
 };
 
+// a node -> session, with every heartbeat while its device has failed: which device, why, what to do about it.
+struct DeviceFault {
+    std::array<char, 240> text{};  // printable ASCII, then zeros
+};
+
+// What does not fit or is no printable ASCII is left out.
+DeviceFault device_fault(std::string_view text);
+std::string_view text_of(const DeviceFault& fault);
+
 // Order as in Packet of messages.fbs.
 using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe,
-                          ClockReply, HandInput, Monitor, Order, Page>;
+                          ClockReply, HandInput, Monitor, Order, Page, DeviceFault>;
 
 struct Message {
     Header header;

@@ -83,7 +83,7 @@ void NodeProcess::take_order(SessionTime now, std::uint32_t trial, const Session
 
 void NodeProcess::give_up_if_alone(SessionTime now) {
     if (!running()) return;
-    if (!orders_.silent_for(now, kPeerTimeout) && !peer_lost(now)) return;
+    if (!orders_.silent_for(now, kPeerTimeout) && !peer_lost(now) && device_trouble().empty()) return;
     end_trial(now);
     set_state(NodeState::kFailed, EndReason::kPeerLost);
 }
@@ -91,6 +91,10 @@ void NodeProcess::give_up_if_alone(SessionTime now) {
 void NodeProcess::report(SessionTime now) {
     if (now < next_heartbeat_) return;
     next_heartbeat_ = now + kHeartbeatPeriod;
+    // Before the heartbeat: whoever hears that the trial has failed knows why.
+    if (const auto trouble = device_trouble(); !trouble.empty()) {
+        heartbeats_.send(now, trial_, device_fault(trouble));
+    }
     const FlowCounters sum = counters();
     Heartbeat heartbeat;
     heartbeat.accepted = sum.accepted;

@@ -48,6 +48,8 @@ class NodeProcess : public Process {
     virtual bool peer_lost(SessionTime /*now*/) const { return false; }
     virtual void add_counters(FlowCounters& /*sum*/) const {}
     virtual void describe(Heartbeat& /*heartbeat*/) const {}
+    // Which device has failed, why and what to do about it; empty: none. A trial is given up at once, with these words.
+    virtual std::string_view device_trouble() const { return {}; }
 
     bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
     std::uint32_t trial() const { return trial_; }

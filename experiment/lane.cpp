@@ -198,10 +198,12 @@ void Lane::close_trial() {
         result_.code = ExitCode::kRunFailed;
         result_.problem = "interrupted; what was recorded is kept";
     } else if (record.reason == EndReason::kPeerLost) {
-        result_.code = ExitCode::kNetwork;
+        const std::string_view fault = session_.fault_of(record.lost_peer);
+        result_.code = fault.empty() ? ExitCode::kNetwork : ExitCode::kRunFailed;
         const auto dead = dead_node();
-        result_.problem = dead ? nodes_[*dead]->obituary()
-                               : fmt::format("lost contact with {}", to_string(record.lost_peer));
+        result_.problem = !fault.empty() ? fmt::format("{}: {}", to_string(record.lost_peer), fault)
+                          : dead         ? nodes_[*dead]->obituary()
+                                         : fmt::format("lost contact with {}", to_string(record.lost_peer));
     }
     if (events_.trial_done) events_.trial_done(record);
 }

@@ -31,7 +31,8 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
                             return Peer{InboundFlow(role), OutboundFlow(Role::kSession, id, {channel}),
                                         channel,           role,
                                         Heartbeat{},       0,
-                                        ClockProber{},     ClockFilter{}};
+                                        ClockProber{},     ClockFilter{},
+                                        DeviceFault{}};
                         })) {}
 
 void SessionProcess::start(const TrialConditions& conditions, std::uint32_t number) {
@@ -50,6 +51,7 @@ void SessionProcess::start(const TrialConditions& conditions, std::uint32_t numb
     order_.modality = conditions.modality;
     order_.network_delay_s = to_seconds(settings_.network_delay);
     trial_ = number;
+    for (Peer& peer : peers_) peer.fault = {};
     free_since_s_ = std::nan("");
     withdrawn_ = false;
     fresh_ = true;
@@ -129,6 +131,8 @@ void SessionProcess::take_heartbeats(SessionTime now) {
                 peer.trial = message->header.trial;
             } else if (const auto* reply = std::get_if<ClockReply>(&message->body)) {
                 take_clock(now, peer, message->header, *reply);
+            } else if (const auto* fault = std::get_if<DeviceFault>(&message->body)) {
+                peer.fault = *fault;
             } else {
                 peer.flow.refuse_admitted(Refusal::kUnexpectedKind);
             }
@@ -253,8 +257,12 @@ void SessionProcess::advance(SessionTime now) {
             return;
     }
     const bool starting = stage_ == Stage::kStartingOthers || stage_ == Stage::kStartingMaster;
-    if (starting && now - stage_since_ > settings_.peer_wait)
-        end(now, EndReason::kPeerLost, laggard(now).role);
+    if (!starting) return;
+    const auto broken = std::find_if(peers_.begin(), peers_.end(), [this](const Peer& peer) {
+        return peer.trial == trial_ && peer.last.state == NodeState::kFailed && !fault_of(peer.role).empty();
+    });
+    if (broken != peers_.end()) return end(now, EndReason::kPeerLost, broken->role);
+    if (now - stage_since_ > settings_.peer_wait) end(now, EndReason::kPeerLost, laggard(now).role);
 }
 
 void SessionProcess::watch(SessionTime now) {
@@ -263,7 +271,7 @@ void SessionProcess::watch(SessionTime now) {
     for (const Peer& peer : peers_) {
         if (peer.trial != trial_) continue;
         if (peer.last.state == NodeState::kFailed) {
-            const bool silent = quiet.flow.silent_for(now, kSuspicious);
+            const bool silent = quiet.flow.silent_for(now, kSuspicious) && fault_of(peer.role).empty();
             return end(now, EndReason::kPeerLost, silent ? quiet.role : peer.role);
         }
         if (peer.last.state == NodeState::kFinished) return end(now, EndReason::kCompleted);

@@ -61,6 +61,8 @@ class SessionProcess final : public Process {
     bool running() const { return stage_ == Stage::kRunning; }
     std::uint32_t number() const { return trial_; }  // of the newest trial, on the wire
     const Heartbeat& heartbeat_of(Role role) const { return peer(role).last; }
+    // What the node says of its device; empty: it has not failed.
+    std::string_view fault_of(Role role) const { return text_of(peer(role).fault); }
     double delay_s() const { return delay_s_; }  // of the force path, one way, as asked now
     // Newest answer of slave_sim in this trial and when it left there, on its clock; null before the first one.
     const ForceFeedback* newest() const { return heard_record_ ? &newest_ : nullptr; }
@@ -96,6 +98,7 @@ class SessionProcess final : public Process {
         std::uint32_t trial = 0;
         ClockProber prober{};
         ClockFilter clock{};
+        DeviceFault fault{};
     };
 
     void take_heartbeats(SessionTime now);

@@ -1,5 +1,6 @@
 #include "tests/fuzz/packets.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 
@@ -64,6 +65,7 @@ auto fields(const Page& m) {
     const auto& [remaining, trial, trials, kind] = m;
     return std::tie(remaining, trial, trials, kind);
 }
+auto fields(const DeviceFault& m) { return std::tie(m.text); }
 
 // A NaN fails every comparison.
 bool within(double value, double low, double high) { return value >= low && value <= high; }
@@ -115,6 +117,11 @@ bool plausible_body(const Order& m) {
     return span(m.value) && m.kind <= OrderKind::kSpeed && m.modality <= Modality::kVF;
 }
 bool plausible_body(const Page& m) { return span(m.remaining_s) && m.kind <= PageKind::kWait; }
+bool plausible_body(const DeviceFault& m) {
+    const auto end = std::find(m.text.begin(), m.text.end(), '\0');
+    return std::all_of(m.text.begin(), end, [](char c) { return c >= ' ' && c <= '~'; }) &&
+           std::all_of(end, m.text.end(), [](char c) { return c == '\0'; });
+}
 bool plausible_body(const ClockProbe& m) { return stamp(m.send_time); }
 bool plausible_body(const ClockReply& m) { return stamp(m.probe_send_time) && stamp(m.probe_arrival_time); }
 
@@ -156,7 +163,8 @@ std::vector<Message> sample_messages() {
             {header, HandInput{0.02, true}},
             {header, monitor},
             {header, Order{0.05, 4, OrderKind::kStart, Modality::kCCF}},
-            {header, Page{12.5, 3, 24, PageKind::kBreak}}};
+            {header, Page{12.5, 3, 24, PageKind::kBreak}},
+            {header, device_fault("drive 3: no answer; is it switched on?")}};
 }
 
 bool plausible(const Message& message) {

@@ -285,6 +285,19 @@ TEST(CodecRefusal, EnumsOutOfRange) {
     expect_enum(&Page::kind, 8);
 }
 
+TEST(CodecRefusal, TextThatIsNoneOrGoesOnBehindItsEnd) {
+    DeviceFault fault = device_fault("drive 3: \tno\x80 answer");
+    EXPECT_EQ(text_of(fault), "drive 3: no answer");
+    EXPECT_EQ(verdict(fault), Refusal::kCount);
+    EXPECT_EQ(text_of(device_fault(std::string(1000, 'x'))), std::string(fault.text.size(), 'x'));
+    EXPECT_EQ(verdict(device_fault(std::string(1000, 'x'))), Refusal::kCount);
+    fault.text[0] = '\n';
+    EXPECT_EQ(verdict(fault), Refusal::kOutOfRange);
+    fault = device_fault("drive 3");
+    fault.text[20] = 'x';
+    EXPECT_EQ(verdict(fault), Refusal::kOutOfRange);
+}
+
 TEST(CodecRefusal, EveryRefusalHasANameOfItsOwn) {
     std::set<std::string> names;
     for (std::size_t i = 0; i <= static_cast<std::size_t>(Refusal::kCount); ++i) {

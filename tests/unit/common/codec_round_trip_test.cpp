@@ -97,7 +97,7 @@ Monitor draw_monitor() {
 }
 
 Body draw_body() {
-    switch (*rc::gen::inRange(0, 11)) {
+    switch (*rc::gen::inRange(0, 12)) {
         case 0:
             return NeedleCommand{draw(10), draw(1000), draw(10), draw(10), draw(1000), draw(1e5)};
         case 1:
@@ -143,6 +143,8 @@ Body draw_body() {
         case 9:
             return Page{draw(0, 1e6), draw_bits<std::uint32_t>(), draw_bits<std::uint32_t>(),
                         draw_enum(PageKind::kWait)};
+        case 10:
+            return device_fault(*rc::gen::container<std::string>(rc::gen::inRange(' ', '~')));
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),

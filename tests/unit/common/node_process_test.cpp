@@ -22,6 +22,7 @@ class TinyProcess final : public NodeProcess {
     std::vector<std::string> said;
     SessionTime wanted = kNever;
     bool alone = false;        // its peer has fallen silent
+    std::string trouble;       // of its device
     bool end_at_once = false;  // finishes in its own work
     using NodeProcess::set_state;
 
@@ -42,6 +43,7 @@ class TinyProcess final : public NodeProcess {
     }
     SessionTime next_work() const override { return wanted; }
     bool peer_lost(SessionTime) const override { return alone; }
+    std::string_view device_trouble() const override { return trouble; }
     void describe(Heartbeat& heartbeat) const override { heartbeat.hold_median_s = 0.25; }
 
   public:
@@ -256,6 +258,20 @@ TEST_F(NodeProcessTest, ALostPeerEndsTheTrial) {
     tick(milliseconds{11});
     EXPECT_EQ(process.said, Said{"end 1"});
     expect_heartbeat(1, NodeState::kFailed, EndReason::kPeerLost);
+}
+
+TEST_F(NodeProcessTest, ADeviceThatFailsEndsTheTrialAndIsNamedBeforeTheFailure) {
+    start();
+    process.trouble = "drive 3: over-current; let it cool";
+    tick(milliseconds{11});
+    EXPECT_EQ(process.said, Said{"end 1"});
+    const auto messages = heartbeats();
+    ASSERT_EQ(messages.size(), 2U);
+    EXPECT_EQ(text_of(std::get<DeviceFault>(messages[0].body)), process.trouble);
+    EXPECT_EQ(std::get<Heartbeat>(messages[1].body).state, NodeState::kFailed);
+    order(ControlKind::kTrialStart, 2);
+    tick(milliseconds{12});
+    EXPECT_EQ(process.state(), NodeState::kFailed) << "no trial with a device that has failed";
 }
 
 TEST_F(NodeProcessTest, BetweenTrialsSilenceIsNoFailure) {
