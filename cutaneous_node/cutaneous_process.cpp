@@ -6,6 +6,7 @@ CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettin
                                    const Channels& channels, FingertipActuator& actuator)
     : NodeProcess(Role::kCutaneous, instance, *channels.control),
       channels_(channels),
+      actuator_(&actuator),
       node_(settings, actuator),
       percept_flow_(Role::kCutaneous, instance, {channels.percept_out}) {}
 
@@ -18,6 +19,7 @@ void CutaneousProcess::work(SessionTime now) {
     force_flow_.drain<ForceFeedback>(
         now, *channels_.force_in, running(), trial(),
         [&](const Header&, const ForceFeedback& feedback) { node_.on_feedback(now, feedback); });
+    actuator_->tick(now);
     if (const auto percept = node_.percept(now)) percept_flow_.send(now, trial(), *percept);
 }
 

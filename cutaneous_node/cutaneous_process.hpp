@@ -1,6 +1,8 @@
 // cutaneous_node: force feedback in (through netem), finger pressed, percept out to whoever wears the device.
 #pragma once
 
+#include <algorithm>
+
 #include "common/node_process.hpp"
 #include "cutaneous_node/cutaneous_node.hpp"
 
@@ -25,12 +27,14 @@ class CutaneousProcess final : public NodeProcess {
         force_flow_.excuse_silence_until(now + first_answer_within(control));
     }
     void work(SessionTime now) override;
-    SessionTime next_work() const override { return node_.next_percept(); }
+    SessionTime next_work() const override { return std::min(node_.next_percept(), actuator_->next_wakeup()); }
+    std::string_view device_trouble() const override { return actuator_->trouble(); }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 
   private:
     Channels channels_;
+    FingertipActuator* actuator_;
     CutaneousNode node_;
     InboundFlow force_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;

@@ -1,4 +1,5 @@
 // The table [cutaneous]:
+//   device = "simulated"     or "drives": motors on a CAN bus, table [cutaneous.drives] (drive_settings.hpp)
 //   dead_time_s = 0.045      from a command to the first motion of the cables
 //   time_constant_s = 0      first-order lag after it, 0: none
 //   force_limit_N = 1.5      the most the device presses
@@ -8,8 +9,11 @@
 
 #include "common/config.hpp"
 #include "common/time.hpp"
+#include "cutaneous_node/drive_settings.hpp"
 
 namespace thimble {
+
+enum class FingertipDevice : std::uint8_t { kSimulated, kDrives };
 
 struct CutaneousSettings {
     Duration dead_time = std::chrono::milliseconds{45};
@@ -17,6 +21,8 @@ struct CutaneousSettings {
     double force_limit_N = 1.5;
     Duration stale_after = std::chrono::milliseconds{100};
     Duration percept_period = std::chrono::milliseconds{1};
+    FingertipDevice device = FingertipDevice::kSimulated;
+    DriveSettings drives{};
 };
 
 CutaneousSettings read_cutaneous_settings(const ConfigTable& table);

@@ -1,15 +1,21 @@
 // The third seam: a wearable device that presses the index finger and the thumb, and can never pull.
 #pragma once
 
+#include <string_view>
+
 #include "common/messages.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
 
+// The hand on the handle, or the other one (CCF).
+enum class Hand : std::uint8_t { kActing, kOther };
+
 struct FingertipForce {
     Finger finger = Finger::kNone;  // kNone: both cables slack
     double force_N = 0;             // >= 0
-    SessionTime sample_time{};      // when the force that is pressed now was commanded
+    // When that was so: of a simulated device when its force was commanded, of a real one when it was measured.
+    SessionTime sample_time{};
 };
 
 class FingertipActuator {
@@ -26,6 +32,14 @@ class FingertipActuator {
     virtual FingertipForce output(SessionTime now) = 0;
     // Both cables slack and nothing in flight (start of a trial, stop).
     virtual void release(SessionTime now) = 0;
+
+    // Whose fingers commands are for from now on; the other hand's are released. A device that is worn on one hand stays there.
+    virtual void use_hand(SessionTime /*now*/, Hand /*hand*/) {}
+    // A device with a life of its own: takes what has arrived from it, sends what is due. Never blocks.
+    virtual void tick(SessionTime /*now*/) {}
+    virtual SessionTime next_wakeup() const { return kNever; }
+    // It cannot go on, presses nobody any more, and says which part, why and what to do; empty: all is well.
+    virtual std::string_view trouble() const { return {}; }
 };
 
 }  // namespace thimble
