@@ -1,30 +1,56 @@
 // thimble-cutaneous: the wearable fingertip device.
 #include "common/runtime/node_program.hpp"
+#include "cutaneous_node/can/bus_from_settings.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
+#include "cutaneous_node/drive_run.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 
 namespace {
 
 using namespace thimble;
 
-class Cutaneous final : public NodeInstance {
+CutaneousProcess::Channels open_channels(Sockets& sockets) {
+    return {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
+            sockets.inlet(Port::kCutaneousForce, Role::kNetem), sockets.outlet(Port::kMasterPerceptCutaneous)};
+}
+
+class SimulatedCutaneous final : public NodeInstance {
   public:
-    Cutaneous(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
-        : settings_(read_cutaneous_settings(file.table("cutaneous"))),
-          actuator_(settings_),
-          process_(instance, settings_,
-                   {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
-                    sockets.inlet(Port::kCutaneousForce, Role::kNetem),
-                    sockets.outlet(Port::kMasterPerceptCutaneous)},
-                   actuator_) {}
+    SimulatedCutaneous(const CutaneousSettings& settings, Sockets& sockets, std::uint64_t instance)
+        : actuator_(settings), process_(instance, settings, open_channels(sockets), actuator_) {}
 
     NodeProcess& process() override { return process_; }
 
   private:
-    CutaneousSettings settings_;
     SimulatedActuator actuator_;
     CutaneousProcess process_;
 };
+
+class DrivenCutaneous final : public NodeInstance {
+  public:
+    DrivenCutaneous(const CutaneousSettings& settings, Sockets& sockets, std::uint64_t instance)
+        : bus_(open_bus(settings.drives, sockets)),
+          actuator_(settings.drives, settings.force_limit_N, *bus_),
+          process_(instance, settings, open_channels(sockets), actuator_) {}
+    ~DrivenCutaneous() override { actuator_.stop(); }
+
+    NodeProcess& process() override { return process_; }
+    void bring_up() override { bring_up_drives(actuator_); }
+    void describe(nlohmann::ordered_json& report) const override { report["drives"] = describe_drives(actuator_); }
+
+  private:
+    std::unique_ptr<CanBus> bus_;
+    DriveActuator actuator_;
+    CutaneousProcess process_;
+};
+
+std::unique_ptr<NodeInstance> build(const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+    const CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
+    if (settings.device == FingertipDevice::kDrives) {
+        return std::make_unique<DrivenCutaneous>(settings, sockets, instance);
+    }
+    return std::make_unique<SimulatedCutaneous>(settings, sockets, instance);
+}
 
 }  // namespace
 
@@ -34,11 +60,10 @@ int main(int argc, char** argv) {
     program.description =
         "Presses the force that the needle feels on a finger: the index for a push, the thumb for a pull, of "
         "the hand "
-        "on the handle (CF) or of the other one (CCF). The actuator is simulated.";
+        "on the handle (CF) or of the other one (CCF). The device is simulated, or drives on a CAN bus "
+        "([cutaneous] device).";
     program.example = "thimble-cutaneous --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "cutaneous"};
-    program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
-        return std::make_unique<Cutaneous>(file, sockets, instance);
-    };
+    program.build = build;
     return run_node_program(program, argc, argv);
 }
