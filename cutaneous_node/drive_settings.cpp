@@ -84,7 +84,7 @@ DriveSettings read_drive_settings(const ConfigTable& table) {
     using std::chrono::milliseconds;
     using std::chrono::seconds;
     DriveSettings settings;
-    MasterSettings& master = settings.master;
+    CanMasterSettings& master = settings.master;
     read_bus(table, settings);
     const bool position = table.choice("mode", 0, {"torque", "position"}) == 1;
     master.mode = position ? DriveMode::kSyncPosition : DriveMode::kSyncTorque;

@@ -48,7 +48,7 @@ struct FingerDevice {
 struct DriveSettings {
     std::string bus;                              // as written; empty: none
     std::optional<CannelloniAddress> cannelloni;  // else `bus` is an interface
-    MasterSettings master;
+    CanMasterSettings master;
     std::vector<FingerDevice> fingers;
     double cable_angle_rad = 0.35;
     CableDrive cable;

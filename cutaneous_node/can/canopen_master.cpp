@@ -10,7 +10,7 @@ constexpr std::uint8_t kNobody = 0xff;
 
 }  // namespace
 
-CanopenMaster::CanopenMaster(const MasterSettings& settings, CanBus& bus) : settings_(settings), bus_(&bus) {
+CanopenMaster::CanopenMaster(const CanMasterSettings& settings, CanBus& bus) : settings_(settings), bus_(&bus) {
     assert(settings.cycle > Duration::zero());
     link_of_.fill(kNobody);
     links_.reserve(settings_.nodes.size());

@@ -12,7 +12,7 @@ namespace thimble {
 class CanopenMaster {
   public:
     // `bus` outlives the master.
-    CanopenMaster(const MasterSettings& settings, CanBus& bus);
+    CanopenMaster(const CanMasterSettings& settings, CanBus& bus);
     CanopenMaster(const CanopenMaster&) = delete;
     CanopenMaster& operator=(const CanopenMaster&) = delete;
 
@@ -44,7 +44,7 @@ class CanopenMaster {
     void cycle(SessionTime now);
     void exchange(bool slack);
 
-    MasterSettings settings_;
+    CanMasterSettings settings_;
     CanBus* bus_;
     std::vector<DriveLink> links_;
     std::array<std::uint8_t, 128> link_of_{};  // by node id; kNobody

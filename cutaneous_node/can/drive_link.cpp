@@ -23,7 +23,7 @@ constexpr std::uint32_t mapped(std::uint32_t index, std::uint32_t bits) { return
 
 }  // namespace
 
-DriveLink::DriveLink(const MasterSettings& settings, std::size_t index)
+DriveLink::DriveLink(const CanMasterSettings& settings, std::size_t index)
     : settings_(&settings), index_(index), node_(settings.nodes[index]) {
     plan();
 }

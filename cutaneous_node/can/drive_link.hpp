@@ -23,7 +23,7 @@ struct DriveFeedback {
 class DriveLink {
   public:
     // `settings` outlives the link.
-    DriveLink(const MasterSettings& settings, std::size_t index);
+    DriveLink(const CanMasterSettings& settings, std::size_t index);
 
     void begin(SessionTime now, CanBus& bus);
     void on_frame(SessionTime now, const CanFrame& frame, CanBus& bus);
@@ -64,7 +64,7 @@ class DriveLink {
     void check_silence(SessionTime now);
     void fail(DriveFaultKind kind, std::uint32_t code = 0, const char* step = "");
 
-    const MasterSettings* settings_;
+    const CanMasterSettings* settings_;
     std::size_t index_;
     std::uint8_t node_;
     std::vector<Step> steps_;

@@ -9,7 +9,7 @@
 
 namespace thimble {
 
-struct MasterSettings {
+struct CanMasterSettings {
     std::vector<std::uint8_t> nodes;  // all different, 1 to 126
     DriveMode mode = DriveMode::kSyncTorque;
     Duration cycle = std::chrono::milliseconds{4};  // of SYNC

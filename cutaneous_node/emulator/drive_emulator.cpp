@@ -28,7 +28,7 @@ void DriveEmulator::reset(SessionTime now, CanBus& bus) {
 }
 
 void DriveEmulator::advance(SessionTime now) {
-    plant_.advance(to_seconds(now - plant_time_));
+    if (plant_time_ != kNever) plant_.advance(to_seconds(now - plant_time_));
     plant_time_ = now;
 }
 

@@ -54,7 +54,8 @@ class DriveEmulator {
     DriveAutomaton automaton_;
     CablePlant plant_;
     NetworkState network_ = NetworkState::kPreOperational;
-    SessionTime plant_time_{}, next_heartbeat_ = kNever;
+    SessionTime plant_time_ = kNever;  // until when the plant has moved; kNever: not switched on yet
+    SessionTime next_heartbeat_ = kNever;
     SessionTime master_heard_ = kNever;  // kNever: not yet
     std::optional<CanFrame> target_;     // for the next SYNC
     std::optional<Refused> refused_;

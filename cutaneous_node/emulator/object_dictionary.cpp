@@ -113,7 +113,9 @@ std::uint32_t ObjectDictionary::check_mapping(const Sdo& request) const {
     if (communication == 0) return 0;
     if ((get({communication, 1}) & kPdoOff) == 0) return code(SdoAbort::kDeviceState);
     if (request.key.sub > 0) {
-        return has(mapped_key(request.value)) ? 0 : code(SdoAbort::kCannotMap);
+        const auto mapped = entries_.find(mapped_key(request.value));
+        const bool whole = mapped != entries_.end() && (request.value & 0xffU) == 8U * mapped->second.bytes;
+        return whole ? 0 : code(SdoAbort::kCannotMap);
     }
     if (request.value > kMostMapped) return code(SdoAbort::kValue);
     std::uint32_t bits = 0;

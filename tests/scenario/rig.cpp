@@ -3,6 +3,9 @@
 #include <array>
 #include <vector>
 
+#include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/drive_actuator.hpp"
+
 namespace thimble::test {
 namespace {
 
@@ -11,6 +14,17 @@ std::uint64_t instance_of(Role role) { return 1000 + static_cast<std::uint64_t>(
 }  // namespace
 
 struct Rig::Parts {
+    // The actuator, its drives and the bus between them.
+    struct Driven {
+        explicit Driven(const CutaneousSettings& s)
+            : drives(s.drives.master.nodes, PlantParameters{}, far), actuator(s.drives, s.force_limit_N, near) {}
+
+        QueuePipe bus;
+        CannelloniBus near{bus.a}, far{bus.b};
+        EmulatedDrives drives;
+        DriveActuator actuator;
+    };
+
     // Keeps its place in the loop while what runs in it is replaced.
     class Replaceable final : public Process {
       public:
@@ -38,6 +52,7 @@ struct Rig::Parts {
     SimulatedHandle handle;
     PointerHandle pointer;
     SimulatedActuator actuator;
+    std::unique_ptr<Driven> driven;
     RecordingDisplay display;
     std::unique_ptr<SessionProcess> session;
     Replaceable master;
@@ -77,6 +92,7 @@ Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap, const std::option
       pointer(s.handle),
       actuator(s.cutaneous),
       display(s.visual.pipeline) {
+    if (s.cutaneous.device == FingertipDevice::kDrives) driven = std::make_unique<Driven>(s.cutaneous);
     for (std::size_t i = 0; i < control.size(); ++i) {
         orders[i] = tapped(Wire::kOrders, control[i].a);
         heartbeats[i] = tapped(Wire::kHeartbeats, control[i].b);
@@ -104,7 +120,7 @@ Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap, const std::option
         instance_of(Role::kCutaneous), s.cutaneous,
         CutaneousProcess::Channels{heartbeats[2], &force_down_cutaneous.b,
                                    tapped(Wire::kPerceptCutaneous, percept_cutaneous.a)},
-        actuator);
+        driven ? static_cast<FingertipActuator&>(driven->actuator) : actuator);
     visual = std::make_unique<VisualProcess>(
         instance_of(Role::kVisual), s.visual,
         VisualProcess::Channels{heartbeats[3], &force_down_visual.b, &beep.b,
@@ -122,6 +138,10 @@ void Rig::Parts::wire() {
     const std::uint32_t cutaneous_bit = loop.add(*cutaneous);
     const std::uint32_t visual_bit = loop.add(*visual);
     const std::array node_bits{netem_bit, slave_bit, cutaneous_bit, visual_bit, master_bit};  // as kNodeRoles
+    if (driven) {
+        driven->bus.a.wake(mask, cutaneous_bit);
+        driven->bus.b.wake(mask, loop.add(driven->drives));
+    }
     for (std::size_t i = 0; i < control.size(); ++i) {
         control[i].a.wake(mask, session_bit);
         control[i].b.wake(mask, node_bits[i]);
@@ -181,6 +201,8 @@ SessionProcess& Rig::session() { return *parts_->session; }
 SimulatedHandle& Rig::handle() { return parts_->handle; }
 Channel& Rig::hand() { return parts_->hand.a; }
 const PointerHandle& Rig::pointer() const { return parts_->pointer; }
+const EmulatedDrives& Rig::drives() const { return parts_->driven->drives; }
+void Rig::order_drives(const std::string& words) { parts_->driven->drives.obey(now(), words); }
 const MasterProcess& Rig::master() const { return *parts_->master.process; }
 const NetemProcess& Rig::netem() const { return *parts_->netem; }
 const SlaveProcess& Rig::slave() const { return *parts_->slave; }
