@@ -27,7 +27,9 @@ class CutaneousProcess final : public NodeProcess {
         force_flow_.excuse_silence_until(now + first_answer_within(control));
     }
     void work(SessionTime now) override;
-    SessionTime next_work() const override { return std::min(node_.next_percept(), actuator_->next_wakeup()); }
+    SessionTime next_work() const override {
+        return std::min(node_.next_percept(), actuator_->next_wakeup());
+    }
     std::string_view device_trouble() const override { return actuator_->trouble(); }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }

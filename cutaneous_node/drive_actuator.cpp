@@ -50,7 +50,8 @@ double DriveActuator::rated_torque_Nm(std::size_t drive) const {
 }
 
 double DriveActuator::tension_N(std::size_t drive) const {
-    return settings_.cable.tension_N(master_.drive(drive).feedback().torque_per_mille, rated_torque_Nm(drive));
+    return settings_.cable.tension_N(master_.drive(drive).feedback().torque_per_mille,
+                                     rated_torque_Nm(drive));
 }
 
 double DriveActuator::wound_m(std::size_t drive) const {
@@ -143,7 +144,8 @@ bool DriveActuator::look_for_rest(SessionTime now) {
     for (std::size_t i = 0; i < cables_.size(); ++i) {
         Cable& cable = cables_[i];
         const double stands_m = wound_m(i);
-        cable.taut = std::abs(stands_m - cable.before_m) < kAtRest_m && tension_N(i) > settings_.pretension_N / 2;
+        cable.taut =
+            std::abs(stands_m - cable.before_m) < kAtRest_m && tension_N(i) > settings_.pretension_N / 2;
         cable.before_m = stands_m;
         if (!cable.taut && loose == nullptr) loose = &cable;
     }
@@ -155,7 +157,8 @@ bool DriveActuator::look_for_rest(SessionTime now) {
 
 void DriveActuator::watch_slack(SessionTime now, double step_s) {
     for (std::size_t i = 0; i < cables_.size(); ++i) {
-        const bool slack = cables_[i].slack.slack(wound_m(i), drawn_in_m(tension_N(i), relaxed_share_), step_s);
+        const bool slack =
+            cables_[i].slack.slack(wound_m(i), drawn_in_m(tension_N(i), relaxed_share_), step_s);
         if (slack) return fail(now, DriveFaultKind::kSlack, i);
     }
 }

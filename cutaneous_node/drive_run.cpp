@@ -9,7 +9,8 @@ namespace thimble {
 
 void bring_up_drives(DriveActuator& actuator) {
     while (!actuator.ready()) {
-        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted while the drives were brought up");
+        if (stop_requested())
+            throw Error(ExitCode::kRunFailed, "interrupted while the drives were brought up");
         actuator.tick(wall_now());
         if (!actuator.trouble().empty()) throw Error(ExitCode::kRunFailed, std::string(actuator.trouble()));
         wall_sleep(std::chrono::microseconds{200});

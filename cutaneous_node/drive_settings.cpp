@@ -53,8 +53,8 @@ void read_bus(const ConfigTable& table, DriveSettings& settings) {
     const auto colon = rest.rfind(':');
     std::uint16_t port = 0;
     if (colon != std::string::npos) std::from_chars(rest.data() + colon + 1, rest.data() + rest.size(), port);
-    if (colon == std::string::npos || colon == 0 || rest != fmt::format("{}:{}", rest.substr(0, colon), port) ||
-        port == 0) {
+    if (colon == std::string::npos || colon == 0 ||
+        rest != fmt::format("{}:{}", rest.substr(0, colon), port) || port == 0) {
         table.fail("bus", "must be \"cannelloni:HOST:PORT\", e.g. \"cannelloni:192.168.1.7:20000\"");
     }
     settings.cannelloni = CannelloniAddress{rest.substr(0, colon), port, listen};
@@ -90,9 +90,11 @@ DriveSettings read_drive_settings(const ConfigTable& table) {
     master.mode = position ? DriveMode::kSyncPosition : DriveMode::kSyncTorque;
     master.cycle = table.seconds("cycle_s", master.cycle, microseconds{500}, milliseconds{100});
     master.silent_after = table.seconds("silent_after_s", master.silent_after, milliseconds{4}, seconds{10});
-    if (master.silent_after < 4 * master.cycle) table.fail("silent_after_s", "must be four times cycle_s at least");
+    if (master.silent_after < 4 * master.cycle)
+        table.fail("silent_after_s", "must be four times cycle_s at least");
     for (const FingerKey& finger : kFingerKeys) read_finger(table, finger, settings);
-    if (settings.fingers.empty()) table.fail("acting_index", "and the other three are empty: name a device's nodes");
+    if (settings.fingers.empty())
+        table.fail("acting_index", "and the other three are empty: name a device's nodes");
     settings.take_up_limit =
         table.seconds("take_up_limit_s", settings.take_up_limit, milliseconds{200}, seconds{60});
     read_cable(table, settings);

@@ -11,7 +11,8 @@ using namespace thimble;
 
 CutaneousProcess::Channels open_channels(Sockets& sockets) {
     return {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
-            sockets.inlet(Port::kCutaneousForce, Role::kNetem), sockets.outlet(Port::kMasterPerceptCutaneous)};
+            sockets.inlet(Port::kCutaneousForce, Role::kNetem),
+            sockets.outlet(Port::kMasterPerceptCutaneous)};
 }
 
 class SimulatedCutaneous final : public NodeInstance {
@@ -36,7 +37,9 @@ class DrivenCutaneous final : public NodeInstance {
 
     NodeProcess& process() override { return process_; }
     void bring_up() override { bring_up_drives(actuator_); }
-    void describe(nlohmann::ordered_json& report) const override { report["drives"] = describe_drives(actuator_); }
+    void describe(nlohmann::ordered_json& report) const override {
+        report["drives"] = describe_drives(actuator_);
+    }
 
   private:
     std::unique_ptr<CanBus> bus_;

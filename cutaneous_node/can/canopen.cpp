@@ -15,7 +15,9 @@ CanFrame frame_of(std::uint32_t id, std::uint8_t length) {
 
 // Of the command byte: expedited, size given, and by how much the value falls short of four bytes.
 constexpr std::uint8_t kExpedited = 0x03;
-std::uint8_t size_bits(std::uint8_t bytes) { return static_cast<std::uint8_t>((4U - bytes) << 2U | kExpedited); }
+std::uint8_t size_bits(std::uint8_t bytes) {
+    return static_cast<std::uint8_t>((4U - bytes) << 2U | kExpedited);
+}
 
 CanFrame sdo_frame(std::uint32_t id, std::uint8_t command, const Sdo& sdo, std::uint32_t value) {
     CanFrame frame = frame_of(id, 8);

@@ -10,7 +10,8 @@ constexpr std::uint8_t kNobody = 0xff;
 
 }  // namespace
 
-CanopenMaster::CanopenMaster(const CanMasterSettings& settings, CanBus& bus) : settings_(settings), bus_(&bus) {
+CanopenMaster::CanopenMaster(const CanMasterSettings& settings, CanBus& bus)
+    : settings_(settings), bus_(&bus) {
     assert(settings.cycle > Duration::zero());
     link_of_.fill(kNobody);
     links_.reserve(settings_.nodes.size());
@@ -22,7 +23,8 @@ CanopenMaster::CanopenMaster(const CanMasterSettings& settings, CanBus& bus) : s
 }
 
 bool CanopenMaster::operating() const {
-    return !fault_ && std::all_of(links_.begin(), links_.end(), [](const DriveLink& link) { return link.operating(); });
+    return !fault_ &&
+           std::all_of(links_.begin(), links_.end(), [](const DriveLink& link) { return link.operating(); });
 }
 
 void CanopenMaster::tick(SessionTime now) {
@@ -63,7 +65,8 @@ void CanopenMaster::take(SessionTime now, const CanFrame& frame) {
 
 void CanopenMaster::look_at_answers(SessionTime now) {
     if (!waiting_) return;
-    if (std::any_of(links_.begin(), links_.end(), [](const DriveLink& link) { return link.awaits_answer(); })) return;
+    if (std::any_of(links_.begin(), links_.end(), [](const DriveLink& link) { return link.awaits_answer(); }))
+        return;
     waiting_ = false;
     answered_within_.add(now - sync_);
 }
@@ -75,7 +78,8 @@ void CanopenMaster::cycle(SessionTime now) {
         bus_->send(heartbeat_frame(settings_.master_node, NetworkState::kOperational));
         next_heartbeat_ = now + settings_.silent_after / 4;
     }
-    const bool any = std::any_of(links_.begin(), links_.end(), [](const DriveLink& link) { return link.exchanges(); });
+    const bool any =
+        std::any_of(links_.begin(), links_.end(), [](const DriveLink& link) { return link.exchanges(); });
     if (!any) return;
     if (waiting_) ++incomplete_;
     exchange(fault_.has_value());

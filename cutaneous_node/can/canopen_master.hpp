@@ -32,7 +32,9 @@ class CanopenMaster {
     void stop();
 
     std::uint64_t cycles() const { return cycles_; }
-    std::uint64_t incomplete_cycles() const { return incomplete_; }  // a drive's answer came after the next SYNC
+    std::uint64_t incomplete_cycles() const {
+        return incomplete_;
+    }  // a drive's answer came after the next SYNC
     std::uint64_t passive_reports() const { return passive_; }
     const Histogram& answered_within() const { return answered_within_; }  // from a SYNC to the last answer
     const CanBus& bus() const { return *bus_; }

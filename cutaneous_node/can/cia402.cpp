@@ -6,8 +6,9 @@
 namespace thimble {
 
 const char* to_string(DriveState state) {
-    static constexpr std::array kNames{"not ready",         "switch-on disabled", "ready to switch on", "switched on",
-                                       "operation enabled", "quick stop",         "fault reaction",     "fault"};
+    static constexpr std::array kNames{
+        "not ready",         "switch-on disabled", "ready to switch on", "switched on",
+        "operation enabled", "quick stop",         "fault reaction",     "fault"};
     return kNames[static_cast<std::size_t>(state)];
 }
 

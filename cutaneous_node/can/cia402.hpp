@@ -20,8 +20,9 @@ const char* to_string(DriveState state);
 
 enum class DriveMode : std::int8_t { kNone = 0, kSyncPosition = 8, kSyncTorque = 10 };  // 0x6060
 
-inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlQuickStop = 0x02, kControlShutdown = 0x06,
-                               kControlSwitchOn = 0x07, kControlEnable = 0x0f, kControlFaultReset = 0x80;
+inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlQuickStop = 0x02,
+                               kControlShutdown = 0x06, kControlSwitchOn = 0x07, kControlEnable = 0x0f,
+                               kControlFaultReset = 0x80;
 
 DriveState state_of(std::uint16_t statusword);
 // The next step from `state` towards operation; a fault is reset by an edge, so the word before must not have had that bit.

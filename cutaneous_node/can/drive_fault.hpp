@@ -34,8 +34,8 @@ enum class DriveFaultKind : std::uint8_t {
 
 struct DriveFault {
     DriveFaultKind kind = DriveFaultKind::kNoAnswer;
-    std::size_t drive = 0;   // index in the settings
-    const char* step = "";   // a literal
+    std::size_t drive = 0;  // index in the settings
+    const char* step = "";  // a literal
     std::uint32_t code = 0;
 };
 

@@ -38,7 +38,8 @@ void DriveLink::plan() {
     steps_.push_back({"device type 0x1000", {SdoKind::kRead, {0x1000, 0}}, Check::kDeviceType});
     steps_.push_back({"supported modes 0x6502", {SdoKind::kRead, {0x6502, 0}}, Check::kModes});
     steps_.push_back({"rated torque 0x6076", {SdoKind::kRead, {0x6076, 0}}, Check::kRatedTorque});
-    write("consumer heartbeat 0x1016", {0x1016, 1}, std::uint32_t{settings_->master_node} << 16U | silent_ms, 4);
+    write("consumer heartbeat 0x1016", {0x1016, 1}, std::uint32_t{settings_->master_node} << 16U | silent_ms,
+          4);
     // A third: two may be late or lost.
     write("producer heartbeat 0x1017", {0x1017, 0}, std::max(silent_ms / 3, 1U), 2);
     write("abort connection 0x6007", {0x6007, 0}, 2, 2);  // disable voltage
@@ -112,8 +113,10 @@ void DriveLink::on_heartbeat(SessionTime now, const CanFrame& frame) {
     const auto state = static_cast<NetworkState>(frame.data[0]);
     heartbeat_ = now;
     if (state == NetworkState::kBootUp) {
-        if (stage_ == Stage::kBoot) enter(now, Stage::kSettle);
-        else if (stage_ != Stage::kSettle) return fail(DriveFaultKind::kRebooted);
+        if (stage_ == Stage::kBoot)
+            enter(now, Stage::kSettle);
+        else if (stage_ != Stage::kSettle)
+            return fail(DriveFaultKind::kRebooted);
         ++boot_ups_;
     } else if (stage_ == Stage::kStart && state == NetworkState::kOperational) {
         enter(now, Stage::kEnable);
@@ -176,7 +179,8 @@ void DriveLink::on_data(SessionTime now, const CanFrame& frame) {
     feedback_.sample_time = sync_;
     const DriveState state = state_of(feedback_.statusword);
     if (stage_ == Stage::kOperate) {
-        if (state != DriveState::kOperationEnabled) fail(DriveFaultKind::kLeftOperation, feedback_.statusword);
+        if (state != DriveState::kOperationEnabled)
+            fail(DriveFaultKind::kLeftOperation, feedback_.statusword);
         return;
     }
     const bool again = control_ == kControlFaultReset;  // an edge needs the bit low in between
@@ -208,7 +212,8 @@ void DriveLink::tick(SessionTime now, CanBus& bus) {
             enter(now, Stage::kConfigure);
             return ask(now, bus);
         case Stage::kConfigure:
-            if (passed > settings_->answer_limit) return fail(DriveFaultKind::kNoAnswer, 0, steps_[step_].name);
+            if (passed > settings_->answer_limit)
+                return fail(DriveFaultKind::kNoAnswer, 0, steps_[step_].name);
             if (now - asked_ >= kAskAgain) ask(now, bus);
             return;
         case Stage::kStart:
@@ -218,7 +223,8 @@ void DriveLink::tick(SessionTime now, CanBus& bus) {
             bus.send(network_frame(NetworkCommand::kStart, node_));
             return;
         case Stage::kEnable:
-            if (passed > settings_->enable_limit) fail(DriveFaultKind::kStuck, feedback_.statusword, "enable");
+            if (passed > settings_->enable_limit)
+                fail(DriveFaultKind::kStuck, feedback_.statusword, "enable");
             return check_silence(now);
         case Stage::kOperate:
             return check_silence(now);

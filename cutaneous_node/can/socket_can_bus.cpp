@@ -37,7 +37,9 @@ bool is_up(int socket, const std::string& interface) {
 SocketCanBus::SocketCanBus(const std::string& interface) {
     socket_ = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     if (socket_ < 0) {
-        no_bus(interface, "this kernel has no CAN sockets (modprobe can-raw); a bus elsewhere can be reached by cannelloni");
+        no_bus(interface,
+               "this kernel has no CAN sockets (modprobe can-raw); a bus elsewhere can be reached by "
+               "cannelloni");
     }
     try {
         open(interface);
@@ -54,7 +56,8 @@ void SocketCanBus::open(const std::string& interface) {
     address.can_family = AF_CAN;
     address.can_ifindex = static_cast<int>(if_nametoindex(interface.c_str()));
     if (address.can_ifindex == 0) no_bus(interface, "'ip link' lists the interfaces");
-    if (bind(socket_, static_cast<const sockaddr*>(static_cast<const void*>(&address)), sizeof address) != 0) {
+    if (bind(socket_, static_cast<const sockaddr*>(static_cast<const void*>(&address)), sizeof address) !=
+        0) {
         no_bus(interface, "is it a CAN interface?");
     }
     if (!is_up(socket_, interface)) {

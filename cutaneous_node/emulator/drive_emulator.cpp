@@ -41,7 +41,8 @@ void DriveEmulator::on_frame(SessionTime now, const CanFrame& frame, CanBus& bus
     if (frame.id == cob(CobBase::kSdoRequest, node_)) return on_sdo(frame, bus);
     if (frame.id == dictionary_.get({0x1400, 1})) return on_target(frame, bus);
     const std::uint32_t master = dictionary_.get({0x1016, 1}) >> 16U & 0x7fU;
-    if (master != 0 && frame.id == cob(CobBase::kHeartbeat, static_cast<std::uint8_t>(master))) master_heard_ = now;
+    if (master != 0 && frame.id == cob(CobBase::kHeartbeat, static_cast<std::uint8_t>(master)))
+        master_heard_ = now;
 }
 
 void DriveEmulator::on_network(SessionTime now, const CanFrame& frame, CanBus& bus) {
@@ -142,7 +143,8 @@ void DriveEmulator::tick(SessionTime now, CanBus& bus) {
         next_heartbeat_ = period_ms == 0 ? kNever : now + milliseconds{period_ms};
         if (!heartbeat_off_) bus.send(heartbeat_frame(node_, network_));
     }
-    if (master_heard_ != kNever && now - master_heard_ > milliseconds{dictionary_.get({0x1016, 1}) & 0xffffU}) {
+    if (master_heard_ != kNever &&
+        now - master_heard_ > milliseconds{dictionary_.get({0x1016, 1}) & 0xffffU}) {
         master_heard_ = kNever;
         emergency(0x8130, bus);
     }

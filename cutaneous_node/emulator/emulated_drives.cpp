@@ -44,7 +44,8 @@ CanFrame error_frame(std::uint32_t id, std::uint8_t controller) {
 
 }  // namespace
 
-EmulatedDrives::EmulatedDrives(const std::vector<std::uint8_t>& nodes, const PlantParameters& plant, CanBus& bus)
+EmulatedDrives::EmulatedDrives(const std::vector<std::uint8_t>& nodes, const PlantParameters& plant,
+                               CanBus& bus)
     : bus_(&bus) {
     drives_.reserve(nodes.size());
     for (const std::uint8_t node : nodes) drives_.emplace_back(node, plant);

@@ -36,7 +36,8 @@ class EmulatedDrives final : public Process {
         std::string words;
         Duration after{};
     };
-    bool obey(SessionTime now, DriveEmulator& drive, std::string_view what, const std::vector<std::uint32_t>& numbers);
+    bool obey(SessionTime now, DriveEmulator& drive, std::string_view what,
+              const std::vector<std::uint32_t>& numbers);
     DriveEmulator* find(std::string_view node);
     void look_at_force(SessionTime now);
 
@@ -59,7 +60,8 @@ inline constexpr const char* kFaultWords =
     "  duplicate NODE            a second device has its node id\n"
     "  refuse NODE INDEX [SUB]   SDO abort 'no such object' from now on, e.g. refuse 3 0x6060\n"
     "  cut NODE                  its cable tears\n"
-    "  bus-off                   the controller withdraws (an error frame; nothing is heard or said any more)\n"
+    "  bus-off                   the controller withdraws (an error frame; nothing is heard or said any "
+    "more)\n"
     "  bus-passive               the controller becomes error-passive (an error frame)\n"
     "  quit\n";
 

@@ -95,8 +95,10 @@ void emulate(EmulatedDrives& drives, int bus_descriptor) {
     while (!drives.stopped() && !stop_requested()) {
         drives.tick(wall_now());
         const Duration rest = std::clamp(drives.next_wakeup() - wall_now(), Duration{0}, kLongest);
-        const auto rest_ms = (rest + std::chrono::milliseconds{1} - Duration{1}) / std::chrono::milliseconds{1};
-        if (poll(waits.data(), waits.size(), static_cast<int>(rest_ms)) <= 0 || waits[1].revents == 0) continue;
+        const auto rest_ms =
+            (rest + std::chrono::milliseconds{1} - Duration{1}) / std::chrono::milliseconds{1};
+        if (poll(waits.data(), waits.size(), static_cast<int>(rest_ms)) <= 0 || waits[1].revents == 0)
+            continue;
         if (!commands.read_more()) waits[1].fd = -1;
         for (std::string line; commands.next(line);) {
             const std::string wrong = drives.obey(wall_now(), line);
@@ -128,12 +130,17 @@ int run_emulator(const EmulatorOptions& options) {
 int main(int argc, char** argv) {
     return guarded_main("thimble-drive-emulator", [&] {
         EmulatorOptions options;
-        CLI::App app("Motor drives (CANopen CiA 402) with cable and finger pad, on a CAN interface or in cannelloni's UDP "
-                     "datagrams.",
-                     "thimble-drive-emulator");
-        app.add_option("--can", options.interface, "the interface, e.g. vcan0; without it cannelloni over UDP");
-        app.add_flag("--slcan", options.slcan, "make an interface: play an slcan adapter on a pseudo-terminal (root)");
-        app.add_option("--port", options.port, "cannelloni: UDP port to listen at")->check(CLI::Range(1024, 65534));
+        CLI::App app(
+            "Motor drives (CANopen CiA 402) with cable and finger pad, on a CAN interface or in cannelloni's "
+            "UDP "
+            "datagrams.",
+            "thimble-drive-emulator");
+        app.add_option("--can", options.interface,
+                       "the interface, e.g. vcan0; without it cannelloni over UDP");
+        app.add_flag("--slcan", options.slcan,
+                     "make an interface: play an slcan adapter on a pseudo-terminal (root)");
+        app.add_option("--port", options.port, "cannelloni: UDP port to listen at")
+            ->check(CLI::Range(1024, 65534));
         app.add_option("--peer", options.peer, "cannelloni: host of the other end");
         app.add_option("--peer-port", options.peer_port, "cannelloni: its port; without it --port + 1")
             ->check(CLI::Range(1024, 65535));
@@ -143,12 +150,14 @@ int main(int argc, char** argv) {
                        "once a finger has been pressed for --after, may be repeated");
         app.add_option("--after", options.after_s, "in seconds")->check(CLI::Range(0.0, 1000.0));
         app.set_version_flag("--version", std::string(kVersion));
-        app.footer(std::string("Faults, also as lines on standard input:\n") + kFaultWords +
-                   "\nExample:\n"
-                   "  thimble-drive-emulator --port 20001 --peer-port 20000 --fault-when-pressed 'emcy 3 0x2310'\n"
-                   "and in the session file:\n"
-                   "  [cutaneous]\n  device = \"drives\"\n  [cutaneous.drives]\n  bus = \"cannelloni:127.0.0.1:20001\"\n"
-                   "\nExit codes: 0 ok, 1 failed, 2 usage, 3 no bus.");
+        app.footer(
+            std::string("Faults, also as lines on standard input:\n") + kFaultWords +
+            "\nExample:\n"
+            "  thimble-drive-emulator --port 20001 --peer-port 20000 --fault-when-pressed 'emcy 3 0x2310'\n"
+            "and in the session file:\n"
+            "  [cutaneous]\n  device = \"drives\"\n  [cutaneous.drives]\n  bus = "
+            "\"cannelloni:127.0.0.1:20001\"\n"
+            "\nExit codes: 0 ok, 1 failed, 2 usage, 3 no bus.");
         if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
         return run_emulator(options);
     });

@@ -20,8 +20,9 @@ namespace thimble {
 namespace {
 
 [[noreturn]] void no_adapter(const char* what) {
-    throw Error(ExitCode::kNetwork, fmt::format("cannot play a CAN adapter: {}: {}; it needs root and 'modprobe slcan'", what,
-                                                std::strerror(errno)));
+    throw Error(ExitCode::kNetwork,
+                fmt::format("cannot play a CAN adapter: {}: {}; it needs root and 'modprobe slcan'", what,
+                            std::strerror(errno)));
 }
 
 // "tIIILDD..": standard data frames, which is all that CANopen sends.
@@ -57,7 +58,7 @@ SlcanPty::SlcanPty() {
     tcsetattr(kernel_, TCSANOW, &raw);
     const int discipline = N_SLCAN;
     if (ioctl(kernel_, TIOCSETD, &discipline) != 0) no_adapter("no slcan");
-    std::array<char, IFNAMSIZ> interface{};
+    std::array<char, IFNAMSIZ> interface {};
     if (ioctl(kernel_, SIOCGIFNAME, interface.data()) != 0) no_adapter("slcan without an interface");
     interface_ = interface.data();
 }

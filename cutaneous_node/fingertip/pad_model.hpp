@@ -10,8 +10,8 @@
 namespace thimble {
 
 struct PadParameters {
-    double scale_N = 0.1;          // b
-    double exponent_per_m = 700;   // m
+    double scale_N = 0.1;         // b
+    double exponent_per_m = 700;  // m
     std::array<double, 3> relaxation_s{0.004, 0.070, 1.4};
     std::array<double, 3> shares{0.2, 0.2, 0.2};
 };

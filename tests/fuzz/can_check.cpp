@@ -17,7 +17,8 @@ class HostileBus final : public CanBus {
     void send(const CanFrame& frame) override {
         well_formed = well_formed && frame.length <= 8;
         const bool target = cob_base(frame.id) == cob(CobBase::kReceive1);
-        if (target && (load(frame, 0, 2) & 0x0fU) == kControlEnable) pressed = pressed || load(frame, 2, 2) > 1000;
+        if (target && (load(frame, 0, 2) & 0x0fU) == kControlEnable)
+            pressed = pressed || load(frame, 2, 2) > 1000;
     }
     bool receive(CanFrame& frame) override {
         if (frames.empty()) return false;
@@ -56,7 +57,8 @@ const char* flaw_of_datagram(Bytes bytes) {
         near.send(frame);
         near.flush();
         CanFrame again;
-        if (const std::size_t before = far.counters().malformed; !far.receive(again) && before == far.counters().malformed) {
+        if (const std::size_t before = far.counters().malformed;
+            !far.receive(again) && before == far.counters().malformed) {
             return "a frame that does not come back";
         }
     }

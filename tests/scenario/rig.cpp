@@ -17,7 +17,8 @@ struct Rig::Parts {
     // The actuator, its drives and the bus between them.
     struct Driven {
         explicit Driven(const CutaneousSettings& s)
-            : drives(s.drives.master.nodes, PlantParameters{}, far), actuator(s.drives, s.force_limit_N, near) {}
+            : drives(s.drives.master.nodes, PlantParameters{}, far),
+              actuator(s.drives, s.force_limit_N, near) {}
 
         QueuePipe bus;
         CannelloniBus near{bus.a}, far{bus.b};

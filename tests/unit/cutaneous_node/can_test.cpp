@@ -142,7 +142,8 @@ TEST(Cia402, QuickStopOnlyFromOperation) {
     automaton.obey(kControlShutdown);
     automaton.obey(kControlQuickStop);
     EXPECT_EQ(automaton.state(), DriveState::kSwitchOnDisabled);
-    for (const auto word : {kControlShutdown, kControlSwitchOn, kControlEnable, kControlQuickStop}) automaton.obey(word);
+    for (const auto word : {kControlShutdown, kControlSwitchOn, kControlEnable, kControlQuickStop})
+        automaton.obey(word);
     EXPECT_EQ(automaton.state(), DriveState::kQuickStop);
     EXPECT_EQ(state_of(automaton.statusword()), DriveState::kQuickStop);
 }

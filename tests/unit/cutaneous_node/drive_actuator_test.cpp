@@ -155,7 +155,8 @@ TEST_P(DriveFaults, CablesGoSlackAndTheFaultIsNamed) {
 INSTANTIATE_TEST_SUITE_P(
     Each, DriveFaults,
     testing::Values(
-        FaultCase{"emcy 3 0x2310", "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause", 2},
+        FaultCase{"emcy 3 0x2310",
+                  "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause", 2},
         FaultCase{"reboot 3", "drive 3 (acting hand, index, cable 2): has restarted", 2},
         FaultCase{"no-heartbeat 3", "drive 3 (acting hand, index, cable 2): heartbeat lost", 102},
         FaultCase{"silence 3", "drive 3 (acting hand, index, cable 2): heartbeat lost", 102},
@@ -204,8 +205,9 @@ TEST_P(DriveStartFaults, AreNamedWithTheirStep) {
 INSTANTIATE_TEST_SUITE_P(
     Each, DriveStartFaults,
     testing::Values(
-        StartCase{"refuse 3 0x6060", "drive 3 (acting hand, index, cable 2): refused 'mode 0x6060' with SDO abort 0x06020000 "
-                                     "(no such object)"},
+        StartCase{"refuse 3 0x6060",
+                  "drive 3 (acting hand, index, cable 2): refused 'mode 0x6060' with SDO abort 0x06020000 "
+                  "(no such object)"},
         StartCase{"refuse 7 0x1a00 2", "drive 7 (other hand, index, cable 0): refused 'TPDO1 position'"},
         StartCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id"},
         StartCase{"cut 5", "drive 5 (acting hand, thumb, cable 1): the cable does not get taut"}));
@@ -218,8 +220,10 @@ TEST(DriveActuator, ADriveThatIsNotThereIsNamed) {
         actuator.tick(bench.now += milliseconds{1});
         bench.drives.tick(bench.now);
     }
-    EXPECT_THAT(std::string(actuator.trouble()),
-                HasSubstr("drive 13 (other hand, thumb, cable 2): no boot-up on can0 after its reset; is it powered"));
+    EXPECT_THAT(
+        std::string(actuator.trouble()),
+        HasSubstr(
+            "drive 13 (other hand, thumb, cable 2): no boot-up on can0 after its reset; is it powered"));
 }
 
 TEST(DriveActuator, AFingerWithoutADeviceIsAFaultOnlyWhenItIsPressed) {
@@ -241,20 +245,21 @@ TEST(DriveActuator, StopLeavesNobodyPressed) {
         for (int ms = 0; ms < 50; ++ms) bench.drives.tick(bench.now += milliseconds{1});
     };
     drives_alone();
-    for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(bench.drives.drive(i).state(), DriveState::kSwitchOnDisabled) << i;
+    for (std::size_t i = 0; i < 12; ++i)
+        EXPECT_EQ(bench.drives.drive(i).state(), DriveState::kSwitchOnDisabled) << i;
     for (int i = 0; i < 5; ++i) drives_alone();
     EXPECT_LT(bench.drives.force_N(0), 0.05);
 }
 
 TEST(DriveSettings, RefusesWhatCannotBe) {
-    for (const char* text :
-         {"acting_index = [1, 2]", "acting_index = [4, 5, 6]", "acting_index = [1, 2, 2]", "acting_index = [1, 2, 127]",
-          "acting_index = [1, 2, 2.5]", "mode = \"velocity\"", "cycle_s = 0.05", "efficiency = 1.2", "node = 3",
-          "acting_index = []\nacting_thumb = []\nother_index = []\nother_thumb = []"}) {
+    for (const char* text : {"acting_index = [1, 2]", "acting_index = [4, 5, 6]", "acting_index = [1, 2, 2]",
+                             "acting_index = [1, 2, 127]", "acting_index = [1, 2, 2.5]",
+                             "mode = \"velocity\"", "cycle_s = 0.05", "efficiency = 1.2", "node = 3",
+                             "acting_index = []\nacting_thumb = []\nother_index = []\nother_thumb = []"}) {
         EXPECT_THROW(drive_settings(text), Error) << text;
     }
-    for (const char* bus : {"cannelloni:", "cannelloni:host", "cannelloni::1", "cannelloni:host:0", "cannelloni:host:99999",
-                            "cannelloni:host:1x", "a_name_of_16_char"}) {
+    for (const char* bus : {"cannelloni:", "cannelloni:host", "cannelloni::1", "cannelloni:host:0",
+                            "cannelloni:host:99999", "cannelloni:host:1x", "a_name_of_16_char"}) {
         const ConfigFile file = ConfigFile::parse(std::string("bus = \"") + bus + "\"", "x");
         EXPECT_THROW(read_drive_settings(file.root()), Error) << bus;
     }

@@ -68,7 +68,8 @@ TEST(PadModel, AStepRelaxesWithItsThreeTimes) {
     for (const double until_s : {0.001, 0.01, 0.1, 1.0}) {
         for (; time_s < until_s - step_s / 2; time_s += step_s) pad.advance(indentation_m, step_s);
         double share = 0.4;
-        for (const double relaxation_s : {0.004, 0.070, 1.4}) share += 0.2 * std::exp(-until_s / relaxation_s);
+        for (const double relaxation_s : {0.004, 0.070, 1.4})
+            share += 0.2 * std::exp(-until_s / relaxation_s);
         EXPECT_NEAR(pad.force_N() / elastic_N, share, 2e-3) << until_s;
     }
 }
