@@ -12,6 +12,7 @@ CutaneousNode::CutaneousNode(const CutaneousSettings& settings, FingertipActuato
 
 void CutaneousNode::start_trial(SessionTime now, const SessionControl& control) {
     modality_ = control.modality;
+    actuator_.use_hand(now, modality_ == Modality::kCCF ? Hand::kOther : Hand::kActing);
     const bool pressed = modality_ == Modality::kCF || modality_ == Modality::kCCF;
     next_percept_ = pressed ? now : kNever;
     last_feedback_ = now;

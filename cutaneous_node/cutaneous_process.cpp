@@ -11,6 +11,7 @@ CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettin
       percept_flow_(Role::kCutaneous, instance, {channels.percept_out}) {}
 
 void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& control) {
+    needed_ = control.modality == Modality::kCF || control.modality == Modality::kCCF;
     node_.start_trial(now, control);
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
 }
@@ -19,6 +20,7 @@ void CutaneousProcess::work(SessionTime now) {
     force_flow_.drain<ForceFeedback>(
         now, *channels_.force_in, running(), trial(),
         [&](const Header&, const ForceFeedback& feedback) { node_.on_feedback(now, feedback); });
+    actuator_->tick(now);
     if (const auto percept = node_.percept(now)) percept_flow_.send(now, trial(), *percept);
 }
 

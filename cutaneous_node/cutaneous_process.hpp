@@ -1,6 +1,8 @@
 // cutaneous_node: force feedback in (through netem), finger pressed, percept out to whoever wears the device.
 #pragma once
 
+#include <algorithm>
+
 #include "common/node_process.hpp"
 #include "cutaneous_node/cutaneous_node.hpp"
 
@@ -25,17 +27,21 @@ class CutaneousProcess final : public NodeProcess {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
     }
     void work(SessionTime now) override;
-    SessionTime next_work() const override { return node_.next_percept(); }
-    bool peer_lost(SessionTime now) const override {
-        const bool broken = node_.active() && !actuator_->trouble().empty();
-        return broken || force_flow_.lost_for(now, kPeerTimeout);
+    SessionTime next_work() const override {
+        return std::min(node_.next_percept(), actuator_->next_wakeup());
     }
+    // Of a trial whose fingers are pressed by it: the others can do without.
+    std::string_view device_fault() const override {
+        return needed_ ? actuator_->fault() : std::string_view{};
+    }
+    bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 
   private:
     Channels channels_;
     FingertipActuator* actuator_;
     CutaneousNode node_;
+    bool needed_ = false;  // CF, CCF: since the newest trial's beginning
     InboundFlow force_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;
 };

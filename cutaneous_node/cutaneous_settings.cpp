@@ -13,8 +13,12 @@ CutaneousSettings read_cutaneous_settings(const ConfigTable& table) {
     node.stale_after = table.seconds("stale_after_s", node.stale_after, milliseconds{2}, seconds{10});
     node.percept_period =
         table.seconds("percept_period_s", node.percept_period, microseconds{100}, milliseconds{100});
-    node.device = static_cast<FingertipDevice>(table.choice("device", 0, {"simulated", "board"}));
+    node.device = static_cast<FingertipDevice>(table.choice("device", 0, {"simulated", "board", "drives"}));
     node.board = read_hid_choice(table.table("board"));
+    node.drives = read_drive_settings(table.table("drives"));
+    if (node.device == FingertipDevice::kDrives && node.drives.bus.empty()) {
+        table.fail("device", "is \"drives\", but [cutaneous.drives] has no bus, e.g. bus = \"can0\"");
+    }
     return node;
 }
 

@@ -1,5 +1,6 @@
 // The table [cutaneous]:
 //   device = "simulated"     or "board": a fingertip board on USB, which one says [cutaneous.board] (docs/board-protocol.md)
+//                            or "drives": motors on a CAN bus, table [cutaneous.drives] (drive_settings.hpp)
 //   dead_time_s = 0.045      from a command to the first motion of the cables
 //   time_constant_s = 0      first-order lag after it, 0: none
 //   force_limit_N = 1.5      the most the device presses
@@ -10,10 +11,11 @@
 #include "common/config.hpp"
 #include "common/hid/hid_link.hpp"
 #include "common/time.hpp"
+#include "cutaneous_node/drive_settings.hpp"
 
 namespace thimble {
 
-enum class FingertipDevice : std::uint8_t { kSimulated, kBoard };
+enum class FingertipDevice : std::uint8_t { kSimulated, kBoard, kDrives };
 
 struct CutaneousSettings {
     Duration dead_time = std::chrono::milliseconds{45};
@@ -22,7 +24,8 @@ struct CutaneousSettings {
     Duration stale_after = std::chrono::milliseconds{100};
     Duration percept_period = std::chrono::milliseconds{1};
     FingertipDevice device = FingertipDevice::kSimulated;
-    HidChoice board{};  // kBoard
+    HidChoice board{};       // kBoard
+    DriveSettings drives{};  // kDrives
 };
 
 CutaneousSettings read_cutaneous_settings(const ConfigTable& table);

@@ -8,10 +8,14 @@
 
 namespace thimble {
 
+// The hand on the handle, or the other one (CCF).
+enum class Hand : std::uint8_t { kActing, kOther };
+
 struct FingertipForce {
     Finger finger = Finger::kNone;  // kNone: both cables slack
     double force_N = 0;             // >= 0
-    SessionTime sample_time{};      // when the force that is pressed now was commanded
+    // When that was so: of a simulated device when its force was commanded, of a real one when it was measured.
+    SessionTime sample_time{};
 };
 
 class FingertipActuator {
@@ -28,8 +32,13 @@ class FingertipActuator {
     virtual FingertipForce output(SessionTime now) = 0;
     // Both cables slack and nothing in flight (start of a trial, stop).
     virtual void release(SessionTime now) = 0;
-    // Which device has failed, why and what to do about it; empty: none. Then it presses nothing.
-    virtual std::string_view trouble() const { return {}; }
+    // Whose fingers commands are for from now on; the other hand's are released. A device that is worn on one hand stays there.
+    virtual void use_hand(SessionTime /*now*/, Hand /*hand*/) {}
+    // A device with a life of its own: takes what has arrived from it, sends what is due. Never blocks.
+    virtual void tick(SessionTime /*now*/) {}
+    virtual SessionTime next_wakeup() const { return kNever; }
+    // It cannot go on, presses nobody any more, and says which part, why and what to do; empty: all is well.
+    virtual std::string_view fault() const { return {}; }
 };
 
 }  // namespace thimble

@@ -5,7 +5,9 @@
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
+#include "cutaneous_node/can/bus_from_settings.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
+#include "cutaneous_node/drive_run.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 
 namespace {
@@ -19,27 +21,27 @@ struct Board {
     Board(const CutaneousSettings& settings, const RuntimeSettings& runtime)
         : actuator(settings.board, settings.force_limit_N), thread(actuator, runtime) {
         // The first trial may begin as soon as this node is ready: a board that is there has spoken by then.
-        for (const SessionTime end = wall_now() + kFirstWord;
-             !actuator.trouble().empty() && wall_now() < end;)
+        for (const SessionTime end = wall_now() + kFirstWord; !actuator.fault().empty() && wall_now() < end;)
             wall_sleep(std::chrono::milliseconds{5});
     }
     BoardActuator actuator;
     HidThread thread;
 };
 
-class Cutaneous final : public NodeInstance {
+CutaneousProcess::Channels open_channels(Sockets& sockets) {
+    return {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
+            sockets.inlet(Port::kCutaneousForce, Role::kNetem),
+            sockets.outlet(Port::kMasterPerceptCutaneous)};
+}
+
+class UndrivenCutaneous final : public NodeInstance {
   public:
-    Cutaneous(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
-        : settings_(read_cutaneous_settings(file.table("cutaneous"))),
-          simulated_(settings_),
-          board_(settings_.device == FingertipDevice::kBoard
-                     ? std::make_unique<Board>(settings_, read_runtime_settings(file))
-                     : nullptr),
-          process_(instance, settings_,
-                   {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
-                    sockets.inlet(Port::kCutaneousForce, Role::kNetem),
-                    sockets.outlet(Port::kMasterPerceptCutaneous)},
-                   actuator()) {}
+    UndrivenCutaneous(const CutaneousSettings& settings, const RuntimeSettings& runtime, Sockets& sockets,
+                      std::uint64_t instance)
+        : simulated_(settings),
+          board_(settings.device == FingertipDevice::kBoard ? std::make_unique<Board>(settings, runtime)
+                                                            : nullptr),
+          process_(instance, settings, open_channels(sockets), actuator()) {}
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {
@@ -52,11 +54,38 @@ class Cutaneous final : public NodeInstance {
         return simulated_;
     }
 
-    CutaneousSettings settings_;
     SimulatedActuator simulated_;
     std::unique_ptr<Board> board_;
     CutaneousProcess process_;
 };
+
+class DrivenCutaneous final : public NodeInstance {
+  public:
+    DrivenCutaneous(const CutaneousSettings& settings, Sockets& sockets, std::uint64_t instance)
+        : bus_(open_bus(settings.drives, sockets)),
+          actuator_(settings.drives, settings.force_limit_N, *bus_),
+          process_(instance, settings, open_channels(sockets), actuator_) {}
+    ~DrivenCutaneous() override { actuator_.stop(); }
+
+    NodeProcess& process() override { return process_; }
+    void bring_up() override { bring_up_drives(actuator_); }
+    void describe(nlohmann::ordered_json& report) const override {
+        report["drives"] = describe_drives(actuator_);
+    }
+
+  private:
+    std::unique_ptr<CanBus> bus_;
+    DriveActuator actuator_;
+    CutaneousProcess process_;
+};
+
+std::unique_ptr<NodeInstance> build(const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+    const CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
+    if (settings.device == FingertipDevice::kDrives) {
+        return std::make_unique<DrivenCutaneous>(settings, sockets, instance);
+    }
+    return std::make_unique<UndrivenCutaneous>(settings, read_runtime_settings(file), sockets, instance);
+}
 
 }  // namespace
 
@@ -66,11 +95,11 @@ int main(int argc, char** argv) {
     program.description =
         "Presses the force that the needle feels on a finger: the index for a push, the thumb for a pull, of "
         "the hand "
-        "on the handle (CF) or of the other one (CCF). The device is simulated, or a fingertip board on USB.";
+        "on the handle (CF) or of the other one (CCF). The device is simulated, a fingertip board on USB, or "
+        "drives on "
+        "a CAN bus ([cutaneous] device).";
     program.example = "thimble-cutaneous --config deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "cutaneous"};
-    program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
-        return std::make_unique<Cutaneous>(file, sockets, instance);
-    };
+    program.build = build;
     return run_node_program(program, argc, argv);
 }

@@ -140,6 +140,7 @@ int run(const NodeProgram& program, const Options& options) {
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);
     install_stop_signals();
+    instance->bring_up();
     RealtimeLoop loop(sockets.listeners());
     spdlog::info("ready, ports from {}", network.base_port);
     ServiceNotice notice;

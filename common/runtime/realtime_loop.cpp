@@ -54,7 +54,7 @@ std::string ask_for_realtime(const RuntimeSettings& settings) {
         std::strerror(errno), settings.priority);
 }
 
-RealtimeLoop::RealtimeLoop(std::span<UdpChannel* const> listeners)
+RealtimeLoop::RealtimeLoop(std::span<Listener* const> listeners)
     : epoll_(epoll_create1(EPOLL_CLOEXEC)),
       timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
       listeners_(listeners.begin(), listeners.end()) {
@@ -62,17 +62,17 @@ RealtimeLoop::RealtimeLoop(std::span<UdpChannel* const> listeners)
         throw Error(ExitCode::kRunFailed, fmt::format("cannot make a timer: {}", std::strerror(errno)));
     }
     watch(timer_, nullptr);
-    for (UdpChannel* listener : listeners_) watch(listener->file_descriptor(), listener);
-    for (UdpChannel* listener : listeners_) listener->set_watched(true);
+    for (Listener* listener : listeners_) watch(listener->file_descriptor(), listener);
+    for (Listener* listener : listeners_) listener->set_watched(true);
 }
 
 RealtimeLoop::~RealtimeLoop() {
-    for (UdpChannel* listener : listeners_) listener->set_watched(false);
+    for (Listener* listener : listeners_) listener->set_watched(false);
     close(timer_);
     close(epoll_);
 }
 
-void RealtimeLoop::watch(int descriptor, UdpChannel* of) {
+void RealtimeLoop::watch(int descriptor, Listener* of) {
     epoll_event event{};
     event.events = EPOLLIN;
     event.data.ptr = of;
@@ -100,7 +100,7 @@ SessionTime RealtimeLoop::wait(SessionTime until) {
         if (found == 1 && events[0].data.ptr == nullptr && now < until) continue;
         for (int i = 0; i < found; ++i) {
             void* of = events[static_cast<std::size_t>(i)].data.ptr;
-            if (of != nullptr) static_cast<UdpChannel*>(of)->has_mail();
+            if (of != nullptr) static_cast<Listener*>(of)->has_mail();
         }
         return now;
     }

@@ -9,8 +9,8 @@
 
 #include "common/histogram.hpp"
 #include "common/process.hpp"
+#include "common/runtime/listener.hpp"
 #include "common/runtime/runtime_settings.hpp"
-#include "common/runtime/udp_channel.hpp"
 
 namespace thimble {
 
@@ -39,7 +39,7 @@ class RealtimeLoop {
   public:
     // Wakes on mail for `listeners`, which outlive the loop: from now on they receive nothing but in a step of it.
     // Throws Error (run failed) if the kernel refuses a timer.
-    explicit RealtimeLoop(std::span<UdpChannel* const> listeners);
+    explicit RealtimeLoop(std::span<Listener* const> listeners);
     ~RealtimeLoop();
     RealtimeLoop(const RealtimeLoop&) = delete;
     RealtimeLoop& operator=(const RealtimeLoop&) = delete;
@@ -52,13 +52,13 @@ class RealtimeLoop {
     const LoopStatistics& statistics() const { return statistics_; }
 
   private:
-    void watch(int descriptor, UdpChannel* of);  // nobody's: the timer
+    void watch(int descriptor, Listener* of);  // nobody's: the timer
     void arm(SessionTime deadline);
     SessionTime wait(SessionTime until);
 
     int epoll_ = -1;
     int timer_ = -1;
-    std::vector<UdpChannel*> listeners_;
+    std::vector<Listener*> listeners_;
     SessionTime armed_ = kNever;
     SessionTime woken_ = kNever;  // last, within run()
     LoopStatistics statistics_;

@@ -22,9 +22,14 @@ class Sockets {
     // Sends to `remote`, listens to nobody.
     Channel* outlet(Port remote) { return open(std::nullopt, settings_.at(remote)); }
 
+    // To and from a device that is not of the session.
+    Channel* device(const Endpoint& local, const Endpoint& remote) { return open(local, remote); }
+    // Something else that wakes the program; outlives its loop.
+    void listen_to(Listener& listener) { listeners_.push_back(&listener); }
+
     const NetworkSettings& settings() const { return settings_; }
-    // The channels that listen.
-    const std::vector<UdpChannel*>& listeners() const { return listeners_; }
+    // The channels that listen, and whatever else does.
+    const std::vector<Listener*>& listeners() const { return listeners_; }
     UdpCounters counters() const;
 
   private:
@@ -32,7 +37,7 @@ class Sockets {
 
     NetworkSettings settings_;
     std::vector<std::unique_ptr<UdpChannel>> channels_;
-    std::vector<UdpChannel*> listeners_;
+    std::vector<Listener*> listeners_;
 };
 
 }  // namespace thimble

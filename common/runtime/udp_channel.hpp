@@ -8,6 +8,7 @@
 
 #include "common/channel.hpp"
 #include "common/network_settings.hpp"
+#include "common/runtime/listener.hpp"
 #include "common/runtime/stamp_clock.hpp"
 
 namespace thimble {
@@ -23,7 +24,7 @@ struct UdpCounters {
 // stands for, or 0.0.0.0. False for a name that cannot be resolved here.
 bool means_this_machine(const std::string& host);
 
-class UdpChannel final : public Channel {
+class UdpChannel final : public Channel, public Listener {
   public:
     // `local`: where to listen; absent for a channel that only sends. `remote`: where to send, and the only
     // host that is listened to. Throws Error (network) with the address if the port is taken or a name cannot
@@ -38,14 +39,14 @@ class UdpChannel final : public Channel {
     std::optional<SessionTime> arrival() const override { return arrival_; }
 
     // To wait on; readable when a datagram is there.
-    int file_descriptor() const { return socket_; }
+    int file_descriptor() const override { return socket_; }
     // Asking an empty socket is a system call for nothing. Once watched, the channel counts as empty from the moment
     // that nothing was left until the watcher says has_mail().
-    void set_watched(bool watched) {
+    void set_watched(bool watched) override {
         watched_ = watched;
         known_empty_ = false;
     }
-    void has_mail() { known_empty_ = false; }
+    void has_mail() override { known_empty_ = false; }
     const UdpCounters& counters() const { return counters_; }
 
   private:

@@ -73,7 +73,7 @@ FingertipForce BoardActuator::output(SessionTime now) {
     return {index_N >= thumb_N ? Finger::kIndex : Finger::kThumb, strongest_N, sample_time};
 }
 
-std::string_view BoardActuator::trouble() const {
+std::string_view BoardActuator::fault() const {
     return kTroubles.at((status_.load(std::memory_order_acquire) >> 48U) & 0xffU);
 }
 

@@ -26,7 +26,7 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     void command(SessionTime now, Finger finger, double force_N) override;
     FingertipForce output(SessionTime now) override;
     void release(SessionTime now) override;
-    std::string_view trouble() const override;
+    std::string_view fault() const override;
 
     // The device's thread.
     std::optional<std::size_t> choose(const std::vector<HidDevice>& present, std::string& trouble) override;

@@ -95,7 +95,7 @@ TEST_F(HidDevices, ABoardIsToldAndHeard) {
     mock->plug(mock_board());
     BoardActuator actuator(HidChoice{}, 1.5);
     HidAttendant attendant(*bus, actuator, say);
-    EXPECT_THAT(actuator.trouble(), HasSubstr("not plugged in"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("not plugged in"));
     actuator.command(now, Finger::kIndex, 1.2);
     attendant.step(now);
     ASSERT_TRUE(attendant.attached()) << testing::PrintToString(said);
@@ -107,7 +107,7 @@ TEST_F(HidDevices, ABoardIsToldAndHeard) {
     EXPECT_TRUE(step_until(attendant, [&] { return actuator.output(now).force_N > 0; }));
     EXPECT_DOUBLE_EQ(actuator.output(now).force_N, 1.1);
     mock->unplug(1);
-    EXPECT_TRUE(step_until(attendant, [&] { return !actuator.trouble().empty(); }));
+    EXPECT_TRUE(step_until(attendant, [&] { return !actuator.fault().empty(); }));
     EXPECT_EQ(actuator.output(now).force_N, 0);
 }
 

@@ -141,11 +141,11 @@ void try_board() {
         board.say(encode(BoardStatus{told[2], true, false, BoardFault::kNone, 1180, 0}));
         demand(lane.until([&] { return actuator.output(wall_now()).force_N > 1; }) < milliseconds{5},
                "its answer is felt within 5 ms");
-        demand(actuator.trouble().empty(), "no trouble");
-        const Duration silent = lane.until([&] { return !actuator.trouble().empty(); });
+        demand(actuator.fault().empty(), "no trouble");
+        const Duration silent = lane.until([&] { return !actuator.fault().empty(); });
         demand(silent > milliseconds{90} && silent < milliseconds{110}, "100 ms of silence are trouble");
     }
-    lane.until([&] { return actuator.trouble().find("not plugged in") != std::string_view::npos; });
+    lane.until([&] { return actuator.fault().find("not plugged in") != std::string_view::npos; });
     demand(actuator.output(wall_now()).force_N == 0, "pulled out, nothing is felt");
 }
 

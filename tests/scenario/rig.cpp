@@ -4,6 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/drive_actuator.hpp"
+
 namespace thimble::test {
 namespace {
 
@@ -27,6 +30,18 @@ class ReadDisplay final : public Display {
 };
 
 struct Rig::Parts {
+    // The actuator, its drives and the bus between them.
+    struct Driven {
+        explicit Driven(const CutaneousSettings& s)
+            : drives(s.drives.master.nodes, PlantParameters{}, far),
+              actuator(s.drives, s.force_limit_N, near) {}
+
+        QueuePipe bus;
+        CannelloniBus near{bus.a}, far{bus.b};
+        EmulatedDrives drives;
+        DriveActuator actuator;
+    };
+
     // Keeps its place in the loop while what runs in it is replaced.
     class Replaceable final : public Process {
       public:
@@ -55,6 +70,7 @@ struct Rig::Parts {
     BreakableHandle breakable{handle};
     PointerHandle pointer;
     SimulatedActuator actuator;
+    std::unique_ptr<Driven> driven;
     ReadDisplay display;
     std::unique_ptr<SessionProcess> session;
     Replaceable master;
@@ -101,6 +117,7 @@ Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap, const std::option
       pointer(s.handle),
       actuator(s.cutaneous),
       display(s.visual.pipeline) {
+    if (s.cutaneous.device == FingertipDevice::kDrives) driven = std::make_unique<Driven>(s.cutaneous);
     for (std::size_t i = 0; i < control.size(); ++i) {
         orders[i] = tapped(Wire::kOrders, control[i].a);
         heartbeats[i] = tapped(Wire::kHeartbeats, control[i].b);
@@ -128,7 +145,7 @@ Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap, const std::option
         instance_of(Role::kCutaneous), s.cutaneous,
         CutaneousProcess::Channels{heartbeats[2], &force_down_cutaneous.b,
                                    tapped(Wire::kPerceptCutaneous, percept_cutaneous.a)},
-        actuator);
+        driven ? static_cast<FingertipActuator&>(driven->actuator) : actuator);
     visual = std::make_unique<VisualProcess>(
         instance_of(Role::kVisual), s.visual,
         VisualProcess::Channels{heartbeats[3], &force_down_visual.b, &beep.b,
@@ -146,6 +163,10 @@ void Rig::Parts::wire() {
     const std::uint32_t cutaneous_bit = loop.add(*cutaneous);
     const std::uint32_t visual_bit = loop.add(*visual);
     const std::array node_bits{netem_bit, slave_bit, cutaneous_bit, visual_bit, master_bit};  // as kNodeRoles
+    if (driven) {
+        driven->bus.a.wake(mask, cutaneous_bit);
+        driven->bus.b.wake(mask, loop.add(driven->drives));
+    }
     for (std::size_t i = 0; i < control.size(); ++i) {
         control[i].a.wake(mask, session_bit);
         control[i].b.wake(mask, node_bits[i]);
@@ -205,6 +226,8 @@ SessionProcess& Rig::session() { return *parts_->session; }
 SimulatedHandle& Rig::handle() { return parts_->handle; }
 Channel& Rig::hand() { return parts_->hand.a; }
 const PointerHandle& Rig::pointer() const { return parts_->pointer; }
+const EmulatedDrives& Rig::drives() const { return parts_->driven->drives; }
+void Rig::order_drives(const std::string& words) { parts_->driven->drives.obey(now(), words); }
 const MasterProcess& Rig::master() const { return *parts_->master.process; }
 const NetemProcess& Rig::netem() const { return *parts_->netem; }
 const SlaveProcess& Rig::slave() const { return *parts_->slave; }

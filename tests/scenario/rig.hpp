@@ -10,6 +10,7 @@
 
 #include "common/queue_channel.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
+#include "cutaneous_node/emulator/emulated_drives.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 #include "experiment/session_process.hpp"
 #include "experiment/system_settings.hpp"
@@ -91,6 +92,9 @@ class Rig {
     // With [handle] device = "pointer": where a person's pointer comes in, and what it draws.
     Channel& hand();
     const PointerHandle& pointer() const;
+    // With [cutaneous] device = "drives": the drives at the other end of the bus, and a command for them.
+    const EmulatedDrives& drives() const;
+    void order_drives(const std::string& words);
     const MasterProcess& master() const;
     const NetemProcess& netem() const;
     const SlaveProcess& slave() const;

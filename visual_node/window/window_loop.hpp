@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "visual_node/instructions.hpp"
 #include "visual_node/gamepad/vibration.hpp"
+#include "visual_node/instructions.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
 #include "visual_node/window/frame_pace.hpp"

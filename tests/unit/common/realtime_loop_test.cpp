@@ -72,7 +72,7 @@ TEST(RealtimeLoop, ADatagramWakesItBeforeItsDeadline) {
     socklen_t length = sizeof address;
     getsockname(receiver.file_descriptor(), static_cast<sockaddr*>(static_cast<void*>(&address)), &length);
     UdpChannel sender(std::nullopt, Endpoint{"127.0.0.1", ntohs(address.sin_port)});
-    const std::array listeners{&receiver};
+    const std::array<Listener*, 1> listeners{&receiver};
     RealtimeLoop loop(listeners);
     Ticker ticker(wall_now() + seconds{600}, seconds{1}, 1);
     sender.send(std::vector<std::uint8_t>{1});
@@ -97,7 +97,7 @@ TEST(RealtimeLoop, AChannelIsAskedOnlyWhenItHasMail) {
     UdpChannel second(Endpoint{"127.0.0.1", 0}, Endpoint{"127.0.0.1", 0});
     Ticker ticker(wall_now() + seconds{600}, seconds{1}, 1);
     {
-        const std::array listeners{&first, &second};
+        const std::array<Listener*, 2> listeners{&first, &second};
         RealtimeLoop loop(listeners);
         EXPECT_TRUE(first.receive().empty());
         EXPECT_TRUE(second.receive().empty());
@@ -122,7 +122,7 @@ TEST(RealtimeLoop, AChannelIsAskedOnlyWhenItHasMail) {
 
 TEST(RealtimeLoop, MailThatWasLeftWakesAgain) {
     UdpChannel receiver(Endpoint{"127.0.0.1", 0}, Endpoint{"127.0.0.1", 0});
-    const std::array listeners{&receiver};
+    const std::array<Listener*, 1> listeners{&receiver};
     RealtimeLoop loop(listeners);
     Ticker ticker(wall_now() + seconds{600}, seconds{1}, 1);
     EXPECT_TRUE(receiver.receive().empty());
@@ -136,7 +136,7 @@ TEST(RealtimeLoop, MailThatWasLeftWakesAgain) {
 // A deadline that moves on with every datagram leaves the timer set to what it was first.
 TEST(RealtimeLoop, ADeadlineThatMovedOnIsNotTakenEarly) {
     UdpChannel receiver(Endpoint{"127.0.0.1", 0}, Endpoint{"127.0.0.1", 0});
-    const std::array listeners{&receiver};
+    const std::array<Listener*, 1> listeners{&receiver};
     RealtimeLoop loop(listeners);
     const SessionTime start = wall_now();
     Ticker soon(start + milliseconds{20}, seconds{600}, 1);

@@ -109,7 +109,7 @@ TEST_F(BoardActuatorTest, SaysWhatTheBoardMeasuresAndWhenItWasCommanded) {
     EXPECT_EQ(felt.finger, Finger::kIndex);
     EXPECT_DOUBLE_EQ(felt.force_N, 0.94);
     EXPECT_EQ(felt.sample_time, commanded);
-    EXPECT_THAT(actuator.trouble(), IsEmpty());
+    EXPECT_THAT(actuator.fault(), IsEmpty());
 }
 
 TEST_F(BoardActuatorTest, IsWrittenToOnlyWhenThereIsNewsOrFiveMillisecondsHavePassed) {
@@ -141,13 +141,13 @@ TEST_F(BoardActuatorTest, ReleaseIsWrittenInTheNextTurn) {
 TEST_F(BoardActuatorTest, ASilentBoardIsTroubleAndOneThatSpeaksAgainIsNot) {
     board_says({0, true, false, BoardFault::kNone, 900, 0});
     turn(milliseconds{90});
-    EXPECT_THAT(actuator.trouble(), IsEmpty());
+    EXPECT_THAT(actuator.fault(), IsEmpty());
     turn(milliseconds{20});
-    EXPECT_THAT(actuator.trouble(), HasSubstr("no good report for 100 ms"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("no good report for 100 ms"));
     EXPECT_EQ(actuator.output(now).finger, Finger::kNone);
     board_says({0, true, false, BoardFault::kNone, 900, 0});
     turn();
-    EXPECT_THAT(actuator.trouble(), IsEmpty());
+    EXPECT_THAT(actuator.fault(), IsEmpty());
 }
 
 TEST_F(BoardActuatorTest, AStallOfThisComputerIsNoSilenceOfTheBoard) {
@@ -155,15 +155,15 @@ TEST_F(BoardActuatorTest, AStallOfThisComputerIsNoSilenceOfTheBoard) {
     turn();
     now += milliseconds{500};
     turn();
-    EXPECT_THAT(actuator.trouble(), IsEmpty());
+    EXPECT_THAT(actuator.fault(), IsEmpty());
     turn(milliseconds{110});
-    EXPECT_THAT(actuator.trouble(), HasSubstr("no good report"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("no good report"));
 }
 
 TEST_F(BoardActuatorTest, GarbledReportsAreNoSignOfLife) {
     for (int i = 0; i < 120; ++i) cable.said.push_back({2, 1, 0, 1, 0xff, 0xff, 0, 0, 0, 0});
     turn(milliseconds{120});
-    EXPECT_THAT(actuator.trouble(), HasSubstr("no good report"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("no good report"));
     EXPECT_EQ(actuator.bad_reports(), 120U);
     EXPECT_EQ(actuator.output(now).force_N, 0);
 }
@@ -171,12 +171,12 @@ TEST_F(BoardActuatorTest, GarbledReportsAreNoSignOfLife) {
 TEST_F(BoardActuatorTest, AFaultOfTheBoardIsToldAndPressesNothing) {
     board_says({0, true, false, BoardFault::kOverTemperature, 900, 0});
     turn();
-    EXPECT_THAT(actuator.trouble(), HasSubstr("over-temperature"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("over-temperature"));
     EXPECT_EQ(actuator.output(now).force_N, 0);
     for (int fault = 1; fault <= static_cast<int>(BoardFault::kOther); ++fault) {
         board_says({0, true, false, static_cast<BoardFault>(fault), 900, 0});
         turn();
-        EXPECT_THAT(actuator.trouble(), HasSubstr(";")) << fault;  // what is wrong; what to do
+        EXPECT_THAT(actuator.fault(), HasSubstr(";")) << fault;  // what is wrong; what to do
     }
 }
 
@@ -186,7 +186,7 @@ TEST_F(BoardActuatorTest, AnotherVersionIsTold) {
     newer[9] = crc8(std::span(newer).first(9));
     cable.said.push_back(bytes_of(newer));
     turn();
-    EXPECT_THAT(actuator.trouble(), HasSubstr("another version"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("another version"));
 }
 
 TEST_F(BoardActuatorTest, UnpluggedItIsTroubleAtOnce) {
@@ -197,7 +197,7 @@ TEST_F(BoardActuatorTest, UnpluggedItIsTroubleAtOnce) {
     turn();
     EXPECT_FALSE(attached);
     actuator.detach();
-    EXPECT_THAT(actuator.trouble(), HasSubstr("not plugged in"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("not plugged in"));
     EXPECT_EQ(actuator.output(now).force_N, 0);
 }
 
@@ -205,7 +205,7 @@ TEST_F(BoardActuatorTest, ABoardThatIsSlackByItsWatchdogPressesNothing) {
     board_says({0, false, true, BoardFault::kNone, 900, 0});
     turn();
     EXPECT_EQ(actuator.output(now).finger, Finger::kNone);
-    EXPECT_THAT(actuator.trouble(), IsEmpty());
+    EXPECT_THAT(actuator.fault(), IsEmpty());
 }
 
 TEST_F(BoardActuatorTest, TheLoopsHalfAllocatesNothing) {
@@ -213,7 +213,7 @@ TEST_F(BoardActuatorTest, TheLoopsHalfAllocatesNothing) {
     for (int i = 0; i < 300; ++i) {
         actuator.command(now, Finger::kThumb, 1);
         actuator.output(now);
-        EXPECT_FALSE(actuator.trouble().empty());  // nothing has been heard yet
+        EXPECT_FALSE(actuator.fault().empty());  // nothing has been heard yet
     }
     actuator.release(now);
     EXPECT_EQ(allocation_count(), before);
@@ -232,7 +232,7 @@ TEST(BoardChoice, TwoBoardsAreNotGuessedAt) {
     EXPECT_EQ(second.choose({one, two}, trouble), 1U);
     EXPECT_FALSE(any.choose({compact_cap()}, trouble));
     EXPECT_THAT(trouble, HasSubstr("no fingertip board"));
-    EXPECT_THAT(any.trouble(), HasSubstr("not plugged in"));
+    EXPECT_THAT(any.fault(), HasSubstr("not plugged in"));
 }
 
 }  // namespace

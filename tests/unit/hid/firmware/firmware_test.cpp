@@ -75,7 +75,7 @@ TEST_F(Firmware, PressesAndSaysSo) {
     EXPECT_EQ(played::pressed_mN[1], 800);
     EXPECT_EQ(actuator.output(now).finger, Finger::kThumb);
     EXPECT_DOUBLE_EQ(actuator.output(now).force_N, 0.8);
-    EXPECT_THAT(actuator.trouble(), IsEmpty());
+    EXPECT_THAT(actuator.fault(), IsEmpty());
     actuator.command(now, Finger::kIndex, 4);  // beyond what the board allows itself
     run(3);
     EXPECT_EQ(played::pressed_mN[0], 1500);
@@ -88,7 +88,7 @@ TEST_F(Firmware, PressesAndSaysSo) {
 TEST_F(Firmware, SpeaksOftenEnoughWhenNothingChanges) {
     actuator.release(now);
     run(500);
-    EXPECT_THAT(actuator.trouble(), IsEmpty());
+    EXPECT_THAT(actuator.fault(), IsEmpty());
 }
 
 TEST_F(Firmware, LetsGoFiftyMillisecondsAfterTheLastCommand) {
@@ -123,7 +123,7 @@ TEST_F(Firmware, AFaultLetsGoAndIsTold) {
     board_fault = 1;
     run(20);
     EXPECT_EQ(played::pressed_mN[0], 0);
-    EXPECT_THAT(actuator.trouble(), HasSubstr("over-current"));
+    EXPECT_THAT(actuator.fault(), HasSubstr("over-current"));
 }
 
 }  // namespace

@@ -1,0 +1,48 @@
+// Frames out, frames in, never blocking. Real: SocketCAN, or a bus elsewhere through cannelloni; in tests a queue.
+#pragma once
+
+#include <cstdint>
+
+#include "cutaneous_node/can/can_frame.hpp"
+
+namespace thimble {
+
+// What the controller says of the bus, worst last. Off: it has withdrawn after too many errors of its own.
+enum class BusTrouble : std::uint8_t { kNone, kPassive, kOff, kDown };
+
+struct CanCounters {
+    std::uint64_t sent = 0, received = 0;
+    std::uint64_t send_failed = 0;  // buffer full, interface down
+    std::uint64_t malformed = 0;    // datagrams that are no frames
+};
+
+class CanBus {
+  public:
+    virtual ~CanBus() = default;
+    CanBus() = default;
+    CanBus(const CanBus&) = delete;
+    CanBus& operator=(const CanBus&) = delete;
+
+    // May wait for flush(). What cannot be sent is lost and counted.
+    virtual void send(const CanFrame& frame) = 0;
+    virtual void flush() {}
+    // False: none is there. Error frames come too, with kCanError.
+    virtual bool receive(CanFrame& frame) = 0;
+    // The interface itself is gone; what is wrong on the wire comes as error frames.
+    virtual bool down() const { return false; }
+    const CanCounters& counters() const { return counters_; }
+
+  protected:
+    CanCounters counters_;
+};
+
+// Of an error frame, by linux/can/error.h: bus-off, or a controller that is error-passive.
+constexpr BusTrouble trouble_of(const CanFrame& frame) {
+    constexpr std::uint32_t kController = 0x04, kBusOff = 0x40;
+    if ((frame.id & kCanError) == 0) return BusTrouble::kNone;
+    if ((frame.id & kBusOff) != 0) return BusTrouble::kOff;
+    const bool passive = (frame.id & kController) != 0 && (frame.data[1] & 0x30) != 0;
+    return passive ? BusTrouble::kPassive : BusTrouble::kNone;
+}
+
+}  // namespace thimble

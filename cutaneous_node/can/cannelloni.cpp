@@ -1,0 +1,85 @@
+#include "cutaneous_node/can/cannelloni.hpp"
+
+#include <algorithm>
+
+namespace thimble {
+namespace {
+
+constexpr std::uint8_t kCannelloniVersion = 2;
+constexpr std::uint8_t kCannelloniData = 0;
+
+bool is_remote(Bytes datagram, std::size_t at) { return (datagram[at] & (kCanRemote >> 24U)) != 0; }
+
+}  // namespace
+
+std::optional<std::size_t> count_frames(Bytes datagram) {
+    if (datagram.size() < kCannelloniHeaderBytes) return std::nullopt;
+    if (datagram[0] != kCannelloniVersion || datagram[1] != kCannelloniData) return std::nullopt;
+    const std::size_t frames = std::size_t{datagram[3]} << 8U | datagram[4];
+    std::size_t at = kCannelloniHeaderBytes;
+    for (std::size_t i = 0; i < frames; ++i) {
+        if (at + 5 > datagram.size() || datagram[at + 4] > 8) return std::nullopt;
+        at += 5 + (is_remote(datagram, at) ? 0U : std::size_t{datagram[at + 4]});
+        if (at > datagram.size()) return std::nullopt;
+    }
+    if (at != datagram.size()) return std::nullopt;
+    return frames;
+}
+
+CanFrame take_frame(Bytes datagram, std::size_t& at) {
+    CanFrame frame;
+    const bool remote = is_remote(datagram, at);
+    for (std::size_t i = 0; i < 4; ++i) frame.id = frame.id << 8U | datagram[at + i];
+    frame.length = datagram[at + 4];
+    at += 5;
+    if (remote) return frame;
+    for (std::size_t i = 0; i < frame.length; ++i) frame.data[i] = datagram[at + i];
+    at += frame.length;
+    return frame;
+}
+
+void CannelloniBus::send(const CanFrame& frame) {
+    if (out_frames_ == kCannelloniFrames) flush();
+    for (std::size_t i = 0; i < 4; ++i) {
+        out_[out_bytes_++] = static_cast<std::uint8_t>(frame.id >> (24 - 8 * i));
+    }
+    out_[out_bytes_++] = frame.length;
+    const std::size_t bytes = (frame.id & kCanRemote) != 0 ? 0U : std::size_t{frame.length};
+    std::copy_n(frame.data.begin(), bytes, out_.begin() + static_cast<std::ptrdiff_t>(out_bytes_));
+    out_bytes_ += bytes;
+    ++out_frames_;
+    ++counters_.sent;
+}
+
+void CannelloniBus::flush() {
+    if (out_frames_ == 0) return;
+    out_[0] = kCannelloniVersion;
+    out_[1] = kCannelloniData;
+    out_[2] = sequence_++;
+    out_[3] = static_cast<std::uint8_t>(out_frames_ >> 8U);
+    out_[4] = static_cast<std::uint8_t>(out_frames_);
+    channel_->send({out_.data(), out_bytes_});
+    out_bytes_ = kCannelloniHeaderBytes;
+    out_frames_ = 0;
+}
+
+bool CannelloniBus::next_datagram() {
+    for (in_ = channel_->receive(); !in_.empty(); in_ = channel_->receive()) {
+        const auto frames = count_frames(in_);
+        in_at_ = kCannelloniHeaderBytes;
+        in_frames_ = frames.value_or(0);
+        if (!frames) ++counters_.malformed;
+        if (in_frames_ > 0) return true;
+    }
+    return false;
+}
+
+bool CannelloniBus::receive(CanFrame& frame) {
+    if (in_frames_ == 0 && !next_datagram()) return false;
+    frame = take_frame(in_, in_at_);
+    --in_frames_;
+    ++counters_.received;
+    return true;
+}
+
+}  // namespace thimble

@@ -1,0 +1,61 @@
+// Master of the drives on one bus: brings all of them up, then exchanges targets and measurements by SYNC, and lets every cable
+// go slack in the tick in which anything is wrong with one of them.
+#pragma once
+
+#include <span>
+
+#include "common/histogram.hpp"
+#include "cutaneous_node/can/drive_link.hpp"
+
+namespace thimble {
+
+class CanopenMaster {
+  public:
+    // `bus` outlives the master.
+    CanopenMaster(const CanMasterSettings& settings, CanBus& bus);
+    CanopenMaster(const CanopenMaster&) = delete;
+    CanopenMaster& operator=(const CanopenMaster&) = delete;
+
+    // Takes what has arrived, sends what is due. The first call resets the drives.
+    void tick(SessionTime now);
+    SessionTime next_wakeup() const { return next_; }
+
+    bool operating() const;  // all of them; never again after a fault
+    std::size_t drives() const { return links_.size(); }
+    const DriveLink& drive(std::size_t i) const { return links_[i]; }
+    void set_target(std::size_t i, std::int32_t target) { links_[i].set_target(target); }
+    // The first one; it stays.
+    const std::optional<DriveFault>& fault() const { return fault_; }
+    // Something that only the caller sees. Slack at once.
+    void fail(SessionTime now, const DriveFault& fault);
+    // No torque and no voltage, said twice, and the network stopped: before the program ends.
+    void stop();
+
+    std::uint64_t cycles() const { return cycles_; }
+    std::uint64_t incomplete_cycles() const {
+        return incomplete_;
+    }  // a drive's answer came after the next SYNC
+    std::uint64_t passive_reports() const { return passive_; }
+    const Histogram& answered_within() const { return answered_within_; }  // from a SYNC to the last answer
+    const CanBus& bus() const { return *bus_; }
+
+  private:
+    void take_frames(SessionTime now);
+    void take(SessionTime now, const CanFrame& frame);
+    void look_at_answers(SessionTime now);
+    void cycle(SessionTime now);
+    void exchange(bool slack);
+
+    CanMasterSettings settings_;
+    CanBus* bus_;
+    std::vector<DriveLink> links_;
+    std::array<std::uint8_t, 128> link_of_{};  // by node id; kNobody
+    std::optional<DriveFault> fault_;
+    bool begun_ = false;
+    bool waiting_ = false;  // for answers to the last SYNC
+    SessionTime next_{}, next_heartbeat_{}, sync_{};
+    std::uint64_t cycles_ = 0, incomplete_ = 0, passive_ = 0;
+    Histogram answered_within_;
+};
+
+}  // namespace thimble

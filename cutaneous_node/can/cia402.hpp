@@ -1,0 +1,45 @@
+// The state machine of a drive (CiA 402): what a statusword (0x6041) says, which controlword (0x6040) comes next, and the
+// machine itself, for the emulated drive. Transitions are numbered as in the profile.
+#pragma once
+
+#include <cstdint>
+
+namespace thimble {
+
+enum class DriveState : std::uint8_t {
+    kNotReady,
+    kSwitchOnDisabled,
+    kReadyToSwitchOn,
+    kSwitchedOn,
+    kOperationEnabled,
+    kQuickStop,
+    kFaultReaction,
+    kFault,
+};
+const char* to_string(DriveState state);
+
+enum class DriveMode : std::int8_t { kNone = 0, kSyncPosition = 8, kSyncTorque = 10 };  // 0x6060
+
+inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlQuickStop = 0x02,
+                               kControlShutdown = 0x06, kControlSwitchOn = 0x07, kControlEnable = 0x0f,
+                               kControlFaultReset = 0x80;
+
+DriveState state_of(std::uint16_t statusword);
+// The next step from `state` towards operation; a fault is reset by an edge, so the word before must not have had that bit.
+std::uint16_t control_towards_operation(DriveState state);
+
+// The drive's side.
+class DriveAutomaton {
+  public:
+    DriveState state() const { return state_; }
+    std::uint16_t statusword() const;
+
+    void obey(std::uint16_t controlword);
+    void fail() { state_ = DriveState::kFault; }  // reaction: power off at once (0x605E = 0)
+
+  private:
+    DriveState state_ = DriveState::kSwitchOnDisabled;
+    std::uint16_t last_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,193 @@
+#include "cutaneous_node/drive_actuator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+namespace {
+
+// A cable is taut when its motor has come to rest under pretension.
+constexpr Duration kRestTime = std::chrono::milliseconds{100};
+constexpr double kAtRest_m = 1e-4;
+constexpr double kDrawInSpeed_m_per_s = 0.01;
+constexpr double kSlackFor_s = 0.05;
+
+}  // namespace
+
+DriveActuator::DriveActuator(const DriveSettings& settings, double force_limit_N, CanBus& bus)
+    : settings_(settings),
+      shape_{settings.deadband_N, force_limit_N},
+      geometry_(settings.cable_angle_rad),
+      pad_(settings.pad),
+      master_(settings.master, bus) {
+    cables_.assign(settings.master.nodes.size(),
+                   Cable{0, 0, 0, false, SlackDetector(settings.slack_margin_m, kSlackFor_s)});
+    for (const double relaxing : settings.pad.shares) relaxed_share_ -= relaxing;
+    trouble_.reserve(std::tuple_size_v<decltype(DeviceFault::text)>);
+}
+
+void DriveActuator::command(SessionTime now, Finger finger, double force_N) {
+    const bool worn = std::any_of(
+        settings_.fingers.begin(), settings_.fingers.end(),
+        [&](const FingerDevice& device) { return device.hand == hand_ && device.finger == finger; });
+    finger_ = finger;
+    if (!worn && finger != Finger::kNone) fail(now, DriveFaultKind::kNoDevice, settings_.master.nodes.size());
+    force_N_ = finger == Finger::kNone ? 0 : shape_.shaped_N(force_N);
+}
+
+void DriveActuator::release(SessionTime /*now*/) {
+    finger_ = Finger::kNone;
+    force_N_ = 0;
+}
+
+void DriveActuator::use_hand(SessionTime now, Hand hand) {
+    hand_ = hand;
+    release(now);
+}
+
+double DriveActuator::rated_torque_Nm(std::size_t drive) const {
+    return master_.drive(drive).rated_torque() * settings_.rated_torque_unit_Nm;
+}
+
+double DriveActuator::tension_N(std::size_t drive) const {
+    return settings_.cable.tension_N(master_.drive(drive).feedback().torque_per_mille,
+                                     rated_torque_Nm(drive));
+}
+
+double DriveActuator::wound_m(std::size_t drive) const {
+    return settings_.cable.wound_m(master_.drive(drive).feedback().position_counts, cables_[drive].origin);
+}
+
+double DriveActuator::drawn_in_m(double tension_N, double share) const {
+    const double per_tension = kCablesPerFinger * geometry_.normal_per_tension();
+    const double pressed_m = pad_.indentation_m(per_tension * tension_N / share) -
+                             pad_.indentation_m(per_tension * settings_.pretension_N / relaxed_share_);
+    return geometry_.wound_m(std::max(pressed_m, 0.0));
+}
+
+double DriveActuator::measured_N(std::size_t finger) const {
+    const std::size_t first = settings_.fingers[finger].first;
+    return geometry_.force({tension_N(first), tension_N(first + 1), tension_N(first + 2)}).normal_N;
+}
+
+FingertipForce DriveActuator::output(SessionTime now) {
+    FingertipForce felt{Finger::kNone, 0, now};
+    const double resting_N = kCablesPerFinger * geometry_.normal_per_tension() * settings_.pretension_N;
+    for (std::size_t i = 0; ready() && i < settings_.fingers.size(); ++i) {
+        const FingerDevice& finger = settings_.fingers[i];
+        if (finger.hand != hand_) continue;
+        const double force_N = measured_N(i) - resting_N;
+        if (force_N < std::max(settings_.deadband_N, felt.force_N)) continue;
+        felt = {finger.finger, force_N, now};
+        for (std::size_t drive = finger.first; drive < finger.first + kCablesPerFinger; ++drive) {
+            felt.sample_time = std::min(felt.sample_time, master_.drive(drive).feedback().sample_time);
+        }
+    }
+    return felt;
+}
+
+void DriveActuator::set_tension(std::size_t drive, double tension_N) {
+    if (settings_.master.mode == DriveMode::kSyncPosition) {
+        // The pad's elastic force: what it relaxes to is less, and so presses a held position.
+        master_.set_target(drive, settings_.cable.counts(drawn_in_m(tension_N, 1), cables_[drive].origin));
+    } else {
+        master_.set_target(drive, settings_.cable.torque_per_mille(tension_N, rated_torque_Nm(drive)));
+    }
+}
+
+void DriveActuator::set_targets() {
+    for (const FingerDevice& device : settings_.fingers) {
+        const bool pressed = device.hand == hand_ && device.finger == finger_;
+        const CableTensions tensions_N = geometry_.tensions_N({pressed ? force_N_ : 0, 0, 0});
+        for (std::size_t i = 0; i < kCablesPerFinger; ++i) {
+            set_tension(device.first + i, tensions_N[i] + settings_.pretension_N);
+        }
+    }
+}
+
+// By torque every cable draws itself in; by position it is drawn in until its torque shows pretension.
+void DriveActuator::take_up(SessionTime now) {
+    if (!taking_up_) {
+        taking_up_ = true;
+        taking_up_since_ = before_ = now;
+        next_look_ = now + kRestTime;
+        for (std::size_t i = 0; i < cables_.size(); ++i) {
+            cables_[i].origin = master_.drive(i).feedback().position_counts;
+        }
+    }
+    const bool position = settings_.master.mode == DriveMode::kSyncPosition;
+    if (position) {
+        draw_in(to_seconds(now - before_));
+    } else {
+        for (std::size_t i = 0; i < cables_.size(); ++i) set_tension(i, settings_.pretension_N);
+    }
+    before_ = now;
+    if (!look_for_rest(now)) return;
+    taut_ = true;
+    for (std::size_t i = 0; i < cables_.size(); ++i) {
+        cables_[i].origin = master_.drive(i).feedback().position_counts;
+    }
+}
+
+void DriveActuator::draw_in(double step_s) {
+    for (std::size_t i = 0; i < cables_.size(); ++i) {
+        Cable& cable = cables_[i];
+        if (tension_N(i) < settings_.pretension_N) cable.drawn_m += kDrawInSpeed_m_per_s * step_s;
+        master_.set_target(i, settings_.cable.counts(cable.drawn_m, cable.origin));
+    }
+}
+
+bool DriveActuator::look_for_rest(SessionTime now) {
+    if (now < next_look_) return false;
+    next_look_ = now + kRestTime;
+    const Cable* loose = nullptr;
+    for (std::size_t i = 0; i < cables_.size(); ++i) {
+        Cable& cable = cables_[i];
+        const double stands_m = wound_m(i);
+        cable.taut =
+            std::abs(stands_m - cable.before_m) < kAtRest_m && tension_N(i) > settings_.pretension_N / 2;
+        cable.before_m = stands_m;
+        if (!cable.taut && loose == nullptr) loose = &cable;
+    }
+    if (loose != nullptr && now - taking_up_since_ > settings_.take_up_limit) {
+        fail(now, DriveFaultKind::kNoTakeUp, static_cast<std::size_t>(loose - cables_.data()));
+    }
+    return loose == nullptr;
+}
+
+void DriveActuator::watch_slack(SessionTime now, double step_s) {
+    for (std::size_t i = 0; i < cables_.size(); ++i) {
+        const bool slack =
+            cables_[i].slack.slack(wound_m(i), drawn_in_m(tension_N(i), relaxed_share_), step_s);
+        if (slack) return fail(now, DriveFaultKind::kSlack, i);
+    }
+}
+
+void DriveActuator::tick(SessionTime now) {
+    if (master_.operating()) {
+        if (taut_) {
+            set_targets();
+        } else {
+            take_up(now);
+        }
+    }
+    master_.tick(now);
+    if (taut_ && master_.operating()) {
+        watch_slack(now, to_seconds(now - before_));
+        before_ = now;
+    }
+    note_fault();
+}
+
+void DriveActuator::fail(SessionTime now, DriveFaultKind kind, std::size_t drive) {
+    master_.fail(now, {kind, drive, "", 0});
+}
+
+void DriveActuator::note_fault() {
+    const auto& fault = master_.fault();
+    if (fault && trouble_.empty()) {
+        trouble_ = describe(*fault, drive_name(settings_, fault->drive), settings_.bus);
+    }
+}
+
+}  // namespace thimble

@@ -1,0 +1,82 @@
+// thimble-drive-check: presses one finger after the other without a session, to see whether a device works.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/runtime/command_line.hpp"
+#include "common/runtime/node_program.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/version.hpp"
+#include "cutaneous_node/can/bus_from_settings.hpp"
+#include "cutaneous_node/cutaneous_settings.hpp"
+#include "cutaneous_node/drive_run.hpp"
+
+namespace {
+
+using namespace thimble;
+
+struct CheckOptions {
+    std::string config;
+    double force_N = 0.5, press_s = 1;
+};
+
+// What is measured at the end of the time. Throws Error (run failed) if a drive fails.
+double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOptions& options) {
+    actuator.use_hand(wall_now(), finger.hand);
+    const SessionTime end = wall_now() + from_seconds(options.press_s);
+    for (SessionTime now = wall_now(); now < end && !stop_requested(); now = wall_now()) {
+        actuator.command(now, finger.finger, options.force_N);
+        actuator.tick(now);
+        if (!actuator.fault().empty()) throw Error(ExitCode::kRunFailed, std::string(actuator.fault()));
+        wall_sleep(std::chrono::milliseconds{1});
+    }
+    return actuator.output(wall_now()).force_N;
+}
+
+int check(const CheckOptions& options) {
+    const ConfigFile file = ConfigFile::load(options.config);
+    const CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
+    if (settings.drives.bus.empty()) {
+        throw Error(ExitCode::kUsage,
+                    options.config + " has no [cutaneous.drives] with a bus, so there is nothing to check");
+    }
+    Sockets sockets{NetworkSettings{}};
+    const auto bus = open_bus(settings.drives, sockets);
+    DriveActuator actuator(settings.drives, settings.force_limit_N, *bus);
+    install_stop_signals();
+    bring_up_drives(actuator);
+    fmt::print("{} drives in operation, every cable taut\n", actuator.master().drives());
+    for (std::size_t i = 0; i < settings.drives.fingers.size(); ++i) {
+        const FingerDevice& finger = settings.drives.fingers[i];
+        const double felt_N = press(actuator, finger, options);
+        fmt::print("{} hand, {}: asked {:.3f} N, measured {:.3f} N\n",
+                   finger.hand == Hand::kActing ? "acting" : "other",
+                   finger.finger == Finger::kIndex ? "index" : "thumb", options.force_N, felt_N);
+    }
+    actuator.stop();
+    fmt::print("{}\n", describe_drives(actuator).dump());
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return guarded_main("thimble-drive-check", [&] {
+        CheckOptions options;
+        CLI::App app("Brings up the drives that a session file names and presses one finger after the other.",
+                     "thimble-drive-check");
+        app.add_option("-c,--config", options.config, "session file with [cutaneous.drives]")->required();
+        app.add_option("--force", options.force_N, "in N, at most the device's limit")
+            ->check(CLI::Range(0.0, 20.0));
+        app.add_option("--seconds", options.press_s, "how long each finger is pressed")
+            ->check(CLI::Range(0.1, 60.0));
+        app.set_version_flag("--version", std::string(kVersion));
+        app.footer(
+            "Example:\n  thimble-drive-check --config device.toml --force 0.3\n\n"
+            "Exit codes: 0 ok, 1 a drive failed, 2 usage or configuration, 3 no bus.");
+        if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+        return check(options);
+    });
+}

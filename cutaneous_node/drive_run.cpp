@@ -1,0 +1,34 @@
+#include "cutaneous_node/drive_run.hpp"
+
+#include "common/error.hpp"
+#include "common/runtime/node_program.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/wall_clock.hpp"
+
+namespace thimble {
+
+void bring_up_drives(DriveActuator& actuator) {
+    while (!actuator.ready()) {
+        if (stop_requested())
+            throw Error(ExitCode::kRunFailed, "interrupted while the drives were brought up");
+        actuator.tick(wall_now());
+        if (!actuator.fault().empty()) throw Error(ExitCode::kRunFailed, std::string(actuator.fault()));
+        wall_sleep(std::chrono::microseconds{200});
+    }
+}
+
+nlohmann::ordered_json describe_drives(const DriveActuator& actuator) {
+    const CanopenMaster& master = actuator.master();
+    const CanCounters& frames = master.bus().counters();
+    return {{"cycles", master.cycles()},
+            {"incomplete_cycles", master.incomplete_cycles()},
+            {"answered_within", quantiles(master.answered_within())},
+            {"frames_sent", frames.sent},
+            {"frames_received", frames.received},
+            {"frames_send_failed", frames.send_failed},
+            {"datagrams_malformed", frames.malformed},
+            {"error_passive", master.passive_reports()},
+            {"fault", actuator.fault()}};
+}
+
+}  // namespace thimble

@@ -1,0 +1,161 @@
+#include "cutaneous_node/emulator/emulated_drives.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace thimble {
+namespace {
+
+// More than any pretension, far less than what a trial presses.
+constexpr double kPressed_N = 0.2;
+constexpr std::uint32_t kErrorBusOff = kCanError | 0x40, kErrorController = kCanError | 0x04;
+
+std::vector<std::string_view> words_of(std::string_view line) {
+    std::vector<std::string_view> words;
+    for (std::size_t at = line.find_first_not_of(" \t\r\n"); at != std::string_view::npos;) {
+        const std::size_t end = std::min(line.find_first_of(" \t\r\n", at), line.size());
+        words.push_back(line.substr(at, end - at));
+        at = line.find_first_not_of(" \t\r\n", end);
+    }
+    return words;
+}
+
+// Decimal, or hexadecimal with 0x.
+std::optional<std::uint32_t> whole_number(std::string_view text) {
+    const bool hexadecimal = text.substr(0, 2) == "0x";
+    if (hexadecimal) text.remove_prefix(2);
+    std::uint32_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value, hexadecimal ? 16 : 10);
+    if (error != std::errc{} || stop != end) return std::nullopt;
+    return value;
+}
+
+CanFrame error_frame(std::uint32_t id, std::uint8_t controller) {
+    CanFrame frame;
+    frame.id = id;
+    frame.length = 8;
+    frame.data[1] = controller;
+    return frame;
+}
+
+}  // namespace
+
+EmulatedDrives::EmulatedDrives(const std::vector<std::uint8_t>& nodes, const PlantParameters& plant,
+                               CanBus& bus)
+    : bus_(&bus) {
+    drives_.reserve(nodes.size());
+    for (const std::uint8_t node : nodes) drives_.emplace_back(node, plant);
+}
+
+void EmulatedDrives::tick(SessionTime now) {
+    if (!on_) {
+        on_ = true;
+        for (DriveEmulator& drive : drives_) drive.reset(now, *bus_);
+    }
+    CanFrame frame;
+    while (bus_->receive(frame)) {
+        if (off_ || (frame.id & (kCanError | kCanExtended | kCanRemote)) != 0) continue;
+        ++frames_;
+        for (DriveEmulator& drive : drives_) drive.on_frame(now, frame, *bus_);
+    }
+    if (!off_) {
+        for (DriveEmulator& drive : drives_) drive.tick(now, *bus_);
+        look_at_force(now);
+    }
+    bus_->flush();
+}
+
+SessionTime EmulatedDrives::next_wakeup() const {
+    if (!on_) return SessionTime{};
+    if (off_) return kNever;
+    SessionTime next = kNever;
+    for (const DriveEmulator& drive : drives_) next = std::min(next, drive.next_wakeup());
+    return next;
+}
+
+double EmulatedDrives::force_N(std::size_t finger) const {
+    double sum_N = 0;
+    for (std::size_t i = 0; i < kCablesPerFinger; ++i) sum_N += drives_[3 * finger + i].plant().force_N() / 3;
+    return sum_N;
+}
+
+double EmulatedDrives::strongest_N() const { return strongest_N_; }
+
+void EmulatedDrives::look_at_force(SessionTime now) {
+    for (std::size_t finger = 0; finger < drives_.size() / kCablesPerFinger; ++finger) {
+        strongest_N_ = std::max(strongest_N_, force_N(finger));
+    }
+    if (pressed_since_ == kNever && strongest_N_ > kPressed_N) pressed_since_ = now;
+    if (pressed_since_ == kNever) return;
+    for (Later& later : later_) {
+        if (later.words.empty() || now - pressed_since_ < later.after) continue;
+        obey(now, later.words);
+        later.words.clear();
+    }
+}
+
+DriveEmulator* EmulatedDrives::find(std::string_view node) {
+    const auto number = whole_number(node);
+    const auto found = std::find_if(drives_.begin(), drives_.end(),
+                                    [&](const DriveEmulator& drive) { return drive.node() == number; });
+    return found == drives_.end() ? nullptr : &*found;
+}
+
+std::string EmulatedDrives::obey(SessionTime now, std::string_view line) {
+    const auto words = words_of(line);
+    if (words.empty()) return {};
+    if (words[0] == "quit") {
+        stopped_ = true;
+    } else if (words[0] == "bus-off") {
+        bus_->send(error_frame(kErrorBusOff, 0));
+        off_ = true;
+    } else if (words[0] == "bus-passive") {
+        bus_->send(error_frame(kErrorController, 0x10));
+    } else {
+        DriveEmulator* drive = words.size() > 1 ? find(words[1]) : nullptr;
+        std::vector<std::uint32_t> numbers;
+        for (std::size_t i = 2; i < words.size(); ++i) {
+            if (const auto number = whole_number(words[i])) numbers.push_back(*number);
+        }
+        if (drive == nullptr || numbers.size() + 2 != words.size() || !obey(now, *drive, words[0], numbers)) {
+            return fmt::format("'{}': no such command, no such drive, or a number is missing", line);
+        }
+    }
+    bus_->flush();
+    return {};
+}
+
+bool EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_view what,
+                          const std::vector<std::uint32_t>& numbers) {
+    if (what == "emcy" && numbers.size() == 1) {
+        drive.emergency(static_cast<std::uint16_t>(numbers[0]), *bus_);
+    } else if (what == "refuse" && (numbers.size() == 1 || numbers.size() == 2)) {
+        const auto sub = static_cast<std::uint8_t>(numbers.size() == 2 ? numbers[1] : 0);
+        drive.refuse({static_cast<std::uint16_t>(numbers[0]), sub}, SdoAbort::kNoObject);
+    } else if (!numbers.empty()) {
+        return false;
+    } else if (what == "reboot") {
+        drive.reset(now, *bus_);
+    } else if (what == "silence") {
+        drive.fall_silent();
+    } else if (what == "no-heartbeat") {
+        drive.stop_heartbeat();
+    } else if (what == "no-data") {
+        drive.stop_data();
+    } else if (what == "short-data") {
+        drive.shorten_data();
+    } else if (what == "duplicate") {
+        drive.double_itself();
+    } else if (what == "cut") {
+        drive.cut_cable();
+    } else {
+        return false;
+    }
+    return true;
+}
+
+}  // namespace thimble

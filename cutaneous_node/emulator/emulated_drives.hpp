@@ -1,0 +1,68 @@
+// The drives on one bus, as a process of their own, and the words that make things go wrong with them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/process.hpp"
+#include "cutaneous_node/emulator/drive_emulator.hpp"
+
+namespace thimble {
+
+class EmulatedDrives final : public Process {
+  public:
+    // `bus` outlives them.
+    EmulatedDrives(const std::vector<std::uint8_t>& nodes, const PlantParameters& plant, CanBus& bus);
+
+    // The first call switches them on.
+    void tick(SessionTime now) override;
+    SessionTime next_wakeup() const override;
+    bool stopped() const override { return stopped_; }
+
+    // A command of kFaultWords, at once. What is wrong with it; empty: done.
+    std::string obey(SessionTime now, std::string_view words);
+    // A command for `after` the moment at which a force beyond pretension was first pressed.
+    void obey_when_pressed(std::string words, Duration after) { later_.push_back({std::move(words), after}); }
+
+    const DriveEmulator& drive(std::size_t i) const { return drives_[i]; }
+    std::size_t drives() const { return drives_.size(); }
+    double force_N(std::size_t finger) const;  // of the three drives from 3 finger on
+    double strongest_N() const;                // any finger, ever
+    std::uint64_t frames() const { return frames_; }
+
+  private:
+    struct Later {
+        std::string words;
+        Duration after{};
+    };
+    bool obey(SessionTime now, DriveEmulator& drive, std::string_view what,
+              const std::vector<std::uint32_t>& numbers);
+    DriveEmulator* find(std::string_view node);
+    void look_at_force(SessionTime now);
+
+    CanBus* bus_;
+    std::vector<DriveEmulator> drives_;
+    std::vector<Later> later_;
+    SessionTime pressed_since_ = kNever;
+    double strongest_N_ = 0;
+    std::uint64_t frames_ = 0;
+    bool on_ = false, stopped_ = false, off_ = false;
+};
+
+inline constexpr const char* kFaultWords =
+    "  emcy NODE CODE            an error of the drive, e.g. emcy 3 0x2310 (over-current)\n"
+    "  reboot NODE               its supply dips\n"
+    "  silence NODE              it freezes: hears and says nothing\n"
+    "  no-heartbeat NODE         all goes on but its heartbeat\n"
+    "  no-data NODE              all goes on but its process data\n"
+    "  short-data NODE           its process data is two bytes short\n"
+    "  duplicate NODE            a second device has its node id\n"
+    "  refuse NODE INDEX [SUB]   SDO abort 'no such object' from now on, e.g. refuse 3 0x6060\n"
+    "  cut NODE                  its cable tears\n"
+    "  bus-off                   the controller withdraws (an error frame; nothing is heard or said any "
+    "more)\n"
+    "  bus-passive               the controller becomes error-passive (an error frame)\n"
+    "  quit\n";
+
+}  // namespace thimble

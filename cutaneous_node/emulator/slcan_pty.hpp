@@ -1,0 +1,31 @@
+// A CAN adapter of the slcan kind (Lawicel's words), played on a pseudo-terminal: the kernel's slcan driver at its other end
+// makes a CAN interface of it, with real error frames and a real bus-off.
+#pragma once
+
+#include <string>
+
+#include "cutaneous_node/can/can_bus.hpp"
+
+namespace thimble {
+
+class SlcanPty final : public CanBus {
+  public:
+    // Needs the right to attach a line discipline (CAP_NET_ADMIN) and the module slcan. Throws Error (network).
+    SlcanPty();
+    ~SlcanPty() override;
+
+    // A data frame, or an error frame: bus-off and error-passive are told as an adapter tells them.
+    void send(const CanFrame& frame) override;
+    bool receive(CanFrame& frame) override;
+
+    int file_descriptor() const { return adapter_; }
+    const std::string& interface() const { return interface_; }
+
+  private:
+    void say(const std::string& line);
+
+    int adapter_ = -1, kernel_ = -1;
+    std::string interface_, heard_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,49 @@
+// From a force for a finger to what its drives are told, and back: deadband and limit, pretension, pulley and gear.
+#pragma once
+
+#include <cstdint>
+
+#include "cutaneous_node/fingertip/finger_geometry.hpp"
+
+namespace thimble {
+
+struct ForceShape {
+    double deadband_N = 0.02;  // less is no force
+    double limit_N = 1.5;
+
+    double shaped_N(double force_N) const;  // NaN: no force
+};
+
+// One cable's way to its motor. The values are assumptions, of a small geared motor.
+struct CableDrive {
+    double pulley_radius_m = 0.0025;
+    double gear_ratio = 16;       // motor turns per pulley turn
+    double efficiency = 0.8;      // of the gear, motor to cable
+    double counts_per_turn = 64;  // of the motor
+    bool reversed = false;        // a positive torque slackens the cable
+
+    // Per mille of the drive's rated torque (0x6071, 0x6077), 1000 at most.
+    std::int16_t torque_per_mille(double tension_N, double rated_torque_Nm) const;
+    // >= 0: a cable that a motor turns out of is slack.
+    double tension_N(std::int16_t torque_per_mille, double rated_torque_Nm) const;
+    // How much of the cable has been drawn in since the count was `origin`.
+    double wound_m(std::int32_t counts, std::int32_t origin) const;
+    std::int32_t counts(double wound_m, std::int32_t origin) const;
+};
+
+// A cable that has come off or is torn, and a device that is not worn, let the motor draw in more than a pad could give way
+// for: position against torque. A torque alone shows nothing, the drive's current controller makes what it is told.
+class SlackDetector {
+  public:
+    SlackDetector(double margin_m, double seconds) : margin_m_(margin_m), limit_s_(seconds) {}
+
+    // `wound_m` since the cable was taut under pretension, `explained_m` what the pad gives way at this tension. True once the
+    // rest has been above the margin for the time.
+    bool slack(double wound_m, double explained_m, double step_s);
+
+  private:
+    double margin_m_, limit_s_;
+    double for_s_ = 0;
+};
+
+}  // namespace thimble

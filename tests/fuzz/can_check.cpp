@@ -1,0 +1,93 @@
+#include "tests/fuzz/can_check.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "common/queue_channel.hpp"
+#include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/drive_actuator.hpp"
+#include "cutaneous_node/emulator/drive_emulator.hpp"
+
+namespace thimble {
+namespace {
+
+// Hears what it is given, says what it hears to nobody, and looks at it.
+class HostileBus final : public CanBus {
+  public:
+    void send(const CanFrame& frame) override {
+        well_formed = well_formed && frame.length <= 8;
+        const bool target = cob_base(frame.id) == cob(CobBase::kReceive1);
+        if (target && (load(frame, 0, 2) & 0x0fU) == kControlEnable)
+            pressed = pressed || load(frame, 2, 2) > 1000;
+    }
+    bool receive(CanFrame& frame) override {
+        if (frames.empty()) return false;
+        frame = frames.back();
+        frames.pop_back();
+        return true;
+    }
+
+    std::vector<CanFrame> frames;
+    bool well_formed = true, pressed = false;
+};
+
+std::vector<CanFrame> frames_of(Bytes bytes) {
+    std::vector<CanFrame> frames;
+    for (std::size_t at = 0; at + 13 <= bytes.size(); at += 13) {
+        CanFrame frame;
+        for (std::size_t i = 0; i < 4; ++i) frame.id |= std::uint32_t{bytes[at + i]} << (8 * i);
+        // Most of them for somebody who listens.
+        if ((frame.id & 0x1000U) != 0) frame.id &= 0x783U;
+        frame.length = std::min<std::uint8_t>(bytes[at + 4], 8);
+        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at) + 5, 8, frame.data.begin());
+        frames.push_back(frame);
+    }
+    std::reverse(frames.begin(), frames.end());
+    return frames;
+}
+
+const char* flaw_of_datagram(Bytes bytes) {
+    QueuePipe pipe;
+    CannelloniBus near(pipe.a), far(pipe.b);
+    if (bytes.size() > kMaxDatagramBytes) return nullptr;
+    if (!bytes.empty()) pipe.a.send(bytes);
+    CanFrame frame;
+    while (far.receive(frame)) {
+        if (frame.length > 8) return "a frame of more than 8 bytes";
+        near.send(frame);
+        near.flush();
+        CanFrame again;
+        if (const std::size_t before = far.counters().malformed;
+            !far.receive(again) && before == far.counters().malformed) {
+            return "a frame that does not come back";
+        }
+    }
+    return nullptr;
+}
+
+}  // namespace
+
+const char* flaw_of_bus(Bytes bytes) {
+    if (const char* flaw = flaw_of_datagram(bytes)) return flaw;
+    const ConfigFile file = ConfigFile::parse("bus = \"can0\"", "fuzz");
+    const DriveSettings settings = read_drive_settings(file.root());
+    HostileBus to_master, to_drive;
+    DriveActuator actuator(settings, 1.5, to_master);
+    DriveEmulator drive(1, PlantParameters{});
+    SessionTime now{};
+    actuator.tick(now);
+    drive.reset(now, to_drive);
+    for (const CanFrame& frame : frames_of(bytes)) {
+        now += std::chrono::milliseconds{1};
+        to_master.frames.push_back(frame);
+        actuator.command(now, Finger::kIndex, 1.5);
+        actuator.tick(now);
+        if (frame.id < 0x800U) drive.on_frame(now, frame, to_drive);
+        drive.tick(now, to_drive);
+    }
+    if (actuator.output(now).force_N != 0) return "a force without drives";
+    if (!to_master.well_formed || !to_drive.well_formed) return "a frame of more than 8 bytes is sent";
+    return to_master.pressed ? "a torque above the drive's rated one" : nullptr;
+}
+
+}  // namespace thimble

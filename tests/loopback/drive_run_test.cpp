@@ -1,0 +1,90 @@
+// A trial on the fingers with twelve drives behind cannelloni: the emulator is the other end of the wire.
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+class EmulatorRun {
+  public:
+    explicit EmulatorRun(const std::vector<std::string>& more = {})
+        : child_(built_programs() / "thimble-drive-emulator", arguments(more), folder_ / "words") {}
+
+    // A machine that stalls for a second is no lost heartbeat.
+    std::string tables() const {
+        return "[cutaneous]\ndevice = \"drives\"\n[cutaneous.drives]\nbus = \"cannelloni:127.0.0.1:" +
+               std::to_string(ports_.base()) + "\"\nlisten_port = " + std::to_string(ports_.base() + 1) +
+               "\nsilent_after_s = 3\n";
+    }
+    std::string end() {
+        child_.signal(SIGTERM);
+        child_.wait(kPatience);
+        return read_text(folder_ / "words");
+    }
+
+  private:
+    std::vector<std::string> arguments(const std::vector<std::string>& more) const {
+        std::vector<std::string> all{"--port", std::to_string(ports_.base()), "--peer-port",
+                                     std::to_string(ports_.base() + 1)};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+
+    Folder folder_;
+    PortBlock ports_;
+    Child child_;
+};
+
+SessionFile on_the_fingers(const EmulatorRun& emulator, const std::string& modality) {
+    SessionFile session;
+    session.modalities = "[\"" + modality + "\"]";
+    session.more = emulator.tables();
+    return session;
+}
+
+TEST(DriveRun, ATrialIsFeltThroughTwelveDrives) {
+    EmulatorRun emulator;
+    SessionFile session = on_the_fingers(emulator, "CF");
+    session.contact_hold_s = 0.2;
+    RealRun run(session);
+    ASSERT_EQ(run.end(), 0) << run.words() << emulator.end();
+    EXPECT_EQ(run.rows().at(0).reason, EndReason::kCompleted);
+    const auto drives = run.report("thimble-cutaneous").at("drives");
+    EXPECT_GT(drives.at("cycles"), 100);
+    EXPECT_EQ(drives.at("datagrams_malformed"), 0);
+    EXPECT_EQ(drives.at("fault"), "");
+    const std::string words = emulator.end();
+    const auto force = words.find("strongest force ");
+    ASSERT_NE(force, std::string::npos) << "it lives until it is told to end: " << words;
+    EXPECT_GT(std::stod(words.substr(force + 16)), 0.3);
+}
+
+TEST(DriveRun, AFaultEndsTheTrialRecordedAndIsWhatTheRunEndsWith) {
+    EmulatorRun emulator({"--fault-when-pressed", "emcy 9 0x4210"});
+    SessionFile session = on_the_fingers(emulator, "CCF");
+    session.contact_hold_s = kEndlessHold_s;
+    RealRun run(session);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("drive 9 (other hand, index, cable 2): EMCY 0x4210 (too hot)"));
+    ASSERT_EQ(run.rows().size(), 1U);
+    EXPECT_EQ(run.rows()[0].reason, EndReason::kDeviceFault);
+    EXPECT_EQ(run.rows()[0].lost_peer, Role::kCutaneous);
+    EXPECT_THAT(run.first_trial_end(), HasSubstr("device_fault_cutaneous"));
+}
+
+TEST(DriveRun, ADriveThatRefusesKeepsTheSessionFromStarting) {
+    EmulatorRun emulator({"--fault", "refuse 3 0x6060"});
+    RealRun run(on_the_fingers(emulator, "CF"));
+    EXPECT_EQ(run.end(), 3) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("drive 3 (acting hand, index, cable 2): refused 'mode 0x6060'"));
+    EXPECT_TRUE(run.rows().empty());
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,275 @@
+// The actuator over twelve emulated drives on a queue, in virtual time: bringing up, pressing, and every fault on command.
+#include "cutaneous_node/drive_actuator.hpp"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "common/queue_channel.hpp"
+#include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/emulator/emulated_drives.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+DriveSettings drive_settings(const std::string& more = "") {
+    const ConfigFile file = ConfigFile::parse("[drives]\nbus = \"can0\"\n" + more, "drives.toml");
+    DriveSettings settings = read_drive_settings(file.table("drives"));
+    file.finish();
+    return settings;
+}
+
+class DriveBench {
+  public:
+    explicit DriveBench(const std::string& more = "", const PlantParameters& plant = {})
+        : settings(drive_settings(more)),
+          drives(settings.master.nodes, plant, far_),
+          actuator(settings, 1.5, near_) {}
+
+    // A millisecond, as the node ticks; the drives answer in the same one.
+    void tick() {
+        now += milliseconds{1};
+        actuator.tick(now);
+        drives.tick(now);
+        actuator.tick(now);
+    }
+    void run(Duration time) {
+        for (const SessionTime end = now + time; now < end;) tick();
+    }
+    bool come_up() {
+        while (!actuator.ready() && actuator.fault().empty() && now < SessionTime{seconds{10}}) tick();
+        return actuator.ready();
+    }
+    void press(Finger finger, double force_N, Duration time) {
+        for (const SessionTime end = now + time; now < end; tick()) actuator.command(now, finger, force_N);
+    }
+    void order(const std::string& words) { EXPECT_EQ(drives.obey(now, words), ""); }
+
+    QueuePipe pipe_;
+    CannelloniBus near_{pipe_.a}, far_{pipe_.b};
+    DriveSettings settings;
+    EmulatedDrives drives;
+    DriveActuator actuator;
+    SessionTime now{};
+};
+
+TEST(DriveActuator, BringsTwelveDrivesUpAndTheirCablesTaut) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    EXPECT_LT(bench.now, SessionTime{seconds{3}});
+    for (std::size_t i = 0; i < 12; ++i) {
+        EXPECT_EQ(bench.drives.drive(i).state(), DriveState::kOperationEnabled);
+        EXPECT_NEAR(bench.drives.drive(i).plant().tension_N(), 0.03, 0.005) << i;
+    }
+    EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kNone);
+}
+
+TEST(DriveActuator, PressesTheFingerThatIsAskedForAndSaysWhatIsMeasured) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    bench.press(Finger::kThumb, 1.0, milliseconds{500});
+    EXPECT_NEAR(bench.drives.force_N(1), 1.0 + 3 * 0.03 * std::cos(0.35), 0.03);
+    EXPECT_LT(bench.drives.force_N(0), 0.1);
+    const FingertipForce felt = bench.actuator.output(bench.now);
+    EXPECT_EQ(felt.finger, Finger::kThumb);
+    EXPECT_NEAR(felt.force_N, 1.0, 0.01);
+    EXPECT_LE(bench.now - felt.sample_time, milliseconds{5});
+    bench.press(Finger::kIndex, 9.0, milliseconds{500});
+    EXPECT_NEAR(bench.actuator.output(bench.now).force_N, 1.5, 0.01) << "the limit";
+    EXPECT_LT(bench.drives.force_N(1), 0.1) << "the other finger is let go";
+    bench.actuator.release(bench.now);
+    bench.run(milliseconds{200});
+    EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kNone);
+    EXPECT_EQ(bench.actuator.fault(), "");
+}
+
+TEST(DriveActuator, TheOtherHandWearsTheOtherSixDrives) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    bench.actuator.use_hand(bench.now, Hand::kOther);
+    bench.press(Finger::kIndex, 1.0, milliseconds{300});
+    EXPECT_GT(bench.drives.force_N(2), 0.9);
+    EXPECT_LT(bench.drives.force_N(0), 0.1);
+    EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kIndex);
+}
+
+TEST(DriveActuator, ByPositionThePadsModelMakesTheForceOfTheFirstMoment) {
+    DriveBench bench("mode = \"position\"");
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    bench.press(Finger::kIndex, 1.0, milliseconds{60});
+    // The held pad relaxes, to 40 % in the end.
+    EXPECT_GT(bench.drives.force_N(0), 0.4);
+    EXPECT_LT(bench.drives.force_N(0), 1.2);
+    EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kIndex);
+    EXPECT_EQ(bench.actuator.fault(), "");
+}
+
+TEST(DriveActuator, AReversedMotorIsTheSameToTheFinger) {
+    PlantParameters plant;
+    plant.cable.reversed = true;
+    DriveBench bench("reversed = true", plant);
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    bench.press(Finger::kIndex, 1.0, milliseconds{300});
+    EXPECT_NEAR(bench.actuator.output(bench.now).force_N, 1.0, 0.01);
+    EXPECT_NEAR(bench.drives.force_N(0), 1.09, 0.05);
+}
+
+struct FaultCase {
+    const char* words;
+    const char* said;
+    int within_ms;  // from the fault to no torque at the drives that still listen
+};
+
+void PrintTo(const FaultCase& fault, std::ostream* out) { *out << fault.words; }
+
+class DriveFaults : public testing::TestWithParam<FaultCase> {};
+
+TEST_P(DriveFaults, CablesGoSlackAndTheFaultIsNamed) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    bench.press(Finger::kIndex, 1.0, milliseconds{300});
+    ASSERT_GT(bench.drives.force_N(0), 0.9);
+    bench.order(GetParam().words);
+    const SessionTime since = bench.now;
+    while (bench.actuator.fault().empty() && bench.now - since < seconds{1}) {
+        bench.press(Finger::kIndex, 1.0, milliseconds{1});
+    }
+    EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr(GetParam().said));
+    EXPECT_LE(bench.now - since, milliseconds{GetParam().within_ms});
+    // Two ticks later nobody is told to press, though the commands go on.
+    bench.press(Finger::kIndex, 1.0, milliseconds{2});
+    EXPECT_EQ(bench.actuator.output(bench.now).force_N, 0);
+    for (const std::size_t drive : {0U, 1U}) {
+        EXPECT_NE(bench.drives.drive(drive).state(), DriveState::kOperationEnabled) << drive;
+    }
+    bench.press(Finger::kIndex, 1.0, milliseconds{300});
+    EXPECT_LT(bench.drives.drive(0).plant().force_N(), 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, DriveFaults,
+    testing::Values(
+        FaultCase{"emcy 3 0x2310",
+                  "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause", 2},
+        FaultCase{"reboot 3", "drive 3 (acting hand, index, cable 2): has restarted", 2},
+        FaultCase{"no-heartbeat 3", "drive 3 (acting hand, index, cable 2): heartbeat lost", 102},
+        FaultCase{"silence 3", "drive 3 (acting hand, index, cable 2): heartbeat lost", 102},
+        FaultCase{"no-data 3", "sends no process data", 206},
+        FaultCase{"short-data 3", "process data of 6 bytes, not 8", 6},
+        FaultCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id", 40},
+        FaultCase{"cut 3", "drive 3 (acting hand, index, cable 2): the cable is slack or torn", 300},
+        FaultCase{"emcy 12 0x4210", "drive 12 (other hand, thumb, cable 2): EMCY 0x4210 (too hot)", 2}));
+
+TEST(DriveActuator, ABusThatIsOffIsNamedAndTheDrivesHelpThemselves) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    bench.press(Finger::kIndex, 1.0, milliseconds{300});
+    CanFrame off;
+    off.id = kCanError | 0x40;
+    bench.far_.send(off);
+    bench.far_.flush();
+    bench.tick();
+    EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr("can0: bus-off; check termination"));
+    // Nothing gets through any more: what stops the drives is the master's heartbeat that they miss.
+    DriveBench lonely;
+    ASSERT_TRUE(lonely.come_up());
+    lonely.press(Finger::kIndex, 1.0, milliseconds{300});
+    for (int ms = 0; ms < 400; ++ms) lonely.drives.tick(lonely.now += milliseconds{1});
+    EXPECT_EQ(lonely.drives.drive(0).state(), DriveState::kFault);
+    EXPECT_LT(lonely.drives.force_N(0), 0.05);
+}
+
+struct StartCase {
+    const char* words;
+    const char* said;
+};
+
+void PrintTo(const StartCase& fault, std::ostream* out) { *out << fault.words; }
+
+class DriveStartFaults : public testing::TestWithParam<StartCase> {};
+
+TEST_P(DriveStartFaults, AreNamedWithTheirStep) {
+    DriveBench bench;
+    bench.order(GetParam().words);
+    EXPECT_FALSE(bench.come_up());
+    EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr(GetParam().said));
+    EXPECT_LE(bench.actuator.fault().size(), sizeof(DeviceFault::text)) << "fits into a message";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, DriveStartFaults,
+    testing::Values(
+        StartCase{"refuse 3 0x6060",
+                  "drive 3 (acting hand, index, cable 2): refused 'mode 0x6060' with SDO abort 0x06020000 "
+                  "(no such object)"},
+        StartCase{"refuse 7 0x1a00 2", "drive 7 (other hand, index, cable 0): refused 'TPDO1 position'"},
+        StartCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id"},
+        StartCase{"cut 5", "drive 5 (acting hand, thumb, cable 1): the cable does not get taut"}));
+
+TEST(DriveActuator, ADriveThatIsNotThereIsNamed) {
+    DriveBench bench;
+    const DriveSettings thirteenth = drive_settings("other_thumb = [10, 11, 13]");
+    DriveActuator actuator(thirteenth, 1.5, bench.near_);
+    for (int ms = 0; ms < 4000 && actuator.fault().empty(); ++ms) {
+        actuator.tick(bench.now += milliseconds{1});
+        bench.drives.tick(bench.now);
+    }
+    EXPECT_THAT(
+        std::string(actuator.fault()),
+        HasSubstr(
+            "drive 13 (other hand, thumb, cable 2): no boot-up on can0 after its reset; is it powered"));
+}
+
+TEST(DriveActuator, AFingerWithoutADeviceIsAFaultOnlyWhenItIsPressed) {
+    DriveBench bench("other_index = []\nother_thumb = []");
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    bench.actuator.use_hand(bench.now, Hand::kOther);
+    bench.run(milliseconds{10});
+    EXPECT_EQ(bench.actuator.fault(), "");
+    bench.press(Finger::kIndex, 1.0, milliseconds{2});
+    EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr("no device for a finger"));
+}
+
+TEST(DriveActuator, StopLeavesNobodyPressed) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    bench.press(Finger::kIndex, 1.0, milliseconds{300});
+    bench.actuator.stop();
+    const auto drives_alone = [&] {
+        for (int ms = 0; ms < 50; ++ms) bench.drives.tick(bench.now += milliseconds{1});
+    };
+    drives_alone();
+    for (std::size_t i = 0; i < 12; ++i)
+        EXPECT_EQ(bench.drives.drive(i).state(), DriveState::kSwitchOnDisabled) << i;
+    for (int i = 0; i < 5; ++i) drives_alone();
+    EXPECT_LT(bench.drives.force_N(0), 0.05);
+}
+
+TEST(DriveSettings, RefusesWhatCannotBe) {
+    for (const char* text : {"acting_index = [1, 2]", "acting_index = [4, 5, 6]", "acting_index = [1, 2, 2]",
+                             "acting_index = [1, 2, 127]", "acting_index = [1, 2, 2.5]",
+                             "mode = \"velocity\"", "cycle_s = 0.05", "efficiency = 1.2", "node = 3",
+                             "acting_index = []\nacting_thumb = []\nother_index = []\nother_thumb = []"}) {
+        EXPECT_THROW(drive_settings(text), Error) << text;
+    }
+    for (const char* bus : {"cannelloni:", "cannelloni:host", "cannelloni::1", "cannelloni:host:0",
+                            "cannelloni:host:99999", "cannelloni:host:1x", "a_name_of_16_char"}) {
+        const ConfigFile file = ConfigFile::parse(std::string("bus = \"") + bus + "\"", "x");
+        EXPECT_THROW(read_drive_settings(file.root()), Error) << bus;
+    }
+    const ConfigFile file = ConfigFile::parse("bus = \"cannelloni:lab:20001\"\nlisten_port = 20002", "x");
+    const auto address = read_drive_settings(file.root()).cannelloni;
+    ASSERT_TRUE(address);
+    EXPECT_EQ(address->host, "lab");
+    EXPECT_EQ(address->port, 20001);
+    EXPECT_EQ(address->listen_port, 20002);
+}
+
+}  // namespace
+}  // namespace thimble
