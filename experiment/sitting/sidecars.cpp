@@ -47,7 +47,7 @@ constexpr std::array kMeanings{
     ColumnMeaning{"oscillation_frequency_Hz", "Its dominant frequency", "Hz"},
     ColumnMeaning{"oscillates", "1: the needle oscillates at the fixture", nullptr},
     ColumnMeaning{"beeped", "1: contact was held long enough for the beep", nullptr},
-    ColumnMeaning{"outcome", "completed, timeout, interrupted, or peer_lost_<program>", nullptr},
+    ColumnMeaning{"outcome", "completed, timeout, interrupted, peer_lost_<program>, or device_fault_<program>", nullptr},
     ColumnMeaning{"seed", "Seed of the study", nullptr},
     ColumnMeaning{"fixture_removed", "1: the fixture vanishes with the beep", nullptr},
     ColumnMeaning{"delay_achieved_s", "Median delay of the network, both ways together", "s"},
