@@ -214,6 +214,16 @@ TEST_F(ForceDimension, SaysWhichLibraryItLacks) {
                 HasSubstr("The link is missing: run `sudo ln -s libdhd.so.3.17.0 " + link));
 }
 
+TEST_F(ForceDimension, NamesTheFoldersItLookedInInVain) {
+    setenv("FDSDK", folder_.c_str(), 1);
+    const std::string words = library_refusal("");
+    unsetenv("FDSDK");
+    if (words == "opened") GTEST_SKIP() << "the real library is installed here";
+    EXPECT_THAT(words, HasSubstr(folder_.string() + "/lib/release/lin-"));
+    EXPECT_THAT(words, HasSubstr("-gcc: neither libdrd.so.* nor libdhd.so.*"));
+    EXPECT_THAT(words, HasSubstr("libdhd.so.3: cannot open shared object file"));
+}
+
 TEST_F(ForceDimension, LooksWhereTheSdkLiesNewestFirst) {
     const fs::path lib = folder_ / "lib";
     fs::create_directories(lib);
