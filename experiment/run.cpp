@@ -54,6 +54,8 @@ class Run {
     bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
 
     unsigned lane_count() const {
+        if (held_by_person(settings_.handle.kind))
+            return 1;  // one hand, and one device that can be opened once
         // By itself one where other machines take part: how many cores those have is not known here.
         const unsigned cores = elsewhere() ? 1 : std::thread::hardware_concurrency();
         const unsigned wanted =
@@ -95,6 +97,7 @@ class Run {
         SystemSettings with_delay = settings_;
         set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
         plan.session = session_settings(with_delay);
+        plan.session.ends_by_withdrawal = held_by_person(settings_.handle.kind);
         plan.delay_s = delay_s;
         plan.trials = run_trials_of(settings_, delay_s);
         plan.attend = options_.attend;

@@ -116,7 +116,6 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     s.netem = read_netem_settings(file);
     s.session = read_session(file);
     s.session.contact_hold = s.slave.contact_hold;
-    s.session.ends_by_withdrawal = held_by_person(s.handle.kind);
     s.plan = read_plan(file.table("session"));
     const ConfigTable protocol = file.table("protocol");
     if (file.root().has("protocol")) s.protocol = read_protocol_settings(protocol);

@@ -27,8 +27,8 @@ std::string machine() {
     return uname(&name) == 0 ? name.machine : "x86_64";
 }
 
-// In the order in which they are tried.
-std::vector<std::string> candidates() {
+// In the order in which they are tried; `empty` gets the folders that have none.
+std::vector<std::string> candidates(std::vector<std::string>& empty) {
     std::vector<std::string> files;
     if (const std::string file = environment("FORCEDIMENSION_LIB"); !file.empty()) files.push_back(file);
     std::vector<fs::path> folders;
@@ -40,7 +40,9 @@ std::vector<std::string> candidates() {
         folders.push_back(fs::path(home) / ".local/lib");
     folders.emplace_back("/usr/local/lib");
     for (const fs::path& folder : folders) {
-        for (const fs::path& file : dhd_files_in(folder)) files.push_back(file.string());
+        const std::vector<fs::path> found = dhd_files_in(folder);
+        for (const fs::path& file : found) files.push_back(file.string());
+        if (found.empty()) empty.push_back(folder.string() + ": neither libdrd.so.* nor libdhd.so.*");
     }
     for (const char* name : {"libdrd.so.3", "libdhd.so.3", "libdrd.so", "libdhd.so"})
         files.emplace_back(name);
@@ -87,9 +89,9 @@ std::vector<fs::path> dhd_files_in(const fs::path& folder) {
 }
 
 DhdLibrary::DhdLibrary(const std::string& file) {
-    const std::vector<std::string> files = file.empty() ? candidates() : std::vector{file};
     std::vector<std::string> tried;
-    tried.reserve(files.size());
+    const std::vector<std::string> files = file.empty() ? candidates(tried) : std::vector{file};
+    tried.reserve(tried.size() + files.size());
     for (const std::string& one : files) {
         handle_ = dlopen(one.c_str(), RTLD_NOW | RTLD_LOCAL);
         if (handle_ != nullptr) {
