@@ -45,7 +45,7 @@ TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const std::vector<std::uint8_t> pushed{1, 0, 0, 0x5e, 0x01, 0, 0};
     mock->say(0, pushed);
-    wall_sleep(milliseconds{100});
+    wall_sleep(milliseconds{50});
     mock->unplug(0);
     EXPECT_TRUE(wait_until([&] {
         return log_of(run, "thimble-master").find("is gone") != std::string::npos;
@@ -55,7 +55,7 @@ TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
         return log_of(run, "thimble-master").find("hidraw2 is in use") != std::string::npos;
     })) << log_of(run, "thimble-master");
     mock->say(2, pushed);
-    wall_sleep(milliseconds{200});
+    wall_sleep(milliseconds{100});
     run.launcher().signal(SIGINT);
     EXPECT_EQ(run.end(), 1) << run.words();
     const auto rows = run.rows();
