@@ -41,11 +41,11 @@ class HidPrograms : public testing::Test {
 
 TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
     mock->plug(mock_cap());
-    RealRun run(session("HF", "[handle]\ndevice = \"hid\"\n"));
+    RealRun run(session("HF", "[handle]\ndevice = \"hid\"\n[handle.hid]\nspeed_hand_m_per_s = 0.5\n"));
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const std::vector<std::uint8_t> pushed{1, 0, 0, 0x5e, 0x01, 0, 0};
     mock->say(0, pushed);
-    wall_sleep(milliseconds{50});
+    wall_sleep(milliseconds{100});
     mock->unplug(0);
     EXPECT_TRUE(wait_until([&] {
         return log_of(run, "thimble-master").find("is gone") != std::string::npos;
