@@ -17,7 +17,7 @@ namespace thimble {
 class BoardActuator final : public FingertipActuator, public HidUser {
   public:
     static constexpr Duration kRepeat = std::chrono::milliseconds{5};        // of an unchanged command
-    static constexpr Duration kSilence = std::chrono::milliseconds{100};     // of the board: it is dropped
+    static constexpr Duration kSilence = std::chrono::milliseconds{100};     // of the board: trouble
     static constexpr Duration kLoopSilence = std::chrono::milliseconds{40};  // of the node: slack
 
     BoardActuator(const HidChoice& choice, double force_limit_N) : choice_(choice), limit_N_(force_limit_N) {}

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sys/utsname.h>
 #include <thread>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -63,10 +64,7 @@ std::uint16_t hex_number(const std::string& text) {
     return std::sscanf(text.c_str(), "%x", &number) == 1 ? static_cast<std::uint16_t>(number) : 0;
 }
 
-bool may_open(const fs::path& node) {
-    std::fstream stream(node, std::ios::in | std::ios::out | std::ios::binary);
-    return stream.is_open();
-}
+bool may_open(const fs::path& node) { return access(node.c_str(), R_OK | W_OK) == 0; }
 
 std::optional<DeviceFacts::Device> hid_device(const fs::path& root, const fs::path& entry) {
     const std::string event = read_whole(entry / "device/uevent");

@@ -7,6 +7,8 @@
 #include <sys/timex.h>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -52,7 +54,7 @@ bool loopback_passes() {
 
 bool is_free(std::uint16_t port) {
     try {
-        UdpChannel(Endpoint{"0.0.0.0", port}, {"127.0.0.1", 0});
+        const UdpChannel probe(Endpoint{"0.0.0.0", port}, {"127.0.0.1", 0});
         return true;
     } catch (const Error&) {
         return false;
@@ -174,10 +176,10 @@ std::string dropping_chain(const std::string& ruleset) {
         at = end + 1;
         std::array<char, 64> first{}, second{};
         if (std::sscanf(line.c_str(), " table %63s %63s", first.data(), second.data()) == 2)
-            table = std::string(first.data()) + " " + second.data();
+            table = fmt::format("{} {}", first.data(), second.data());
         if (std::sscanf(line.c_str(), " chain %63s", first.data()) == 1) chain = first.data();
         if (line.find("hook input") != std::string::npos && line.find("policy drop") != std::string::npos)
-            return table + " " + chain;
+            return fmt::format("{} {}", table, chain);
     }
     return "";
 }

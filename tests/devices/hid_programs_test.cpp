@@ -41,7 +41,7 @@ class HidPrograms : public testing::Test {
 
 TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
     mock->plug(mock_cap());
-    RealRun run(session("HF", "[handle]\ndevice = \"hid\"\n"));
+    RealRun run(session("HF", "[handle]\ndevice = \"hid\"\n[handle.hid]\nspeed_hand_m_per_s = 0.5\n"));
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const std::vector<std::uint8_t> pushed{1, 0, 0, 0x5e, 0x01, 0, 0};
     mock->say(0, pushed);
@@ -55,7 +55,7 @@ TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {
         return log_of(run, "thimble-master").find("hidraw2 is in use") != std::string::npos;
     })) << log_of(run, "thimble-master");
     mock->say(2, pushed);
-    wall_sleep(milliseconds{200});
+    wall_sleep(milliseconds{100});
     run.launcher().signal(SIGINT);
     EXPECT_EQ(run.end(), 1) << run.words();
     const auto rows = run.rows();

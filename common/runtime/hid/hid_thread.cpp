@@ -11,8 +11,9 @@
 namespace thimble {
 
 HidThread::HidThread(HidUser& user, const RuntimeSettings& runtime)
-    : bus_(make_hidapi_bus()),
-      attendant_(*bus_, user, [](const std::string& sentence) { spdlog::info(sentence); }) {
+    : bus_(make_hidapi_bus()), attendant_(*bus_, user, [this](const std::string& sentence) {
+          spdlog::log(attendant_.attached() ? spdlog::level::info : spdlog::level::warn, sentence);
+      }) {
     // Signals belong to the thread that the node's loop runs in.
     sigset_t all{}, before{};
     sigfillset(&all);
