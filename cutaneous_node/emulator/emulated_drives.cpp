@@ -83,8 +83,6 @@ double EmulatedDrives::force_N(std::size_t finger) const {
     return sum_N;
 }
 
-double EmulatedDrives::strongest_N() const { return strongest_N_; }
-
 void EmulatedDrives::look_at_force(SessionTime now) {
     for (std::size_t finger = 0; finger < drives_.size() / kCablesPerFinger; ++finger) {
         strongest_N_ = std::max(strongest_N_, force_N(finger));
