@@ -134,9 +134,14 @@ bool EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_vie
     } else if (what == "refuse" && (numbers.size() == 1 || numbers.size() == 2)) {
         const auto sub = static_cast<std::uint8_t>(numbers.size() == 2 ? numbers[1] : 0);
         drive.refuse({static_cast<std::uint16_t>(numbers[0]), sub}, SdoAbort::kNoObject);
-    } else if (!numbers.empty()) {
-        return false;
-    } else if (what == "reboot") {
+    } else {
+        return numbers.empty() && obey(now, drive, what);
+    }
+    return true;
+}
+
+bool EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_view what) {
+    if (what == "reboot") {
         drive.reset(now, *bus_);
     } else if (what == "silence") {
         drive.fall_silent();
