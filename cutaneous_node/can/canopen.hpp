@@ -53,7 +53,9 @@ struct ObjectKey {
     std::uint16_t index = 0;
     std::uint8_t sub = 0;
     bool operator==(const ObjectKey&) const = default;
-    auto operator<=>(const ObjectKey&) const = default;
+    bool operator<(const ObjectKey& other) const {
+        return index != other.index ? index < other.index : sub < other.sub;
+    }
 };
 
 enum class SdoKind : std::uint8_t { kRead, kWrite, kAbort };

@@ -169,7 +169,11 @@ void DriveLink::on_emergency(const CanFrame& frame) {
 void DriveLink::on_data(SessionTime now, const CanFrame& frame) {
     if (frame.length != 8) return fail(DriveFaultKind::kDataLength, frame.length);
     // One answer to each SYNC: more come from two devices, however late they are.
-    if (owed_ == 0) return fail(DriveFaultKind::kDuplicate);
+    // (Before operation a drive may say where it stands without being asked.)
+    if (owed_ == 0) {
+        if (stage_ == Stage::kOperate) fail(DriveFaultKind::kDuplicate);
+        return;
+    }
     --owed_;
     answered_ = true;
     data_ = now;

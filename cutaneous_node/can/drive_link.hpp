@@ -46,8 +46,8 @@ class DriveLink {
     enum class Stage { kBoot, kSettle, kConfigure, kStart, kEnable, kOperate };
     enum class Check { kNone, kDeviceType, kModes, kRatedTorque, kMode };
     struct Step {
-        const char* name;
-        Sdo sdo;
+        const char* name = "";
+        Sdo sdo{};
         Check check = Check::kNone;
     };
 

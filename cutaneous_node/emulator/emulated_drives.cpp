@@ -83,8 +83,6 @@ double EmulatedDrives::force_N(std::size_t finger) const {
     return sum_N;
 }
 
-double EmulatedDrives::strongest_N() const { return strongest_N_; }
-
 void EmulatedDrives::look_at_force(SessionTime now) {
     for (std::size_t finger = 0; finger < drives_.size() / kCablesPerFinger; ++finger) {
         strongest_N_ = std::max(strongest_N_, force_N(finger));
@@ -136,9 +134,14 @@ bool EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_vie
     } else if (what == "refuse" && (numbers.size() == 1 || numbers.size() == 2)) {
         const auto sub = static_cast<std::uint8_t>(numbers.size() == 2 ? numbers[1] : 0);
         drive.refuse({static_cast<std::uint16_t>(numbers[0]), sub}, SdoAbort::kNoObject);
-    } else if (!numbers.empty()) {
-        return false;
-    } else if (what == "reboot") {
+    } else {
+        return numbers.empty() && obey(now, drive, what);
+    }
+    return true;
+}
+
+bool EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_view what) {
+    if (what == "reboot") {
         drive.reset(now, *bus_);
     } else if (what == "silence") {
         drive.fall_silent();

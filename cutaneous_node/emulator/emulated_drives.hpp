@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/process.hpp"
@@ -27,8 +28,8 @@ class EmulatedDrives final : public Process {
 
     const DriveEmulator& drive(std::size_t i) const { return drives_[i]; }
     std::size_t drives() const { return drives_.size(); }
-    double force_N(std::size_t finger) const;  // of the three drives from 3 finger on
-    double strongest_N() const;                // any finger, ever
+    double force_N(std::size_t finger) const;            // of the three drives from 3 finger on
+    double strongest_N() const { return strongest_N_; }  // any finger, ever
     std::uint64_t frames() const { return frames_; }
 
   private:
@@ -38,6 +39,7 @@ class EmulatedDrives final : public Process {
     };
     bool obey(SessionTime now, DriveEmulator& drive, std::string_view what,
               const std::vector<std::uint32_t>& numbers);
+    bool obey(SessionTime now, DriveEmulator& drive, std::string_view what);
     DriveEmulator* find(std::string_view node);
     void look_at_force(SessionTime now);
 

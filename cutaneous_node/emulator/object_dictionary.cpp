@@ -22,8 +22,8 @@ ObjectKey mapped_key(std::uint32_t entry) {
 template <class Use>
 std::uint8_t each_mapped(const ObjectDictionary& dictionary, std::uint16_t mapping, const Use& use) {
     std::uint8_t at = 0;
-    for (std::uint8_t i = 1; i <= dictionary.get({mapping, 0}); ++i) {
-        const std::uint32_t entry = dictionary.get({mapping, i});
+    for (std::uint32_t i = 1; i <= dictionary.get({mapping, 0}); ++i) {
+        const std::uint32_t entry = dictionary.get({mapping, static_cast<std::uint8_t>(i)});
         const auto bytes = static_cast<std::uint8_t>((entry & 0xffU) / 8);
         use(mapped_key(entry), at, bytes);
         at = static_cast<std::uint8_t>(at + bytes);

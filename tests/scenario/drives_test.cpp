@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/scenario/allocation_count.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -34,6 +35,16 @@ TEST(DrivenFingers, ATrialIsCompletedByWhatTheyFeel) {
         }
         EXPECT_EQ(rig.drives().drive(3 * hand).state(), DriveState::kOperationEnabled);
     }
+}
+
+TEST(DrivenFingers, NothingIsAllocatedWhileTheyArePressed) {
+    Rig rig(with_drives());
+    rig.run_until(kBroughtUp);
+    rig.start(trial_of(Modality::kCF));
+    ASSERT_TRUE(rig.run_until_sample([&](const TrajectorySample&) { return rig.drives().force_N(0) > 0.3; }));
+    const std::uint64_t before = allocation_count();
+    EXPECT_EQ(rig.finish().reason, EndReason::kCompleted);
+    EXPECT_EQ(allocation_count() - before, 0U);
 }
 
 TEST(DrivenFingers, AFaultInATrialEndsItWithItsWords) {

@@ -1,4 +1,5 @@
 // Bytes on the bus: cannelloni's datagrams, CANopen's services, the states of a drive.
+#include <array>
 #include <vector>
 
 #include <gtest/gtest.h>

@@ -38,6 +38,9 @@ class NotingActuator final : public FingertipActuator {
         ++releases;
     }
 
+    void use_hand(SessionTime, Hand which) override { hand = which; }
+
+    Hand hand = Hand::kActing;
     FingertipForce current;
     int commands = 0;
     int releases = 0;
@@ -74,6 +77,7 @@ TEST(CutaneousNode, OnlyCutaneousModalitiesPress) {
         EXPECT_EQ(bench.node.next_percept(), pressed ? at(milliseconds{1}) : kNever);
         EXPECT_EQ(bench.node.acting_hand(), modality == Modality::kCF);
         EXPECT_EQ(bench.node.contralateral(), modality == Modality::kCCF);
+        EXPECT_EQ(bench.actuator.hand, modality == Modality::kCCF ? Hand::kOther : Hand::kActing);
     }
 }
 

@@ -39,6 +39,16 @@ TEST(CutaneousSettings, ReadsEveryKey) {
     EXPECT_EQ(settings.percept_period, microseconds{500});
 }
 
+TEST(CutaneousSettings, DrivesNeedABus) {
+    EXPECT_EQ(read("").device, FingertipDevice::kSimulated);
+    EXPECT_THROW(read("device = \"drives\""), Error);
+    EXPECT_THROW(read("device = \"board\""), Error);
+    const CutaneousSettings settings = read("device = \"drives\"\n[cutaneous.drives]\nbus = \"can1\"");
+    EXPECT_EQ(settings.device, FingertipDevice::kDrives);
+    EXPECT_EQ(settings.drives.bus, "can1");
+    EXPECT_EQ(settings.drives.fingers.size(), 4U);
+}
+
 TEST(CutaneousSettings, RefusesWhatIsOutOfRange) {
     for (const char* text : {"dead_time_s = -0.01", "time_constant_s = 2", "force_limit_N = 0",
                              "stale_after_s = 0", "percept_period_s = 0", "limit_N = 1"}) {

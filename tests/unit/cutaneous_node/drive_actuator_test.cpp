@@ -1,6 +1,8 @@
 // The actuator over twelve emulated drives on a queue, in virtual time: bringing up, pressing, and every fault on command.
 #include "cutaneous_node/drive_actuator.hpp"
 
+#include <cmath>
+#include <ostream>
 #include <string>
 
 #include <gmock/gmock.h>

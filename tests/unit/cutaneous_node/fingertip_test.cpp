@@ -1,4 +1,5 @@
 // From a force to three cables and back; the pad; slack.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
