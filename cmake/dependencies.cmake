@@ -9,14 +9,6 @@ find_package(tomlplusplus REQUIRED)
 find_package(FlatBuffers REQUIRED)
 find_program(FLATC_EXECUTABLE flatc REQUIRED)
 
-# What the driver of the Novint Falcon needs. Force Dimension's library is opened at run time and needs nothing here.
-option(THIMBLE_DEVICES "build the drivers of USB devices" ON)
-if(THIMBLE_DEVICES)
-    find_package(PkgConfig REQUIRED)
-    pkg_check_modules(libusb REQUIRED IMPORTED_TARGET libusb-1.0)
-    pkg_check_modules(libsodium REQUIRED IMPORTED_TARGET libsodium)
-endif()
-
 # What windows and sound need. Without it every program still runs, with displays that only record.
 option(THIMBLE_GUI "build windows, sound and thimble play" ON)
 if(THIMBLE_GUI)
@@ -29,9 +21,12 @@ if(THIMBLE_GUI)
     pkg_check_modules(openal REQUIRED IMPORTED_TARGET openal)
 endif()
 
-# Real devices. Without it every program still runs, with simulated ones.
+# Real devices on USB: HID, and the Novint Falcon. Force Dimension's library is opened at run time and needs nothing here. Without
+# it every program still runs, with simulated devices.
 option(THIMBLE_DEVICES "build what talks to real devices" ON)
 if(THIMBLE_DEVICES)
     find_package(PkgConfig REQUIRED)
     pkg_check_modules(hidapi REQUIRED IMPORTED_TARGET hidapi-hidraw)
+    pkg_check_modules(libusb REQUIRED IMPORTED_TARGET libusb-1.0)
+    pkg_check_modules(libsodium REQUIRED IMPORTED_TARGET libsodium)
 endif()
