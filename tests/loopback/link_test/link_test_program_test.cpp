@@ -157,7 +157,7 @@ TEST_F(LinkTest, WhatMakesNoSenseIsRefused) {
     };
     EXPECT_EQ(code({"link-test"}), 2);
     EXPECT_EQ(code({"link-test", "127.0.0.1", "--listen"}), 2);
-    EXPECT_EQ(code({"link-test", "127.0.0.1", "--ports", "25"}), 2);
+    EXPECT_EQ(code({"link-test", "127.0.0.1", "--ports", "99"}), 2);
     EXPECT_EQ(code({"link-test", "no.such.host.invalid"}), 3);
 }
 

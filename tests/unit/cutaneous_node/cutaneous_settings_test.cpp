@@ -42,7 +42,7 @@ TEST(CutaneousSettings, ReadsEveryKey) {
 TEST(CutaneousSettings, DrivesNeedABus) {
     EXPECT_EQ(read("").device, FingertipDevice::kSimulated);
     EXPECT_THROW(read("device = \"drives\""), Error);
-    EXPECT_THROW(read("device = \"board\""), Error);
+    EXPECT_THROW(read("device = \"glove\""), Error);
     const CutaneousSettings settings = read("device = \"drives\"\n[cutaneous.drives]\nbus = \"can1\"");
     EXPECT_EQ(settings.device, FingertipDevice::kDrives);
     EXPECT_EQ(settings.drives.bus, "can1");
