@@ -13,8 +13,8 @@ constexpr double kSlack_N = 1e-6;
 
 // Twice the 1 kHz of the experiments; what comes faster is coalesced.
 std::size_t ring_size(Duration dead_time) {
-    const auto milliseconds = static_cast<std::size_t>(dead_time / std::chrono::milliseconds{1});
-    return std::bit_ceil(2 * milliseconds + 8);
+    const auto in_flight = static_cast<std::size_t>(dead_time / std::chrono::milliseconds{1});
+    return std::bit_ceil(2 * in_flight + 8);
 }
 
 }  // namespace

@@ -154,11 +154,11 @@ TEST(Report, SummaryHasTheNumbersOfTheTables) {
     const Study study = small_study();
     ReportInput report{"Study", {trials_section("Virtual time", study.rows, {})}, {{"seed", "1"}}};
     write_summary(report, directory / "summary.json");
-    const auto json = nlohmann::json::parse(read_text(directory / "summary.json"));
-    const auto& section = json["sections"][0];
+    const auto summary = nlohmann::json::parse(read_text(directory / "summary.json"));
+    const auto& section = summary["sections"][0];
     EXPECT_EQ(section["headline"]["verdict"], "supported");
     EXPECT_EQ(section["headline"]["supported"], true);
-    EXPECT_EQ(json["provenance"]["seed"], "1");
+    EXPECT_EQ(summary["provenance"]["seed"], "1");
     ASSERT_EQ(section["conditions"].size(), 8U);
     const auto& condition = section["conditions"][4];
     EXPECT_EQ(condition["modality"], "HF");
