@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace thimble {
 namespace {
@@ -29,7 +30,7 @@ SessionControl start_of(const TrialConditions& conditions) {
 }  // namespace
 
 FilmScenes::FilmScenes(const RecordedTrial& trial, VisualSettings settings)
-    : trial_(&trial), node_(for_films(settings)) {
+    : trial_(&trial), node_(for_films(std::move(settings))) {
     assert(!trial.record.samples.empty());
     const TrialConditions& conditions = trial.record.conditions;
     node_.start_trial(kBegin, start_of(conditions), conditions.trial);

@@ -18,14 +18,14 @@ enum class Dash { kSolid, kDashed, kDotted };
 
 struct Curve {
     Quantity quantity = Quantity::kNeedle_m;
-    Colour colour;
+    Colour colour{};
     Dash dash = Dash::kSolid;
     const char* name = "";
 };
 
 struct Band {
     Quantity low = Quantity::kOneWayLow_s, high = Quantity::kOneWayHigh_s;
-    Colour colour;
+    Colour colour{};
 };
 
 struct PlotSpec {

@@ -70,7 +70,7 @@ void draw_fixture(ImDrawList& list, const SideFrame& frame, const Monitor& monit
 
 void draw_legend(ImDrawList& list, const Rect& rect, const SideFrame& frame, const Monitor& monitor) {
     struct Entry {
-        Colour colour;
+        Colour colour{};
         const char* name = "";
         bool shown = false;
     };
