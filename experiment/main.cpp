@@ -30,7 +30,7 @@ int run_thimble(int argc, char** argv) {
                               add_up(app, typed),  add_play(app),    add_doctor(app)};
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     const auto given = std::find_if(commands.begin(), commands.end(),
-                                    [](const Command& command) { return command.subcommand->parsed(); });
+                                    [](const Subcommand& command) { return command.subcommand->parsed(); });
     return given->run();  // there is one: the app requires it
 }
 

@@ -88,7 +88,7 @@ int analyse_table(const AnalyseArguments& arguments) {
 
 }  // namespace
 
-Command add_analyse(CLI::App& app) {
+Subcommand add_analyse(CLI::App& app) {
     const auto arguments = std::make_shared<AnalyseArguments>();
     AnalyseArguments& a = *arguments;
     CLI::App* analyse = app.add_subcommand(

@@ -19,7 +19,7 @@ int check_config(const std::string& config) {
 
 }  // namespace
 
-Command add_check(CLI::App& app) {
+Subcommand add_check(CLI::App& app) {
     const auto config = std::make_shared<std::string>();
     CLI::App* check = app.add_subcommand("check", "read a session file and say what is wrong with it");
     check->add_option("session", *config, "session file (TOML)")->required();

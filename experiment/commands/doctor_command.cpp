@@ -72,14 +72,14 @@ int examine_machine(const DoctorArguments& arguments) {
     facts.can = gather_can("/");
     facts.screen = gather_screen();
     facts.sound = gather_sound();
-    const std::vector<Finding> findings = examine(facts);
+    const std::vector<Diagnosis> findings = examine(facts);
     fmt::print("{}", arguments.json ? to_json(findings).dump(2) + "\n" : to_text(findings));
     return static_cast<int>(exit_code(findings));
 }
 
 }  // namespace
 
-Command add_doctor(CLI::App& app) {
+Subcommand add_doctor(CLI::App& app) {
     const auto arguments = std::make_shared<DoctorArguments>();
     DoctorArguments& a = *arguments;
     CLI::App* command = app.add_subcommand(

@@ -25,7 +25,7 @@ int exclude(const ExcludeArguments& a) {
 
 }  // namespace
 
-Command add_exclude(CLI::App& app) {
+Subcommand add_exclude(CLI::App& app) {
     const auto arguments = std::make_shared<ExcludeArguments>();
     ExcludeArguments& a = *arguments;
     CLI::App* sub =

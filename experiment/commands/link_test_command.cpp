@@ -94,7 +94,7 @@ int link_test(const LinkTestArguments& arguments) {
 
 }  // namespace
 
-Command add_link_test(CLI::App& app) {
+Subcommand add_link_test(CLI::App& app) {
     const auto arguments = std::make_shared<LinkTestArguments>();
     LinkTestArguments& a = *arguments;
     CLI::App* command = app.add_subcommand(

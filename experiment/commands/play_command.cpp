@@ -85,7 +85,7 @@ int run_play(const PlayArguments& arguments) {
 
 }  // namespace
 
-Command add_play(CLI::App& app) {
+Subcommand add_play(CLI::App& app) {
     const auto arguments = std::make_shared<PlayArguments>();
     CLI::App* sub =
         app.add_subcommand("play", "feel the experiment with a mouse: every node on this machine, a window");

@@ -48,7 +48,7 @@ int run_replay(ReplayArguments& arguments) {
 
 }  // namespace
 
-Command add_replay(CLI::App& app) {
+Subcommand add_replay(CLI::App& app) {
     const auto arguments = std::make_shared<ReplayArguments>();
     ReplayOptions& r = arguments->options;
     std::vector<std::string> solvers(kSolverNames.begin(), kSolverNames.end());

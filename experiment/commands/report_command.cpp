@@ -23,7 +23,7 @@ int write_one_report(const ReportArguments& arguments) {
 
 }  // namespace
 
-Command add_report(CLI::App& app, const std::string& typed) {
+Subcommand add_report(CLI::App& app, const std::string& typed) {
     const auto arguments = std::make_shared<ReportArguments>();
     ReportArguments& a = *arguments;
     a.typed = typed;

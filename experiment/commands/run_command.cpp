@@ -31,7 +31,7 @@ int run_here(const RunArguments& arguments) {
 
 }  // namespace
 
-Command add_run(CLI::App& app, const std::string& typed) {
+Subcommand add_run(CLI::App& app, const std::string& typed) {
     const auto arguments = std::make_shared<RunArguments>();
     arguments->typed = typed;
     CLI::App* run = app.add_subcommand(

@@ -148,7 +148,7 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
 
 }  // namespace
 
-Command add_study(CLI::App& app) {
+Subcommand add_study(CLI::App& app) {
     const auto arguments = std::make_shared<StudyArguments>();
     StudyArguments& a = *arguments;
     CLI::App* study = app.add_subcommand("study", "the paper's experiments in virtual time");

@@ -104,7 +104,7 @@ int go_up(const UpArguments& arguments) {
 
 }  // namespace
 
-Command add_up(CLI::App& app, const std::string& typed) {
+Subcommand add_up(CLI::App& app, const std::string& typed) {
     const auto arguments = std::make_shared<UpArguments>();
     UpArguments& a = *arguments;
     a.typed = typed;

@@ -41,7 +41,7 @@ std::string list_of(const std::vector<Device>& devices) {
 
 // `wanted`: the session does not run, or runs without a hand, if there is none that may be opened.
 void judge_devices(const DeviceFacts& facts, const std::vector<Device>& devices, bool wanted,
-                   Finding& finding) {
+                   Diagnosis& finding) {
     const auto closed = std::find_if(devices.begin(), devices.end(), [](const Device& device) {
         return device.use != DeviceUse::kUnusable && !device.accessible;
     });
@@ -64,8 +64,8 @@ void judge_devices(const DeviceFacts& facts, const std::vector<Device>& devices,
 
 }  // namespace
 
-Finding check_handle(const DeviceFacts& devices, const SessionFacts& session) {
-    Finding finding{"handle", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_handle(const DeviceFacts& devices, const SessionFacts& session) {
+    Diagnosis finding{"handle", Severity::kOk, "", "", ExitCode::kRunFailed};
     const auto use = use_of_handle(session.handle);
     const auto found = devices_for(devices, use, false);
     finding.says = fmt::format("[handle] device = \"{}\"; plugged in: {}", session.handle, list_of(found));
@@ -73,8 +73,8 @@ Finding check_handle(const DeviceFacts& devices, const SessionFacts& session) {
     return finding;
 }
 
-Finding check_fingertip(const DeviceFacts& devices, const SessionFacts& session) {
-    Finding finding{"fingertip", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_fingertip(const DeviceFacts& devices, const SessionFacts& session) {
+    Diagnosis finding{"fingertip", Severity::kOk, "", "", ExitCode::kRunFailed};
     const auto found = devices_for(devices, std::nullopt, true);
     finding.says =
         fmt::format("[cutaneous] device = \"{}\"; boards plugged in: {}", session.fingertip, list_of(found));
@@ -82,8 +82,8 @@ Finding check_fingertip(const DeviceFacts& devices, const SessionFacts& session)
     return finding;
 }
 
-Finding check_can(const CanFacts& can, const KernelFacts& kernel, const SessionFacts& session) {
-    Finding finding{"CAN", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_can(const CanFacts& can, const KernelFacts& kernel, const SessionFacts& session) {
+    Diagnosis finding{"CAN", Severity::kOk, "", "", ExitCode::kRunFailed};
     const bool wanted = session.fingertip == "drives";
     const auto up = std::find_if(can.interfaces.begin(), can.interfaces.end(),
                                  [](const CanFacts::Interface& interface) { return interface.up; });
@@ -107,8 +107,8 @@ Finding check_can(const CanFacts& can, const KernelFacts& kernel, const SessionF
     return finding;
 }
 
-Finding check_screen(const ScreenFacts& screen, bool window_wanted) {
-    Finding finding{"OpenGL", Severity::kOk, "", "", ExitCode::kUsage};
+Diagnosis check_screen(const ScreenFacts& screen, bool window_wanted) {
+    Diagnosis finding{"OpenGL", Severity::kOk, "", "", ExitCode::kUsage};
     const Severity lacking = window_wanted ? Severity::kFault : Severity::kNote;
     if (!screen.built) {
         finding.severity = lacking;
@@ -130,8 +130,8 @@ Finding check_screen(const ScreenFacts& screen, bool window_wanted) {
     return finding;
 }
 
-Finding check_sound(const SoundFacts& sound) {
-    Finding finding{"sound", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_sound(const SoundFacts& sound) {
+    Diagnosis finding{"sound", Severity::kOk, "", "", ExitCode::kRunFailed};
     if (sound.built && sound.problem.empty()) {
         finding.says = "a device for the beep was opened";
         return finding;
@@ -143,7 +143,7 @@ Finding check_sound(const SoundFacts& sound) {
     return finding;
 }
 
-std::vector<Finding> examine(const Facts& facts) {
+std::vector<Diagnosis> examine(const Facts& facts) {
     const bool several = facts.session.several_machines;
     return {check_session(facts.session),
             check_programs(facts.programs),

@@ -9,9 +9,9 @@
 namespace thimble {
 namespace {
 
-std::vector<Finding>::const_iterator first_fault(const std::vector<Finding>& findings) {
+std::vector<Diagnosis>::const_iterator first_fault(const std::vector<Diagnosis>& findings) {
     return std::find_if(findings.begin(), findings.end(),
-                        [](const Finding& finding) { return finding.severity == Severity::kFault; });
+                        [](const Diagnosis& finding) { return finding.severity == Severity::kFault; });
 }
 
 }  // namespace
@@ -30,16 +30,16 @@ const char* to_string(Severity severity) {
     return "";
 }
 
-bool can_run(const std::vector<Finding>& findings) { return first_fault(findings) == findings.end(); }
+bool can_run(const std::vector<Diagnosis>& findings) { return first_fault(findings) == findings.end(); }
 
-ExitCode exit_code(const std::vector<Finding>& findings) {
+ExitCode exit_code(const std::vector<Diagnosis>& findings) {
     const auto fault = first_fault(findings);
     return fault == findings.end() ? ExitCode::kOk : fault->code;
 }
 
-std::string to_text(const std::vector<Finding>& findings) {
+std::string to_text(const std::vector<Diagnosis>& findings) {
     std::string text;
-    for (const Finding& finding : findings) {
+    for (const Diagnosis& finding : findings) {
         text += fmt::format("{:8} {:13} {}\n", to_string(finding.severity), finding.name, finding.says);
         if (!finding.remedy.empty()) text += fmt::format("{:22} $ {}\n", "", finding.remedy);
     }
@@ -49,9 +49,9 @@ std::string to_text(const std::vector<Finding>& findings) {
     return text;
 }
 
-nlohmann::ordered_json to_json(const std::vector<Finding>& findings) {
+nlohmann::ordered_json to_json(const std::vector<Diagnosis>& findings) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const Finding& finding : findings) {
+    for (const Diagnosis& finding : findings) {
         nlohmann::ordered_json entry{{"name", finding.name},
                                      {"severity", to_string(finding.severity)},
                                      {"says", finding.says},

@@ -33,8 +33,8 @@ std::string free_ports_command(const PortFacts& ports) {
 
 }  // namespace
 
-Finding check_session(const SessionFacts& session) {
-    Finding finding{"session", Severity::kOk, "", "", ExitCode::kUsage};
+Diagnosis check_session(const SessionFacts& session) {
+    Diagnosis finding{"session", Severity::kOk, "", "", ExitCode::kUsage};
     if (session.problem.empty()) {
         finding.says = session.file.empty() ? "the default session (give a session file to look at another)"
                                             : fmt::format("{} is good", session.file);
@@ -46,8 +46,8 @@ Finding check_session(const SessionFacts& session) {
     return finding;
 }
 
-Finding check_programs(const ProgramFacts& programs) {
-    Finding finding{"programs", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_programs(const ProgramFacts& programs) {
+    Diagnosis finding{"programs", Severity::kOk, "", "", ExitCode::kRunFailed};
     std::vector<std::string> missing, others;
     for (const auto& node : programs.nodes) {
         if (node.version.empty()) missing.push_back(node.name);
@@ -71,8 +71,8 @@ Finding check_programs(const ProgramFacts& programs) {
     return finding;
 }
 
-Finding check_ports(const PortFacts& ports) {
-    Finding finding{"ports", Severity::kOk, "", "", ExitCode::kNetwork};
+Diagnosis check_ports(const PortFacts& ports) {
+    Diagnosis finding{"ports", Severity::kOk, "", "", ExitCode::kNetwork};
     finding.says = fmt::format("UDP ports {} to {} are free, and the loopback passes datagrams", ports.first,
                                last_port(ports));
     if (!ports.loopback_passes) {
@@ -90,8 +90,8 @@ Finding check_ports(const PortFacts& ports) {
     return finding;
 }
 
-Finding check_firewall(const FirewallFacts& firewall, const PortFacts& ports, bool several_machines) {
-    Finding finding{"firewall", Severity::kOk, "", "", ExitCode::kNetwork};
+Diagnosis check_firewall(const FirewallFacts& firewall, const PortFacts& ports, bool several_machines) {
+    Diagnosis finding{"firewall", Severity::kOk, "", "", ExitCode::kNetwork};
     const std::string first = std::to_string(ports.first), last = last_port(ports);
     switch (firewall.kind) {
         case FirewallKind::kNone:
@@ -124,8 +124,8 @@ Finding check_firewall(const FirewallFacts& firewall, const PortFacts& ports, bo
     return finding;
 }
 
-Finding check_software(const ProgramFacts& programs) {
-    Finding finding{"software", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_software(const ProgramFacts& programs) {
+    Diagnosis finding{"software", Severity::kOk, "", "", ExitCode::kRunFailed};
     finding.says = fmt::format("{}, {}", programs.system.empty() ? "unknown system" : programs.system,
                                programs.gnuplot.empty() ? "no gnuplot" : programs.gnuplot);
     if (programs.gnuplot.empty()) {

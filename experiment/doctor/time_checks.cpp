@@ -24,8 +24,8 @@ bool holds(const List& list, const std::string& word) {
 
 }  // namespace
 
-Finding check_realtime(const RealtimeFacts& realtime) {
-    Finding finding{"real time", Severity::kOk, "", "", ExitCode::kRealtime};
+Diagnosis check_realtime(const RealtimeFacts& realtime) {
+    Diagnosis finding{"real time", Severity::kOk, "", "", ExitCode::kRealtime};
     if (!realtime.wanted) {
         finding.says = "not asked for ([runtime] realtime_scheduling = false)";
         return finding;
@@ -48,8 +48,8 @@ Finding check_realtime(const RealtimeFacts& realtime) {
     return finding;
 }
 
-Finding check_timer(const TimerFacts& timer, const RealtimeFacts& realtime) {
-    Finding finding{"timer", Severity::kOk, "", "", ExitCode::kRealtime};
+Diagnosis check_timer(const TimerFacts& timer, const RealtimeFacts& realtime) {
+    Diagnosis finding{"timer", Severity::kOk, "", "", ExitCode::kRealtime};
     if (timer.wake_ups == 0) {
         finding.severity = Severity::kNote;
         finding.says = "not measured";
@@ -71,13 +71,13 @@ Finding check_timer(const TimerFacts& timer, const RealtimeFacts& realtime) {
         finding.severity = Severity::kFault;
         finding.says += ", half of them: no force loop of 1 kHz can run here";
     }
-    const Finding rights = check_realtime(realtime);
+    const Diagnosis rights = check_realtime(realtime);
     finding.remedy = rights.remedy.empty() ? "top -o %CPU   # and end what else computes" : rights.remedy;
     return finding;
 }
 
-Finding check_governor(const ProcessorFacts& processors) {
-    Finding finding{"processors", Severity::kOk, "", "", ExitCode::kRealtime};
+Diagnosis check_governor(const ProcessorFacts& processors) {
+    Diagnosis finding{"processors", Severity::kOk, "", "", ExitCode::kRealtime};
     finding.says = fmt::format("{} processors", processors.processors);
     finding.values = {{"processors", static_cast<double>(processors.processors)}};
     if (processors.governors.empty()) {
@@ -98,8 +98,8 @@ Finding check_governor(const ProcessorFacts& processors) {
     return finding;
 }
 
-Finding check_clock_source(const ProcessorFacts& processors) {
-    Finding finding{"clock source", Severity::kOk, "", "", ExitCode::kRealtime};
+Diagnosis check_clock_source(const ProcessorFacts& processors) {
+    Diagnosis finding{"clock source", Severity::kOk, "", "", ExitCode::kRealtime};
     finding.says = processors.clock_source.empty() ? "unknown" : processors.clock_source;
     if (!holds(kSlowClocks, processors.clock_source)) return finding;
     finding.severity = Severity::kWarning;
@@ -114,8 +114,8 @@ Finding check_clock_source(const ProcessorFacts& processors) {
     return finding;
 }
 
-Finding check_kernel(const KernelFacts& kernel) {
-    Finding finding{"kernel", Severity::kOk, "", "", ExitCode::kRealtime};
+Diagnosis check_kernel(const KernelFacts& kernel) {
+    Diagnosis finding{"kernel", Severity::kOk, "", "", ExitCode::kRealtime};
     finding.says =
         fmt::format("{} ({}), timers of {:g} ns, CAN: {}, hidraw: {}", kernel.release, kernel.preemption,
                     1e9 * kernel.timer_resolution_s, kernel.can ? "yes" : "no", kernel.hidraw ? "yes" : "no");
@@ -128,8 +128,8 @@ Finding check_kernel(const KernelFacts& kernel) {
     return finding;
 }
 
-Finding check_clock(const ClockFacts& clock, bool several_machines) {
-    Finding finding{"clock", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_clock(const ClockFacts& clock, bool several_machines) {
+    Diagnosis finding{"clock", Severity::kOk, "", "", ExitCode::kRunFailed};
     if (clock.known && clock.synchronised) {
         finding.says = fmt::format("synchronised, within {:.1f} ms by the kernel's own bound; {}",
                                    1000 * clock.error_bound_s, clock.chrony);

@@ -8,9 +8,11 @@ import element_example
 import file_sizes
 import include_directions
 import purity
+import type_names
 from sources import ROOMS, report
 
 HEADERS = {f"{room}/a.hpp": "#pragma once\n" for room in (*ROOMS, "bench", "tests")}
+HEADERS["common/shared.hpp"] = "struct Shared {\n"
 
 # (check, file, its text, part of the finding it must make, or None where it must make none)
 CASES = (
@@ -73,6 +75,12 @@ CASES = (
     (purity, "master/hand.cpp", "long double x = 0;\n", "differ between libraries"),
     (file_sizes, "master/long.cpp", "\n" * 401, "401 lines"),
     (file_sizes, "master/long.cpp", "\n" * 400, None),
+    (type_names, "common/b.hpp", "struct Grip {};\nclass Hand;\nstruct Hand {\n", None),
+    (type_names, "netem/b.hpp", "struct Shared {\n", "Shared is also a type of common/shared.hpp"),
+    (type_names, "netem/b.hpp", "class Shared final : public Other {\n", "Shared is also"),
+    (type_names, "netem/b.hpp", "enum class Shared : std::uint8_t {\n", "Shared is also"),
+    (type_names, "netem/b.hpp", "    struct Shared {\n    };\n", None),
+    (type_names, "netem/b.cpp", "struct Shared {\n", None),
 )
 
 _HEADING = "# Scenes\n## Adding an element type\n"

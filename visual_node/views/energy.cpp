@@ -2,19 +2,19 @@
 
 namespace thimble {
 
-PortEnergy judge_energy(double energy_in_J) {
-    if (energy_in_J < -kPortEnergyResolution_J) return PortEnergy::kActive;
-    if (energy_in_J > kPortEnergyResolution_J) return PortEnergy::kPassive;
-    return PortEnergy::kNone;
+EnergyBalance judge_energy(double energy_in_J) {
+    if (energy_in_J < -kEnergyResolution_J) return EnergyBalance::kActive;
+    if (energy_in_J > kEnergyResolution_J) return EnergyBalance::kPassive;
+    return EnergyBalance::kNone;
 }
 
-const char* to_string(PortEnergy energy) {
+const char* to_string(EnergyBalance energy) {
     switch (energy) {
-        case PortEnergy::kNone:
+        case EnergyBalance::kNone:
             return "none yet";
-        case PortEnergy::kPassive:
+        case EnergyBalance::kPassive:
             return "passive";
-        case PortEnergy::kActive:
+        case EnergyBalance::kActive:
             return "gives out more than it got";
     }
     return "";

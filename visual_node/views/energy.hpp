@@ -4,17 +4,17 @@
 
 namespace thimble {
 
-enum class PortEnergy {
+enum class EnergyBalance {
     kNone,     // nothing to speak of in either direction
     kPassive,  // more went in than came out
     kActive,   // gives out more than it got
 };
 
 // Below this, either way, it is rounding of encoder steps and not energy: 0.01 mm at 0.1 N.
-inline constexpr double kPortEnergyResolution_J = 1e-6;
+inline constexpr double kEnergyResolution_J = 1e-6;
 
 // Of Monitor::energy_in_J. What is not a number says nothing.
-PortEnergy judge_energy(double energy_in_J);
-const char* to_string(PortEnergy energy);
+EnergyBalance judge_energy(double energy_in_J);
+const char* to_string(EnergyBalance energy);
 
 }  // namespace thimble

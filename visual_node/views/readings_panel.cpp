@@ -17,7 +17,7 @@ void draw_reading(ImDrawList& list, const Rect& line, const char* name, const ch
 
 Colour colour_of(const Reading& reading, const Monitor& monitor) {
     const bool energy = std::string_view(reading.name) == "port energy";
-    return energy && judge_energy(monitor.energy_in_J) == PortEnergy::kActive ? kOrange : kWhite;
+    return energy && judge_energy(monitor.energy_in_J) == EnergyBalance::kActive ? kOrange : kWhite;
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-void expect_finding(const Finding& finding, Severity severity, const std::string& words,
+void expect_finding(const Diagnosis& finding, Severity severity, const std::string& words,
                     const std::string& remedy) {
     EXPECT_EQ(finding.severity, severity) << finding.says;
     EXPECT_THAT(finding.says, HasSubstr(words));

@@ -17,7 +17,7 @@ enum class Severity : std::uint8_t {
 };
 const char* to_string(Severity severity);  // "ok", "note", "warning", "fault"
 
-struct Finding {
+struct Diagnosis {
     std::string name;  // of the check, one or two words
     Severity severity = Severity::kOk;
     std::string says;                      // one sentence
