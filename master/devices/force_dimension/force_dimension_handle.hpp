@@ -21,7 +21,7 @@ class ForceDimensionHandle final : public RealHandle {
   public:
     // How long the same cached position may come before the device counts as stalled.
     static constexpr Duration kStalledAfter = std::chrono::milliseconds{20};
-    static constexpr unsigned kReadsPerStatus = 10;
+    static constexpr unsigned kReadsPerStatus = 2;  // motors off within two ticks
 
     // Opens the device: the one with this serial number, else the only one. Throws Error: usage, if the library or the device is
     // not to be had, with what to do about it; run failed, if it is but waits for calibration, or refuses a setting.
