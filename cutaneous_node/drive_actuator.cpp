@@ -23,7 +23,7 @@ DriveActuator::DriveActuator(const DriveSettings& settings, double force_limit_N
     cables_.assign(settings.master.nodes.size(),
                    Cable{0, 0, 0, false, SlackDetector(settings.slack_margin_m, kSlackFor_s)});
     for (const double relaxing : settings.pad.shares) relaxed_share_ -= relaxing;
-    trouble_.reserve(std::tuple_size_v<decltype(DeviceFault::text)>);
+    fault_.reserve(std::tuple_size_v<decltype(DeviceFault::text)>);
 }
 
 void DriveActuator::command(SessionTime now, Finger finger, double force_N) {
@@ -185,8 +185,8 @@ void DriveActuator::fail(SessionTime now, DriveFaultKind kind, std::size_t drive
 
 void DriveActuator::note_fault() {
     const auto& fault = master_.fault();
-    if (fault && trouble_.empty()) {
-        trouble_ = describe(*fault, drive_name(settings_, fault->drive), settings_.bus);
+    if (fault && fault_.empty()) {
+        fault_ = describe(*fault, drive_name(settings_, fault->drive), settings_.bus);
     }
 }
 

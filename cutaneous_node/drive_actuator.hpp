@@ -26,7 +26,7 @@ class DriveActuator final : public FingertipActuator {
 
     void tick(SessionTime now) override;
     SessionTime next_wakeup() const override { return master_.next_wakeup(); }
-    std::string_view fault() const override { return trouble_; }
+    std::string_view fault() const override { return fault_; }
     // Every drive in operation, every cable taut.
     bool ready() const { return taut_ && master_.operating(); }
     void stop() { master_.stop(); }
@@ -71,7 +71,7 @@ class DriveActuator final : public FingertipActuator {
     double relaxed_share_ = 1;  // of the pad's elastic force that stays
     bool taut_ = false, taking_up_ = false;
     SessionTime taking_up_since_{}, next_look_{}, before_{};
-    std::string trouble_;
+    std::string fault_;
 };
 
 }  // namespace thimble

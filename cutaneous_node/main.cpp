@@ -19,11 +19,14 @@ constexpr Duration kFirstWord = std::chrono::seconds{1};
 // A fingertip board, and the thread that talks to it.
 struct Board {
     Board(const CutaneousSettings& settings, const RuntimeSettings& runtime)
-        : actuator(settings.board, settings.force_limit_N), thread(actuator, runtime) {
-        // The first trial may begin as soon as this node is ready: a board that is there has spoken by then.
-        for (const SessionTime end = wall_now() + kFirstWord; !actuator.fault().empty() && wall_now() < end;)
-            wall_sleep(std::chrono::milliseconds{5});
+        : actuator(settings.board, settings.force_limit_N), thread(actuator, runtime) {}
+
+    // The first trial may begin as soon as this node is ready: a board that is there has spoken by then.
+    void await_first_word() const {
+        const SessionTime end = wall_now() + kFirstWord;
+        while (!actuator.fault().empty() && wall_now() < end) wall_sleep(std::chrono::milliseconds{5});
     }
+
     BoardActuator actuator;
     HidThread thread;
 };
@@ -44,6 +47,9 @@ class UndrivenCutaneous final : public NodeInstance {
           process_(instance, settings, open_channels(sockets), actuator()) {}
 
     NodeProcess& process() override { return process_; }
+    void bring_up() override {
+        if (board_) board_->await_first_word();
+    }
     void describe(nlohmann::ordered_json& report) const override {
         if (board_) report["board"] = {{"bad_reports", board_->actuator.bad_reports()}};
     }

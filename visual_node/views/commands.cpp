@@ -12,6 +12,10 @@ constexpr Key kPaper{Command::kNetwork2, '7', "paper50", "50 ms back and nothing
 constexpr Key kLeo{Command::kNetwork3, '8', "leo", "low satellites: 18 ms, jitter, another one each 15 s"};
 constexpr Key kLte{Command::kNetwork4, '9', "lte", "35 ms each way, jitter, 0.1 % lost"};
 constexpr Key kGeo{Command::kNetwork5, '0', "geo", "300 ms each way by a high satellite, 0.5 % lost"};
+constexpr Key kLess{Command::kDelayDown, '-', "-5 ms", "less delay; Left arrow too"};
+constexpr Key kMore{Command::kDelayUp, '+', "+5 ms", "more delay; Right arrow too"};
+constexpr Key kPauseKey{Command::kPause, 'p', "Pause", "no further trial, or go on"};
+constexpr Key kHelpKey{Command::kHelp, '?', "Keys", "this list"};
 
 constexpr std::array kExperimenterKeys{
     Key{Command::kHF, '1', "HF", "next start: force at the handle"},
@@ -24,16 +28,16 @@ constexpr std::array kExperimenterKeys{
     kLeo,
     kLte,
     kGeo,
-    Key{Command::kDelayDown, '-', "-5 ms", "less delay; Left arrow too"},
-    Key{Command::kDelayUp, '+', "+5 ms", "more delay; Right arrow too"},
+    kLess,
+    kMore,
     Key{Command::kStart, 's', "Start", "a trial of the chosen modality"},
-    Key{Command::kPause, 'p', "Pause", "no further trial, or go on"},
+    kPauseKey,
     Key{Command::kEndTrial, 'e', "End trial", "the running one"},
     Key{Command::kRepeat, 'r', "Repeat", "the trial shown, later"},
     Key{Command::kExclude, 'x', "Exclude", "the trial shown; asks first"},
     Key{Command::kYes, 'y', "Yes", "to the question"},
     Key{Command::kNo, 'n', "No", "to the question; Escape too"},
-    Key{Command::kHelp, '?', "Keys", "this list"},
+    kHelpKey,
 };
 
 constexpr std::array kPlayerKeys{
@@ -47,12 +51,12 @@ constexpr std::array kPlayerKeys{
     kLeo,
     kLte,
     kGeo,
-    Key{Command::kDelayDown, '-', "-5 ms", "less delay; Left arrow too"},
-    Key{Command::kDelayUp, '+', "+5 ms", "more delay; Right arrow too"},
+    kLess,
+    kMore,
     Key{Command::kStart, ' ', "Again", "a trial of the same modality"},
-    Key{Command::kPause, 'p', "Pause", "no further trial, or go on"},
+    kPauseKey,
     Key{Command::kEndTrial, 'e', "End", "the running trial"},
-    Key{Command::kHelp, '?', "Keys", "this list"},
+    kHelpKey,
 };
 
 constexpr std::array kReplayKeys{
@@ -71,7 +75,7 @@ constexpr std::array kReplayKeys{
     Key{Command::kSpeed3, '4', "1 x", "as fast as it was"},
     Key{Command::kSpeed4, '5', "2 x", "of the recorded speed"},
     Key{Command::kSpeed5, '6', "5 x", "of the recorded speed"},
-    Key{Command::kHelp, '?', "Keys", "this list"},
+    kHelpKey,
 };
 
 constexpr std::array<std::string_view, 6> kNamedKeys{"Left",        "Right", "Shift Left",
