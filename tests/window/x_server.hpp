@@ -1,4 +1,4 @@
-// An X server without a monitor, for tests with real windows: one per test, so that a test may kill it.
+// An X server without a monitor, for tests with real windows: one per test, so that a test may kill it. No other has its number.
 #pragma once
 
 #include <filesystem>
@@ -26,6 +26,7 @@ class XServer {
   private:
     std::filesystem::path folder_;
     std::optional<Child> server_;
+    std::string number_;
     std::string missing_;
 };
 
