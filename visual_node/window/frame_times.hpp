@@ -21,7 +21,8 @@ class FrameTimes {
         if (scene.sample_time == shown_sample_) return;  // nothing new: its light is out already
         shown_sample_ = scene.sample_time;
         arrival_to_frame.add(begun - scene.sample_time);
-        if (!one_clock_ || scene.answer_time == SessionTime{}) return;
+        const bool replayed = scene.hand_time == SessionTime{};  // nobody's hand moved now
+        if (!one_clock_ || replayed || scene.answer_time == SessionTime{}) return;
         hand_to_slave.add(scene.answer_time - scene.hand_time);
         slave_to_arrival.add(scene.sample_time - scene.answer_time);
         hand_to_swap.add(swapped - scene.hand_time);

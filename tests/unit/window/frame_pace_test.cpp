@@ -97,5 +97,15 @@ TEST(FrameTimes, SaysNothingAboutOtherMachinesClocks) {
     EXPECT_EQ(times.arrival_to_frame.worst(), milliseconds{7});
 }
 
+TEST(FrameTimes, SaysNothingAboutAHandThatAReplayHasNot) {
+    FrameTimes times(true);
+    Scene scene;
+    scene.answer_time = at(milliseconds{7});
+    scene.sample_time = at(milliseconds{9});
+    times.add(scene, at(milliseconds{10}), at(milliseconds{15}));
+    EXPECT_EQ(times.hand_to_swap.count() + times.hand_to_slave.count() + times.slave_to_arrival.count(), 0U);
+    EXPECT_EQ(times.arrival_to_frame.count(), 1U);
+}
+
 }  // namespace
 }  // namespace thimble
