@@ -1,14 +1,17 @@
 #include "netem/relay/datagram_batch.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <netinet/udp.h>
 
 namespace thimble {
 namespace {
 
 constexpr std::size_t kRoomBytes = 65536;  // more than any UDP datagram has
+constexpr std::size_t kMostJoinedBytes = 60000;
 
 std::int64_t kernel_stamp_ns(const msghdr& message) {
     for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr;
@@ -19,6 +22,10 @@ std::int64_t kernel_stamp_ns(const msghdr& message) {
         return std::int64_t{stamp.tv_sec} * 1'000'000'000 + stamp.tv_nsec;
     }
     return 0;
+}
+
+bool same_receiver(const sockaddr_in& a, const sockaddr_in& b) {
+    return a.sin_port == b.sin_port && a.sin_addr.s_addr == b.sin_addr.s_addr;
 }
 
 }  // namespace
@@ -55,32 +62,92 @@ ReceiveBatch::Datagram ReceiveBatch::operator[](std::size_t i) const {
 void SendBatch::add(Bytes bytes, const UdpAddress* to) {
     assert(!full());
     parts_[count_] = {const_cast<std::uint8_t*>(bytes.data()), bytes.size()};
-    msghdr& header = messages_[count_].msg_hdr;
-    header.msg_iov = &parts_[count_];
-    header.msg_iovlen = 1;
+    addressed_[count_] = to != nullptr;
     if (to != nullptr) to_[count_] = to->generic();
-    header.msg_name = to != nullptr ? &to_[count_] : nullptr;
-    header.msg_namelen = to != nullptr ? sizeof(sockaddr_in) : 0;
     ++count_;
 }
 
-// A failure stops sendmmsg at the datagram that failed. An error that an earlier datagram left on a connected socket
+// How many datagrams from here on are of one size and have one receiver.
+std::size_t SendBatch::same_from(std::size_t first) const {
+    std::size_t end = first + 1;
+    const auto same = [&](std::size_t i) {
+        return parts_[i].iov_len == parts_[first].iov_len && addressed_[i] == addressed_[first] &&
+               (!addressed_[i] || same_receiver(to_[i], to_[first]));
+    };
+    if (parts_[first].iov_len > kLongestJoined) return 1;
+    while (end < count_ && (end - first + 1) * parts_[first].iov_len <= kMostJoinedBytes && same(end)) ++end;
+    return end - first;
+}
+
+// From this datagram on, as messages to the kernel.
+std::size_t SendBatch::gather(std::size_t first, bool joins) {
+    std::size_t messages = 0;
+    while (first < count_) {
+        const std::size_t run = joins ? same_from(first) : 1;
+        const std::size_t count = run >= kJoin ? run : 1;
+        fill(messages++, {first, count});
+        first += count;
+    }
+    return messages;
+}
+
+void SendBatch::fill(std::size_t message, const Piece& piece) {
+    pieces_[message] = piece;
+    msghdr& header = messages_[message].msg_hdr;
+    header = {};
+    header.msg_iov = &parts_[piece.first];
+    header.msg_iovlen = piece.count;
+    if (addressed_[piece.first]) {
+        header.msg_name = &to_[piece.first];
+        header.msg_namelen = sizeof(sockaddr_in);
+    }
+    if (piece.count == 1) return;
+    header.msg_control = control_[message].bytes.data();
+    header.msg_controllen = control_[message].bytes.size();
+    cmsghdr* cut = CMSG_FIRSTHDR(&header);
+    cut->cmsg_level = SOL_UDP;
+    cut->cmsg_type = UDP_SEGMENT;
+    cut->cmsg_len = CMSG_LEN(sizeof(std::uint16_t));
+    const auto size = static_cast<std::uint16_t>(parts_[piece.first].iov_len);
+    std::memcpy(CMSG_DATA(cut), &size, sizeof size);
+}
+
+void SendBatch::mark(const Piece& piece, bool accepted) {
+    std::fill_n(accepted_.begin() + static_cast<std::ptrdiff_t>(piece.first), piece.count, accepted);
+}
+
+// Up to the first joined piece that is refused: returns the datagram where that begins, else how many there are.
+// A failure stops sendmmsg at the message that failed. An error that an earlier datagram left on a connected socket
 // (nobody listens) is told once and says nothing about this one: it is tried again.
-std::span<const bool> SendBatch::send(int descriptor) {
+std::size_t SendBatch::send_pieces(int descriptor, std::size_t pieces) {
     std::size_t done = 0;
     bool again = true;
-    while (done < count_) {
-        const int sent = sendmmsg(descriptor, messages_.data() + done, static_cast<unsigned>(count_ - done),
+    while (done < pieces) {
+        const int sent = sendmmsg(descriptor, messages_.data() + done, static_cast<unsigned>(pieces - done),
                                   MSG_DONTWAIT | MSG_NOSIGNAL);
         if (sent > 0) {
-            for (int i = 0; i < sent; ++i) accepted_[done++] = true;
+            for (int i = 0; i < sent; ++i) mark(pieces_[done++], true);
             again = true;
         } else if (again && (errno == ECONNREFUSED || errno == EINTR)) {
             again = false;
+        } else if (pieces_[done].count > 1) {
+            return pieces_[done].first;
         } else {
-            accepted_[done++] = false;
+            mark(pieces_[done++], false);
             again = true;
         }
+    }
+    return count_;
+}
+
+std::span<const bool> SendBatch::send(int descriptor) {
+    bool joins = joins_;
+    for (std::size_t first = 0; first < count_;) {
+        first = send_pieces(descriptor, gather(first, joins));
+        if (first == count_) break;
+        joins = false;
+        const bool full = errno == EAGAIN || errno == ENOBUFS;
+        joins_ = joins_ && full;  // else this path or this kernel cannot
     }
     const std::size_t all = count_;
     count_ = 0;

@@ -88,7 +88,7 @@ class RelayEngine {
     DueHeap due_;
     std::vector<std::uint32_t> active_;  // links with due packets, in turn
     ReceiveBatch arrivals_;
-    SendBatch batch_;
+    SendBatch batch_{true};
     int batch_socket_ = -1;
     std::vector<Outgoing> outgoing_;
     std::unique_ptr<DropLog> drops_;
