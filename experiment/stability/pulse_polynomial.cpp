@@ -65,23 +65,17 @@ void require_sampled(const SampledLoop& loop) {
                      : "stability: a step must be 1e-9 to 1e3 s, not " + std::to_string(loop.step_s));
 }
 
-// Whole steps of delay, and the rest.
-struct WholeSteps {
-    double count;
-    Precise rest_s;
-};
+}  // namespace
 
 WholeSteps whole_steps(const SampledLoop& loop) {
+    require_sampled(loop);
     const double ratio = loop.delay_s / loop.step_s, nearest = std::round(ratio);
     if (std::abs(ratio - nearest) <= kSameTime * std::max(1.0, ratio)) return {nearest, 0};
     const double count = std::floor(ratio);
     return {count, Precise(loop.delay_s) - Precise(count) * Precise(loop.step_s)};
 }
 
-}  // namespace
-
 PulsePolynomial<Precise> pulse_polynomial(const SampledLoop& loop) {
-    require_sampled(loop);
     const Precise m(loop.hand.mass_kg), h(loop.step_s);
     const Precise a = loop.hand.damping_Ns_per_m / m, w2 = loop.hand.stiffness_N_per_m / m;
     const auto [count, rest] = whole_steps(loop);
