@@ -28,5 +28,6 @@ Subcommand add_doctor(CLI::App& app);
 Subcommand add_exclude(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);
 Subcommand add_stability(CLI::App& app);
+Subcommand add_map(CLI::App& app);
 
 }  // namespace thimble

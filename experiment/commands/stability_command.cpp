@@ -1,7 +1,8 @@
 // thimble stability: what theory says about a hand at a delayed fixture.
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,25 +20,23 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostListed = 64;
 
 struct StabilityArguments {
     DelayedLoop loop;
-    double delay_s = kNotGiven, step_s = kNotGiven;
-    double press_N = kNotGiven, force_limit_N = 12, encoder_m = 0, friction_N = 0, lag_s = kNotGiven;
+    std::optional<double> delay_s, step_s, press_N, lag_s;
+    double force_limit_N = 12, encoder_m = 0, friction_N = 0;
     bool json = false;
-
-    bool has_delay() const { return !std::isnan(delay_s); }
-    bool has_step() const { return !std::isnan(step_s); }
 };
 
 // Infinite and missing numbers are null.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+Json given(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
 Json crossings_of(const StabilityArguments& a, double critical_s) {
     // Four times the delay in question, so that one sees where it stands.
-    const double longest_s = 4 * std::max(a.has_delay() ? a.delay_s : 0.0, critical_s);
+    const double longest_s = 4 * std::max(a.delay_s.value_or(0), critical_s);
     Json list = Json::array();
     if (!std::isfinite(longest_s)) return list;
     for (const RootCrossing& c : crossings(a.loop, longest_s, kMostListed)) {
@@ -76,16 +75,16 @@ void add_at_delay(const StabilityArguments& a, Json& all) {
                         "critical_stiffness_N_per_m",
                         "critical_stiffness_frequency_rad_per_s"};
     for (const char* name : names) all[name] = nullptr;
-    if (!a.has_delay()) return;
-    const int roots = unstable_roots(a.loop, a.delay_s);
-    const DominantRoot root = rightmost_root(a.loop, a.delay_s);
+    if (!a.delay_s) return;
+    const int roots = unstable_roots(a.loop, *a.delay_s);
+    const DominantRoot root = rightmost_root(a.loop, *a.delay_s);
     all["unstable_roots"] = roots;
     all["stable"] = roots == 0 && root.real_per_s < 0;
     all["rightmost_root_real_per_s"] = root.real_per_s;
     all["rightmost_root_imag_rad_per_s"] = root.imaginary_rad_per_s;
-    const CriticalStiffness critical = critical_stiffness(a.loop.hand, a.delay_s);
+    const CriticalStiffness critical = critical_stiffness(a.loop.hand, *a.delay_s);
     all["critical_stiffness_N_per_m"] = number(critical.stiffness_N_per_m);
-    if (a.delay_s > 0) all["critical_stiffness_frequency_rad_per_s"] = critical.frequency_rad_per_s;
+    if (*a.delay_s > 0) all["critical_stiffness_frequency_rad_per_s"] = critical.frequency_rad_per_s;
 }
 
 void add_sampled(const StabilityArguments& a, Json& all) {
@@ -94,13 +93,16 @@ void add_sampled(const StabilityArguments& a, Json& all) {
                         "sampled_stable",
                         "sampled_critical_stiffness_N_per_m",
                         "passive_stiffness_N_per_m",
-                        "critical_samples"};
+                        "critical_samples",
+                        "sampled_stable_for_every_delay"};
     for (const char* name : names) all[name] = nullptr;
-    if (!a.has_step()) return;
-    SampledLoop loop{a.loop.hand, a.loop.stiffness_N_per_m, 0, a.step_s};
-    if (const auto steps = critical_steps(loop)) all["critical_samples"] = steps->steps;
-    if (!a.has_delay()) return;
-    loop.delay_s = a.delay_s;
+    if (!a.step_s) return;
+    SampledLoop loop{a.loop.hand, a.loop.stiffness_N_per_m, 0, *a.step_s};
+    const auto steps = critical_steps(loop);
+    if (steps) all["critical_samples"] = steps->steps;
+    all["sampled_stable_for_every_delay"] = !steps && growing_modes(loop) == 0;
+    if (!a.delay_s) return;
+    loop.delay_s = *a.delay_s;
     const DominantMode mode = dominant_mode(loop);
     all["spectral_radius"] = mode.radius;
     all["sampled_growth_per_s"] = mode.growth_per_s;
@@ -123,13 +125,14 @@ Json cycle_of(const PressForecast& forecast) {
 
 // With all of the delay: a hold is half a step more.
 void add_press(const StabilityArguments& a, Json& all) {
-    if (!a.has_delay() || !(a.loop.hand.stiffness_N_per_m > 0)) return;
-    const double whole_s = a.delay_s + (a.has_step() ? a.step_s / 2 : 0);
-    const double press_N = std::isnan(a.press_N) ? a.force_limit_N / 2 : a.press_N;
+    if (!a.delay_s || !(a.loop.hand.stiffness_N_per_m > 0)) return;
+    const double whole_s = *a.delay_s + (a.step_s.value_or(0) / 2);
+    const double press_N = a.press_N.value_or(a.force_limit_N / 2);
     const PressForecast forecast =
         forecast_press({a.loop.hand, a.loop.stiffness_N_per_m, whole_s, a.force_limit_N, press_N});
     const double critical = critical_stiffness(a.loop.hand, whole_s).stiffness_N_per_m;
     const double least_m = friction_threshold_m(a.loop, whole_s, a.friction_N);
+    const double chatter_m = encoder_chatter_m(a.loop.stiffness_N_per_m, critical, a.encoder_m, a.friction_N);
     all["press"] = {{"press_N", press_N},
                     {"force_limit_N", a.force_limit_N},
                     {"delay_with_hold_s", whole_s},
@@ -138,14 +141,13 @@ void add_press(const StabilityArguments& a, Json& all) {
                     {"pushed_through", forecast.pushed_through},
                     {"limit_cycle", cycle_of(forecast)},
                     {"friction_threshold_m", number(least_m)},
-                    {"encoder_chatter_m",
-                     encoder_chatter_m(a.loop.stiffness_N_per_m, critical, a.encoder_m, a.friction_N)}};
+                    {"encoder_chatter_m", number(chatter_m)}};
 }
 
 void add_perception(const StabilityArguments& a, Json& all) {
-    if (std::isnan(a.lag_s)) return;
-    const PerceptualLimit limit = perceptual_limit(a.loop.hand, a.lag_s);
-    all["perceptual_loop"] = {{"lag_s", a.lag_s},
+    if (!a.lag_s) return;
+    const PerceptualLimit limit = perceptual_limit(a.loop.hand, *a.lag_s);
+    all["perceptual_loop"] = {{"lag_s", *a.lag_s},
                               {"critical_gain_per_s", limit.gain_per_s},
                               {"critical_gain_m_per_s_per_N", limit.gain_per_s / a.loop.stiffness_N_per_m},
                               {"frequency_rad_per_s", limit.frequency_rad_per_s}};
@@ -177,13 +179,13 @@ void print_rows(const Json& table, const std::string& indent) {
 }
 
 int run_stability(const StabilityArguments& a) {
-    if (a.has_delay()) require_delay(a.delay_s);
+    if (a.delay_s) require_delay(*a.delay_s);
     Json all{{"mass_kg", a.loop.hand.mass_kg},
              {"damping_Ns_per_m", a.loop.hand.damping_Ns_per_m},
              {"stiffness_N_per_m", a.loop.hand.stiffness_N_per_m},
              {"contact_stiffness_N_per_m", a.loop.stiffness_N_per_m},
-             {"delay_s", number(a.delay_s)},
-             {"step_s", number(a.step_s)}};
+             {"delay_s", given(a.delay_s)},
+             {"step_s", given(a.step_s)}};
     add_delay_free(a, all);
     add_at_delay(a, all);
     add_sampled(a, all);

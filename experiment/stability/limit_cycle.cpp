@@ -147,6 +147,7 @@ double friction_threshold_m(const DelayedLoop& loop, double delay_s, double fric
 double encoder_chatter_m(double stiffness_N_per_m, double critical_stiffness_N_per_m, double encoder_step_m,
                          double friction_N) {
     const double force_step_N = stiffness_N_per_m * encoder_step_m;
+    if (stiffness_N_per_m >= critical_stiffness_N_per_m) return std::numeric_limits<double>::infinity();
     if (friction_N >= force_step_N / 2 || !std::isfinite(critical_stiffness_N_per_m)) return 0;
     return 2 * force_step_N / (kPi * critical_stiffness_N_per_m);
 }

@@ -63,7 +63,8 @@ NeededDamping needed_damping(const DelayedLoop& loop, double delay_s);
 double friction_threshold_m(const DelayedLoop& loop, double delay_s, double friction_N);
 
 // An encoder step D at rest switches the force by K D. Without friction of K D / 2 that keeps up an oscillation whose amplitude is
-// that of a relay of this size, 2 K D / (pi K*): about one step. Zero where friction holds it, or where K* is infinite.
+// that of a relay of this size, 2 K D / (pi K*): about one step. Zero where friction holds it, or
+// where K* is infinite; infinite where the loop is unstable anyway.
 double encoder_chatter_m(double stiffness_N_per_m, double critical_stiffness_N_per_m, double encoder_step_m,
                          double friction_N);
 

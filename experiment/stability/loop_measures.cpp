@@ -28,27 +28,21 @@ ZeroCrossings zero_crossings(std::span<const double> trace) {
     return z;
 }
 
-struct Trace {
-    std::vector<double> position_m;
-    bool exploded = false;
-};
-
 // Sampled positions, from the start until they have become uselessly large or small.
-Trace linear_run(const LoopConditions& conditions) {
+std::vector<double> linear_run(const LoopConditions& conditions) {
     const SampledLoop& loop = conditions.loop;
     const auto samples = static_cast<std::size_t>(std::max(kRun_s, kDelays * loop.delay_s) / loop.step_s);
     LoopSimulator run(conditions, kStart_m, 0);
     const double least_m = std::max(kFaded, kQuantaLeft * conditions.encoder_step_m);
-    Trace trace;
-    trace.position_m.reserve(samples);
-    double swing_m = 0;  // greatest since the last turn of the window
+    std::vector<double> trace;
+    trace.reserve(samples);
+    double swing_m = 0;  // greatest within a window
     const std::size_t window = std::max<std::size_t>(64, samples / 8);
     for (std::size_t i = 0; i < samples; ++i) {
-        trace.position_m.push_back(run.sampled_m());
+        trace.push_back(run.sampled_m());
         swing_m = std::max(swing_m, std::abs(run.position_m()));
         run.step();
-        trace.exploded = swing_m > kGrown;
-        if (trace.exploded) break;
+        if (swing_m > kGrown) break;
         if ((i + 1) % window != 0) continue;
         if (swing_m < least_m) break;
         swing_m = 0;
@@ -56,19 +50,11 @@ Trace linear_run(const LoopConditions& conditions) {
     return trace;
 }
 
-// Of the second half, where the other modes have died out.
-bool grows(const LoopConditions& conditions) {
-    const Trace trace = linear_run(conditions);
-    if (trace.exploded) return true;
-    const std::span<const double> all(trace.position_m);
-    return growth_per_sample(all.subspan(all.size() / 2)) > 1;
-}
-
 }  // namespace
 
 double growth_per_sample(std::span<const double> trace) {
     const ZeroCrossings z = zero_crossings(trace);
-    if (z.count < 3) return 1;
+    if (z.count < 3) return creep_per_sample(trace);
     const double half_period = static_cast<double>(z.last - z.first) / static_cast<double>(z.count - 1);
     const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(half_period / 2)));
     if (trace.size() <= 2 * stride) return 1;
@@ -89,16 +75,22 @@ double growth_per_sample(std::span<const double> trace) {
     return std::pow(size, 1 / static_cast<double>(stride));
 }
 
-MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double encoder_step_m,
-                                              double relative) {
+// Of the second half, where the other modes have died out.
+double measured_growth_per_s(const SampledLoop& loop, double encoder_step_m) {
     LoopConditions conditions;
     conditions.loop = loop;
     conditions.encoder_step_m = encoder_step_m;
+    const std::vector<double> trace = linear_run(conditions);
+    const std::span<const double> all(trace);
+    return std::log(growth_per_sample(all.subspan(all.size() / 2))) / loop.step_s;
+}
+
+MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double encoder_step_m,
+                                              double relative) {
     MeasuredStiffness measured;
     const auto grows_with = [&](double K) {
-        conditions.loop.stiffness_N_per_m = K;
         ++measured.runs;
-        return grows(conditions);
+        return measured_growth_per_s({loop.hand, K, loop.delay_s, loop.step_s}, encoder_step_m) > 0;
     };
     constexpr int kMost = 60;
     double low = std::max(1e-3, loop.hand.damping_Ns_per_m / (loop.delay_s + loop.step_s)), high = low;

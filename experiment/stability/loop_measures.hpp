@@ -15,12 +15,15 @@ namespace thimble {
 // quarter period (Prony with a stride), rho = |mu|^(1/p) for the greater root of mu^2 - a mu - b. One for a trace without turns.
 double growth_per_sample(std::span<const double> trace);
 
+// Of the linear loop let go from 5 mm: ln(rho) / h after the first half of six seconds, or of sixty delays. `encoder_step_m` of 0:
+// none.
+double measured_growth_per_s(const SampledLoop& loop, double encoder_step_m);
+
 struct MeasuredStiffness {
     double stiffness_N_per_m = 0;  // at which growth turns to decay
     int runs = 0;
 };
-// Runs the linear loop, `stiffness_N_per_m` not read, with ever closer stiffness until it is known to `relative`. Six seconds each,
-// or sixty delays.
+// Runs it, `stiffness_N_per_m` not read, with ever closer stiffness until that is known to `relative`.
 MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double encoder_step_m,
                                               double relative);
 

@@ -32,7 +32,9 @@ DominantRoot undelayed(const DelayedLoop& loop) {
         b = Precise(loop.hand.damping_Ns_per_m) + loop.delayed_damping_Ns_per_m;
     const Precise k = Precise(loop.hand.stiffness_N_per_m) + loop.stiffness_N_per_m;
     const Precise discriminant = b * b - 4 * m * k;
-    if (discriminant < 0) return {to_double(-b / (2 * m)), to_double(sqrt(Precise(-discriminant)) / (2 * m))};
+    if (discriminant < 0)
+        return {to_double(0 - b / (2 * m)),  // no -0
+                to_double(sqrt(Precise(-discriminant)) / (2 * m))};
     return {to_double(-2 * k / (b + sqrt(discriminant))), 0};
 }
 

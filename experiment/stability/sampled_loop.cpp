@@ -143,6 +143,18 @@ double first_guess(const SampledLoop& loop) {
     return guess > 0 && std::isfinite(guess) ? guess : loop.hand.mass_kg / (loop.step_s * loop.step_s) * 1e-3;
 }
 
+// Steps so long that the feedback outweighs the hand at z = -1: there the delay has no frequency to be reckoned with.
+std::optional<CriticalSteps> by_trial(PrecisePulse p) {
+    constexpr int kMost = 4096;
+    for (int steps = 1; steps <= kMost; ++steps) {
+        p.power = steps;
+        if (Circle<Precise>(p, Precise(1)).roots_outside() > 0) {
+            return CriticalSteps{steps - 1.0, to_double(pi_of<Precise>())};
+        }
+    }
+    return std::nullopt;
+}
+
 // Close to `K` (a middle of a narrow range), to all digits.
 SampledLimit polished_limit(PrecisePulse p, const Precise& K) {
     p.gain = K;
@@ -195,11 +207,10 @@ std::optional<CriticalSteps> critical_steps(const SampledLoop& loop) {
     const bool hand_leads_first = unit.hand_at(0).size > unit.feedback_at(0).size;
     // Crossings outward are where the hand takes over again.
     const std::size_t outward = hand_leads_first ? 1 : 0;
-    if (changes.count <= outward) {
-        if (unstable_at_once) return CriticalSteps{-1, to_double(pi_of<Precise>())};
-        return std::nullopt;
-    }
-    const Precise pi = pi_of<Precise>(), theta = acos(changes.cosine[outward]);
+    const Precise pi = pi_of<Precise>();
+    if (!unstable_at_once && unit.hand_at(pi).size < unit.feedback_at(pi).size) return by_trial(p);
+    if (changes.count <= outward) return std::nullopt;
+    const Precise theta = acos(changes.cosine[outward]);
     Precise turn = unit.feedback_at(theta).angle + pi - unit.hand_at(theta).angle;
     turn -= 2 * pi * ceil(Precise((turn - pi) / (2 * pi)));  // to (-pi, pi]
     if (turn < 0 && !unstable_at_once) turn += 2 * pi;

@@ -41,8 +41,8 @@ struct SampledLimit {
 SampledLimit critical_sampled_stiffness(const SampledLoop& loop);
 
 // How many steps of delay (a real number; a whole number of them is used) the loop bears: d* = arg(-K num / den) / theta where
-// |den| = K |num| on the unit circle. Negative: unstable without any delay. Nothing: no delay makes it unstable. `delay_s` is
-// not read.
+// |den| = K |num| on the unit circle. Negative: unstable without any delay. Nothing: no number of steps is between stable and
+// unstable, whichever it is (growing_modes). `delay_s` is not read.
 struct CriticalSteps {
     double steps = 0;
     double angle_rad = 0;
