@@ -50,6 +50,17 @@ std::vector<double> linear_run(const LoopConditions& conditions) {
     return trace;
 }
 
+// Without turns: how much smaller the second half is than the first.
+double creep_per_sample(std::span<const double> trace) {
+    const std::size_t half = trace.size() / 2;
+    double first = 0, second = 0;
+    for (std::size_t i = 0; i < half; ++i) {
+        first += std::abs(trace[i]);
+        second += std::abs(trace[half + i]);
+    }
+    return first > 0 && second > 0 ? std::pow(second / first, 1 / static_cast<double>(half)) : 1;
+}
+
 }  // namespace
 
 double growth_per_sample(std::span<const double> trace) {
