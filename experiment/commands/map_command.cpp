@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -100,6 +101,7 @@ class MapWorkers {
   public:
     MapWorkers(const MapPlan& plan, std::size_t first, unsigned threads) : plan_(plan), next_(first) {
         columns_.resize(plan.delays_s.size());
+        threads_.reserve(threads);
         for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
     }
     ~MapWorkers() {
@@ -155,11 +157,14 @@ class MapWorkers {
 // The classes of the hold as points, the boundary as a line. The table is the data.
 std::string map_script(const MapPlan& plan) {
     std::string script = gnuplot_preamble("map", 900, 620);
-    const auto points = [](char label, std::string_view colour, const char* title) {
+    // Points that touch: 900 pixels for all of them.
+    const double size =
+        45.0 / static_cast<double>(std::max(plan.delays_s.size(), plan.stiffness_N_per_m.size()));
+    const auto points = [size](char label, std::string_view colour, const char* title) {
         return fmt::format(
-            "     'map.tsv' using (1e3*$1):(strcol(6) eq '{}' ? $2 : 1/0) with points pt 5 ps 0.5 "
+            "     'map.tsv' using (1e3*$1):(strcol(6) eq '{}' ? $2 : 1/0) with points pt 5 ps {:.2f} "
             "lc rgb '{}' title '{}', \\\n",
-            label, colour, title);
+            label, size, colour, title);
     };
     script += fmt::format(
         "set datafile separator ','\nset logscale y\nset xlabel 'delay (ms)'\n"
@@ -189,8 +194,12 @@ int run_map(MapArguments& a) {
         throw Error(ExitCode::kUsage, "--contact-stiffness-N-per-m: LOW must be above 0");
     a.plan.delays_s = spread(parse_axis("--delay-s", a.delays), false);
     a.plan.stiffness_N_per_m = spread(stiffness, true);
+    if (!std::isfinite(a.plan.press_N + a.plan.force_limit_N + a.plan.encoder_step_m)) {
+        throw Error(ExitCode::kUsage, "press, force limit and encoder must be finite");
+    }
     install_stop_signals();
-    std::filesystem::create_directories(a.out);
+    std::error_code failed;  // the table says so
+    std::filesystem::create_directories(a.out, failed);
     const auto table = std::filesystem::path(a.out) / "map.csv";
     if (a.overwrite) std::filesystem::remove(table);
     const std::size_t done = columns_done(a, table);

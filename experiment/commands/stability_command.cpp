@@ -131,7 +131,8 @@ void add_press(const StabilityArguments& a, Json& all) {
     const PressForecast forecast =
         forecast_press({a.loop.hand, a.loop.stiffness_N_per_m, whole_s, a.force_limit_N, press_N});
     const double critical = critical_stiffness(a.loop.hand, whole_s).stiffness_N_per_m;
-    const double least_m = friction_threshold_m(a.loop, whole_s, a.friction_N);
+    const bool rubs = a.friction_N > 0;
+    const double least_m = rubs ? friction_threshold_m(a.loop, whole_s, a.friction_N) : 0;
     const double chatter_m = encoder_chatter_m(a.loop.stiffness_N_per_m, critical, a.encoder_m, a.friction_N);
     all["press"] = {{"press_N", press_N},
                     {"force_limit_N", a.force_limit_N},
@@ -140,7 +141,7 @@ void add_press(const StabilityArguments& a, Json& all) {
                     {"rest_is_stable", forecast.rest_is_stable},
                     {"pushed_through", forecast.pushed_through},
                     {"limit_cycle", cycle_of(forecast)},
-                    {"friction_threshold_m", number(least_m)},
+                    {"friction_threshold_m", rubs ? number(least_m) : Json(nullptr)},
                     {"encoder_chatter_m", number(chatter_m)}};
 }
 
@@ -180,6 +181,9 @@ void print_rows(const Json& table, const std::string& indent) {
 
 int run_stability(const StabilityArguments& a) {
     if (a.delay_s) require_delay(*a.delay_s);
+    if (!std::isfinite(a.encoder_m + a.friction_N + a.force_limit_N)) {
+        throw Error(ExitCode::kUsage, "stability: encoder, friction and force limit must be finite");
+    }
     Json all{{"mass_kg", a.loop.hand.mass_kg},
              {"damping_Ns_per_m", a.loop.hand.damping_Ns_per_m},
              {"stiffness_N_per_m", a.loop.hand.stiffness_N_per_m},

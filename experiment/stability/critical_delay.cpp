@@ -36,6 +36,7 @@ std::vector<Precise> sign_changes(const Polynomial& p, const Precise& last) {
     std::vector<Precise> found;
     if (p.size() < 2) return found;
     Polynomial slope;
+    slope.reserve(p.size() - 1);
     for (std::size_t i = 1; i < p.size(); ++i) slope.push_back(p[i] * static_cast<int>(i));
     std::vector<Precise> ends = sign_changes(slope, last);
     ends.push_back(last);

@@ -109,7 +109,8 @@ PerceptualLimit perceptual_limit(const HeldMass& held, double lag_s) {
     std::vector<long> candidates{0};
     if (half < 0 && discriminant > 0 && lag > 0) {
         const Precise dip = sqrt(Precise((sqrt(discriminant) - half) / (3 * mm)));
-        for (const long n : around((psi(dip) / pi - 1) / 2)) candidates.push_back(n);
+        const std::vector<long> near_dip = around((psi(dip) / pi - 1) / 2);
+        candidates.insert(candidates.end(), near_dip.begin(), near_dip.end());
     }
     Precise least = -1, frequency = 0;
     for (const long n : candidates) {

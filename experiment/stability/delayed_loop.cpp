@@ -5,8 +5,9 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <string>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "experiment/stability/root_count.hpp"
@@ -16,11 +17,11 @@ namespace {
 
 constexpr double kNever_s = std::numeric_limits<double>::infinity();
 constexpr double kLongestDelay_s = 1e6;
-constexpr double kMostRoots = 1e8;  // a count beyond is no use to anybody, and would not fit
+constexpr double kMostTurned_rad = 1e8;  // a count of roots beyond is no use to anybody, and would not fit
 
 void require(bool good, const char* what, double value) {
     if (good) return;
-    throw Error(ExitCode::kUsage, "stability: " + std::string(what) + ", not " + std::to_string(value));
+    throw Error(ExitCode::kUsage, fmt::format("stability: {}, not {:g}", what, value));
 }
 
 bool not_negative(double value) { return std::isfinite(value) && value >= 0; }
@@ -34,6 +35,7 @@ std::vector<PreciseFamily> families_of(const DelayedLoop& loop) {
 class InOrder {
   public:
     explicit InOrder(std::vector<PreciseFamily> families) : families_(std::move(families)) {
+        next_.reserve(families_.size());
         for (const PreciseFamily& family : families_) next_.push_back(family.first_delay);
     }
     bool empty() const { return families_.empty(); }
@@ -76,8 +78,17 @@ void require_delay(double delay_s) {
     require(not_negative(delay_s) && delay_s <= kLongestDelay_s, "a delay must be 0 to 1e6 s", delay_s);
 }
 
+void require_countable(const DelayedLoop& loop, double delay_s) {
+    require_meaningful(loop);
+    require_delay(delay_s);
+    double angle = 0;
+    for (const CrossingFamily& f : crossing_families(loop)) angle += delay_s * f.frequency_rad_per_s;
+    require(angle < kMostTurned_rad, "delay times frequency must stay below 1e8 rad", angle);
+}
+
 std::vector<CrossingFamily> crossing_families(const DelayedLoop& loop) {
     std::vector<CrossingFamily> families;
+    families.reserve(2);
     for (const PreciseFamily& f : families_of(loop)) {
         families.push_back({to_double(f.first_delay), to_double(f.frequency), f.direction});
     }
@@ -96,12 +107,8 @@ std::vector<RootCrossing> crossings(const DelayedLoop& loop, double longest_s, s
 }
 
 int unstable_roots(const DelayedLoop& loop, double delay_s) {
-    require_meaningful(loop);
-    require_delay(delay_s);
-    double pairs = 0;
-    for (const CrossingFamily& f : crossing_families(loop)) pairs += delay_s * f.frequency_rad_per_s;
-    require(pairs < kMostRoots, "delay times frequency must stay below 1e8 rad", pairs);
-    return roots_right_of(ShiftedLoop::by(loop, delay_s, 0), delay_s);
+    require_countable(loop, delay_s);
+    return static_cast<int>(roots_right_of(ShiftedLoop::by(loop, delay_s, 0), delay_s));
 }
 
 std::vector<StableDelays> stable_delays(const DelayedLoop& loop, std::size_t most) {

@@ -25,6 +25,8 @@ struct DelayedLoop {
 void require_meaningful(const HeldMass& held);
 void require_meaningful(const DelayedLoop& loop);
 void require_delay(double delay_s);  // finite, 0 to 1e6 s
+// Both, and a delay of less than 1e8 rad at the crossing frequencies.
+void require_countable(const DelayedLoop& loop, double delay_s);
 
 // All crossings at one frequency: at first_delay_s and then every 2 pi / w. There are none, one or two such families.
 struct CrossingFamily {

@@ -120,6 +120,11 @@ NeededDamping needed_damping(const DelayedLoop& loop, double delay_s) {
     const auto excess = [&](double w) { return m * w * w - k - K * std::cos(w * delay_s); };
     const double last = std::sqrt((k + K) / m) * (1 + 1e-12);
     constexpr double kPerTurn = 64;
+    constexpr double kMostTurned_rad = 1e6;
+    if (last * delay_s > kMostTurned_rad) {
+        throw Error(ExitCode::kUsage,
+                    "stability: for friction, delay times frequency must stay below 1e6 rad");
+    }
     const double steps = std::ceil(kPerTurn * (1 + last * delay_s));
     NeededDamping most;
     double low = 0;

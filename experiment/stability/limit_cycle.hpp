@@ -51,7 +51,7 @@ struct PressForecast {
 PressForecast forecast_press(const PressedLoop& loop);
 
 // The least damping that makes the loop stable at this delay, and the frequency there: the greatest K sin(wT) / w of all w with
-// m w^2 - k = K cos(wT).
+// m w^2 - k = K cos(wT). Throws Error (usage) for more than 1e6 rad of delay: all of them are looked through.
 struct NeededDamping {
     double damping_Ns_per_m = 0;
     double frequency_rad_per_s = 0;

@@ -101,8 +101,7 @@ Root polished(const DelayedLoop& loop, double delay_s, const Root& start) {
 }  // namespace
 
 DominantRoot rightmost_root(const DelayedLoop& loop, double delay_s) {
-    require_meaningful(loop);
-    require_delay(delay_s);
+    require_countable(loop, delay_s);
     if (delay_s == 0) return undelayed(loop);
     constexpr int kHalvings = 70;
     LinePair lines = bracket(loop, delay_s);

@@ -45,16 +45,16 @@ std::vector<PreciseFamily> precise_families(const ShiftedLoop& l) {
     return families;
 }
 
-int crossings_before(const PreciseFamily& family, const Precise& delay) {
+double crossings_before(const PreciseFamily& family, const Precise& delay) {
     if (delay <= family.first_delay) return 0;
     const Precise turns = (delay - family.first_delay) * family.frequency / (2 * pi_of<Precise>());
     const Precise whole = floor(turns);
-    return static_cast<int>(to_double(whole)) + (whole == turns ? 0 : 1);
+    return to_double(whole) + (whole == turns ? 0 : 1);
 }
 
-int roots_right_of(const ShiftedLoop& loop, const Precise& delay) {
+double roots_right_of(const ShiftedLoop& loop, const Precise& delay) {
     const Precise damping = loop.damping + loop.loop_damping;
-    int count = loop.on_the_real_axis() < 0 ? 1 : (damping < 0 ? 2 : 0);
+    double count = loop.on_the_real_axis() < 0 ? 1 : (damping < 0 ? 2 : 0);
     for (const PreciseFamily& family : precise_families(loop)) {
         count += 2 * family.direction * crossings_before(family, delay);
     }

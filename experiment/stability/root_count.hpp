@@ -26,8 +26,8 @@ struct PreciseFamily {
 };
 std::vector<PreciseFamily> precise_families(const ShiftedLoop& loop);
 
-// Crossings of one family at delays below `delay`.
-int crossings_before(const PreciseFamily& family, const Precise& delay);
-int roots_right_of(const ShiftedLoop& loop, const Precise& delay);
+// Crossings of one family at delays below `delay`. A whole number, and far to the left a large one.
+double crossings_before(const PreciseFamily& family, const Precise& delay);
+double roots_right_of(const ShiftedLoop& loop, const Precise& delay);
 
 }  // namespace thimble

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -113,6 +114,31 @@ TEST(LoopMeasures, TheLimitCycleIsTheForecastOne) {
         EXPECT_NEAR(hold.losses_per_s, cycle->frequency_rad_per_s / 2 / std::numbers::pi, 0.4) << name;
         EXPECT_TRUE(hold.energy_grows);
     }
+}
+
+// The rule of docs/stability.md for which predictor, at ten samples a millisecond: 1 % for the relay, 10 % for the describing function.
+TEST(LoopMeasures, EitherPredictorIsAsGoodAsItsRuleSays) {
+    int relays = 0, harmonics = 0;
+    for (const auto& [name, hand] : kHands) {
+        for (const double delay_s : {0.005, 0.010, 0.025, 0.100}) {
+            LoopConditions conditions;
+            conditions.loop = {hand, 9000, delay_s, 1e-4};
+            conditions.one_sided = true;
+            conditions.force_limit_N = 12;
+            conditions.press_N = 6;
+            const PressForecast forecast = forecast_press({hand, 9000, delay_s + 5e-5, 12, 6});
+            ASSERT_TRUE(forecast.cycle) << name << delay_s;
+            HoldPlan plan;
+            plan.duration_s = 8;
+            const bool relay = forecast.predictor == CyclePredictor::kRelayOrbit;
+            ++(relay ? relays : harmonics);
+            const double amplitude_m = measured_hold(conditions, plan).peak_to_peak_m / 2;
+            expect_relative(forecast.cycle->amplitude_m, amplitude_m, relay ? 0.01 : 0.1,
+                            name + std::to_string(delay_s));
+        }
+    }
+    EXPECT_GT(relays, 5);
+    EXPECT_GT(harmonics, 5);
 }
 
 // Past the fold of the limit cycle a hand that presses harder than the handle keeps contact, deep behind the wall.

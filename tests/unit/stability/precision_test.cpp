@@ -20,6 +20,7 @@ constexpr double kLimit = 1e-12;
 // Low-discrepancy exponents within five decades on each side of one.
 std::vector<DelayedLoop> loops_of_ten_decades() {
     std::vector<DelayedLoop> loops;
+    loops.reserve(40);
     for (int i = 1; i <= 40; ++i) {
         const auto decade = [&](double prime) {
             return std::pow(10, 10 * std::fmod(i * std::sqrt(prime), 1) - 5);

@@ -14,6 +14,7 @@ TEST(StabilityMap, NoCellIsOnTheWrongSide) {
         MapPlan plan;
         plan.hand = hand;
         plan.delays_s = {0, 0.005, 0.0503, 0.2};  // the third is no whole number of steps
+        plan.stiffness_N_per_m.reserve(21);
         for (int i = 0; i <= 20; ++i) plan.stiffness_N_per_m.push_back(45 * std::pow(2000, i / 20.0));
         for (std::size_t column = 0; column < plan.delays_s.size(); ++column) {
             int stable = 0, unstable = 0;
