@@ -19,10 +19,12 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 5> kStudies{{
+constexpr std::array<Study, 6> kStudies{{
     {"chain", "the round trip through all five programs beside bare processes", &chain_study},
     {"netem", "the relay beside the bare machine: lateness, throughput, round trip", &network_study},
     {"scene-cost", "what a scene costs, against the number of layers", &scene_cost_study},
+    {"stability", "the delayed force loop: critical delay and stiffness, theory beside the running loop",
+     &stability_study},
     {"velocity", "velocity estimators: noise against lag, puncture, fixture force", &velocity_study},
     {"work-precision", "tissue solvers: cost against error", &work_precision_study},
 }};

@@ -27,5 +27,7 @@ Subcommand add_check(CLI::App& app);
 Subcommand add_doctor(CLI::App& app);
 Subcommand add_exclude(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);
+Subcommand add_stability(CLI::App& app);
+Subcommand add_map(CLI::App& app);
 
 }  // namespace thimble

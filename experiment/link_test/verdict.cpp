@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "experiment/critical_delay.hpp"
+#include "experiment/stability/critical_delay.hpp"
 #include "slave_sim/needle_scene.hpp"
 
 namespace thimble {

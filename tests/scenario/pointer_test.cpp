@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "experiment/critical_delay.hpp"
+#include "experiment/stability/critical_delay.hpp"
 #include "experiment/metrics.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"

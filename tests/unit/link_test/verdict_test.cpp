@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/critical_delay.hpp"
+#include "experiment/stability/critical_delay.hpp"
 #include "experiment/link_test/link_report.hpp"
 
 namespace thimble {

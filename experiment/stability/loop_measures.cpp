@@ -1,0 +1,151 @@
+#include "experiment/stability/loop_measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace thimble {
+namespace {
+
+constexpr double kStart_m = 5e-3;  // of a linear run
+constexpr double kRun_s = 6, kDelays = 60;
+constexpr double kGrown = 1e60;  // beyond, nobody needs more of the trace
+constexpr double kFaded = 1e-60;
+constexpr double kQuantaLeft = 100;  // of amplitude, for an encoder not to matter
+
+struct ZeroCrossings {
+    std::size_t first = 0, last = 0, count = 0;
+};
+
+ZeroCrossings zero_crossings(std::span<const double> trace) {
+    ZeroCrossings z;
+    for (std::size_t i = 1; i < trace.size(); ++i) {
+        if ((trace[i - 1] > 0) == (trace[i] > 0)) continue;
+        if (z.count == 0) z.first = i;
+        z.last = i;
+        ++z.count;
+    }
+    return z;
+}
+
+// Sampled positions, from the start until they have become uselessly large or small.
+std::vector<double> linear_run(const LoopConditions& conditions) {
+    const SampledLoop& loop = conditions.loop;
+    const auto samples = static_cast<std::size_t>(std::max(kRun_s, kDelays * loop.delay_s) / loop.step_s);
+    LoopSimulator run(conditions, kStart_m, 0);
+    const double least_m = std::max(kFaded, kQuantaLeft * conditions.encoder_step_m);
+    std::vector<double> trace;
+    trace.reserve(samples);
+    double swing_m = 0;  // greatest within a window
+    const std::size_t window = std::max<std::size_t>(64, samples / 8);
+    for (std::size_t i = 0; i < samples; ++i) {
+        trace.push_back(run.sampled_m());
+        swing_m = std::max(swing_m, std::abs(run.position_m()));
+        run.step();
+        if (swing_m > kGrown) break;
+        if ((i + 1) % window != 0) continue;
+        if (swing_m < least_m) break;
+        swing_m = 0;
+    }
+    return trace;
+}
+
+// Without turns: how much smaller the second half is than the first.
+double creep_per_sample(std::span<const double> trace) {
+    const std::size_t half = trace.size() / 2;
+    double first = 0, second = 0;
+    for (std::size_t i = 0; i < half; ++i) {
+        first += std::abs(trace[i]);
+        second += std::abs(trace[half + i]);
+    }
+    return first > 0 && second > 0 ? std::pow(second / first, 1 / static_cast<double>(half)) : 1;
+}
+
+}  // namespace
+
+double growth_per_sample(std::span<const double> trace) {
+    const ZeroCrossings z = zero_crossings(trace);
+    if (z.count < 3) return creep_per_sample(trace);
+    const double half_period = static_cast<double>(z.last - z.first) / static_cast<double>(z.count - 1);
+    const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(half_period / 2)));
+    if (trace.size() <= 2 * stride) return 1;
+    double pp = 0, pq = 0, qq = 0, rp = 0, rq = 0;
+    for (std::size_t n = 0; n + 2 * stride < trace.size(); ++n) {
+        const double q = trace[n], p = trace[n + stride], r = trace[n + 2 * stride];
+        pp += p * p;
+        pq += p * q;
+        qq += q * q;
+        rp += r * p;
+        rq += r * q;
+    }
+    const double determinant = pp * qq - pq * pq;
+    if (!(determinant > 0)) return 1;
+    const double a = (rp * qq - rq * pq) / determinant, b = (rq * pp - rp * pq) / determinant;
+    const double discriminant = a * a / 4 + b;
+    const double size = discriminant < 0 ? std::sqrt(-b) : std::abs(a) / 2 + std::sqrt(discriminant);
+    return std::pow(size, 1 / static_cast<double>(stride));
+}
+
+// Of the second half, where the other modes have died out.
+double measured_growth_per_s(const SampledLoop& loop, double encoder_step_m) {
+    LoopConditions conditions;
+    conditions.loop = loop;
+    conditions.encoder_step_m = encoder_step_m;
+    const std::vector<double> trace = linear_run(conditions);
+    const std::span<const double> all(trace);
+    return std::log(growth_per_sample(all.subspan(all.size() / 2))) / loop.step_s;
+}
+
+MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double encoder_step_m,
+                                              double relative) {
+    MeasuredStiffness measured;
+    const auto grows_with = [&](double K) {
+        ++measured.runs;
+        return measured_growth_per_s({loop.hand, K, loop.delay_s, loop.step_s}, encoder_step_m) > 0;
+    };
+    constexpr int kMost = 60;
+    double low = std::max(1e-3, loop.hand.damping_Ns_per_m / (loop.delay_s + loop.step_s)), high = low;
+    for (int i = 0; i < kMost && grows_with(low); ++i) low /= 2;
+    for (int i = 0; i < kMost && !grows_with(high); ++i) high *= 2;
+    while (high / low - 1 > relative) {
+        const double middle = std::sqrt(low * high);
+        (grows_with(middle) ? high : low) = middle;
+    }
+    measured.stiffness_N_per_m = std::sqrt(low * high);
+    return measured;
+}
+
+HoldOutcome measured_hold(const LoopConditions& conditions, const HoldPlan& plan) {
+    constexpr double kSettled_m = 1e-4, kOscillates_m = 1e-3, kWatched_s = 3, kGrowth_J = 0.01;
+    const double step_s = conditions.loop.step_s;
+    const auto samples = static_cast<long>(plan.duration_s / step_s),
+               watched = static_cast<long>(kWatched_s / step_s);
+    LoopSimulator run(conditions, plan.start_m, plan.start_m_per_s);
+    double low_m = 0, high_m = 0, energy_before_J = 0;
+    long losses = 0;
+    for (long i = 0; i < samples; ++i) {
+        const bool touched = run.sampled_m() > 0;
+        run.step();
+        if (i < samples - watched) continue;
+        const double x = run.position_m();
+        if (i == samples - watched) {
+            low_m = high_m = x;
+            energy_before_J = run.energy_J();
+        }
+        low_m = std::min(low_m, x);
+        high_m = std::max(high_m, x);
+        if (touched && !(run.sampled_m() > 0)) ++losses;
+    }
+    HoldOutcome outcome;
+    outcome.peak_to_peak_m = high_m - low_m;
+    outcome.losses_per_s = static_cast<double>(losses) / kWatched_s;
+    outcome.energy_J = run.energy_J();
+    outcome.energy_grows = run.energy_J() - energy_before_J < -kGrowth_J;
+    const double needle_m = plan.position_scale * outcome.peak_to_peak_m;
+    const bool in_contact = losses == 0 && run.sampled_m() > 0;
+    if (in_contact && needle_m <= kSettled_m) outcome.label = HoldClass::kSettles;
+    if (outcome.losses_per_s >= 1 || needle_m >= kOscillates_m) outcome.label = HoldClass::kOscillates;
+    return outcome;
+}
+
+}  // namespace thimble

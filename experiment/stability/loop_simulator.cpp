@@ -1,0 +1,58 @@
+#include "experiment/stability/loop_simulator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiment/stability/pulse_polynomial.hpp"
+
+namespace thimble {
+namespace {
+
+SecondOrder checked_hand(const LoopConditions& conditions) {
+    whole_steps(conditions.loop);  // throws where it is no loop
+    const HeldMass& hand = conditions.loop.hand;
+    return {hand.mass_kg, hand.damping_Ns_per_m, hand.stiffness_N_per_m};
+}
+
+}  // namespace
+
+LoopSimulator::LoopSimulator(const LoopConditions& conditions, double position_m, double velocity_m_per_s)
+    : conditions_(conditions),
+      hand_(checked_hand(conditions)),
+      position_m_(position_m),
+      velocity_m_per_s_(velocity_m_per_s) {
+    const WholeSteps delay = whole_steps(conditions.loop);
+    const double rest_s = to_double(delay.rest_s);
+    early_ = hand_.propagator(rest_s);
+    late_ = hand_.propagator(conditions.loop.step_s - rest_s);
+    under_way_.assign(static_cast<std::size_t>(delay.count) + 1, 0.0);
+}
+
+double LoopSimulator::sampled_m() const {
+    const double step_m = conditions_.encoder_step_m;
+    return step_m > 0 ? step_m * std::round(position_m_ / step_m) : position_m_;
+}
+
+void LoopSimulator::step() {
+    double force_N = conditions_.loop.stiffness_N_per_m * sampled_m();
+    if (conditions_.one_sided) force_N = std::max(force_N, 0.0);
+    if (conditions_.force_limit_N > 0)
+        force_N = std::clamp(force_N, -conditions_.force_limit_N, conditions_.force_limit_N);
+    // One more place than whole steps: what is overwritten last is what the hand still feels until the next arrives.
+    const std::size_t size = under_way_.size();
+    const double felt_N = under_way_[next_];
+    under_way_[next_] = force_N;
+    next_ = next_ + 1 == size ? 0 : next_ + 1;
+    if (early_.duration_s > 0) move(early_, felt_N);
+    move(late_, under_way_[next_]);
+}
+
+void LoopSimulator::move(const Propagator& propagator, double force_N) {
+    const double a = hand_.acceleration(conditions_.press_N - force_N, position_m_, velocity_m_per_s_);
+    const double moved_m = propagator.moved_m(velocity_m_per_s_, a);
+    velocity_m_per_s_ = propagator.velocity_after_m_per_s(velocity_m_per_s_, a);
+    position_m_ += moved_m;
+    energy_J_ += force_N * moved_m;
+}
+
+}  // namespace thimble

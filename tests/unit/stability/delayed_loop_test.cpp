@@ -1,0 +1,198 @@
+// The loop in continuous time: golden figures, laws that hold for every hand, and a Newton search that knows nothing of the counting.
+#include "experiment/stability/delayed_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "common/error.hpp"
+#include "tests/unit/stability/golden_loops.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr double kGolden = 1e-12;
+
+DelayedLoop loop_of(const nlohmann::json& c) { return {hand_of(c), figure(c, "K"), 0}; }
+
+TEST(DelayedLoop, CriticalDelaysAndFrequencies) {
+    for (const auto& c : golden_loops("linear")) {
+        const DelayedLoop loop = loop_of(c);
+        const std::string tag = c.at("tag");
+        const CriticalPoint point = critical_point(loop);
+        expect_relative(point.delay_s, figure(c, "T_star"), kGolden, tag);
+        expect_relative(point.frequency_rad_per_s, figure(c, "omega_star"), kGolden, tag);
+        expect_relative(delay_independent_stiffness_N_per_m(loop.hand), figure(c, "K_delay_independent"),
+                        kGolden, tag);
+        expect_relative(crossing_speed_per_s2(loop, point), figure(c, "dsigma_dT_at_Tstar"), 1e-9, tag);
+    }
+}
+
+TEST(DelayedLoop, CrossingsAndUnstableRoots) {
+    for (const auto& c : golden_loops("linear")) {
+        const DelayedLoop loop = loop_of(c);
+        const std::string tag = c.at("tag");
+        EXPECT_EQ(unstable_roots(loop, figure(c, "T")), c.at("n_unstable_at_T").get<int>()) << tag;
+        const auto& expected = c.at("all_crossings_T_le_4T");
+        const double longest_s = 4 * std::max(figure(c, "T"), figure(c, "T_star"));
+        const auto found = crossings(loop, longest_s, 1000);
+        ASSERT_GE(found.size(), expected.size()) << tag;
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            expect_relative(found[i].delay_s, figure(expected[i], "T"), kGolden, tag);
+            expect_relative(found[i].frequency_rad_per_s, figure(expected[i], "omega"), kGolden, tag);
+            EXPECT_EQ(found[i].direction, expected[i].at("dir").get<int>()) << tag;
+            EXPECT_EQ(found[i].unstable_roots_after, expected[i].at("n_unstable_after").get<int>()) << tag;
+        }
+    }
+}
+
+TEST(DelayedLoop, RightmostRoots) {
+    for (const auto& c : golden_loops("linear")) {
+        const DominantRoot root = rightmost_root(loop_of(c), figure(c, "T"));
+        expect_relative(root.real_per_s, figure(c, "rightmost_re"), kGolden, c.at("tag"));
+        expect_relative(root.imaginary_rad_per_s, figure(c, "rightmost_im"), kGolden, c.at("tag"));
+    }
+}
+
+TEST(DelayedLoop, CriticalStiffness) {
+    for (const auto& c : golden_loops("linear")) {
+        const CriticalStiffness critical = critical_stiffness(hand_of(c), figure(c, "T"));
+        expect_relative(critical.stiffness_N_per_m, figure(c, "K_star_of_T"), kGolden, c.at("tag"));
+        expect_relative(critical.frequency_rad_per_s, figure(c, "omega_at_K_star"), kGolden, c.at("tag"));
+    }
+}
+
+TEST(DelayedLoop, ViscosityBeforeTheFixtureArrivesLateToo) {
+    for (const auto& c : golden_loops("tissue")) {
+        const CriticalPoint point = critical_point({hand_of(c), figure(c, "K"), figure(c, "B_v")});
+        expect_relative(point.delay_s, figure(c, "T_star"), kGolden, c.at("set"));
+        expect_relative(point.frequency_rad_per_s, figure(c, "omega_star"), kGolden, c.at("set"));
+    }
+}
+
+TEST(DelayedLoop, PerceptualLoop) {
+    for (const auto& c : golden_loops("perceptual_loop")) {
+        const PerceptualLimit limit = perceptual_limit(hand_of(c), figure(c, "tau"));
+        expect_relative(limit.gain_per_s, figure(c, "L_star"), kGolden, "L*");
+        expect_relative(limit.frequency_rad_per_s, figure(c, "omega"), kGolden, "w");
+    }
+    // Without lag s (m s^2 + b s + k) + k L: Routh says L* = b / m.
+    expect_relative(perceptual_limit({1, 20, 500}, 0).gain_per_s, 20, kGolden, "without lag");
+}
+
+// Below the undelayed stiffness, loops become stable again with more delay.
+TEST(DelayedLoop, StableAgainWithMoreDelay) {
+    const DelayedLoop loop{{1, 2, 500}, 200, 0};
+    const auto windows = stable_delays(loop, 100);
+    ASSERT_GE(windows.size(), 2U);
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+        EXPECT_EQ(unstable_roots(loop, (windows[i].from_s + windows[i].to_s) / 2), 0);
+        EXPECT_LT(rightmost_root(loop, (windows[i].from_s + windows[i].to_s) / 2).real_per_s, 0);
+        EXPECT_EQ(unstable_roots(loop, windows[i].to_s * 1.001), 2);
+        EXPECT_GT(rightmost_root(loop, windows[i].to_s * 1.001).real_per_s, 0);
+    }
+    EXPECT_GT(unstable_roots(loop, windows.back().to_s * 3), 0);
+    const auto any = stable_delays({{1, 20, 500}, 399.9, 0}, 100);
+    ASSERT_EQ(any.size(), 1U);
+    EXPECT_TRUE(std::isinf(any.front().to_s));
+}
+
+TEST(DelayedLoop, WithoutDampingTheLeastDelayIsTooMuch) {
+    const DelayedLoop loop{{1, 0, 500}, 200, 0};
+    EXPECT_EQ(critical_point(loop).delay_s, 0);
+    EXPECT_EQ(unstable_roots(loop, 0), 0);
+    EXPECT_EQ(rightmost_root(loop, 0).real_per_s, 0);
+    EXPECT_EQ(unstable_roots(loop, 1e-6), 2);
+    EXPECT_GT(rightmost_root(loop, 1e-6).real_per_s, 0);
+    // Between one and two half turns of the hand's resonance the force brakes.
+    const double half_turn_s = std::numbers::pi / std::sqrt(500.0);
+    EXPECT_EQ(critical_stiffness(loop.hand, 0.5 * half_turn_s).stiffness_N_per_m, 0);
+    const double braked = critical_stiffness(loop.hand, 1.5 * half_turn_s).stiffness_N_per_m;
+    EXPECT_GT(braked, 100);
+    EXPECT_EQ(unstable_roots({loop.hand, braked * 0.999, 0}, 1.5 * half_turn_s), 0);
+    EXPECT_EQ(unstable_roots({loop.hand, braked * 1.001, 0}, 1.5 * half_turn_s), 2);
+}
+
+TEST(DelayedLoop, RefusesWhatIsNoLoop) {
+    const std::vector<DelayedLoop> bad{{{0, 1, 1}, 1, 0},  {{-1, 1, 1}, 1, 0}, {{1, -1, 1}, 1, 0},
+                                       {{1, 1, -1}, 1, 0}, {{1, 1, 1}, 0, 0},  {{1, 1, 1}, std::nan(""), 0},
+                                       {{1, 1, 1}, 1, -1}};
+    for (const DelayedLoop& loop : bad) EXPECT_THROW(critical_point(loop), Error);
+    EXPECT_THROW(unstable_roots({{1, 1, 1}, 1, 0}, -1), Error);
+    EXPECT_THROW(rightmost_root({{1, 1, 1}, 1, 0}, std::nan("")), Error);
+}
+
+// --- laws ---
+
+double decades(double low, double high) {
+    const int steps = 1 << 20;
+    return low * std::pow(high / low, *rc::gen::inRange(0, steps) / static_cast<double>(steps));
+}
+
+DelayedLoop any_loop() {
+    return {{decades(1e-2, 1e2), decades(1e-2, 1e2), decades(1e0, 1e4)}, decades(1, 1e7), 0};
+}
+
+RC_GTEST_PROP(DelayedLoop, TheCriticalPointIsARoot, ()) {
+    const DelayedLoop loop = any_loop();
+    const CriticalPoint point = critical_point(loop);
+    RC_PRE(std::isfinite(point.delay_s));
+    const double w = point.frequency_rad_per_s, K = loop.stiffness_N_per_m, b = loop.hand.damping_Ns_per_m;
+    RC_ASSERT(std::abs(std::sin(w * point.delay_s) - b * w / K) < 1e-9);
+    RC_ASSERT(point.delay_s >= b / K * (1 - 1e-12));
+    // Unless another branch comes first, that K is the critical one of this delay.
+    const double least = critical_stiffness(loop.hand, point.delay_s).stiffness_N_per_m;
+    RC_ASSERT(std::abs(least / K - 1) < 1e-9);
+}
+
+RC_GTEST_PROP(DelayedLoop, AboveTheCriticalStiffnessItIsUnstable, ()) {
+    const HeldMass hand = any_loop().hand;
+    const double delay_s = decades(1e-4, 1);
+    const double critical = critical_stiffness(hand, delay_s).stiffness_N_per_m;
+    RC_ASSERT(critical >= hand.damping_Ns_per_m / delay_s * (1 - 1e-12));
+    RC_ASSERT(unstable_roots({hand, critical * (1 - 1e-9), 0}, delay_s) == 0);
+    RC_ASSERT(unstable_roots({hand, critical * (1 + 1e-9), 0}, delay_s) == 2);
+}
+
+using RootOfLoop = std::complex<double>;
+
+// From many starts: the rightmost of the roots that Newton finds.
+double searched_real(const DelayedLoop& loop, double T, double reach) {
+    const double m = loop.hand.mass_kg, b = loop.hand.damping_Ns_per_m, k = loop.hand.stiffness_N_per_m;
+    const double K = loop.stiffness_N_per_m;
+    double rightmost = -1e300;
+    for (int i = 0; i < 12; ++i) {
+        for (int j = 0; j <= 60; ++j) {
+            RootOfLoop s(reach * (i / 6.0 - 1), reach * j / 60.0);
+            for (int step = 0; step < 60; ++step) {
+                const RootOfLoop late = K * std::exp(-s * T);
+                s -= (m * s * s + b * s + k + late) / (2 * m * s + b - T * late);
+            }
+            const RootOfLoop late = K * std::exp(-s * T);
+            const double scale = std::abs(m * s * s) + std::abs(b * s) + k + std::abs(late);
+            if (std::abs(m * s * s + b * s + k + late) < 1e-12 * scale)
+                rightmost = std::max(rightmost, s.real());
+        }
+    }
+    return rightmost;
+}
+
+TEST(DelayedLoop, NewtonFromManyStartsFindsNoRootFartherRight) {
+    for (const double K : {50.0, 400.0, 3000.0, 1e5}) {
+        for (const double T : {0.001, 0.03, 0.1}) {
+            const DelayedLoop loop{{0.8, 5, 300}, K, 0};
+            const DominantRoot root = rightmost_root(loop, T);
+            const double reach = std::sqrt((K + 300) / 0.8) * 1.2;
+            const double searched = searched_real(loop, T, reach);
+            EXPECT_NEAR(root.real_per_s, searched, 1e-9 * reach) << K << ' ' << T;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace thimble

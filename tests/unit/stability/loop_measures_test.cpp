@@ -1,0 +1,157 @@
+// The loop that runs: traces at 40 digits, and what is measured on it against theory.
+#include "experiment/stability/loop_measures.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "experiment/stability/limit_cycle.hpp"
+#include "tests/unit/stability/golden_loops.hpp"
+
+namespace thimble {
+namespace {
+
+struct NamedHand {
+    const char* name;
+    HeldMass hand;
+};
+const std::array<NamedHand, 5> kHands{{{"A", {0.15, 3, 300}},
+                                       {"B", {0.35, 6, 400}},
+                                       {"C", {0.55, 6.45, 135}},
+                                       {"D", {1, 20, 500}},
+                                       {"E", {2, 40, 1000}}}};
+
+TEST(LoopSimulator, TracesAtFortyDigits) {
+    for (const auto& c : golden_loops("traces_hf_exact_zoh")) {
+        LoopConditions conditions;
+        const double step_s = figure(c, "dt");
+        conditions.loop = {hand_of(c), figure(c, "K"), figure(c, "d") * step_s, step_s};
+        conditions.one_sided = true;
+        conditions.force_limit_N = figure(c, "Fs");
+        conditions.press_N = figure(c, "F0");
+        LoopSimulator run(conditions, figure(c, "x0"), figure(c, "v0"));
+        int steps = 0, losses = 0;
+        for (const auto& sample : c.at("samples")) {
+            for (; steps < sample[0].get<int>(); ++steps) {
+                const bool touched = run.position_m() > 0;
+                run.step();
+                if (touched && !(run.position_m() > 0)) ++losses;
+            }
+            EXPECT_NEAR(run.position_m(), std::stod(sample[1].get<std::string>()), 1e-14) << steps;
+            EXPECT_NEAR(run.velocity_m_per_s(), std::stod(sample[2].get<std::string>()), 1e-12) << steps;
+        }
+        EXPECT_EQ(losses, c.at("contact_losses").get<int>());
+    }
+}
+
+TEST(LoopSimulator, AFractionOfAStepGrowsAsTheTheorySays) {
+    for (const double delay_s : {0.0004, 0.0107, 0.0219}) {
+        LoopConditions conditions;
+        conditions.loop = {{1, 20, 500}, 9000, delay_s, 1e-3};
+        LoopSimulator run(conditions, 1e-3, 0);
+        std::vector<double> trace;
+        trace.reserve(2000);
+        for (int i = 0; i < 2000; ++i) {
+            trace.push_back(run.position_m());
+            run.step();
+        }
+        const auto tail = std::span<const double>(trace).subspan(1000);
+        EXPECT_NEAR(growth_per_sample(tail), dominant_mode(conditions.loop).radius, 1e-9) << delay_s;
+    }
+}
+
+// Every hand and delay of the study: within 0.5 % without and 1 % with the encoder of 10 um.
+TEST(LoopMeasures, CriticalStiffnessOfEveryHandAndDelay) {
+    for (const auto& [name, hand] : kHands) {
+        for (const double delay_s : {0.0, 0.001, 0.002, 0.005, 0.010, 0.025, 0.050, 0.100, 0.200}) {
+            const SampledLoop loop{hand, 0, delay_s, 1e-3};
+            SampledLoop any = loop;
+            any.stiffness_N_per_m = 1;
+            const double theory = critical_sampled_stiffness(any).stiffness_N_per_m;
+            expect_relative(measured_critical_stiffness(loop, 0, 1e-4).stiffness_N_per_m, theory, 2e-4, name);
+            expect_relative(measured_critical_stiffness(loop, 1e-5, 1e-3).stiffness_N_per_m, theory, 0.01,
+                            name);
+        }
+    }
+}
+
+TEST(LoopMeasures, OutcomesOnBothSidesOfTheBoundary) {
+    for (const auto& [name, hand] : kHands) {
+        for (const double delay_s : {0.001, 0.002, 0.005, 0.010, 0.025, 0.050, 0.100, 0.200}) {
+            LoopConditions conditions;
+            conditions.loop = {hand, 1, delay_s, 1e-3};
+            conditions.one_sided = true;
+            conditions.force_limit_N = 12;
+            conditions.press_N = 5;
+            conditions.encoder_step_m = 1e-5;
+            const double critical = critical_sampled_stiffness(conditions.loop).stiffness_N_per_m;
+            conditions.loop.stiffness_N_per_m = 0.75 * critical;
+            EXPECT_EQ(measured_hold(conditions, {}).label, HoldClass::kSettles) << name << ' ' << delay_s;
+            conditions.loop.stiffness_N_per_m = 1.5 * critical;
+            const HoldOutcome beyond = measured_hold(conditions, {});
+            EXPECT_EQ(beyond.label, HoldClass::kOscillates) << name << ' ' << delay_s;
+            EXPECT_LT(beyond.energy_J, 0) << name << ' ' << delay_s;
+        }
+    }
+}
+
+// Continuous predictors, with half a step of delay for the hold: 1 % in amplitude.
+TEST(LoopMeasures, TheLimitCycleIsTheForecastOne) {
+    for (const auto& [name, hand] : kHands) {
+        LoopConditions conditions;
+        conditions.loop = {hand, 9000, 0.05, 1e-3};
+        conditions.one_sided = true;
+        conditions.force_limit_N = 12;
+        conditions.press_N = 5;
+        const auto cycle = forecast_press({hand, 9000, 0.0505, 12, 5}).cycle;
+        ASSERT_TRUE(cycle);
+        const HoldOutcome hold = measured_hold(conditions, {});
+        expect_relative(hold.peak_to_peak_m / 2, cycle->amplitude_m, 0.01, name);
+        EXPECT_NEAR(hold.losses_per_s, cycle->frequency_rad_per_s / 2 / std::numbers::pi, 0.4) << name;
+        EXPECT_TRUE(hold.energy_grows);
+    }
+}
+
+// The rule of docs/stability.md for which predictor, at ten samples a millisecond: 1 % for the relay, 10 % for the describing function.
+TEST(LoopMeasures, EitherPredictorIsAsGoodAsItsRuleSays) {
+    int relays = 0, harmonics = 0;
+    for (const auto& [name, hand] : kHands) {
+        for (const double delay_s : {0.005, 0.010, 0.025, 0.100}) {
+            LoopConditions conditions;
+            conditions.loop = {hand, 9000, delay_s, 1e-4};
+            conditions.one_sided = true;
+            conditions.force_limit_N = 12;
+            conditions.press_N = 6;
+            const PressForecast forecast = forecast_press({hand, 9000, delay_s + 5e-5, 12, 6});
+            ASSERT_TRUE(forecast.cycle) << name << delay_s;
+            HoldPlan plan;
+            plan.duration_s = 8;
+            const bool relay = forecast.predictor == CyclePredictor::kRelayOrbit;
+            ++(relay ? relays : harmonics);
+            const double amplitude_m = measured_hold(conditions, plan).peak_to_peak_m / 2;
+            expect_relative(forecast.cycle->amplitude_m, amplitude_m, relay ? 0.01 : 0.1,
+                            name + std::to_string(delay_s));
+        }
+    }
+    EXPECT_GT(relays, 5);
+    EXPECT_GT(harmonics, 5);
+}
+
+// Past the fold of the limit cycle a hand that presses harder than the handle keeps contact, deep behind the wall.
+TEST(LoopMeasures, PushedThroughItHoldsAtAnyDelay) {
+    LoopConditions conditions;
+    conditions.loop = {{1, 20, 500}, 9000, 0.05, 1e-3};
+    conditions.one_sided = true;
+    conditions.force_limit_N = 12;
+    conditions.press_N = 14.1;
+    EXPECT_EQ(measured_hold(conditions, {}).label, HoldClass::kSettles);
+    conditions.press_N = 12;
+    EXPECT_EQ(measured_hold(conditions, {}).label, HoldClass::kOscillates);
+}
+
+}  // namespace
+}  // namespace thimble
