@@ -42,6 +42,12 @@ class WaveSender {
         burst_ = {};
         first_ = true;
     }
+    // The next sample has this number, and what was before it is not sent again.
+    void skip_to(std::uint32_t number) {
+        burst_.number = number;
+        burst_.count = 0;
+        first_ = true;
+    }
     // The next sample's wave, into what is to be sent now.
     const WaveBurst& add(double wave_root_W);
 
