@@ -10,6 +10,7 @@
 
 #include "common/control/control_settings.hpp"
 #include "common/control/port_remedy.hpp"
+#include "common/control/wave_variables.hpp"
 #include "common/messages.hpp"
 #include "master/devices/haptic_device.hpp"
 

@@ -14,7 +14,7 @@ namespace thimble {
 // The slave's end of wave variables ([control] remedy = "wave"), with what the master's table says of the handle.
 struct WaveEndSettings {
     bool used = false;
-    double impedance_Ns_per_m = 20;
+    double impedance_Ns_per_m = 20, damping_Ns_per_m = 20;
     WaveChannelSettings channel{};
     double position_scale = 3;  // as MasterSettings
     double force_scale = 1;

@@ -1,9 +1,12 @@
 #include "slave_sim/wave_end.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace thimble {
 namespace {
+
+constexpr double kRejoinStep_m = 1e-4;  // per sample, at the hand
 
 WaveChannelSettings channel_of(const WaveEndSettings& settings) {
     WaveChannelSettings channel = settings.channel;
@@ -15,7 +18,7 @@ WaveChannelSettings channel_of(const WaveEndSettings& settings) {
 
 WaveEnd::WaveEnd(const WaveEndSettings& settings)
     : settings_(settings),
-      slave_({settings.impedance_Ns_per_m, to_seconds(settings.sample_period)}),
+      slave_({settings.impedance_Ns_per_m, to_seconds(settings.sample_period), settings.damping_Ns_per_m}),
       sender_(channel_of(settings)),
       receiver_(channel_of(settings)) {}
 
@@ -64,11 +67,10 @@ double WaveEnd::step(double plane_needle_m, double stiffness_N_per_m, double oth
 }
 
 void WaveEnd::rejoin(double plane_hand_m) {
-    const bool apart =
-        slave_.force_N() == 0 && std::max(slave_.position_m(), position_hand_m_) < plane_hand_m;
-    if (!apart) return;
-    slave_.place(position_hand_m_);
-    astray_ = false;
+    if (std::max(slave_.position_m(), position_hand_m_) >= plane_hand_m) return;
+    const double away_m = position_hand_m_ - slave_.position_m();
+    slave_.place(slave_.position_m() + std::clamp(away_m, -kRejoinStep_m, kRejoinStep_m));
+    astray_ = std::fabs(away_m) > kRejoinStep_m;
 }
 
 }  // namespace thimble

@@ -29,7 +29,8 @@ class WaveEnd {
     static constexpr std::uint32_t kMostAtOnce = 64;
 
   private:
-    // Lost waves leave the needle elsewhere than the hand. Where no force acts it may go there at no cost.
+    // Lost waves leave the needle elsewhere than the hand. Before the plane nothing is stored but what tissue does over the
+    // gap: there it may go back, by 0.1 mm of hand at a time.
     void rejoin(double plane_hand_m);
     void skip_to(std::uint32_t number);
 

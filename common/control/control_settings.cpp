@@ -24,6 +24,7 @@ std::vector<KeyUse> key_uses() {
             {"local_memory_samples", {R::kLocalFixture}},
             {"local_shift_m_per_s", {R::kLocalFixture}},
             {"wave_impedance_Ns_per_m", {R::kWave}},
+            {"wave_slave_damping_Ns_per_m", {R::kWave}},
             {"wave_reconstruction", {R::kWave}},
             {"wave_repeats", {R::kWave}},
             {"wave_jitter_s", {R::kWave}}};
@@ -63,6 +64,7 @@ ControlSettings read_control_settings(const ConfigTable& table) {
     read("local_memory_samples", s.local.memory, 1, 1e6);
     read("local_shift_m_per_s", s.local.shift_m_per_s, 1e-4, 10);
     read("wave_impedance_Ns_per_m", s.wave_impedance_Ns_per_m, 0.1, 1000);
+    read("wave_slave_damping_Ns_per_m", s.wave_slave_damping_Ns_per_m, 0, 1000);
     s.channel.reconstruction = static_cast<WaveReconstruction>(table.choice(
         "wave_reconstruction", 0, {kWaveReconstructionNames.begin(), kWaveReconstructionNames.end()}));
     s.channel.repeats = static_cast<std::uint32_t>(

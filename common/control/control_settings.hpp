@@ -10,7 +10,6 @@
 #include "common/control/local_fixture.hpp"
 #include "common/control/two_layer_tank.hpp"
 #include "common/control/wave_channel.hpp"
-#include "common/control/wave_variables.hpp"
 
 namespace thimble {
 
@@ -30,13 +29,14 @@ inline constexpr std::array<std::string_view, 8> kRemedyNames{
 
 struct ControlSettings {
     Remedy remedy = Remedy::kNone;
-    double share = 0.05;                   // kScaled, 0 to 1
-    double device_damping_Ns_per_m = 0.5;  // bounds and tank
-    double most_damping_Ns_per_m = 250;    // kPassivity
-    TankSettings tank{};                   // kTwoLayer
-    LocalFixtureSettings local{};          // kLocalFixture, without sample_period_s
-    double wave_impedance_Ns_per_m = 20;   // kWave
-    WaveChannelSettings channel{};         // kWave, without sample_period_s
+    double share = 0.05;                      // kScaled, 0 to 1
+    double device_damping_Ns_per_m = 0.5;     // bounds and tank
+    double most_damping_Ns_per_m = 250;       // kPassivity
+    TankSettings tank{};                      // kTwoLayer
+    LocalFixtureSettings local{};             // kLocalFixture, without sample_period_s
+    double wave_slave_damping_Ns_per_m = 20;  // kWave
+    double wave_impedance_Ns_per_m = 20;      // kWave
+    WaveChannelSettings channel{};            // kWave, without sample_period_s
     Duration jitter =
         std::chrono::milliseconds{2};  // kWave: play-out allows so much beyond the network's delay
 

@@ -2,10 +2,10 @@
 // that brings each wave at most once gives out no more energy, sum of u^2 h / 2, than it got.
 //
 //     master   F_k = b v_k - sqrt(2b) w_k,  v_k = Dx_k / h;     at k + 1 it sends u = (b v_{k+1} + F_k) / sqrt(2b)
-//     slave    x_free = x + sqrt(2b) u h / b,  then implicitly against a wall K:  F (h/b + 1/K) = x_free - wall,
-//              x = x_free - F h / b,  w = u - sqrt(2/b) F
+//     slave    x_free = x + sqrt(2b) u h / b,  x = x_free - F h / b,  w = u - sqrt(2/b) F,  with F implicitly that of a wall K,
+//              a damper, and whatever else pushes:  F = K (x - wall)^+ + b_s (x - x_{k-1}) / h + F_other
 //
-// The slave is lossless: F (x_k - x_{k-1}) = h (u^2 - w^2) / 2 whatever F is. The held force of the master leaks a little
+// The slave's end is lossless: F (x_k - x_{k-1}) = h (u^2 - w^2) / 2 whatever F is. The held force of the master leaks a little
 // (0.05 mJ at most in the standard approach of docs/remedies.md). Held against the wall with force F at a delay T there and
 // back together, the hand is F (T + h) / (2b) further than the slave: the price. b: wave impedance, Ns/m; 10 to 50 suits a
 // hand, and b < 2 m / h, or the held damper chatters. F positive pushes the hand out. SI units, frame: hand.
@@ -16,9 +16,12 @@ namespace thimble {
 struct WaveSettings {
     double impedance_Ns_per_m = 20;  // b
     double sample_period_s = 1e-3;   // h
+    // The slave's own damper, solved for like the wall; >= 0. Without, a free slave sends every wave back whole, and what an
+    // encoder adds to them grows between the two ends until the hand takes it; with b, none comes back. It is felt as drag.
+    double slave_damping_Ns_per_m = 0;
 };
 
-// Throws Error (usage) unless both are finite and above 0: with an impedance of 0 or infinity no wave carries both
+// Throws Error (usage) unless the first two are finite and above 0: with an impedance of 0 or infinity no wave carries both
 // velocity and force.
 void check_wave_settings(const WaveSettings& settings);
 

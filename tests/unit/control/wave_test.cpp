@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -23,13 +24,14 @@ TEST(Waves, AnImpedanceOfZeroOrInfinityIsRefused) {
         EXPECT_THROW(WaveSlave({impedance, kTickWave_s}), Error) << impedance;
     }
     EXPECT_THROW(WaveSlave({20, 0}), Error);
+    EXPECT_THROW(WaveSlave({20, kTickWave_s, -1}), Error);
 }
 
 // Whatever the wall, whatever else pushes, saturated or not: F dx = h (u^2 - w^2) / 2.
 TEST(Waves, TheSlaveIsLossless) {
     RandomStream random({5, 1, 1, 1, Purpose::kParameter});
     for (const double stiffness_N_per_m : {0.0, 1.0, 9000.0, 1e7, kInfinite}) {
-        WaveSlave slave({20, kTickWave_s});
+        WaveSlave slave({20, kTickWave_s, stiffness_N_per_m > 10 ? 5.0 : 0.0});
         slave.place(-1e-3);
         for (int i = 0; i < 2000; ++i) {
             const double before_m = slave.position_m(), u = 3 * random.normal();
@@ -39,6 +41,14 @@ TEST(Waves, TheSlaveIsLossless) {
             ASSERT_NEAR(got_J, 0.5 * kTickWave_s * (u * u - w * w), 1e-12) << stiffness_N_per_m;
             ASSERT_LE(std::fabs(slave.force_N()), 12);
         }
+    }
+}
+
+TEST(Waves, AFreeSlaveSendsBackWhatItsDamperDoesNotTake) {
+    for (const auto& [damping_Ns_per_m, back] :
+         {std::pair{0.0, 1.0}, std::pair{20.0, 0.0}, std::pair{60.0, -0.5}}) {
+        WaveSlave slave({20, kTickWave_s, damping_Ns_per_m});
+        EXPECT_NEAR(slave.step(0.7, {1, 9000}, 0, 12), 0.7 * back, 1e-12) << damping_Ns_per_m;
     }
 }
 
