@@ -75,6 +75,12 @@ Trial run_trial(SystemSettings settings, const Job& job, const RemedyCondition& 
     return trial;
 }
 
+// There and back, jitter included.
+double longest_delay_s(SystemSettings settings, double force_delay_s) {
+    set_delay(settings.netem.force, settings.netem.force_timeline, from_seconds(force_delay_s));
+    return to_seconds(session_settings(settings).network_delay);
+}
+
 // Trials by whoever is free; each into its own place.
 std::vector<Trial> run_jobs(const SystemSettings& settings, const std::vector<RemedyCondition>& conditions,
                             const std::vector<Job>& jobs, const RemedyStudyOptions& options) {
@@ -186,13 +192,12 @@ double stable_share(const SystemSettings& settings, double delay_s, double margi
 std::vector<RemedyRow> run_remedy_study(const SystemSettings& settings, const RemedyStudyOptions& options) {
     const std::vector<RemedyCondition> conditions = chosen(settings, options.names);
     const Protocol protocol = experiment_3(settings, options.subjects, options.seed);
-    const double needle_s = to_seconds(nearly_longest_delay(settings.netem.needle));
     std::vector<RemedyRow> rows;
     std::vector<Job> jobs;
     for (std::size_t c = 0; c < conditions.size(); ++c) {
         const bool scaled = conditions[c].control.remedy == Remedy::kScaled;
         for (const double delay_s : options.delays_s) {
-            const double share = scaled ? stable_share(settings, needle_s + delay_s) : 1;
+            const double share = scaled ? stable_share(settings, longest_delay_s(settings, delay_s)) : 1;
             for (std::uint32_t subject = 1; subject <= options.subjects; ++subject) {
                 for (std::uint32_t trial = 1; trial <= options.trials; ++trial)
                     jobs.push_back(

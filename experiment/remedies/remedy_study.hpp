@@ -26,7 +26,7 @@ std::vector<RemedyCondition> remedy_conditions(const SystemSettings& settings);
 // half a sample added, times `margin`; at most 1. Dry friction, which steadies, is left out.
 double stable_share(const SystemSettings& settings, double delay_s, double margin = 0.8);
 
-// How the network and the shares of one comparison are: delay of the force path, one way.
+// What came out for one condition at one delay of the force path, one way.
 struct RemedyRow {
     std::string name;
     double delay_s = 0;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "common/error.hpp"
 #include "experiment/metrics.hpp"
 #include "experiment/remedies/remedy_study.hpp"
 #include "experiment/virtual_session.hpp"

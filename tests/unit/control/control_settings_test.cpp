@@ -1,10 +1,11 @@
 // Table [control]: what it takes and what it refuses.
+#include "common/control/control_settings.hpp"
+
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/control/control_settings.hpp"
 #include "common/error.hpp"
 
 namespace thimble {
@@ -42,7 +43,8 @@ TEST(ControlSettings, EachRemedyHasItsName) {
 
 TEST(ControlSettings, NumbersOfTheChosenOne) {
     const ControlSettings waves = control_of(
-        "remedy = \"wave\"\nwave_impedance_Ns_per_m = 30\nwave_reconstruction = \"hold-last\"\nwave_repeats = 7\n"
+        "remedy = \"wave\"\nwave_impedance_Ns_per_m = 30\nwave_reconstruction = \"hold-last\"\nwave_repeats "
+        "= 7\n"
         "wave_jitter_s = 0.01");
     EXPECT_EQ(waves.wave_impedance_Ns_per_m, 30);
     EXPECT_EQ(waves.channel.reconstruction, WaveReconstruction::kHoldLast);

@@ -38,7 +38,8 @@ TEST(WaveEnd, RepeatsMakeGoodForLosses) {
     std::uint32_t most = 0;
     for (int n = 0; n < 200; ++n) {
         const NeedleWave message = master.next();
-        for (std::uint32_t left = complete.receive(message); left > 0; --left) complete_m = complete.step(1, 0, 0);
+        for (std::uint32_t left = complete.receive(message); left > 0; --left)
+            complete_m = complete.step(1, 0, 0);
         if (n % 5 == 1 || n % 5 == 2) continue;
         const std::uint32_t samples = lossy.receive(message);
         most = std::max(most, samples);
@@ -84,7 +85,8 @@ TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
             const NeedleWave message = master.next();
             hand_m = message.command.position_hand_m;
             if (n >= 100 && n < 120) continue;
-            for (std::uint32_t left = end.receive(message); left > 0; --left) needle_m = end.step(plane_m, 0, 0);
+            for (std::uint32_t left = end.receive(message); left > 0; --left)
+                needle_m = end.step(plane_m, 0, 0);
         }
         if (plane_m > 0) {
             EXPECT_NEAR(needle_m, 3 * hand_m, 5e-4);
@@ -105,8 +107,8 @@ TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
     MovingMaster master;
     ForceFeedback feedback;
     for (int n = 0; n < 600; ++n) {
-        feedback = node.on_wave(SessionTime{std::chrono::milliseconds{n + 1000}}, static_cast<std::uint32_t>(n),
-                                master.next());
+        feedback = node.on_wave(SessionTime{std::chrono::milliseconds{n + 1000}},
+                                static_cast<std::uint32_t>(n), master.next());
     }
     EXPECT_GT(feedback.position_needle_m, 0.003);
     EXPECT_LT(feedback.position_needle_m, 0.0035) << "the hand is at 9 mm";
