@@ -29,6 +29,8 @@ int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     read(p.page());
     read(p.replay_state());
     read(p.device_fault());
+    read(p.needle_wave());
+    read(p.force_wave());
     return count;
 }
 
@@ -104,6 +106,8 @@ struct Encoder::Templates {
     Template<wire::Page> page{wire::Packet::VT_PAGE};
     Template<wire::ReplayState> replay_state{wire::Packet::VT_REPLAY_STATE};
     Template<wire::DeviceFault> device_fault{wire::Packet::VT_DEVICE_FAULT};
+    Template<wire::NeedleWave> needle_wave{wire::Packet::VT_NEEDLE_WAVE};
+    Template<wire::ForceWave> force_wave{wire::Packet::VT_FORCE_WAVE};
 };
 
 Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
@@ -149,6 +153,12 @@ Bytes Encoder::encode(const Header& header, const ReplayState& body) {
 }
 Bytes Encoder::encode(const Header& header, const DeviceFault& body) {
     return templates_->device_fault.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const NeedleWave& body) {
+    return templates_->needle_wave.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const ForceWave& body) {
+    return templates_->force_wave.fill(header, to_wire(body));
 }
 Bytes Encoder::encode(const Message& message) {
     return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);

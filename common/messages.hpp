@@ -10,6 +10,7 @@
 #include <string_view>
 #include <variant>
 
+#include "common/control/wave_burst.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -234,9 +235,20 @@ struct DeviceFault {
     std::string_view words() const;
 };
 
+// With [control] remedy = "wave" in HF these two go instead of a NeedleCommand, and of the ForceFeedback to the master.
+struct NeedleWave {
+    NeedleCommand command;
+    WaveBurst waves;
+};
+struct ForceWave {
+    ForceFeedback feedback;
+    WaveBurst waves;
+};
+
 // Order as in Packet of messages.fbs.
-using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe,
-                          ClockReply, HandInput, Monitor, Order, Page, ReplayState, DeviceFault>;
+using Body =
+    std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe, ClockReply,
+                 HandInput, Monitor, Order, Page, ReplayState, DeviceFault, NeedleWave, ForceWave>;
 
 struct Message {
     Header header;

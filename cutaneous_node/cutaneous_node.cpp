@@ -3,6 +3,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/control/scaled_force.hpp"
+
 namespace thimble {
 
 CutaneousNode::CutaneousNode(const CutaneousSettings& settings, FingertipActuator& actuator)
@@ -13,8 +15,7 @@ CutaneousNode::CutaneousNode(const CutaneousSettings& settings, FingertipActuato
 void CutaneousNode::start_trial(SessionTime now, const SessionControl& control) {
     modality_ = control.modality;
     actuator_.use_hand(now, modality_ == Modality::kCCF ? Hand::kOther : Hand::kActing);
-    const bool pressed = modality_ == Modality::kCF || modality_ == Modality::kCCF;
-    next_percept_ = pressed ? now : kNever;
+    next_percept_ = presses(modality_) ? now : kNever;
     last_feedback_ = now;
     release(now);
 }
@@ -31,7 +32,8 @@ void CutaneousNode::on_feedback(SessionTime now, const ForceFeedback& feedback) 
         if (!released_) release(now);
         return;
     }
-    const double force_N = feedback.force_total_N;
+    double force_N = feedback.force_total_N;
+    if (modality_ == Modality::kHF) force_N = ScaledForce{settings_.hand_share}.skin_N(force_N);
     Finger finger = Finger::kNone;
     if (force_N < 0) finger = Finger::kIndex;
     if (force_N > 0) finger = Finger::kThumb;

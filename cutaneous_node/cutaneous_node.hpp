@@ -1,6 +1,7 @@
 // Sensory subtraction: the force that resists the needle, pressed on a finger instead of given to the hand.
 // Pushing in (force towards -z) is felt on the index finger, pulling out (towards +z) on the thumb. In CF the
-// device is worn on the hand that holds the handle, in CCF on the other one; in HF and VF it stays slack.
+// device is worn on the hand that holds the handle, in CCF on the other one; in HF and VF it stays slack. In HF with a share
+// of the force for the hand (scaled_force.hpp) the rest is pressed on the acting hand.
 #pragma once
 
 #include <optional>
@@ -29,8 +30,13 @@ class CutaneousNode {
     SessionTime next_percept() const { return next_percept_; }
 
     // A trial runs in which the fingers are pressed.
+    // A trial of this modality presses the fingers.
+    bool presses(Modality modality) const {
+        return modality == Modality::kCF || modality == Modality::kCCF ||
+               (modality == Modality::kHF && settings_.hand_share < 1);
+    }
     bool active() const { return next_percept_ != kNever; }
-    bool acting_hand() const { return active() && modality_ == Modality::kCF; }
+    bool acting_hand() const { return active() && modality_ != Modality::kCCF; }
     bool contralateral() const { return active() && modality_ == Modality::kCCF; }
 
   private:

@@ -11,7 +11,7 @@ CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettin
       percept_flow_(Role::kCutaneous, instance, {channels.percept_out}) {}
 
 void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& control) {
-    needed_ = control.modality == Modality::kCF || control.modality == Modality::kCCF;
+    needed_ = node_.presses(control.modality);
     node_.start_trial(now, control);
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
 }

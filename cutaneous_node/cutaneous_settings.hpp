@@ -26,6 +26,8 @@ struct CutaneousSettings {
     FingertipDevice device = FingertipDevice::kSimulated;
     HidChoice board{};       // kBoard
     DriveSettings drives{};  // kDrives
+    // Of the force in HF, what the handle gives: 1, but with [control] remedy = "scaled". The rest is for the skin.
+    double hand_share = 1;
 };
 
 CutaneousSettings read_cutaneous_settings(const ConfigTable& table);

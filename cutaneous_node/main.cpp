@@ -1,6 +1,7 @@
 // thimble-cutaneous: the wearable fingertip device.
 #include <memory>
 
+#include "common/control/control_settings.hpp"
 #include "common/runtime/hid/hid_thread.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -86,7 +87,8 @@ class DrivenCutaneous final : public NodeInstance {
 };
 
 std::unique_ptr<NodeInstance> build(const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
-    const CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
+    CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
+    settings.hand_share = read_control_settings(file.table("control")).hand_share();
     if (settings.device == FingertipDevice::kDrives) {
         return std::make_unique<DrivenCutaneous>(settings, sockets, instance);
     }
@@ -105,7 +107,7 @@ int main(int argc, char** argv) {
         "drives on "
         "a CAN bus ([cutaneous] device).";
     program.example = "thimble-cutaneous --config deploy/sessions/delay50.toml";
-    program.tables = {"network", "runtime", "cutaneous"};
+    program.tables = {"network", "runtime", "cutaneous", "control"};
     program.build = build;
     return run_node_program(program, argc, argv);
 }

@@ -107,10 +107,12 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     read_network_settings(file);
     read_runtime_settings(file);
     s.master = read_master_settings(file.table("master"));
+    s.master.control = read_control_settings(file.table("control"));
     s.handle = read_handle_settings(file.table("handle"));
     s.person = read_operator_parameters(file.table("operator"));
     s.slave = read_slave_settings(file);
     s.cutaneous = read_cutaneous_settings(file.table("cutaneous"));
+    s.cutaneous.hand_share = s.master.control.hand_share();
     s.visual = read_visual_settings(file);
     s.instructions = read_instructions(file.table("instructions"));
     s.netem = read_netem_settings(file);

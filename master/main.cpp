@@ -26,6 +26,12 @@ struct HidInput {
     HidThread thread;
 };
 
+MasterSettings master_settings(const ConfigFile& file) {
+    MasterSettings settings = read_master_settings(file.table("master"));
+    settings.control = read_control_settings(file.table("control"));
+    return settings;
+}
+
 class Master final : public NodeInstance {
   public:
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
@@ -37,7 +43,7 @@ class Master final : public NodeInstance {
                    ? std::make_unique<HidInput>(settings, read_runtime_settings(file))
                    : nullptr),
           pointed_(settings.kind == HandleKind::kPointer),
-          process_(instance, read_master_settings(file.table("master")),
+          process_(instance, master_settings(file),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
                     sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
                     sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
@@ -89,7 +95,7 @@ int main(int argc, char** argv) {
         "drawn by a "
         "person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
     program.example = "thimble-master --config deploy/sessions/delay50.toml";
-    program.tables = {"network", "runtime", "master", "handle", "operator"};
+    program.tables = {"network", "runtime", "master", "handle", "operator", "control"};
     program.flags = {
         {"--pointer", "a person's pointer draws the handle, instead of [handle].device", &pointer}};
     program.build = [&pointer](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/control/scaled_force.hpp"
 #include "master/velocity_settings.hpp"
 
 namespace thimble {
@@ -19,21 +20,30 @@ MasterSettings read_master_settings(const ConfigTable& table) {
     return s;
 }
 
-MasterNode::MasterNode(const MasterSettings& settings) : settings_(settings), estimator_(settings.velocity) {}
+MasterNode::MasterNode(const MasterSettings& settings)
+    : settings_(settings),
+      estimator_(settings.velocity),
+      control_(settings.control, {settings.position_scale, settings.force_scale, settings.force_limit_N,
+                                  settings.sample_period}) {}
 
-void MasterNode::start_trial(Modality modality) {
+void MasterNode::start_trial(Modality modality, Duration network_delay) {
+    control_.start(modality == Modality::kHF, network_delay);
     modality_ = modality;
     running_ = true;
     placed_ = false;
 }
 
-void MasterNode::end_trial() { running_ = false; }
+void MasterNode::end_trial() {
+    running_ = false;
+    control_.end();
+}
 
 NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
     const double position_needle_m = settings_.position_scale * handle.position_hand_m;
     if (!placed_) estimator_.reset(position_needle_m);
     placed_ = true;
     const auto estimate = estimator_.update(now, position_needle_m);
+    if (control_.active()) control_.sample(now, handle);
     NeedleCommand command;
     command.position_needle_m = position_needle_m;
     command.velocity_needle_m_per_s = estimate.velocity_m_per_s;
@@ -49,7 +59,7 @@ double MasterNode::handle_force_N(const ForceFeedback& feedback) const {
     // Feedback acts on the operator along +z; the handle's force counts positive when it pushes out, along
     // -z.
     const double force_hand_N = -settings_.force_scale * feedback.force_total_N;
-    return std::clamp(force_hand_N, -settings_.force_limit_N, settings_.force_limit_N);
+    return ScaledForce{settings_.control.hand_share()}.hand_N(force_hand_N, settings_.force_limit_N);
 }
 
 }  // namespace thimble

@@ -7,9 +7,11 @@
 #pragma once
 
 #include "common/config.hpp"
+#include "common/control/control_settings.hpp"
 #include "common/messages.hpp"
 #include "common/velocity_estimator.hpp"
 #include "master/devices/haptic_device.hpp"
+#include "master/handle_control.hpp"
 
 namespace thimble {
 
@@ -21,6 +23,7 @@ struct MasterSettings {
     Duration stale_after = std::chrono::milliseconds{100};  // feedback older than this: force zero
     // At the needle: velocity.quantum_m is position_scale x the encoder's step. sample_period is the one above.
     VelocitySettings velocity;
+    ControlSettings control{};  // of table [control], in HF
 };
 
 // Tables [master]; throws Error (usage).
@@ -30,21 +33,27 @@ class MasterNode {
   public:
     explicit MasterNode(const MasterSettings& settings);
 
-    void start_trial(Modality modality);
+    // network_delay: there and back, as configured; what waves wait for.
+    void start_trial(Modality modality, Duration network_delay = {});
     void end_trial();
 
     // One encoder sample. Velocities are estimated at the needle.
     NeedleCommand sample(SessionTime now, const HandleSample& handle);
 
-    // Force for the handle, positive pushes the hand out (-z), within +-force_limit_N. Only HF drives the
+    // Force for the handle, of HF without a remedy or with a share of it; positive pushes the hand out (-z), within +-force_limit_N. Only HF drives the
     // handle.
     double handle_force_N(const ForceFeedback& feedback) const;
+
+    // The remedy of this trial, if one works at samples: then its force is the handle's.
+    HandleControl& control() { return control_; }
+    const HandleControl& control() const { return control_; }
 
     const MasterSettings& settings() const { return settings_; }
 
   private:
     MasterSettings settings_;
     VelocityEstimator estimator_;
+    HandleControl control_;
     Modality modality_ = Modality::kHF;
     bool running_ = false;
     bool placed_ = false;  // the estimator knows where the needle starts

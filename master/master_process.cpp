@@ -17,7 +17,7 @@ void MasterProcess::follow_hand(Channel& hand_in, HandFollower& follower) {
 }
 
 void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) {
-    node_.start_trial(control.modality);
+    node_.start_trial(control.modality, first_answer_within(control));
     person_->start_trial(
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
     device_->enable_force(now, control.modality == Modality::kHF);
@@ -70,21 +70,40 @@ void MasterProcess::take_percepts(SessionTime now) {
 }
 
 void MasterProcess::take_forces(SessionTime now) {
-    force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
-                                     [&](const Header&, const ForceFeedback& feedback) {
-                                         round_trip_.add(now, feedback);
-                                         newest_age_ = now - feedback.echo_time;
-                                         device_->command_force(now, node_.handle_force_N(feedback));
+    if (node_.control().waves()) {
+        force_flow_.drain<ForceWave>(now, *channels_.force_in, running(), trial(),
+                                     [&](const Header&, const ForceWave& wave) {
+                                         node_.control().take(wave.waves);
+                                         take_force(now, wave.feedback);
                                      });
-    if (running() && force_flow_.silent_for(now, node_.settings().stale_after))
+    } else {
+        force_flow_.drain<ForceFeedback>(
+            now, *channels_.force_in, running(), trial(),
+            [&](const Header&, const ForceFeedback& feedback) { take_force(now, feedback); });
+    }
+    if (!running() || !force_flow_.silent_for(now, node_.settings().stale_after)) return;
+    if (node_.control().active()) {
+        node_.control().forget();
+    } else {
         device_->command_force(now, 0);
+    }
+}
+
+void MasterProcess::take_force(SessionTime now, const ForceFeedback& feedback) {
+    round_trip_.add(now, feedback);
+    newest_age_ = now - feedback.echo_time;
+    if (!node_.control().active()) return device_->command_force(now, node_.handle_force_N(feedback));
+    node_.control().take(feedback);
+    if (now == sampled_) device_->command_force(now, node_.control().force_N());
 }
 
 void MasterProcess::sample(SessionTime now) {
     const HandleSample handle = device_->read(now);
     if (handle.valid) {
-        needle_flow_.send(now, trial(), node_.sample(now, handle));
+        send_needle(now, node_.sample(now, handle));
         energy_.add(handle);
+        sampled_ = now;
+        if (node_.control().active()) device_->command_force(now, node_.control().force_N());
         ++samples_;
     }
     next_sample_ += node_.settings().sample_period;
@@ -94,6 +113,14 @@ void MasterProcess::sample(SessionTime now) {
         ++samples_skipped_;
     }
     if (state() == NodeState::kRunning && person_->finished()) set_state(NodeState::kFinished);
+}
+
+void MasterProcess::send_needle(SessionTime now, const NeedleCommand& command) {
+    if (node_.control().waves()) {
+        needle_flow_.send(now, trial(), NeedleWave{command, node_.control().burst()});
+    } else {
+        needle_flow_.send(now, trial(), command);
+    }
 }
 
 void MasterProcess::add_counters(FlowCounters& sum) const {

@@ -40,6 +40,7 @@ class MasterProcess final : public NodeProcess {
     void end_trial(SessionTime now) override;
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
+        node_.control().network_changed(from_seconds(control.network_delay_s));
     }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return running() ? next_sample_ : kNever; }
@@ -52,7 +53,9 @@ class MasterProcess final : public NodeProcess {
     void take_hand(SessionTime now);
     void take_percepts(SessionTime now);
     void take_forces(SessionTime now);
+    void take_force(SessionTime now, const ForceFeedback& feedback);
     void sample(SessionTime now);
+    void send_needle(SessionTime now, const NeedleCommand& command);
 
     Channels channels_;
     MasterNode node_;
@@ -70,6 +73,7 @@ class MasterProcess final : public NodeProcess {
     PortEnergy energy_;
     Percept percept_;  // newest of skin and eyes
     SessionTime next_sample_{};
+    SessionTime sampled_{};  // the newest sample
     std::uint64_t samples_ = 0, samples_skipped_ = 0;
 };
 

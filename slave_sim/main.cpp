@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
         "moment it "
         "arrives, and gives the beep after trial.contact_hold_s (5 s) of unbroken contact with the fixture.";
     program.example = "thimble-slave-sim --config deploy/sessions/delay50.toml";
-    program.tables = {"network", "runtime", "tissue", "fixture", "slave_sim"};
+    program.tables = {"network", "runtime", "tissue", "fixture", "slave_sim", "control"};
     program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         return std::make_unique<Slave>(file, sockets, instance);
     };

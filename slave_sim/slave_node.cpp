@@ -13,7 +13,9 @@ bool within_reach(double position_m) { return std::abs(position_m) <= SlaveNode:
 }  // namespace
 
 SlaveNode::SlaveNode(const SlaveSettings& settings)
+
     : settings_(settings), scene_(settings.scene, settings.make_tissue), timer_(settings.contact_hold) {
+    if (settings.wave.used) wave_.emplace(settings.wave);
     assert(scene_.surface() != nullptr && scene_.fixture() != nullptr);
 }
 
@@ -22,6 +24,8 @@ void SlaveNode::start_trial(const SessionControl& order) {
     scene_.reset(scene_.needle());
     timer_.reset();
     scene_.clear_transitions();
+    waves_ = wave_ && order.modality == Modality::kHF;
+    if (waves_) wave_->reset();
     in_trial_ = true;
     needle_known_ = false;
     held_ = false;
@@ -53,6 +57,43 @@ ForceFeedback SlaveNode::on_needle(SessionTime sample_time, std::uint32_t sequen
     ForceFeedback feedback = answer();
     feedback.echo_time = sample_time;
     return feedback;
+}
+
+ForceFeedback SlaveNode::on_wave(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message) {
+    scene_.clear_transitions();
+    const Duration period = wave_->sample_period();
+    const bool first = !needle_known_;
+    const std::uint32_t samples = wave_->receive(message);
+    if (sample_time < SessionTime{} + samples * period || !within_reach(message.command.position_hand_m)) {
+        ++refused_;
+    } else {
+        if (first) wave_estimator_.reset(settings_.wave.position_scale * message.command.position_hand_m);
+        for (std::uint32_t left = samples; left-- > 0;) {
+            const SessionTime then = sample_time - left * period;
+            follow(then, wave_step(then));
+        }
+    }
+    sequence_ = sequence;
+    ForceFeedback feedback = answer();
+    feedback.echo_time = sample_time;
+    return feedback;
+}
+
+// Tissue and whatever else is not the fixture acts with the force of the sample before; only the fixture is stiff enough to need
+// its own, solved for.
+NeedleCommand SlaveNode::wave_step(SessionTime sample_time) {
+    const ForbiddenRegion& fixture = *scene_.fixture();
+    double other_N = 0;
+    if (!held_ && needle_known_) {
+        const double needle_m = scene_.needle().position_reading_m;
+        other_N = scene_.force_tissue_N() + scene_.force_fixture_N() - fixture.touch(needle_m).force_N;
+    }
+    const double stiffness_N_per_m = fixture.present() ? fixture.stiffness_N_per_m() : 0;
+    NeedleCommand command;
+    command.position_needle_m = wave_->step(fixture.position_m(), stiffness_N_per_m, other_N);
+    command.position_needle_estimate_m =
+        wave_estimator_.update(sample_time, command.position_needle_m).position_estimate_m;
+    return command;
 }
 
 void SlaveNode::follow(SessionTime sample_time, const NeedleCommand& command) {

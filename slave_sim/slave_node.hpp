@@ -7,12 +7,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "common/messages.hpp"
 #include "common/time.hpp"
+#include "common/velocity_estimator.hpp"
 #include "slave_sim/contact_timer.hpp"
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/slave_settings.hpp"
+#include "slave_sim/wave_end.hpp"
 
 namespace thimble {
 
@@ -38,6 +41,12 @@ class SlaveNode {
     // moved within longest_step; contact starts anew.
     ForceFeedback on_needle(SessionTime sample_time, std::uint32_t sequence, const NeedleCommand& command);
 
+    // The same with wave variables: each of the master's samples that has not been, one after another, then the answer to the
+    // newest. The needle goes where the waves lead it. wave_burst() goes back with the answer. Only while waves().
+    ForceFeedback on_wave(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
+    bool waves() const { return in_trial_ && waves_; }
+    const WaveBurst& wave_burst() const { return wave_->burst(); }
+
     // Commands stopped: the needle is held where it is, every force is zero and contact is lost.
     ForceFeedback hold();
 
@@ -58,6 +67,7 @@ class SlaveNode {
     void advance(SessionTime sample_time, const NeedleSample& needle);
     void step(Duration duration, const NeedleSample& needle);
     ForceFeedback answer() const;
+    NeedleCommand wave_step(SessionTime sample_time);
 
     SlaveSettings settings_;
     NeedleScene scene_;
@@ -66,6 +76,9 @@ class SlaveNode {
     SessionTime sample_time_{};
     std::uint64_t refused_ = 0;
     std::uint32_t sequence_ = 0;
+    std::optional<WaveEnd> wave_;       // where the session has one
+    VelocityEstimator wave_estimator_;  // of the needle that waves lead: tissue follows its smooth position
+    bool waves_ = false;                // in this trial
     bool in_trial_ = false;
     bool needle_known_ = false;
     bool held_ = false;

@@ -17,6 +17,9 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
       // The master's copy leaves first: the loop waits for that one.
       force_flow_(Role::kSlaveSim, instance,
                   {channels.force_master, channels.force_cutaneous, channels.force_visual, channels.record}),
+      wave_flow_(Role::kSlaveSim, instance, {channels.force_master}),
+      force_flow_beside_waves_(Role::kSlaveSim, instance,
+                               {channels.force_cutaneous, channels.force_visual, channels.record}),
       beep_flow_(Role::kSlaveSim, instance, {channels.beep_visual}) {}
 
 void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
@@ -28,7 +31,7 @@ void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
 }
 
 void SlaveProcess::end_trial(SessionTime now) {
-    force_flow_.send(now, trial(), node_.hold());
+    send(now, node_.hold());
     node_.end_trial();
 }
 
@@ -37,24 +40,39 @@ void SlaveProcess::obey(SessionTime /*now*/, const SessionControl& control) {
 }
 
 void SlaveProcess::work(SessionTime now) {
-    needle_flow_.drain<NeedleCommand>(
-        now, *channels_.needle_in, running(), trial(),
-        [&](const Header& header, const NeedleCommand& command) { answer(now, header, command); });
+    if (node_.waves()) {
+        needle_flow_.drain<NeedleWave>(now, *channels_.needle_in, running(), trial(),
+                                       [&](const Header& header, const NeedleWave& message) {
+                                           answer(now,
+                                                  node_.on_wave(header.send_time, header.sequence, message));
+                                       });
+    } else {
+        needle_flow_.drain<NeedleCommand>(
+            now, *channels_.needle_in, running(), trial(),
+            [&](const Header& header, const NeedleCommand& command) {
+                answer(now, node_.on_needle(header.send_time, header.sequence, command));
+            });
+    }
     if (running() && now >= next_hold_) {
-        force_flow_.send(now, trial(), node_.hold());
+        send(now, node_.hold());
         next_hold_ = now + settings_.stale_after;
     }
     if (running() && now >= next_beep_) send_beep(now);
 }
 
-void SlaveProcess::answer(SessionTime now, const Header& header, const NeedleCommand& command) {
-    const ForceFeedback feedback = node_.on_needle(header.send_time, header.sequence, command);
-    force_flow_.send(now, trial(), feedback);  // hold time 0: answered in the tick of its arrival
+void SlaveProcess::answer(SessionTime now, const ForceFeedback& feedback) {
+    send(now, feedback);  // hold time 0: answered in the tick of its arrival
     next_hold_ = now + settings_.stale_after;
     if (node_.take_beep()) {
         beeps_left_ = kBeeps;
         send_beep(now);
     }
+}
+
+void SlaveProcess::send(SessionTime now, const ForceFeedback& feedback) {
+    if (!node_.waves()) return force_flow_.send(now, trial(), feedback);
+    wave_flow_.send(now, trial(), ForceWave{feedback, node_.wave_burst()});
+    force_flow_beside_waves_.send(now, trial(), feedback);
 }
 
 void SlaveProcess::send_beep(SessionTime now) {

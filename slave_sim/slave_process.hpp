@@ -34,7 +34,8 @@ class SlaveProcess final : public NodeProcess {
     void add_counters(FlowCounters& sum) const override { sum.add(needle_flow_.counters()); }
 
   private:
-    void answer(SessionTime now, const Header& header, const NeedleCommand& command);
+    void answer(SessionTime now, const ForceFeedback& feedback);
+    void send(SessionTime now, const ForceFeedback& feedback);
     void send_beep(SessionTime now);
 
     Channels channels_;
@@ -42,6 +43,7 @@ class SlaveProcess final : public NodeProcess {
     SlaveNode node_;
     InboundFlow needle_flow_{Role::kMaster};
     OutboundFlow force_flow_;
+    OutboundFlow wave_flow_, force_flow_beside_waves_;  // with waves: to the master, to the others
     OutboundFlow beep_flow_;
     SessionTime next_hold_ = kNever;
     SessionTime next_beep_ = kNever;

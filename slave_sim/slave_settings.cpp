@@ -45,7 +45,27 @@ TissueMaker read_solver(const ConfigTable& own) {
     return solver_maker(choice);
 }
 
+// What stands in [master] is the master's to check; here it is only read.
+WaveEndSettings read_wave_end(const ConfigFile& file) {
+    const ConfigTable master = file.table("master");
+    WaveEndSettings wave;
+    wave.position_scale = master.number("position_scale", wave.position_scale, 0.01, 100);
+    wave.force_scale = master.number("force_scale", wave.force_scale, 0, 100);
+    wave.force_limit_N = master.number("force_limit_N", wave.force_limit_N, 0, 1000);
+    wave.sample_period =
+        master.seconds("sample_period_s", wave.sample_period, std::chrono::microseconds{100}, seconds(1));
+    return wave_end_of(read_control_settings(file.table("control")), wave);
+}
+
 }  // namespace
+
+WaveEndSettings wave_end_of(const ControlSettings& control, WaveEndSettings handle) {
+    handle.used = control.remedy == Remedy::kWave;
+    handle.impedance_Ns_per_m = control.wave_impedance_Ns_per_m;
+    handle.damping_Ns_per_m = control.wave_slave_damping_Ns_per_m;
+    handle.channel = control.channel;
+    return handle;
+}
 
 double SlaveSettings::fixture_position_m() const {
     return NeedleScene(scene, make_tissue).fixture()->position_m();
@@ -63,6 +83,7 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
         file.table("trial").seconds("contact_hold_s", s.contact_hold, milliseconds(1), seconds(600));
     s.stale_after = own.seconds("stale_after_s", s.stale_after, milliseconds(1), seconds(10));
     s.longest_step = own.seconds("longest_step_s", s.longest_step, milliseconds(1), seconds(10));
+    s.wave = read_wave_end(file);
     return s;
 }
 

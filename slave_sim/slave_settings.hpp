@@ -4,11 +4,26 @@
 #include <chrono>
 
 #include "common/config.hpp"
+#include "common/control/control_settings.hpp"
 #include "common/time.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
 
 namespace thimble {
+
+// The slave's end of wave variables ([control] remedy = "wave"), with what the master's table says of the handle.
+struct WaveEndSettings {
+    bool used = false;
+    double impedance_Ns_per_m = 20, damping_Ns_per_m = 20;
+    WaveChannelSettings channel{};
+    double position_scale = 3;  // as MasterSettings
+    double force_scale = 1;
+    double force_limit_N = 12;
+    Duration sample_period = std::chrono::milliseconds{1};
+};
+
+// What a choice of remedy means for the slave; the handle's numbers are those of `handle`.
+WaveEndSettings wave_end_of(const ControlSettings& control, WaveEndSettings handle);
 
 struct SlaveSettings {
     SceneDeclaration scene = paper_scene();
@@ -20,6 +35,7 @@ struct SlaveSettings {
     Duration longest_step = std::chrono::milliseconds(100);
 
     double fixture_position_m() const;  // of the scene's first forbidden region, which trials move
+    WaveEndSettings wave{};             // in HF
 };
 
 // Tables [tissue], [fixture], [trial] and [slave_sim]. Throws Error (usage).

@@ -70,6 +70,8 @@ Finding judge_loss(const LoopFigures& link) {
     return {link.loss > kLossMarginal ? Fit::kMarginal : Fit::kFits, words};
 }
 
+}  // namespace
+
 HeldHandle held_handle(const SystemSettings& s) {
     const HandMechanics& hand = s.person.hand;
     const HandleMechanics& handle = s.handle.mechanics;
@@ -80,8 +82,6 @@ HeldHandle held_handle(const SystemSettings& s) {
             m_a, 2 * hand.arm_damping_ratio * std::sqrt(k_a * (m_a + m_d)),
             k_a};
 }
-
-}  // namespace
 
 const char* to_string(Fit fit) {
     static constexpr std::array kNames{"fits", "marginal", "does not fit"};

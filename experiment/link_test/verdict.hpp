@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "common/messages.hpp"
+#include "experiment/critical_delay.hpp"
 #include "experiment/link_test/link_figures.hpp"
 #include "experiment/system_settings.hpp"
 
@@ -34,6 +35,8 @@ struct LoopLimits {
 };
 // Nominal operator, no co-contraction; the fixture's stiffness as the scene has it.
 LoopLimits loop_limits(const SystemSettings& settings);
+// The session's handle in the nominal hand, no co-contraction.
+HeldHandle held_handle(const SystemSettings& settings);
 // Of the first forbidden region, per metre of needle; 0 without one.
 double fixture_stiffness_N_per_m(const SlaveSettings& settings);
 

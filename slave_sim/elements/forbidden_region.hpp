@@ -44,6 +44,7 @@ class ForbiddenRegion final : public Element {
     void place(double position_m, bool present, double position_needle_m);
     bool present() const { return now_.present; }
     double position_m() const { return now_.position_m; }
+    double stiffness_N_per_m() const { return parameters_.stiffness_N_per_m; }
 
     // Absent, the needle passes and the proxy goes with it.
     FixtureContact touch(double position_needle_m, double velocity_m_per_s = 0) const;

@@ -73,6 +73,12 @@ auto fields(const ReplayState& m) {
 }
 
 auto fields(const DeviceFault& m) { return std::tie(m.text); }
+auto fields(const WaveBurst& m) {
+    const auto& [wave, sum, energy, number, count] = m;
+    return std::tie(wave, sum, energy, number, count);
+}
+auto fields(const NeedleWave& m) { return std::tuple_cat(fields(m.command), fields(m.waves)); }
+auto fields(const ForceWave& m) { return std::tuple_cat(fields(m.feedback), fields(m.waves)); }
 
 // A NaN fails every comparison.
 bool within(double value, double low, double high) { return value >= low && value <= high; }
@@ -131,6 +137,13 @@ bool plausible_body(const ReplayState& m) {
 }
 bool plausible_body(const Page& m) { return span(m.remaining_s) && m.kind <= PageKind::kWait; }
 bool plausible_body(const DeviceFault& m) { return m.words().size() < m.text.size(); }
+bool plausible_waves(const WaveBurst& m) {
+    return std::all_of(m.wave_root_W.begin(), m.wave_root_W.end(),
+                       [](double wave_root_W) { return within(wave_root_W, -1e6, 1e6); }) &&
+           within(m.sum_root_Ws, -1e12, 1e12) && within(m.energy_J, 0, 1e12) && m.count <= WaveBurst::kMost;
+}
+bool plausible_body(const NeedleWave& m) { return plausible_body(m.command) && plausible_waves(m.waves); }
+bool plausible_body(const ForceWave& m) { return plausible_body(m.feedback) && plausible_waves(m.waves); }
 bool plausible_body(const ClockProbe& m) { return stamp(m.send_time); }
 bool plausible_body(const ClockReply& m) { return stamp(m.probe_send_time) && stamp(m.probe_arrival_time); }
 
@@ -161,6 +174,7 @@ std::vector<Message> sample_messages() {
     monitor.state = NodeState::kRunning;
     monitor.paused = true;
     monitor.network = *NetworkName::of("transatlantic");
+    const WaveBurst waves{{0.5, -0.25, 0, 0, 0, 0, 0, 0.125}, 0.75, 1.5, 1000, 8};
     ReplayState replay{12.5, 0.5, 1.25, 6.5, {}, 2};
     replay.change_s[1] = 3.5;
     return {{header, NeedleCommand{0.03, 0.06, 0.0299, 0.01, 0.02, 1.5}},
@@ -177,7 +191,9 @@ std::vector<Message> sample_messages() {
             {header, Order{0.05, 4, OrderKind::kNetwork, Modality::kCCF, *NetworkName::of("5g-nsa")}},
             {header, Page{12.5, 3, 24, PageKind::kBreak}},
             {header, replay},
-            {header, DeviceFault("the handle is unplugged; plug it in")}};
+            {header, DeviceFault("the handle is unplugged; plug it in")},
+            {header, NeedleWave{{0.03, 0.06, 0.0299, 0.01, 0.02, 1.5}, waves}},
+            {header, ForceWave{feedback, waves}}};
 }
 
 bool plausible(const Message& message) {

@@ -117,5 +117,18 @@ TEST(WholeRun, JitterAndLossAreSurvivedAndCounted) {
     EXPECT_GT(run.report("thimble-master", 20).at("refused").at("outdated"), 0);
 }
 
+// Every node reads the same [control]; waves go there and back, and nobody refuses any.
+TEST(RemedyRun, WavesGoBetweenRealProcesses) {
+    SessionFile session;
+    session.delays_s = "[0.02]";
+    session.more = "[control]\nremedy = \"wave\"\nwave_jitter_s = 0.02\n";
+    RealRun run(session);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    expect_on_disk(run, rows.front());
+    for (const char* program : kNodePrograms) expect_report(run.report(program, 20), program);
+}
+
 }  // namespace
 }  // namespace thimble

@@ -109,8 +109,18 @@ ReplayState draw_replay() {
     return state;
 }
 
+WaveBurst draw_waves() {
+    WaveBurst waves;
+    for (double& wave_root_W : waves.wave_root_W) wave_root_W = draw(1e6);
+    waves.sum_root_Ws = draw(1e12);
+    waves.energy_J = draw(0, 1e12);
+    waves.number = draw_bits<std::uint32_t>();
+    waves.count = *rc::gen::inRange(0U, 9U);
+    return waves;
+}
+
 Body draw_body() {
-    switch (*rc::gen::inRange(0, 13)) {
+    switch (*rc::gen::inRange(0, 15)) {
         case 0:
             return NeedleCommand{draw(10), draw(1000), draw(10), draw(10), draw(1000), draw(1e5)};
         case 1:
@@ -162,6 +172,11 @@ Body draw_body() {
             return draw_replay();
         case 11:
             return DeviceFault(std::string(*rc::gen::inRange<std::size_t>(0, 400), 'x'));
+        case 12:
+            return NeedleWave{{draw(10), draw(1000), draw(10), draw(10), draw(1000), draw(1e5)},
+                              draw_waves()};
+        case 13:
+            return ForceWave{ForceFeedback{}, draw_waves()};
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),

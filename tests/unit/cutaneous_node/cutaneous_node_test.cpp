@@ -81,6 +81,21 @@ TEST(CutaneousNode, OnlyCutaneousModalitiesPress) {
     }
 }
 
+// [control] remedy = "scaled"
+TEST(CutaneousNode, PressesWhatTheHandleDoesNotGive) {
+    NotingActuator actuator;
+    CutaneousSettings settings;
+    settings.hand_share = 0.25;
+    CutaneousNode node(settings, actuator);
+    node.start_trial(at({}), trial(Modality::kHF));
+    EXPECT_TRUE(node.acting_hand());
+    node.on_feedback(at({}), force(-2));
+    EXPECT_EQ(actuator.current.force_N, 1.5);
+    node.start_trial(at(milliseconds{1}), trial(Modality::kCF));
+    node.on_feedback(at(milliseconds{1}), force(-2));
+    EXPECT_EQ(actuator.current.force_N, 2);
+}
+
 TEST(CutaneousNode, IsSlackOutsideTrials) {
     Bench bench;
     EXPECT_FALSE(bench.node.active());

@@ -1,0 +1,50 @@
+// Table [control] of a session file: which remedy against the network's delay acts at the handle in HF. A key that the chosen
+// remedy does not use is refused: it would be without effect. docs/remedies.md.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <string_view>
+
+#include "common/config.hpp"
+#include "common/control/local_fixture.hpp"
+#include "common/control/two_layer_tank.hpp"
+#include "common/control/wave_channel.hpp"
+
+namespace thimble {
+
+enum class Remedy : std::uint8_t {
+    kNone,
+    kScaled,             // a share of the force for the hand, the rest for the skin
+    kPassivity,          // passivity observer and controller
+    kMemorylessBound,    // energy bounding
+    kLeastConservative,  // the same, with a memory
+    kTwoLayer,           // tank
+    kLocalFixture,       // model-mediated
+    kWave,               // wave variables; needs both sides
+};
+inline constexpr std::array<std::string_view, 8> kRemedyNames{
+    "none",         "scaled",    "passivity",     "energy-bound-memoryless",
+    "energy-bound", "two-layer", "local-fixture", "wave"};
+
+struct ControlSettings {
+    Remedy remedy = Remedy::kNone;
+    double share = 0.05;                      // kScaled, 0 to 1
+    double device_damping_Ns_per_m = 0.5;     // bounds and tank
+    double most_damping_Ns_per_m = 250;       // kPassivity
+    TankSettings tank{};                      // kTwoLayer
+    LocalFixtureSettings local{};             // kLocalFixture, without sample_period_s
+    double wave_slave_damping_Ns_per_m = 20;  // kWave
+    double wave_impedance_Ns_per_m = 20;      // kWave
+    WaveChannelSettings channel{};            // kWave, without sample_period_s
+    Duration jitter =
+        std::chrono::milliseconds{2};  // kWave: play-out allows so much beyond the network's delay
+
+    // Of the force for the hand in HF; 1 but for kScaled.
+    double hand_share() const { return remedy == Remedy::kScaled ? share : 1; }
+};
+
+// Throws Error (usage).
+ControlSettings read_control_settings(const ConfigTable& table);
+
+}  // namespace thimble

@@ -1,0 +1,65 @@
+// Force bounds that keep a handle with some damping of its own passive, whatever force is wished for and however late it
+// comes. Over the next sample the worst that can happen is F Dx + b_d Dx^2 / h >= -F^2 h / (4 b_d). Hence, with c = 2 b_d / h:
+//
+//     memoryless          |F_k| <= |F_{k-1} + c Dx_k|              stores F^2 / 2c; contains Colgate's K <= 2 b_d / h
+//     least conservative  E_k = E_{k-1} + F_{k-1} Dx_k + b_d Dx_k^2 / h,   |F_k| <= sqrt(4 b_d E_k / h)
+//
+// Both keep  sum F Dx + b_d sum Dx^2 / h >= 0  for ever. (Energy bounding: Kim and Ryu 2010; derivation: docs/remedies.md.) The
+// price is softness. Without device damping there is no force. With samples later than h the bound may be passed by what F
+// did in the excess time; the least conservative form then gives no force until that is made good.
+#pragma once
+
+#include "common/control/port_remedy.hpp"
+
+namespace thimble {
+
+class MemorylessBound final : public PortRemedy {
+  public:
+    using PortRemedy::PortRemedy;
+    double reach_N() const { return reach_N_; }  // the most that |F| may be now
+
+  private:
+    void clear() override { reach_N_ = 0; }
+    void take(double travel_hand_m, double period_s, double force_N) override;
+    void lose() override { reach_N_ = 0; }
+    double answer(double wanted_N) const override;
+
+    double reach_N_ = 0;
+};
+
+// What the hand has put in, device damping included, and the force it allows. Also the store of the two-layer tank.
+class EnergyStore {
+  public:
+    explicit EnergyStore(const PortSettings& settings) : settings_(settings) {}
+    void clear() { energy_J_ = 0; }
+    void take(double travel_hand_m, double period_s, double force_N) {
+        energy_J_ += force_N * travel_hand_m +
+                     settings_.device_damping_Ns_per_m * travel_hand_m * travel_hand_m / period_s;
+    }
+    // Of a sample that is missing the worst is assumed, which the bound allows to be all there was.
+    void lose() { energy_J_ = energy_J_ < 0 ? energy_J_ : 0; }
+    double energy_J() const { return energy_J_; }
+    double bounded_N(double wanted_N) const;
+
+  private:
+    PortSettings settings_;
+    double energy_J_ = 0;
+};
+
+class LeastConservativeBound final : public PortRemedy {
+  public:
+    explicit LeastConservativeBound(const PortSettings& settings) : PortRemedy(settings), store_(settings) {}
+    double energy_J() const { return store_.energy_J(); }  // E_k
+
+  private:
+    void clear() override { store_.clear(); }
+    void take(double travel_hand_m, double period_s, double force_N) override {
+        store_.take(travel_hand_m, period_s, force_N);
+    }
+    void lose() override { store_.lose(); }
+    double answer(double wanted_N) const override { return store_.bounded_N(wanted_N); }
+
+    EnergyStore store_;
+};
+
+}  // namespace thimble

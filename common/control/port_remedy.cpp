@@ -1,0 +1,39 @@
+#include "common/control/port_remedy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+
+void PortRemedy::reset() {
+    placed_ = blind_ = false;
+    refused_ = 0;
+    clear();
+}
+
+void PortRemedy::observe(double elapsed_s, double position_hand_m, double force_held_N) {
+    const bool timely = !placed_ || (std::isfinite(elapsed_s) && elapsed_s > 0);
+    if (!timely || !std::isfinite(position_hand_m) || !std::isfinite(force_held_N)) {
+        ++refused_;
+        blind_ = true;
+        lose();
+        return;
+    }
+    // After a gap nobody knows which force acted on which part of the way: it is not accounted for.
+    if (placed_ && !blind_)
+        take(position_hand_m - position_hand_m_, std::max(elapsed_s, settings_.sample_period_s),
+             force_held_N);
+    placed_ = true;
+    blind_ = false;
+    position_hand_m_ = position_hand_m;
+}
+
+double PortRemedy::force_N(double wanted_N) {
+    if (!std::isfinite(wanted_N)) {
+        ++refused_;
+        wanted_N = 0;
+    }
+    return placed_ && !blind_ ? answer(wanted_N) : 0;
+}
+
+}  // namespace thimble

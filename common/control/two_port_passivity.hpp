@@ -1,0 +1,56 @@
+// Time-domain passivity of a network with two ends, energies split by direction (Ryu, Artigas and Preusche 2010; Artigas et
+// al. 2011). Each end counts what flows in at it and what flows out; what came in is told to the other end, which may let out no
+// more than that. Told values only grow, so the newest one stands for those that were lost or came late.
+//
+//     master  dE = F_{k-1} Dx_k: in if > 0, else out.   O = E_in^S(heard) - E_out^M + E_PC^M;   O < 0: F_k = F + a v_k,
+//             a = min(-O / (v_k^2 h), a_max),  E_PC^M += a v_k^2 h
+//     slave   dE = F_{k-1} Dx_k: out if > 0, else in.         O = E_in^M(heard) - E_out^S + E_PC^S;   O < 0: the proxy goes back
+//             by beta F h = -O / F_{k-1},  E_PC^S -= O
+//
+// For comparison only. The slave's controller moves the proxy and nothing moves it back: it drifts out of a forbidden region
+// while the hand is inside, and the force is gone (docs/remedies.md). F positive pushes the hand out. SI units, frame: hand.
+#pragma once
+
+#include "common/control/port_remedy.hpp"
+
+namespace thimble {
+
+class TwoPortMaster {
+  public:
+    TwoPortMaster(const PortSettings& settings, double most_damping_Ns_per_m)
+        : period_s_(settings.sample_period_s), most_damping_Ns_per_m_(most_damping_Ns_per_m) {}
+
+    // x_k and the force that was held on the way. To be sent with x_k: energy_in_J().
+    void observe(double position_hand_m, double force_held_N);
+    double energy_in_J() const { return energy_in_J_; }
+    // Force and E_in^S as they came last. Once per sample.
+    double force_N(double wanted_N, double energy_in_slave_J);
+
+  private:
+    double period_s_, most_damping_Ns_per_m_;
+    bool placed_ = false;
+    double position_hand_m_ = 0, velocity_m_per_s_ = 0;
+    double energy_in_J_ = 0, energy_out_J_ = 0, controlled_J_ = 0, heard_J_ = 0;
+};
+
+// Before a wall that is a spring.
+class TwoPortWall {
+  public:
+    TwoPortWall(double wall_m, double stiffness_N_per_m, double force_limit_N)
+        : wall_m_(wall_m), stiffness_N_per_m_(stiffness_N_per_m), force_limit_N_(force_limit_N) {}
+
+    // Position and E_in^M as they came last; the force to send back, with energy_in_J().
+    double force_N(double position_hand_m, double energy_in_master_J);
+    double energy_in_J() const { return energy_in_J_; }
+    double position_proxy_m() const { return position_proxy_m_; }
+
+  private:
+    double spring_N() const;
+
+    double wall_m_, stiffness_N_per_m_, force_limit_N_;
+    bool placed_ = false;
+    double position_hand_m_ = 0, position_proxy_m_ = 0;
+    double energy_in_J_ = 0, energy_out_J_ = 0, controlled_J_ = 0, heard_J_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,77 @@
+// A remedy against delay in the master's loop: what arrives becomes a wish, and at each sample of the handle the force that
+// the remedy makes of it, held until the next sample. (A share for the hand needs no samples: MasterNode.) F positive pushes
+// the hand out (-z). No clock, no device.
+//
+// Where an answer arrives between two samples its force waits for the next one, up to a sample period: what these remedies
+// promise is counted in held forces. An answer that arrives in the sample's own instant still counts for it.
+#pragma once
+
+#include <memory>
+
+#include "common/control/control_settings.hpp"
+#include "common/control/port_remedy.hpp"
+#include "common/control/wave_variables.hpp"
+#include "common/messages.hpp"
+#include "master/devices/haptic_device.hpp"
+
+namespace thimble {
+
+struct HandleControlScale {
+    double position_scale = 3;  // needle = scale x hand
+    double force_scale = 1;
+    double force_limit_N = 12;
+    Duration sample_period = std::chrono::milliseconds{1};
+};
+
+class HandleControl {
+  public:
+    // Throws Error (usage) if the settings make no controller.
+    HandleControl(const ControlSettings& settings, const HandleControlScale& scale);
+
+    // network_delay: there and back, of a link that is to be expected.
+    void start(bool kinesthetic, Duration network_delay);
+    // The force path takes this long now. Waves then wait for it on top of what they waited for, which is always enough.
+    void network_changed(Duration force_delay);
+    void end() { active_ = false; }
+
+    // A remedy that works at samples is in the loop of this trial.
+    bool active() const { return active_; }
+    bool waves() const { return active_ && settings_.remedy == Remedy::kWave; }
+
+    void sample(SessionTime now, const HandleSample& handle);
+    void take(const ForceFeedback& feedback);
+    void take(const WaveBurst& waves);
+    // Nothing has come for too long, or the needle is held: no wish and no fixture that one knows of. Waves that do not come are
+    // zeros by themselves, which brakes the hand.
+    void forget();
+    double force_N();
+
+    const WaveBurst& burst() const {
+        return waves_->burst;
+    }  // to go with the sample's command; only if waves()
+
+  private:
+    struct Waves {
+        WaveMaster master;
+        WaveSender sender;
+        WaveReceiver receiver;
+        WaveBurst burst{};
+        double in_root_W = 0;
+    };
+    static std::unique_ptr<Waves> make_waves(const ControlSettings& settings, double period_s);
+    std::uint32_t play_out_samples(Duration network_delay) const;
+
+    ControlSettings settings_;
+    HandleControlScale scale_;
+    bool active_ = false;
+    std::unique_ptr<PortRemedy> port_;  // of the remedies at one port, else null
+    LocalFixture local_;
+    std::unique_ptr<Waves> waves_;  // with kWave
+    Duration expected_delay_{};
+    SessionTime sampled_{};
+    bool sampled_before_ = false;
+    double position_hand_m_ = 0;
+    double wish_N_ = 0;  // of the port's remedies: the whole force; of the local fixture: tissue
+};
+
+}  // namespace thimble

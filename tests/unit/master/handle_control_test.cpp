@@ -1,0 +1,95 @@
+// A remedy in the master's loop: which force a sample gets.
+#include "master/handle_control.hpp"
+
+#include <gtest/gtest.h>
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr HandleControlScale kPaperScale{};
+
+ForceFeedback pushes(double force_N, double needle_m = 0.12) {
+    ForceFeedback feedback;
+    feedback.position_needle_m = needle_m;
+    feedback.force_fixture_N = feedback.force_total_N = -force_N;
+    return feedback;
+}
+
+ControlSettings of(Remedy remedy) {
+    ControlSettings settings;
+    settings.remedy = remedy;
+    return settings;
+}
+
+TEST(HandleControl, WorksInTheHandleModalityOnly) {
+    for (std::size_t i = 0; i < kRemedyNames.size(); ++i) {
+        const auto remedy = static_cast<Remedy>(i);
+        HandleControl control(of(remedy), kPaperScale);
+        control.start(false, {});
+        EXPECT_FALSE(control.active());
+        control.start(true, {});
+        EXPECT_EQ(control.active(), remedy != Remedy::kNone && remedy != Remedy::kScaled) << kRemedyNames[i];
+        EXPECT_EQ(control.waves(), remedy == Remedy::kWave);
+        control.end();
+        EXPECT_FALSE(control.active());
+    }
+}
+
+TEST(HandleControl, AWishIsMetAsFarAsTheBoundAllows) {
+    HandleControl control(of(Remedy::kLeastConservative), kPaperScale);
+    control.start(true, {});
+    control.sample(SessionTime{}, {0, 0});
+    control.take(pushes(5));
+    EXPECT_EQ(control.force_N(), 0) << "nothing has been put in";
+    control.sample(SessionTime{milliseconds{1}}, {1e-3, 0});  // 0.5 mJ against the device's damping
+    EXPECT_DOUBLE_EQ(control.force_N(), 1);
+    control.sample(SessionTime{milliseconds{2}}, {1e-2, 0});
+    EXPECT_EQ(control.force_N(), 5);
+    control.take(pushes(100));
+    EXPECT_LE(control.force_N(), 12);
+    ForceFeedback held = pushes(5);
+    held.needle_held = true;
+    control.take(held);
+    EXPECT_EQ(control.force_N(), 0);
+}
+
+TEST(HandleControl, ALocalFixtureActsAtOnceAndIsForgottenInSilence) {
+    HandleControl control(of(Remedy::kLocalFixture), kPaperScale);
+    control.start(true, {});
+    control.sample(SessionTime{}, {0.039, 0});
+    EXPECT_EQ(control.force_N(), 0);
+    control.take(pushes(3, 0.12));  // at 40 mm of hand with 3 N: the plane is at 39 mm
+    EXPECT_EQ(control.force_N(), 0);
+    control.sample(SessionTime{milliseconds{1}}, {0.0395, 0});
+    EXPECT_NEAR(control.force_N(), 1.5, 1e-9);
+    control.forget();
+    EXPECT_EQ(control.force_N(), 0);
+}
+
+// The tick of the sample cannot know its own answer: one wave later at the least.
+TEST(HandleControl, WavesArePlayedWhenTheNetworkWasExpectedToBringThem) {
+    ControlSettings settings = of(Remedy::kWave);
+    settings.jitter = {};
+    settings.channel.repeats = 0;
+    for (const int delay_ms : {0, 10}) {
+        HandleControl control(settings, kPaperScale);
+        control.start(true, milliseconds{delay_ms});
+        const int due = std::max(1, delay_ms);
+        WaveBurst burst;
+        burst.count = 1;
+        for (int n = 0; n < 2 * due + 2; ++n) {
+            control.sample(SessionTime{milliseconds{n}}, {0, 0});
+            EXPECT_EQ(control.burst().number, static_cast<std::uint32_t>(n));
+            EXPECT_EQ(control.force_N() != 0, n >= due) << delay_ms << ' ' << n;
+            burst.number = static_cast<std::uint32_t>(n);
+            burst.wave_root_W[0] = -0.1;
+            control.take(burst);
+        }
+        EXPECT_GT(control.force_N(), 0) << "waves that come back negative push the hand out";
+    }
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,125 @@
+// The slave's end of wave variables: each of the master's samples once, in order, whatever the network does.
+#include "slave_sim/wave_end.hpp"
+
+#include <gtest/gtest.h>
+
+#include "slave_sim/slave_node.hpp"
+
+namespace thimble {
+namespace {
+
+WaveEndSettings wave_settings() {
+    WaveEndSettings settings;
+    settings.used = true;
+    return settings;
+}
+
+// A master that moves at 5 mm/s of hand and feels nothing.
+class MovingMaster {
+  public:
+    NeedleWave next() {
+        position_m_ += 5e-6;
+        NeedleWave message;
+        message.command.position_hand_m = position_m_;
+        message.waves = sender_.add(master_.wave_out(position_m_, 0));
+        return message;
+    }
+
+  private:
+    WaveMaster master_{{20, 1e-3}};
+    WaveSender sender_{{}};
+    double position_m_ = 0;
+};
+
+TEST(WaveEnd, RepeatsMakeGoodForLosses) {
+    WaveEnd complete(wave_settings()), lossy(wave_settings());
+    MovingMaster master;
+    double complete_m = 0, lossy_m = 0;
+    std::uint32_t most = 0;
+    for (int n = 0; n < 200; ++n) {
+        const NeedleWave message = master.next();
+        for (std::uint32_t left = complete.receive(message); left > 0; --left)
+            complete_m = complete.step(1, 0, 0);
+        if (n % 5 == 1 || n % 5 == 2) continue;
+        const std::uint32_t samples = lossy.receive(message);
+        most = std::max(most, samples);
+        for (std::uint32_t left = samples; left > 0; --left) lossy_m = lossy.step(1, 0, 0);
+    }
+    EXPECT_EQ(most, 3U);
+    EXPECT_EQ(lossy_m, complete_m);
+    EXPECT_EQ(lossy.burst().number, 199U);
+    EXPECT_EQ(lossy.burst().count, 4U);
+}
+
+TEST(WaveEnd, WhatComesLateOrTwiceMovesNothing) {
+    WaveEnd end(wave_settings());
+    MovingMaster master;
+    const NeedleWave first = master.next(), second = master.next();
+    EXPECT_EQ(end.receive(first), 1U);
+    end.step(1, 0, 0);
+    EXPECT_EQ(end.receive(first), 0U);
+    EXPECT_EQ(end.receive(second), 1U);
+    end.step(1, 0, 0);
+    EXPECT_EQ(end.receive(first), 0U);
+}
+
+TEST(WaveEnd, AfterALongGapItStepsNoMoreThanItsMostAndSaysNothingTwice) {
+    WaveEnd end(wave_settings());
+    MovingMaster master;
+    for (std::uint32_t left = end.receive(master.next()); left > 0; --left) end.step(1, 0, 0);
+    for (int n = 0; n < 500; ++n) master.next();
+    const std::uint32_t samples = end.receive(master.next());
+    EXPECT_EQ(samples, WaveEnd::kMostAtOnce);
+    end.step(1, 0, 0);
+    EXPECT_EQ(end.burst().count, 1U) << "what is repeated must have the number it had";
+    EXPECT_EQ(end.burst().number, 501 - samples + 1);
+}
+
+// Lost for good: the needle stays behind, and goes back to the hand before the plane.
+TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
+    for (const double plane_m : {1.0, -1.0}) {  // before it, or beyond
+        WaveEnd end(wave_settings());
+        MovingMaster master;
+        double needle_m = 0, hand_m = 0;
+        for (int n = 0; n < 400; ++n) {
+            const NeedleWave message = master.next();
+            hand_m = message.command.position_hand_m;
+            if (n >= 100 && n < 120) continue;
+            for (std::uint32_t left = end.receive(message); left > 0; --left)
+                needle_m = end.step(plane_m, 0, 0);
+        }
+        if (plane_m > 0) {
+            EXPECT_NEAR(needle_m, 3 * hand_m, 5e-4);
+        } else {
+            EXPECT_LT(needle_m, 3 * hand_m - 5e-4 * 0.3);
+        }
+    }
+}
+
+TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
+    SlaveSettings settings;
+    settings.wave = wave_settings();
+    SlaveNode node(settings);
+    SessionControl order;
+    order.fixture_position_m = 0.003;
+    node.start_trial(order);
+    ASSERT_TRUE(node.waves());
+    MovingMaster master;
+    ForceFeedback feedback;
+    for (int n = 0; n < 600; ++n) {
+        feedback = node.on_wave(SessionTime{std::chrono::milliseconds{n + 1000}},
+                                static_cast<std::uint32_t>(n), master.next());
+    }
+    EXPECT_GT(feedback.position_needle_m, 0.003);
+    EXPECT_LT(feedback.position_needle_m, 0.0035) << "the hand is at 9 mm";
+    EXPECT_LT(feedback.force_fixture_N, -0.05);
+    EXPECT_LT(node.wave_burst().wave_root_W[0], 0);
+    EXPECT_GT(feedback.contact_time_s, 0.3);
+    EXPECT_EQ(node.refused(), 0U);
+    order.modality = Modality::kCF;
+    node.start_trial(order);
+    EXPECT_FALSE(node.waves());
+}
+
+}  // namespace
+}  // namespace thimble
