@@ -78,10 +78,9 @@ std::optional<DeviceFacts::Device> hid_device(const fs::path& root, const fs::pa
     DeviceFacts::Device device;
     const auto model =
         find_hid_model(static_cast<std::uint16_t>(vendor), static_cast<std::uint16_t>(product));
-    const bool desktop = layout->usage_page == kGenericDesktop;
-    const bool stick = desktop && (layout->usage == kJoystickUsage || layout->usage == kGamepadUsage ||
-                                   layout->usage == kMultiAxisUsage);
-    if (layout->usage_page == kBoardUsagePage && layout->usage == kBoardUsage) {
+    const auto& applications = layout->applications;
+    const bool stick = std::any_of(applications.begin(), applications.end(), is_stick);
+    if (layout->is({kBoardUsagePage, kBoardUsage})) {
         device.use = DeviceUse::kFingertipBoard;
     } else if (stick && (!model || model->six_axes)) {
         device.use = DeviceUse::kHidHand;

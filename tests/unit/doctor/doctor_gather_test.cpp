@@ -77,10 +77,12 @@ TEST_F(MadeMachine, HidDevicesAreToldApart) {
            {0x06, 0x54, static_cast<char>(0xff), 0x09, 0x01, static_cast<char>(0xa1), 0x01,
             static_cast<char>(0xc0)});
     hidraw("4", "0000054C:00000CE6", collection(1, 5));
-    hidraw("5", "0000054C:00000CE6", "\x05");  // cut short
+    hidraw("5", "0000054C:00000CE6", "\x05");                                                  // cut short
+    hidraw("6", "0000046D:0000C52B", collection(1, 6) + collection(1, 2) + collection(1, 8));  // a receiver
     write("dev/hidraw0", "");
     const auto devices = gather_devices(root).devices;
-    ASSERT_EQ(devices.size(), 4U);
+    ASSERT_EQ(devices.size(), 5U);
+    EXPECT_EQ(devices[4].use, DeviceUse::kHidHand);
     EXPECT_EQ(devices[0].use, DeviceUse::kHidHand);
     EXPECT_EQ(devices[0].name, "SpaceMouse Compact (256f:c635)");
     EXPECT_EQ(devices[0].node, "/dev/hidraw0");
