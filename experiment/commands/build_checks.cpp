@@ -1,5 +1,7 @@
 #include "experiment/commands/build_checks.hpp"
 
+#include <string>
+
 #include <fmt/format.h>
 
 #include "common/error.hpp"
@@ -37,7 +39,8 @@ void check_build(const SystemSettings& settings) {
     const bool board = settings.cutaneous.device == FingertipDevice::kBoard;
     check_driver(settings.launch, Role::kCutaneous, board ? "[cutaneous] device = \"board\"" : nullptr);
 #ifdef THIMBLE_GUI
-    check_drawable(settings.instructions.text());
+    const std::string words = settings.instructions.text();
+    if (words.find_first_not_of('\n') != std::string::npos) check_drawable(words);
 #endif
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <sys/utsname.h>
@@ -155,7 +156,8 @@ CanFacts gather_can(const fs::path& root) {
     for (const fs::path& interface : entries_of(root / "sys/class/net")) {
         if (first_line(interface / "type") != kCanLink) continue;
         const std::string state = first_line(interface / "operstate");  // of vcan: unknown
-        facts.interfaces.push_back({interface.filename().string(), state == "up" || state == "unknown"});
+        facts.interfaces.push_back({interface.filename().string(), state == "up" || state == "unknown",
+                                    std::atoi(first_line(interface / "tx_queue_len").c_str())});
     }
     return facts;
 }

@@ -1,9 +1,12 @@
 // thimble-master with a Falcon under the real libusb: what it says before it is ready, and when it gives up.
+#include <csignal>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/devices/mock_falcon.hpp"
 #include "tests/loopback/lone_node.hpp"
+#include "tests/loopback/real_run.hpp"
 
 namespace thimble {
 namespace {
@@ -53,6 +56,23 @@ TEST_F(FalconProgram, GivesUpAfterItsLimitAndWhenItIsToldTo) {
     ASSERT_TRUE(wait_until([&] { return patient.words().find("legs homed") != std::string::npos; }));
     EXPECT_EQ(patient.terminate(), 1);
     EXPECT_THAT(patient.words(), HasSubstr("interrupted; Novint Falcon, serial F1: 0 of 3"));
+}
+
+TEST_F(FalconProgram, ARunShowsWhatItWaitsForAndGoesOn) {
+    SessionFile file;
+    file.modalities = "[\"CF\"]";
+    file.contact_hold_s = kEndlessHold_s;
+    file.more = tables("");
+    falcon_->with([](FalconEmulator& device) { device.put_hand_at({0, 0, 0.125}); });
+    RealRun run(file);
+    ASSERT_TRUE(wait_until([&] { return run.words().find("0 of 3 legs homed") != std::string::npos; }))
+        << run.words();
+    home(7);
+    EXPECT_TRUE(run.reaches_trial()) << run.words();
+    run.launcher().signal(SIGINT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    ASSERT_EQ(run.rows().size(), 1U);
+    EXPECT_EQ(run.rows()[0].reason, EndReason::kInterrupted);
 }
 
 }  // namespace

@@ -76,17 +76,18 @@ TEST_F(HidDevices, ASpaceMouseIsReadLostAndFoundAgain) {
     EXPECT_THAT(said.back(), HasSubstr("/dev/hidraw3 is in use"));
 }
 
-// One plug, four devices: hidapi lists each, and the one that a hand can hold is read.
+// One plug, several devices: hidapi lists each, and the one that a hand can hold is read.
 TEST_F(HidDevices, OfAReceiverTheCapIsRead) {
     mock->plug({5, 0x1209, 0x0002, "Receiver", "R1", kReceiverDescriptor});
-    EXPECT_EQ(bus->list().size(), 4U);
+    EXPECT_GT(bus->list().size(), 1U);
     HidHand hand{HidHandSettings{}};
     HidAttendant attendant(*bus, hand, say);
     attendant.step(now);
     ASSERT_TRUE(attendant.attached()) << testing::PrintToString(said);
-    for (const Report& report :
-         {Report{2, 1, 100, 156, 1}, Report{3, 0, 0, 0xa2, 0xfe, 0, 0, 0, 0, 0, 0, 0, 0}})
-        mock->say(5, report);
+    mock->say(5, Report{2, 1, 100, 156, 1});  // the mouse
+    attendant.step(now);
+    EXPECT_EQ(hand.deflection(), 0.0);
+    mock->say(5, Report{3, 0, 0, 0xa2, 0xfe, 0, 0, 0, 0, 0, 0, 0, 0});
     EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == -1.0; }));
     EXPECT_EQ(hand.bad_reports(), 0U);
 }

@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/queue_channel.hpp"
 #include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/can/canopen.hpp"
 #include "cutaneous_node/emulator/emulated_drives.hpp"
 
 namespace thimble {
@@ -167,6 +168,74 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id", 40},
         FaultCase{"cut 3", "drive 3 (acting hand, index, cable 2): the cable is slack or torn", 300},
         FaultCase{"emcy 12 0x4210", "drive 12 (other hand, thumb, cable 2): EMCY 0x4210 (too hot)", 2}));
+
+// Long before it counts as dead: the others stop pressing in the third cycle.
+TEST(DriveActuator, ADriveThatDoesNotAnswerCostsTheForceInTwoCycles) {
+    for (const char* fault : {"silence 3", "no-data 3"}) {
+        DriveBench bench;
+        ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+        bench.press(Finger::kIndex, 1.0, milliseconds{300});
+        bench.order(fault);
+        bench.press(Finger::kIndex, 1.0, 4 * bench.settings.master.cycle);
+        const double held_N = bench.drives.drive(0).plant().tension_N();
+        bench.press(Finger::kIndex, 1.0, milliseconds{60});
+        EXPECT_EQ(bench.actuator.fault(), "") << "not yet";
+        EXPECT_LT(bench.drives.drive(0).plant().tension_N(), held_N / 2) << fault;
+    }
+}
+
+// As with an interface's default of 10 frames: the last one of each cycle, the SYNC, is lost.
+class NarrowBus final : public CanBus {
+  public:
+    explicit NarrowBus(CanBus& bus) : bus_(&bus) {}
+    void send(const CanFrame& frame) override {
+        const bool lost = full && frame.id == sync_frame().id;
+        ++(lost ? counters_.send_failed : counters_.sent);
+        if (!lost) bus_->send(frame);
+    }
+    void flush() override { bus_->flush(); }
+    bool receive(CanFrame& frame) override { return bus_->receive(frame); }
+    bool full = false;
+
+  private:
+    CanBus* bus_;
+};
+
+TEST(DriveActuator, AQueueThatIsTooShortIsNamed) {
+    DriveBench bench;
+    NarrowBus narrow(bench.near_);
+    DriveActuator actuator(bench.settings, 1.5, narrow);
+    const auto tick = [&] {
+        actuator.tick(bench.now += milliseconds{1});
+        bench.drives.tick(bench.now);
+    };
+    while (!actuator.ready() && bench.now < SessionTime{seconds{10}}) tick();
+    ASSERT_TRUE(actuator.ready());
+    narrow.full = true;
+    for (int ms = 0; ms < 16; ++ms) tick();
+    EXPECT_EQ(actuator.fault(), "") << "it may have been for a moment";
+    for (int ms = 0; ms < 10; ++ms) tick();
+    EXPECT_THAT(std::string(actuator.fault()), HasSubstr("ip link set can0 txqueuelen 100"));
+}
+
+// What nobody should say: other identifiers, lengths, kinds of frames. All of it is passed over.
+TEST(DriveActuator, FramesThatAreNobodysChangeNothing) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    for (int i = 0; i < 300; ++i) {
+        CanFrame stray;
+        stray.id =
+            i % 3 == 0 ? 0x18dU + static_cast<unsigned>(i) % 0x60U : 0x7e0U + static_cast<unsigned>(i) % 16U;
+        if (i % 5 == 1) stray.id = kCanExtended | (0x181U + static_cast<unsigned>(i) % 12U);
+        if (i % 5 == 2) stray.id = kCanRemote | (0x181U + static_cast<unsigned>(i) % 12U);
+        stray.length = static_cast<std::uint8_t>(i % 9);
+        stray.data.fill(static_cast<std::uint8_t>(i));
+        bench.far_.send(stray);
+        bench.press(Finger::kIndex, 1.0, milliseconds{1});
+    }
+    EXPECT_EQ(bench.actuator.fault(), "");
+    EXPECT_NEAR(bench.actuator.output(bench.now).force_N, 1.0, 0.01);
+}
 
 TEST(DriveActuator, ABusThatIsOffIsNamedAndTheDrivesHelpThemselves) {
     DriveBench bench;

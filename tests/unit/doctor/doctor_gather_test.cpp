@@ -60,12 +60,15 @@ TEST_F(MadeMachine, CanInterfacesAreKnownByTheirType) {
     write("sys/class/net/eth0/type", "1\n");
     write("sys/class/net/can0/type", "280\n");
     write("sys/class/net/can0/operstate", "down\n");
+    write("sys/class/net/can0/tx_queue_len", "10\n");
     write("sys/class/net/vcan0/type", "280\n");
     write("sys/class/net/vcan0/operstate", "unknown\n");
     const CanFacts facts = gather_can(root);
     ASSERT_EQ(facts.interfaces.size(), 2U);
     EXPECT_EQ(facts.interfaces[0].name, "can0");
     EXPECT_FALSE(facts.interfaces[0].up);
+    EXPECT_EQ(facts.interfaces[0].queue_frames, 10);
+    EXPECT_EQ(facts.interfaces[1].queue_frames, 0);
     EXPECT_TRUE(facts.interfaces[1].up);
 }
 

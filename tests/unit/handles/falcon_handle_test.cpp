@@ -70,6 +70,20 @@ TEST_F(FalconHandleTest, ZIsTowardsTheBaseFromTheMiddle) {
     EXPECT_NEAR(step().position_hand_m, -0.005, 5e-5);
 }
 
+// Nobody can tell: three legs that stand where they do are somewhere else on a circle around z, which is the needle's.
+TEST_F(FalconHandleTest, SwappedEncodersAreTheSameAlongTheNeedle) {
+    device.put_hand_at({0.01, -0.02, 0.115});
+    step();
+    const double position_m = step().position_hand_m;
+    for (const auto& [one, other] : {std::pair{1, 2}, std::pair{0, 1}}) {
+        std::swap(device.report.encoders[static_cast<std::size_t>(one)],
+                  device.report.encoders[static_cast<std::size_t>(other)]);
+        step();
+        EXPECT_NEAR(step().position_hand_m, position_m, 1e-6);
+    }
+    EXPECT_EQ(handle.fault(), "");
+}
+
 TEST_F(FalconHandleTest, AForceBecomesMotorCounts) {
     device.put_hand_at({0, 0, 0.110});
     exchange.turn();
