@@ -169,53 +169,65 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"cut 3", "drive 3 (acting hand, index, cable 2): the cable is slack or torn", 300},
         FaultCase{"emcy 12 0x4210", "drive 12 (other hand, thumb, cable 2): EMCY 0x4210 (too hot)", 2}));
 
-// Long before it counts as dead: the others stop pressing in the third cycle.
-TEST(DriveActuator, ADriveThatDoesNotAnswerCostsTheForceInTwoCycles) {
-    for (const char* fault : {"silence 3", "no-data 3"}) {
-        DriveBench bench;
-        ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
-        bench.press(Finger::kIndex, 1.0, milliseconds{300});
-        bench.order(fault);
-        bench.press(Finger::kIndex, 1.0, 4 * bench.settings.master.cycle);
-        const double held_N = bench.drives.drive(0).plant().tension_N();
-        bench.press(Finger::kIndex, 1.0, milliseconds{60});
-        EXPECT_EQ(bench.actuator.fault(), "") << "not yet";
-        EXPECT_LT(bench.drives.drive(0).plant().tension_N(), held_N / 2) << fault;
-    }
-}
-
-// As with an interface's default of 10 frames: the last one of each cycle, the SYNC, is lost.
-class NarrowBus final : public CanBus {
+// What drive 1 is told; and as with an interface's default queue of 10 frames: the last one of each cycle, the SYNC, is lost.
+class WatchedBus final : public CanBus {
   public:
-    explicit NarrowBus(CanBus& bus) : bus_(&bus) {}
+    explicit WatchedBus(CanBus& bus) : bus_(&bus) {}
     void send(const CanFrame& frame) override {
+        if (frame.id == 0x201U) target_per_mille = static_cast<std::int16_t>(load(frame, 2, 2));
         const bool lost = full && frame.id == sync_frame().id;
         ++(lost ? counters_.send_failed : counters_.sent);
         if (!lost) bus_->send(frame);
     }
     void flush() override { bus_->flush(); }
     bool receive(CanFrame& frame) override { return bus_->receive(frame); }
+
     bool full = false;
+    int target_per_mille = 0;
 
   private:
     CanBus* bus_;
 };
 
+// Presses, brought up, on a bus that is watched.
+struct WatchedBench : DriveBench {
+    explicit WatchedBench(const std::string& more = "") : DriveBench(more), pressing(settings, 1.5, bus) {
+        while (!pressing.ready() && now < SessionTime{seconds{10}}) step();
+        EXPECT_TRUE(pressing.ready()) << pressing.fault();
+        step(milliseconds{300});
+        EXPECT_GT(bus.target_per_mille, 400);
+    }
+    void step(Duration time = milliseconds{1}) {
+        for (const SessionTime end = now + time; now < end;) {
+            now += milliseconds{1};
+            pressing.command(now, Finger::kIndex, pressing.ready() ? 1.0 : 0.0);
+            pressing.tick(now);
+            drives.tick(now);
+        }
+    }
+
+    WatchedBus bus{near_};
+    DriveActuator pressing;
+};
+
+// Long before it counts as dead: the others stop pressing.
+TEST(DriveActuator, ADriveThatDoesNotAnswerCostsTheForceInTwoCycles) {
+    for (const char* fault : {"silence 3", "no-data 3"}) {
+        WatchedBench bench("silent_after_s = 0.5");
+        bench.order(fault);
+        bench.step(3 * bench.settings.master.cycle + milliseconds{1});
+        EXPECT_EQ(bench.pressing.fault(), "") << "not yet";
+        EXPECT_LT(bench.bus.target_per_mille, 50) << fault;
+    }
+}
+
 TEST(DriveActuator, AQueueThatIsTooShortIsNamed) {
-    DriveBench bench;
-    NarrowBus narrow(bench.near_);
-    DriveActuator actuator(bench.settings, 1.5, narrow);
-    const auto tick = [&] {
-        actuator.tick(bench.now += milliseconds{1});
-        bench.drives.tick(bench.now);
-    };
-    while (!actuator.ready() && bench.now < SessionTime{seconds{10}}) tick();
-    ASSERT_TRUE(actuator.ready());
-    narrow.full = true;
-    for (int ms = 0; ms < 16; ++ms) tick();
-    EXPECT_EQ(actuator.fault(), "") << "it may have been for a moment";
-    for (int ms = 0; ms < 10; ++ms) tick();
-    EXPECT_THAT(std::string(actuator.fault()), HasSubstr("ip link set can0 txqueuelen 100"));
+    WatchedBench bench;
+    bench.bus.full = true;
+    bench.step(milliseconds{16});
+    EXPECT_EQ(bench.pressing.fault(), "") << "it may have been for a moment";
+    bench.step(milliseconds{10});
+    EXPECT_THAT(std::string(bench.pressing.fault()), HasSubstr("ip link set can0 txqueuelen 100"));
 }
 
 // What nobody should say: other identifiers, lengths, kinds of frames. All of it is passed over.
