@@ -95,9 +95,11 @@ void DriveActuator::set_tension(std::size_t drive, double tension_N) {
     }
 }
 
+// A finger is not pressed by motors of which one does not say where it is: until it does, all are at pretension.
 void DriveActuator::set_targets() {
+    const bool known = !master_.unanswered();
     for (const FingerDevice& device : settings_.fingers) {
-        const bool pressed = device.hand == hand_ && device.finger == finger_;
+        const bool pressed = known && device.hand == hand_ && device.finger == finger_;
         const CableTensions tensions_N = geometry_.tensions_N({pressed ? force_N_ : 0, 0, 0});
         for (std::size_t i = 0; i < kCablesPerFinger; ++i) {
             set_tension(device.first + i, tensions_N[i] + settings_.pretension_N);

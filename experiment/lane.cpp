@@ -1,6 +1,7 @@
 #include "experiment/lane.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@ constexpr Duration kPoll = std::chrono::milliseconds{20};    // look after child
 constexpr Duration kFlush = std::chrono::milliseconds{200};  // trajectory to disk
 constexpr Duration kFarewell = std::chrono::seconds{1};      // to end when told to, and again
 constexpr Duration kProgress = std::chrono::milliseconds{500};
+constexpr Duration kWordsAfter = std::chrono::milliseconds{500};  // of a node that waits for its user
 
 }  // namespace
 
@@ -73,6 +75,10 @@ std::filesystem::path Lane::report_path(std::size_t node) const {
     return plan_.out / fmt::format("{}_{:g}ms.json", kNodes[node].program, 1000 * plan_.delay_s);
 }
 
+std::filesystem::path Lane::log_path(std::size_t node) const {
+    return plan_.out / fmt::format("{}_{:g}ms.log", kNodes[node].program, 1000 * plan_.delay_s);
+}
+
 std::filesystem::path Lane::clock_path() const {
     return plan_.out / fmt::format("clocks_{:g}ms.csv", 1000 * plan_.delay_s);
 }
@@ -91,7 +97,7 @@ void Lane::launch() {
         NodeOrder order;
         order.role = node.role;
         order.program = node.program;
-        order.log = plan_.out / fmt::format("{}_{:g}ms.log", node.program, 1000 * plan_.delay_s);
+        order.log = log_path(i);
         order.report = report_path(i);
         order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
         if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
@@ -139,17 +145,34 @@ void Lane::wait_for_machines() {
     }
 }
 
+// Somebody has to do something to the handle first: its node says what, in a log that nobody looks at now.
+void Lane::pass_on_words(std::size_t& passed) const {
+    std::ifstream file(log_path(kNodes.size() - 1));
+    std::size_t lines = 0;
+    for (std::string line; std::getline(file, line);)
+        if (++lines > passed) fmt::print(stderr, "{}\n", line);
+    passed = std::max(passed, lines);
+}
+
 void Lane::wait_for_nodes() {
-    const SessionTime deadline = wall_now() + plan_.session.peer_wait;
-    for (SessionTime now = wall_now(); !session_.missing_peers(now, kPeerTimeout).empty(); now = wall_now()) {
+    const SessionTime begin = wall_now();
+    const Duration limit = plan_.session.peer_wait + plan_.session.user_limit;
+    SessionTime next_words = begin + kWordsAfter;
+    std::size_t passed = 0;
+    for (SessionTime now = begin; !session_.missing_peers(now, kPeerTimeout).empty(); now = wall_now()) {
         loop_.step(company_, now + kPoll);
         throw_if_dead();
-        if (now < deadline) continue;
-        throw Error(
-            ExitCode::kNetwork,
-            fmt::format("no answer from {} within {} s on ports from {}: see the logs in {}",
-                        session_.missing_peers(now, kPeerTimeout), to_seconds(plan_.session.peer_wait),
-                        plan_.network.base_port, plan_.out.string()));
+        if (events_.stop && events_.stop())
+            throw Error(ExitCode::kRunFailed, "interrupted before the first trial");
+        if (plan_.session.user_limit > Duration::zero() && now > next_words) {
+            next_words = now + kWordsAfter;
+            pass_on_words(passed);
+        }
+        if (now < begin + limit) continue;
+        throw Error(ExitCode::kNetwork,
+                    fmt::format("no answer from {} within {} s on ports from {}: see the logs in {}",
+                                session_.missing_peers(now, kPeerTimeout), to_seconds(limit),
+                                plan_.network.base_port, plan_.out.string()));
     }
 }
 

@@ -100,6 +100,7 @@ class Lane {
 
     SessionProcess::Channels open_channels();
     std::filesystem::path report_path(std::size_t node) const;
+    std::filesystem::path log_path(std::size_t node) const;
     std::filesystem::path clock_path() const;
     void close_clocks();
     void launch();
@@ -107,6 +108,7 @@ class Lane {
     void throw_if_dead();
     void wait_for_machines();
     void wait_for_nodes();
+    void pass_on_words(std::size_t& passed) const;
     void look_around(SessionTime next, SessionTime& next_poll);
     void close_trial();
 

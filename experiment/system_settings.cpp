@@ -136,6 +136,7 @@ SessionSettings session_settings(const SystemSettings& settings) {
             delay = std::max(delay, nearly_longest_delay(change.settings));
         return delay;
     };
+    session.user_limit = user_limit(settings.handle);
     session.force_delay = settings.netem.force.delay;
     session.network_delay += longest(settings.netem.needle, settings.netem.needle_timeline) +
                              longest(settings.netem.force, settings.netem.force_timeline);

@@ -1,30 +1,41 @@
 // thimble-master: the handle with the operator's hand on it.
 #include <memory>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "common/runtime/hid/hid_thread.hpp"
+#include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
-#include "master/devices/hid/hid_hand.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "master/devices/open_handle.hpp"
-#include "master/devices/pointer_handle.hpp"
-#include "master/devices/simulated_handle.hpp"
 #include "master/master_process.hpp"
 
 namespace {
 
 using namespace thimble;
 
-// A person's SpaceMouse or gamepad, and the thread that talks to it.
-struct HidInput {
-    HidInput(const HandleSettings& settings, const RuntimeSettings& runtime)
-        : hand(settings.hid), handle(settings, settings.hid, hand), thread(hand, runtime) {}
-    HidHand hand;
-    HidHandle handle;
-    HidThread thread;
-};
+constexpr Duration kLookAgain = std::chrono::milliseconds{20};
+
+// Until its user has made it ready (homing), saying how far that is.
+void await_user(OpenHandle& handle, Duration limit) {
+    const SessionTime end = wall_now() + limit;
+    std::string said;
+    for (std::string wish = handle.awaits(); !wish.empty(); wish = handle.awaits()) {
+        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted; " + wish);
+        if (wall_now() > end) {
+            throw Error(
+                ExitCode::kRunFailed,
+                fmt::format("{} (waited for {} s, [handle.falcon] homing_limit_s)", wish, to_seconds(limit)));
+        }
+        if (wish != said) spdlog::warn(wish);
+        said = wish;
+        wall_sleep(kLookAgain);
+    }
+    if (!handle.device().fault().empty())
+        throw Error(ExitCode::kRunFailed, std::string(handle.device().fault()));
+}
 
 MasterSettings master_settings(const ConfigFile& file) {
     MasterSettings settings = read_master_settings(file.table("master"));
@@ -35,50 +46,33 @@ MasterSettings master_settings(const ConfigFile& file) {
 class Master final : public NodeInstance {
   public:
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
-        : pointer_(settings),
-          handle_(settings, read_operator_parameters(file.table("operator"))),
-          real_(
-              open_handle(settings, [runtime = read_runtime_settings(file)] { ask_for_realtime(runtime); })),
-          hid_(settings.kind == HandleKind::kHid
-                   ? std::make_unique<HidInput>(settings, read_runtime_settings(file))
-                   : nullptr),
-          pointed_(settings.kind == HandleKind::kPointer),
+        : user_limit_(user_limit(settings)),
+          handle_(open_handle(settings, read_operator_parameters(file.table("operator")),
+                              read_runtime_settings(file))),
           process_(instance, master_settings(file),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
                     sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
                     sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
                     sockets.inlet(Port::kMasterPerceptVisual, Role::kVisual)},
-                   chosen<HapticDevice>(), chosen<OperatorPort>()) {
-        if (real_) spdlog::info("handle: {}", real_->name());
-        if (pointed_) process_.follow_hand(*sockets.inlet(Port::kMasterHand, Role::kVisual), pointer_);
+                   handle_->device(), handle_->person()) {
+        if (!handle_->name().empty()) spdlog::info("handle: {}", handle_->name());
+        if (HandFollower* const follower = handle_->follower())
+            process_.follow_hand(*sockets.inlet(Port::kMasterHand, Role::kVisual), *follower);
     }
 
     NodeProcess& process() override { return process_; }
+    void bring_up() override { await_user(*handle_, user_limit_); }
     void describe(nlohmann::ordered_json& report) const override {
         report["samples"] = process_.samples();
         report["samples_skipped"] = process_.samples_skipped();
         report["round_trip"] = quantiles(process_.round_trip().age());  // of the last trial, as the next
         report["hold"] = quantiles(process_.round_trip().hold());
-        if (real_) real_->describe(report["handle"]);
-        if (hid_)
-            report["hid"] = {{"attachments", hid_->hand.attachments()},
-                             {"bad_reports", hid_->hand.bad_reports()}};
+        handle_->describe(report);
     }
 
   private:
-    template <class Seam>
-    Seam& chosen() {
-        if (real_) return *real_;
-        if (hid_) return hid_->handle;
-        return pointed_ ? static_cast<Seam&>(pointer_) : handle_;
-    }
-
-    // One of them is used; the others lie idle.
-    PointerHandle pointer_;
-    SimulatedHandle handle_;
-    std::unique_ptr<RealHandle> real_;
-    std::unique_ptr<HidInput> hid_;
-    bool pointed_;
+    Duration user_limit_;
+    std::unique_ptr<OpenHandle> handle_;
     MasterProcess process_;
 };
 

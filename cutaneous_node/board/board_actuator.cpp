@@ -37,8 +37,9 @@ constexpr std::array<std::string_view, 10> kTroubles{
     "fingertip board: its calibration is lost, it has let go; plug it in anew with both fingers out",
     "fingertip board: a fault of its own (docs/board-protocol.md, code 255), it has let go; plug it in anew",
     "fingertip board: not plugged in, or this user may not open it; plug it in, and ask thimble doctor",
-    "fingertip board: no good report for 100 ms; plug it in anew, and check its firmware's report rate and "
-    "CRC",
+    "fingertip board: no good report for 100 ms, or always the same; plug it in anew, and check its "
+    "firmware's "
+    "report rate, CRC and sequence",
     "fingertip board: it speaks another version of docs/board-protocol.md; load firmware of version 1 into "
     "it"};
 
@@ -128,7 +129,11 @@ bool BoardActuator::turn(SessionTime now, HidLink& link) {
 
 void BoardActuator::take(SessionTime now, std::span<const std::uint8_t> report) {
     if (const auto status = decode_board_status(report)) {
-        heard_ = now;
+        // One that repeats itself while it is told something new stands still, or is deaf.
+        const std::uint8_t told = unpack_command(written_).sequence;
+        if (status->sequence == told || status->sequence != echoed_) heard_ = now;
+        echoed_ = status->sequence;
+        if (now - heard_ >= kSilence) return;
         return publish(*status, static_cast<std::uint8_t>(status->fault));
     }
     if (foreign_version(report)) {

@@ -57,7 +57,8 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     // Of the thread.
     SessionTime heard_{}, turned_{}, written_at_{};
     std::uint64_t written_ = 0;
-    bool fresh_ = false;  // attached, nothing heard yet
+    std::uint8_t echoed_ = 0;  // sequence of the newest good status
+    bool fresh_ = false;       // attached, nothing heard yet
 };
 
 }  // namespace thimble

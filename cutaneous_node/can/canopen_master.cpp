@@ -7,6 +7,7 @@ namespace thimble {
 namespace {
 
 constexpr std::uint8_t kNobody = 0xff;
+constexpr int kFullCycles = 5;
 
 }  // namespace
 
@@ -25,6 +26,10 @@ CanopenMaster::CanopenMaster(const CanMasterSettings& settings, CanBus& bus)
 bool CanopenMaster::operating() const {
     return !fault_ &&
            std::all_of(links_.begin(), links_.end(), [](const DriveLink& link) { return link.operating(); });
+}
+
+bool CanopenMaster::unanswered() const {
+    return std::any_of(links_.begin(), links_.end(), [](const DriveLink& link) { return link.unanswered(); });
 }
 
 void CanopenMaster::tick(SessionTime now) {
@@ -89,6 +94,15 @@ void CanopenMaster::cycle(SessionTime now) {
     sync_ = now;
     waiting_ = true;
     ++cycles_;
+    watch_queue(now);
+}
+
+// What gets lost each time is the last frame of a cycle, the SYNC: every drive lives, and none moves.
+void CanopenMaster::watch_queue(SessionTime now) {
+    const std::uint64_t failed = bus_->counters().send_failed;
+    full_ = failed > send_failed_ ? full_ + 1 : 0;
+    send_failed_ = failed;
+    if (full_ == kFullCycles) fail(now, {DriveFaultKind::kQueueFull, 0, "", 0});
 }
 
 void CanopenMaster::exchange(bool slack) {

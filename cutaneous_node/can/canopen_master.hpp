@@ -21,6 +21,8 @@ class CanopenMaster {
     SessionTime next_wakeup() const { return next_; }
 
     bool operating() const;  // all of them; never again after a fault
+    // One of them has left two SYNCs in a row without an answer.
+    bool unanswered() const;
     std::size_t drives() const { return links_.size(); }
     const DriveLink& drive(std::size_t i) const { return links_[i]; }
     void set_target(std::size_t i, std::int32_t target) { links_[i].set_target(target); }
@@ -45,6 +47,7 @@ class CanopenMaster {
     void look_at_answers(SessionTime now);
     void cycle(SessionTime now);
     void exchange(bool slack);
+    void watch_queue(SessionTime now);
 
     CanMasterSettings settings_;
     CanBus* bus_;
@@ -54,6 +57,8 @@ class CanopenMaster {
     bool begun_ = false;
     bool waiting_ = false;  // for answers to the last SYNC
     SessionTime next_{}, next_heartbeat_{}, sync_{};
+    std::uint64_t send_failed_ = 0;  // of the bus, at the last cycle
+    int full_ = 0;                   // cycles in a row in which frames could not be sent
     std::uint64_t cycles_ = 0, incomplete_ = 0, passive_ = 0;
     Histogram answered_within_;
 };

@@ -50,6 +50,11 @@ std::string of_bus(const DriveFault& f, const std::string& bus) {
             return fmt::format(
                 "{}: bus-off; check termination, bit rate and cables, then set the interface down and up",
                 bus);
+        case DriveFaultKind::kQueueFull:
+            return fmt::format(
+                "{}: frames cannot be sent, its queue is full; 'ip link set {} txqueuelen 100', or is it not "
+                "connected?",
+                bus, bus);
         default:
             return fmt::format("{}: the interface is gone or down; 'ip link set {} up', then start again",
                                bus, bus);
@@ -89,6 +94,7 @@ std::string describe(const DriveFault& f, const std::string& device, const std::
                 "choose another modality");
         case DriveFaultKind::kBusOff:
         case DriveFaultKind::kBusDown:
+        case DriveFaultKind::kQueueFull:
             return of_bus(f, bus);
         default:
             return of_start(f, device, bus);

@@ -30,6 +30,7 @@ enum class DriveFaultKind : std::uint8_t {
     // of all drives
     kBusOff,
     kBusDown,
+    kQueueFull,  // frames do not get onto it
 };
 
 struct DriveFault {

@@ -176,6 +176,7 @@ void DriveLink::on_data(SessionTime now, const CanFrame& frame) {
     }
     --owed_;
     answered_ = true;
+    unanswered_ = false;
     data_ = now;
     feedback_.statusword = static_cast<std::uint16_t>(load(frame, 0, 2));
     feedback_.position_counts = static_cast<std::int32_t>(load(frame, 2, 4));
@@ -248,6 +249,7 @@ void DriveLink::send_target(CanBus& bus, bool slack) {
 
 void DriveLink::on_sync(SessionTime now) {
     sync_ = now;
+    unanswered_ = !answered_;
     answered_ = false;
     owed_ = std::min(owed_ + 1, kMostOwed);
 }

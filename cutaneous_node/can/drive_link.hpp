@@ -39,6 +39,8 @@ class DriveLink {
     bool exchanges() const { return stage_ == Stage::kEnable || stage_ == Stage::kOperate; }
     bool awaits_answer() const { return exchanges() && !answered_; }
     const DriveFeedback& feedback() const { return feedback_; }
+    // When the newest SYNC went out the one before had no answer yet, and there has been none since.
+    bool unanswered() const { return unanswered_; }
     std::uint32_t rated_torque() const { return rated_torque_; }  // 0x6076, in the drive's unit
     const std::optional<DriveFault>& fault() const { return fault_; }
 
@@ -74,6 +76,7 @@ class DriveLink {
     int boot_ups_ = 0, resets_ = 0;
     int owed_ = 0;           // SYNCs without an answer, counted up to 8
     bool answered_ = false;  // since the last one
+    bool unanswered_ = false;
     std::uint16_t control_ = kControlDisableVoltage;
     std::int32_t target_ = 0;
     std::uint32_t rated_torque_ = 0;

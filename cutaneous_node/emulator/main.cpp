@@ -31,7 +31,7 @@ using namespace thimble;
 struct EmulatorOptions {
     std::string interface, peer = "127.0.0.1";
     int port = 20000, peer_port = 0;
-    bool slcan = false;
+    bool slcan = false, lies = false;
     std::vector<int> nodes{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
     std::vector<std::string> faults, faults_when_pressed;
     double after_s = 0.2;
@@ -48,7 +48,7 @@ struct OpenBus {
 OpenBus open_bus_for(const EmulatorOptions& options) {
     OpenBus open;
     if (options.slcan) {
-        auto pty = std::make_unique<SlcanPty>();
+        auto pty = std::make_unique<SlcanPty>(options.lies);
         open.descriptor = pty->file_descriptor();
         open.name = pty->interface();
         open.bus = std::move(pty);
@@ -142,6 +142,9 @@ int main(int argc, char** argv) {
                        "the interface, e.g. vcan0; without it cannelloni over UDP");
         app.add_flag("--slcan", options.slcan,
                      "make an interface: play an slcan adapter on a pseudo-terminal (root)");
+        app.add_flag("--adapter-lies", options.lies,
+                     "with --slcan: nonsense between the frames, and some frames cut short")
+            ->needs("--slcan");
         app.add_option("--port", options.port, "cannelloni: UDP port to listen at")
             ->check(CLI::Range(1024, 65534));
         app.add_option("--peer", options.peer, "cannelloni: host of the other end");

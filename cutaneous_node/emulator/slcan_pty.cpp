@@ -45,7 +45,7 @@ bool read_line(std::string_view line, CanFrame& frame) {
 
 }  // namespace
 
-SlcanPty::SlcanPty() {
+SlcanPty::SlcanPty(bool lies) : lies_(lies) {
     adapter_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (adapter_ < 0 || grantpt(adapter_) != 0 || unlockpt(adapter_) != 0) no_adapter("no pseudo-terminal");
     std::array<char, 64> name{};
@@ -68,6 +68,15 @@ SlcanPty::~SlcanPty() {
     close(adapter_);
 }
 
+// Nothing, too little, letters that are no digits, nine bytes, a kind of frame that is none, noise.
+void SlcanPty::lie(std::string& line) {
+    static constexpr std::array<const char*, 6> kNonsense{
+        "\r", "t12\r", "tx8g8zz\r", "t1819112233445566778899\r", "q181\r", "\a\x01\xfe\r"};
+    ++said_;
+    if (said_ % kCutEvery == 0) line.resize(line.size() / 2);
+    line.insert(0, kNonsense[said_ % kNonsense.size()]);
+}
+
 void SlcanPty::say(const std::string& line) {
     const auto written = write(adapter_, line.data(), line.size());
     ++(written == static_cast<ssize_t>(line.size()) ? counters_.sent : counters_.send_failed);
@@ -84,7 +93,9 @@ void SlcanPty::send(const CanFrame& frame) {
     }
     std::string line = fmt::format("t{:03x}{}", frame.id & 0x7ffU, frame.length);
     for (std::size_t i = 0; i < frame.length; ++i) line += fmt::format("{:02x}", frame.data[i]);
-    say(line + '\r');
+    line += '\r';
+    if (lies_) lie(line);
+    say(line);
 }
 
 bool SlcanPty::receive(CanFrame& frame) {

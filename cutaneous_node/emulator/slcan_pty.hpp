@@ -10,8 +10,9 @@ namespace thimble {
 
 class SlcanPty final : public CanBus {
   public:
+    // `lies`: between the frames it says what no adapter should, and cuts one frame in kCutEvery short.
     // Needs the right to attach a line discipline (CAP_NET_ADMIN) and the module slcan. Throws Error (network).
-    SlcanPty();
+    explicit SlcanPty(bool lies = false);
     ~SlcanPty() override;
 
     // A data frame, or an error frame: bus-off and error-passive are told as an adapter tells them.
@@ -22,9 +23,14 @@ class SlcanPty final : public CanBus {
     const std::string& interface() const { return interface_; }
 
   private:
+    static constexpr std::uint64_t kCutEvery = 97;
+
     void say(const std::string& line);
+    void lie(std::string& line);
 
     int adapter_ = -1, kernel_ = -1;
+    bool lies_;
+    std::uint64_t said_ = 0;
     std::string interface_, heard_;
 };
 

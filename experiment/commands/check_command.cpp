@@ -4,7 +4,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include "experiment/commands/build_checks.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/system_settings.hpp"
 
@@ -12,7 +14,9 @@ namespace thimble {
 namespace {
 
 int check_config(const std::string& config) {
-    load_system_settings(config);
+    const SystemSettings settings = load_system_settings(config);
+    check_build(settings);
+    for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
     fmt::print("{}: good\n", config);
     return 0;
 }

@@ -9,15 +9,13 @@
 #include "common/network_settings.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "experiment/commands/build_checks.hpp"
 #include "experiment/commands/say_results.hpp"
 #include "experiment/play/attendant.hpp"
 #include "experiment/play/order_lines.hpp"
 #include "experiment/play/play_starter.hpp"
 #include "experiment/run.hpp"
 #include "experiment/sitting/dataset.hpp"
-#ifdef THIMBLE_GUI
-#include "visual_node/window/fonts.hpp"
-#endif
 
 namespace thimble {
 namespace {
@@ -30,9 +28,6 @@ ConfigFile file_of(const RealRunArguments& arguments) {
 void check_screen(const SystemSettings& settings, const std::shared_ptr<NodeStarter>& starter) {
     const bool window = settings.visual.window || settings.plan.kind == SubjectKind::kHuman;
     if (starter && window && starter->machine(Role::kVisual).empty()) check_window(program_folder());
-#ifdef THIMBLE_GUI
-    check_drawable(settings.instructions.text());
-#endif
     for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
 }
 
@@ -95,6 +90,7 @@ NetworkSettings network_of(const RealRunArguments& arguments) {
 int run_for_real(const RealRunArguments& arguments, const SystemSettings& settings,
                  const std::shared_ptr<NodeStarter>& starter) {
     install_stop_signals();
+    if (starter) check_build(settings);
     if (settings.protocol) return run_sitting_for_real(arguments, settings, starter);
     refuse_sitting(arguments.sitting, settings);
     refuse_dataset(arguments.out);

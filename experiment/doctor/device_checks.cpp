@@ -11,6 +11,9 @@ constexpr const char* kRulesCommand =
     "sudo cp deploy/udev/70-thimble-*.rules /etc/udev/rules.d/ && sudo udevadm control --reload && "
     "sudo udevadm trigger";
 
+// Twelve targets, heartbeat, SYNC and one more.
+constexpr int kQueueFrames = 15;
+
 using Device = DeviceFacts::Device;
 
 std::optional<DeviceUse> use_of_handle(const std::string& device) {
@@ -89,6 +92,11 @@ Diagnosis check_can(const CanFacts& can, const KernelFacts& kernel, const Sessio
                                  [](const CanFacts::Interface& interface) { return interface.up; });
     if (up != can.interfaces.end()) {
         finding.says = fmt::format("{} is up", up->name);
+        if (!wanted || up->queue_frames == 0 || up->queue_frames >= kQueueFrames) return finding;
+        finding.severity = Severity::kWarning;
+        finding.says += fmt::format(", and {} frames may wait there; twelve drives need {} at once",
+                                    up->queue_frames, kQueueFrames);
+        finding.remedy = fmt::format("sudo ip link set {} txqueuelen 100", up->name);
         return finding;
     }
     finding.severity = wanted ? Severity::kWarning : Severity::kNote;

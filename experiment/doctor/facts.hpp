@@ -95,6 +95,7 @@ struct CanFacts {
     struct Interface {
         std::string name;
         bool up = false;
+        int queue_frames = 0;  // that wait to be sent, at most; 0: not known
     };
     std::vector<Interface> interfaces;
 };

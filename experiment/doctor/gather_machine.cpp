@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <sys/utsname.h>
@@ -78,10 +79,9 @@ std::optional<DeviceFacts::Device> hid_device(const fs::path& root, const fs::pa
     DeviceFacts::Device device;
     const auto model =
         find_hid_model(static_cast<std::uint16_t>(vendor), static_cast<std::uint16_t>(product));
-    const bool desktop = layout->usage_page == kGenericDesktop;
-    const bool stick = desktop && (layout->usage == kJoystickUsage || layout->usage == kGamepadUsage ||
-                                   layout->usage == kMultiAxisUsage);
-    if (layout->usage_page == kBoardUsagePage && layout->usage == kBoardUsage) {
+    const auto& applications = layout->applications;
+    const bool stick = std::any_of(applications.begin(), applications.end(), is_stick);
+    if (layout->is({kBoardUsagePage, kBoardUsage})) {
         device.use = DeviceUse::kFingertipBoard;
     } else if (stick && (!model || model->six_axes)) {
         device.use = DeviceUse::kHidHand;
@@ -156,7 +156,8 @@ CanFacts gather_can(const fs::path& root) {
     for (const fs::path& interface : entries_of(root / "sys/class/net")) {
         if (first_line(interface / "type") != kCanLink) continue;
         const std::string state = first_line(interface / "operstate");  // of vcan: unknown
-        facts.interfaces.push_back({interface.filename().string(), state == "up" || state == "unknown"});
+        facts.interfaces.push_back({interface.filename().string(), state == "up" || state == "unknown",
+                                    std::atoi(first_line(interface / "tx_queue_len").c_str())});
     }
     return facts;
 }

@@ -6,6 +6,8 @@
 namespace thimble {
 namespace {
 
+constexpr Duration kFaultPeriod = std::chrono::milliseconds{100};
+
 void fill_in_newest(Monitor& monitor, const SessionProcess& session) {
     const ForceFeedback* newest = session.newest();
     const TrialRecord& record = session.record();
@@ -65,7 +67,18 @@ Monitor make_monitor(SessionTime now, const SessionProcess& session, const Monit
     return monitor;
 }
 
+// At once when it has happened: the session may be about to end.
+void MonitorFeed::say_fault(SessionTime now) {
+    const bool faulty = session_->record().reason == EndReason::kDeviceFault;
+    if (faulty && (!faulty_ || now >= next_fault_)) {
+        flow_.send(now, session_->number(), DeviceFault(session_->record().fault));
+        next_fault_ = now + kFaultPeriod;
+    }
+    faulty_ = faulty;
+}
+
 void MonitorFeed::tick(SessionTime now, const MonitorContext& context) {
+    say_fault(now);
     if (now < next_) return;
     next_ = std::max(next_ + kMonitorPeriod, now + kMonitorPeriod / 2);
     flow_.send(now, session_->number(), make_monitor(now, *session_, context));

@@ -29,14 +29,17 @@ class MonitorFeed {
     MonitorFeed(std::uint64_t instance, std::initializer_list<Channel*> out, const SessionProcess& session)
         : flow_(Role::kSession, instance, out), session_(&session) {}
 
-    // Sends what is due. What was missed is not made up for: the newest counts.
+    // Sends what is due, and ten times a second why a device has ended the trial. What was missed is not made up for: the newest counts.
     void tick(SessionTime now, const MonitorContext& context);
     SessionTime next_wakeup() const { return next_; }
 
   private:
     OutboundFlow flow_;
+    void say_fault(SessionTime now);
+
     const SessionProcess* session_;
-    SessionTime next_{};
+    SessionTime next_{}, next_fault_{};
+    bool faulty_ = false;
 };
 
 }  // namespace thimble

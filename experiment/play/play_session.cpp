@@ -99,6 +99,7 @@ class Play {
                         delay_text(conditions.delay_s), to_string(modality),
                         outcome_text(row.reason, row.lost_peer), row.metrics.duration_s,
                         row.metrics.contacts_lost));
+        if (!record.fault.empty()) say(record.fault);
         if (!over()) lane.check();
     }
 

@@ -41,6 +41,8 @@ FalconSettings read_falcon(const ConfigTable& table) {
     settings.firmware = table.text("firmware", "");
     settings.firmware_sha256 = table.text("firmware_sha256", "");
     read_number(table, "motor_gain_per_Nm", settings.motor_gain_per_Nm, 1, 1e5);
+    settings.homing_limit = table.seconds("homing_limit_s", settings.homing_limit,
+                                          std::chrono::milliseconds{100}, std::chrono::minutes{10});
     const std::string_view digits = settings.firmware_sha256;
     const bool hexadecimal = digits.find_first_not_of("0123456789abcdef") == std::string_view::npos;
     if (!digits.empty() && (digits.size() != kSha256Digits || !hexadecimal))
@@ -52,6 +54,10 @@ FalconSettings read_falcon(const ConfigTable& table) {
 }
 
 }  // namespace
+
+Duration user_limit(const HandleSettings& settings) {
+    return settings.kind == HandleKind::kFalcon ? settings.falcon.homing_limit : Duration::zero();
+}
 
 HandleSettings read_handle_settings(const ConfigTable& table) {
     HandleSettings settings;

@@ -40,6 +40,9 @@ struct HandleSettings {
 // Somebody who does not say when a trial is over: it ends with the needle withdrawn.
 constexpr bool held_by_person(HandleKind kind) { return kind != HandleKind::kSimulated; }
 
+// How long its user may take to make it ready, each time that the master starts: to home a Falcon.
+Duration user_limit(const HandleSettings& settings);
+
 // Throws Error (usage).
 HandleSettings read_handle_settings(const ConfigTable& table);
 

@@ -1,16 +1,41 @@
-// The real handle that a session file names, found and made ready.
+// The handle that a session file names, found and made ready, with whoever holds it: the one place that chooses.
 #pragma once
 
-#include <functional>
 #include <memory>
+#include <string>
 
+#include <nlohmann/json_fwd.hpp>
+
+#include "common/runtime/runtime_settings.hpp"
+#include "master/devices/hand_follower.hpp"
 #include "master/devices/handle_settings.hpp"
-#include "master/devices/real_handle.hpp"
+#include "master/devices/haptic_device.hpp"
+#include "master/operator/operator_parameters.hpp"
+#include "master/operator/operator_port.hpp"
 
 namespace thimble {
 
-// A driver with a thread calls `prepare_thread` in it first. Null for the kinds that are simulated. Throws Error with what is missing and what to do about it.
-std::unique_ptr<RealHandle> open_handle(const HandleSettings& settings,
-                                        const std::function<void()>& prepare_thread);
+class OpenHandle {
+  public:
+    virtual ~OpenHandle() = default;
+    OpenHandle() = default;
+    OpenHandle(const OpenHandle&) = delete;
+    OpenHandle& operator=(const OpenHandle&) = delete;
+
+    virtual HapticDevice& device() = 0;
+    virtual OperatorPort& person() = 0;
+    // Whoever wants to know where a person's pointer is; null: nobody.
+    virtual HandFollower* follower() { return nullptr; }
+    // Of a real one: as RealHandle.
+    virtual std::string name() const { return {}; }
+    virtual std::string awaits() { return {}; }
+    // Adds its part, if it has one, to the node's report.
+    virtual void describe(nlohmann::ordered_json& /*report*/) const {}
+};
+
+// A driver with a thread is scheduled as `runtime` says. Throws Error with what is missing and what to do about it; usage, if this
+// build has no driver for it (THIMBLE_DEVICES=OFF).
+std::unique_ptr<OpenHandle> open_handle(const HandleSettings& settings, const OperatorParameters& person,
+                                        const RuntimeSettings& runtime);
 
 }  // namespace thimble

@@ -6,6 +6,7 @@
 #include "common/runtime/hid/hidapi_bus.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
 #include "master/devices/hid/hid_hand.hpp"
+#include "tests/devices/mock_bed.hpp"
 #include "tests/devices/mock_devices.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
@@ -23,7 +24,7 @@ Report bytes_of(const BoardReport& report) { return {report.begin(), report.end(
 class HidDevices : public testing::Test {
   protected:
     void SetUp() override {
-        if (!MockHid::possible())
+        if (!MockBed::possible())
             GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
         mock.emplace();
         bus = make_hidapi_bus();
@@ -73,6 +74,22 @@ TEST_F(HidDevices, ASpaceMouseIsReadLostAndFoundAgain) {
     mock->plug(mock_cap(3));
     EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == 0.0; }));
     EXPECT_THAT(said.back(), HasSubstr("/dev/hidraw3 is in use"));
+}
+
+// One plug, several devices: hidapi lists each, and the one that a hand can hold is read.
+TEST_F(HidDevices, OfAReceiverTheCapIsRead) {
+    mock->plug({5, 0x1209, 0x0002, "Receiver", "R1", kReceiverDescriptor});
+    EXPECT_GT(bus->list().size(), 1U);
+    HidHand hand{HidHandSettings{}};
+    HidAttendant attendant(*bus, hand, say);
+    attendant.step(now);
+    ASSERT_TRUE(attendant.attached()) << testing::PrintToString(said);
+    mock->say(5, Report{2, 1, 100, 156, 1});  // the mouse
+    attendant.step(now);
+    EXPECT_EQ(hand.deflection(), 0.0);
+    mock->say(5, Report{3, 0, 0, 0xa2, 0xfe, 0, 0, 0, 0, 0, 0, 0, 0});
+    EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == -1.0; }));
+    EXPECT_EQ(hand.bad_reports(), 0U);
 }
 
 TEST_F(HidDevices, TwoAreNotGuessedAtAndOneIsChosenBySerial) {

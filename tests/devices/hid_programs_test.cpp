@@ -9,6 +9,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/board/board_reports.hpp"
+#include "tests/devices/mock_bed.hpp"
 #include "tests/devices/mock_devices.hpp"
 #include "tests/loopback/real_run.hpp"
 
@@ -22,7 +23,7 @@ using testing::HasSubstr;
 class HidPrograms : public testing::Test {
   protected:
     void SetUp() override {
-        if (!MockHid::possible())
+        if (!MockBed::possible())
             GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
         mock.emplace();
     }

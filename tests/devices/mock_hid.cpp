@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <fcntl.h>
 #include <linux/hidraw.h>
 #include <map>
@@ -13,10 +11,11 @@
 #include <stdexcept>
 #include <sys/ioctl.h>
 #include <termios.h>
-#include <umockdev.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
+
+#include "tests/devices/mock_bed.hpp"
 
 namespace thimble {
 
@@ -56,30 +55,17 @@ gboolean answer_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, 
     return TRUE;
 }
 
-void complain(GError* error) {
-    if (error == nullptr) return;
-    const std::string words = error->message;
-    g_error_free(error);
-    throw std::runtime_error("umockdev: " + words);
-}
-
 }  // namespace
 
 struct MockHid::Impl {
-    UMockdevTestbed* bed = umockdev_testbed_new();
+    MockBed bed;
     std::map<unsigned, std::unique_ptr<PluggedMock>> plugged;
 };
-
-bool MockHid::possible() {
-    const char* const preloaded = std::getenv("LD_PRELOAD");  // NOLINT(concurrency-mt-unsafe): nobody sets it
-    return preloaded != nullptr && std::strstr(preloaded, "libumockdev-preload") != nullptr;
-}
 
 MockHid::MockHid() : impl_(std::make_unique<Impl>()) {}
 
 MockHid::~MockHid() {
     while (!impl_->plugged.empty()) unplug(impl_->plugged.begin()->first);
-    g_object_unref(impl_->bed);
 }
 
 void MockHid::plug(const MockHidDevice& device) {
@@ -90,25 +76,19 @@ void MockHid::plug(const MockHidDevice& device) {
     const std::string id = fmt::format("0003:{:04X}:{:04X}.{:04}", device.vendor, device.product, n + 1);
     const std::string interface = fmt::format("{}/1-{}:1.0", plugged->path, n + 1);
     const std::string hid = interface + "/" + id;
-    GError* error = nullptr;
-    umockdev_testbed_add_from_string(
-        impl_->bed,
-        fmt::format(
-            "P: {}\nN: bus/usb/001/{:03}\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: BUSNUM=001\nE: "
-            "DEVNUM={:03}\n"
-            "A: idVendor={:04x}\\n\nA: idProduct={:04x}\\n\nA: manufacturer=Test\\n\nA: product={}\\n\n"
-            "A: serial={}\\n\nA: bcdDevice=0100\\n\n\n"
-            "P: {}\nE: DEVTYPE=usb_interface\nE: SUBSYSTEM=usb\nA: bInterfaceNumber=00\\n\n\n"
-            "P: {}\nE: SUBSYSTEM=hid\nE: HID_ID=0003:{:08X}:{:08X}\nE: HID_NAME={}\nE: HID_UNIQ={}\n\n"
-            "P: {}/hidraw/hidraw{}\nN: hidraw{}\nE: SUBSYSTEM=hidraw\nE: DEVNAME=/dev/hidraw{}\nE: "
-            "MAJOR=246\n"
-            "E: MINOR={}\nA: dev=246:{}\\n\nL: device=../../../{}\n\n",
-            plugged->path, n + 2, n + 2, device.vendor, device.product, device.name, device.serial, interface,
-            hid, device.vendor, device.product, device.name, device.serial, hid, n, n, n, n, n, id)
-            .c_str(),
-        &error);
-    complain(error);
-    umockdev_testbed_set_attribute_binary(impl_->bed, ("/sys" + hid).c_str(), "report_descriptor",
+    impl_->bed.add(fmt::format(
+        "P: {}\nN: bus/usb/001/{:03}\nE: DEVTYPE=usb_device\nE: SUBSYSTEM=usb\nE: BUSNUM=001\nE: "
+        "DEVNUM={:03}\n"
+        "A: idVendor={:04x}\\n\nA: idProduct={:04x}\\n\nA: manufacturer=Test\\n\nA: product={}\\n\n"
+        "A: serial={}\\n\nA: bcdDevice=0100\\n\n\n"
+        "P: {}\nE: DEVTYPE=usb_interface\nE: SUBSYSTEM=usb\nA: bInterfaceNumber=00\\n\n\n"
+        "P: {}\nE: SUBSYSTEM=hid\nE: HID_ID=0003:{:08X}:{:08X}\nE: HID_NAME={}\nE: HID_UNIQ={}\n\n"
+        "P: {}/hidraw/hidraw{}\nN: hidraw{}\nE: SUBSYSTEM=hidraw\nE: DEVNAME=/dev/hidraw{}\nE: "
+        "MAJOR=246\n"
+        "E: MINOR={}\nA: dev=246:{}\\n\nL: device=../../../{}\n\n",
+        plugged->path, n + 2, n + 2, device.vendor, device.product, device.name, device.serial, interface,
+        hid, device.vendor, device.product, device.name, device.serial, hid, n, n, n, n, n, id));
+    umockdev_testbed_set_attribute_binary(impl_->bed.testbed(), ("/sys" + hid).c_str(), "report_descriptor",
                                           const_cast<guint8*>(device.descriptor.data()),
                                           static_cast<int>(device.descriptor.size()));
     std::array<char, 64> name{};
@@ -120,24 +100,19 @@ void MockHid::plug(const MockHidDevice& device) {
     tcgetattr(plugged->computer_end, &mode);
     cfmakeraw(&mode);
     tcsetattr(plugged->computer_end, TCSANOW, &mode);
-    char* const root = umockdev_testbed_get_root_dir(impl_->bed);
-    const std::string node = fmt::format("{}/dev/hidraw{}", root, n);
-    g_free(root);
-    unlink(node.c_str());
+    const std::string node = impl_->bed.vacate(fmt::format("/dev/hidraw{}", n));
     if (symlink(name.data(), node.c_str()) != 0) throw std::runtime_error("no link at " + node);
     plugged->handler = umockdev_ioctl_base_new();
     g_signal_connect(plugged->handler, "handle-ioctl", G_CALLBACK(answer_ioctl), plugged.get());
-    umockdev_testbed_attach_ioctl(impl_->bed, fmt::format("/dev/hidraw{}", n).c_str(), plugged->handler,
-                                  &error);
-    complain(error);
+    impl_->bed.answer(fmt::format("/dev/hidraw{}", n), plugged->handler);
     impl_->plugged[n] = std::move(plugged);
 }
 
 void MockHid::unplug(unsigned number) {
     const auto plugged = std::move(impl_->plugged.at(number));
     impl_->plugged.erase(number);
-    umockdev_testbed_detach_ioctl(impl_->bed, fmt::format("/dev/hidraw{}", number).c_str(), nullptr);
-    umockdev_testbed_remove_device(impl_->bed, ("/sys" + plugged->path).c_str());
+    impl_->bed.ignore(fmt::format("/dev/hidraw{}", number));
+    umockdev_testbed_remove_device(impl_->bed.testbed(), ("/sys" + plugged->path).c_str());
     close(plugged->board_end);
     close(plugged->computer_end);
     g_object_unref(plugged->handler);

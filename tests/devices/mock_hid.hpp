@@ -1,5 +1,5 @@
-// HID devices that umockdev puts into /sys and /dev of this process and of those it starts: hidapi itself talks to them.
-// Reports go over a raw pseudo terminal, so that waiting for them is real. Needs libumockdev-preload.so.0 in LD_PRELOAD.
+// HID devices on a bed of their own (mock_bed.hpp): hidapi itself talks to them. Reports go over a raw pseudo terminal, so that
+// waiting for them is real.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,6 @@ struct MockHidDevice {
 
 class MockHid {
   public:
-    // False: the library is not preloaded, and nothing here would be seen.
-    static bool possible();
-
     MockHid();
     ~MockHid();
     MockHid(const MockHid&) = delete;

@@ -11,6 +11,7 @@ namespace {
 
 std::string flaw_of_layout(const HidLayout& layout) {
     if (layout.fields.size() > 256) return "more fields than there may be";
+    if (layout.applications.size() > 16) return "more applications than there may be";
     for (const HidField& field : layout.fields) {
         if (field.bits == 0 || field.bits > 32) return "a field of no bits or of more than 32";
         if (field.minimum >= field.maximum) return "a field without a range";

@@ -86,6 +86,25 @@ TEST(Configuration, AnEmptyFileMeansDefaults) {
     EXPECT_EQ(outcome.code, 0) << outcome.words;
 }
 
+// Before a folder is written, and not in the log of a window that then does not open.
+TEST(Configuration, LettersThatTheWindowsFontLacksAreNamed) {
+    if (run_to_end(built_programs() / "thimble-visual", {"--help"}).words.find("--window") ==
+        std::string::npos)
+        GTEST_SKIP() << "this build has no windows (THIMBLE_GUI is off)";
+    const Folder folder;
+    const std::string file =
+        folder.write("letters.toml", "[instructions]\nready = \"\U00013000\"\n").string();
+    const std::string out = (folder / "out").string();
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"check", file}, {"run", file, "--out", out}}) {
+        const Outcome outcome = run_to_end(built_programs() / "thimble", command);
+        EXPECT_EQ(outcome.code, 2);
+        EXPECT_THAT(outcome.words,
+                    HasSubstr("the window's font cannot draw what [instructions] holds: U+13000"));
+    }
+    EXPECT_FALSE(std::filesystem::exists(out));
+}
+
 TEST(PortInUse, ASecondNodeSaysWhichPort) {
     LoneNode first("thimble-visual");
     ASSERT_TRUE(first.ready()) << first.words();

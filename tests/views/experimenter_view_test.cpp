@@ -177,7 +177,16 @@ TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
     ASSERT_TRUE(session.wait_for(OrderKind::kPause, 20));
     view_sleep(2.5);
     EXPECT_LE(session.count(OrderKind::kPause), 41);
-    EXPECT_TRUE(alarmed(bench.end()));
+    session.fail(
+        "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause, then start "
+        "again");
+    view_sleep(0.3);
+    const Image image = bench.end();
+    EXPECT_TRUE(alarmed(image));
+    // The device's words, black on red, over the top of the side view and no more.
+    const Rect side = experimenter_layout(800, 600, 1).side_view;
+    EXPECT_GT(count_pixels(image, {side.x, side.y, side.width, 10}, kVermillion), 5 * side.width);
+    EXPECT_EQ(count_pixels(image, {side.x, side.y + side.height / 2, side.width, 10}, kVermillion), 0);
 }
 
 TEST_F(ExperimenterView, ListsEveryKey) {

@@ -55,7 +55,11 @@ void FakeSession::speak(SessionTime now) {
     monitor.network = network_;
     monitor.paused = paused_;
     monitor.modality = modality_;
-    if (!running_) monitor.state = NodeState::kIdle;
+    if (!running_ || fault_) monitor.state = NodeState::kIdle;
+    if (fault_) {
+        monitor.reason = EndReason::kDeviceFault;
+        monitors_.send(now, trial_, *fault_);
+    }
     monitors_.send(now, trial_, monitor);
 }
 

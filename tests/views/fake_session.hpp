@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "common/flow.hpp"
@@ -18,6 +20,8 @@ class FakeSession {
     // Hears, and speaks 250 times per second of `now`.
     void tick(SessionTime now);
     void obey(bool obeys) { obeys_ = obeys; }
+    // A device has ended the trial, with these words.
+    void fail(std::string_view words) { fault_ = DeviceFault(words); }
     const std::vector<Order>& heard() const { return heard_; }
     // How often an order of this kind came.
     int count(OrderKind kind) const;
@@ -38,6 +42,7 @@ class FakeSession {
     double delay_s_ = 0.05;
     NetworkName network_;
     Modality modality_ = Modality::kHF;
+    std::optional<DeviceFault> fault_;
     bool obeys_ = true, paused_ = false, running_ = true;
 };
 

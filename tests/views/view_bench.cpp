@@ -56,6 +56,11 @@ void TalkingSession::obey(bool obeys) {
     session_.obey(obeys);
 }
 
+void TalkingSession::fail(std::string_view words) {
+    const std::scoped_lock lock(mutex_);
+    session_.fail(words);
+}
+
 ViewBench::ViewBench(const std::vector<std::string>& more_arguments) {
     std::vector<std::string> arguments{"--view",           "experimenter",
                                        "--base-port",      std::to_string(ports_.base()),

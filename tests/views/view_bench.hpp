@@ -27,6 +27,7 @@ class TalkingSession {
     std::optional<Order> last(OrderKind kind);
     bool wait_for(OrderKind kind, int count = 1);
     void obey(bool obeys);
+    void fail(std::string_view words);
 
   private:
     std::mutex mutex_;

@@ -1,6 +1,7 @@
 #include "visual_node/views/experimenter_panels.hpp"
 
 #include <cmath>
+#include <string_view>
 
 #include "visual_node/views/controls_panel.hpp"
 #include "visual_node/views/drawing.hpp"
@@ -25,6 +26,22 @@ void ExperimenterPanels::draw_banner(const Rect& rect, double scale, SessionTime
                  alarmed ? alarm.c_str() : calm.c_str());
 }
 
+// Below the banner, over the side view: in as many lines as the device's words take.
+void ExperimenterPanels::draw_fault(const Rect& rect, double scale) const {
+    const std::string_view words = model_.link().receiver().fault();
+    if (words.empty()) return;
+    const double margin = 8 * scale;
+    const auto wrap = static_cast<float>(rect.width - 2 * margin);
+    const char* const end = words.data() + words.size();
+    const ImVec2 size = ImGui::CalcTextSize(words.data(), end, false, wrap);
+    const Rect box{rect.x, rect.y, rect.width, static_cast<double>(size.y) + margin};
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    list.AddRectFilled(corner(box), far_corner(box), paint(kVermillion));
+    list.AddText(ImGui::GetFont(), ImGui::GetFontSize(),
+                 point(box.x + margin, std::floor(box.y + margin / 2)), paint(kBlack), words.data(), end,
+                 wrap);
+}
+
 void ExperimenterPanels::draw(SessionTime now, const OverlayFrame& frame) {
     for (const Command command : typed_commands(experimenter_keys())) model_.press(now, command);
     const double scale = frame.window.content_scale();
@@ -36,6 +53,7 @@ void ExperimenterPanels::draw(SessionTime now, const OverlayFrame& frame) {
     for (std::size_t i = 0; i < kPlotCount; ++i) {
         plots_[i].draw(list, layout.plots[i], scale, experimenter_plots()[i], link.history(), now);
     }
+    draw_fault(layout.side_view, scale);
     draw_readings(layout.readings, link, now);
     draw_controls(layout.controls, scale, model_, now);
     draw_question(scale, model_, now);

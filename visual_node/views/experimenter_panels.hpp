@@ -20,6 +20,7 @@ class ExperimenterPanels final : public Overlay {
 
   private:
     void draw_banner(const Rect& rect, double scale, SessionTime now) const;
+    void draw_fault(const Rect& rect, double scale) const;
 
     ExperimenterModel model_;
     std::array<PlotPanel, kPlotCount> plots_;

@@ -14,6 +14,7 @@ void MonitorReceiver::keep(SessionTime now, const Header& header, const Monitor&
     arrived_ = now;
     trial_ = header.trial;
     monitor_ = monitor;
+    if (monitor.reason != EndReason::kDeviceFault) fault_ = {};
 }
 
 }  // namespace thimble

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "common/flow.hpp"
 #include "common/messages.hpp"
@@ -26,6 +27,8 @@ class MonitorReceiver {
             if (const auto* monitor = std::get_if<Monitor>(&message->body)) {
                 keep(now, message->header, *monitor);
                 use(now, trial_, monitor_);
+            } else if (const auto* fault = std::get_if<DeviceFault>(&message->body)) {
+                fault_ = *fault;
             } else if (const auto* replay = std::get_if<ReplayState>(&message->body)) {
                 replay_ = *replay;
                 replay_arrived_ = now;
@@ -46,6 +49,9 @@ class MonitorReceiver {
     std::uint32_t trial() const { return trial_; }      // of the newest
     // Where what speaks is a recorded trial; else null.
     const ReplayState* replay() const;
+    // Why a device has ended the newest trial: which one, what happened, what to do; empty if none has. It stays where the
+    // session ends with it, until another one speaks.
+    std::string_view fault() const { return fault_.words(); }
     const FlowCounters& counters() const { return flow_.counters(); }
 
   private:
@@ -55,6 +61,7 @@ class MonitorReceiver {
     InboundFlow flow_{Role::kSession};
     Monitor monitor_;
     std::uint32_t trial_ = 0;
+    DeviceFault fault_;
     ReplayState replay_;
     SessionTime arrived_{}, replay_arrived_ = kNever;
     bool heard_ = false;

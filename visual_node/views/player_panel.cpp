@@ -1,6 +1,7 @@
 #include "visual_node/views/player_panel.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 #include "visual_node/views/drawing.hpp"
 #include "visual_node/views/key_input.hpp"
@@ -13,9 +14,9 @@ namespace {
 // Pixels at content scale 1.
 constexpr double kPanelWidth = 300, kRow = 30, kPlotHeight = 120;
 
-void text_in(Colour colour, const char* text) {
+void text_in(Colour colour, std::string_view text) {
     ImGui::PushStyleColor(ImGuiCol_Text, gui_colour(colour));
-    ImGui::TextWrapped("%s", text);
+    ImGui::TextWrapped("%.*s", static_cast<int>(text.size()), text.data());
     ImGui::PopStyleColor();
 }
 
@@ -68,6 +69,8 @@ void PlayerPanel::draw(SessionTime now, const OverlayFrame& frame) {
     const TextLine alarm = model_.link().alarm(now);
     const bool alarmed = !alarm.view().empty();
     text_in(alarmed ? kVermillion : kYellow, alarmed ? alarm.c_str() : model_.hint(now));
+    const std::string_view fault = model_.link().receiver().fault();
+    if (!fault.empty()) text_in(kVermillion, fault);
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, point(2 * scale, 2 * scale));
     if (model_.replaying()) {
         draw_replay(model_.replay(), model_.link().monitor(), scale, now);

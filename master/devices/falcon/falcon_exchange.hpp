@@ -3,12 +3,15 @@
 // neither waits for the other, and nothing is torn: three motors or encoders of 16 bits, 8 bits of flags, 8 bits that count.
 //
 // A hand is not left to a force that nobody renews: after kUnattendedTurns exchanges without a word from the handle's side the
-// motors get zero. The light is green once the legs are homed, red before.
+// motors get zero. Nor to one that belongs to a place nobody knows any more: a command that is not answered within 2 ms, or by
+// garbage, is followed by commands without force until a report comes.
+// The light is red before homing, blue while some legs are homed, green once all are.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <thread>
 
 #include "master/devices/falcon/falcon_link.hpp"
@@ -41,17 +44,22 @@ class FalconExchange {
         bool any = false;
     };
     Latest latest() const;
+    // The newest command was not answered: what is sent now has no force.
+    bool silent() const { return silent_.load(std::memory_order_acquire); }
     bool lost() const { return lost_.load(std::memory_order_acquire); }
 
   private:
+    std::optional<FalconReport> listen();
+    void publish(const FalconReport& report);
+
     FalconLink* link_;
     FalconReportReader reader_;
     std::atomic<std::uint64_t> command_{0}, report_{0};
-    std::atomic<bool> any_{false}, lost_{false}, stop_{false};
+    std::atomic<bool> any_{false}, silent_{false}, lost_{false}, stop_{false};
     std::uint8_t commands_ = 0, reports_ = 0;
     std::uint64_t carried_ = 0;  // command that the last turn sent
     int unattended_ = 0;
-    bool homed_ = false;
+    std::uint8_t light_ = kFalconRed;
     std::thread thread_;
 };
 

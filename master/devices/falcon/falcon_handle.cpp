@@ -1,5 +1,6 @@
 #include "master/devices/falcon/falcon_handle.hpp"
 
+#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,15 +9,18 @@
 #include "master/devices/falcon/falcon_kinematics.hpp"
 
 namespace thimble {
+namespace {
+
+constexpr const char* kHome =
+    "pull the grip out as far as it goes, then push it in as far as it goes, until its light is green";
+
+}  // namespace
 
 FalconHandle::FalconHandle(const FalconSettings& settings, double force_limit_N, std::string name,
                            FalconExchange& exchange)
     : settings_(settings),
       name_(std::move(name)),
-      not_homed_(name_ +
-                 ": not homed; pull the handle out as far as it goes, push it in as far as it goes, until "
-                 "its light turns "
-                 "from red to green, and start the trial again"),
+      not_homed_(name_ + ": not homed; " + kHome + ", and start the trial again"),
       exchange_(&exchange),
       axis_(settings.axis, force_limit_N) {
     exchange_->command({});
@@ -29,13 +33,23 @@ std::string_view FalconHandle::fault() const {
     return exchange_->latest().report.homed() ? std::string_view{} : not_homed_;
 }
 
+std::string FalconHandle::awaits() {
+    if (fault_.empty() && exchange_->lost()) fail("it was unplugged or switched off");
+    const FalconExchange::Latest latest = exchange_->latest();
+    if (!fault_.empty() || latest.report.homed()) return {};
+    if (!latest.any) return name_ + ": no report yet";
+    return fmt::format("{}: {} of 3 legs homed; {}", name_, std::popcount(latest.report.homed_legs), kHome);
+}
+
 HandleSample FalconHandle::read(SessionTime now) {
     const bool good = fault_.empty() && take_report(now);
+    const bool silent = exchange_->silent();
     if (good) {
         ++reads_;
+        if (silent) ++silent_reads_;
         apply();
     }
-    return {axis_.position_hand_m(), good ? force_hand_N_ : 0, good};
+    return {axis_.position_hand_m(), good && !silent ? force_hand_N_ : 0, good};
 }
 
 bool FalconHandle::take_report(SessionTime now) {
@@ -107,6 +121,7 @@ bool FalconHandle::fail(const std::string& what) {
 void FalconHandle::describe(nlohmann::ordered_json& report) const {
     report["device"] = name_;
     report["reads"] = reads_;
+    report["reads_without_report"] = silent_reads_;
     report["saturated"] = saturated_;
     if (!fault_.empty()) report["fault"] = fault_;
 }

@@ -1,6 +1,8 @@
 // The Novint Falcon. Its frame: z from the base towards the user; the needle's axis and the other two are AxisConstraint's.
-// Before its legs are homed (the user pulls the handle out and pushes it in, once after each loading of the firmware) it has no
-// position and gets no force: the fault says so, and goes by itself.
+// Before its legs are homed (the user pulls the grip out and pushes it in, once after each loading of the firmware) it has no
+// position and gets no force: awaits() and the fault say so, and go by themselves. Homing that is lost afterwards is a fault.
+//
+// A report that does not come costs the force within two ticks (FalconExchange), and the trial after kStalledAfter.
 #pragma once
 
 #include <functional>
@@ -29,6 +31,7 @@ class FalconHandle final : public RealHandle {
     std::string_view fault() const override;
 
     std::string name() const override { return name_; }
+    std::string awaits() override;
     void describe(nlohmann::ordered_json& report) const override;
     std::uint64_t saturated() const {
         return saturated_;
@@ -50,7 +53,7 @@ class FalconHandle final : public RealHandle {
     std::uint8_t count_ = 0;
     SessionTime heard_{};
     bool reading_ = false;  // heard_ is of this trial
-    std::uint64_t reads_ = 0, saturated_ = 0, refused_forces_ = 0;
+    std::uint64_t reads_ = 0, silent_reads_ = 0, saturated_ = 0, refused_forces_ = 0;
 };
 
 // Finds the device, loads its firmware if it has none, and starts the exchange. Its thread calls

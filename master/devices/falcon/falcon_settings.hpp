@@ -13,6 +13,7 @@ struct FalconSettings {
     std::string firmware;              // a file; empty: the device must have been loaded already
     std::string firmware_sha256;       // 64 hexadecimal digits; needed with a file
     double motor_gain_per_Nm = 10000;  // counts for each Nm at a leg [A]; a calibration
+    Duration homing_limit = std::chrono::seconds{60};  // for the user, before the node is ready
 };
 
 }  // namespace thimble

@@ -171,7 +171,6 @@ class OpenedFalcon final : public RealHandle {
         exchange_.start(prepare_thread);
         handle_ = std::make_unique<FalconHandle>(
             settings, force_limit_N, fmt::format("Novint Falcon, serial {}", usb_.serial()), exchange_);
-        if (!handle_->fault().empty()) spdlog::warn(handle_->fault());
     }
 
     HandleSample read(SessionTime now) override { return handle_->read(now); }
@@ -181,6 +180,7 @@ class OpenedFalcon final : public RealHandle {
     void enable_force(SessionTime now, bool enabled) override { handle_->enable_force(now, enabled); }
     std::string_view fault() const override { return handle_->fault(); }
     std::string name() const override { return handle_->name(); }
+    std::string awaits() override { return handle_->awaits(); }
     void describe(nlohmann::ordered_json& report) const override { handle_->describe(report); }
 
   private:

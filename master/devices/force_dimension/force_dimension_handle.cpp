@@ -174,7 +174,7 @@ HandleSample ForceDimensionHandle::read(SessionTime now) {
         if (--reads_until_status_ == 0) watch_status();
         if (forced_ && fault_.empty()) apply();
     }
-    return {axis_.position_hand_m(), fault_.empty() ? force_hand_N_ : 0, fault_.empty()};
+    return {axis_.position_hand_m(), fault_.empty() && !held_ ? force_hand_N_ : 0, fault_.empty()};
 }
 
 bool ForceDimensionHandle::take_position(SessionTime now) {
@@ -197,6 +197,8 @@ bool ForceDimensionHandle::take_position(SessionTime now) {
              "switch it off and on");
         return false;
     }
+    held_ = now - fresh_ > kHeldAfter;
+    if (held_) ++held_reads_;
     axis_.move_to(now, position_m);
     return true;
 }
@@ -232,7 +234,7 @@ void ForceDimensionHandle::command_force(SessionTime /*now*/, double force_hand_
 }
 
 void ForceDimensionHandle::apply() {
-    const DeviceVector force_N = axis_.force_device_N(force_hand_N_);
+    const DeviceVector force_N = held_ ? DeviceVector{} : axis_.force_device_N(force_hand_N_);
     const int answer = dhd_.set_force(force_N[0], force_N[1], force_N[2], id_);
     if (answer < 0) return fail_in("dhdSetForce");
     if (answer == kDhdMotorSaturated) ++saturated_;
@@ -274,6 +276,7 @@ void ForceDimensionHandle::describe(nlohmann::ordered_json& report) const {
     report["device"] = name_;
     report["library"] = library_.file();
     report["reads"] = reads_;
+    report["reads_without_position"] = held_reads_;
     report["saturated"] = saturated_;
     report["velocity_difference_m_per_s"] = velocity_difference_m_per_s();
     if (!fault_.empty()) report["fault"] = fault_;

@@ -19,7 +19,9 @@ namespace thimble {
 
 class ForceDimensionHandle final : public RealHandle {
   public:
-    // How long the same cached position may come before the device counts as stalled.
+    // How long the same cached position may come before the force is held at zero, in the second tick of 1 ms, and before the
+    // device counts as stalled.
+    static constexpr Duration kHeldAfter = std::chrono::microseconds{1500};
     static constexpr Duration kStalledAfter = std::chrono::milliseconds{20};
     static constexpr unsigned kReadsPerStatus = 2;  // motors off within two ticks
 
@@ -65,9 +67,10 @@ class ForceDimensionHandle final : public RealHandle {
     double force_hand_N_ = 0;
     SessionTime fresh_{};  // newest position that was not the last one again
     bool heard_ = false;
+    bool held_ = false;  // the position is too old to push for
     unsigned reads_until_status_ = kReadsPerStatus;
     VelocityEstimator velocity_;
-    std::uint64_t reads_ = 0, saturated_ = 0, refused_forces_ = 0, compared_ = 0;
+    std::uint64_t reads_ = 0, held_reads_ = 0, saturated_ = 0, refused_forces_ = 0, compared_ = 0;
     double squared_difference_ = 0;
 };
 

@@ -15,14 +15,18 @@ constexpr std::uint8_t kTranslation = 1, kRotation = 2;
 std::optional<HidAxes> HidAxes::described_by(const HidLayout& layout) {
     HidAxes axes;
     axes.layout_ = layout;
-    bool any = false;
+    std::optional<std::size_t> stick;
     for (const HidField& field : layout.fields) {
         const unsigned axis = static_cast<unsigned>(field.usage) - kFirstAxisUsage;
         if (field.usage_page != kGenericDesktop || axis >= kHidAxes || axes.fields_[axis].bits > 0) continue;
+        if (field.application >= layout.applications.size() ||
+            !is_stick(layout.applications[field.application]))
+            continue;
+        if (stick.value_or(field.application) != field.application) continue;
+        stick = field.application;
         axes.fields_[axis] = field;
-        any = true;
     }
-    return any ? std::optional(axes) : std::nullopt;
+    return stick ? std::optional(axes) : std::nullopt;
 }
 
 ReportVerdict HidAxes::take(std::span<const std::uint8_t> report) {

@@ -23,7 +23,7 @@ enum class ReportVerdict : std::uint8_t { kTaken, kOther, kBad };  // kOther: bu
 class HidAxes {
   public:
     static HidAxes of_spacemouse() { return {}; }
-    // Nothing if the layout has no axis.
+    // Those of its first joystick, gamepad or multi-axis controller that has any; nothing if none has.
     static std::optional<HidAxes> described_by(const HidLayout& layout);
 
     // A bad report changes nothing.

@@ -16,10 +16,8 @@ constexpr Duration kLongestPause = std::chrono::milliseconds{100};
 constexpr std::array<const char*, kHidAxes> kAxisNames{"x", "y", "z", "rx", "ry", "rz"};
 
 bool is_hand(const HidDevice& device) {
-    if (device.usage_page != kGenericDesktop) return false;
     const auto model = find_hid_model(device.vendor, device.product);
-    if (model && !model->six_axes) return false;
-    return device.usage == kMultiAxisUsage || device.usage == kGamepadUsage || device.usage == kJoystickUsage;
+    return is_stick({device.usage_page, device.usage}) && (!model || model->six_axes);
 }
 
 // Of the family, or what the settings name, and still no hand.

@@ -5,7 +5,7 @@
 namespace thimble {
 namespace {
 
-constexpr std::size_t kMostFields = 256, kMostUsages = 256, kMostPushed = 16;
+constexpr std::size_t kMostFields = 256, kMostUsages = 256, kMostPushed = 16, kMostApplications = 16;
 constexpr std::uint32_t kMostBits = 8 * 4096;  // of one report
 
 struct Item {
@@ -20,6 +20,8 @@ struct Item {
 };
 
 constexpr unsigned kMain = 0, kGlobal = 1, kLocal = 2;
+constexpr std::uint32_t kApplication = 1;  // kind of collection
+constexpr std::size_t kNoApplication = SIZE_MAX;
 
 struct Globals {
     std::uint16_t usage_page = 0;
@@ -27,10 +29,6 @@ struct Globals {
     std::uint32_t unsigned_maximum = 0;
     std::uint32_t report_size = 0, report_count = 0;
     std::uint8_t report = 0;
-};
-
-struct Usage {
-    std::uint16_t page = 0, usage = 0;
 };
 
 class DescriptorReader {
@@ -46,7 +44,7 @@ class DescriptorReader {
             if (!is_long && !take(item_of(bytes.subspan(0, 1 + size)))) return false;
             bytes = bytes.subspan(1 + size);
         }
-        return depth_ == 0 && named_;
+        return depth_ == 0 && !layout.applications.empty();
     }
     HidLayout layout;
 
@@ -76,14 +74,16 @@ class DescriptorReader {
         bool good = true;
         if (item.tag == 8) good = add_fields(item.data);
         if (item.tag == 10) {
-            if (!named_ && item.data == 1 && !usages_.empty()) {
-                named_ = true;
-                layout.usage_page = usages_.front().page;
-                layout.usage = usages_.front().usage;
+            if (depth_++ == 0 && item.data == kApplication && !usages_.empty()) {
+                if (layout.applications.size() == kMostApplications) return false;
+                application_ = layout.applications.size();
+                layout.applications.push_back(usages_.front());
             }
-            ++depth_;
         }
-        if (item.tag == 12) good = depth_-- > 0;
+        if (item.tag == 12) {
+            good = depth_-- > 0;
+            if (depth_ == 0) application_ = kNoApplication;
+        }
         usages_.clear();
         return good;
     }
@@ -127,7 +127,7 @@ class DescriptorReader {
     }
 
     // A usage of four bytes brings its page along.
-    Usage usage_of(const Item& item) const {
+    HidUsage usage_of(const Item& item) const {
         const auto page = item.size == 4 ? static_cast<std::uint16_t>(item.data >> 16) : globals_.usage_page;
         return {page, static_cast<std::uint16_t>(item.data)};
     }
@@ -136,7 +136,7 @@ class DescriptorReader {
         if (item.tag == 0 && usages_.size() < kMostUsages) usages_.push_back(usage_of(item));
         if (item.tag == 1) first_ = usage_of(item);
         if (item.tag != 2) return;
-        const Usage last = usage_of(item);
+        const HidUsage last = usage_of(item);
         for (std::uint32_t usage = first_.usage; usage <= last.usage && usages_.size() < kMostUsages; ++usage)
             usages_.push_back({first_.page, static_cast<std::uint16_t>(usage)});
     }
@@ -148,9 +148,9 @@ class DescriptorReader {
         const bool constant = (flags & 1U) != 0, variable = (flags & 2U) != 0;
         for (std::uint32_t i = 0; i < count; ++i, offset += size) {
             if (constant || !variable || size > 32 || size == 0 || usages_.empty()) continue;
-            const Usage usage = usages_[std::min<std::size_t>(i, usages_.size() - 1)];
-            HidField field{usage.page, usage.usage,      globals_.report, offset,
-                           size,       globals_.minimum, maximum()};
+            const HidUsage usage = usages_[std::min<std::size_t>(i, usages_.size() - 1)];
+            HidField field{usage.page, usage.usage, application_,     globals_.report,
+                           offset,     size,        globals_.minimum, maximum()};
             if (field.minimum < field.maximum && layout.fields.size() < kMostFields)
                 layout.fields.push_back(field);
         }
@@ -165,11 +165,11 @@ class DescriptorReader {
 
     Globals globals_;
     std::vector<Globals> pushed_;
-    std::vector<Usage> usages_;
-    Usage first_;
+    std::vector<HidUsage> usages_;
+    HidUsage first_;
     std::uint32_t offsets_[256]{};
     int depth_ = 0;
-    bool named_ = false;
+    std::size_t application_ = kNoApplication;
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 // variables. Offsets count bits from the byte after the report's number.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,20 +12,32 @@
 
 namespace thimble {
 
+struct HidUsage {
+    std::uint16_t page = 0, usage = 0;
+    bool operator==(const HidUsage&) const = default;
+};
+
 struct HidField {
     std::uint16_t usage_page = 0, usage = 0;
-    std::uint8_t report = 0;  // number; 0: reports have none
+    std::size_t application = 0;  // which of the layout's; behind its end outside of any
+    std::uint8_t report = 0;      // number; 0: reports have none
     std::uint32_t bit_offset = 0, bits = 0;
     std::int32_t minimum = 0, maximum = 0;  // logical, minimum < maximum
 };
 
 struct HidLayout {
-    std::uint16_t usage_page = 0, usage = 0;  // of the first application collection: what the device is
-    bool numbered = false;                    // each report begins with its number
-    std::vector<HidField> fields;             // input; at most 32 bits each
+    // What the device is: the usages of its outermost application collections. A receiver is a keyboard, a mouse and a stick, and
+    // the X of one is not that of another.
+    std::vector<HidUsage> applications;
+    bool numbered = false;         // each report begins with its number
+    std::vector<HidField> fields;  // input; at most 32 bits each
+
+    bool is(HidUsage usage) const {
+        return std::find(applications.begin(), applications.end(), usage) != applications.end();
+    }
 };
 
-// None if the bytes are no descriptor. Never more than 256 fields.
+// None if the bytes are no descriptor. Never more than 256 fields, and 16 applications.
 std::optional<HidLayout> parse_report_descriptor(std::span<const std::uint8_t> bytes);
 
 // None: another report, or one that is too short for it.
@@ -33,5 +47,10 @@ std::optional<std::int32_t> value_of(const HidLayout& layout, const HidField& fi
 inline constexpr std::uint16_t kGenericDesktop = 0x01;
 inline constexpr std::uint16_t kMouseUsage = 0x02, kJoystickUsage = 0x04, kGamepadUsage = 0x05,
                                kMultiAxisUsage = 0x08;
+// Joystick, gamepad, multi-axis controller: what a hand may hold.
+constexpr bool is_stick(HidUsage usage) {
+    return usage.page == kGenericDesktop &&
+           (usage.usage == kJoystickUsage || usage.usage == kGamepadUsage || usage.usage == kMultiAxisUsage);
+}
 
 }  // namespace thimble

@@ -11,6 +11,7 @@
 #include "common/error.hpp"
 #include "common/queue_channel.hpp"
 #include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/can/canopen.hpp"
 #include "cutaneous_node/emulator/emulated_drives.hpp"
 
 namespace thimble {
@@ -167,6 +168,86 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id", 40},
         FaultCase{"cut 3", "drive 3 (acting hand, index, cable 2): the cable is slack or torn", 300},
         FaultCase{"emcy 12 0x4210", "drive 12 (other hand, thumb, cable 2): EMCY 0x4210 (too hot)", 2}));
+
+// What drive 1 is told; and as with an interface's default queue of 10 frames: the last one of each cycle, the SYNC, is lost.
+class WatchedBus final : public CanBus {
+  public:
+    explicit WatchedBus(CanBus& bus) : bus_(&bus) {}
+    void send(const CanFrame& frame) override {
+        if (frame.id == 0x201U) target_per_mille = static_cast<std::int16_t>(load(frame, 2, 2));
+        const bool lost = full && frame.id == sync_frame().id;
+        ++(lost ? counters_.send_failed : counters_.sent);
+        if (!lost) bus_->send(frame);
+    }
+    void flush() override { bus_->flush(); }
+    bool receive(CanFrame& frame) override { return bus_->receive(frame); }
+
+    bool full = false;
+    int target_per_mille = 0;
+
+  private:
+    CanBus* bus_;
+};
+
+// Presses, brought up, on a bus that is watched.
+struct WatchedBench : DriveBench {
+    explicit WatchedBench(const std::string& more = "") : DriveBench(more), pressing(settings, 1.5, bus) {
+        while (!pressing.ready() && now < SessionTime{seconds{10}}) step();
+        EXPECT_TRUE(pressing.ready()) << pressing.fault();
+        step(milliseconds{300});
+        EXPECT_GT(bus.target_per_mille, 400);
+    }
+    void step(Duration time = milliseconds{1}) {
+        for (const SessionTime end = now + time; now < end;) {
+            now += milliseconds{1};
+            pressing.command(now, Finger::kIndex, pressing.ready() ? 1.0 : 0.0);
+            pressing.tick(now);
+            drives.tick(now);
+        }
+    }
+
+    WatchedBus bus{near_};
+    DriveActuator pressing;
+};
+
+// Long before it counts as dead: the others stop pressing.
+TEST(DriveActuator, ADriveThatDoesNotAnswerCostsTheForceInTwoCycles) {
+    for (const char* fault : {"silence 3", "no-data 3"}) {
+        WatchedBench bench("silent_after_s = 0.5");
+        bench.order(fault);
+        bench.step(3 * bench.settings.master.cycle + milliseconds{1});
+        EXPECT_EQ(bench.pressing.fault(), "") << "not yet";
+        EXPECT_LT(bench.bus.target_per_mille, 50) << fault;
+    }
+}
+
+TEST(DriveActuator, AQueueThatIsTooShortIsNamed) {
+    WatchedBench bench;
+    bench.bus.full = true;
+    bench.step(milliseconds{16});
+    EXPECT_EQ(bench.pressing.fault(), "") << "it may have been for a moment";
+    bench.step(milliseconds{10});
+    EXPECT_THAT(std::string(bench.pressing.fault()), HasSubstr("ip link set can0 txqueuelen 100"));
+}
+
+// What nobody should say: other identifiers, lengths, kinds of frames. All of it is passed over.
+TEST(DriveActuator, FramesThatAreNobodysChangeNothing) {
+    DriveBench bench;
+    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    for (int i = 0; i < 300; ++i) {
+        CanFrame stray;
+        stray.id =
+            i % 3 == 0 ? 0x18dU + static_cast<unsigned>(i) % 0x60U : 0x7e0U + static_cast<unsigned>(i) % 16U;
+        if (i % 5 == 1) stray.id = kCanExtended | (0x181U + static_cast<unsigned>(i) % 12U);
+        if (i % 5 == 2) stray.id = kCanRemote | (0x181U + static_cast<unsigned>(i) % 12U);
+        stray.length = static_cast<std::uint8_t>(i % 9);
+        stray.data.fill(static_cast<std::uint8_t>(i));
+        bench.far_.send(stray);
+        bench.press(Finger::kIndex, 1.0, milliseconds{1});
+    }
+    EXPECT_EQ(bench.actuator.fault(), "");
+    EXPECT_NEAR(bench.actuator.output(bench.now).force_N, 1.0, 0.01);
+}
 
 TEST(DriveActuator, ABusThatIsOffIsNamedAndTheDrivesHelpThemselves) {
     DriveBench bench;

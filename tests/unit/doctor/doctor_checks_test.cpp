@@ -176,10 +176,14 @@ TEST(DoctorCan, IsNeededByDrivesOnly) {
     expect_finding(check_can({}, kernel, {}), Severity::kNote, "this kernel has none", "modprobe can_raw");
     kernel.can = true;
     expect_finding(check_can({}, kernel, {}), Severity::kNote, "no interface", "type vcan");
-    expect_finding(check_can({{{"can0", false}}}, kernel, session_with("simulated", "drives")),
+    expect_finding(check_can({{{"can0", false, 10}}}, kernel, session_with("simulated", "drives")),
                    Severity::kWarning, "can0 is down", "ip link set can0 up type can bitrate 1000000");
-    expect_finding(check_can({{{"can0", false}, {"can1", true}}}, kernel, {}), Severity::kOk, "can1 is up",
-                   "");
+    expect_finding(check_can({{{"can0", false, 10}, {"can1", true, 10}}}, kernel, {}), Severity::kOk,
+                   "can1 is up", "");
+    expect_finding(check_can({{{"can0", true, 10}}}, kernel, session_with("simulated", "drives")),
+                   Severity::kWarning, "10 frames may wait there", "ip link set can0 txqueuelen 100");
+    expect_finding(check_can({{{"can0", true, 100}}}, kernel, session_with("simulated", "drives")),
+                   Severity::kOk, "can0 is up", "");
 }
 
 TEST(DoctorScreen, IsAFaultOnlyWhereAWindowIsWanted) {

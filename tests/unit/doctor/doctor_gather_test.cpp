@@ -60,12 +60,15 @@ TEST_F(MadeMachine, CanInterfacesAreKnownByTheirType) {
     write("sys/class/net/eth0/type", "1\n");
     write("sys/class/net/can0/type", "280\n");
     write("sys/class/net/can0/operstate", "down\n");
+    write("sys/class/net/can0/tx_queue_len", "10\n");
     write("sys/class/net/vcan0/type", "280\n");
     write("sys/class/net/vcan0/operstate", "unknown\n");
     const CanFacts facts = gather_can(root);
     ASSERT_EQ(facts.interfaces.size(), 2U);
     EXPECT_EQ(facts.interfaces[0].name, "can0");
     EXPECT_FALSE(facts.interfaces[0].up);
+    EXPECT_EQ(facts.interfaces[0].queue_frames, 10);
+    EXPECT_EQ(facts.interfaces[1].queue_frames, 0);
     EXPECT_TRUE(facts.interfaces[1].up);
 }
 
@@ -77,10 +80,12 @@ TEST_F(MadeMachine, HidDevicesAreToldApart) {
            {0x06, 0x54, static_cast<char>(0xff), 0x09, 0x01, static_cast<char>(0xa1), 0x01,
             static_cast<char>(0xc0)});
     hidraw("4", "0000054C:00000CE6", collection(1, 5));
-    hidraw("5", "0000054C:00000CE6", "\x05");  // cut short
+    hidraw("5", "0000054C:00000CE6", "\x05");                                                  // cut short
+    hidraw("6", "0000046D:0000C52B", collection(1, 6) + collection(1, 2) + collection(1, 8));  // a receiver
     write("dev/hidraw0", "");
     const auto devices = gather_devices(root).devices;
-    ASSERT_EQ(devices.size(), 4U);
+    ASSERT_EQ(devices.size(), 5U);
+    EXPECT_EQ(devices[4].use, DeviceUse::kHidHand);
     EXPECT_EQ(devices[0].use, DeviceUse::kHidHand);
     EXPECT_EQ(devices[0].name, "SpaceMouse Compact (256f:c635)");
     EXPECT_EQ(devices[0].node, "/dev/hidraw0");

@@ -104,7 +104,7 @@ bool EmulatedFalconLink::write(std::span<const std::uint8_t> bytes) {
 
 std::size_t EmulatedFalconLink::read(std::span<std::uint8_t> room, Duration /*limit*/) {
     if (device_->unplugged) return 0;
-    const auto bytes = device_->transmit(room.size());
+    const auto bytes = device_->transmit(std::min(room.size(), device_->packet_bytes));
     std::copy(bytes.begin(), bytes.end(), room.begin());
     return bytes.size();
 }

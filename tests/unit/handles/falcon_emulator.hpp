@@ -38,6 +38,7 @@ class FalconEmulator {
     bool deaf_loader = false;                  // no greeting
     std::optional<std::size_t> wrong_echo_at;  // once
     bool short_reports = false;
+    std::size_t packet_bytes = 64;  // of what EmulatedFalconLink gives at once
     bool garbled_reports = false;
 
   private:

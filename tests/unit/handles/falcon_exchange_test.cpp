@@ -33,11 +33,8 @@ TEST_F(FalconExchangeTest, BringsMotorsThereAndEncodersBack) {
     EXPECT_EQ(latest.report.encoders, device.report.encoders);
     EXPECT_EQ(latest.report.buttons, 0xf);
     EXPECT_EQ(latest.report.homed_legs, 5);
-    device.report.homed_legs = 7;
     exchange.turn();
-    exchange.turn();
-    EXPECT_EQ(device.commanded.lights, kFalconGreen);
-    EXPECT_EQ(exchange.latest().count, static_cast<std::uint8_t>(latest.count + 2));
+    EXPECT_EQ(exchange.latest().count, static_cast<std::uint8_t>(latest.count + 1));
 }
 
 TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEnds) {
@@ -64,6 +61,52 @@ TEST_F(FalconExchangeTest, ShortAndGarbledReportsAreNone) {
     device.garbled_reports = true;
     exchange.turn();
     EXPECT_EQ(exchange.latest().count, before);
+}
+
+// From the second tick on: the first still answers the last report.
+TEST_F(FalconExchangeTest, WhatIsNotAnsweredCostsTheForceUntilItIs) {
+    for (bool FalconEmulator::*fault :
+         {&FalconEmulator::silent, &FalconEmulator::short_reports, &FalconEmulator::garbled_reports}) {
+        exchange.command({100, 100, 100});
+        exchange.turn();
+        EXPECT_EQ(device.commanded.motors[0], 100);
+        device.*fault = true;
+        exchange.command({101, 100, 100});
+        exchange.turn();
+        EXPECT_TRUE(exchange.silent());
+        exchange.command({102, 100, 100});
+        exchange.turn();
+        EXPECT_EQ(device.commanded.motors, FalconTriple{});
+        device.*fault = false;
+        exchange.turn();
+        EXPECT_EQ(device.commanded.motors, FalconTriple{}) << "asked before it had answered";
+        EXPECT_FALSE(exchange.silent());
+        exchange.command({103, 100, 100});
+        exchange.turn();
+        EXPECT_EQ(device.commanded.motors[0], 103);
+    }
+}
+
+TEST_F(FalconExchangeTest, AReportInTwoPacketsIsOneReport) {
+    device.packet_bytes = 9;
+    exchange.command({100, 0, 0});
+    exchange.turn();
+    EXPECT_TRUE(exchange.latest().any);
+    EXPECT_FALSE(exchange.silent());
+}
+
+TEST_F(FalconExchangeTest, TheLightSaysHowFarHomingIs) {
+    const auto light_after = [&](std::uint8_t homed_legs) {
+        device.report.homed_legs = homed_legs;
+        exchange.turn();
+        exchange.turn();
+        return device.commanded.lights;
+    };
+    EXPECT_EQ(light_after(0), kFalconRed);
+    EXPECT_EQ(light_after(4), kFalconBlue);
+    EXPECT_EQ(light_after(7), kFalconGreen);
+    EXPECT_TRUE(device.commanded.homing);
+    EXPECT_EQ(light_after(0), kFalconRed);
 }
 
 TEST_F(FalconExchangeTest, EndsWithoutForce) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -69,6 +70,20 @@ TEST_F(FalconHandleTest, ZIsTowardsTheBaseFromTheMiddle) {
     EXPECT_NEAR(step().position_hand_m, -0.005, 5e-5);
 }
 
+// Nobody can tell: the grip is then elsewhere around z, which is the needle's axis, and along it within a count (48 um).
+TEST_F(FalconHandleTest, SwappedEncodersAreTheSameAlongTheNeedle) {
+    device.put_hand_at({0.01, -0.02, 0.115});
+    step();
+    const double position_m = step().position_hand_m;
+    for (const auto& [one, other] : {std::pair{1, 2}, std::pair{0, 1}}) {
+        std::swap(device.report.encoders[static_cast<std::size_t>(one)],
+                  device.report.encoders[static_cast<std::size_t>(other)]);
+        step();
+        EXPECT_NEAR(step().position_hand_m, position_m, 4.8e-5);
+    }
+    EXPECT_EQ(handle.fault(), "");
+}
+
 TEST_F(FalconHandleTest, AForceBecomesMotorCounts) {
     device.put_hand_at({0, 0, 0.110});
     exchange.turn();
@@ -114,7 +129,7 @@ TEST_F(FalconHandleTest, BeforeHomingThereIsNoForceAndTheWordsSayWhatToDo) {
     FalconExchange fresh(link);
     fresh.turn();
     FalconHandle unhomed(FalconSettings{}, 8, "Falcon", fresh);
-    EXPECT_THAT(std::string(unhomed.fault()), HasSubstr("pull the handle out"));
+    EXPECT_THAT(std::string(unhomed.fault()), HasSubstr("pull the grip out"));
     unhomed.enable_force(now, true);
     EXPECT_FALSE(unhomed.read(now += milliseconds{1}).valid);
     unhomed.command_force(now, 5);
@@ -133,7 +148,46 @@ TEST_F(FalconHandleTest, UnpluggedItIsGoneAtOnce) {
     EXPECT_FALSE(step(5).valid);
 }
 
-TEST_F(FalconHandleTest, AStalledDeviceLosesItsForce) {
+TEST_F(FalconHandleTest, WithoutReportsTheForceIsGoneInTwoTicksAndBackWithThem) {
+    handle.enable_force(now, true);
+    for (bool FalconEmulator::*fault : {&FalconEmulator::silent, &FalconEmulator::garbled_reports}) {
+        for (int i = 0; i < 5; ++i) step(2);
+        EXPECT_FALSE(motors_still());
+        device.*fault = true;
+        step(2);
+        EXPECT_EQ(step(2).force_hand_N, 0);
+        EXPECT_TRUE(motors_still());
+        device.*fault = false;
+        for (int i = 0; i < 3; ++i) step(2);
+        EXPECT_EQ(step(2).force_hand_N, 2) << "a report that is lost is no fault";
+        EXPECT_FALSE(motors_still());
+    }
+}
+
+TEST_F(FalconHandleTest, SaysWhatItWaitsForUntilItIsHomed) {
+    EXPECT_EQ(handle.awaits(), "");
+    FalconExchange fresh(link);
+    FalconHandle waiting(FalconSettings{}, 8, "Falcon", fresh);
+    EXPECT_EQ(waiting.awaits(), "Falcon: no report yet");
+    for (const auto& [legs, words] : {std::pair{0, "Falcon: 0 of 3 legs homed; pull the grip out"},
+                                      std::pair{5, "Falcon: 2 of 3 legs homed; pull the grip out"}}) {
+        device.report.homed_legs = static_cast<std::uint8_t>(legs);
+        fresh.turn();
+        EXPECT_THAT(waiting.awaits(), testing::StartsWith(words));
+        EXPECT_TRUE(motors_still());
+    }
+    device.report.homed_legs = 7;
+    fresh.turn();
+    EXPECT_EQ(waiting.awaits(), "");
+    EXPECT_EQ(waiting.fault(), "");
+    device.report.homed_legs = 0;
+    device.unplugged = true;
+    fresh.turn();
+    EXPECT_EQ(waiting.awaits(), "");
+    EXPECT_THAT(std::string(waiting.fault()), HasSubstr("unplugged"));
+}
+
+TEST_F(FalconHandleTest, AStalledDeviceEndsTheTrial) {
     EXPECT_LE(good_reads_after([this] { device.silent = true; }), 22);
     expect_gone_for_good("no report for 20 ms");
     EXPECT_TRUE(motors_still());

@@ -12,7 +12,7 @@
 #include "common/error.hpp"
 #include "master/devices/falcon/falcon_handle.hpp"
 #include "master/devices/usb_presence.hpp"
-#include "tests/unit/handles/mock_usb.hpp"
+#include "tests/devices/mock_falcon.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -25,8 +25,8 @@ constexpr double kLimit_N = 8;
 class FalconUsb : public testing::Test {
   protected:
     void SetUp() override {
-        if (!MockBus::works())
-            GTEST_SKIP() << "not run under umockdev-wrapper (package umockdev): no emulated USB";
+        if (!MockBed::possible())
+            GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
     }
     // Running and homed, the hand in the middle.
     static void make_ready(FalconEmulator& device) {
@@ -50,7 +50,7 @@ class FalconUsb : public testing::Test {
         return false;
     }
 
-    MockBus bus;
+    MockBed bus;
     FalconSettings settings;
     SessionTime now = at(std::chrono::milliseconds{5});  // stands still: no report is late
 };

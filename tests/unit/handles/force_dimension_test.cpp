@@ -170,6 +170,18 @@ INSTANTIATE_TEST_SUITE_P(Each, ForceDimensionFault,
                                                "its watchdog: this program called too rarely"}),
                          [](const auto& fault) { return std::string(fault.param.name); });
 
+TEST_F(ForceDimension, AClockThatStandsStillCostsTheForceInTwoTicks) {
+    script("stalled_after 30\n");
+    auto handle = open();
+    handle->enable_force(now_, true);  // the first position
+    EXPECT_TRUE(reads(*handle, 29, 3));
+    EXPECT_EQ(handle->read(now_ += milliseconds{1}).force_hand_N, 3);
+    const HandleSample second = handle->read(now_ += milliseconds{1});
+    EXPECT_TRUE(second.valid);
+    EXPECT_EQ(second.force_hand_N, 0);
+    EXPECT_THAT(log(), testing::EndsWith("force 3.000 0.000 0.000\nforce 0.000 0.000 0.000\n"));
+}
+
 TEST_F(ForceDimension, SaysWhichDeviceItCannotHave) {
     script("devices 0\n");
     EXPECT_THAT(refusal(), HasSubstr("no Force Dimension handle found"));

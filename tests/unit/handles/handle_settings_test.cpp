@@ -49,6 +49,13 @@ TEST(RealHandleSettings, DefaultsPushAwayFromTheUser) {
     EXPECT_EQ(settings.falcon.axis.origin_m, 0.125);
 }
 
+TEST(RealHandleSettings, OnlyAFalconsUserIsWaitedFor) {
+    EXPECT_EQ(user_limit(handle_from("")), Duration::zero());
+    EXPECT_EQ(user_limit(handle_from("[handle]\ndevice = \"falcon\"\n")), std::chrono::seconds{60});
+    EXPECT_EQ(user_limit(handle_from("[handle]\ndevice = \"falcon\"\nfalcon.homing_limit_s = 5\n")),
+              std::chrono::seconds{5});
+}
+
 TEST(RealHandleSettings, FirmwareNeedsItsSum) {
     EXPECT_ANY_THROW(handle_from("[handle.falcon]\nfirmware = \"a.bin\"\n"));
     EXPECT_ANY_THROW(handle_from("[handle.falcon]\nfirmware = \"a.bin\"\nfirmware_sha256 = \"abc\"\n"));

@@ -150,6 +150,25 @@ TEST_F(BoardActuatorTest, ASilentBoardIsTroubleAndOneThatSpeaksAgainIsNot) {
     EXPECT_THAT(actuator.fault(), IsEmpty());
 }
 
+TEST_F(BoardActuatorTest, OneThatRepeatsItselfIsSilent) {
+    const BoardStatus old{3, true, false, BoardFault::kNone, 900, 0};
+    const auto repeats_for = [&](int times) {
+        for (int i = 0; i < times; ++i) {
+            actuator.command(now, Finger::kIndex, 1.0);
+            board_says(old);
+            turn();
+        }
+    };
+    repeats_for(90);
+    EXPECT_THAT(actuator.fault(), IsEmpty());
+    repeats_for(20);
+    EXPECT_THAT(actuator.fault(), HasSubstr("or always the same"));
+    EXPECT_EQ(actuator.output(now).force_N, 0);
+    board_says({last_told().sequence, true, false, BoardFault::kNone, 900, 0});
+    turn();
+    EXPECT_THAT(actuator.fault(), IsEmpty());
+}
+
 TEST_F(BoardActuatorTest, AStallOfThisComputerIsNoSilenceOfTheBoard) {
     board_says({0, true, false, BoardFault::kNone, 900, 0});
     turn();

@@ -53,6 +53,37 @@ TEST(SpaceMouseAxes, ShortGarbledAndOtherReportsChangeNothing) {
     EXPECT_EQ(axes.values(), before);
 }
 
+TEST(DescribedAxes, OfAReceiverAreTheCapsAndNotTheMouses) {
+    auto axes = HidAxes::described_by(*parse_report_descriptor(kReceiverDescriptor));
+    ASSERT_TRUE(axes);
+    for (std::size_t axis = 0; axis < kHidAxes; ++axis) EXPECT_TRUE(axes->has(axis)) << axis;
+    EXPECT_EQ(axes->take(axes_report(3, {350, -175, 0, 35, 0, -350})), ReportVerdict::kTaken);
+    const auto pushed = axes->values();
+    EXPECT_DOUBLE_EQ(pushed[0], 1);
+    EXPECT_DOUBLE_EQ(pushed[1], -0.5);
+    EXPECT_DOUBLE_EQ(pushed[5], -1);
+    // A key, the mouse, a button, the maker's own: none of them moves the hand.
+    for (const Report& other : {Report{1, 2, 0, 4, 0, 0, 0, 0, 0}, Report{2, 1, 100, 156, 1}, Report{4, 3},
+                                Report{16, 1, 2, 3, 4, 5, 6}}) {
+        EXPECT_EQ(axes->take(other), ReportVerdict::kOther);
+        EXPECT_EQ(axes->values(), pushed);
+    }
+    EXPECT_EQ(axes->take(Report{3, 1, 2}), ReportVerdict::kBad);
+}
+
+// An adapter for two pads: axes of both would be a hand that nobody has.
+TEST(DescribedAxes, OfTwoSticksAreTheFirstOnes) {
+    Report two{0x05, 0x01, 0x09, 0x05, 0xa1, 0x01, 0x85, 0x01, 0x09, 0x30, 0x15, 0x00,
+               0x25, 0x7f, 0x75, 0x08, 0x95, 0x01, 0x81, 0x02, 0xc0, 0x09, 0x05, 0xa1,
+               0x01, 0x85, 0x02, 0x09, 0x30, 0x09, 0x31, 0x95, 0x02, 0x81, 0x02, 0xc0};
+    auto axes = HidAxes::described_by(*parse_report_descriptor(two));
+    ASSERT_TRUE(axes);
+    EXPECT_TRUE(axes->has(0));
+    EXPECT_FALSE(axes->has(1));
+    EXPECT_EQ(axes->take(Report{2, 127, 127}), ReportVerdict::kOther);
+    EXPECT_EQ(axes->take(Report{1, 127}), ReportVerdict::kTaken);
+}
+
 TEST(DescribedAxes, AreScaledToTheirRange) {
     auto axes = HidAxes::described_by(*parse_report_descriptor(kGamepadDescriptor));
     ASSERT_TRUE(axes);

@@ -1,6 +1,8 @@
 // Report descriptors as devices have them, and what is none.
 #include "master/devices/hid/report_descriptor.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/hid/fake_hid.hpp"
@@ -17,8 +19,7 @@ const Report kJoystick{0x05, 0x01, 0x09, 0x04, 0xa1, 0x01, 0x09, 0x01, 0xa1, 0x0
 TEST(ReportDescriptor, OfAGamepad) {
     const auto layout = parse_report_descriptor(kGamepadDescriptor);
     ASSERT_TRUE(layout);
-    EXPECT_EQ(layout->usage_page, kGenericDesktop);
-    EXPECT_EQ(layout->usage, kGamepadUsage);
+    EXPECT_EQ(layout->applications, (std::vector<HidUsage>{{kGenericDesktop, kGamepadUsage}}));
     EXPECT_TRUE(layout->numbered);
     ASSERT_EQ(layout->fields.size(), 12U);
     const HidField& second = layout->fields[1];
@@ -46,6 +47,30 @@ TEST(ReportDescriptor, FieldsAcrossBytesAreSigned) {
     EXPECT_EQ(value_of(*layout, layout->fields[0], report), -512);
     EXPECT_EQ(value_of(*layout, layout->fields[1], report), 511);
     EXPECT_EQ(value_of(*layout, layout->fields[2], report), 128);
+}
+
+TEST(ReportDescriptor, OfAReceiverHasAllItsApplications) {
+    const auto layout = parse_report_descriptor(kReceiverDescriptor);
+    ASSERT_TRUE(layout);
+    EXPECT_EQ(layout->applications, (std::vector<HidUsage>{{kGenericDesktop, 0x06},
+                                                           {kGenericDesktop, kMouseUsage},
+                                                           {kGenericDesktop, kMultiAxisUsage},
+                                                           {0xff00, 0x01}}));
+    EXPECT_TRUE(layout->is({kGenericDesktop, kMultiAxisUsage}));
+    EXPECT_FALSE(layout->is({kGenericDesktop, kGamepadUsage}));
+    const auto in = [&](std::size_t application) {
+        return std::count_if(layout->fields.begin(), layout->fields.end(),
+                             [=](const HidField& field) { return field.application == application; });
+    };
+    EXPECT_EQ(in(0), 8);  // modifiers; the keys are an array
+    EXPECT_EQ(in(1), 3 + 3);
+    EXPECT_EQ(in(2), 6 + 2);
+}
+
+TEST(ReportDescriptor, OfAHundredApplicationsIsNone) {
+    Report many{0x05, 0x01};
+    for (int i = 0; i < 100; ++i) many.insert(many.end(), {0x09, 0x04, 0xa1, 0x01, 0xc0});
+    EXPECT_FALSE(parse_report_descriptor(many));
 }
 
 TEST(ReportDescriptor, WhatIsNone) {

@@ -107,5 +107,27 @@ TEST_F(MonitorFeedTest, SendsNoMoreThan250PerSecondUnderTheTrialsNumber) {
     EXPECT_EQ(view.counters().refused_total(), 0U);
 }
 
+TEST_F(MonitorFeedTest, SaysAtOnceAndAgainThatADeviceHasEndedTheTrial) {
+    QueuePipe pipe;
+    MonitorFeed feed(8, {&pipe.a}, session.session());
+    InboundFlow view(Role::kSession);
+    const auto faults_at = [&](SessionTime now) {
+        feed.tick(now, {});
+        int faults = 0;
+        while (const Message* message = view.receive(now, pipe.b))
+            faults += std::holds_alternative<DeviceFault>(message->body) ? 1 : 0;
+        return faults;
+    };
+    session.start(trial());
+    run_for(seconds{1});
+    const SessionTime now = session.loop().now();
+    EXPECT_EQ(faults_at(now), 0);
+    session.session().abort(EndReason::kDeviceFault, Role::kMaster);
+    run_for(milliseconds{2});
+    EXPECT_EQ(faults_at(now + milliseconds{2}), 1);
+    EXPECT_EQ(faults_at(now + milliseconds{50}), 0);
+    EXPECT_EQ(faults_at(now + milliseconds{102}), 1);
+}
+
 }  // namespace
 }  // namespace thimble

@@ -34,6 +34,23 @@ TEST(MonitorReceiver, HandsOverEveryMessageAndKeepsTheNewest) {
     EXPECT_TRUE(receiver.silent(at(milliseconds{504})));
 }
 
+TEST(MonitorReceiver, ADevicesWordsStayUntilAnotherTrialRuns) {
+    QueuePipe pipe;
+    MonitorReceiver receiver(pipe.b);
+    OutboundFlow session(Role::kSession, 2, {&pipe.a});
+    Monitor ended;
+    ended.reason = EndReason::kDeviceFault;
+    session.send(at(milliseconds{1}), 4, DeviceFault("drive 3: EMCY 0x2310"));
+    session.send(at(milliseconds{1}), 4, ended);
+    take(receiver, at(milliseconds{1}));
+    EXPECT_EQ(receiver.fault(), "drive 3: EMCY 0x2310");
+    take(receiver, at(std::chrono::seconds{9}));
+    EXPECT_EQ(receiver.fault(), "drive 3: EMCY 0x2310") << "also where the session has ended with it";
+    session.send(at(std::chrono::seconds{9}), 5, Monitor{});
+    take(receiver, at(std::chrono::seconds{9}));
+    EXPECT_EQ(receiver.fault(), "");
+}
+
 TEST(MonitorReceiver, WhatIsNoMonitorOrNoSessionsIsCounted) {
     QueuePipe pipe;
     MonitorReceiver receiver(pipe.b);

@@ -1,4 +1,4 @@
-#include "tests/unit/handles/mock_usb.hpp"
+#include "tests/devices/mock_falcon.hpp"
 
 #include <algorithm>
 #include <array>
@@ -52,11 +52,7 @@ void put_number(UMockdevIoctlData* data, std::size_t offset, Number number) {
 
 }  // namespace
 
-MockBus::MockBus() : testbed_(umockdev_testbed_new()) {}
-MockBus::~MockBus() { g_object_unref(testbed_); }
-bool MockBus::works() { return umockdev_in_mock_environment() != 0; }
-
-MockFalcon::MockFalcon(const MockBus& bus, int number, std::string serial)
+MockFalcon::MockFalcon(MockBed& bed, int number, std::string serial)
     : path_(fmt::format("/dev/bus/usb/001/{:03}", number)), serial_(std::move(serial)) {
     const std::string hex = hexadecimal_digits();
     const std::string device = fmt::format(
@@ -68,19 +64,16 @@ MockFalcon::MockFalcon(const MockBus& bus, int number, std::string serial)
         "idProduct=cb48\\n\n"
         "H: descriptors={1}\n\n",
         number, hex);
-    umockdev_testbed_add_from_string(bus.testbed(), device.c_str(), nullptr);
+    bed.add(device);
     // libusb waits until it may write to the device: a pipe that is full until a transfer is done.
-    gchar* root = umockdev_testbed_get_root_dir(bus.testbed());
-    const std::string node = root + path_;
-    g_free(root);
-    unlink(node.c_str());
+    const std::string node = bed.vacate(path_);
     if (mkfifo(node.c_str(), 0666) != 0) throw std::runtime_error("no pipe at " + node);
     fifo_ = open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
     fcntl(fifo_, F_SETPIPE_SZ, kPipeBytes);
     signal_done();
     base_ = umockdev_ioctl_base_new();
     g_signal_connect(base_, "handle-ioctl", G_CALLBACK(on_ioctl), this);
-    umockdev_testbed_attach_ioctl(bus.testbed(), path_.c_str(), base_, nullptr);
+    bed.answer(path_, base_);
 }
 
 MockFalcon::~MockFalcon() {

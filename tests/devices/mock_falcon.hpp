@@ -1,5 +1,5 @@
-// USB devices that are not there, below the real libusb: umockdev answers the file system and the calls that libusb makes to the
-// kernel's usbfs, and an emulated Falcon answers the transfers. Needs umockdev's library preloaded (umockdev-wrapper).
+// A Falcon that is not there, below the real libusb: what libusb asks the kernel's usbfs is answered here, and the transfers by an
+// emulated Falcon.
 #pragma once
 
 #include <cstdint>
@@ -8,32 +8,17 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <umockdev.h>
 #include <vector>
 
+#include "tests/devices/mock_bed.hpp"
 #include "tests/unit/handles/falcon_emulator.hpp"
 
 namespace thimble {
 
-class MockBus {
-  public:
-    MockBus();
-    ~MockBus();
-    MockBus(const MockBus&) = delete;
-    MockBus& operator=(const MockBus&) = delete;
-
-    // Whether libusb's calls come here at all.
-    static bool works();
-    UMockdevTestbed* testbed() const { return testbed_; }
-
-  private:
-    UMockdevTestbed* testbed_;
-};
-
 class MockFalcon {
   public:
-    // The `number`th device on the bus, from 2.
-    MockFalcon(const MockBus& bus, int number, std::string serial);
+    // The `number`th device on the bus, from 2. `bed` outlives it.
+    MockFalcon(MockBed& bed, int number, std::string serial);
     ~MockFalcon();
     MockFalcon(const MockFalcon&) = delete;
     MockFalcon& operator=(const MockFalcon&) = delete;

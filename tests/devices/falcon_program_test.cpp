@@ -1,0 +1,79 @@
+// thimble-master with a Falcon under the real libusb: what it says before it is ready, and when it gives up.
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/devices/mock_falcon.hpp"
+#include "tests/loopback/lone_node.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+class FalconProgram : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!MockBed::possible())
+            GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
+        falcon_.emplace(bed_, 2, "F1");
+        falcon_->with([](FalconEmulator& device) {
+            device.running = true;
+            device.report.homed_legs = 0;
+        });
+    }
+    static std::string tables(const std::string& more) { return "[handle]\ndevice = \"falcon\"\n" + more; }
+    void home(std::uint8_t legs) {
+        falcon_->with([legs](FalconEmulator& device) { device.report.homed_legs = legs; });
+    }
+
+    MockBed bed_;
+    std::optional<MockFalcon> falcon_;
+};
+
+TEST_F(FalconProgram, WaitsForItsUserToHomeIt) {
+    LoneNode node("thimble-master", tables(""));
+    const auto says = [&](const char* words) {
+        return wait_until([&] { return node.words().find(words) != std::string::npos; });
+    };
+    ASSERT_TRUE(says("Novint Falcon, serial F1: 0 of 3 legs homed; pull the grip out")) << node.words();
+    EXPECT_THAT(node.words(), testing::Not(HasSubstr("ready")));
+    home(4);
+    ASSERT_TRUE(says("1 of 3 legs homed")) << node.words();
+    home(7);
+    ASSERT_TRUE(says("ready, ports from")) << node.words();
+    EXPECT_EQ(node.terminate(), 0) << node.words();
+}
+
+TEST_F(FalconProgram, GivesUpAfterItsLimitAndWhenItIsToldTo) {
+    LoneNode late("thimble-master", tables("falcon.homing_limit_s = 0.2\n"));
+    EXPECT_EQ(late.process().wait(kPatience).value_or(-1), 1);
+    EXPECT_THAT(late.words(), HasSubstr("0 of 3 legs homed"));
+    EXPECT_THAT(late.words(), HasSubstr("(waited for 0.2 s, [handle.falcon] homing_limit_s)"));
+    LoneNode patient("thimble-master", tables(""));
+    ASSERT_TRUE(wait_until([&] { return patient.words().find("legs homed") != std::string::npos; }));
+    EXPECT_EQ(patient.terminate(), 1);
+    EXPECT_THAT(patient.words(), HasSubstr("interrupted; Novint Falcon, serial F1: 0 of 3"));
+}
+
+TEST_F(FalconProgram, ARunShowsWhatItWaitsForAndGoesOn) {
+    SessionFile file;
+    file.modalities = "[\"CF\"]";
+    file.contact_hold_s = kEndlessHold_s;
+    file.more = tables("");
+    falcon_->with([](FalconEmulator& device) { device.put_hand_at({0, 0, 0.125}); });
+    RealRun run(file);
+    ASSERT_TRUE(wait_until([&] { return run.words().find("0 of 3 legs homed") != std::string::npos; }))
+        << run.words();
+    home(7);
+    EXPECT_TRUE(run.reaches_trial()) << run.words();
+    run.launcher().signal(SIGINT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    ASSERT_EQ(run.rows().size(), 1U);
+    EXPECT_EQ(run.rows()[0].reason, EndReason::kInterrupted);
+}
+
+}  // namespace
+}  // namespace thimble
