@@ -103,6 +103,8 @@ class Run {
         plan.attend = options_.attend;
         plan.strict_rt = options_.strict_rt;
         plan.if_exists = if_exists_;
+        plan.log = settings_.log;
+        plan.session_file = settings_.file;
         return plan;
     }
 
