@@ -22,7 +22,8 @@ class ByteQueue {
     };
 
     // A power of two, in bytes. All of it is touched now, so that no page is asked for later.
-    explicit ByteQueue(std::size_t capacity) : capacity_(capacity), ring_(std::make_unique<Line[]>(capacity / sizeof(Line))) {
+    explicit ByteQueue(std::size_t capacity)
+        : capacity_(capacity), ring_(std::make_unique<Line[]>(capacity / sizeof(Line))) {
         assert(std::has_single_bit(capacity) && capacity >= 1024);
         std::memset(at(0), 0, capacity);
     }
@@ -75,7 +76,9 @@ class ByteQueue {
     static_assert(sizeof(Entry) == 16, "so that there is room for one wherever an entry may begin");
 
     static std::size_t whole(std::size_t size) { return (size + 15) & ~std::size_t{15}; }
-    std::size_t offset(std::uint64_t position) const { return static_cast<std::size_t>(position & (capacity_ - 1)); }
+    std::size_t offset(std::uint64_t position) const {
+        return static_cast<std::size_t>(position & (capacity_ - 1));
+    }
     std::uint8_t* at(std::uint64_t position) const {
         return static_cast<std::uint8_t*>(static_cast<void*>(ring_.get())) + offset(position);
     }

@@ -20,7 +20,8 @@ LogSettings read_log_settings(const ConfigFile& file) {
     settings.messages = static_cast<LoggedMessages>(
         table.choice("messages", static_cast<std::size_t>(settings.messages), {"none", "control", "all"}));
     settings.folder = table.text("folder", settings.folder);
-    settings.sync_period = table.seconds("sync_period_s", settings.sync_period, Duration{0}, std::chrono::minutes{1});
+    settings.sync_period =
+        table.seconds("sync_period_s", settings.sync_period, Duration{0}, std::chrono::minutes{1});
     return settings;
 }
 

@@ -59,7 +59,9 @@ class McapOutput {
     std::size_t open_list();
     void close_list(std::size_t list);
     // In the place of what stands there.
-    void put_u32(std::size_t at, std::uint32_t value) { std::memcpy(bytes_.data() + at, &value, sizeof value); }
+    void put_u32(std::size_t at, std::uint32_t value) {
+        std::memcpy(bytes_.data() + at, &value, sizeof value);
+    }
 
     std::size_t size() const { return bytes_.size(); }
     Bytes view() const { return bytes_; }

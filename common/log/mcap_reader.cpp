@@ -50,7 +50,8 @@ class McapScanner {
 
   private:
     static bool begins_with_magic(Bytes bytes) {
-        return bytes.size() >= kMcapMagic.size() && std::equal(kMcapMagic.begin(), kMcapMagic.end(), bytes.begin());
+        return bytes.size() >= kMcapMagic.size() &&
+               std::equal(kMcapMagic.begin(), kMcapMagic.end(), bytes.begin());
     }
 
     void flaw(std::string words) {
@@ -146,7 +147,8 @@ class McapScanner {
         message.publish_time_ns = in.u64();
         message.data = in.rest();
         if (in.failed()) return refuse("a message is too short");
-        if (!channels_.contains(message.channel)) return refuse("a message is on a channel that nobody named");
+        if (!channels_.contains(message.channel))
+            return refuse("a message is on a channel that nobody named");
         ++scan_.messages;
         visitor_.message(message);
         return true;
@@ -196,7 +198,8 @@ class McapScanner {
         head.packed_size = in.u64();
         if (in.failed()) return head;
         head.readable = compression.empty();
-        if (!head.readable) flaw(fmt::format("a chunk is packed by '{}', which Thimble does not read", compression));
+        if (!head.readable)
+            flaw(fmt::format("a chunk is packed by '{}', which Thimble does not read", compression));
         return head;
     }
 

@@ -28,8 +28,9 @@ struct McapScan {
     bool finished = false;          // so are footer and magic at the end
     std::uint64_t whole_bytes = 0;  // to the end of the last whole record
     std::uint64_t messages = 0, chunks = 0;
-    std::uint64_t recovered = 0;     // of the messages: out of a chunk that was not finished
-    std::uint64_t damaged = 0;       // chunks, attachments and other parts whose CRC is wrong: nothing is read of them
+    std::uint64_t recovered = 0;  // of the messages: out of a chunk that was not finished
+    std::uint64_t damaged =
+        0;  // chunks, attachments and other parts whose CRC is wrong: nothing is read of them
     std::vector<std::string> flaws;  // in words, with the place, the first twenty
 };
 

@@ -6,7 +6,8 @@
 namespace thimble {
 
 std::string_view value_of(const McapMap& pairs, std::string_view key) {
-    const auto found = std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.first == key; });
+    const auto found =
+        std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.first == key; });
     return found == pairs.end() ? std::string_view{} : std::string_view(found->second);
 }
 
@@ -130,7 +131,8 @@ void McapWriter::flush() {
     const std::uint64_t chunk_length = out_.size();
     McapOutput index;
     const std::size_t record = index.open(McapOpcode::kChunkIndex);
-    for (const std::uint64_t number : {chunk_start_ns_, chunk_end_ns_, chunk_at, chunk_length}) index.u64(number);
+    for (const std::uint64_t number : {chunk_start_ns_, chunk_end_ns_, chunk_at, chunk_length})
+        index.u64(number);
     write_message_indexes(index);
     index.u64(out_.size() - chunk_length);
     index.text("");
@@ -173,7 +175,8 @@ void McapWriter::count_chunk() {
     start_ns_ = messages_ == 0 ? chunk_start_ns_ : std::min(start_ns_, chunk_start_ns_);
     end_ns_ = messages_ == 0 ? chunk_end_ns_ : std::max(end_ns_, chunk_end_ns_);
     messages_ += chunk_messages_;
-    for (std::size_t channel = 0; channel < counts_.size(); ++channel) counts_[channel] += chunk_index_[channel].size();
+    for (std::size_t channel = 0; channel < counts_.size(); ++channel)
+        counts_[channel] += chunk_index_[channel].size();
     ++chunks_;
 }
 
@@ -212,7 +215,8 @@ void McapWriter::write_statistics(McapOutput& out) const {
     out.close(record);
 }
 
-void McapWriter::close_group(McapOutput& summary, McapOutput& offsets, McapOpcode opcode, std::size_t start) const {
+void McapWriter::close_group(McapOutput& summary, McapOutput& offsets, McapOpcode opcode,
+                             std::size_t start) const {
     if (summary.size() == start) return;
     const std::size_t record = offsets.open(McapOpcode::kSummaryOffset);
     offsets.u8(static_cast<std::uint8_t>(opcode));

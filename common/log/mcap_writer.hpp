@@ -41,7 +41,9 @@ class McapWriter {
 
     std::uint64_t bytes() const { return offset_; }  // handed over so far
     std::uint64_t messages() const { return messages_; }
-    std::uint64_t forgotten() const { return forgotten_; }  // messages of chunks that could not be handed over
+    std::uint64_t forgotten() const {
+        return forgotten_;
+    }  // messages of chunks that could not be handed over
     std::size_t chunk_bytes() const { return chunk_.size(); }
 
   private:

@@ -24,8 +24,10 @@ std::string short_path(const std::filesystem::path& path) {
 LogFile::LogFile(const std::filesystem::path& path) : path_(path) {
     descriptor_ = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     if (descriptor_ >= 0) return;
-    const char* advice = errno == EEXIST ? "a log is never overwritten: name another file" : "check folder and permissions";
-    throw Error(ExitCode::kUsage, fmt::format("cannot create the log '{}': {}; {}", path.string(), std::strerror(errno), advice));
+    const char* advice =
+        errno == EEXIST ? "a log is never overwritten: name another file" : "check folder and permissions";
+    throw Error(ExitCode::kUsage, fmt::format("cannot create the log '{}': {}; {}", path.string(),
+                                              std::strerror(errno), advice));
 }
 
 LogFile::~LogFile() { close(descriptor_); }
@@ -41,10 +43,12 @@ void LogFile::write(Bytes bytes) {
             // Half a record would be in the way of what may still fit.
             static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(size_)) == 0);
             lseek(descriptor_, static_cast<off_t>(size_), SEEK_SET);
-            throw Error(ExitCode::kRunFailed,
-                        fmt::format("the log '{}' cannot be written: {}; make room there or write elsewhere, and start "
-                                    "anew. What it holds can be read",
-                                    short_path(path_), std::strerror(error)));
+            throw Error(
+                ExitCode::kRunFailed,
+                fmt::format(
+                    "the log '{}' cannot be written: {}; make room there or write elsewhere, and start "
+                    "anew. What it holds can be read",
+                    short_path(path_), std::strerror(error)));
         }
     }
     size_ += bytes.size();

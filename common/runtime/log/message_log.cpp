@@ -48,7 +48,8 @@ bool wait_for(int descriptor, Duration limit) {
 
 McapMap origin_notes(const LogOrigin& origin, const LogSettings& settings) {
     const ClockPair clocks = read_clock_pair();
-    std::string boot = read_whole("/proc/sys/kernel/random/boot_id");  // equal: one machine, one monotonic clock
+    std::string boot =
+        read_whole("/proc/sys/kernel/random/boot_id");  // equal: one machine, one monotonic clock
     while (!boot.empty() && boot.back() == '\n') boot.pop_back();
     return {{"program", origin.program},
             {"version", kVersion},
@@ -63,7 +64,8 @@ McapMap origin_notes(const LogOrigin& origin, const LogSettings& settings) {
 }  // namespace
 
 struct MessageLog::Writing {
-    explicit Writing(const std::filesystem::path& path) : file(path), writer(file, std::string("thimble ") + kVersion) {}
+    explicit Writing(const std::filesystem::path& path)
+        : file(path), writer(file, std::string("thimble ") + kVersion) {}
     LogFile file;
     McapWriter writer;
     std::uint16_t schema = 0;
@@ -71,7 +73,9 @@ struct MessageLog::Writing {
 };
 
 MessageLog::MessageLog() : queue_(kQueueBytes), stop_(eventfd(0, EFD_CLOEXEC)) {
-    if (stop_ < 0) throw Error(ExitCode::kRunFailed, "cannot make an event descriptor for the log: too many open files?");
+    if (stop_ < 0)
+        throw Error(ExitCode::kRunFailed,
+                    "cannot make an event descriptor for the log: too many open files?");
 }
 
 MessageLog::~MessageLog() {
@@ -91,7 +95,8 @@ Channel* MessageLog::tap(Channel& channel, Port sent_to, Port received_at) {
     return taps_.back().get();
 }
 
-void MessageLog::start(const std::filesystem::path& file, const LogOrigin& origin, const LogSettings& settings) {
+void MessageLog::start(const std::filesystem::path& file, const LogOrigin& origin,
+                       const LogSettings& settings) {
     std::error_code ignored;
     if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
     writing_ = std::make_unique<Writing>(file);
@@ -192,7 +197,8 @@ void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
     message.log_time_ns = message.publish_time_ns = static_cast<std::uint64_t>(entry.time_ns);
     if (readable) {
         message.sequence = writing_->message.header.sequence;
-        message.publish_time_ns = static_cast<std::uint64_t>(to_nanoseconds(writing_->message.header.send_time));
+        message.publish_time_ns =
+            static_cast<std::uint64_t>(to_nanoseconds(writing_->message.header.send_time));
     }
     message.data = bytes;
     if (writer.chunk_bytes() >= kMostChunkBytes) writer.flush();
@@ -212,8 +218,8 @@ void MessageLog::end() {
     try {
         McapWriter& writer = writing_->writer;
         if (!failed_) say_overflow(true);
-        writer.add_metadata("end", {{"messages_lost", std::to_string(lost())},
-                                    {"fault", failed_ ? fault_ : ""}});
+        writer.add_metadata("end",
+                            {{"messages_lost", std::to_string(lost())}, {"fault", failed_ ? fault_ : ""}});
         writer.finish();
         writing_->file.sync();
     } catch (const Error& error) {

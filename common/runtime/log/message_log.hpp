@@ -22,15 +22,15 @@ namespace thimble {
 inline constexpr Duration kLogPeriod = std::chrono::milliseconds{40};
 
 struct LogCounters {
-    std::string file;             // empty: nothing was to be written
-    std::uint64_t messages = 0;   // in the file
-    std::uint64_t bytes = 0;      // of the file
-    std::uint64_t lost = 0;       // no room in the queue, or none on the disk
+    std::string file;            // empty: nothing was to be written
+    std::uint64_t messages = 0;  // in the file
+    std::uint64_t bytes = 0;     // of the file
+    std::uint64_t lost = 0;      // no room in the queue, or none on the disk
 };
 
 // What a log says about the program that writes it.
 struct LogOrigin {
-    std::string program;  // "thimble-master"
+    std::string program;                       // "thimble-master"
     std::filesystem::path config;              // attached, if there is one
     std::vector<std::filesystem::path> files;  // attached with it
 };
