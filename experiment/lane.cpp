@@ -26,6 +26,15 @@ Sockets open_sockets(const LanePlan& plan, MessageLog* log) {
 
 }  // namespace
 
+template <class Write>
+void Lane::attempt(Write&& write) {
+    try {
+        write();
+    } catch (const Error& error) {
+        if (write_fault_.empty()) write_fault_ = error.what();
+    }
+}
+
 Lane::Company::Company(SessionProcess& session, std::unique_ptr<Process> attendant)
     : session_(&session), attendant_(std::move(attendant)) {}
 
@@ -49,10 +58,10 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       loop_(sockets_.listeners()) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
-        if (writer_) writer_->append(sample);
+        if (writer_) attempt([&] { writer_->append(sample); });
     });
     session_.set_clock_hook([this](Role node, const ClockExchange& exchange) {
-        if (clock_writer_) clock_writer_->append(node, exchange);
+        if (clock_writer_) attempt([&] { clock_writer_->append(node, exchange); });
         note_clock(node, exchange);
     });
 }
@@ -126,8 +135,9 @@ void Lane::note_trial(const TrialConditions& trial, std::uint32_t number) {
 // The file is the record; the summary is made from it.
 void Lane::close_clocks() {
     if (!clock_writer_) return;
-    clock_writer_->flush();
+    attempt([this] { clock_writer_->flush(); });
     clock_writer_.reset();
+    if (!write_fault_.empty()) return;  // its last line may be half a one
     result_.clocks = clocks_of(plan_.delay_s, read_clock_file(clock_path()));
 }
 
@@ -215,8 +225,10 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
         loop_.step(company_, now + kPoll);
         if (now >= next_poll) look_around(now + kPoll, next_poll);
         if (now >= next_flush) {
-            if (writer_) writer_->flush();
-            if (clock_writer_) clock_writer_->flush();
+            attempt([&] {
+                if (writer_) writer_->flush();
+                if (clock_writer_) clock_writer_->flush();
+            });
             next_flush = now + kFlush;
         }
         if (now >= next_progress && events_.progress) {
@@ -231,16 +243,18 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
 void Lane::look_around(SessionTime next, SessionTime& next_poll) {
     next_poll = next;
     if (events_.stop && events_.stop()) return session_.abort(EndReason::kInterrupted);
-    if (log_ && !log_->fault().empty()) return session_.abort(EndReason::kDeviceFault, Role::kSession);
+    const bool cannot_write = !write_fault_.empty() || (log_ && !log_->fault().empty());
+    if (cannot_write) return session_.abort(EndReason::kDeviceFault, Role::kSession);
     if (const auto dead = dead_node()) session_.abort(EndReason::kPeerLost, kNodes[*dead].role);
 }
 
 void Lane::close_trial() {
     const TrialRecord& record = session_.record();
     if (writer_) {
-        writer_->end(record.reason, record.lost_peer);
+        attempt([&] { writer_->end(record.reason, record.lost_peer); });
         writer_.reset();
-        if (!record.network_events.empty()) write_events(event_path(trajectory_), record.network_events);
+        if (!record.network_events.empty())
+            attempt([&] { write_events(event_path(trajectory_), record.network_events); });
     }
     // Not if whoever watches has ended the trial: then the lane goes on.
     if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {
@@ -260,8 +274,10 @@ void Lane::close_trial() {
 
 // What cannot be written is told by whoever was to write it, as a device that fails is.
 std::string Lane::words_of_fault(const TrialRecord& record) const {
+    if (record.lost_peer == Role::kSession && !write_fault_.empty()) return write_fault_;
     if (record.lost_peer == Role::kSession && log_) return std::string(log_->fault());
-    if (record.fault.starts_with("the log ")) return fmt::format("{}: {}", to_string(record.lost_peer), record.fault);
+    if (record.fault.starts_with("the log "))
+        return fmt::format("{}: {}", to_string(record.lost_peer), record.fault);
     return fmt::format("the device of {} failed: {}", to_string(record.lost_peer), record.fault);
 }
 

@@ -111,6 +111,9 @@ class Lane {
     void open_log();
     void note_clock(Role node, const ClockExchange& exchange);
     void note_trial(const TrialConditions& trial, std::uint32_t number);
+    // What cannot be written ends the trial, with what was written.
+    template <class Write>
+    void attempt(Write&& write);
     std::string words_of_fault(const TrialRecord& record) const;
     void close_clocks();
     void launch();
@@ -134,6 +137,7 @@ class Lane {
     std::optional<TrajectoryWriter> writer_;
     std::filesystem::path trajectory_;
     std::optional<ClockWriter> clock_writer_;
+    std::string write_fault_;  // empty: all could be written
     TrajectorySample last_;
     LaneResult result_;
 };
