@@ -1,17 +1,21 @@
 // A program's log: what passes a tapped channel, and what becomes of it.
 #include "common/runtime/log/message_log.hpp"
 
+#include <array>
 #include <csignal>
+#include <cstdlib>
 #include <sys/resource.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "common/flow.hpp"
 #include "common/queue_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "experiment/log/logged_file.hpp"
+#include "tests/read_text.hpp"
 #include "tests/unit/log/log_folder.hpp"
 #include "tests/unit/master/allocation_count.hpp"
 
@@ -142,6 +146,38 @@ TEST(MessageLog, NeverOverwrites) {
         EXPECT_EQ(error.code(), ExitCode::kUsage);
         EXPECT_THAT(error.what(), HasSubstr("never overwritten"));
     }
+}
+
+// @mcap/core is not Thimble's, and finds the same in a file as Thimble does.
+TEST(IndependentReader, OpensOurLogs) {
+    const std::filesystem::path modules = THIMBLE_SOURCE_DIR "/build/log_reader/node_modules";
+    if (!std::filesystem::exists(modules / "@mcap/core"))
+        GTEST_SKIP() << "@mcap/core is not installed: deploy/install-log-reader does that where there is npm";
+    TappedMaster master;
+    const auto session = master.folder.path() / "session.toml";
+    write_text_file(session, "# a session\n");
+    master.log.start(master.file(), {"thimble-master", session, {}}, {});
+    master.pass(100);
+    wall_sleep(2 * kLogPeriod);
+    master.pass(10);
+    master.log.close();
+    // Modules are sought beside the script.
+    std::filesystem::copy_file(THIMBLE_SOURCE_DIR "/tests/log_reader/read_log.mjs",
+                               master.folder.path() / "read_log.mjs");
+    std::filesystem::create_directory_symlink(modules, master.folder.path() / "node_modules");
+    const auto said = master.folder.path() / "said";
+    const std::string command = "node '" + (master.folder.path() / "read_log.mjs").string() + "' '" +
+                                master.file().string() + "' > '" + said.string() + "' 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0) << read_text(said);
+    const auto found = nlohmann::json::parse(read_text(said));
+    EXPECT_EQ(found["messages"],
+              nlohmann::json::parse(R"({"/master/heartbeats": 110, "/session/orders/master": 110})"));
+    EXPECT_EQ(found["indexed"], 220);
+    EXPECT_EQ(found["statistics"], 220);
+    EXPECT_EQ(found["times_go_up"], true);
+    EXPECT_EQ(found["schemas"], nlohmann::json::parse(R"([["thimble.wire.Packet", "flatbuffer", "BFBS"]])"));
+    EXPECT_EQ(found["attachments"], nlohmann::json::parse(R"(["session.toml"])"));
+    EXPECT_EQ(found["metadata"], nlohmann::json::parse(R"(["thimble", "end"])"));
 }
 
 // A limit of files' size for as long as this lives: the disk that is full is nobody else's.
