@@ -21,7 +21,7 @@ namespace {
 
 struct LogArguments {
     std::vector<std::string> files;
-    std::string out, topic, csv, json;
+    std::string out, topic, csv, json, hdf5;
     CLI::App *info = nullptr, *cat = nullptr, *check = nullptr, *repair = nullptr, *share = nullptr;
 };
 
@@ -109,10 +109,11 @@ void export_json(const LogArguments& a, const LogFiles& files) {
 }
 
 int share(const LogArguments& a) {
-    if (a.csv.empty() && a.json.empty())
-        throw Error(ExitCode::kUsage, "say where to: --csv FOLDER or --json FILE");
+    if (a.csv.empty() && a.json.empty() && a.hdf5.empty())
+        throw Error(ExitCode::kUsage, "say where to: --csv FOLDER, --hdf5 FILE or --json FILE");
     const LogFiles files = open_logs(a);
     if (!a.csv.empty()) fmt::print("{}: {} tables\n", a.csv, export_csv(files, a.csv, a.topic));
+    if (!a.hdf5.empty()) fmt::print("{}: {} tables\n", a.hdf5, export_hdf5(files, a.hdf5, a.topic));
     if (!a.json.empty()) export_json(a, files);
     return 0;
 }
@@ -161,6 +162,8 @@ Subcommand add_log(CLI::App& app) {
     a.repair->add_option("-o,--out", a.out, "the new file")->required();
     for (CLI::App* part : {a.cat, a.share}) part->add_option("--topic", a.topic, "only topics that begin so");
     a.share->add_option("--csv", a.csv, "folder for one table per log, topic and kind of message");
+    a.share->add_option("--hdf5", a.hdf5,
+                        "new file with the same tables, units as attributes (needs the HDF5 library)");
     a.share->add_option("--json", a.json, "file for one object per message and line; - is standard output");
     return {log, [arguments] { return run_log(*arguments); }};
 }

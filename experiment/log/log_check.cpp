@@ -9,6 +9,7 @@
 
 #include "common/codec.hpp"
 #include "common/flow.hpp"
+#include "experiment/log/log_info.hpp"
 #include "experiment/log/packet_fields.hpp"
 
 namespace thimble {
@@ -75,9 +76,7 @@ class FileCheck {
     void say_problems() {
         const McapScan& scan = file_.scan();
         for (const std::string& flaw : scan.flaws) say(true, flaw);
-        say(!scan.finished,
-            fmt::format("cut off after {} of {} bytes: thimble log repair makes a whole file of it",
-                        scan.whole_bytes, file_.bytes().size()));
+        say(!scan.finished, describe_end(file_));
         say(finding_.unreadable > 0,
             fmt::format("{} messages are no {}", finding_.unreadable, "thimble.wire.Packet"));
         say(finding_.backward > 0, fmt::format("log times go back {} times", finding_.backward));

@@ -19,16 +19,17 @@ std::string date_of(const LoggedFile& file) {
     return text;
 }
 
+}  // namespace
+
 std::string describe_end(const LoggedFile& file) {
     const McapScan& scan = file.scan();
     if (scan.finished) return "whole";
-    return fmt::format(
-        "cut off: {} of {} bytes are whole records{}; thimble log repair makes a whole file of it",
-        scan.whole_bytes, file.bytes().size(),
-        scan.recovered > 0 ? fmt::format(", and {} messages of an unfinished chunk", scan.recovered) : "");
+    const std::uint64_t behind = file.bytes().size() - scan.whole_bytes;
+    std::string text = "its writer did not end it";
+    if (behind > 0) text += fmt::format(", {} bytes behind the last whole record", behind);
+    if (scan.recovered > 0) text += fmt::format(", {} messages out of an unfinished chunk", scan.recovered);
+    return text + "; thimble log repair makes a whole file of it";
 }
-
-}  // namespace
 
 std::string describe_log(const LoggedFile& file) {
     const double duration_s = 1e-9 * static_cast<double>(file.last_ns() - file.first_ns());

@@ -7,6 +7,8 @@
 
 namespace thimble {
 
+// "whole", or what is missing at its end.
+std::string describe_end(const LoggedFile& file);
 std::string describe_log(const LoggedFile& file);
 
 }  // namespace thimble

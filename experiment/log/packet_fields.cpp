@@ -50,7 +50,7 @@ void add_fields(const reflection::Schema& schema, const reflection::Object& obje
     }
 }
 
-FieldValue value_at(const std::uint8_t* at, const PacketField& field) {
+FieldValue value_at(const std::uint8_t* at, const PacketField& field, EnumValues enums) {
     if (field.elements > 0) {
         const auto* text = static_cast<const char*>(static_cast<const void*>(at));
         return std::string(text, strnlen(text, field.elements));
@@ -59,7 +59,7 @@ FieldValue value_at(const std::uint8_t* at, const PacketField& field) {
     if (type == BaseType::Double || type == BaseType::Float) return flatbuffers::GetAnyValueF(type, at);
     const std::int64_t number = flatbuffers::GetAnyValueI(type, at);
     for (const auto& [value, name] : field.names) {
-        if (value == number) return name;
+        if (value == number && enums == EnumValues::kNames) return name;
     }
     if (type == BaseType::Bool) return number != 0;
     if (type == BaseType::ULong) return static_cast<std::uint64_t>(number);
@@ -98,12 +98,13 @@ const PacketPart* PacketFields::kind_of(Bytes packet) const {
     return found;
 }
 
-std::vector<FieldValue> PacketFields::values(Bytes packet, const PacketPart& part) const {
+std::vector<FieldValue> PacketFields::values(Bytes packet, const PacketPart& part, EnumValues enums) const {
     std::vector<FieldValue> values;
     const auto* bytes = table_of(packet).GetStruct<const std::uint8_t*>(part.table_offset);
     if (bytes == nullptr) return values;
     values.reserve(part.fields.size());
-    for (const PacketField& field : part.fields) values.push_back(value_at(bytes + field.offset, field));
+    for (const PacketField& field : part.fields)
+        values.push_back(value_at(bytes + field.offset, field, enums));
     return values;
 }
 

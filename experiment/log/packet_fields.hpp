@@ -23,6 +23,8 @@ struct PacketField {
     std::vector<std::pair<std::int64_t, std::string>> names{};  // of an enum's values
 };
 
+enum class EnumValues { kNames, kNumbers };
+
 struct PacketPart {
     std::string name;                // "needle_command", "header"
     std::uint16_t table_offset = 0;  // of its struct in the table
@@ -38,7 +40,8 @@ class PacketFields {
     // What kind of message it is; null if it is none, or several. `packet` has passed decode().
     const PacketPart* kind_of(Bytes packet) const;
     // In the order of part.fields; empty if the part is not there.
-    std::vector<FieldValue> values(Bytes packet, const PacketPart& part) const;
+    std::vector<FieldValue> values(Bytes packet, const PacketPart& part,
+                                   EnumValues enums = EnumValues::kNames) const;
 
   private:
     PacketPart header_;

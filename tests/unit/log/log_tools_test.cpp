@@ -195,6 +195,26 @@ TEST_F(LogTools, ValuesAreThoseThatWereSent) {
     EXPECT_EQ(object["header"]["sender"], "SlaveSim");
 }
 
+TEST_F(LogTools, EveryKindIsInTheHdf5File) {
+    WrittenLog log;
+    log.bodies = sample_messages();
+    log.messages = {{1, 10}, {2, 20}};
+    add("all", log);
+    const auto path = folder_.path() / "all.h5";
+    try {
+        EXPECT_EQ(export_hdf5(files_, path, ""), std::variant_size_v<Body>);
+    } catch (const Error& error) {
+        if (std::string(error.what()).find("--hdf5 needs") == std::string::npos) throw;
+        GTEST_SKIP() << error.what();
+    }
+    const std::string text = read_text(path);
+    EXPECT_EQ(text.substr(1, 3), "HDF");
+    EXPECT_THAT(text, HasSubstr("velocity_needle_m_per_s"));
+    EXPECT_THAT(text, HasSubstr("0 Free, 1 Contact, 2 Penetrated"));
+    EXPECT_THROW(export_hdf5(files_, path, ""), Error);
+    EXPECT_EQ(read_text(path), text);
+}
+
 TEST_F(LogTools, RepairGivesAWholeFile) {
     WrittenLog log;
     log.messages = {{1, 10}, {2, 20}, {3, 30}};
