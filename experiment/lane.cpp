@@ -269,7 +269,15 @@ void Lane::close_trial() {
         result_.problem = dead ? nodes_[*dead]->obituary()
                                : fmt::format("lost contact with {}", to_string(record.lost_peer));
     }
+    admit_write_fault(write_fault_);
     if (events_.trial_done) events_.trial_done(record);
+}
+
+// Also where a trial had ended well before: nothing is missing without a word.
+void Lane::admit_write_fault(std::string_view words) {
+    if (words.empty() || result_.code != ExitCode::kOk) return;
+    result_.code = ExitCode::kRunFailed;
+    result_.problem = words;
 }
 
 // What cannot be written is told by whoever was to write it, as a device that fails is.
@@ -292,7 +300,11 @@ void Lane::idle(Duration limit) {
 LaneResult Lane::close() {
     close_clocks();
     if (plan_.starter) end_nodes();
-    if (log_) log_->close();
+    admit_write_fault(write_fault_);
+    if (log_) admit_write_fault(log_->close().fault);
+    for (const auto& report : result_.reports) {
+        if (report.contains("log")) admit_write_fault(report["log"].value("fault", ""));
+    }
     return std::move(result_);
 }
 

@@ -114,6 +114,7 @@ class Lane {
     // What cannot be written ends the trial, with what was written.
     template <class Write>
     void attempt(Write&& write);
+    void admit_write_fault(std::string_view words);
     std::string words_of_fault(const TrialRecord& record) const;
     void close_clocks();
     void launch();

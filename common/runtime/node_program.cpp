@@ -82,13 +82,15 @@ void finish_config(const NodeProgram& program, const ConfigFile& file) {
     for (const std::string_view table : session_tables()) {
         const auto& own = program.tables;
         // [log] is read here, for all of them.
-        if (table != "log" && std::find(own.begin(), own.end(), table) == own.end()) elsewhere.push_back(table);
+        if (table != "log" && std::find(own.begin(), own.end(), table) == own.end())
+            elsewhere.push_back(table);
     }
     file.finish(elsewhere);
 }
 
 // Empty: nothing is to be written.
-std::filesystem::path log_path(const NodeProgram& program, const Options& options, const LogSettings& settings) {
+std::filesystem::path log_path(const NodeProgram& program, const Options& options,
+                               const LogSettings& settings) {
     if (settings.messages == LoggedMessages::kNone) return {};
     if (!options.log.empty() || settings.folder.empty()) return options.log;
     // Nobody else has this name: there is one such process at a time.
@@ -103,7 +105,11 @@ LogOrigin log_origin(const NodeProgram& program, const Options& options, const C
 }
 
 nlohmann::ordered_json describe(const LogCounters& log) {
-    return {{"file", log.file}, {"messages", log.messages}, {"bytes", log.bytes}, {"lost", log.lost}};
+    return {{"file", log.file},
+            {"messages", log.messages},
+            {"bytes", log.bytes},
+            {"lost", log.lost},
+            {"fault", log.fault}};
 }
 
 int check_deadlines(const Options& options, const RuntimeSettings& runtime, const LoopStatistics& loop) {

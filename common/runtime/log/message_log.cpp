@@ -80,6 +80,7 @@ MessageLog::MessageLog() : queue_(kQueueBytes), stop_(eventfd(0, EFD_CLOEXEC)) {
 
 MessageLog::~MessageLog() {
     close();
+    if (writing_ && syncs_) writing_->file.sync();
     ::close(stop_);
 }
 
@@ -111,9 +112,9 @@ void MessageLog::start(const std::filesystem::path& file, const LogOrigin& origi
     if (!origin.config.empty()) attach(origin.config);
     for (const auto& path : origin.files) attach(path);
     counters_.file = file.string();
+    syncs_ = settings.sync_period > Duration{0};
     thread_ = std::thread([this] { write_until_stopped(); });
-    if (settings.sync_period > Duration{0})
-        syncer_ = std::thread([this, period = settings.sync_period] { sync_until_stopped(period); });
+    if (syncs_) syncer_ = std::thread([this, period = settings.sync_period] { sync_until_stopped(period); });
 }
 
 void MessageLog::note(std::string name, McapMap pairs) {
@@ -134,7 +135,7 @@ LogCounters MessageLog::close() {
     counters_.messages = writing_->writer.messages();
     counters_.bytes = writing_->writer.bytes();
     counters_.lost = lost();
-    writing_.reset();
+    counters_.fault = fault();
     return counters_;
 }
 
@@ -221,7 +222,6 @@ void MessageLog::end() {
         writer.add_metadata("end",
                             {{"messages_lost", std::to_string(lost())}, {"fault", failed_ ? fault_ : ""}});
         writer.finish();
-        writing_->file.sync();
     } catch (const Error& error) {
         if (!failed_) fail(error.what());
     }

@@ -26,6 +26,7 @@ struct LogCounters {
     std::uint64_t messages = 0;  // in the file
     std::uint64_t bytes = 0;     // of the file
     std::uint64_t lost = 0;      // no room in the queue, or none on the disk
+    std::string fault;           // why not all could be written; empty: it could
 };
 
 // What a log says about the program that writes it.
@@ -51,7 +52,7 @@ class MessageLog final : public Recorder {
     bool running() const { return thread_.joinable(); }
     // A metadata record among the messages. Seldom: it allocates.
     void note(std::string name, McapMap pairs);
-    // Writes all that is there, index and end.
+    // Writes all that is there, index and end. What the disk then still has to do is waited for at the end of this object.
     LogCounters close();
 
     std::string_view fault() const override;
@@ -90,6 +91,7 @@ class MessageLog final : public Recorder {
     int stop_ = -1;  // an eventfd: both threads wait for it
     std::thread thread_, syncer_;
     LogCounters counters_;
+    bool syncs_ = false;
 };
 
 }  // namespace thimble
