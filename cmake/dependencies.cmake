@@ -7,6 +7,7 @@ find_package(CLI11 REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(FlatBuffers REQUIRED)
+find_package(ZLIB REQUIRED)
 find_program(FLATC_EXECUTABLE flatc REQUIRED)
 
 # What windows and sound need. Without it every program still runs, with displays that only record.

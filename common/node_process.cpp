@@ -89,8 +89,13 @@ void NodeProcess::take_network(SessionTime now, const SessionControl& control) {
 
 void NodeProcess::give_up_if_alone(SessionTime now) {
     if (!running()) return;
-    if (!device_fault().empty()) return give_up(now, EndReason::kDeviceFault);
+    if (!fault().empty()) return give_up(now, EndReason::kDeviceFault);
     if (orders_.silent_for(now, kPeerTimeout) || peer_lost(now)) give_up(now, EndReason::kPeerLost);
+}
+
+std::string_view NodeProcess::fault() const {
+    const std::string_view device = device_fault();
+    return device.empty() && recorder_ != nullptr ? recorder_->fault() : device;
 }
 
 void NodeProcess::give_up(SessionTime now, EndReason reason) {
@@ -110,7 +115,7 @@ void NodeProcess::report(SessionTime now) {
     describe(heartbeat);
     heartbeats_.send(now, trial_, heartbeat);
     if (reason_ == EndReason::kDeviceFault && state_ == NodeState::kFailed) {
-        heartbeats_.send(now, trial_, DeviceFault(device_fault()));
+        heartbeats_.send(now, trial_, DeviceFault(fault()));
     }
 }
 

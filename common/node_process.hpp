@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/flow.hpp"
+#include "common/log/recorder.hpp"
 #include "common/process.hpp"
 
 namespace thimble {
@@ -28,6 +29,9 @@ class NodeProcess : public Process {
     void tick(SessionTime now) final;
     SessionTime next_wakeup() const final;
     bool stopped() const final { return stopped_; }
+
+    // A trial that cannot be written down is given up, as one whose device fails. `recorder` outlives this.
+    void record_with(const Recorder& recorder) { recorder_ = &recorder; }
 
     Role role() const { return role_; }
     NodeState state() const { return state_; }
@@ -73,10 +77,12 @@ class NodeProcess : public Process {
     void give_up(SessionTime now, EndReason reason);
     void give_up_if_alone(SessionTime now);
     void report(SessionTime now);
+    std::string_view fault() const;
 
     Role role_;
     std::uint64_t instance_;
     Channel* control_;
+    const Recorder* recorder_ = nullptr;
     InboundFlow orders_{Role::kSession};
     OutboundFlow heartbeats_;
     NodeState state_ = NodeState::kIdle;

@@ -18,8 +18,24 @@ constexpr Duration kFlush = std::chrono::milliseconds{200};  // trajectory to di
 constexpr Duration kFarewell = std::chrono::seconds{1};      // to end when told to, and again
 constexpr Duration kProgress = std::chrono::milliseconds{500};
 constexpr Duration kWordsAfter = std::chrono::milliseconds{500};  // of a node that waits for its user
+constexpr Duration kClockNotes = std::chrono::seconds{1};  // offsets to the log, of each node
+
+Sockets open_sockets(const LanePlan& plan, MessageLog* log) {
+    Sockets sockets(plan.network);
+    if (log != nullptr) sockets.record_to(*log, plan.log.messages == LoggedMessages::kAll);
+    return sockets;
+}
 
 }  // namespace
+
+template <class Write>
+void Lane::attempt(Write&& write) {
+    try {
+        write();
+    } catch (const Error& error) {
+        if (write_fault_.empty()) write_fault_ = error.what();
+    }
+}
 
 Lane::Company::Company(SessionProcess& session, std::unique_ptr<Process> attendant)
     : session_(&session), attendant_(std::move(attendant)) {}
@@ -37,16 +53,18 @@ SessionTime Lane::Company::next_wakeup() const {
 Lane::Lane(const LanePlan& plan, const LaneEvents& events)
     : plan_(plan),
       events_(events),
-      sockets_(plan.network),
+      log_(plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>()),
+      sockets_(open_sockets(plan, log_.get())),
       session_(system_entropy(), plan.session, open_channels()),
       company_(session_, plan.attend ? plan.attend(session_, sockets_) : nullptr),
       loop_(sockets_.listeners()) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
-        if (writer_) writer_->append(sample);
+        if (writer_) attempt([&] { writer_->append(sample); });
     });
     session_.set_clock_hook([this](Role node, const ClockExchange& exchange) {
-        if (clock_writer_) clock_writer_->append(node, exchange);
+        if (clock_writer_) attempt([&] { clock_writer_->append(node, exchange); });
+        note_clock(node, exchange);
     });
 }
 
@@ -57,6 +75,7 @@ Lane::~Lane() {
 void Lane::open() {
     std::filesystem::create_directories(plan_.out);
     clock_writer_.emplace(clock_path());
+    if (log_) open_log();
     if (plan_.starter) launch();
     wait_for_machines();
     wait_for_nodes();
@@ -83,11 +102,48 @@ std::filesystem::path Lane::clock_path() const {
     return plan_.out / fmt::format("clocks_{:g}ms.csv", 1000 * plan_.delay_s);
 }
 
+std::filesystem::path Lane::messages_path(const std::string& program) const {
+    return plan_.out / fmt::format("{}_{:g}ms.mcap", program, 1000 * plan_.delay_s);
+}
+
+void Lane::open_log() {
+    const auto path = messages_path("session");
+    std::filesystem::remove(path);
+    log_->start(path, {"session", plan_.session_file, {}}, plan_.log);
+}
+
+// As measured until now, once a second and node.
+void Lane::note_clock(Role node, const ClockExchange& exchange) {
+    SessionTime& next = next_clock_note_.at(static_cast<std::size_t>(node));
+    if (!log_ || exchange.answered < next) return;
+    next = exchange.answered + kClockNotes;
+    const auto offset = session_.clock_of(node).at(exchange.answered);
+    if (!offset) return;
+    log_->note("clock_offset", {{"node", to_string(node)},
+                                {"offset_s", fmt::format("{:.9f}", offset->offset_s())},
+                                {"bound_s", fmt::format("{:.9f}", offset->bound_s())},
+                                {"at_ns", std::to_string(to_nanoseconds(exchange.answered))}});
+}
+
+void Lane::note_trial(const TrialConditions& trial, std::uint32_t number) {
+    if (!log_) return;
+    log_->note("trial", {{"seed", std::to_string(trial.study_seed)},
+                         {"experiment", std::to_string(trial.experiment)},
+                         {"subject", std::to_string(trial.subject)},
+                         {"trial", std::to_string(trial.trial)},
+                         {"number_on_the_wire", std::to_string(number)},
+                         {"modality", to_string(trial.modality)},
+                         {"delay_s", fmt::format("{}", trial.delay_s)},
+                         {"fixture_position_m", fmt::format("{}", trial.fixture_position_m)},
+                         {"at_ns", std::to_string(to_nanoseconds(wall_now()))}});
+}
+
 // The file is the record; the summary is made from it.
 void Lane::close_clocks() {
     if (!clock_writer_) return;
-    clock_writer_->flush();
+    attempt([this] { clock_writer_->flush(); });
     clock_writer_.reset();
+    if (!write_fault_.empty()) return;  // its last line may be half a one
     result_.clocks = clocks_of(plan_.delay_s, read_clock_file(clock_path()));
 }
 
@@ -100,6 +156,7 @@ void Lane::launch() {
         order.log = log_path(i);
         order.report = report_path(i);
         order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
+        if (log_) order.messages = messages_path(node.program);
         if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
         if (node.role == Role::kNetem) {
             order.arguments.insert(order.arguments.end(),
@@ -183,6 +240,7 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
         std::filesystem::create_directories(trajectory.parent_path());
         writer_.emplace(trajectory, plan_.if_exists);
     }
+    note_trial(trial, number);
     session_.start(trial, number);
     SessionTime next_poll{}, next_flush{}, next_progress{};
     while (!session_.finished()) {
@@ -190,8 +248,10 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
         loop_.step(company_, now + kPoll);
         if (now >= next_poll) look_around(now + kPoll, next_poll);
         if (now >= next_flush) {
-            if (writer_) writer_->flush();
-            if (clock_writer_) clock_writer_->flush();
+            attempt([&] {
+                if (writer_) writer_->flush();
+                if (clock_writer_) clock_writer_->flush();
+            });
             next_flush = now + kFlush;
         }
         if (now >= next_progress && events_.progress) {
@@ -206,15 +266,18 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
 void Lane::look_around(SessionTime next, SessionTime& next_poll) {
     next_poll = next;
     if (events_.stop && events_.stop()) return session_.abort(EndReason::kInterrupted);
+    const bool cannot_write = !write_fault_.empty() || (log_ && !log_->fault().empty());
+    if (cannot_write) return session_.abort(EndReason::kDeviceFault, Role::kSession);
     if (const auto dead = dead_node()) session_.abort(EndReason::kPeerLost, kNodes[*dead].role);
 }
 
 void Lane::close_trial() {
     const TrialRecord& record = session_.record();
     if (writer_) {
-        writer_->end(record.reason, record.lost_peer);
+        attempt([&] { writer_->end(record.reason, record.lost_peer); });
         writer_.reset();
-        if (!record.network_events.empty()) write_events(event_path(trajectory_), record.network_events);
+        if (!record.network_events.empty())
+            attempt([&] { write_events(event_path(trajectory_), record.network_events); });
     }
     // Not if whoever watches has ended the trial: then the lane goes on.
     if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {
@@ -222,15 +285,31 @@ void Lane::close_trial() {
         result_.problem = "interrupted; what was recorded is kept";
     } else if (record.reason == EndReason::kDeviceFault) {
         result_.code = ExitCode::kRunFailed;
-        result_.problem =
-            fmt::format("the device of {} failed: {}", to_string(record.lost_peer), record.fault);
+        result_.problem = words_of_fault(record);
     } else if (record.reason == EndReason::kPeerLost) {
         result_.code = ExitCode::kNetwork;
         const auto dead = dead_node();
         result_.problem = dead ? nodes_[*dead]->obituary()
                                : fmt::format("lost contact with {}", to_string(record.lost_peer));
     }
+    admit_write_fault(write_fault_);
     if (events_.trial_done) events_.trial_done(record);
+}
+
+// Also where a trial had ended well before: nothing is missing without a word.
+void Lane::admit_write_fault(std::string_view words) {
+    if (words.empty() || result_.code != ExitCode::kOk) return;
+    result_.code = ExitCode::kRunFailed;
+    result_.problem = words;
+}
+
+// What cannot be written is told by whoever was to write it, as a device that fails is.
+std::string Lane::words_of_fault(const TrialRecord& record) const {
+    if (record.lost_peer == Role::kSession && !write_fault_.empty()) return write_fault_;
+    if (record.lost_peer == Role::kSession && log_) return std::string(log_->fault());
+    if (record.fault.starts_with("the log "))
+        return fmt::format("{}: {}", to_string(record.lost_peer), record.fault);
+    return fmt::format("the device of {} failed: {}", to_string(record.lost_peer), record.fault);
 }
 
 void Lane::idle(Duration limit) {
@@ -243,7 +322,16 @@ void Lane::idle(Duration limit) {
 
 LaneResult Lane::close() {
     close_clocks();
-    if (!plan_.starter) return std::move(result_);
+    if (plan_.starter) end_nodes();
+    admit_write_fault(write_fault_);
+    if (log_) admit_write_fault(log_->close().fault);
+    for (const auto& report : result_.reports) {
+        if (report.contains("log")) admit_write_fault(report["log"].value("fault", ""));
+    }
+    return std::move(result_);
+}
+
+void Lane::end_nodes() {
     session_.shut_down(wall_now());
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         if (!wait_for_end(*nodes_[i], kFarewell)) nodes_[i]->stop();
@@ -259,7 +347,6 @@ LaneResult Lane::close() {
         auto report = nlohmann::ordered_json::parse(file, nullptr, false);
         if (!report.is_discarded()) result_.reports.push_back(std::move(report));
     }
-    return std::move(result_);
 }
 
 LaneResult run_lane(const LanePlan& plan, const LaneEvents& events) {

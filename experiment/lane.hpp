@@ -2,6 +2,7 @@
 // its trials, everything recorded as it comes.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -12,7 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/log/log_settings.hpp"
 #include "common/network_settings.hpp"
+#include "common/runtime/log/message_log.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
 #include "experiment/clocks/clock_table.hpp"
@@ -37,6 +40,9 @@ struct LanePlan {
     // opens among the sockets wakes the lane.
     MakeAttendant attend{};
     bool strict_rt = false;
+    // What session and nodes write down of their messages, in NAME_<delay>ms.mcap in `out`.
+    LogSettings log{LoggedMessages::kNone, {}, {}};
+    std::filesystem::path session_file{};  // kept with it
     IfExists if_exists = IfExists::kRefuse;
 };
 
@@ -102,8 +108,18 @@ class Lane {
     std::filesystem::path report_path(std::size_t node) const;
     std::filesystem::path log_path(std::size_t node) const;
     std::filesystem::path clock_path() const;
+    std::filesystem::path messages_path(const std::string& program) const;
+    void open_log();
+    void note_clock(Role node, const ClockExchange& exchange);
+    void note_trial(const TrialConditions& trial, std::uint32_t number);
+    // What cannot be written ends the trial, with what was written.
+    template <class Write>
+    void attempt(Write&& write);
+    void admit_write_fault(std::string_view words);
+    std::string words_of_fault(const TrialRecord& record) const;
     void close_clocks();
     void launch();
+    void end_nodes();
     std::optional<std::size_t> dead_node();
     void throw_if_dead();
     void wait_for_machines();
@@ -114,6 +130,8 @@ class Lane {
 
     const LanePlan& plan_;
     const LaneEvents& events_;
+    std::unique_ptr<MessageLog> log_;  // none: nothing is to be written; it outlives whoever speaks
+    std::array<SessionTime, kRoleCount> next_clock_note_{};
     Sockets sockets_;
     SessionProcess session_;
     Company company_;
@@ -122,6 +140,7 @@ class Lane {
     std::optional<TrajectoryWriter> writer_;
     std::filesystem::path trajectory_;
     std::optional<ClockWriter> clock_writer_;
+    std::string write_fault_;  // empty: all could be written
     TrajectorySample last_;
     LaneResult result_;
 };

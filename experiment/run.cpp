@@ -44,8 +44,7 @@ class Run {
         bare_ = measure_ping_pong(options_.runtime);
         run_lanes();
         if (failure_ && result_.rows.empty()) std::rethrow_exception(failure_);
-        repeat_virtually();
-        report();
+        conclude();
         if (failure_) std::rethrow_exception(failure_);
         return std::move(result_);
     }
@@ -103,6 +102,8 @@ class Run {
         plan.attend = options_.attend;
         plan.strict_rt = options_.strict_rt;
         plan.if_exists = if_exists_;
+        plan.log = settings_.log;
+        plan.session_file = settings_.file;
         return plan;
     }
 
@@ -144,6 +145,16 @@ class Run {
                                   outcome_text(row.reason, row.lost_peer), row.metrics.completion_time_s,
                                   1000 * row.metrics.penetration_max_m, row.metrics.contacts_lost,
                                   row.metrics.oscillates ? "oscillates" : "settles"));
+    }
+
+    // What went wrong before, a full disk perhaps, is not hidden by what then goes wrong here.
+    void conclude() {
+        try {
+            repeat_virtually();
+            report();
+        } catch (...) {
+            if (!failure_ && result_.code == ExitCode::kOk) throw;
+        }
     }
 
     void repeat_virtually() {

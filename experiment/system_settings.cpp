@@ -123,6 +123,7 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     if (file.root().has("protocol")) s.protocol = read_protocol_settings(protocol);
     s.dataset = read_dataset_settings(file.table("dataset"));
     s.launch = read_launch_settings(file);
+    s.log = read_log_settings(file);
     check_agreement(file, s);
     file.finish();
     return s;
@@ -147,7 +148,9 @@ SystemSettings load_system_settings(const std::filesystem::path& path,
                                     const std::vector<SettingChange>& changes) {
     ConfigFile file = path.empty() ? ConfigFile::empty() : ConfigFile::load(path);
     for (const SettingChange& change : changes) file.set(change.key, change.value);
-    return read_system_settings(file);
+    SystemSettings settings = read_system_settings(file);
+    settings.file = path;
+    return settings;
 }
 
 }  // namespace thimble

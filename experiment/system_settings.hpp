@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/config.hpp"
+#include "common/log/log_settings.hpp"
 #include "cutaneous_node/cutaneous_settings.hpp"
 #include "experiment/launch/launch_settings.hpp"
 #include "experiment/participant.hpp"
@@ -60,6 +61,8 @@ struct SystemSettings {
     std::optional<ProtocolSettings> protocol;  // there if the file has a table [protocol]
     DatasetSettings dataset;
     LaunchSettings launch;
+    LogSettings log;
+    std::filesystem::path file;  // where all this was read from; empty: nowhere
 };
 
 // Throws Error (usage) on anything unknown or out of range.

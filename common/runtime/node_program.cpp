@@ -13,7 +13,9 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/log/log_settings.hpp"
 #include "common/runtime/command_line.hpp"
+#include "common/runtime/log/message_log.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/service_notice.hpp"
@@ -24,7 +26,7 @@ namespace thimble {
 namespace {
 
 struct Options {
-    std::string config, report;
+    std::string config, report, log;
     int base_port = 0;
     bool strict_rt = false;
     bool die_with_parent = false;
@@ -79,9 +81,35 @@ void finish_config(const NodeProgram& program, const ConfigFile& file) {
     std::vector<std::string_view> elsewhere;
     for (const std::string_view table : session_tables()) {
         const auto& own = program.tables;
-        if (std::find(own.begin(), own.end(), table) == own.end()) elsewhere.push_back(table);
+        // [log] is read here, for all of them.
+        if (table != "log" && std::find(own.begin(), own.end(), table) == own.end())
+            elsewhere.push_back(table);
     }
     file.finish(elsewhere);
+}
+
+// Empty: nothing is to be written.
+std::filesystem::path log_path(const NodeProgram& program, const Options& options,
+                               const LogSettings& settings) {
+    if (settings.messages == LoggedMessages::kNone) return {};
+    if (!options.log.empty() || settings.folder.empty()) return options.log;
+    // Nobody else has this name: there is one such process at a time.
+    return std::filesystem::path(settings.folder) /
+           fmt::format("{}_{}.mcap", program.name, read_clock_pair().realtime_ns);
+}
+
+LogOrigin log_origin(const NodeProgram& program, const Options& options, const ConfigFile& file) {
+    LogOrigin origin{program.name, options.config, {}};
+    for (const std::string& name : file.used_files()) origin.files.push_back(file.folder() / name);
+    return origin;
+}
+
+nlohmann::ordered_json describe(const LogCounters& log) {
+    return {{"file", log.file},
+            {"messages", log.messages},
+            {"bytes", log.bytes},
+            {"lost", log.lost},
+            {"fault", log.fault}};
 }
 
 int check_deadlines(const Options& options, const RuntimeSettings& runtime, const LoopStatistics& loop) {
@@ -136,10 +164,18 @@ int run(const NodeProgram& program, const Options& options) {
     NetworkSettings network = read_network_settings(file);
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
     const RuntimeSettings runtime = read_runtime_settings(file);
+    const LogSettings logging = read_log_settings(file);
+    const std::filesystem::path log_file = log_path(program, options, logging);
+    const auto log = log_file.empty() ? nullptr : std::make_unique<MessageLog>();
     Sockets sockets(network);
+    if (log) sockets.record_to(*log, logging.messages == LoggedMessages::kAll && !program.relays);
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);
     install_stop_signals();
+    if (log) {
+        log->start(log_file, log_origin(program, options, file), logging);
+        instance->process().record_with(*log);
+    }
     instance->bring_up();
     RealtimeLoop loop(sockets.listeners());
     spdlog::info("ready, ports from {}", network.base_port);
@@ -149,8 +185,11 @@ int run(const NodeProgram& program, const Options& options) {
     } else {
         run_process(*instance, runtime, loop, notice);
     }
-    save(options.report,
-         describe(program, *instance, instance->process().counters(), sockets.counters(), loop.statistics()));
+    auto report =
+        describe(program, *instance, instance->process().counters(), sockets.counters(), loop.statistics());
+    if (log) report["log"] = describe(log->close());
+    save(options.report, report);
+    if (log && !log->fault().empty()) return static_cast<int>(ExitCode::kRunFailed);
     return check_deadlines(options, runtime, loop.statistics());
 }
 
@@ -187,6 +226,8 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
             ->type_name("PORT");
         app.add_option("--report", options.report,
                        "write counters and lateness to this JSON file at the end");
+        app.add_option("--log", options.log,
+                       "write the messages that [log] names to this new MCAP file (docs/log.md)");
         app.add_flag("--strict-rt", options.strict_rt, "exit with 4 if too many deadlines were missed");
         app.add_flag("--die-with-parent", options.die_with_parent,
                      "stop when the launcher dies (thimble run sets it)");

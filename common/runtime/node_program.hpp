@@ -56,6 +56,8 @@ struct NodeProgram {
     // Reads the node's tables and opens its channels. The program checks the file for unknown keys
     // afterwards; `tables` are the ones this node reads itself.
     std::vector<std::string_view> tables;
+    // It hands datagrams on, and does not read them: of a session's log it keeps its own orders and heartbeats only.
+    bool relays = false;
     std::function<std::unique_ptr<NodeInstance>(const ConfigFile&, Sockets&, std::uint64_t instance)> build;
 };
 

@@ -36,6 +36,7 @@ void install_stop_signals() {
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of whoever writes it
 }
 
 void stop_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM, 0UL, 0UL, 0UL); }

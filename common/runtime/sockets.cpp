@@ -1,5 +1,7 @@
 #include "common/runtime/sockets.hpp"
 
+#include "common/runtime/log/message_log.hpp"
+
 namespace thimble {
 
 UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& remote) {
@@ -11,7 +13,12 @@ UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& 
 Channel* Sockets::between(Port local, Port remote) {
     UdpChannel* channel = open(settings_.at(local), settings_.at(remote));
     channel->stamp_arrivals();
-    return channel;
+    return log_ == nullptr ? channel : log_->tap(*channel, remote, local);
+}
+
+// One way only: the other is never used.
+Channel* Sockets::data(Channel& channel, Port port) {
+    return log_all_ ? log_->tap(channel, port, port) : &channel;
 }
 
 UdpCounters Sockets::counters() const {

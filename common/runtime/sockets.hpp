@@ -10,17 +10,26 @@
 
 namespace thimble {
 
+class MessageLog;
+
 class Sockets {
   public:
     explicit Sockets(NetworkSettings settings) : settings_(std::move(settings)) {}
+
+    // What passes from now on, through channels opened from now on, is written down there: of the control channels, or of all
+    // but those of devices. Before anything is opened; `log` outlives this.
+    void record_to(MessageLog& log, bool all) {
+        log_ = &log;
+        log_all_ = all;
+    }
 
     // Both ways between two known ports (control channels).
     // Arrivals are stamped: clocks are compared here.
     Channel* between(Port local, Port remote);
     // Listens at `local` to the host of `sender` only.
-    Channel* inlet(Port local, Role sender) { return open(settings_.at(local), {settings_.host(sender), 0}); }
+    Channel* inlet(Port local, Role sender) { return data(*open(settings_.at(local), {settings_.host(sender), 0}), local); }
     // Sends to `remote`, listens to nobody.
-    Channel* outlet(Port remote) { return open(std::nullopt, settings_.at(remote)); }
+    Channel* outlet(Port remote) { return data(*open(std::nullopt, settings_.at(remote)), remote); }
 
     // To and from a device that is not of the session.
     Channel* device(const Endpoint& local, const Endpoint& remote) { return open(local, remote); }
@@ -35,7 +44,11 @@ class Sockets {
   private:
     UdpChannel* open(const std::optional<Endpoint>& local, const Endpoint& remote);
 
+    Channel* data(Channel& channel, Port port);
+
     NetworkSettings settings_;
+    MessageLog* log_ = nullptr;
+    bool log_all_ = false;
     std::vector<std::unique_ptr<UdpChannel>> channels_;
     std::vector<Listener*> listeners_;
 };

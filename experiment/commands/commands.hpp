@@ -30,5 +30,6 @@ Subcommand add_remedies(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);
 Subcommand add_stability(CLI::App& app);
 Subcommand add_map(CLI::App& app);
+Subcommand add_log(CLI::App& app);
 
 }  // namespace thimble

@@ -33,6 +33,10 @@ std::unique_ptr<RunningNode> LocalStarter::start(const NodeOrder& order) const {
     std::filesystem::remove(order.log);
     std::filesystem::remove(order.report);
     std::vector<std::string> arguments = order.arguments;
+    if (!order.messages.empty()) {
+        std::filesystem::remove(order.messages);
+        arguments.insert(arguments.end(), {"--log", order.messages.string()});
+    }
     arguments.insert(arguments.end(), {"--report", order.report.string(), "--die-with-parent"});
     if (!config_.empty()) arguments.insert(arguments.end(), {"--config", config_.string()});
     return std::make_unique<LocalNode>(order.program, Child(programs_ / order.program, arguments, order.log));

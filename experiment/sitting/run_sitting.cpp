@@ -110,6 +110,8 @@ LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const 
     plan.session.subject_goes_on = human && settings.protocol->subject_goes_on;
     plan.delay_s = delay_s;
     plan.strict_rt = run.strict_rt;
+    plan.log = settings.log;
+    plan.session_file = settings.file;
     if (run.view) plan.attend = run.view->attend;
     return plan;
 }

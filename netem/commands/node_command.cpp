@@ -75,6 +75,7 @@ int run_node(int argc, char** argv) {
         {"--needle-delay-s", "one-way delay of the needle path, instead of [netem.needle].delay_s",
          &needle_delay_s, 0, 60}};
     program.tables = {"network", "runtime", "netem"};
+    program.relays = true;
     program.build = [&](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         NetemSettings settings = read_netem_settings(file);
         if (!std::isnan(force_delay_s))

@@ -16,7 +16,7 @@ ALLOWED = {
     "tests": {*ROOMS, "bench", "tests"},
 }
 # Made by flatc from common/messages.fbs. The wire structs end at the codec.
-GENERATED = {"messages_generated.h": ("common",)}
+GENERATED = {"messages_generated.h": ("common",), "messages_bfbs_generated.h": ("common",)}
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">\n]+)[">]', re.MULTILINE)
 

@@ -1,0 +1,12 @@
+// What the flows of a session are called in a log (docs/log.md): one topic from whoever speaks to whoever listens, the same at
+// both ends and on both sides of the relay.
+#pragma once
+
+#include "common/network_settings.hpp"
+
+namespace thimble {
+
+// "/master/needle_command" for what arrives at the relay's or at slave_sim's port for it.
+const char* log_topic(Port arrives_at);
+
+}  // namespace thimble

@@ -1,0 +1,78 @@
+// Writes MCAP from front to back: nothing is ever changed that has been written. Messages are gathered into a chunk, which
+// flush() hands over with its index in one piece; finish() writes the index of all chunks.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "common/log/mcap_bytes.hpp"
+#include "common/log/mcap_records.hpp"
+
+namespace thimble {
+
+// Where the bytes go, whole records at a time. May throw Error: the writer then stands where it stood before.
+class McapSink {
+  public:
+    virtual void write(Bytes bytes) = 0;
+
+  protected:
+    ~McapSink() = default;
+};
+
+class McapWriter {
+  public:
+    // `sink` outlives the writer. Begins the file.
+    McapWriter(McapSink& sink, std::string_view library);
+
+    // These return the new record's number in the file.
+    std::uint16_t add_schema(std::string_view name, std::string_view encoding, Bytes data);
+    std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, std::string_view encoding,
+                              const McapMap& metadata);
+    void add_metadata(std::string_view name, const McapMap& pairs);
+    void add_attachment(const McapAttachment& attachment);
+    // Into the chunk; its channel has been added.
+    void add_message(const McapMessage& message);
+
+    // The chunk, if there is anything in it. If that fails, its messages are lost.
+    void flush();
+    // Index, statistics and end; nothing may be written afterwards.
+    void finish();
+
+    std::uint64_t bytes() const { return offset_; }  // handed over so far
+    std::uint64_t messages() const { return messages_; }
+    std::uint64_t forgotten() const {
+        return forgotten_;
+    }  // messages of chunks that could not be handed over
+    std::size_t chunk_bytes() const { return chunk_.size(); }
+
+  private:
+    struct IndexEntry {
+        std::uint64_t log_time_ns, offset;
+    };
+    void hand_over();
+    void copy_to_summary(McapOutput& summary, std::size_t record) const;
+    void write_chunk();
+    void write_message_indexes(McapOutput& index);
+    void count_chunk();
+    void write_statistics(McapOutput& out) const;
+    void close_group(McapOutput& summary, McapOutput& offsets, McapOpcode opcode, std::size_t start) const;
+    void forget_chunk();
+
+    McapSink& sink_;
+    McapOutput out_;    // the records that go next
+    McapOutput chunk_;  // records of the open chunk
+    std::uint64_t offset_ = 0;
+    std::uint32_t data_crc_ = 0;
+    std::uint16_t schemas_ = 0;
+    std::vector<std::vector<IndexEntry>> chunk_index_;  // by channel, of the open chunk
+    std::uint64_t chunk_start_ns_ = 0, chunk_end_ns_ = 0;
+    std::vector<std::uint64_t> counts_;  // messages by channel
+    std::uint64_t messages_ = 0, chunk_messages_ = 0, forgotten_ = 0;
+    std::uint64_t start_ns_ = 0, end_ns_ = 0;
+    std::uint32_t chunks_ = 0, attachments_ = 0, metadata_ = 0;
+    // As they will stand in the summary.
+    McapOutput schema_records_, channel_records_, chunk_records_, attachment_records_, metadata_records_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,17 @@
+// Whoever writes down what a process says and hears. A trial that cannot be written down ends.
+#pragma once
+
+#include <string_view>
+
+namespace thimble {
+
+class Recorder {
+  public:
+    // Empty while it works; else what cannot be written, why, and what to do. May be asked at every tick.
+    virtual std::string_view fault() const = 0;
+
+  protected:
+    ~Recorder() = default;
+};
+
+}  // namespace thimble

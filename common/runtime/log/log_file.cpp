@@ -1,0 +1,60 @@
+#include "common/runtime/log/log_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+
+namespace thimble {
+namespace {
+
+// What DeviceFault has room for, roughly: the words go through a heartbeat. The end of a path says more than its beginning.
+std::string short_path(const std::filesystem::path& path) {
+    constexpr std::size_t kMost = 120;
+    const std::string text = path.string();
+    return text.size() <= kMost ? text : "..." + text.substr(text.size() - kMost);
+}
+
+}  // namespace
+
+LogFile::LogFile(const std::filesystem::path& path) : path_(path) {
+    descriptor_ = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (descriptor_ >= 0) return;
+    const char* advice =
+        errno == EEXIST ? "a log is never overwritten: name another file" : "check folder and permissions";
+    throw Error(ExitCode::kUsage, fmt::format("cannot create the log '{}': {}; {}", path.string(),
+                                              std::strerror(errno), advice));
+}
+
+LogFile::~LogFile() { close(descriptor_); }
+
+void LogFile::write(Bytes bytes) {
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+        const auto wrote = ::write(descriptor_, bytes.data() + done, bytes.size() - done);
+        if (wrote > 0) {
+            done += static_cast<std::size_t>(wrote);
+        } else if (wrote == 0 || errno != EINTR) {
+            const int error = wrote == 0 ? ENOSPC : errno;
+            // Half a record would be in the way of what may still fit.
+            static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(size_)) == 0);
+            lseek(descriptor_, static_cast<off_t>(size_), SEEK_SET);
+            throw Error(
+                ExitCode::kRunFailed,
+                fmt::format(
+                    "the log '{}' cannot be written: {}; make room there or write elsewhere, and start "
+                    "anew. What it holds can be read",
+                    short_path(path_), std::strerror(error)));
+        }
+    }
+    size_ += bytes.size();
+}
+
+// An error here is one of the next write, too, or of a file that cannot be synchronised.
+void LogFile::sync() const { static_cast<void>(::fdatasync(descriptor_) == 0); }
+
+}  // namespace thimble

@@ -1,0 +1,230 @@
+#include "common/runtime/log/message_log.hpp"
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/codec.hpp"
+#include "common/error.hpp"
+#include "common/log/log_topics.hpp"
+#include "common/log/mcap_writer.hpp"
+#include "common/log/wire_schema.hpp"
+#include "common/runtime/log/log_file.hpp"
+#include "common/runtime/log/tapped_channel.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/version.hpp"
+
+namespace thimble {
+namespace {
+
+// Four seconds of all a node's messages: longer than a disk makes anybody wait.
+constexpr std::size_t kQueueBytes = std::size_t{4} << 20;
+// A chunk is not to grow while the disk keeps us waiting.
+constexpr std::size_t kMostChunkBytes = std::size_t{1} << 18;
+// Overflow is told at most once a second while it goes on.
+constexpr unsigned kTurnsPerTelling = 25;
+
+std::string read_whole(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+Bytes bytes_of(const std::string& text) {
+    return {static_cast<const std::uint8_t*>(static_cast<const void*>(text.data())), text.size()};
+}
+
+// True if the descriptor became readable.
+bool wait_for(int descriptor, Duration limit) {
+    pollfd events{descriptor, POLLIN, 0};
+    return ::poll(&events, 1, static_cast<int>(limit / std::chrono::milliseconds{1})) > 0;
+}
+
+McapMap origin_notes(const LogOrigin& origin, const LogSettings& settings) {
+    const ClockPair clocks = read_clock_pair();
+    std::string boot =
+        read_whole("/proc/sys/kernel/random/boot_id");  // equal: one machine, one monotonic clock
+    while (!boot.empty() && boot.back() == '\n') boot.pop_back();
+    return {{"program", origin.program},
+            {"version", kVersion},
+            {"process", std::to_string(getpid())},
+            {"machine_boot", boot},
+            {"monotonic_ns", std::to_string(to_nanoseconds(clocks.before))},
+            {"realtime_ns", std::to_string(clocks.realtime_ns)},
+            {"messages", to_string(settings.messages)},
+            {"session_file", origin.config.string()}};
+}
+
+}  // namespace
+
+struct MessageLog::Writing {
+    explicit Writing(const std::filesystem::path& path)
+        : file(path), writer(file, std::string("thimble ") + kVersion) {}
+    LogFile file;
+    McapWriter writer;
+    std::uint16_t schema = 0;
+    Message message;
+};
+
+MessageLog::MessageLog() : queue_(kQueueBytes), stop_(eventfd(0, EFD_CLOEXEC)) {
+    if (stop_ < 0)
+        throw Error(ExitCode::kRunFailed,
+                    "cannot make an event descriptor for the log: too many open files?");
+}
+
+MessageLog::~MessageLog() {
+    close();
+    if (writing_ && syncs_) writing_->file.sync();
+    ::close(stop_);
+}
+
+std::uint16_t MessageLog::add_flow(Port port, const char* direction) {
+    flows_.push_back({port, direction});
+    return static_cast<std::uint16_t>(flows_.size() - 1);
+}
+
+Channel* MessageLog::tap(Channel& channel, Port sent_to, Port received_at) {
+    const std::uint16_t sent = add_flow(sent_to, "sent");
+    const std::uint16_t received = add_flow(received_at, "received");
+    taps_.push_back(std::make_unique<TappedChannel>(channel, queue_, sent, received));
+    return taps_.back().get();
+}
+
+void MessageLog::start(const std::filesystem::path& file, const LogOrigin& origin,
+                       const LogSettings& settings) {
+    std::error_code ignored;
+    if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
+    writing_ = std::make_unique<Writing>(file);
+    McapWriter& writer = writing_->writer;
+    writing_->schema = writer.add_schema(kWireSchemaName, "flatbuffer", wire_schema());
+    writer.add_metadata("thimble", origin_notes(origin, settings));
+    const auto now_ns = static_cast<std::uint64_t>(to_nanoseconds(wall_now()));
+    const auto attach = [&](const std::filesystem::path& path) {
+        const std::string text = read_whole(path);
+        writer.add_attachment({now_ns, path.filename().string(), "application/toml", bytes_of(text)});
+    };
+    if (!origin.config.empty()) attach(origin.config);
+    for (const auto& path : origin.files) attach(path);
+    counters_.file = file.string();
+    syncs_ = settings.sync_period > Duration{0};
+    thread_ = std::thread([this] { write_until_stopped(); });
+    if (syncs_) syncer_ = std::thread([this, period = settings.sync_period] { sync_until_stopped(period); });
+}
+
+void MessageLog::note(std::string name, McapMap pairs) {
+    const std::lock_guard lock(notes_mutex_);
+    notes_.push_back({std::move(name), std::move(pairs)});
+}
+
+std::string_view MessageLog::fault() const {
+    return failed_.load(std::memory_order_acquire) ? std::string_view(fault_) : std::string_view{};
+}
+
+LogCounters MessageLog::close() {
+    if (!thread_.joinable()) return counters_;
+    const std::uint64_t one = 1;
+    static_cast<void>(::write(stop_, &one, sizeof one) == 0);
+    thread_.join();
+    if (syncer_.joinable()) syncer_.join();
+    counters_.messages = writing_->writer.messages();
+    counters_.bytes = writing_->writer.bytes();
+    counters_.lost = lost();
+    counters_.fault = fault();
+    return counters_;
+}
+
+void MessageLog::write_until_stopped() {
+    while (!wait_for(stop_, kLogPeriod)) turn();
+    turn();
+    end();
+}
+
+// Beside the writer, because a slow disk may keep whoever asks it waiting for longer than a killed program may lose.
+void MessageLog::sync_until_stopped(Duration period) const {
+    while (!wait_for(stop_, period)) writing_->file.sync();
+}
+
+void MessageLog::turn() {
+    std::vector<LogNote> notes;
+    {
+        const std::lock_guard lock(notes_mutex_);
+        notes.swap(notes_);
+    }
+    try {
+        if (!failed_) {
+            for (const LogNote& note : notes) writing_->writer.add_metadata(note.name, note.pairs);
+        }
+        queue_.drain([this](const ByteQueue::Entry& entry, Bytes bytes) { write_message(entry, bytes); });
+        if (!failed_) writing_->writer.flush();
+        if (!failed_) say_overflow(false);
+    } catch (const Error& error) {
+        fail(error.what());
+    }
+}
+
+void MessageLog::say_overflow(bool now) {
+    const std::uint64_t lost = queue_.lost();
+    const bool due = turns_++ % kTurnsPerTelling == 0;
+    if (lost == told_lost_ || !(due || now)) return;
+    writing_->writer.add_metadata("overflow", {{"messages_lost", std::to_string(lost)},
+                                               {"until_ns", std::to_string(to_nanoseconds(wall_now()))}});
+    told_lost_ = lost;
+}
+
+void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
+    if (failed_) {
+        ++dropped_;
+        return;
+    }
+    McapWriter& writer = writing_->writer;
+    const Refusal refusal = decode_into(bytes, writing_->message);
+    const bool readable = refusal == Refusal::kCount || refusal == Refusal::kNotOneBody ||
+                          refusal == Refusal::kNotFinite || refusal == Refusal::kOutOfRange;
+    LoggedFlow& flow = flows_[entry.tag];
+    int& channel = readable ? flow.channel : flow.unreadable;
+    if (channel < 0) {
+        const std::string topic = std::string(log_topic(flow.port)) + (readable ? "" : "/unreadable");
+        channel = writer.add_channel(readable ? writing_->schema : std::uint16_t{0}, topic,
+                                     readable ? "flatbuffer" : "", {{"direction", flow.direction}});
+    }
+    McapMessage message;
+    message.channel = static_cast<std::uint16_t>(channel);
+    message.log_time_ns = message.publish_time_ns = static_cast<std::uint64_t>(entry.time_ns);
+    if (readable) {
+        message.sequence = writing_->message.header.sequence;
+        message.publish_time_ns =
+            static_cast<std::uint64_t>(to_nanoseconds(writing_->message.header.send_time));
+    }
+    message.data = bytes;
+    if (writer.chunk_bytes() >= kMostChunkBytes) writer.flush();
+    writer.add_message(message);
+}
+
+std::uint64_t MessageLog::lost() const { return queue_.lost() + dropped_ + writing_->writer.forgotten(); }
+
+void MessageLog::fail(const std::string& words) {
+    spdlog::error(words);
+    fault_ = words;
+    failed_.store(true, std::memory_order_release);
+}
+
+// Also after a failure: what was given back then may be room enough for the index.
+void MessageLog::end() {
+    try {
+        McapWriter& writer = writing_->writer;
+        if (!failed_) say_overflow(true);
+        writer.add_metadata("end",
+                            {{"messages_lost", std::to_string(lost())}, {"fault", failed_ ? fault_ : ""}});
+        writer.finish();
+    } catch (const Error& error) {
+        if (!failed_) fail(error.what());
+    }
+}
+
+}  // namespace thimble

@@ -1,0 +1,97 @@
+// A program's log of its messages (docs/log.md). Its loop copies each datagram into a queue; a thread of its own, without
+// real-time scheduling, writes the queue to the file every kLogPeriod, and another one asks the disk to have it.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/log/byte_queue.hpp"
+#include "common/log/log_settings.hpp"
+#include "common/log/mcap_records.hpp"
+#include "common/log/recorder.hpp"
+#include "common/network_settings.hpp"
+
+namespace thimble {
+
+// A killed program loses what came since; docs/log.md promises 100 ms.
+inline constexpr Duration kLogPeriod = std::chrono::milliseconds{40};
+
+struct LogCounters {
+    std::string file;            // empty: nothing was to be written
+    std::uint64_t messages = 0;  // in the file
+    std::uint64_t bytes = 0;     // of the file
+    std::uint64_t lost = 0;      // no room in the queue, or none on the disk
+    std::string fault;           // why not all could be written; empty: it could
+};
+
+// What a log says about the program that writes it.
+struct LogOrigin {
+    std::string program;                       // "thimble-master"
+    std::filesystem::path config;              // attached, if there is one
+    std::vector<std::filesystem::path> files;  // attached with it
+};
+
+class MessageLog final : public Recorder {
+  public:
+    MessageLog();
+    ~MessageLog();
+    MessageLog(const MessageLog&) = delete;
+    MessageLog& operator=(const MessageLog&) = delete;
+
+    // A channel in front of `channel`, whose datagrams are written down as of the flows that arrive at these ports.
+    // Only before start().
+    Channel* tap(Channel& channel, Port sent_to, Port received_at);
+
+    // Throws Error (usage) if the file cannot be created. Folders on the way are.
+    void start(const std::filesystem::path& file, const LogOrigin& origin, const LogSettings& settings);
+    bool running() const { return thread_.joinable(); }
+    // A metadata record among the messages. Seldom: it allocates.
+    void note(std::string name, McapMap pairs);
+    // Writes all that is there, index and end. What the disk then still has to do is waited for at the end of this object.
+    LogCounters close();
+
+    std::string_view fault() const override;
+
+  private:
+    struct Writing;
+    struct LogNote {
+        std::string name;
+        McapMap pairs;
+    };
+    std::uint16_t add_flow(Port port, const char* direction);
+    void write_until_stopped();
+    void sync_until_stopped(Duration period) const;
+    void turn();
+    void say_overflow(bool now);
+    void write_message(const ByteQueue::Entry& entry, Bytes bytes);
+    void fail(const std::string& words);
+    void end();
+    std::uint64_t lost() const;
+
+    struct LoggedFlow {
+        Port port{};
+        const char* direction = "";
+        int channel = -1, unreadable = -1;  // in the file, once there was a message
+    };
+    ByteQueue queue_;
+    std::vector<LoggedFlow> flows_;
+    std::vector<std::unique_ptr<Channel>> taps_;
+    std::mutex notes_mutex_;
+    std::vector<LogNote> notes_;
+    std::unique_ptr<Writing> writing_;
+    std::atomic<bool> failed_{false};
+    std::string fault_;  // written once, before failed_
+    std::uint64_t dropped_ = 0, told_lost_ = 0;
+    unsigned turns_ = 0;
+    int stop_ = -1;  // an eventfd: both threads wait for it
+    std::thread thread_, syncer_;
+    LogCounters counters_;
+    bool syncs_ = false;
+};
+
+}  // namespace thimble

@@ -1,0 +1,37 @@
+// A channel whose datagrams are written down as they pass: what is sent, and what is received, both as the node sees them.
+#pragma once
+
+#include <cstdint>
+
+#include "common/channel.hpp"
+#include "common/log/byte_queue.hpp"
+#include "common/runtime/wall_clock.hpp"
+
+namespace thimble {
+
+class TappedChannel final : public Channel {
+  public:
+    // `sent` and `received`: what the queue's reader knows the two ways by. Both outlive this.
+    TappedChannel(Channel& inner, ByteQueue& queue, std::uint16_t sent, std::uint16_t received)
+        : inner_(inner), queue_(queue), sent_(sent), received_(received) {}
+
+    void send(Bytes datagram) override {
+        inner_.send(datagram);  // first: writing it down is not to delay it
+        note(sent_, datagram);
+    }
+    std::optional<SessionTime> arrival() const override { return inner_.arrival(); }
+
+  private:
+    Bytes take() override {
+        const Bytes datagram = inner_.receive();
+        if (!datagram.empty()) note(received_, datagram);
+        return datagram;
+    }
+    void note(std::uint16_t tag, Bytes datagram) { queue_.push(tag, to_nanoseconds(wall_now()), datagram); }
+
+    Channel& inner_;
+    ByteQueue& queue_;
+    std::uint16_t sent_, received_;
+};
+
+}  // namespace thimble

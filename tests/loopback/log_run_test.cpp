@@ -1,0 +1,120 @@
+// The log of a real run: whole after a good end, readable after a bad one.
+#include <csignal>
+#include <sys/resource.h>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "experiment/log/log_check.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kLogAll = "[log]\nmessages = \"all\"\n";
+
+std::filesystem::path log_of(const RealRun& run, const std::string& program) {
+    return run.out() / "nodes" / (program + "_0ms.mcap");
+}
+
+TEST(LogRun, EveryProgramsLogIsGoodAndTheyAddUp) {
+    SessionFile session;
+    session.more = kLogAll;
+    RealRun run(session);
+    ASSERT_EQ(run.end(), 0) << run.words();
+    std::vector<std::unique_ptr<LoggedFile>> files;
+    files.push_back(std::make_unique<LoggedFile>(log_of(run, "session")));
+    for (const char* program : kNodePrograms)
+        files.push_back(std::make_unique<LoggedFile>(log_of(run, program)));
+    for (const auto& file : files) EXPECT_THAT(check_file(*file).problems, IsEmpty()) << file->path();
+    std::size_t data_flows = 0;
+    for (const FlowFinding& flow : check_flows(files)) {
+        EXPECT_EQ(flow.foreign, 0U) << flow.topic;
+        EXPECT_EQ(flow.sent, flow.received + flow.lost) << flow.topic;
+        const bool data =
+            flow.topic == "/master/needle_command" || flow.topic.starts_with("/slave_sim/force_feedback/");
+        if (!data) continue;
+        ++data_flows;
+        EXPECT_GT(flow.received, 100U) << flow.topic;
+    }
+    EXPECT_EQ(data_flows, 4U);
+    EXPECT_EQ(run.report("thimble-master").at("log").at("lost"), 0);
+    EXPECT_FALSE(files.front()->value("clock_offset", "offset_s").empty());
+    EXPECT_EQ(files.front()->value("trial", "modality"), "HF");
+}
+
+// kill -9: the file opens, nothing is missing in it, and little at its end. How little is measured elsewhere (docs/log.md): here
+// only that it is not the whole.
+TEST(LogRun, AKilledNodesLogHasAllButTheLastMoments) {
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    session.more = kLogAll;
+    RealRun run(session);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    const pid_t master = run.node("thimble-master");
+    std::this_thread::sleep_for(std::chrono::microseconds{wall_now().time_since_epoch().count() % 60'000});
+    const auto killed_ns = to_nanoseconds(wall_now());
+    kill(master, SIGKILL);
+    EXPECT_EQ(run.end(), 3) << run.words();
+    const LoggedFile file(log_of(run, "thimble-master"));
+    EXPECT_FALSE(file.scan().finished);
+    EXPECT_EQ(check_file(file).missing_sent, 0U);
+    EXPECT_GT(file.scan().messages, 100U);
+    EXPECT_GT(file.last_ns(), static_cast<std::uint64_t>(killed_ns - 2'000'000'000));
+    EXPECT_TRUE(LoggedFile(log_of(run, "session")).scan().finished);
+}
+
+// Files of one program may not grow beyond this: the disk that is full is nobody else's.
+void limit_files(const Folder& programs, const std::string& program, unsigned blocks) {
+    install_programs(programs / "bin");
+    replace_program(programs / "bin" / program, fmt::format("ulimit -f {}\nexec {} \"$@\"\n", blocks,
+                                                            (built_programs() / program).string()));
+}
+
+TEST(LogRun, AFullDiskUnderANodesLogEndsTheTrial) {
+    const Folder programs;
+    limit_files(programs, "thimble-slave-sim", 1000);  // of 512 bytes: half a second
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    session.more = kLogAll;
+    RealRun run(session, {}, programs / "bin");
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("slave_sim: the log '"));
+    EXPECT_THAT(run.words(),
+                HasSubstr("thimble-slave-sim_0ms.mcap' cannot be written: File too large; make room"));
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().reason, EndReason::kDeviceFault);
+    EXPECT_EQ(rows.front().lost_peer, Role::kSlaveSim);
+    EXPECT_EQ(read_trajectory(run.trajectory_path(rows.front().conditions)).reason, EndReason::kDeviceFault);
+    EXPECT_GT(LoggedFile(log_of(run, "thimble-slave-sim")).scan().messages, 100U);
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+TEST(LogRun, AFullDiskUnderATrajectoryEndsTheTrial) {
+    const Folder programs;
+    install_programs(programs / "bin");
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    session.more = "[log]\nmessages = \"none\"\n";
+    RealRun run(session, {}, programs / "bin");
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    // From now on the launcher's files may not be larger, and the trajectory is already.
+    const rlimit room{8192, RLIM_INFINITY};
+    ASSERT_EQ(prlimit(run.launcher().pid(), RLIMIT_FSIZE, &room, nullptr), 0);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("cannot be written: File too large; check the disk's free space"));
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().lost_peer, Role::kSession);
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+}  // namespace
+}  // namespace thimble

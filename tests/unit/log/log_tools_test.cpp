@@ -1,0 +1,278 @@
+// What `thimble log` makes of files: checks, merging, tables, JSON, repair.
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/codec.hpp"
+#include "common/error.hpp"
+#include "common/log/log_topics.hpp"
+#include "common/log/wire_schema.hpp"
+#include "common/runtime/log/log_file.hpp"
+#include "common/text_file.hpp"
+#include "experiment/log/log_check.hpp"
+#include "experiment/log/log_export.hpp"
+#include "experiment/log/log_info.hpp"
+#include "experiment/log/log_repair.hpp"
+#include "tests/fuzz/packets.hpp"
+#include "tests/read_text.hpp"
+#include "tests/unit/log/log_folder.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+struct WrittenMessage {
+    std::uint32_t sequence = 0;
+    std::int64_t log_time_ns = 0;
+};
+
+// One flow as one of its ends wrote it down.
+struct WrittenLog {
+    std::string program = "thimble-master", boot = "a";
+    std::string direction = "sent";
+    std::vector<WrittenMessage> messages;
+    std::function<void(McapWriter&)> more{};
+    std::vector<Message> bodies{Message{{7, {}, 0, 1, Role::kMaster}, NeedleCommand{}}};
+
+    void write(const std::filesystem::path& path) const {
+        LogFile file(path);
+        McapWriter writer(file, "test");
+        const std::uint16_t schema = writer.add_schema(kWireSchemaName, "flatbuffer", wire_schema());
+        writer.add_metadata("thimble", {{"program", program}, {"machine_boot", boot}});
+        if (more) more(writer);
+        const std::uint16_t channel =
+            writer.add_channel(schema, "/master/needle_command", "flatbuffer", {{"direction", direction}});
+        Encoder encoder;
+        for (const WrittenMessage& m : messages) {
+            for (Message body : bodies) {
+                body.header.sequence = m.sequence;
+                body.header.send_time = from_nanoseconds(1000 * static_cast<std::int64_t>(m.sequence));
+                writer.add_message({channel, m.sequence, static_cast<std::uint64_t>(m.log_time_ns), 0,
+                                    encoder.encode(body)});
+            }
+        }
+        writer.finish();
+    }
+};
+
+class LogTools : public testing::Test {
+  protected:
+    const LoggedFile& add(const std::string& name, const WrittenLog& log) {
+        log.write(folder_.path() / (name + ".mcap"));
+        files_.push_back(std::make_unique<LoggedFile>(folder_.path() / (name + ".mcap")));
+        return *files_.back();
+    }
+    LogFolder folder_;
+    std::vector<std::unique_ptr<LoggedFile>> files_;
+};
+
+TEST_F(LogTools, AGoodFileIsGood) {
+    WrittenLog log;
+    log.messages = {{1, 10}, {2, 20}, {3, 30}};
+    EXPECT_THAT(check_file(add("master", log)).problems, IsEmpty());
+    EXPECT_THAT(describe_log(*files_[0]), HasSubstr("/master/needle_command"));
+}
+
+TEST_F(LogTools, WhatIsNotGoodIsNamed) {
+    WrittenLog log;
+    log.messages = {{1, 10}, {2, 20}, {5, 15}};  // two that were sent are missing, and the clock went back
+    log.more = [](McapWriter& writer) { writer.add_metadata("overflow", {{"messages_lost", "1"}}); };
+    const FileFinding finding = check_file(add("master", log));
+    EXPECT_EQ(finding.missing_sent, 2U);
+    EXPECT_EQ(finding.backward, 1U);
+    EXPECT_THAT(finding.problems, ElementsAre(HasSubstr("go back 1 times"), HasSubstr("lost 1 messages"),
+                                              HasSubstr("2 messages were sent and are not in the log")));
+}
+
+TEST_F(LogTools, SentIsReceivedPlusLost) {
+    WrittenLog sent, received;
+    sent.messages = {{1, 10}, {2, 20}, {3, 30}, {4, 40}, {5, 50}};
+    received.direction = "received";
+    received.program = "thimble-slave-sim";
+    received.messages = {{1, 11}, {3, 31}, {2, 32},
+                         {3, 33}, {5, 51}, {9, 99}};  // 9: after the end of the sender's log
+    add("master", sent);
+    add("slave", received);
+    const auto flows = check_flows(files_);
+    ASSERT_THAT(flows, SizeIs(1));
+    EXPECT_EQ(flows[0].sent, 5U);
+    EXPECT_EQ(flows[0].received, 4U);
+    EXPECT_EQ(flows[0].lost, 1U);
+    EXPECT_EQ(flows[0].repeated, 1U);
+    EXPECT_EQ(flows[0].out_of_order, 1U);
+    EXPECT_EQ(flows[0].foreign, 0U);
+}
+
+TEST_F(LogTools, WhatNobodySentIsForeign) {
+    WrittenLog sent, received;
+    sent.messages = {{1, 10}, {3, 30}};
+    received.direction = "received";
+    received.messages = {{1, 11}, {2, 21}, {3, 31}};
+    add("master", sent);
+    add("slave", received);
+    EXPECT_EQ(check_flows(files_)[0].foreign, 1U);
+}
+
+TEST_F(LogTools, MergesOnTheSessionsClock) {
+    WrittenLog master, session;
+    master.boot = "another machine";
+    master.messages = {{1, 1'000'000'010}, {2, 1'000'000'030}};  // one second ahead
+    session.program = "session";
+    session.direction = "received";
+    session.messages = {{1, 20}, {2, 40}};
+    session.more = [](McapWriter& writer) {
+        writer.add_metadata("clock_offset", {{"node", "master"}, {"offset_s", "1.0"}, {"at_ns", "0"}});
+    };
+    add("master", master);
+    add("session", session);
+    std::vector<std::int64_t> times;
+    for (const MergedMessage& m : merge_logs(files_)) times.push_back(m.session_time_ns);
+    EXPECT_THAT(times, ElementsAre(10, 20, 30, 40));
+}
+
+TEST_F(LogTools, OneMachineHasOneClock) {
+    WrittenLog master, session;
+    master.messages = {{1, 15}};
+    session.program = "session";
+    session.messages = {{1, 20}};
+    session.more = [](McapWriter& writer) {
+        writer.add_metadata("clock_offset", {{"node", "master"}, {"offset_s", "0.5"}, {"at_ns", "0"}});
+    };
+    add("master", master);
+    add("session", session);
+    EXPECT_EQ(merge_logs(files_).front().session_time_ns, 15);
+}
+
+// Every kind of message has its columns and its object, and no field is missing.
+TEST_F(LogTools, EveryKindIsExported) {
+    WrittenLog log;
+    log.bodies = sample_messages();
+    log.messages = {{1, 10}};
+    const LoggedFile& file = add("all", log);
+    const PacketFields fields;
+    std::set<std::string> kinds;
+    for (const MergedMessage& m : merge_logs(files_)) {
+        const auto object = nlohmann::json::parse(to_json(m, fields));
+        for (const PacketPart& kind : fields.kinds()) {
+            if (!object.contains(kind.name)) continue;
+            kinds.insert(kind.name);
+            EXPECT_EQ(object[kind.name].size(), kind.fields.size()) << kind.name;
+        }
+    }
+    EXPECT_EQ(kinds.size(), std::variant_size_v<Body>);
+    EXPECT_EQ(export_csv(files_, folder_.path() / "tables", ""), std::variant_size_v<Body>);
+    EXPECT_THAT(
+        read_text(folder_.path() / "tables" / "all.master.needle_command.needle_command.csv"),
+        HasSubstr("log_time_ns,publish_time_ns,direction,header_instance,header_send_time_ns,header_sequence,"
+                  "header_trial,header_sender,position_needle_m,velocity_needle_m_per_s"));
+    EXPECT_EQ(file.topics().size(), 1U);
+}
+
+TEST_F(LogTools, ValuesAreThoseThatWereSent) {
+    WrittenLog log;
+    ForceFeedback body;
+    body.force_tissue_N = -1.25;
+    body.hold_time = Duration{42};
+    body.phase = TissuePhase::kPenetrated;
+    body.needle_held = true;
+    log.bodies = {Message{{7, {}, 0, 3, Role::kSlaveSim}, body}};
+    log.messages = {{1, 10}};
+    add("slave", log);
+    const auto object = nlohmann::json::parse(to_json(merge_logs(files_)[0], PacketFields{}));
+    EXPECT_EQ(object["force_feedback"]["force_tissue_N"], -1.25);
+    EXPECT_EQ(object["force_feedback"]["hold_time_ns"], 42);
+    EXPECT_EQ(object["force_feedback"]["phase"], "Penetrated");
+    EXPECT_EQ(object["force_feedback"]["needle_held"], true);
+    EXPECT_EQ(object["header"]["trial"], 3);
+    EXPECT_EQ(object["header"]["sender"], "SlaveSim");
+}
+
+TEST_F(LogTools, EveryKindIsInTheHdf5File) {
+    WrittenLog log;
+    log.bodies = sample_messages();
+    log.messages = {{1, 10}, {2, 20}};
+    add("all", log);
+    const auto path = folder_.path() / "all.h5";
+    try {
+        EXPECT_EQ(export_hdf5(files_, path, ""), std::variant_size_v<Body>);
+    } catch (const Error& error) {
+        if (std::string(error.what()).find("--hdf5 needs") == std::string::npos) throw;
+        GTEST_SKIP() << error.what();
+    }
+    const std::string text = read_text(path);
+    EXPECT_EQ(text.substr(1, 3), "HDF");
+    EXPECT_THAT(text, HasSubstr("velocity_needle_m_per_s"));
+    EXPECT_THAT(text, HasSubstr("0 Free, 1 Contact, 2 Penetrated"));
+    EXPECT_THROW(export_hdf5(files_, path, ""), Error);
+    EXPECT_EQ(read_text(path), text);
+}
+
+TEST_F(LogTools, RepairGivesAWholeFile) {
+    WrittenLog log;
+    log.messages = {{1, 10}, {2, 20}, {3, 30}};
+    const LoggedFile& whole = add("master", log);
+    const auto cut = folder_.path() / "cut.mcap", repaired = folder_.path() / "repaired.mcap";
+    std::filesystem::copy_file(whole.path(), cut);
+    std::filesystem::resize_file(cut, whole.scan().whole_bytes - 700);
+    const RepairResult result = repair_log(cut, repaired);
+    EXPECT_FALSE(result.scan.finished);
+    const LoggedFile file(repaired);
+    EXPECT_TRUE(file.scan().finished);
+    EXPECT_EQ(file.scan().messages, result.messages);
+    EXPECT_EQ(file.value("thimble", "program"), "thimble-master");
+    EXPECT_THROW(repair_log(cut, repaired), Error);
+}
+
+TEST(LogFiles, WhatIsNoLogIsRefusedWithItsName) {
+    const LogFolder folder;
+    const auto path = folder.path() / "trials.csv";
+    for (const char* text : {"", "experiment,subject\n", "\x89MCAP0\r\n"}) {
+        write_text_file(path, text);
+        try {
+            const LoggedFile file(path);
+            ADD_FAILURE() << "it was read: " << text;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::kData);
+            EXPECT_THAT(error.what(), HasSubstr("trials.csv"));
+        }
+    }
+    EXPECT_THROW(LoggedFile(folder.path()), Error);
+    EXPECT_THROW(LoggedFile(folder.path() / "none"), Error);
+}
+
+TEST(LogTopics, BothSidesOfTheRelayHaveOneName) {
+    EXPECT_STREQ(log_topic(Port::kNetemNeedle), "/master/needle_command");
+    for (const auto& [before, behind] : {std::pair{Port::kNetemNeedle, Port::kSlaveNeedle},
+                                         std::pair{Port::kNetemForceMaster, Port::kMasterForce},
+                                         std::pair{Port::kNetemForceCutaneous, Port::kCutaneousForce},
+                                         std::pair{Port::kNetemForceVisual, Port::kVisualForce}}) {
+        EXPECT_STREQ(log_topic(before), log_topic(behind));
+    }
+}
+
+// Each is named after whoever speaks: where netem does, after whoever spoke to it.
+TEST(LogTopics, AreNamedAfterTheirSpeakers) {
+    for (const Port port : kEveryPort) {
+        const std::string topic = log_topic(port);
+        if (flow(port).hears == Role::kNetem && flow(port).listens != Role::kSession) continue;
+        EXPECT_THAT(topic, testing::StartsWith(std::string("/") + to_string(flow(port).hears) + "/"));
+    }
+}
+
+TEST(LogUnits, AreInTheNames) {
+    EXPECT_EQ(unit_of("velocity_needle_m_per_s"), "m/s");
+    EXPECT_EQ(unit_of("change_s_3"), "s");
+    EXPECT_EQ(unit_of("force_hand_N"), "N");
+    EXPECT_EQ(unit_of("trial"), "");
+}
+
+}  // namespace
+}  // namespace thimble
