@@ -29,6 +29,7 @@ int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     read(p.page());
     read(p.replay_state());
     read(p.device_fault());
+    read(p.stop_order());
     return count;
 }
 
@@ -104,6 +105,7 @@ struct Encoder::Templates {
     Template<wire::Page> page{wire::Packet::VT_PAGE};
     Template<wire::ReplayState> replay_state{wire::Packet::VT_REPLAY_STATE};
     Template<wire::DeviceFault> device_fault{wire::Packet::VT_DEVICE_FAULT};
+    Template<wire::StopOrder> stop_order{wire::Packet::VT_STOP_ORDER};
 };
 
 Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
@@ -149,6 +151,9 @@ Bytes Encoder::encode(const Header& header, const ReplayState& body) {
 }
 Bytes Encoder::encode(const Header& header, const DeviceFault& body) {
     return templates_->device_fault.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const StopOrder& body) {
+    return templates_->stop_order.fill(header, to_wire(body));
 }
 Bytes Encoder::encode(const Message& message) {
     return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);

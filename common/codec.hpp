@@ -65,6 +65,7 @@ class Encoder {
     Bytes encode(const Header& header, const Page& body);
     Bytes encode(const Header& header, const ReplayState& body);
     Bytes encode(const Header& header, const DeviceFault& body);
+    Bytes encode(const Header& header, const StopOrder& body);
     Bytes encode(const Message& message);
 
   private:

@@ -106,7 +106,7 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     SystemSettings s;
     read_network_settings(file);
     read_runtime_settings(file);
-    s.master = read_master_settings(file.table("master"));
+    s.master = read_master_settings(file);
     s.handle = read_handle_settings(file.table("handle"));
     s.person = read_operator_parameters(file.table("operator"));
     s.slave = read_slave_settings(file);

@@ -7,6 +7,7 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
     : NodeProcess(Role::kMaster, instance, *channels.control),
       channels_(channels),
       node_(settings),
+      guard_(settings.guard),
       device_(&device),
       person_(&person),
       needle_flow_(Role::kMaster, instance, {channels.needle_out}) {}
@@ -18,6 +19,8 @@ void MasterProcess::follow_hand(Channel& hand_in, HandFollower& follower) {
 
 void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(control.modality);
+    guard_.clear(now);
+    asked_force_N_ = 0;
     person_->start_trial(
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
     device_->enable_force(now, control.modality == Modality::kHF);
@@ -74,14 +77,33 @@ void MasterProcess::take_forces(SessionTime now) {
                                      [&](const Header&, const ForceFeedback& feedback) {
                                          round_trip_.add(now, feedback);
                                          newest_age_ = now - feedback.echo_time;
-                                         device_->command_force(now, node_.handle_force_N(feedback));
+                                         asked_force_N_ = node_.handle_force_N(feedback);
+                                         apply(now, asked_force_N_);
                                      });
-    if (running() && force_flow_.silent_for(now, node_.settings().stale_after))
-        device_->command_force(now, 0);
+    // What has waited while this program stood still says nothing about now.
+    if (running() && since_last_tick() > node_.settings().stale.after) {
+        asked_force_N_ = 0;
+        apply(now, 0);
+    }
+    const Duration silence = now - force_flow_.last_accepted();
+    if (running() && node_.settings().stale.stale(silence))
+        apply(now, asked_force_N_ * node_.settings().stale.share(silence));
+}
+
+// Nothing reaches the handle but through the guard; what lets go of it (end_trial) needs none.
+void MasterProcess::apply(SessionTime now, double force_hand_N) {
+    device_->command_force(now, guard_.pass(now, force_hand_N));
+}
+
+StopWish MasterProcess::wants_stop(SessionTime /*now*/) {
+    if (device_->stop_pressed()) return {EndReason::kEmergencyStop, "the stop button at the handle"};
+    if (running() && guard_.tripped()) return {EndReason::kSafetyStop, guard_.words()};
+    return {};
 }
 
 void MasterProcess::sample(SessionTime now) {
     const HandleSample handle = device_->read(now);
+    guard_.observe(now, handle);
     if (handle.valid) {
         needle_flow_.send(now, trial(), node_.sample(now, handle));
         energy_.add(handle);
