@@ -46,8 +46,8 @@ class NodeProcess : public Process {
     void stop_everything(SessionTime now, EndReason reason, std::string_view words);
     const StopLine& stop_line() const { return stop_; }
 
-    // The loop was late for so many deadlines in a row; 0: in time again. Called before the tick. The node is late after
-    // `overrun_limit`, and says so in words once per run of them.
+    // The loop was late for so many deadlines in a row; 0: in time again. Called after each tick. The node is late from
+    // `limit` on; what that means says the policy.
     void set_overrun(OverrunPolicy policy, unsigned limit) {
         overrun_ = policy;
         overrun_limit_ = limit;

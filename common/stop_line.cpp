@@ -12,7 +12,7 @@ void StopLine::connect(Channel& in, const StopOutlets& out) {
 
 void StopLine::tick(SessionTime now) {
     if (in_ != nullptr && !in_->known_empty()) {
-        for (Bytes in = in_->receive(); !in.empty(); in = in_->receive()) take(in);
+        for (Bytes in = in_->receive(); !in.empty(); in = in_->receive()) take(now, in);
     }
     if (now < next_) return;
     next_ = kNever;
@@ -25,44 +25,44 @@ void StopLine::tick(SessionTime now) {
 }
 
 // Whoever it is, and however old its number: a stop that is refused for its sender's sake is none.
-void StopLine::take(Bytes datagram) {
+void StopLine::take(SessionTime now, Bytes datagram) {
     Refusal refusal = decode_into(datagram, message_);
-    const auto* order =
-        refusal == Refusal::kCount ? std::get_if<StopOrder>(&message_.body) : nullptr;
+    const auto* order = refusal == Refusal::kCount ? std::get_if<StopOrder>(&message_.body) : nullptr;
     if (refusal == Refusal::kCount && order == nullptr) refusal = Refusal::kUnexpectedKind;
     if (refusal != Refusal::kCount) {
         ++counters_.refused[static_cast<std::size_t>(refusal)];
         return;
     }
     ++counters_.accepted;
-    obey(message_.header.sender, *order);
+    obey(now, message_.header.sender, *order);
 }
 
-void StopLine::obey(Role sender, const StopOrder& order) {
-    if (order.kind == StopKind::kStop) return hold(sender, order);
-    if (sender == Role::kSession || sender == Role::kExperimenter) return let_go(order.id);
+void StopLine::obey(SessionTime now, Role sender, const StopOrder& order) {
+    if (order.kind == StopKind::kStop) return hold(now, sender, order);
+    if (sender == Role::kSession || sender == Role::kExperimenter) return let_go(now, order.id);
     --counters_.accepted;
     ++counters_.refused[static_cast<std::size_t>(Refusal::kUnexpectedKind)];
 }
 
-void StopLine::hold(Role sender, const StopOrder& order) {
-    const auto end = held_.begin() + static_cast<std::ptrdiff_t>(held_count_);
-    if (released(order.id) || std::find(held_.begin(), end, order.id) != end) return;
-    if (held_count_ == 0) {
-        first_ = order;
-        raised_by_ = sender;
-    }
-    // With as many at once as this, the newest needs no place of its own: what holds is held, and one release lets go of all.
-    if (held_count_ < kHeld) held_[held_count_++] = order.id;
+// With as many at once as there are places, the newest needs none of its own: one release lets go of all.
+void StopLine::hold(SessionTime now, Role sender, const StopOrder& order) {
+    if (released(order.id) || holds(order.id) || held_count_ == kHeld) return;
+    held_[held_count_++] = {order, sender, now};
 }
 
-// What was stopped later than the release was first said here is another stop, and stays.
-void StopLine::let_go(std::uint64_t release) {
+void StopLine::let_go(SessionTime now, std::uint64_t release) {
     if (released(release)) return;
     remember(release);
-    for (std::size_t i = 0; i < held_count_; ++i) remember(held_[i]);
-    held_count_ = 0;
-    saying_ = false;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < held_count_; ++i) {
+        if (now - held_[i].since < kHeldAtLeast) {
+            held_[kept++] = held_[i];
+        } else {
+            remember(held_[i].order.id);
+        }
+    }
+    held_count_ = kept;
+    saying_ = saying_ && holds(own_.id);
 }
 
 void StopLine::stop(SessionTime now, EndReason reason, std::string_view words) {
@@ -70,17 +70,23 @@ void StopLine::stop(SessionTime now, EndReason reason, std::string_view words) {
     own_ = StopOrder(new_id(), StopKind::kStop, reason, words);
     saying_ = true;
     releases_left_ = 0;
-    hold(role_, own_);
+    if (held_count_ == kHeld) --held_count_;  // one's own has a place in any case
+    hold(now, role_, own_);
     next_ = now;
     tick(now);
 }
 
 void StopLine::release(SessionTime now) {
     own_release_ = StopOrder(new_id(), StopKind::kRelease, EndReason::kEmergencyStop, {});
-    let_go(own_release_.id);
+    let_go(now, own_release_.id);
     releases_left_ = kReleaseTimes;
     next_ = now;
     tick(now);
+}
+
+bool StopLine::holds(std::uint64_t id) const {
+    const auto end = held_.begin() + static_cast<std::ptrdiff_t>(held_count_);
+    return std::any_of(held_.begin(), end, [id](const Held& held) { return held.order.id == id; });
 }
 
 bool StopLine::released(std::uint64_t id) const {

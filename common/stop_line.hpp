@@ -1,8 +1,9 @@
 // The stop line: one channel per program on which everybody hears everybody, beside the session and not by way of it. Whoever
 // stops says so again and again until somebody releases it on purpose; until then no trial begins anywhere.
 //
-// A stop and a release each have a random number: what is said again, or comes late, is carried out once. Anybody may stop;
-// only the session and the experimenter may release. No clock: `now` is the caller's.
+// A stop and a release each have a random number: what is said again, or comes late, is carried out once. A release lets go of
+// what has been held for kHeldAtLeast and longer: whoever presses stop while a release is on its way has stopped. Anybody may
+// stop; only the session and the experimenter may release. No clock: `now` is the caller's.
 #pragma once
 
 #include <array>
@@ -17,6 +18,8 @@ namespace thimble {
 // How often a stop is said while it holds, and a release for kReleaseTimes.
 inline constexpr Duration kStopRepeat = std::chrono::milliseconds{50};
 inline constexpr int kReleaseTimes = 10;
+// Longer than a release is on its way, shorter than anybody needs to find out why somebody stopped.
+inline constexpr Duration kHeldAtLeast = std::chrono::milliseconds{200};
 // What every message about a stop ends with.
 inline constexpr std::string_view kHowToRelease = "release it with: thimble stop --release";
 
@@ -40,19 +43,25 @@ class StopLine {
     void release(SessionTime now);
 
     bool stopped() const { return held_count_ > 0; }
-    // Of the stop that came first; meaningful while stopped().
-    EndReason reason() const { return first_.reason; }
-    std::string_view words() const { return first_.words(); }
-    Role raised_by() const { return raised_by_; }
+    // Of the oldest stop that holds, and once released of the last one.
+    EndReason reason() const { return held_.front().order.reason; }
+    std::string_view words() const { return held_.front().order.words(); }
+    Role raised_by() const { return held_.front().from; }
     const FlowCounters& counters() const { return counters_; }
 
   private:
     static constexpr std::size_t kHeld = 8, kRemembered = 32;
+    struct Held {
+        StopOrder order;
+        Role from = Role::kSession;
+        SessionTime since{};
+    };
 
-    void take(Bytes datagram);
-    void obey(Role sender, const StopOrder& order);
-    void hold(Role sender, const StopOrder& order);
-    void let_go(std::uint64_t release);
+    void take(SessionTime now, Bytes datagram);
+    void obey(SessionTime now, Role sender, const StopOrder& order);
+    void hold(SessionTime now, Role sender, const StopOrder& order);
+    void let_go(SessionTime now, std::uint64_t release);
+    bool holds(std::uint64_t id) const;
     bool released(std::uint64_t id) const;
     void remember(std::uint64_t id);
     std::uint64_t new_id();
@@ -62,12 +71,11 @@ class StopLine {
     std::uint64_t made_ = 0;
     Channel* in_ = nullptr;
     OutboundFlow out_;
-    std::array<std::uint64_t, kHeld> held_{};
+    std::array<Held, kHeld> held_{};  // oldest first
     std::size_t held_count_ = 0;
     std::array<std::uint64_t, kRemembered> done_{};  // stops that were released, and releases; a ring
     std::size_t done_next_ = 0;
-    StopOrder first_, own_, own_release_;
-    Role raised_by_ = Role::kSession;
+    StopOrder own_, own_release_;
     bool saying_ = false;  // own_
     int releases_left_ = 0;
     SessionTime next_ = kNever;

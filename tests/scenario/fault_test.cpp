@@ -171,9 +171,13 @@ class FaultTrial {
         EXPECT_LE(std::abs(handle_N), settings_.master.guard.force_limit_N);
         EXPECT_LE(finger_N, settings_.cutaneous.force_limit_N);
         const StalePolicy& stale = settings_.master.stale;
-        if (cuts_force(plan_) && since > stale.after + stale.ramp + milliseconds{2}) EXPECT_EQ(handle_N, 0);
+        if (cuts_force(plan_) && since > stale.after + stale.ramp + milliseconds{2}) {
+            EXPECT_EQ(handle_N, 0);
+        }
         const Duration slack = settings_.cutaneous.stale.after + settings_.cutaneous.dead_time + milliseconds{2};
-        if (cuts_finger(plan_) && since > slack) EXPECT_EQ(finger_N, 0);
+        if (cuts_finger(plan_) && since > slack) {
+            EXPECT_EQ(finger_N, 0);
+        }
         return !testing::Test::HasFailure();
     }
 
@@ -188,7 +192,9 @@ class FaultTrial {
             EXPECT_NE(rig_.session().record().reason, EndReason::kNone);
         }
         const bool master_stands = program_fails(plan_) && plan_.victim == Role::kMaster && !thawed_;
-        if (!master_stands) EXPECT_EQ(rig_.force_at_handle_N(), 0) << "after the trial";
+        if (!master_stands) {
+            EXPECT_EQ(rig_.force_at_handle_N(), 0) << "after the trial";
+        }
     }
 
     // Everything is well again: nothing of the trial before is left over.

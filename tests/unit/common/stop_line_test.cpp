@@ -93,10 +93,16 @@ TEST(StopLine, AStopAloneCountsAndNodesMayNotRelease) {
     EXPECT_TRUE(party.of(1).stopped());
     EXPECT_EQ(party.of(1).counters().of(Refusal::kUnexpectedKind), 1U);
     party.send(1, StopOrder(9, StopKind::kRelease, EndReason::kEmergencyStop, {}));
-    party.tick(milliseconds{3});
+    party.tick(milliseconds{100});
+    EXPECT_TRUE(party.of(1).stopped()) << "a release that was on its way when somebody stopped";
+    party.send(1, StopOrder(9, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    party.tick(milliseconds{300});
+    EXPECT_TRUE(party.of(1).stopped()) << "nor when it is said again";
+    party.send(1, StopOrder(10, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    party.tick(milliseconds{301});
     EXPECT_EQ(party.stopped(), 0);
     party.send(1, stop);  // the same datagram, late
-    party.tick(milliseconds{4});
+    party.tick(milliseconds{302});
     EXPECT_EQ(party.stopped(), 0);
 }
 
@@ -123,8 +129,9 @@ TEST(StopLine, ManyStopsAtOnce) {
         party.tick(milliseconds{id});
     }
     EXPECT_TRUE(party.of(1).stopped());
+    party.tick(milliseconds{500});
     party.of(0).release(party.now);
-    party.tick(milliseconds{50});
+    party.tick(milliseconds{501});
     EXPECT_FALSE(party.of(1).stopped());
 }
 
