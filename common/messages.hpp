@@ -263,9 +263,8 @@ struct StopOrder {
 };
 
 // Order as in Packet of messages.fbs.
-using Body =
-    std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe, ClockReply,
-                 HandInput, Monitor, Order, Page, ReplayState, DeviceFault, StopOrder>;
+using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe,
+                          ClockReply, HandInput, Monitor, Order, Page, ReplayState, DeviceFault, StopOrder>;
 
 struct Message {
     Header header;

@@ -52,7 +52,8 @@ void NodeProcess::deadlines_missed(SessionTime now, unsigned in_a_row) {
         ++overruns_;
         if (overrun_ == OverrunPolicy::kStop && running()) {
             std::array<char, 96> words{};
-            std::snprintf(words.data(), words.size(), "%s missed %u deadlines in a row", to_string(role_), in_a_row);
+            std::snprintf(words.data(), words.size(), "%s missed %u deadlines in a row", to_string(role_),
+                          in_a_row);
             stop_everything(now, EndReason::kSafetyStop, words.data());
         }
     }

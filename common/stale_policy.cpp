@@ -31,8 +31,8 @@ StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Du
     policy.after = table.seconds("stale_after_s", defaults.after, shortest, longest);
     policy.ramp = table.seconds("stale_ramp_s", defaults.ramp, Duration::zero(), std::chrono::seconds{1});
     if (table.has("stale_ramp_s") && policy.mode != StaleMode::kRamp) {
-        table.fail("stale_ramp_s", fmt::format("is of stale = \"ramp\" only, and stale is \"{}\"",
-                                               to_string(policy.mode)));
+        table.fail("stale_ramp_s",
+                   fmt::format("is of stale = \"ramp\" only, and stale is \"{}\"", to_string(policy.mode)));
     }
     return policy;
 }

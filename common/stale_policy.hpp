@@ -31,6 +31,7 @@ struct StalePolicy {
 };
 
 // Keys stale ("hold", "ramp" or "zero"), stale_after_s and stale_ramp_s of a node's own table. Throws Error (usage).
-StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Duration shortest, Duration longest);
+StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Duration shortest,
+                              Duration longest);
 
 }  // namespace thimble

@@ -100,7 +100,8 @@ void StopLine::remember(std::uint64_t id) {
 
 // Different between programs by their instance, within one by the count; never the 0 of an empty place.
 std::uint64_t StopLine::new_id() {
-    const std::uint64_t id = (instance_ ^ (++made_ * 0x9E3779B97F4A7C15ULL)) + static_cast<std::uint64_t>(role_);
+    const std::uint64_t id =
+        (instance_ ^ (++made_ * 0x9E3779B97F4A7C15ULL)) + static_cast<std::uint64_t>(role_);
     return id == 0 ? 1 : id;
 }
 

@@ -29,7 +29,8 @@ using StopOutlets = std::array<Channel*, 6>;
 class StopLine {
   public:
     // `instance`: random per process start.
-    StopLine(Role role, std::uint64_t instance) : role_(role), instance_(instance), out_(role, instance, {}) {}
+    StopLine(Role role, std::uint64_t instance)
+        : role_(role), instance_(instance), out_(role, instance, {}) {}
     // `in`: where this program hears; `out`: where the others do, its own place may be among them. All outlive the line. Without
     // it a stop holds here only.
     void connect(Channel& in, const StopOutlets& out);

@@ -28,9 +28,7 @@ class CutaneousProcess final : public NodeProcess {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
     }
     void work(SessionTime now) override;
-    SessionTime next_work() const override {
-        return std::min(node_.next_percept(), actuator_.next_wakeup());
-    }
+    SessionTime next_work() const override { return std::min(node_.next_percept(), actuator_.next_wakeup()); }
     // Of a trial whose fingers are pressed by it: the others can do without.
     std::string_view device_fault() const override {
         return needed_ ? actuator_.fault() : std::string_view{};

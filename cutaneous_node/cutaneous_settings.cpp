@@ -23,9 +23,10 @@ CutaneousSettings read_cutaneous_settings(const ConfigTable& table) {
     }
     node.guard_limit_N = table.number("guard_limit_N", node.guard_limit_N, 0.01, 20);
     if (node.force_limit_N > node.guard_limit_N) {
-        table.fail("force_limit_N", fmt::format("is {:g}, but the guard before the device lets {:g} N through: "
-                                                "raise guard_limit_N as well, on purpose",
-                                                node.force_limit_N, node.guard_limit_N));
+        table.fail("force_limit_N",
+                   fmt::format("is {:g}, but the guard before the device lets {:g} N through: "
+                               "raise guard_limit_N as well, on purpose",
+                               node.force_limit_N, node.guard_limit_N));
     }
     return node;
 }

@@ -132,7 +132,8 @@ bool Lane::revive() {
 std::string Lane::stop_words() const {
     const StopLine& line = session_.stop_line();
     if (!line.stopped()) return {};
-    return fmt::format("{} ({}): {}; {}", line.reason() == EndReason::kSafetyStop ? "safety stop" : "emergency stop",
+    return fmt::format("{} ({}): {}; {}",
+                       line.reason() == EndReason::kSafetyStop ? "safety stop" : "emergency stop",
                        to_string(line.raised_by()), line.words(), kHowToRelease);
 }
 
@@ -246,7 +247,8 @@ void Lane::close_trial() {
     } else if (is_stop(record.reason)) {
         halted_ = true;
         result_.code = ExitCode::kRunFailed;
-        result_.problem = fmt::format("{}: {}; {}", outcome_text(record.reason, record.lost_peer), record.fault, kHowToRelease);
+        result_.problem = fmt::format("{}: {}; {}", outcome_text(record.reason, record.lost_peer),
+                                      record.fault, kHowToRelease);
     } else if (record.reason == EndReason::kDeviceFault) {
         result_.code = ExitCode::kRunFailed;
         result_.problem =

@@ -70,7 +70,8 @@ void write_outcome(Out out, const TrialRow& row) {
 
 void read_outcome(const CsvField& field, TrialRow& row) {
     if (!parse_outcome(field.text, row.reason, row.lost_peer)) {
-        field.fail("is none of completed, timeout, interrupted, emergency_stop, peer_lost_<role>, "
+        field.fail(
+            "is none of completed, timeout, interrupted, emergency_stop, peer_lost_<role>, "
             "device_fault_<role>, safety_stop_<role>");
     }
 }
@@ -141,10 +142,9 @@ std::string outcome_text(EndReason reason, Role lost_peer) {
 }
 
 bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer) {
-    for (const EndReason candidate :
-         {EndReason::kNone, EndReason::kCompleted, EndReason::kTimeout, EndReason::kPeerLost,
-          EndReason::kInterrupted, EndReason::kDeviceFault, EndReason::kSafetyStop,
-          EndReason::kEmergencyStop}) {
+    for (const EndReason candidate : {EndReason::kNone, EndReason::kCompleted, EndReason::kTimeout,
+                                      EndReason::kPeerLost, EndReason::kInterrupted, EndReason::kDeviceFault,
+                                      EndReason::kSafetyStop, EndReason::kEmergencyStop}) {
         for (const Role role : {Role::kSession, Role::kMaster, Role::kSlaveSim, Role::kCutaneous,
                                 Role::kVisual, Role::kNetem}) {
             if (text != outcome_text(candidate, role)) continue;

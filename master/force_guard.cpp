@@ -19,8 +19,7 @@ GuardSettings read_guard_settings(const ConfigTable& table) {
     using std::chrono::seconds;
     GuardSettings s;
     s.force_limit_N = table.number("force_limit_N", s.force_limit_N, 0, 1000);
-    s.force_rate_limit_N_per_s =
-        table.number("force_rate_limit_N_per_s", s.force_rate_limit_N_per_s, 0, 1e6);
+    s.force_rate_limit_N_per_s = table.number("force_rate_limit_N_per_s", s.force_rate_limit_N_per_s, 0, 1e6);
     s.energy_limit_J = table.number("energy_limit_J", s.energy_limit_J, 0, 1000);
     s.energy_window = table.seconds("energy_window_s", s.energy_window, milliseconds{10}, seconds{60});
     if (table.has("energy_window_s") && s.energy_limit_J == 0) {
@@ -69,10 +68,11 @@ void ForceGuard::watch_energy(SessionTime now) {
     most_given_out_J_ = std::max(most_given_out_J_, given_out_J);
     if (settings_.energy_limit_J <= 0 || given_out_J <= settings_.energy_limit_J) return;
     std::array<char, kLongestWords> words{};
-    const auto end = fmt::format_to_n(words.data(), words.size() - 1,
-                                      "the handle gave {:.3g} J to the hand within {:g} s; [guard] "
-                                      "energy_limit_J is {:g}",
-                                      given_out_J, to_seconds(settings_.energy_window), settings_.energy_limit_J);
+    const auto end =
+        fmt::format_to_n(words.data(), words.size() - 1,
+                         "the handle gave {:.3g} J to the hand within {:g} s; [guard] "
+                         "energy_limit_J is {:g}",
+                         given_out_J, to_seconds(settings_.energy_window), settings_.energy_limit_J);
     trip({words.data(), static_cast<std::size_t>(end.out - words.data())});
 }
 

@@ -26,9 +26,10 @@ MasterSettings read_master_settings(const ConfigFile& file) {
     s.guard = read_guard_settings(file.table("guard"));
     if (s.force_limit_N > s.guard.force_limit_N && file.table("master").has("force_limit_N")) {
         file.table("master").fail(
-            "force_limit_N", fmt::format("is {:g}, but the guard before the handle lets {:g} N through: raise "
-                                         "[guard] force_limit_N as well, on purpose",
-                                         s.force_limit_N, s.guard.force_limit_N));
+            "force_limit_N",
+            fmt::format("is {:g}, but the guard before the handle lets {:g} N through: raise "
+                        "[guard] force_limit_N as well, on purpose",
+                        s.force_limit_N, s.guard.force_limit_N));
     }
     return s;
 }

@@ -88,7 +88,8 @@ double VisualNode::bar_N(SessionTime now) const {
     const double share = settings_.stale.share(now - newest_.arrived);
     const double full_N = settings_.bar_full_scale_N;
     const double pixels = static_cast<double>(settings_.bar_resolution);
-    return std::floor(std::min(share * newest_.force_resisting_N, full_N) / full_N * pixels) * full_N / pixels;
+    return std::floor(std::min(share * newest_.force_resisting_N, full_N) / full_N * pixels) * full_N /
+           pixels;
 }
 
 std::optional<Percept> VisualNode::to_percept(const ShownScene& shown) {

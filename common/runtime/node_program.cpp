@@ -111,8 +111,9 @@ class LoopWatch {
         process_->deadlines_missed(now, loop.missed_in_a_row);
         if (process_->overruns() == 0 || said_) return;
         said_ = true;  // once: a node that is late has no time for more
-        spdlog::warn("{} deadlines missed in a row, by more than {} ms each; [runtime] overrun says what follows",
-                     loop.missed_in_a_row, kDeadlineSlack.count() / 1'000'000);
+        spdlog::warn(
+            "{} deadlines missed in a row, by more than {} ms each; [runtime] overrun says what follows",
+            loop.missed_in_a_row, kDeadlineSlack.count() / 1'000'000);
     }
 
   private:
@@ -178,9 +179,8 @@ int run(const NodeProgram& program, const Options& options) {
     } else {
         run_process(*instance, runtime, loop, notice);
     }
-    save(options.report,
-         describe(program, *instance, instance->process().counters(), sockets.counters(), loop.statistics(),
-                  instance->process().overruns()));
+    save(options.report, describe(program, *instance, instance->process().counters(), sockets.counters(),
+                                  loop.statistics(), instance->process().overruns()));
     return check_deadlines(options, runtime, loop.statistics());
 }
 

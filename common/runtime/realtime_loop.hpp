@@ -15,12 +15,12 @@
 namespace thimble {
 
 struct LoopStatistics {
-    Histogram lateness;           // wake-up after its deadline
-    Histogram turns;              // from a wake-up to the next wait: the node's own share of a round trip
-    std::uint64_t deadlines = 0;  // timed wake-ups
-    std::uint64_t missed = 0;     // later than kDeadlineSlack
-    unsigned missed_in_a_row = 0; // until now
-    std::uint64_t arrivals = 0;   // wake-ups by a datagram
+    Histogram lateness;            // wake-up after its deadline
+    Histogram turns;               // from a wake-up to the next wait: the node's own share of a round trip
+    std::uint64_t deadlines = 0;   // timed wake-ups
+    std::uint64_t missed = 0;      // later than kDeadlineSlack
+    unsigned missed_in_a_row = 0;  // until now
+    std::uint64_t arrivals = 0;    // wake-ups by a datagram
 };
 
 // A tick that starts a whole sample late has missed its sample.

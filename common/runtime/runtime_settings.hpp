@@ -10,7 +10,8 @@ struct RuntimeSettings {
     bool realtime_scheduling = true;  // SCHED_FIFO if the system allows it; a warning, not an error, if not
     int priority = 60;
     double allowed_miss_fraction = 0.001;  // of all deadlines, under --strict-rt
-    OverrunPolicy overrun = OverrunPolicy::kWarn;  // what a node does that is late for overrun_limit deadlines in a row
+    OverrunPolicy overrun =
+        OverrunPolicy::kWarn;  // what a node does that is late for overrun_limit deadlines in a row
     unsigned overrun_limit = 20;
 };
 

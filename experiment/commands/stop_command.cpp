@@ -61,7 +61,9 @@ void say_to_all(const StopOrder& order, const StopArguments& a) {
 
 int stop(const StopArguments& a) {
     const std::uint64_t id = std::max<std::uint64_t>(1, system_entropy());
-    say_to_all(StopOrder(id, a.release ? StopKind::kRelease : StopKind::kStop, EndReason::kEmergencyStop, a.reason), a);
+    say_to_all(
+        StopOrder(id, a.release ? StopKind::kRelease : StopKind::kStop, EndReason::kEmergencyStop, a.reason),
+        a);
     const int base = lane_network(a, 0).base_port;
     if (a.release) {
         fmt::print("released: trials may begin again (ports from {})\n", base);
@@ -84,10 +86,12 @@ Subcommand add_stop(CLI::App& app) {
     sub->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
-    sub->add_option("--lanes", a.lanes, "so many lanes of a run side by side (8)")->check(CLI::Range(1, kMostLanes));
+    sub->add_option("--lanes", a.lanes, "so many lanes of a run side by side (8)")
+        ->check(CLI::Range(1, kMostLanes));
     sub->footer(
         "Where thimble runs in this terminal, Ctrl-\\ does the same.\n"
-        "Examples:\n  thimble stop\n  thimble stop --release\n  thimble stop lab.toml --reason \"cable loose\"");
+        "Examples:\n  thimble stop\n  thimble stop --release\n  thimble stop lab.toml --reason \"cable "
+        "loose\"");
     return {sub, [arguments] { return stop(*arguments); }};
 }
 

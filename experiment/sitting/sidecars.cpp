@@ -49,7 +49,8 @@ constexpr std::array kMeanings{
     ColumnMeaning{"beeped", "1: contact was held long enough for the beep", nullptr},
     ColumnMeaning{"outcome",
                   "completed, timeout, interrupted, emergency_stop, peer_lost_<program>, "
-                  "device_fault_<program>, or safety_stop_<program>", nullptr},
+                  "device_fault_<program>, or safety_stop_<program>",
+                  nullptr},
     ColumnMeaning{"seed", "Seed of the study", nullptr},
     ColumnMeaning{"fixture_removed", "1: the fixture vanishes with the beep", nullptr},
     ColumnMeaning{"delay_achieved_s", "Median delay of the network, both ways together", "s"},

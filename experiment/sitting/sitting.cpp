@@ -42,7 +42,8 @@ SittingResult Sitting::run() {
         const std::optional<Step> step = agenda_.next(options_.protocol);
         const Answer answer = step && !await_release(step) ? Answer::kStop : before(step);
         if (answer == Answer::kAskAgain) continue;
-        if (answer == Answer::kGo && step && !runner_.stop_words().empty()) continue;  // pressed while we asked
+        if (answer == Answer::kGo && step && !runner_.stop_words().empty())
+            continue;  // pressed while we asked
         if (answer == Answer::kStop || stopped()) {
             Page paused = page(step);
             paused.kind = PageKind::kPaused;
@@ -243,9 +244,9 @@ void Sitting::do_trial(const Step& step) {
     agenda_.records.push_back(record);
     last_number_ = record.number;
     last_block_ = step.entry.block;
-    const bool lost =
-        record.row.reason == EndReason::kPeerLost || record.row.reason == EndReason::kDeviceFault ||
-        record.row.reason == EndReason::kSafetyStop;
+    const bool lost = record.row.reason == EndReason::kPeerLost ||
+                      record.row.reason == EndReason::kDeviceFault ||
+                      record.row.reason == EndReason::kSafetyStop;
     lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
     if (!trial.fault.empty()) options_.say(trial.fault);
     options_.say(fmt::format("{}: {}, {:.1f} s, maximum penetration {:.2f} mm", name_of(step),

@@ -118,8 +118,8 @@ bool plausible_body(const Monitor& m) {
            within(m.force_total_N, -2e5, 2e5) && span(m.contact_time_s) && force(m.force_hand_N) &&
            within(m.energy_in_J, -1e6, 1e6) && span(m.round_trip_s) && within(m.one_way_s, -1, 1e6) &&
            span(m.one_way_bound_s) && span(m.network_delay_s) && m.phase <= TissuePhase::kPenetrated &&
-           m.modality <= Modality::kVF && m.state <= NodeState::kFailed &&
-           m.reason <= kLastEndReason && m.network.well_formed();
+           m.modality <= Modality::kVF && m.state <= NodeState::kFailed && m.reason <= kLastEndReason &&
+           m.network.well_formed();
 }
 bool plausible_body(const Order& m) {
     return span(m.value) && m.kind <= OrderKind::kNetwork && m.modality <= Modality::kVF &&

@@ -14,9 +14,9 @@
 namespace thimble {
 namespace {
 
+using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using std::chrono::milliseconds;
 
 struct RealFault {
     const char* program;
@@ -70,8 +70,8 @@ TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
     RealRun run(session);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const Outcome stop =
-        run_to_end(built_programs() / "thimble", {"stop", "--base-port", std::to_string(run.base_port()), "--lanes",
-                                                  "1", "--reason", "a cable came loose"});
+        run_to_end(built_programs() / "thimble", {"stop", "--base-port", std::to_string(run.base_port()),
+                                                  "--lanes", "1", "--reason", "a cable came loose"});
     EXPECT_EQ(stop.code, 0) << stop.words;
     EXPECT_THAT(stop.words, HasSubstr("thimble stop --release"));
     EXPECT_EQ(run.end(), 1) << run.words();

@@ -23,13 +23,13 @@ using std::chrono::seconds;
 enum class Fault { kKill, kStandStill, kCut, kLate, kShuffled, kDeaf, kClock };
 constexpr std::array kFaults{Fault::kKill,     Fault::kStandStill, Fault::kCut,  Fault::kLate,
                              Fault::kShuffled, Fault::kDeaf,       Fault::kClock};
-constexpr std::array kFaultNames{"killed", "stopped for a while", "cut", "late by seconds", "shuffled",
-                                 "90 % lost", "clock stepped"};
+constexpr std::array kFaultNames{"killed",   "stopped for a while", "cut",          "late by seconds",
+                                 "shuffled", "90 % lost",           "clock stepped"};
 constexpr std::array kVictims{Role::kSession,   Role::kMaster, Role::kSlaveSim,
                               Role::kCutaneous, Role::kVisual, Role::kNetem};
-constexpr std::array kWires{Wire::kOrders,         Wire::kHeartbeats,   Wire::kNeedle,
-                            Wire::kForceMaster,    Wire::kForceCutaneous, Wire::kForceVisual,
-                            Wire::kRecord,         Wire::kPerceptCutaneous, Wire::kPerceptVisual};
+constexpr std::array kWires{Wire::kOrders,      Wire::kHeartbeats,       Wire::kNeedle,
+                            Wire::kForceMaster, Wire::kForceCutaneous,   Wire::kForceVisual,
+                            Wire::kRecord,      Wire::kPerceptCutaneous, Wire::kPerceptVisual};
 
 struct FaultPlan {
     Fault fault = Fault::kKill;
@@ -110,7 +110,9 @@ class BadLink final : public Tap {
     Encoder encoder_;
 };
 
-bool program_fails(const FaultPlan& plan) { return plan.fault == Fault::kKill || plan.fault == Fault::kStandStill; }
+bool program_fails(const FaultPlan& plan) {
+    return plan.fault == Fault::kKill || plan.fault == Fault::kStandStill;
+}
 
 // Nothing new reaches the handle any more: by what the master still knows its force must be gone.
 bool cuts_force(const FaultPlan& plan) {
@@ -124,13 +126,12 @@ bool cuts_finger(const FaultPlan& plan) {
 
 class FaultTrial {
   public:
-    explicit FaultTrial(const FaultPlan& plan)
-        : plan_(plan), settings_(paper()), rig_(settings_, taps()) {}
+    explicit FaultTrial(const FaultPlan& plan) : plan_(plan), settings_(paper()), rig_(settings_, taps()) {}
 
     void run() {
         TrialConditions conditions = trial_of(plan_.modality);
         rig_.start(conditions);
-        while (!rig_.session().finished() && step()) {
+        while (!rig_.session().finished() && !orphaned() && step()) {
         }
         check_end();
         if (program_fails(plan_) && plan_.fault == Fault::kKill) return;
@@ -165,6 +166,12 @@ class FaultTrial {
         return check_forces(now_ - begin);
     }
 
+    // Nobody is left who could end the trial: the nodes give it up by themselves.
+    bool orphaned() const {
+        return began_ && plan_.fault == Fault::kKill && plan_.victim == Role::kSession &&
+               rig_.now() > SessionTime{plan_.begin} + seconds{1};
+    }
+
     bool check_forces(Duration since) {
         const double handle_N = rig_.force_at_handle_N();
         const double finger_N = rig_.force_at_finger_N();
@@ -174,7 +181,8 @@ class FaultTrial {
         if (cuts_force(plan_) && since > stale.after + stale.ramp + milliseconds{2}) {
             EXPECT_EQ(handle_N, 0);
         }
-        const Duration slack = settings_.cutaneous.stale.after + settings_.cutaneous.dead_time + milliseconds{2};
+        const Duration slack =
+            settings_.cutaneous.stale.after + settings_.cutaneous.dead_time + milliseconds{2};
         if (cuts_finger(plan_) && since > slack) {
             EXPECT_EQ(finger_N, 0);
         }
@@ -183,7 +191,6 @@ class FaultTrial {
 
     void check_end() {
         if (plan_.victim == Role::kSession && plan_.fault == Fault::kKill && began_) {
-            rig_.idle(seconds{1});
             for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
                      &rig_.master(), &rig_.slave(), &rig_.cutaneous(), &rig_.visual(), &rig_.netem()})
                 EXPECT_NE(node->state(), NodeState::kRunning) << "nobody steers: " << to_string(node->role());
@@ -205,7 +212,8 @@ class FaultTrial {
         conditions.trial = 2;
         rig_.start(conditions);
         rig_.run_until(rig_.now() + milliseconds{600});
-        EXPECT_TRUE(rig_.session().running()) << "the next trial runs: " << to_string(rig_.session().record().reason);
+        EXPECT_TRUE(rig_.session().running())
+            << "the next trial runs: " << to_string(rig_.session().record().reason);
     }
 
     FaultPlan plan_;
@@ -221,9 +229,10 @@ TEST(Faults, AtRandomInstantsOfManyTrials) {
     for (std::uint32_t number = 1; number <= trials; ++number) {
         const FaultPlan plan = draw_plan(number);
         SCOPED_TRACE(std::string("trial ") + std::to_string(number) + ": " +
-                     kFaultNames[static_cast<std::size_t>(plan.fault)] + ", " + to_string(plan.victim) + ", wire " +
-                     std::to_string(static_cast<int>(plan.wire)) + ", " + to_string(plan.modality) + " at " +
-                     std::to_string(to_seconds(plan.begin)) + " s for " + std::to_string(to_seconds(plan.length)));
+                     kFaultNames[static_cast<std::size_t>(plan.fault)] + ", " + to_string(plan.victim) +
+                     ", wire " + std::to_string(static_cast<int>(plan.wire)) + ", " +
+                     to_string(plan.modality) + " at " + std::to_string(to_seconds(plan.begin)) + " s for " +
+                     std::to_string(to_seconds(plan.length)));
         FaultTrial(plan).run();
         if (HasFailure()) return;
     }

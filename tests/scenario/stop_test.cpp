@@ -29,7 +29,8 @@ TEST_P(StopAt, OneOrderEndsTheTrialForAll) {
     Rig rig(paper());
     press_until_contact(rig, Modality::kHF);
     ASSERT_GT(rig.handle().force_hand_N(), 0.5);
-    say(rig, GetParam(), StopOrder(77, StopKind::kStop, EndReason::kEmergencyStop, "a test"), Role::kExperimenter);
+    say(rig, GetParam(), StopOrder(77, StopKind::kStop, EndReason::kEmergencyStop, "a test"),
+        Role::kExperimenter);
     const SessionTime stopped = rig.now();
     const TrialRecord& record = rig.finish();
     EXPECT_LT(rig.now() - stopped, milliseconds{300});
@@ -84,7 +85,8 @@ TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     EXPECT_TRUE(refused.samples.empty());
     EXPECT_NE(rig.master().state(), NodeState::kRunning);
     // Nor by an order that the session never gave: the nodes hold it themselves.
-    say(rig, Role::kSession, StopOrder(78, StopKind::kRelease, EndReason::kEmergencyStop, {}), Role::kExperimenter);
+    say(rig, Role::kSession, StopOrder(78, StopKind::kRelease, EndReason::kEmergencyStop, {}),
+        Role::kExperimenter);
     rig.idle(milliseconds{20});
     EXPECT_FALSE(rig.session().stop_line().stopped());
     EXPECT_TRUE(rig.master().stop_line().stopped());
@@ -150,8 +152,11 @@ TEST(StaleInput, TheHandleFollowsThePolicy) {
 
 // SIGSTOP and SIGCONT: what waited meanwhile looks new and is not.
 TEST(StaleInput, AMasterThatStoodStillTakesNoOldForce) {
-    Rig rig(paper());
-    press_until_contact(rig, Modality::kHF);
+    Rig rig(paper_with_delays({}, milliseconds{5}));  // so that no new force comes in the same instant
+    rig.start(trial_of(Modality::kHF));
+    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.force_fixture_N < -1; }));
+    rig.run_until(rig.now() + milliseconds{10});
+    ASSERT_GT(rig.force_at_handle_N(), 0.5);
     rig.freeze(Role::kMaster);
     rig.run_until(rig.now() + milliseconds{300});
     rig.thaw(Role::kMaster);

@@ -51,7 +51,8 @@ TEST(CutaneousSettings, DrivesNeedABus) {
 
 TEST(CutaneousSettings, RefusesWhatIsOutOfRange) {
     for (const char* text : {"dead_time_s = -0.01", "time_constant_s = 2", "force_limit_N = 0",
-                             "stale_after_s = 0", "percept_period_s = 0", "limit_N = 1"}) {
+                             "stale_after_s = 0", "stale = 'slack'", "guard_limit_N = 1", "force_limit_N = 6",
+                             "percept_period_s = 0", "limit_N = 1"}) {
         EXPECT_THROW(read(text), Error) << text;
     }
 }

@@ -10,6 +10,7 @@
 #include <rapidcheck.h>
 
 #include "common/error.hpp"
+#include "master/master_node.hpp"
 
 namespace thimble {
 namespace {
@@ -31,7 +32,8 @@ double any_double() {
     const auto bits = *rc::gen::arbitrary<std::uint64_t>();
     double value = 0;
     std::memcpy(&value, &bits, sizeof value);
-    return *rc::gen::element(value, 1e-3 * *rc::gen::inRange(-20000, 20000), kNan, kInfinity, -kInfinity, 0.0);
+    return *rc::gen::element(value, 1e-3 * *rc::gen::inRange(-20000, 20000), kNan, kInfinity, -kInfinity,
+                             0.0);
 }
 
 GuardSettings any_settings() {
@@ -54,7 +56,8 @@ TEST(ForceGuard, NeverGivesMoreThanItMayWhateverComes) {
         for (int i = 0; i < 60; ++i) {
             const Duration step = std::chrono::microseconds(*rc::gen::inRange(-100, 50'000));
             now += step;
-            if (*rc::gen::arbitrary<bool>()) guard.observe(now, {any_double(), any_double(), *rc::gen::arbitrary<bool>()});
+            if (*rc::gen::arbitrary<bool>())
+                guard.observe(now, {any_double(), any_double(), *rc::gen::arbitrary<bool>()});
             const double wanted_N = any_double();
             const double given_N = guard.pass(now, wanted_N);
             RC_ASSERT(std::isfinite(given_N));
@@ -109,7 +112,8 @@ TEST(ForceGuard, AForceGrowsNoFasterThanAllowedAndFallsAtOnce) {
     guard.clear({});
     for (int ms = 1; ms <= 8; ++ms) EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{ms}}, 8), ms);
     EXPECT_EQ(guard.pass(SessionTime{milliseconds{8}}, 0.5), 0.5);
-    EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{9}}, -8), -1) << "through zero, not from the other side";
+    EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{9}}, -8), -1)
+        << "through zero, not from the other side";
     EXPECT_GT(guard.cut(), 0U);
 }
 
@@ -158,9 +162,25 @@ TEST(GuardSettings, ReadsAndRefuses) {
     EXPECT_EQ(s.energy_limit_J, 0.2);
     EXPECT_EQ(s.energy_window, Duration{std::chrono::seconds{2}});
     EXPECT_EQ(guard_settings("").force_limit_N, 12);
-    for (const char* text : {"force_limit_N = -1", "energy_limit_J = -1", "energy_window_s = 0.5", "limit_N = 3",
-                             "energy_limit_J = 1\nenergy_window_s = 0"}) {
+    for (const char* text : {"force_limit_N = -1", "energy_limit_J = -1", "energy_window_s = 0.5",
+                             "limit_N = 3", "energy_limit_J = 1\nenergy_window_s = 0"}) {
         EXPECT_THROW(guard_settings(text), Error) << text;
+    }
+}
+
+TEST(GuardSettings, TheMasterMayNotAskForMoreThanTheGuardLetsThrough) {
+    const auto limit_N = [](const std::string& text) {
+        const ConfigFile file = ConfigFile::parse(text, "master.toml");
+        return read_master_settings(file).force_limit_N;
+    };
+    EXPECT_EQ(limit_N(""), 12);
+    EXPECT_EQ(limit_N("[guard]\nforce_limit_N = 3"), 12) << "its own default is cut, not refused";
+    EXPECT_EQ(limit_N("[master]\nforce_limit_N = 20\n[guard]\nforce_limit_N = 20"), 20);
+    try {
+        limit_N("[master]\nforce_limit_N = 20");
+        ADD_FAILURE() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("[guard] force_limit_N"), std::string::npos) << error.what();
     }
 }
 
