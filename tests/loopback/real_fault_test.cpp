@@ -64,6 +64,16 @@ TEST(RealFaults, AtRandomInstants) {
     }
 }
 
+// Nothing to open a socket with: said in words, with the exit code of the network, and nothing hangs.
+TEST(RealFaults, OutOfFileDescriptors) {
+    for (const char* program : {"thimble-master", "thimble-slave-sim"}) {
+        const std::string command = "ulimit -n 6; exec " + (built_programs() / program).string();
+        const Outcome outcome = run_to_end("/bin/sh", {"-c", command});
+        EXPECT_EQ(outcome.code, 3) << outcome.words;
+        EXPECT_THAT(outcome.words, HasSubstr("cannot open a UDP socket"));
+    }
+}
+
 TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
     SessionFile session;
     session.contact_hold_s = kEndlessHold_s;
