@@ -31,6 +31,7 @@ int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
     read(p.device_fault());
     read(p.needle_wave());
     read(p.force_wave());
+    read(p.stop_order());
     return count;
 }
 
@@ -108,6 +109,7 @@ struct Encoder::Templates {
     Template<wire::DeviceFault> device_fault{wire::Packet::VT_DEVICE_FAULT};
     Template<wire::NeedleWave> needle_wave{wire::Packet::VT_NEEDLE_WAVE};
     Template<wire::ForceWave> force_wave{wire::Packet::VT_FORCE_WAVE};
+    Template<wire::StopOrder> stop_order{wire::Packet::VT_STOP_ORDER};
 };
 
 Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
@@ -159,6 +161,9 @@ Bytes Encoder::encode(const Header& header, const NeedleWave& body) {
 }
 Bytes Encoder::encode(const Header& header, const ForceWave& body) {
     return templates_->force_wave.fill(header, to_wire(body));
+}
+Bytes Encoder::encode(const Header& header, const StopOrder& body) {
+    return templates_->stop_order.fill(header, to_wire(body));
 }
 Bytes Encoder::encode(const Message& message) {
     return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);

@@ -67,6 +67,7 @@ class Encoder {
     Bytes encode(const Header& header, const DeviceFault& body);
     Bytes encode(const Header& header, const NeedleWave& body);
     Bytes encode(const Header& header, const ForceWave& body);
+    Bytes encode(const Header& header, const StopOrder& body);
     Bytes encode(const Message& message);
 
   private:

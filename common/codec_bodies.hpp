@@ -178,7 +178,7 @@ inline SessionControl from_wire(const wire::SessionControl& w, Judge& judge) {
             judge.choice(raw(w.kind()), ControlKind::kNetworkChange),
             judge.choice(raw(w.modality()), Modality::kVF),
             w.fixture_present(),
-            judge.choice(raw(w.reason()), EndReason::kDeviceFault),
+            judge.choice(raw(w.reason()), kLastEndReason),
             w.silence_s(),
             from_wire(w.network(), judge)};
 }
@@ -209,7 +209,7 @@ inline Heartbeat from_wire(const wire::Heartbeat& w, Judge& judge) {
             w.force_hand_N(),
             w.energy_in_J(),
             judge.choice(raw(w.state()), NodeState::kFailed),
-            judge.choice(raw(w.reason()), EndReason::kDeviceFault)};
+            judge.choice(raw(w.reason()), kLastEndReason)};
 }
 
 inline wire::ClockProbe to_wire(const ClockProbe& b) { return wire::ClockProbe(to_nanoseconds(b.send_time)); }
@@ -305,7 +305,7 @@ inline Monitor from_wire(const wire::Monitor& w, Judge& judge) {
             judge.choice(raw(w.phase()), TissuePhase::kPenetrated),
             judge.choice(raw(w.modality()), Modality::kVF),
             judge.choice(raw(w.state()), NodeState::kFailed),
-            judge.choice(raw(w.reason()), EndReason::kDeviceFault),
+            judge.choice(raw(w.reason()), kLastEndReason),
             w.fixture_present(),
             w.needle_held(),
             w.beeped(),
@@ -396,6 +396,24 @@ inline wire::ForceWave to_wire(const ForceWave& b) { return {to_wire(b.feedback)
 
 inline ForceWave from_wire(const wire::ForceWave& w, Judge& judge) {
     return {from_wire(w.feedback(), judge), from_wire(w.waves(), judge)};
+}
+
+inline wire::StopOrder to_wire(const StopOrder& b) {
+    wire::StopOrder w;
+    static_assert(sizeof w == sizeof b);
+    std::memcpy(&w, static_cast<const void*>(&b), sizeof w);
+    return w;
+}
+
+inline StopOrder from_wire(const wire::StopOrder& w, Judge& judge) {
+    StopOrder b;
+    b.id = w.id();
+    b.kind = judge.choice(raw(w.kind()), StopKind::kRelease);
+    b.reason = judge.choice(raw(w.reason()), kLastEndReason);
+    judge.require(is_stop(b.reason));
+    std::memcpy(b.text.data(), w.text()->Data(), b.text.size());
+    judge.number(static_cast<unsigned char>(b.text.back()), 0, 0);
+    return b;
 }
 
 }  // namespace thimble

@@ -12,6 +12,17 @@ const char* name_of(const std::array<const char*, N>& names, Enum value) {
     return index < N ? names[index] : "invalid";
 }
 
+// One place is left for the zero that ends it.
+template <std::size_t N>
+void put(std::string_view words, std::array<char, N>& text) {
+    std::copy_n(words.begin(), std::min(words.size(), text.size() - 1), text.begin());
+}
+
+template <std::size_t N>
+std::string_view up_to_zero(const std::array<char, N>& text) {
+    return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
+}
+
 }  // namespace
 
 std::optional<NetworkName> NetworkName::of(std::string_view text) {
@@ -54,19 +65,21 @@ const char* to_string(TissuePhase phase) {
 }
 
 const char* to_string(EndReason reason) {
-    static constexpr std::array kNames{"none",      "completed",   "timeout",
-                                       "peer_lost", "interrupted", "device_fault"};
+    static constexpr std::array kNames{"none",        "completed",    "timeout",     "peer_lost",
+                                       "interrupted", "device_fault", "safety_stop", "emergency_stop"};
     return name_of(kNames, reason);
 }
 
-// One place is left for the zero that ends it.
-DeviceFault::DeviceFault(std::string_view words) {
-    std::copy_n(words.begin(), std::min(words.size(), text.size() - 1), text.begin());
+DeviceFault::DeviceFault(std::string_view words) { put(words, text); }
+
+std::string_view DeviceFault::words() const { return up_to_zero(text); }
+
+StopOrder::StopOrder(std::uint64_t number, StopKind what, EndReason why, std::string_view words)
+    : id(number), kind(what), reason(why) {
+    put(words, text);
 }
 
-std::string_view DeviceFault::words() const {
-    return {text.data(), static_cast<std::size_t>(std::find(text.begin(), text.end(), '\0') - text.begin())};
-}
+std::string_view StopOrder::words() const { return up_to_zero(text); }
 
 const char* to_string(NodeState state) {
     static constexpr std::array kNames{"idle", "running", "finished", "failed"};

@@ -32,7 +32,23 @@ enum class ControlKind : std::uint8_t {
     kNetworkChange,
 };
 enum class NodeState : std::uint8_t { kIdle, kRunning, kFinished, kFailed };
-enum class EndReason : std::uint8_t { kNone, kCompleted, kTimeout, kPeerLost, kInterrupted, kDeviceFault };
+// kSafetyStop: the guard before a device tripped, or a node missed its deadlines. kEmergencyStop: somebody pressed stop.
+enum class EndReason : std::uint8_t {
+    kNone,
+    kCompleted,
+    kTimeout,
+    kPeerLost,
+    kInterrupted,
+    kDeviceFault,
+    kSafetyStop,
+    kEmergencyStop,
+};
+inline constexpr EndReason kLastEndReason = EndReason::kEmergencyStop;
+// Everything stands still until somebody releases it.
+constexpr bool is_stop(EndReason reason) {
+    return reason == EndReason::kSafetyStop || reason == EndReason::kEmergencyStop;
+}
+enum class StopKind : std::uint8_t { kStop, kRelease };
 
 // What a view asks of the session.
 enum class OrderKind : std::uint8_t {
@@ -226,7 +242,7 @@ struct ReplayState {
     std::uint32_t changes = 0;                    // how many of them; the rest is 0
 };
 
-// A node whose device has failed -> session, behind each heartbeat that says kDeviceFault.
+// A node whose device has failed -> session, behind each heartbeat that says kDeviceFault; and of a stop (is_stop), who and why.
 struct DeviceFault {
     std::array<char, 320> text{};  // which device, why, what to do; UTF-8, zeros behind its end
 
@@ -245,10 +261,22 @@ struct ForceWave {
     WaveBurst waves;
 };
 
+// Whoever stops everything -> everybody, or whoever releases it (stop_line.hpp).
+struct StopOrder {
+    std::uint64_t id = 0;  // random: what is said again is carried out once
+    StopKind kind = StopKind::kStop;
+    EndReason reason = EndReason::kEmergencyStop;
+    std::array<char, 158> text{};  // who and why; UTF-8, zeros behind its end
+
+    StopOrder() = default;
+    StopOrder(std::uint64_t number, StopKind what, EndReason why, std::string_view words);
+    std::string_view words() const;
+};
+
 // Order as in Packet of messages.fbs.
-using Body =
-    std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe, ClockReply,
-                 HandInput, Monitor, Order, Page, ReplayState, DeviceFault, NeedleWave, ForceWave>;
+using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe,
+                          ClockReply, HandInput, Monitor, Order, Page, ReplayState, DeviceFault, NeedleWave,
+                          ForceWave, StopOrder>;
 
 struct Message {
     Header header;

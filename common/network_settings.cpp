@@ -33,6 +33,12 @@ constexpr std::array<Flow, kPortCount> kFlows{{
     {Role::kExperimenter, Role::kSession, "monitor"},
     {Role::kSession, Role::kVisual, "player's wishes"},
     {Role::kVisual, Role::kSession, "player's monitor"},
+    {Role::kSession, Role::kMaster, "stop, from everybody", true},
+    {Role::kMaster, Role::kSession, "stop, from everybody", true},
+    {Role::kSlaveSim, Role::kSession, "stop, from everybody", true},
+    {Role::kCutaneous, Role::kSession, "stop, from everybody", true},
+    {Role::kVisual, Role::kSession, "stop, from everybody", true},
+    {Role::kNetem, Role::kSession, "stop, from everybody", true},
 }};
 
 }  // namespace
@@ -61,7 +67,7 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
 std::vector<std::string_view> session_tables() {
     return {"network", "session",   "trial",   "protocol", "dataset",      "tissue",
             "fixture", "slave_sim", "master",  "handle",   "operator",     "cutaneous",
-            "visual",  "netem",     "runtime", "launch",   "instructions", "control", "log"};
+            "visual",  "netem",     "runtime", "launch",   "instructions", "control", "log", "guard"};
 }
 
 }  // namespace thimble

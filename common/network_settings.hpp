@@ -47,6 +47,13 @@ enum class Port : std::uint16_t {
     kExperimenterMonitor,
     kSessionPlayerOrders,
     kPlayerMonitor,
+    // stop lines: whoever stops everything says so to all of them (stop_line.hpp)
+    kSessionStop,
+    kMasterStop,
+    kSlaveStop,
+    kCutaneousStop,
+    kVisualStop,
+    kNetemStop,
     kCount,
 };
 inline constexpr std::size_t kPortCount = static_cast<std::size_t>(Port::kCount);
@@ -61,8 +68,12 @@ inline constexpr auto kEveryPort = [] {
 struct Flow {
     Role listens, hears;
     const char* what;
+    bool from_all = false;  // the machines of every role are heard, not only that of `hears`
 };
 const Flow& flow(Port port);
+// Where everybody hears of a stop.
+inline constexpr std::array kStopPorts{Port::kSessionStop,   Port::kMasterStop, Port::kSlaveStop,
+                                       Port::kCutaneousStop, Port::kVisualStop, Port::kNetemStop};
 // Whose socket the port is.
 Role owner(Port port);
 

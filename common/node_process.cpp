@@ -1,24 +1,68 @@
 #include "common/node_process.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <variant>
 
 namespace thimble {
 
 NodeProcess::NodeProcess(Role role, std::uint64_t instance, Channel& control)
-    : role_(role), instance_(instance), control_(&control), heartbeats_(role, instance, {&control}) {}
+    : role_(role),
+      instance_(instance),
+      control_(&control),
+      heartbeats_(role, instance, {&control}),
+      stop_(role, instance) {}
 
+// A stop comes before everything else, so that no order and no input of the same tick is obeyed after it.
 void NodeProcess::tick(SessionTime now) {
+    since_last_tick_ = last_tick_ == kNever ? Duration{} : now - last_tick_;
+    last_tick_ = now;
+    stop_.tick(now);
+    obey_stop(now);
     take_orders(now);
     work(now);
+    listen_to_wishes(now);
+    if (late_ && overrun_ == OverrunPolicy::kRest && running()) rest(now);
     give_up_if_alone(now);
     report(now);
 }
 
-SessionTime NodeProcess::next_wakeup() const { return std::min(next_heartbeat_, next_work()); }
+SessionTime NodeProcess::next_wakeup() const {
+    return std::min({next_heartbeat_, next_work(), stop_.next()});
+}
+
+void NodeProcess::obey_stop(SessionTime now) {
+    if (stop_.stopped() && running()) give_up(now, stop_.reason());
+}
+
+void NodeProcess::listen_to_wishes(SessionTime now) {
+    const StopWish wish = wants_stop(now);
+    if (is_stop(wish.reason)) stop_everything(now, wish.reason, wish.words);
+}
+
+void NodeProcess::stop_everything(SessionTime now, EndReason reason, std::string_view words) {
+    stop_.stop(now, reason, words);
+    obey_stop(now);
+}
+
+void NodeProcess::deadlines_missed(SessionTime now, unsigned in_a_row) {
+    const bool late = in_a_row >= overrun_limit_;
+    if (late && !late_) {
+        ++overruns_;
+        if (overrun_ == OverrunPolicy::kStop && running()) {
+            std::array<char, 96> words{};
+            std::snprintf(words.data(), words.size(), "%s missed %u deadlines in a row", to_string(role_),
+                          in_a_row);
+            stop_everything(now, EndReason::kSafetyStop, words.data());
+        }
+    }
+    late_ = late;
+}
 
 FlowCounters NodeProcess::counters() const {
     FlowCounters sum = orders_.counters();
+    sum.add(stop_.counters());
     add_counters(sum);
     return sum;
 }
@@ -56,6 +100,7 @@ void NodeProcess::take_order(SessionTime now, std::uint32_t trial, const Session
             if (trial == trial_) return;
             if (running()) end_trial(now);
             trial_ = trial;
+            if (stop_.stopped()) return set_state(NodeState::kFailed, stop_.reason());
             set_state(NodeState::kRunning);
             begin_trial(now, control);
             return;
@@ -114,9 +159,9 @@ void NodeProcess::report(SessionTime now) {
     heartbeat.reason = reason_;
     describe(heartbeat);
     heartbeats_.send(now, trial_, heartbeat);
-    if (reason_ == EndReason::kDeviceFault && state_ == NodeState::kFailed) {
-        heartbeats_.send(now, trial_, DeviceFault(fault()));
-    }
+    if (state_ != NodeState::kFailed) return;
+    if (reason_ == EndReason::kDeviceFault) heartbeats_.send(now, trial_, DeviceFault(fault()));
+    if (is_stop(reason_)) heartbeats_.send(now, trial_, DeviceFault(stop_.words()));
 }
 
 }  // namespace thimble

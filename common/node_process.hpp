@@ -7,6 +7,7 @@
 #include "common/flow.hpp"
 #include "common/log/recorder.hpp"
 #include "common/process.hpp"
+#include "common/stop_line.hpp"
 
 namespace thimble {
 
@@ -21,6 +22,16 @@ inline Duration first_answer_within(const SessionControl& control) {
 // Of a NetworkChange: for so long its making the network slower may silence an input.
 inline Duration silence_of_change(const SessionControl& control) { return from_seconds(control.silence_s); }
 
+// What a node does that misses its deadlines again and again: say so; also have its outputs at rest until it is in time again;
+// also stop everything.
+enum class OverrunPolicy : std::uint8_t { kWarn, kRest, kStop };
+
+// A wish to stop everything; is_stop(reason) says that there is one.
+struct StopWish {
+    EndReason reason = EndReason::kNone;
+    std::string_view words{};  // who and why
+};
+
 class NodeProcess : public Process {
   public:
     // `control` is the node's end of its channel with the session; `instance` is random per process start.
@@ -32,6 +43,22 @@ class NodeProcess : public Process {
 
     // A trial that cannot be written down is given up, as one whose device fails. `recorder` outlives this.
     void record_with(const Recorder& recorder) { recorder_ = &recorder; }
+
+    // Where stops are heard and said (stop_line.hpp); without it a stop here reaches the others by the session only.
+    void join_stop_line(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
+    // Somebody at this program wants everything to stop, now.
+    void stop_everything(SessionTime now, EndReason reason, std::string_view words);
+    const StopLine& stop_line() const { return stop_; }
+
+    // The loop was late for so many deadlines in a row; 0: in time again. Called after each tick. The node is late from
+    // `limit` on; what that means says the policy.
+    void set_overrun(OverrunPolicy policy, unsigned limit) {
+        overrun_ = policy;
+        overrun_limit_ = limit;
+    }
+    void deadlines_missed(SessionTime now, unsigned in_a_row);
+    std::uint64_t overruns() const { return overruns_; }  // runs of missed deadlines as long as the limit
+    bool late() const { return late_; }
 
     Role role() const { return role_; }
     NodeState state() const { return state_; }
@@ -54,11 +81,18 @@ class NodeProcess : public Process {
     virtual SessionTime next_work() const = 0;
     // True when an input this node cannot do without has been silent for kPeerTimeout.
     virtual bool peer_lost(SessionTime /*now*/) const { return false; }
+    // A button of the device, the subject's key, a guard before the device: everything is to stop. Asked after each work(),
+    // also between trials.
+    virtual StopWish wants_stop(SessionTime /*now*/) { return {}; }
+    // Outputs at rest until the next input, the trial goes on: the node is late (OverrunPolicy::kRest).
+    virtual void rest(SessionTime /*now*/) {}
     // Empty while the node's device works; else which one, why, and what to do. It ends the trial.
     virtual std::string_view device_fault() const { return {}; }
     virtual void add_counters(FlowCounters& /*sum*/) const {}
     virtual void describe(Heartbeat& /*heartbeat*/) const {}
 
+    // Since the tick before this one: a program that was stopped, or got no time, finds old messages waiting that look new.
+    Duration since_last_tick() const { return since_last_tick_; }
     bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
     std::uint32_t trial() const { return trial_; }
     std::uint64_t instance() const { return instance_; }
@@ -76,6 +110,8 @@ class NodeProcess : public Process {
     void answer(SessionTime now, const ClockProbe& probe);
     void give_up(SessionTime now, EndReason reason);
     void give_up_if_alone(SessionTime now);
+    void obey_stop(SessionTime now);
+    void listen_to_wishes(SessionTime now);
     void report(SessionTime now);
     std::string_view fault() const;
 
@@ -85,6 +121,7 @@ class NodeProcess : public Process {
     const Recorder* recorder_ = nullptr;
     InboundFlow orders_{Role::kSession};
     OutboundFlow heartbeats_;
+    StopLine stop_;
     NodeState state_ = NodeState::kIdle;
     EndReason reason_ = EndReason::kNone;
     std::uint32_t trial_ = 0;
@@ -92,6 +129,12 @@ class NodeProcess : public Process {
     NetworkName changed_network_;
     SessionTime next_heartbeat_{};
     bool stopped_ = false;
+    SessionTime last_tick_ = kNever;
+    Duration since_last_tick_{};
+    OverrunPolicy overrun_ = OverrunPolicy::kWarn;
+    unsigned overrun_limit_ = 20;
+    bool late_ = false;
+    std::uint64_t overruns_ = 0;
 };
 
 }  // namespace thimble

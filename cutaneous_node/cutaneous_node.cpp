@@ -37,7 +37,9 @@ void CutaneousNode::on_feedback(SessionTime now, const ForceFeedback& feedback) 
     Finger finger = Finger::kNone;
     if (force_N < 0) finger = Finger::kIndex;
     if (force_N > 0) finger = Finger::kThumb;
-    actuator_.command(now, finger, std::abs(force_N));
+    finger_ = finger;
+    force_N_ = std::abs(force_N);
+    actuator_.command(now, finger_, force_N_);
     released_ = false;
 }
 
@@ -45,13 +47,22 @@ std::optional<Percept> CutaneousNode::percept(SessionTime now) {
     if (now < next_percept_) return std::nullopt;
     // Keeps to the grid of the trial's start; a late call skips what was missed.
     next_percept_ += settings_.percept_period * ((now - next_percept_) / settings_.percept_period + 1);
-    if (!released_ && now - last_feedback_ >= settings_.stale_after) release(now);
+    fade(now);
     const FingertipForce felt = actuator_.output(now);
     Percept percept;
     percept.finger = felt.finger;
     percept.force_N = felt.force_N;
     percept.sample_age_s = to_seconds(now - felt.sample_time);
     return percept;
+}
+
+// The feedback has stopped.
+void CutaneousNode::fade(SessionTime now) {
+    const Duration silence = now - last_feedback_;
+    if (released_ || !settings_.stale.stale(silence)) return;
+    const double share = settings_.stale.share(silence);
+    if (share <= 0) return release(now);
+    if (share < 1) actuator_.command(now, finger_, share * force_N_);
 }
 
 void CutaneousNode::release(SessionTime now) {

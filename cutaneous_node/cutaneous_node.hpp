@@ -40,6 +40,7 @@ class CutaneousNode {
     bool contralateral() const { return active() && modality_ == Modality::kCCF; }
 
   private:
+    void fade(SessionTime now);
     void release(SessionTime now);
 
     CutaneousSettings settings_;
@@ -48,6 +49,8 @@ class CutaneousNode {
     SessionTime last_feedback_{};
     Modality modality_ = Modality::kHF;
     bool released_ = true;
+    Finger finger_ = Finger::kNone;  // of the newest command
+    double force_N_ = 0;
 };
 
 }  // namespace thimble

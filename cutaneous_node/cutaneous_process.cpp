@@ -6,12 +6,14 @@ CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettin
                                    const Channels& channels, FingertipActuator& actuator)
     : NodeProcess(Role::kCutaneous, instance, *channels.control),
       channels_(channels),
-      actuator_(&actuator),
-      node_(settings, actuator),
+      actuator_(settings.guard_limit_N, actuator),
+      node_(settings, actuator_),
+      stale_after_(settings.stale.after),
       percept_flow_(Role::kCutaneous, instance, {channels.percept_out}) {}
 
 void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& control) {
     needed_ = node_.presses(control.modality);
+    actuator_.clear();
     node_.start_trial(now, control);
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
 }
@@ -20,7 +22,9 @@ void CutaneousProcess::work(SessionTime now) {
     force_flow_.drain<ForceFeedback>(
         now, *channels_.force_in, running(), trial(),
         [&](const Header&, const ForceFeedback& feedback) { node_.on_feedback(now, feedback); });
-    actuator_->tick(now);
+    // What has waited while this program stood still says nothing about now.
+    if (running() && since_last_tick() > stale_after_) actuator_.release(now);
+    actuator_.tick(now);
     if (const auto percept = node_.percept(now)) percept_flow_.send(now, trial(), *percept);
 }
 

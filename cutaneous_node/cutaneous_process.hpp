@@ -5,6 +5,7 @@
 
 #include "common/node_process.hpp"
 #include "cutaneous_node/cutaneous_node.hpp"
+#include "cutaneous_node/guarded_actuator.hpp"
 
 namespace thimble {
 
@@ -27,20 +28,24 @@ class CutaneousProcess final : public NodeProcess {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
     }
     void work(SessionTime now) override;
-    SessionTime next_work() const override {
-        return std::min(node_.next_percept(), actuator_->next_wakeup());
-    }
+    SessionTime next_work() const override { return std::min(node_.next_percept(), actuator_.next_wakeup()); }
     // Of a trial whose fingers are pressed by it: the others can do without.
     std::string_view device_fault() const override {
-        return needed_ ? actuator_->fault() : std::string_view{};
+        return needed_ ? actuator_.fault() : std::string_view{};
     }
+    StopWish wants_stop(SessionTime /*now*/) override {
+        if (!running() || !actuator_.tripped()) return {};
+        return {EndReason::kSafetyStop, GuardedActuator::kWords};
+    }
+    void rest(SessionTime now) override { actuator_.release(now); }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 
   private:
     Channels channels_;
-    FingertipActuator* actuator_;
+    GuardedActuator actuator_;
     CutaneousNode node_;
+    Duration stale_after_;
     bool needed_ = false;  // CF, CCF: since the newest trial's beginning
     InboundFlow force_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;

@@ -4,12 +4,16 @@
 //   dead_time_s = 0.045      from a command to the first motion of the cables
 //   time_constant_s = 0      first-order lag after it, 0: none
 //   force_limit_N = 1.5      the most the device presses
-//   stale_after_s = 0.1      without feedback for so long, the fingers are released
+//   stale = "zero"           what the fingers feel without feedback: slack at once ("zero"), "ramp" or "hold"
+//   stale_after_s = 0.1      without feedback for so long
+//   stale_ramp_s = 0.02      of "ramp": how long the force takes to fall
+//   guard_limit_N = 5        the last stage before the device lets no more through, whoever asks
 //   percept_period_s = 0.001 how often the skin reports
 #pragma once
 
 #include "common/config.hpp"
 #include "common/hid/hid_link.hpp"
+#include "common/stale_policy.hpp"
 #include "common/time.hpp"
 #include "cutaneous_node/drive_settings.hpp"
 
@@ -21,7 +25,8 @@ struct CutaneousSettings {
     Duration dead_time = std::chrono::milliseconds{45};
     Duration time_constant{};
     double force_limit_N = 1.5;
-    Duration stale_after = std::chrono::milliseconds{100};
+    StalePolicy stale{StaleMode::kZero};
+    double guard_limit_N = 5;  // the last stage before the device
     Duration percept_period = std::chrono::milliseconds{1};
     FingertipDevice device = FingertipDevice::kSimulated;
     HidChoice board{};       // kBoard

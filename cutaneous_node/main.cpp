@@ -45,13 +45,17 @@ class UndrivenCutaneous final : public NodeInstance {
         : simulated_(settings),
           board_(settings.device == FingertipDevice::kBoard ? std::make_unique<Board>(settings, runtime)
                                                             : nullptr),
-          process_(instance, settings, open_channels(sockets), actuator()) {}
+          stale_(settings.stale.text()),
+          process_(instance, settings, open_channels(sockets), actuator()) {
+        process_.join_stop_line(*sockets.inlet_for_all(Port::kCutaneousStop), sockets.stop_outlets());
+    }
 
     NodeProcess& process() override { return process_; }
     void bring_up() override {
         if (board_) board_->await_first_word();
     }
     void describe(nlohmann::ordered_json& report) const override {
+        report["stale"] = stale_;
         if (board_) report["board"] = {{"bad_reports", board_->actuator.bad_reports()}};
     }
 
@@ -63,6 +67,7 @@ class UndrivenCutaneous final : public NodeInstance {
 
     SimulatedActuator simulated_;
     std::unique_ptr<Board> board_;
+    std::string stale_;
     CutaneousProcess process_;
 };
 
@@ -71,18 +76,23 @@ class DrivenCutaneous final : public NodeInstance {
     DrivenCutaneous(const CutaneousSettings& settings, Sockets& sockets, std::uint64_t instance)
         : bus_(open_bus(settings.drives, sockets)),
           actuator_(settings.drives, settings.force_limit_N, *bus_),
-          process_(instance, settings, open_channels(sockets), actuator_) {}
+          stale_(settings.stale.text()),
+          process_(instance, settings, open_channels(sockets), actuator_) {
+        process_.join_stop_line(*sockets.inlet_for_all(Port::kCutaneousStop), sockets.stop_outlets());
+    }
     ~DrivenCutaneous() override { actuator_.stop(); }
 
     NodeProcess& process() override { return process_; }
     void bring_up() override { bring_up_drives(actuator_); }
     void describe(nlohmann::ordered_json& report) const override {
+        report["stale"] = stale_;
         report["drives"] = describe_drives(actuator_);
     }
 
   private:
     std::unique_ptr<CanBus> bus_;
     DriveActuator actuator_;
+    std::string stale_;
     CutaneousProcess process_;
 };
 

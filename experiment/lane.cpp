@@ -9,6 +9,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "experiment/event_file.hpp"
 #include "experiment/launch/node_kinds.hpp"
+#include "experiment/trial_table.hpp"
 
 namespace thimble {
 namespace {
@@ -24,6 +25,12 @@ Sockets open_sockets(const LanePlan& plan, MessageLog* log) {
     Sockets sockets(plan.network);
     if (log != nullptr) sockets.record_to(*log, plan.log.messages == LoggedMessages::kAll);
     return sockets;
+}
+
+// The loop hears what is open when it is made.
+const std::vector<Listener*>& listening(Sockets& sockets, SessionProcess& session) {
+    session.join_stop_line(*sockets.inlet_for_all(Port::kSessionStop), sockets.stop_outlets());
+    return sockets.listeners();
 }
 
 }  // namespace
@@ -57,7 +64,8 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       sockets_(open_sockets(plan, log_.get())),
       session_(system_entropy(), plan.session, open_channels()),
       company_(session_, plan.attend ? plan.attend(session_, sockets_) : nullptr),
-      loop_(sockets_.listeners()) {
+      loop_(listening(sockets_, session_)),
+      stops_heard_(emergency_stops()) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
         if (writer_) attempt([&] { writer_->append(sample); });
@@ -90,12 +98,15 @@ SessionProcess::Channels Lane::open_channels() {
     return channels;
 }
 
+// A node that was started anew does not write over what it had written.
+std::string Lane::again() const { return revivals_ == 0 ? "" : fmt::format("_again{}", revivals_); }
+
 std::filesystem::path Lane::report_path(std::size_t node) const {
     return plan_.out / fmt::format("{}_{:g}ms.json", kNodes[node].program, 1000 * plan_.delay_s);
 }
 
 std::filesystem::path Lane::log_path(std::size_t node) const {
-    return plan_.out / fmt::format("{}_{:g}ms.log", kNodes[node].program, 1000 * plan_.delay_s);
+    return plan_.out / fmt::format("{}_{:g}ms{}.log", kNodes[node].program, 1000 * plan_.delay_s, again());
 }
 
 std::filesystem::path Lane::clock_path() const {
@@ -103,7 +114,7 @@ std::filesystem::path Lane::clock_path() const {
 }
 
 std::filesystem::path Lane::messages_path(const std::string& program) const {
-    return plan_.out / fmt::format("{}_{:g}ms.mcap", program, 1000 * plan_.delay_s);
+    return plan_.out / fmt::format("{}_{:g}ms{}.mcap", program, 1000 * plan_.delay_s, again());
 }
 
 void Lane::open_log() {
@@ -148,22 +159,57 @@ void Lane::close_clocks() {
 }
 
 void Lane::launch() {
-    for (std::size_t i = 0; i < kNodes.size(); ++i) {
-        const NodeKind& node = kNodes[i];
-        NodeOrder order;
-        order.role = node.role;
-        order.program = node.program;
-        order.log = log_path(i);
-        order.report = report_path(i);
-        order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
-        if (log_) order.messages = messages_path(node.program);
-        if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
-        if (node.role == Role::kNetem) {
-            order.arguments.insert(order.arguments.end(),
-                                   {"--force-delay-s", fmt::format("{}", plan_.delay_s)});
-        }
-        nodes_.push_back(plan_.starter->start(order));
+    nodes_.resize(kNodes.size());
+    for (std::size_t i = 0; i < kNodes.size(); ++i) start_node(i);
+}
+
+void Lane::start_node(std::size_t i) {
+    const NodeKind& node = kNodes[i];
+    NodeOrder order;
+    order.role = node.role;
+    order.program = node.program;
+    order.log = log_path(i);
+    order.report = report_path(i);
+    order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
+    if (log_) order.messages = messages_path(node.program);
+    if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
+    if (node.role == Role::kNetem) {
+        order.arguments.insert(order.arguments.end(), {"--force-delay-s", fmt::format("{}", plan_.delay_s)});
     }
+    nodes_[i] = plan_.starter->start(order);
+}
+
+// What was asked of a trial that is over, by its number, moves nobody: the new instance begins at none.
+bool Lane::revive() {
+    if (!plan_.starter || !dead_node()) return false;
+    ++revivals_;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (nodes_[i]->poll()) start_node(i);
+    }
+    result_ = {};
+    halted_ = false;
+    wait_for_machines();
+    // The session goes on taking the dead one's place for occupied until it has been silent for a second.
+    wait_for_nodes();
+    return true;
+}
+
+std::string Lane::stop_words() const {
+    const StopLine& line = session_.stop_line();
+    if (!line.stopped()) return {};
+    return fmt::format("{} ({}): {}; {}",
+                       line.reason() == EndReason::kSafetyStop ? "safety stop" : "emergency stop",
+                       to_string(line.raised_by()), line.words(), kHowToRelease);
+}
+
+void Lane::emergency_stop(std::string_view words) { session_.emergency_stop(wall_now(), words); }
+void Lane::release_stop() { session_.release_stop(wall_now()); }
+
+void Lane::hear_stop_key() {
+    const unsigned asked = emergency_stops();
+    if (asked == stops_heard_) return;
+    stops_heard_ = asked;
+    emergency_stop("Ctrl-\\ at thimble's terminal");
 }
 
 // The index of a node that has ended. Asks every one of them: that is how they learn that we are here.
@@ -241,6 +287,8 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
         writer_.emplace(trajectory, plan_.if_exists);
     }
     note_trial(trial, number);
+    if (halted_) result_ = {};
+    halted_ = false;
     session_.start(trial, number);
     SessionTime next_poll{}, next_flush{}, next_progress{};
     while (!session_.finished()) {
@@ -265,6 +313,7 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
 
 void Lane::look_around(SessionTime next, SessionTime& next_poll) {
     next_poll = next;
+    hear_stop_key();
     if (events_.stop && events_.stop()) return session_.abort(EndReason::kInterrupted);
     const bool cannot_write = !write_fault_.empty() || (log_ && !log_->fault().empty());
     if (cannot_write) return session_.abort(EndReason::kDeviceFault, Role::kSession);
@@ -283,6 +332,13 @@ void Lane::close_trial() {
     if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {
         result_.code = ExitCode::kRunFailed;
         result_.problem = "interrupted; what was recorded is kept";
+    } else if (is_stop(record.reason)) {
+        halted_ = true;
+        result_.code = ExitCode::kRunFailed;
+        result_.problem =
+            fmt::format("{}: {}", outcome_text(record.reason, record.lost_peer), record.fault);
+        // Nodes that go on running without us hold it.
+        if (!plan_.starter) result_.problem += fmt::format("; {}", kHowToRelease);
     } else if (record.reason == EndReason::kDeviceFault) {
         result_.code = ExitCode::kRunFailed;
         result_.problem = words_of_fault(record);
@@ -316,6 +372,7 @@ void Lane::idle(Duration limit) {
     const SessionTime end = wall_now() + limit;
     for (SessionTime now = wall_now(); now < end; now = wall_now()) {
         loop_.step(company_, std::min(end, now + kPoll));
+        hear_stop_key();
         dead_node();
     }
 }

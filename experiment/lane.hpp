@@ -83,8 +83,15 @@ class Lane {
     bool take_go_on() { return session_.take_go_on(); }
     // Keeps in touch with the nodes between trials, for at most `limit`.
     void idle(Duration limit);
-    // A node has ended, or was lost: this lane runs no further trial.
-    bool broken() { return result_.code != ExitCode::kOk || dead_node(); }
+    // A node has ended, or was lost: this lane runs no further trial. After a stop it does, once that was released.
+    bool broken() { return (result_.code != ExitCode::kOk && !halted_) || dead_node(); }
+    // Who stopped everything, why and how to release it; empty: nothing is stopped.
+    std::string stop_words() const;
+    void emergency_stop(std::string_view words);
+    void release_stop();
+    // Starts the nodes anew that have ended, those alone, and waits for them; they know nothing of the trials before and take
+    // part from the next one on. False if there was nothing to start. Throws Error as open() does.
+    bool revive();
     // What happened so far: not ok once a peer was lost, or a stop was asked for.
     const LaneResult& result() const { return result_; }
     // Ends the nodes that open() started and collects their reports.
@@ -105,6 +112,7 @@ class Lane {
     };
 
     SessionProcess::Channels open_channels();
+    std::string again() const;
     std::filesystem::path report_path(std::size_t node) const;
     std::filesystem::path log_path(std::size_t node) const;
     std::filesystem::path clock_path() const;
@@ -120,6 +128,8 @@ class Lane {
     void close_clocks();
     void launch();
     void end_nodes();
+    void start_node(std::size_t node);
+    void hear_stop_key();
     std::optional<std::size_t> dead_node();
     void throw_if_dead();
     void wait_for_machines();
@@ -143,6 +153,9 @@ class Lane {
     std::string write_fault_;  // empty: all could be written
     TrajectorySample last_;
     LaneResult result_;
+    bool halted_ = false;       // by a stop: the result says so until the next trial
+    unsigned stops_heard_ = 0;  // emergency_stops()
+    unsigned revivals_ = 0;
 };
 
 // Runs the trials of the plan. Throws Error as Lane does.

@@ -13,6 +13,9 @@ constexpr Duration kResend = std::chrono::milliseconds{50};
 // heard for longer than a few heartbeats.
 constexpr Duration kSuspicious = std::chrono::milliseconds{250};
 
+// Whose words come behind the heartbeat.
+bool has_words(EndReason reason) { return reason == EndReason::kDeviceFault || is_stop(reason); }
+
 template <std::size_t... I>
 auto make_peers(std::uint64_t instance, const SessionProcess::Channels& channels, std::index_sequence<I...>,
                 auto make) {
@@ -37,7 +40,8 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
                                         0,
                                         ClockProber{},
                                         ClockFilter{}};
-                        })) {}
+                        })),
+      stop_(Role::kSession, instance) {}
 
 void SessionProcess::start(const TrialConditions& conditions, std::uint32_t number) {
     record_.conditions = conditions;
@@ -106,15 +110,24 @@ std::string SessionProcess::missing_peers(SessionTime now, Duration limit) const
 }
 
 void SessionProcess::tick(SessionTime now) {
+    stop_.tick(now);
     take_heartbeats(now);
     take_records(now);
     if (fresh_) {
         fresh_ = false;
         enter(now, Stage::kStartingOthers);
     }
+    obey_stop(now);
     if (abort_ && stage_ != Stage::kEnding && stage_ != Stage::kDone) end(now, *abort_, abort_peer_);
     advance(now);
     if (now >= next_send_) send_orders(now);
+}
+
+// Also a trial that was to begin: it is in the record as one that was stopped, and no node has heard of it.
+void SessionProcess::obey_stop(SessionTime now) {
+    if (!stop_.stopped() || !under_way() || stage_ == Stage::kEnding) return;
+    record_.fault = stop_.words();
+    end(now, stop_.reason(), stop_.raised_by());
 }
 
 void SessionProcess::take_heartbeats(SessionTime now) {
@@ -211,8 +224,8 @@ bool SessionProcess::all(NodeState state, bool with_master) const {
 
 bool SessionProcess::all_stopped(SessionTime now) const {
     const bool lost = record_.reason == EndReason::kPeerLost;
-    const bool cut_off =
-        lost || record_.reason == EndReason::kInterrupted || record_.reason == EndReason::kDeviceFault;
+    const bool cut_off = lost || is_stop(record_.reason) || record_.reason == EndReason::kInterrupted ||
+                         record_.reason == EndReason::kDeviceFault;
     return std::all_of(peers_.begin(), peers_.end(), [&](const Peer& peer) {
         // The dead do not acknowledge.
         if (lost && peer.role == record_.lost_peer) return true;
@@ -270,32 +283,31 @@ void SessionProcess::advance(SessionTime now) {
         case Stage::kDone:
             return;
     }
-    if (end_with_device(now)) return;
+    if (end_with_fault(now)) return;
     const bool starting = stage_ == Stage::kStartingOthers || stage_ == Stage::kStartingMaster;
     if (starting && now - stage_since_ > settings_.peer_wait)
         end(now, EndReason::kPeerLost, laggard(now).role);
 }
 
-// A heartbeat says that a device has failed, the datagram behind it why; if that is lost, the next one comes in 100 ms.
-bool SessionProcess::end_with_device(SessionTime now) {
+// A heartbeat says that a device has failed, or that the node has been stopped, the datagram behind it why; if that is lost, the next one comes in 100 ms.
+bool SessionProcess::end_with_fault(SessionTime now) {
     for (const Peer& peer : peers_) {
-        const bool failed =
-            peer.last.state == NodeState::kFailed && peer.last.reason == EndReason::kDeviceFault;
+        const bool failed = peer.last.state == NodeState::kFailed && has_words(peer.last.reason);
         if (peer.trial != trial_ || !failed || !peer.fault) continue;
         record_.fault = peer.fault->words();
-        end(now, EndReason::kDeviceFault, peer.role);
+        end(now, peer.last.reason, peer.role);
         return true;
     }
     return false;
 }
 
 void SessionProcess::watch(SessionTime now) {
-    if (end_with_device(now)) return;
+    if (end_with_fault(now)) return;
     const Peer& quiet = *quietest();
     if (quiet.flow.silent_for(now, kPeerTimeout)) return end(now, EndReason::kPeerLost, quiet.role);
     for (const Peer& peer : peers_) {
         if (peer.trial != trial_) continue;
-        if (peer.last.state == NodeState::kFailed && peer.last.reason != EndReason::kDeviceFault) {
+        if (peer.last.state == NodeState::kFailed && !has_words(peer.last.reason)) {
             const bool silent = quiet.flow.silent_for(now, kSuspicious);
             return end(now, EndReason::kPeerLost, silent ? quiet.role : peer.role);
         }

@@ -2,6 +2,7 @@
 // everybody lives, and ends it. It steers and records; nothing of the haptic loop passes through it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <optional>
@@ -72,6 +73,18 @@ class SessionProcess final : public Process {
     SessionTime newest_sent() const { return newest_sent_; }
     const TrialRecord& record() const { return record_; }
 
+    // The stop line: everything here ends with it, and nothing begins while it holds (stop_line.hpp).
+    void join_stop_line(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
+    void emergency_stop(SessionTime now, std::string_view words) {
+        stop_.stop(now, EndReason::kEmergencyStop, words);
+        next_send_ = {};
+    }
+    void release_stop(SessionTime now) {
+        stop_.release(now);
+        next_send_ = {};
+    }
+    const StopLine& stop_line() const { return stop_; }
+
     // Ends the running trial (interrupt, a child process that died). Harmless when none runs.
     void abort(EndReason reason, Role lost_peer = Role::kSession);
     // Removes or moves the fixture of the running trial. A trial that removes it does so by itself, when the
@@ -95,7 +108,7 @@ class SessionProcess final : public Process {
     std::string missing_peers(SessionTime now, Duration limit) const;
 
     void tick(SessionTime now) override;
-    SessionTime next_wakeup() const override { return next_send_; }
+    SessionTime next_wakeup() const override { return std::min(next_send_, stop_.next()); }
     bool stopped() const override { return false; }
 
   private:
@@ -106,7 +119,7 @@ class SessionProcess final : public Process {
         Channel* channel;
         Role role;
         Heartbeat last;
-        std::optional<DeviceFault> fault;  // said in this trial
+        std::optional<DeviceFault> fault;  // said in this trial, of a device or a stop
         std::uint32_t trial = 0;
         ClockProber prober{};
         ClockFilter clock{};
@@ -119,7 +132,8 @@ class SessionProcess final : public Process {
     void store(const Header& header, const ForceFeedback& feedback);
     void watch_withdrawal(const TrajectorySample& sample);
     void advance(SessionTime now);
-    bool end_with_device(SessionTime now);
+    bool end_with_fault(SessionTime now);
+    void obey_stop(SessionTime now);
     void watch(SessionTime now);
     void send_orders(SessionTime now);
     void tell_network();
@@ -143,6 +157,7 @@ class SessionProcess final : public Process {
     Channels channels_;
     std::array<Peer, kNodeRoles.size()> peers_;
     InboundFlow record_flow_{Role::kSlaveSim};
+    StopLine stop_;
     SampleHook hook_;
     ClockHook clock_hook_;
     TrialRecord record_;

@@ -58,8 +58,8 @@ struct TrialRecord {
     double achieved_delay_s = std::numeric_limits<double>::quiet_NaN();  // by the network, both ways, median
     std::vector<NetworkEvent> network_events{};  // in order; delay_s of the conditions held before
     EndReason reason = EndReason::kNone;
-    Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost and kDeviceFault
-    std::string fault{};              // the device's words, with kDeviceFault
+    Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost, kDeviceFault and stops
+    std::string fault{};              // the device's words with kDeviceFault, who and why with stops
 };
 
 }  // namespace thimble

@@ -70,7 +70,9 @@ void write_outcome(Out out, const TrialRow& row) {
 
 void read_outcome(const CsvField& field, TrialRow& row) {
     if (!parse_outcome(field.text, row.reason, row.lost_peer)) {
-        field.fail("is none of completed, timeout, interrupted, peer_lost_<role>, device_fault_<role>");
+        field.fail(
+            "is none of completed, timeout, interrupted, emergency_stop, peer_lost_<role>, "
+            "device_fault_<role>, safety_stop_<role>");
     }
 }
 
@@ -133,14 +135,16 @@ std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows) {
 }
 
 std::string outcome_text(EndReason reason, Role lost_peer) {
-    if (reason != EndReason::kPeerLost && reason != EndReason::kDeviceFault) return to_string(reason);
+    const bool of_role = reason == EndReason::kPeerLost || reason == EndReason::kDeviceFault ||
+                         reason == EndReason::kSafetyStop;
+    if (!of_role) return to_string(reason);
     return fmt::format("{}_{}", to_string(reason), to_string(lost_peer));
 }
 
 bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer) {
-    for (const EndReason candidate :
-         {EndReason::kNone, EndReason::kCompleted, EndReason::kTimeout, EndReason::kPeerLost,
-          EndReason::kInterrupted, EndReason::kDeviceFault}) {
+    for (const EndReason candidate : {EndReason::kNone, EndReason::kCompleted, EndReason::kTimeout,
+                                      EndReason::kPeerLost, EndReason::kInterrupted, EndReason::kDeviceFault,
+                                      EndReason::kSafetyStop, EndReason::kEmergencyStop}) {
         for (const Role role : {Role::kSession, Role::kMaster, Role::kSlaveSim, Role::kCutaneous,
                                 Role::kVisual, Role::kNetem}) {
             if (text != outcome_text(candidate, role)) continue;

@@ -22,7 +22,7 @@ struct TrialRow {
     TrialConditions conditions;
     TrialMetrics metrics;
     EndReason reason = EndReason::kNone;
-    Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost and kDeviceFault
+    Role lost_peer = Role::kSession;  // meaningful with EndReason::kPeerLost, kDeviceFault and stops
     // Of the network, needle and force path together: the round trip without the slave's hold time. Medians.
     double delay_achieved_s = std::numeric_limits<double>::quiet_NaN();
     double round_trip_s = std::numeric_limits<double>::quiet_NaN();
@@ -30,7 +30,8 @@ struct TrialRow {
 
 TrialRow make_row(const TrialRecord& record);
 
-// "completed", "timeout", "interrupted", "peer_lost_<role>"; "none" for a trial that has not ended.
+// "completed", "timeout", "interrupted", "emergency_stop", "peer_lost_<role>", "device_fault_<role>",
+// "safety_stop_<role>"; "none" for a trial that has not ended.
 std::string outcome_text(EndReason reason, Role lost_peer);
 // False if the text is none of these.
 bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer);

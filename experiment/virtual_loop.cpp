@@ -20,8 +20,11 @@ std::uint32_t VirtualLoop::add(Process& process) {
 }
 
 bool VirtualLoop::step() {
+    woken_ &= ~frozen_;
     SessionTime next = woken_ != 0 ? now_ : kNever;
-    for (const Entry& entry : entries_) next = std::min(next, entry.next);
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+        if ((frozen_ >> i & 1U) == 0) next = std::min(next, entries_[i].next);
+    }
     if (next == kNever) return false;
     instants_at_now_ = next > now_ ? 0 : instants_at_now_ + 1;
     if (instants_at_now_ > kMaxRoundsPerInstant) {
@@ -32,17 +35,22 @@ bool VirtualLoop::step() {
     for (std::size_t i = 0; i < entries_.size(); ++i) {
         if (entries_[i].next <= now_) due |= std::uint32_t{1} << i;
     }
-    run_instant(due);
+    run_instant(due & ~frozen_);
     return true;
 }
 
+void VirtualLoop::thaw(std::uint32_t bit) {
+    if ((frozen_ & bit) != 0) woken_ |= bit;
+    frozen_ &= ~bit;
+}
+
 void VirtualLoop::run_instant(std::uint32_t due) {
-    for (int round = 0; (due | woken_) != 0; ++round) {
+    for (int round = 0; (due | (woken_ & ~frozen_)) != 0; ++round) {
         if (round > kMaxRoundsPerInstant)
             throw std::logic_error("virtual time stands still: endless messages");
         // One sweep in order of addition; what a process wakes behind itself waits for the next sweep.
         std::uint32_t ahead = ~std::uint32_t{0};
-        while (const std::uint32_t pending = (due | woken_) & ahead) {
+        while (const std::uint32_t pending = (due | (woken_ & ~frozen_)) & ahead) {
             const std::uint32_t bit = pending & -pending;  // the lowest
             ahead = ~(bit | (bit - 1));
             due &= ~bit;

@@ -20,6 +20,10 @@ class VirtualLoop {
     // Makes a process due now, whatever it said before (something outside the loop changed its mind).
     void poke(std::uint32_t bit) { woken_ |= bit; }
 
+    // A process that is not called any more, whatever is due or waits for it, until it is thawed: then at once.
+    void freeze(std::uint32_t bit) { frozen_ |= bit; }
+    void thaw(std::uint32_t bit);
+
     // One instant: everything due at the earliest wake-up, and all that this sets off without delay. False if
     // nothing will ever happen again.
     bool step();
@@ -33,7 +37,7 @@ class VirtualLoop {
     void run_instant(std::uint32_t due);
 
     std::vector<Entry> entries_;
-    std::uint32_t woken_ = 0;
+    std::uint32_t woken_ = 0, frozen_ = 0;
     SessionTime now_{};
     std::uint64_t ticks_ = 0;
     int instants_at_now_ = 0;

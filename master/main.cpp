@@ -49,12 +49,14 @@ class Master final : public NodeInstance {
         : user_limit_(user_limit(settings)),
           handle_(open_handle(settings, read_operator_parameters(file.table("operator")),
                               read_runtime_settings(file))),
+          stale_(read_master_settings(file).stale.text()),
           process_(instance, master_settings(file),
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
                     sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
                     sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
                     sockets.inlet(Port::kMasterPerceptVisual, Role::kVisual)},
                    handle_->device(), handle_->person()) {
+        process_.join_stop_line(*sockets.inlet_for_all(Port::kMasterStop), sockets.stop_outlets());
         if (!handle_->name().empty()) spdlog::info("handle: {}", handle_->name());
         if (HandFollower* const follower = handle_->follower())
             process_.follow_hand(*sockets.inlet(Port::kMasterHand, Role::kVisual), *follower);
@@ -65,6 +67,11 @@ class Master final : public NodeInstance {
     void describe(nlohmann::ordered_json& report) const override {
         report["samples"] = process_.samples();
         report["samples_skipped"] = process_.samples_skipped();
+        report["stale"] = stale_;
+        report["guard"] = {{"tripped", process_.guard().tripped()},
+                           {"words", process_.guard().words()},
+                           {"cut", process_.guard().cut()},
+                           {"most_given_out_J", process_.guard().most_given_out_J()}};
         report["round_trip"] = quantiles(process_.round_trip().age());  // of the last trial, as the next
         report["hold"] = quantiles(process_.round_trip().hold());
         handle_->describe(report);
@@ -73,6 +80,7 @@ class Master final : public NodeInstance {
   private:
     Duration user_limit_;
     std::unique_ptr<OpenHandle> handle_;
+    std::string stale_;
     MasterProcess process_;
 };
 
@@ -89,7 +97,7 @@ int main(int argc, char** argv) {
         "drawn by a "
         "person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
     program.example = "thimble-master --config deploy/sessions/delay50.toml";
-    program.tables = {"network", "runtime", "master", "handle", "operator", "control"};
+    program.tables = {"network", "runtime", "master", "guard", "handle", "operator", "control"};
     program.flags = {
         {"--pointer", "a person's pointer draws the handle, instead of [handle].device", &pointer}};
     program.build = [&pointer](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {

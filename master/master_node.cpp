@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "common/control/scaled_force.hpp"
 #include "master/velocity_settings.hpp"
 
@@ -15,8 +17,21 @@ MasterSettings read_master_settings(const ConfigTable& table) {
     s.force_scale = table.number("force_scale", s.force_scale, 0, 100);
     s.force_limit_N = table.number("force_limit_N", s.force_limit_N, 0, 1000);
     s.sample_period = table.seconds("sample_period_s", s.sample_period, microseconds{100}, seconds{1});
-    s.stale_after = table.seconds("stale_after_s", s.stale_after, s.sample_period, seconds{1});
+    s.stale = read_stale_policy(table, s.stale, s.sample_period, seconds{1});
     s.velocity = read_velocity_settings(table, s.sample_period, s.position_scale);
+    return s;
+}
+
+MasterSettings read_master_settings(const ConfigFile& file) {
+    MasterSettings s = read_master_settings(file.table("master"));
+    s.guard = read_guard_settings(file.table("guard"));
+    if (s.force_limit_N > s.guard.force_limit_N && file.table("master").has("force_limit_N")) {
+        file.table("master").fail(
+            "force_limit_N",
+            fmt::format("is {:g}, but the guard before the handle lets {:g} N through: raise "
+                        "[guard] force_limit_N as well, on purpose",
+                        s.force_limit_N, s.guard.force_limit_N));
+    }
     return s;
 }
 

@@ -9,9 +9,11 @@
 #include "common/config.hpp"
 #include "common/control/control_settings.hpp"
 #include "common/messages.hpp"
+#include "common/stale_policy.hpp"
 #include "common/velocity_estimator.hpp"
 #include "master/devices/haptic_device.hpp"
 #include "master/handle_control.hpp"
+#include "master/force_guard.hpp"
 
 namespace thimble {
 
@@ -20,14 +22,16 @@ struct MasterSettings {
     double force_scale = 1;     // handle force = scale x needle force
     double force_limit_N = 12;  // at the handle, before the device's own limit
     Duration sample_period = std::chrono::milliseconds{1};
-    Duration stale_after = std::chrono::milliseconds{100};  // feedback older than this: force zero
+    StalePolicy stale{StaleMode::kRamp};  // of the handle's force, without feedback
+    GuardSettings guard;                  // table [guard]: the last stage before the device
     // At the needle: velocity.quantum_m is position_scale x the encoder's step. sample_period is the one above.
     VelocitySettings velocity;
     ControlSettings control{};  // of table [control], in HF
 };
 
-// Tables [master]; throws Error (usage).
+// Table [master], and with it [guard]; throws Error (usage).
 MasterSettings read_master_settings(const ConfigTable& table);
+MasterSettings read_master_settings(const ConfigFile& file);
 
 class MasterNode {
   public:

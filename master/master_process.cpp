@@ -7,6 +7,7 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
     : NodeProcess(Role::kMaster, instance, *channels.control),
       channels_(channels),
       node_(settings),
+      guard_(settings.guard),
       device_(&device),
       person_(&person),
       needle_flow_(Role::kMaster, instance, {channels.needle_out}) {}
@@ -18,6 +19,8 @@ void MasterProcess::follow_hand(Channel& hand_in, HandFollower& follower) {
 
 void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(control.modality, first_answer_within(control));
+    guard_.clear(now);
+    asked_force_N_ = 0;
     person_->start_trial(
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
     device_->enable_force(now, control.modality == Modality::kHF);
@@ -81,29 +84,49 @@ void MasterProcess::take_forces(SessionTime now) {
             now, *channels_.force_in, running(), trial(),
             [&](const Header&, const ForceFeedback& feedback) { take_force(now, feedback); });
     }
-    if (!running() || !force_flow_.silent_for(now, node_.settings().stale_after)) return;
-    if (node_.control().active()) {
-        node_.control().forget();
-    } else {
-        device_->command_force(now, 0);
-    }
+    if (running()) fade(now, now - force_flow_.last_accepted());
 }
 
 void MasterProcess::take_force(SessionTime now, const ForceFeedback& feedback) {
     round_trip_.add(now, feedback);
     newest_age_ = now - feedback.echo_time;
-    if (!node_.control().active()) return device_->command_force(now, node_.handle_force_N(feedback));
+    if (!node_.control().active()) {
+        asked_force_N_ = node_.handle_force_N(feedback);
+        return apply(now, asked_force_N_);
+    }
     node_.control().take(feedback);
-    if (now == sampled_) device_->command_force(now, node_.control().force_N());
+    if (now == sampled_) apply(now, node_.control().force_N());
+}
+
+void MasterProcess::fade(SessionTime now, Duration silence) {
+    const StalePolicy& stale = node_.settings().stale;
+    // What has waited while this program stood still says nothing about now.
+    const bool stood_still = since_last_tick() > stale.after;
+    if (stood_still) asked_force_N_ = 0;
+    if (!stood_still && !stale.stale(silence)) return;
+    if (node_.control().active()) node_.control().forget();
+    if (stood_still || !node_.control().active()) apply(now, asked_force_N_ * stale.share(silence));
+}
+
+// Nothing reaches the handle but through the guard; what lets go of it (end_trial) needs none.
+void MasterProcess::apply(SessionTime now, double force_hand_N) {
+    device_->command_force(now, guard_.pass(now, force_hand_N));
+}
+
+StopWish MasterProcess::wants_stop(SessionTime /*now*/) {
+    if (device_->stop_pressed()) return {EndReason::kEmergencyStop, "the stop button at the handle"};
+    if (running() && guard_.tripped()) return {EndReason::kSafetyStop, guard_.words()};
+    return {};
 }
 
 void MasterProcess::sample(SessionTime now) {
     const HandleSample handle = device_->read(now);
+    guard_.observe(now, handle);
     if (handle.valid) {
         send_needle(now, node_.sample(now, handle));
         energy_.add(handle);
         sampled_ = now;
-        if (node_.control().active()) device_->command_force(now, node_.control().force_N());
+        if (node_.control().active()) apply(now, node_.control().force_N());
         ++samples_;
     }
     next_sample_ += node_.settings().sample_period;

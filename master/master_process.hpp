@@ -6,6 +6,7 @@
 #include "common/round_trip.hpp"
 #include "master/devices/hand_follower.hpp"
 #include "master/devices/haptic_device.hpp"
+#include "master/force_guard.hpp"
 #include "master/master_node.hpp"
 #include "master/operator/operator_port.hpp"
 #include "master/port_energy.hpp"
@@ -30,6 +31,7 @@ class MasterProcess final : public NodeProcess {
     // process.
     void follow_hand(Channel& hand_in, HandFollower& follower);
 
+    const ForceGuard& guard() const { return guard_; }
     const PortEnergy& energy() const { return energy_; }  // of this trial
     const RoundTrip& round_trip() const { return round_trip_; }
     std::uint64_t samples() const { return samples_; }
@@ -46,6 +48,8 @@ class MasterProcess final : public NodeProcess {
     SessionTime next_work() const override { return running() ? next_sample_ : kNever; }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     std::string_view device_fault() const override { return device_->fault(); }
+    StopWish wants_stop(SessionTime now) override;
+    void rest(SessionTime now) override { device_->command_force(now, 0); }
     void add_counters(FlowCounters& sum) const override;
     void describe(Heartbeat& heartbeat) const override;
 
@@ -56,9 +60,13 @@ class MasterProcess final : public NodeProcess {
     void take_force(SessionTime now, const ForceFeedback& feedback);
     void sample(SessionTime now);
     void send_needle(SessionTime now, const NeedleCommand& command);
+    void apply(SessionTime now, double force_hand_N);
+    void fade(SessionTime now, Duration silence);
 
     Channels channels_;
     MasterNode node_;
+    ForceGuard guard_;
+    double asked_force_N_ = 0;  // by the newest feedback
     HapticDevice* device_;
     OperatorPort* person_;
     OutboundFlow needle_flow_;

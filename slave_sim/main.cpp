@@ -1,5 +1,6 @@
 // thimble-slave-sim: the needle in simulated tissue before a virtual fixture.
 #include "common/runtime/node_program.hpp"
+#include "common/stale_policy.hpp"
 #include "slave_sim/slave_process.hpp"
 
 namespace {
@@ -13,12 +14,19 @@ class Slave final : public NodeInstance {
                    {sockets.between(Port::kSlaveControl, Port::kSessionSlave),
                     sockets.inlet(Port::kSlaveNeedle, Role::kNetem), sockets.outlet(Port::kNetemForceMaster),
                     sockets.outlet(Port::kNetemForceCutaneous), sockets.outlet(Port::kNetemForceVisual),
-                    sockets.outlet(Port::kVisualBeep), sockets.outlet(Port::kSessionRecord)}) {}
+                    sockets.outlet(Port::kVisualBeep), sockets.outlet(Port::kSessionRecord)}),
+          stale_after_(read_slave_settings(file).stale_after) {
+        process_.join_stop_line(*sockets.inlet_for_all(Port::kSlaveStop), sockets.stop_outlets());
+    }
 
     NodeProcess& process() override { return process_; }
+    void describe(nlohmann::ordered_json& report) const override {
+        report["stale"] = StalePolicy{StaleMode::kHold, stale_after_}.text();
+    }
 
   private:
     SlaveProcess process_;
+    Duration stale_after_;
 };
 
 }  // namespace

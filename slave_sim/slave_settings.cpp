@@ -81,6 +81,9 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
                             s.make_tissue);  // an unstable solver is refused here, not in the first trial
     s.contact_hold =
         file.table("trial").seconds("contact_hold_s", s.contact_hold, milliseconds(1), seconds(600));
+    // It would move without a command.
+    if (own.text("stale", "hold") != "hold")
+        own.fail("stale", "can only be \"hold\": a needle without commands stands still");
     s.stale_after = own.seconds("stale_after_s", s.stale_after, milliseconds(1), seconds(10));
     s.longest_step = own.seconds("longest_step_s", s.longest_step, milliseconds(1), seconds(10));
     s.wave = read_wave_end(file);

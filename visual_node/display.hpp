@@ -24,6 +24,7 @@ struct Scene {
     double thumb_N = 0;      // the same of the thumb, which feels what draws the needle in
     bool bar_shown = false;  // VF: the bar's frame and scale, also while the force is 0
     bool fingertip_shown = false;
+    bool stale = false;         // nothing has come for a while: what is shown may be wrong by now
     SessionTime hand_time{};    // when the handle was read, on the master's clock
     SessionTime answer_time{};  // when slave_sim answered, on its clock
 };
@@ -51,6 +52,8 @@ class Display {
     virtual void beep(SessionTime /*now*/) {}
     // Whether the subject has asked to go on since the last call.
     virtual bool take_go_on() { return false; }
+    // Whether somebody at the screen has pressed stop since the last call.
+    virtual bool take_stop() { return false; }
 };
 
 }  // namespace thimble

@@ -34,12 +34,17 @@ class RecordingVisual final : public NodeInstance {
   public:
     RecordingVisual(const VisualSettings& settings, Sockets& sockets, std::uint64_t instance)
         : display_(settings.pipeline),
-          process_(instance, settings, open_channels(sockets, false), display_) {}
+          stale_(settings.stale.text()),
+          process_(instance, settings, open_channels(sockets, false), display_) {
+        process_.join_stop_line(*sockets.inlet_for_all(Port::kVisualStop), sockets.stop_outlets());
+    }
 
     NodeProcess& process() override { return process_; }
+    void describe(nlohmann::ordered_json& report) const override { report["stale"] = stale_; }
 
   private:
     RecordingDisplay display_;
+    std::string stale_;
     VisualProcess process_;
 };
 
@@ -61,11 +66,17 @@ class WindowVisual final : public NodeInstance {
                   {choices.view == "player", settings.pointer, settings.fullscreen, choices.screenshot,
                    make_overlay(choices, sockets.settings(), instance), instructions},
                   sockets.settings()),
+          stale_(settings.stale.text()),
           process_(instance, settings, open_channels(sockets, window_.hand() != nullptr), window_.display(),
-                   window_.hand()) {}
+                   window_.hand()) {
+        process_.join_stop_line(*sockets.inlet_for_all(Port::kVisualStop), sockets.stop_outlets());
+    }
 
     NodeProcess& process() override { return process_; }
-    void describe(nlohmann::ordered_json& report) const override { window_.describe(report); }
+    void describe(nlohmann::ordered_json& report) const override {
+        report["stale"] = stale_;
+        window_.describe(report);
+    }
     bool has_foreground() const override { return true; }
     void foreground(const std::function<bool()>& stopped) override {
         if (window_.run(stopped) != WindowEnd::kScreenLost || !subject_points_) return;
@@ -77,6 +88,7 @@ class WindowVisual final : public NodeInstance {
   private:
     bool subject_points_;
     VisualWindow window_;
+    std::string stale_;
     VisualProcess process_;
 };
 

@@ -58,13 +58,15 @@ std::optional<Scene> VisualNode::frame(SessionTime now) {
 }
 
 void VisualNode::add_what_pictures_need(SessionTime now, Scene& scene) const {
-    const bool fresh = running_ && now - newest_.arrived < settings_.stale_after;
+    const Duration silence = now - newest_.arrived;
+    const double share = running_ ? settings_.stale.share(silence) : 0;
+    scene.stale = running_ && settings_.stale.stale(silence);
     scene.position_surface_rest_m = newest_.position_rest_m;
     scene.bar_shown = modality_ == Modality::kVF;
     scene.fingertip_shown =
         settings_.fingertip && (modality_ == Modality::kCF || modality_ == Modality::kCCF);
-    scene.fingertip_N = scene.fingertip_shown && fresh ? newest_.force_resisting_N : 0;
-    scene.thumb_N = scene.fingertip_shown && fresh ? newest_.force_drawing_N : 0;
+    scene.fingertip_N = scene.fingertip_shown ? share * newest_.force_resisting_N : 0;
+    scene.thumb_N = scene.fingertip_shown ? share * newest_.force_drawing_N : 0;
     scene.hand_time = newest_.hand_time;
     scene.answer_time = newest_.answered;
 }
@@ -82,10 +84,12 @@ void VisualNode::schedule_after(SessionTime now) {
 }
 
 double VisualNode::bar_N(SessionTime now) const {
-    if (modality_ != Modality::kVF || !running_ || now - newest_.arrived >= settings_.stale_after) return 0;
+    if (modality_ != Modality::kVF || !running_) return 0;
+    const double share = settings_.stale.share(now - newest_.arrived);
     const double full_N = settings_.bar_full_scale_N;
     const double pixels = static_cast<double>(settings_.bar_resolution);
-    return std::floor(std::min(newest_.force_resisting_N, full_N) / full_N * pixels) * full_N / pixels;
+    return std::floor(std::min(share * newest_.force_resisting_N, full_N) / full_N * pixels) * full_N /
+           pixels;
 }
 
 std::optional<Percept> VisualNode::to_percept(const ShownScene& shown) {

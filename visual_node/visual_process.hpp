@@ -37,6 +37,10 @@ class VisualProcess final : public NodeProcess {
     SessionTime next_work() const override {
         return std::min({node_.next_frame(), display_->next_shown(), hand_flow_.next(), go_on_.next()});
     }
+    StopWish wants_stop(SessionTime /*now*/) override {
+        if (!display_->take_stop()) return {};
+        return {EndReason::kEmergencyStop, "the stop key at the subject's screen"};
+    }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override;
 

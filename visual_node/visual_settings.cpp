@@ -10,7 +10,7 @@ VisualSettings read_visual_settings(const ConfigTable& table) {
     node.pipeline = table.seconds("pipeline_s", node.pipeline, Duration::zero(), seconds{1});
     node.bar_full_scale_N = table.number("bar_full_scale_N", node.bar_full_scale_N, 0.1, 100);
     node.bar_resolution = table.integer("bar_resolution", node.bar_resolution, 1, 10'000);
-    node.stale_after = table.seconds("stale_after_s", node.stale_after, milliseconds{2}, seconds{10});
+    node.stale = read_stale_policy(table, node.stale, milliseconds{2}, seconds{10});
     node.window = table.choice("display", 0, {"recording", "window"}) == 1;
     node.refresh_given = table.has("refresh_Hz");
     node.smoothing = table.seconds("smoothing_s", node.smoothing, Duration::zero(), milliseconds{100});

@@ -3,7 +3,9 @@
 //   pipeline_s = 0.025       from drawing a frame to light
 //   bar_full_scale_N = 12    the longest bar
 //   bar_resolution = 400     its length in pixels
-//   stale_after_s = 0.1      without feedback for so long, the bar drops to 0
+//   stale = "zero"           the bar without feedback: at 0 at once ("zero"), "ramp" or "hold"; a window says so in words
+//   stale_after_s = 0.1      without feedback for so long
+//   stale_ramp_s = 0.02      of "ramp": how long the bar takes to fall
 //   display = "recording"    or "window": where frames go
 //   smoothing_s = 0          a window shows the past by so much, to interpolate what jitter tears apart
 //   pointer_m_per_count = 5e-5   of a mouse's count at the hand, view "player"
@@ -19,6 +21,7 @@
 #include <string>
 
 #include "common/config.hpp"
+#include "common/stale_policy.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -28,7 +31,7 @@ struct VisualSettings {
     Duration pipeline = std::chrono::milliseconds{25};
     double bar_full_scale_N = 12;
     std::int64_t bar_resolution = 400;
-    Duration stale_after = std::chrono::milliseconds{100};
+    StalePolicy stale{StaleMode::kZero};
     bool window = false;
     bool refresh_given =
         false;  // a window takes scenes as often as they come, unless the file says how often

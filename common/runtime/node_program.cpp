@@ -47,7 +47,7 @@ nlohmann::ordered_json refusals(FlowCounters counters, const UdpCounters& udp) {
 
 nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& instance,
                                 const FlowCounters& counters, const UdpCounters& udp,
-                                const LoopStatistics& loop) {
+                                const LoopStatistics& loop, std::uint64_t overruns) {
     nlohmann::ordered_json report;
     report["program"] = program.name;
     report["version"] = kVersion;
@@ -60,6 +60,7 @@ nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& 
                      {"too_long", udp.too_long}};
     report["deadlines"] = loop.deadlines;
     report["deadlines_missed"] = loop.missed;
+    report["overruns"] = overruns;
     report["arrivals"] = loop.arrivals;
     report["lateness"] = quantiles(loop.lateness);
     report["turns"] = quantiles(loop.turns);
@@ -124,12 +125,41 @@ int check_deadlines(const Options& options, const RuntimeSettings& runtime, cons
     return static_cast<int>(ExitCode::kRealtime);
 }
 
+// What the loop sees and the process must hear of: SIGQUIT, and deadlines missed one after another.
+class LoopWatch {
+  public:
+    LoopWatch(NodeProcess& process, const RuntimeSettings& runtime) : process_(&process) {
+        process.set_overrun(runtime.overrun, runtime.overrun_limit);
+    }
+    void turned(SessionTime now, const LoopStatistics& loop) {
+        if (const unsigned asked = emergency_stops(); asked != emergencies_) {
+            emergencies_ = asked;
+            process_->stop_everything(now, EndReason::kEmergencyStop, "SIGQUIT at a node's program");
+        }
+        process_->deadlines_missed(now, loop.missed_in_a_row);
+        if (process_->overruns() == 0 || said_) return;
+        said_ = true;  // once: a node that is late has no time for more
+        spdlog::warn(
+            "{} deadlines missed in a row, by more than {} ms each; [runtime] overrun says what follows",
+            loop.missed_in_a_row, kDeadlineSlack.count() / 1'000'000);
+    }
+
+  private:
+    NodeProcess* process_;
+    unsigned emergencies_ = emergency_stops();
+    bool said_ = false;
+};
+
 // Deadlines are kept by the thread that calls this, whichever it is: scheduling belongs to threads.
 void run_process(NodeInstance& instance, const RuntimeSettings& runtime, RealtimeLoop& loop,
                  ServiceNotice& notice) {
     if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
     notice.ready();
-    loop.run(instance.process(), [&notice](SessionTime now) { notice.turns(now); });
+    LoopWatch watch(instance.process(), runtime);
+    loop.run(instance.process(), [&](SessionTime now) {
+        notice.turns(now);
+        watch.turned(now, loop.statistics());
+    });
     notice.stopping();
 }
 
@@ -185,8 +215,8 @@ int run(const NodeProgram& program, const Options& options) {
     } else {
         run_process(*instance, runtime, loop, notice);
     }
-    auto report =
-        describe(program, *instance, instance->process().counters(), sockets.counters(), loop.statistics());
+    auto report = describe(program, *instance, instance->process().counters(), sockets.counters(),
+                           loop.statistics(), instance->process().overruns());
     if (log) report["log"] = describe(log->close());
     save(options.report, report);
     if (log && !log->fault().empty()) return static_cast<int>(ExitCode::kRunFailed);

@@ -21,7 +21,10 @@ namespace {
 
 std::atomic<bool> stop{false};
 
+std::atomic<unsigned> emergencies{0};
+
 extern "C" void request_stop(int /*signal*/) { stop = true; }
+extern "C" void request_emergency_stop(int /*signal*/) { ++emergencies; }
 
 // How long a stop request may wait for a sleeping loop.
 constexpr Duration kStopLatency = std::chrono::milliseconds{100};
@@ -35,9 +38,13 @@ void install_stop_signals() {
     action.sa_handler = request_stop;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
+    action.sa_handler = request_emergency_stop;
+    sigaction(SIGQUIT, &action, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of whoever writes it
 }
+
+unsigned emergency_stops() { return emergencies; }
 
 void stop_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM, 0UL, 0UL, 0UL); }
 
@@ -115,7 +122,9 @@ void RealtimeLoop::step(Process& process, SessionTime latest) {
     } else if (now >= deadline) {
         ++statistics_.deadlines;
         statistics_.lateness.add(now - deadline);
-        if (now - deadline > kDeadlineSlack) ++statistics_.missed;
+        const bool missed = now - deadline > kDeadlineSlack;
+        statistics_.missed += missed ? 1 : 0;
+        statistics_.missed_in_a_row = missed ? statistics_.missed_in_a_row + 1 : 0;
     } else {
         ++statistics_.arrivals;
     }

@@ -15,11 +15,12 @@
 namespace thimble {
 
 struct LoopStatistics {
-    Histogram lateness;           // wake-up after its deadline
-    Histogram turns;              // from a wake-up to the next wait: the node's own share of a round trip
-    std::uint64_t deadlines = 0;  // timed wake-ups
-    std::uint64_t missed = 0;     // later than kDeadlineSlack
-    std::uint64_t arrivals = 0;   // wake-ups by a datagram
+    Histogram lateness;            // wake-up after its deadline
+    Histogram turns;               // from a wake-up to the next wait: the node's own share of a round trip
+    std::uint64_t deadlines = 0;   // timed wake-ups
+    std::uint64_t missed = 0;      // later than kDeadlineSlack
+    unsigned missed_in_a_row = 0;  // until now
+    std::uint64_t arrivals = 0;    // wake-ups by a datagram
 };
 
 // A tick that starts a whole sample late has missed its sample.
@@ -28,6 +29,8 @@ inline constexpr Duration kDeadlineSlack = std::chrono::milliseconds{1};
 // Set by SIGINT and SIGTERM once install_stop_signals() was called.
 const std::atomic<bool>& stop_requested();
 void install_stop_signals();
+// How often SIGQUIT (Ctrl-\ in a terminal) has come since install_stop_signals(): an emergency stop each.
+unsigned emergency_stops();
 // SIGTERM to this process when the thread that started it ends, however it ends.
 void stop_with_parent();
 

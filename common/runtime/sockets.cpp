@@ -21,6 +21,18 @@ Channel* Sockets::data(Channel& channel, Port port) {
     return log_all_ ? log_->tap(channel, port, port) : &channel;
 }
 
+Channel* Sockets::inlet_for_all(Port local) {
+    UdpChannel* channel = open(settings_.at(local), {settings_.host(owner(local)), 0});
+    channel->listen_also_to({settings_.hosts.begin(), settings_.hosts.end()});
+    return channel;
+}
+
+std::array<Channel*, kStopPorts.size()> Sockets::stop_outlets() {
+    std::array<Channel*, kStopPorts.size()> outlets{};
+    for (std::size_t i = 0; i < outlets.size(); ++i) outlets[i] = outlet(kStopPorts[i]);
+    return outlets;
+}
+
 UdpCounters Sockets::counters() const {
     UdpCounters sum;
     for (const auto& channel : channels_) {

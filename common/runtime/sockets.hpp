@@ -1,6 +1,7 @@
 // The UDP channels of one program, by the names of network_settings.hpp.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -31,6 +32,10 @@ class Sockets {
     // Sends to `remote`, listens to nobody.
     Channel* outlet(Port remote) { return data(*open(std::nullopt, settings_.at(remote)), remote); }
 
+    // Listens at `local` to every host of the session.
+    Channel* inlet_for_all(Port local);
+    // To the stop lines of all programs of the session.
+    std::array<Channel*, kStopPorts.size()> stop_outlets();
     // To and from a device that is not of the session.
     Channel* device(const Endpoint& local, const Endpoint& remote) { return open(local, remote); }
     // Something else that wakes the program; outlives its loop.

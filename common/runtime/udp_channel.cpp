@@ -121,7 +121,8 @@ Bytes UdpChannel::take() {
 
 // Counts it; an empty datagram is nobody's.
 bool UdpChannel::from_peer(std::size_t size, const sockaddr_in& source) {
-    if (source.sin_addr.s_addr != remote_.sin_addr.s_addr) {
+    const in_addr_t host = source.sin_addr.s_addr;
+    if (host != remote_.sin_addr.s_addr && std::find(others_.begin(), others_.end(), host) == others_.end()) {
         ++counters_.foreign_source;
     } else if (size > kMaxDatagramBytes) {
         ++counters_.too_long;
@@ -130,6 +131,11 @@ bool UdpChannel::from_peer(std::size_t size, const sockaddr_in& source) {
         return true;
     }
     return false;
+}
+
+void UdpChannel::listen_also_to(const std::vector<std::string>& hosts) {
+    others_.reserve(others_.size() + hosts.size());
+    for (const std::string& host : hosts) others_.push_back(resolve({host, 0}).sin_addr.s_addr);
 }
 
 void UdpChannel::stamp_arrivals() {

@@ -4,7 +4,9 @@
 #include <array>
 #include <netinet/in.h>
 #include <optional>
+#include <string>
 #include <sys/socket.h>
+#include <vector>
 
 #include "common/channel.hpp"
 #include "common/network_settings.hpp"
@@ -38,6 +40,9 @@ class UdpChannel final : public Channel, public Listener {
     void stamp_arrivals();
     std::optional<SessionTime> arrival() const override { return arrival_; }
 
+    // Hosts that are listened to besides the remote one. Throws Error (network) if a name cannot be resolved.
+    void listen_also_to(const std::vector<std::string>& hosts);
+
     // To wait on; readable when a datagram is there.
     int file_descriptor() const override { return socket_; }
     // Asking an empty socket is a system call for nothing. Once watched, the channel counts as empty from the moment
@@ -57,6 +62,7 @@ class UdpChannel final : public Channel, public Listener {
 
     int socket_ = -1;
     sockaddr_in remote_{};
+    std::vector<in_addr_t> others_;  // hosts
     UdpCounters counters_;
     bool stamping_ = false;
     bool watched_ = false;

@@ -18,6 +18,7 @@ struct Subcommand {
 // Each adds its subcommand to `app`. `typed` is the whole command line, for the report's provenance.
 Subcommand add_run(CLI::App& app, const std::string& typed);
 Subcommand add_up(CLI::App& app, const std::string& typed);
+Subcommand add_stop(CLI::App& app);
 Subcommand add_study(CLI::App& app);
 Subcommand add_play(CLI::App& app);
 Subcommand add_replay(CLI::App& app);

@@ -1,5 +1,7 @@
 #include "experiment/launch/port_table.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace thimble {
@@ -16,6 +18,11 @@ std::string place(const NetworkSettings& network, const LaunchSettings& launch, 
     return fmt::format("{} ({})", network.host(role), machine.empty() ? "this machine" : machine);
 }
 
+bool on_one_machine(const LaunchSettings& launch) {
+    return std::all_of(launch.machines.begin(), launch.machines.end(),
+                       [&](const std::string& machine) { return machine == launch.machines.front(); });
+}
+
 }  // namespace
 
 std::string port_table(const NetworkSettings& network) {
@@ -29,10 +36,12 @@ std::string firewall_table(const NetworkSettings& network, const LaunchSettings&
         "| UDP port | listens | hears | what | at | from |\n| --- | --- | --- | --- | --- | --- |\n";
     for (const Port port : kEveryPort) {
         const Flow& from = flow(port);
-        if (launch.machine(from.listens) == launch.machine(from.hears)) continue;
+        const bool crosses = from.from_all ? !on_one_machine(launch)
+                                           : launch.machine(from.listens) != launch.machine(from.hears);
+        if (!crosses) continue;
         text += line(network, port,
                      fmt::format(" {} | {} |", place(network, launch, from.listens),
-                                 place(network, launch, from.hears)));
+                                 from.from_all ? "every machine" : place(network, launch, from.hears)));
     }
     return text;
 }

@@ -32,6 +32,7 @@ std::string address_rules(const NetworkSettings& network, Role role) {
     std::set<std::string> peers;
     for (const Port port : kEveryPort) {
         const Flow& between = flow(port);
+        if (between.from_all) peers.insert(network.host(between.listens));  // a stop goes from each to each
         if (between.listens != role && between.hears != role) continue;
         peers.insert(network.host(between.listens));
         peers.insert(network.host(between.hears));

@@ -11,6 +11,7 @@ namespace {
 constexpr double kSamples_Hz = 1000;  // of the handle
 constexpr double kFrames_Hz = 60;     // of the screen
 constexpr double kBeeps_Hz = 50;      // five at once, 20 ms apart
+constexpr double kStops_Hz = 20;      // from whoever stops, until released
 constexpr double kMonitor_Hz = 250;
 // A heartbeat ten times a second, and a clock probe or its reply five times.
 constexpr double kControl_Hz = 1e9 / static_cast<double>(kHeartbeatPeriod.count()) + 5;
@@ -41,7 +42,13 @@ constexpr std::array<const char*, kPortCount> kNames{"session_master",
                                                      "session_orders",
                                                      "experimenter_monitor",
                                                      "session_player_orders",
-                                                     "player_monitor"};
+                                                     "player_monitor",
+                                                     "session_stop",
+                                                     "master_stop",
+                                                     "slave_sim_stop",
+                                                     "cutaneous_stop",
+                                                     "visual_stop",
+                                                     "netem_stop"};
 
 PortTraffic traffic_of(Port port, Encoder& encoder) {
     const Header header;
@@ -74,6 +81,13 @@ PortTraffic traffic_of(Port port, Encoder& encoder) {
         case Port::kExperimenterMonitor:
         case Port::kPlayerMonitor:
             return sized(Monitor{}, kMonitor_Hz, false);
+        case Port::kSessionStop:
+        case Port::kMasterStop:
+        case Port::kSlaveStop:
+        case Port::kCutaneousStop:
+        case Port::kVisualStop:
+        case Port::kNetemStop:
+            return sized(StopOrder{}, kStops_Hz, false);
         default:
             return sized(Heartbeat{}, kControl_Hz,
                          false);  // the longest of what control channels carry often

@@ -121,7 +121,7 @@ LoopLimits loop_limits(const SystemSettings& s) {
     set(Modality::kVF, screen_s + reaction.visual_s);
     limits.needle_held_s = to_seconds(s.slave.stale_after);
     limits.released_s =
-        to_seconds(std::min({s.master.stale_after, s.cutaneous.stale_after, s.visual.stale_after}));
+        to_seconds(std::min({s.master.stale.after, s.cutaneous.stale.after, s.visual.stale.after}));
     return limits;
 }
 

@@ -50,7 +50,8 @@ std::optional<Modality> PlayDesk::take_due(SessionTime now) {
 }
 
 void PlayDesk::trial_ended(SessionTime now, const TrialRecord& record) {
-    if (record.reason == EndReason::kInterrupted) return;  // whoever did it said what comes next
+    if (record.reason == EndReason::kInterrupted || is_stop(record.reason))
+        return;  // whoever did it said what comes next
     next_ = record.conditions.modality;
     not_before_ = now + kBetweenTrials;
 }

@@ -43,10 +43,18 @@ class Play {
         say("move the pointer in the window; close it, or press Ctrl-C, to end");
         while (!over()) {
             lane.check();
+            if (const std::string stopped = lane.stop_words(); !stopped.empty()) {
+                if (stopped != stop_said_) say(stopped);
+                stop_said_ = stopped;
+                lane.show(waiting(PageKind::kPaused));
+                lane.idle(kLook);
+                continue;
+            }
+            stop_said_.clear();
             if (const auto modality = desk_.take_due(wall_now())) {
                 do_trial(lane, *modality);
             } else {
-                lane.show(waiting());
+                lane.show(waiting(desk_.context().paused ? PageKind::kPaused : PageKind::kReady));
                 lane.idle(kLook);
             }
         }
@@ -103,9 +111,9 @@ class Play {
         if (!over()) lane.check();
     }
 
-    Page waiting() const {
+    Page waiting(PageKind kind) const {
         Page page;
-        page.kind = desk_.context().paused ? PageKind::kPaused : PageKind::kReady;
+        page.kind = kind;
         page.trial = trials_ + 1;
         return page;
     }
@@ -124,6 +132,7 @@ class Play {
     SessionProcess* session_ = nullptr;  // the lane's
     SessionTime end_ = kNever;
     std::uint32_t trials_ = 0;
+    std::string stop_said_;
 };
 
 }  // namespace

@@ -28,7 +28,9 @@ class Positions {
         const Exclusion* mark = find_exclusion(agenda_.exclusions, agenda_.participant, record.record);
         if (mark != nullptr && mark->kind == ExclusionKind::kExcluded) return std::nullopt;
         if (mark != nullptr) return Step{agenda_.order[i], record.record, mark->reason};
+        // Somebody wished it, and nothing had failed.
         const bool again = record.row.reason == EndReason::kInterrupted ||
+                           record.row.reason == EndReason::kEmergencyStop ||
                            (failed_by_itself(record) && failures_[i] <= settings_.repeats_limit);
         if (!again) return std::nullopt;
         return Step{agenda_.order[i], record.record, outcome_text(record.row.reason, record.row.lost_peer)};
@@ -36,7 +38,8 @@ class Positions {
 
   private:
     bool failed_by_itself(const SittingRecord& record) const {
-        if (record.row.reason == EndReason::kPeerLost || record.row.reason == EndReason::kDeviceFault)
+        if (record.row.reason == EndReason::kPeerLost || record.row.reason == EndReason::kDeviceFault ||
+            record.row.reason == EndReason::kSafetyStop)
             return true;
         return record.row.reason == EndReason::kTimeout && settings_.repeat_timeouts && !record.practice;
     }

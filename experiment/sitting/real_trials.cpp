@@ -33,10 +33,20 @@ RealTrials::RealTrials(LanePlan plan, const std::atomic<bool>* stop)
 
 void RealTrials::prepare() {
     if (lane_ && !lane_->broken()) return;
+    if (lane_ && plan_.starter && lane_->revive()) return;
+    const std::string stopped = stop_words();
     close();
     plan_.out = next_start(nodes_);
     lane_.emplace(plan_, events_);
     lane_->open();
+    // A stop outlives the programs that knew of it.
+    if (!stopped.empty()) lane_->emergency_stop("stopped before all programs were started anew");
+}
+
+std::string RealTrials::stop_words() const { return lane_ ? lane_->stop_words() : std::string(); }
+
+void RealTrials::release_stop() {
+    if (lane_) lane_->release_stop();
 }
 
 TrialRecord RealTrials::run(const TrialConditions& conditions, std::uint32_t number,
@@ -54,7 +64,7 @@ void RealTrials::idle(Duration limit) {
     if (!lane_) return wall_sleep(limit);
     // A participant who is to go on needs the window that asks.
     if (plan_.starter && lane_->broken() && !events_.stop()) {
-        say("a program has ended: all are started anew");
+        say("a program has ended: it is started anew");
         prepare();
     }
     lane_->idle(limit);

@@ -24,6 +24,8 @@ class RealTrials final : public TrialRunner {
     void idle(Duration limit) override;
     SessionTime now() const override;
     std::string problem() const override { return problem_; }
+    std::string stop_words() const override;
+    void release_stop() override;
 
     void say(const std::string& line) { progress_.say(line); }
     // Ends the programs. Not ok with ExitCode::kRealtime, if one missed too many deadlines under strict_rt.

@@ -48,7 +48,9 @@ constexpr std::array kMeanings{
     ColumnMeaning{"oscillates", "1: the needle oscillates at the fixture", nullptr},
     ColumnMeaning{"beeped", "1: contact was held long enough for the beep", nullptr},
     ColumnMeaning{"outcome",
-                  "completed, timeout, interrupted, peer_lost_<program>, or device_fault_<program>", nullptr},
+                  "completed, timeout, interrupted, emergency_stop, peer_lost_<program>, "
+                  "device_fault_<program>, or safety_stop_<program>",
+                  nullptr},
     ColumnMeaning{"seed", "Seed of the study", nullptr},
     ColumnMeaning{"fixture_removed", "1: the fixture vanishes with the beep", nullptr},
     ColumnMeaning{"delay_achieved_s", "Median delay of the network, both ways together", "s"},

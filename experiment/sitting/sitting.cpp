@@ -40,8 +40,10 @@ SittingResult Sitting::run() {
     if (agenda_.next(options_.protocol)) runner_.prepare();  // before anybody is asked for anything
     for (;;) {
         const std::optional<Step> step = agenda_.next(options_.protocol);
-        const Answer answer = before(step);
+        const Answer answer = step && !await_release(step) ? Answer::kStop : before(step);
         if (answer == Answer::kAskAgain) continue;
+        if (answer == Answer::kGo && step && !runner_.stop_words().empty())
+            continue;  // pressed while we asked
         if (answer == Answer::kStop || stopped()) {
             Page paused = page(step);
             paused.kind = PageKind::kPaused;
@@ -58,6 +60,25 @@ SittingResult Sitting::run() {
                             kLostInARow, runner_.problem()));
         }
     }
+}
+
+// After a stop nothing begins until somebody releases it on purpose. False: the sitting is to end here.
+bool Sitting::await_release(const std::optional<Step>& step) {
+    std::string said;
+    for (std::string words = runner_.stop_words(); !words.empty(); words = runner_.stop_words()) {
+        if (words != said) options_.say(words + ", or type 'release'");
+        said = words;
+        if (stopped()) return false;
+        const auto line = take_line();
+        if (line && *line == "release") runner_.release_stop();
+        if (line && *line == "q") return false;
+        Page paused = page(step);
+        paused.kind = PageKind::kPaused;
+        runner_.show(paused);
+        runner_.idle(kLook);
+    }
+    if (!said.empty()) options_.say("released");
+    return true;
 }
 
 bool Sitting::rest_is_due(const std::optional<Step>& step) const {
@@ -223,8 +244,9 @@ void Sitting::do_trial(const Step& step) {
     agenda_.records.push_back(record);
     last_number_ = record.number;
     last_block_ = step.entry.block;
-    const bool lost =
-        record.row.reason == EndReason::kPeerLost || record.row.reason == EndReason::kDeviceFault;
+    const bool lost = record.row.reason == EndReason::kPeerLost ||
+                      record.row.reason == EndReason::kDeviceFault ||
+                      record.row.reason == EndReason::kSafetyStop;
     lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
     if (!trial.fault.empty()) options_.say(trial.fault);
     options_.say(fmt::format("{}: {}, {:.1f} s, maximum penetration {:.2f} mm", name_of(step),

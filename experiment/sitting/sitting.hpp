@@ -40,6 +40,9 @@ class TrialRunner {
     virtual SessionTime now() const = 0;
     // Why the last peer was lost.
     virtual std::string problem() const = 0;
+    // Who has stopped everything, and how to release it; empty: nothing is stopped.
+    virtual std::string stop_words() const { return {}; }
+    virtual void release_stop() {}
 };
 
 struct SittingOptions {
@@ -74,6 +77,7 @@ class Sitting {
   private:
     enum class Answer { kGo, kAskAgain, kStop };
 
+    bool await_release(const std::optional<Step>& step);
     Answer before(const std::optional<Step>& step);
     Answer ask(const std::string& prompt, const std::optional<Step>& step);
     Page page(const std::optional<Step>& step) const;

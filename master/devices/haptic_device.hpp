@@ -29,6 +29,9 @@ class HapticDevice {
     // in its motors and is an encoder only, as in the paper.
     virtual void enable_force(SessionTime /*now*/, bool /*enabled*/) {}
 
+    // A button of the device that means "stop everything" is down.
+    virtual bool stop_pressed() const { return false; }
+
     // Empty while the device works. Then: which device, what happened, what to do; it applies no force and read() is not
     // valid from the moment at which this is not empty.
     virtual std::string_view fault() const { return {}; }

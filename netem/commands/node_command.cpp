@@ -15,6 +15,7 @@ class Netem final : public NodeInstance {
     Netem(const NetemSettings& settings, Sockets& sockets, std::uint64_t instance)
         : process_(instance, *sockets.between(Port::kNetemControl, Port::kSessionNetem),
                    make_relays(settings, sockets)) {
+        process_.join_stop_line(*sockets.inlet_for_all(Port::kNetemStop), sockets.stop_outlets());
         built_in_profile("");  // read now, not in the middle of a trial that changes its network
     }
 

@@ -79,6 +79,7 @@ auto fields(const WaveBurst& m) {
 }
 auto fields(const NeedleWave& m) { return std::tuple_cat(fields(m.command), fields(m.waves)); }
 auto fields(const ForceWave& m) { return std::tuple_cat(fields(m.feedback), fields(m.waves)); }
+auto fields(const StopOrder& m) { return std::tie(m.id, m.kind, m.reason, m.text); }
 
 // A NaN fails every comparison.
 bool within(double value, double low, double high) { return value >= low && value <= high; }
@@ -109,12 +110,12 @@ bool plausible_body(const Percept& m) {
 bool plausible_body(const SessionControl& m) {
     return position(m.fixture_position_m) && span(m.network_delay_s) && span(m.silence_s) &&
            m.network.well_formed() && m.kind <= ControlKind::kNetworkChange && m.modality <= Modality::kVF &&
-           m.reason <= EndReason::kDeviceFault;
+           m.reason <= kLastEndReason;
 }
 bool plausible_body(const Heartbeat& m) {
     return span(m.round_trip_median_s) && span(m.round_trip_worst_s) && span(m.hold_median_s) &&
            force(m.force_hand_N) && within(m.energy_in_J, -1e6, 1e6) && m.state <= NodeState::kFailed &&
-           m.reason <= EndReason::kDeviceFault;
+           m.reason <= kLastEndReason;
 }
 bool plausible_body(const HandInput& m) { return position(m.position_hand_m); }
 bool plausible_body(const Monitor& m) {
@@ -123,8 +124,8 @@ bool plausible_body(const Monitor& m) {
            within(m.force_total_N, -2e5, 2e5) && span(m.contact_time_s) && force(m.force_hand_N) &&
            within(m.energy_in_J, -1e6, 1e6) && span(m.round_trip_s) && within(m.one_way_s, -1, 1e6) &&
            span(m.one_way_bound_s) && span(m.network_delay_s) && m.phase <= TissuePhase::kPenetrated &&
-           m.modality <= Modality::kVF && m.state <= NodeState::kFailed &&
-           m.reason <= EndReason::kDeviceFault && m.network.well_formed();
+           m.modality <= Modality::kVF && m.state <= NodeState::kFailed && m.reason <= kLastEndReason &&
+           m.network.well_formed();
 }
 bool plausible_body(const Order& m) {
     return span(m.value) && m.kind <= OrderKind::kNetwork && m.modality <= Modality::kVF &&
@@ -144,6 +145,9 @@ bool plausible_waves(const WaveBurst& m) {
 }
 bool plausible_body(const NeedleWave& m) { return plausible_body(m.command) && plausible_waves(m.waves); }
 bool plausible_body(const ForceWave& m) { return plausible_body(m.feedback) && plausible_waves(m.waves); }
+bool plausible_body(const StopOrder& m) {
+    return m.kind <= StopKind::kRelease && is_stop(m.reason) && m.words().size() < m.text.size();
+}
 bool plausible_body(const ClockProbe& m) { return stamp(m.send_time); }
 bool plausible_body(const ClockReply& m) { return stamp(m.probe_send_time) && stamp(m.probe_arrival_time); }
 
@@ -193,7 +197,8 @@ std::vector<Message> sample_messages() {
             {header, replay},
             {header, DeviceFault("the handle is unplugged; plug it in")},
             {header, NeedleWave{{0.03, 0.06, 0.0299, 0.01, 0.02, 1.5}, waves}},
-            {header, ForceWave{feedback, waves}}};
+            {header, ForceWave{feedback, waves}},
+            {header, StopOrder(77, StopKind::kStop, EndReason::kSafetyStop, "the handle gave 0.3 J")}};
 }
 
 bool plausible(const Message& message) {

@@ -171,7 +171,11 @@ TEST(SittingProgram, ALostNodeIsStartedAnewAndItsTrialRepeated) {
     ASSERT_TRUE(sittings.reaches(1)) << sittings.words();
     const auto victims = node_pids(sittings.base_port(), "thimble-visual");
     ASSERT_EQ(victims.size(), 1U);
+    const auto masters = node_pids(sittings.base_port(), "thimble-master");
     kill(victims.front(), SIGKILL);
+    ASSERT_TRUE(sittings.reaches(2)) << sittings.words();
+    EXPECT_NE(node_pids(sittings.base_port(), "thimble-visual"), victims);
+    EXPECT_EQ(node_pids(sittings.base_port(), "thimble-master"), masters) << "who lives goes on";
     EXPECT_EQ(run.wait(3 * kPatience), 0) << sittings.words();
     const auto records = sittings.records();
     ASSERT_EQ(records.size(), 3U) << sittings.words();

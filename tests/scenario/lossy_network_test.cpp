@@ -112,7 +112,7 @@ TEST_P(Outages, LetGoOfTheHandAndEndTheTrialWithinASecond) {
     ASSERT_GT(rig.handle().force_hand_N(), 0.5);
     const SessionTime cut = rig.now();
     scissors.cut = true;
-    rig.run_until(cut + paper().master.stale_after + milliseconds{2});
+    rig.run_until(cut + paper().master.stale.after + paper().master.stale.ramp + milliseconds{2});
     EXPECT_EQ(rig.handle().force_hand_N(), 0);
     const TrialRecord& record = rig.finish();
     EXPECT_EQ(record.reason, EndReason::kPeerLost);

@@ -1,9 +1,11 @@
 #include "tests/scenario/rig.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
 
+#include "common/network_settings.hpp"
 #include "cutaneous_node/can/cannelloni.hpp"
 #include "cutaneous_node/drive_actuator.hpp"
 
@@ -54,6 +56,9 @@ struct Rig::Parts {
 
     Parts(const SystemSettings& s, const MakeTap& tap, const std::optional<LinkSettings>& kinesthetic);
     void wire();
+    void wire_stop_line(std::uint32_t* mask, const std::array<std::uint32_t, 6>& who);
+    StopOutlets outlets();
+    void join_master();
     Channel* tapped(Wire wire, Channel& end);
     MasterProcess::Channels master_channels();
     std::unique_ptr<MasterProcess> make_master(std::uint64_t instance);
@@ -66,6 +71,8 @@ struct Rig::Parts {
     QueuePipe record, needle_up, needle_down, force_up_master, force_up_cutaneous, force_up_visual,
         force_down_master, force_down_cutaneous, force_down_visual, beep, percept_cutaneous, percept_visual,
         hand;
+    std::array<QueuePipe, 6> stop;  // b: who hears, in the order of kStopPorts
+    std::array<std::uint32_t, kRoleCount> bits{};
     SimulatedHandle handle;
     BreakableHandle breakable{handle};
     PointerHandle pointer;
@@ -180,7 +187,28 @@ void Rig::Parts::wire() {
         down->b.wake(mask, master_bit);
     force_down_cutaneous.b.wake(mask, cutaneous_bit);
     for (QueuePipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
+    wire_stop_line(mask, {session_bit, master_bit, slave_bit, cutaneous_bit, visual_bit, netem_bit});
 }
+
+void Rig::Parts::wire_stop_line(std::uint32_t* mask, const std::array<std::uint32_t, 6>& who) {
+    for (std::size_t i = 0; i < stop.size(); ++i) {
+        stop[i].b.wake(mask, who[i]);
+        bits[static_cast<std::size_t>(owner(kStopPorts[i]))] = who[i];
+    }
+    const StopOutlets out = outlets();
+    session->join_stop_line(stop[0].b, out);
+    join_master();
+    slave->join_stop_line(stop[2].b, out);
+    cutaneous->join_stop_line(stop[3].b, out);
+    visual->join_stop_line(stop[4].b, out);
+    netem->join_stop_line(stop[5].b, out);
+}
+
+StopOutlets Rig::Parts::outlets() {
+    return {&stop[0].a, &stop[1].a, &stop[2].a, &stop[3].a, &stop[4].a, &stop[5].a};
+}
+
+void Rig::Parts::join_master() { master.process->join_stop_line(stop[1].b, outlets()); }
 
 Rig::Rig(const SystemSettings& settings, const MakeTap& make_tap,
          const std::optional<LinkSettings>& kinesthetic)
@@ -248,7 +276,21 @@ void Rig::break_handle(const std::string& words) { parts_->breakable.words = wor
 
 void Rig::restart_master() {
     parts_->master.process = parts_->make_master(instance_of(Role::kMaster) + 100);
+    parts_->join_master();
+    parts_->loop.thaw(parts_->master_bit);
     parts_->loop.poke(parts_->master_bit);
+}
+
+void Rig::freeze(Role role) { parts_->loop.freeze(parts_->bits[static_cast<std::size_t>(role)]); }
+void Rig::thaw(Role role) { parts_->loop.thaw(parts_->bits[static_cast<std::size_t>(role)]); }
+double Rig::force_at_handle_N() const { return parts_->breakable.commanded_N; }
+double Rig::force_at_finger_N() const { return parts_->actuator.output(now()).force_N; }
+void Rig::press_handle_button(bool down) { parts_->breakable.pressed = down; }
+
+Channel& Rig::stop_channel(Role role) {
+    const auto port =
+        std::find_if(kStopPorts.begin(), kStopPorts.end(), [&](Port one) { return owner(one) == role; });
+    return parts_->stop[static_cast<std::size_t>(port - kStopPorts.begin())].a;
 }
 
 FlowCounters Rig::counters() const {

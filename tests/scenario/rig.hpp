@@ -61,10 +61,14 @@ class BreakableHandle final : public HapticDevice {
     explicit BreakableHandle(SimulatedHandle& inner) : inner_(&inner) {}
     HandleSample read(SessionTime now) override;
     void command_force(SessionTime now, double force_hand_N) override {
-        inner_->command_force(now, words.empty() ? force_hand_N : 0);
+        commanded_N = words.empty() ? force_hand_N : 0;
+        inner_->command_force(now, commanded_N);
     }
     std::string_view fault() const override { return words; }
+    bool stop_pressed() const override { return pressed; }
     std::string words;
+    bool pressed = false;
+    double commanded_N = 0;
 
   private:
     SimulatedHandle* inner_;
@@ -106,6 +110,18 @@ class Rig {
     void idle(Duration limit);
     void press_key();
     const Page& page() const;
+
+    // A program that no longer ticks, as one that was killed or stopped with SIGSTOP; it may go on later (what came meanwhile
+    // waits, as in a socket), or come up again as another instance (restart_master).
+    void freeze(Role role);
+    void thaw(Role role);
+    // What the master really asks of the handle at this moment.
+    double force_at_handle_N() const;
+    double force_at_finger_N() const;
+    // The stop line, where a program of the rig hears of stops; anybody may write here.
+    Channel& stop_channel(Role role);
+    // From now on somebody holds a stop button at the handle.
+    void press_handle_button(bool down);
 
     // From now on the simulated handle has failed, as a real one may, with these words.
     void break_handle(const std::string& words);

@@ -16,6 +16,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/stop_line.hpp"
 #include "common/version.hpp"
 #include "visual_node/views/experimenter_panels.hpp"
 #include "visual_node/views/frame_cost.hpp"
@@ -23,6 +24,10 @@
 #include "visual_node/window/gl_window.hpp"
 #include "visual_node/window/gui_layer.hpp"
 #include "visual_node/window/png_file.hpp"
+// clang-format off
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+// clang-format on
 
 namespace thimble {
 namespace {
@@ -60,11 +65,17 @@ WindowSettings window_settings(const ViewOptions& options) {
 
 float channel_of(std::uint8_t value) { return static_cast<float>(value) / 255; }
 
+OutboundFlow make_stop_flow(Sockets& sockets) {
+    const StopOutlets out = sockets.stop_outlets();
+    return {Role::kExperimenter, system_entropy(), {out[0], out[1], out[2], out[3], out[4], out[5]}};
+}
+
 class ExperimenterView {
   public:
     explicit ExperimenterView(const ViewOptions& options)
         : options_(options),
           sockets_(read_network(options)),
+          stop_flow_(make_stop_flow(sockets_)),
           panels_(system_entropy(), {sockets_.inlet(Port::kExperimenterMonitor, Role::kSession),
                                      sockets_.outlet(Port::kSessionOrders)}),
           window_(window_settings(options)),
@@ -78,9 +89,15 @@ class ExperimenterView {
     void draw_view(SessionTime now);
     void draw_empty();
     void finish();
+    void hear_stop_key(SessionTime now, std::span<const WindowEvent> events);
+    void say_stop(SessionTime now);
 
     ViewOptions options_;
     Sockets sockets_;
+    OutboundFlow stop_flow_;
+    StopOrder stop_;
+    int stops_left_ = 0;  // to be said
+    SessionTime next_stop_{};
     ExperimenterPanels panels_;
     GlWindow window_;
     GuiLayer gui_;
@@ -89,6 +106,26 @@ class ExperimenterView {
     FrameCost cost_;
     Image last_;
 };
+
+// Straight to every program: the session may be what hangs.
+void ExperimenterView::hear_stop_key(SessionTime now, std::span<const WindowEvent> events) {
+    for (const WindowEvent& event : events) {
+        const bool pressed = event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated;
+        if (!pressed || event.key != GLFW_KEY_BACKSPACE) continue;
+        stop_ = StopOrder(system_entropy(), StopKind::kStop, EndReason::kEmergencyStop,
+                          "the stop key at the experimenter's view");
+        stops_left_ = kReleaseTimes;
+        next_stop_ = now;
+    }
+    say_stop(now);
+}
+
+void ExperimenterView::say_stop(SessionTime now) {
+    if (stops_left_ == 0 || now < next_stop_) return;
+    --stops_left_;
+    next_stop_ = now + kStopRepeat;
+    stop_flow_.send(now, 0, stop_);
+}
 
 // Without swapping: what a compositor adds is neither's cost.
 void ExperimenterView::draw_empty() {
@@ -121,11 +158,11 @@ bool ExperimenterView::turn(SessionTime started) {
     window_.end_frame();
     due_ = std::max(due_ + period_, now);
     for (SessionTime at = wall_now(); at < due_ && !over; at = wall_now()) {
-        window_.wait_events(due_ - at);
+        hear_stop_key(at, window_.wait_events(due_ - at));
         panels_.tick(at);
         if (window_.should_close() || stop_requested()) break;
     }
-    window_.poll_events();
+    hear_stop_key(wall_now(), window_.poll_events());
     return !over;
 }
 
@@ -188,7 +225,8 @@ int run_experimenter_view(int argc, char** argv) {
         CLI::App app(
             "Shows the experimenter what the subject may not see: fixture, inserted needle, forces, delays, "
             "energy; "
-            "and asks the session for delay, modality, pause, repeats and exclusions. '?' lists the keys.",
+            "and asks the session for delay, modality, pause, repeats and exclusions. '?' lists the keys; "
+            "Backspace is the emergency stop.",
             "thimble-visual");
         ViewOptions options;
         add_options(app, options);

@@ -107,6 +107,8 @@ void draw_key_help(std::span<const Key> keys, double scale) {
         ImGui::SameLine(static_cast<float>(200 * scale));
         ImGui::TextUnformatted(key.help);
     }
+    ImGui::TextColored(gui_colour(kOrange),
+                       "Backspace: EMERGENCY STOP; release it with: thimble stop --release");
     const bool networks = std::any_of(keys.begin(), keys.end(),
                                       [](const Key& key) { return key.command == Command::kNetwork0; });
     if (networks)

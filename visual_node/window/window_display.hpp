@@ -23,6 +23,7 @@ class WindowDisplay final : public Display {
     void turn_page(SessionTime now, const Page& page) override;
     void beep(SessionTime now) override;
     bool take_go_on() override { return go_on_.exchange(false); }
+    bool take_stop() override { return stop_.exchange(false); }
 
     // The window's thread. The next scene, page or beep (when it was asked for) that waits, oldest first.
     std::optional<Scene> take_scene();
@@ -32,6 +33,8 @@ class WindowDisplay final : public Display {
     void presented(const Scene& scene, SessionTime swapped);
     // The subject asks to go on.
     void ask_to_go_on() { go_on_ = true; }
+    // Somebody at the window asks everything to stop.
+    void ask_to_stop() { stop_ = true; }
     // Nobody looks any more.
     void close() { open_ = false; }
 
@@ -45,7 +48,7 @@ class WindowDisplay final : public Display {
     SpscRing<SessionTime> beeps_;
     SpscRing<ShownScene> shown_;
     std::atomic<bool> open_{true};
-    std::atomic<bool> go_on_{false};
+    std::atomic<bool> go_on_{false}, stop_{false};
     std::atomic<std::uint64_t> unseen_{0};
 };
 

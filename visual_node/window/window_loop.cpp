@@ -149,6 +149,9 @@ void WindowLoop::handle_key(const WindowEvent& event) {
         case GLFW_KEY_F12:
             shot_asked_ = true;
             return;
+        case GLFW_KEY_BACKSPACE:
+            if (parts_.display != nullptr) parts_.display->ask_to_stop();
+            return;
         case GLFW_KEY_SPACE:
         case GLFW_KEY_ENTER:
         case GLFW_KEY_KP_ENTER:
@@ -163,7 +166,8 @@ void WindowLoop::handle_key(const WindowEvent& event) {
 
 std::string WindowLoop::keys() const {
     std::string text =
-        "? or F1   this list\nF2        times from hand to picture\nF12       save the picture\n";
+        "? or F1   this list\nF2        times from hand to picture\nF12       save the picture\n"
+        "Backspace EMERGENCY STOP: no force, until somebody releases it\n";
     if (parts_.hand != nullptr) {
         text +=
             "click     take the needle: move down to push it in\nEsc       let go\n"
@@ -212,6 +216,7 @@ bool WindowLoop::draw(SessionTime now) {
     begun_ = now;
     window.begin_frame(ground.x, ground.y, ground.z);
     const auto scene = playout_.at(now);
+    stale_ = scene && scene->stale;
     vibrate(now, scene);
     std::optional<Picture> picture;
     if (const int width = scene_width(); scene && width > 0 && window.height() > 0) {
@@ -246,7 +251,8 @@ void WindowLoop::draw_captions(SessionTime now, const std::optional<Picture>& pi
         parts_.overlay->draw(now, {*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_});
     }
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
-    draw_notice(notice_, scene_width());
+    // What is seen may be wrong by now, and nobody would know.
+    draw_notice(stale_ ? "no news from the needle: the picture stands still" : notice_, scene_width());
     if (page_.kind != PageKind::kNone) {
         static const Instructions kUnchanged;
         const Instructions& words = parts_.instructions == nullptr ? kUnchanged : *parts_.instructions;

@@ -93,6 +93,7 @@ class WindowLoop {
     WindowEnd end_ = WindowEnd::kNone;
     Image* wanted_ = nullptr;    // where the next frame is to be copied
     JoystickIdentity joystick_;  // GLFW's first gamepad; no name: there is none
+    bool stale_ = false;         // the picture is
     bool help_ = false, times_shown_ = false, stick_held_ = false, shot_asked_ = false;
 };
 

@@ -118,6 +118,11 @@ bool FalconHandle::fail(const std::string& what) {
     return false;
 }
 
+bool FalconHandle::stop_pressed() const {
+    const FalconExchange::Latest latest = exchange_->latest();
+    return latest.any && latest.report.buttons != 0;
+}
+
 void FalconHandle::describe(nlohmann::ordered_json& report) const {
     report["device"] = name_;
     report["reads"] = reads_;

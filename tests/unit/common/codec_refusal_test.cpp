@@ -126,7 +126,7 @@ TEST(CodecRefusal, NotOneBody) {
         }
     }
     // A body that a later version may add is none that we know.
-    EXPECT_EQ(judged(by_hand(true, {32})), Refusal::kNotOneBody);
+    EXPECT_EQ(judged(by_hand(true, {34})), Refusal::kNotOneBody);
 }
 
 struct Number {
@@ -302,13 +302,13 @@ TEST(CodecRefusal, EnumsOutOfRange) {
     expect_enum(&Percept::finger, 3);
     expect_enum(&SessionControl::kind, 6);
     expect_enum(&SessionControl::modality, 4);
-    expect_enum(&SessionControl::reason, 6);
+    expect_enum(&SessionControl::reason, 8);
     expect_enum(&Heartbeat::state, 4);
-    expect_enum(&Heartbeat::reason, 6);
+    expect_enum(&Heartbeat::reason, 8);
     expect_enum(&Monitor::phase, 3);
     expect_enum(&Monitor::modality, 4);
     expect_enum(&Monitor::state, 4);
-    expect_enum(&Monitor::reason, 6);
+    expect_enum(&Monitor::reason, 8);
     expect_enum(&Order::kind, 11);
     expect_enum(&Order::modality, 4);
     expect_enum(&Page::kind, 8);
@@ -319,6 +319,17 @@ TEST(CodecRefusal, AFaultWhoseTextHasNoEnd) {
     fault.text.fill('x');
     Encoder encoder;
     EXPECT_EQ(decode(encoder.encode(Header{}, fault)).refusal, Refusal::kOutOfRange);
+}
+
+TEST(CodecRefusal, AStopThatIsNone) {
+    Encoder encoder;
+    StopOrder order(1, StopKind::kStop, EndReason::kEmergencyStop, "a key");
+    EXPECT_TRUE(decode(encoder.encode(Header{}, order)).message);
+    order.reason = EndReason::kCompleted;
+    EXPECT_EQ(decode(encoder.encode(Header{}, order)).refusal, Refusal::kOutOfRange);
+    order.reason = EndReason::kEmergencyStop;
+    order.text.fill('x');
+    EXPECT_EQ(decode(encoder.encode(Header{}, order)).refusal, Refusal::kOutOfRange);
 }
 
 TEST(CodecRefusal, EveryRefusalHasANameOfItsOwn) {

@@ -94,7 +94,7 @@ Monitor draw_monitor() {
             draw_enum(TissuePhase::kPenetrated),
             draw_enum(Modality::kVF),
             draw_enum(NodeState::kFailed),
-            draw_enum(EndReason::kDeviceFault),
+            draw_enum(kLastEndReason),
             draw_bool(),
             draw_bool(),
             draw_bool(),
@@ -151,7 +151,7 @@ Body draw_body() {
                                   draw_enum(ControlKind::kNetworkChange),
                                   draw_enum(Modality::kVF),
                                   draw_bool(),
-                                  draw_enum(EndReason::kDeviceFault),
+                                  draw_enum(kLastEndReason),
                                   draw(0, 1e6),
                                   draw_network()};
         case 4:
@@ -177,6 +177,10 @@ Body draw_body() {
                               draw_waves()};
         case 13:
             return ForceWave{ForceFeedback{}, draw_waves()};
+        case 14:
+            return StopOrder(draw_bits<std::uint64_t>(), draw_enum(StopKind::kRelease),
+                             draw_bool() ? EndReason::kSafetyStop : EndReason::kEmergencyStop,
+                             std::string(*rc::gen::inRange<std::size_t>(0, 200), 'x'));
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),
@@ -186,7 +190,7 @@ Body draw_body() {
                              draw(1e5),
                              draw(1e6),
                              draw_enum(NodeState::kFailed),
-                             draw_enum(EndReason::kDeviceFault)};
+                             draw_enum(kLastEndReason)};
     }
 }
 

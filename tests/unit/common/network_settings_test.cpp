@@ -30,12 +30,12 @@ TEST(NetworkSettings, EveryPortIsItsOwn) {
 }
 
 // The session has an end for each node, one for the record and two for wishes; every node one for its orders and one per
-// flow it takes.
+// flow it takes; all have one for stops.
 TEST(NetworkSettings, EveryPortBelongsToWhoListensThere) {
     std::map<Role, int> owned;
     for (std::uint16_t i = 0; i < kPorts; ++i) ++owned[owner(static_cast<Port>(i))];
-    const std::map<Role, int> expected{{Role::kSession, 8},     {Role::kMaster, 5}, {Role::kSlaveSim, 2},
-                                       {Role::kCutaneous, 2},   {Role::kVisual, 4}, {Role::kNetem, 5},
+    const std::map<Role, int> expected{{Role::kSession, 9},     {Role::kMaster, 6}, {Role::kSlaveSim, 3},
+                                       {Role::kCutaneous, 3},   {Role::kVisual, 5}, {Role::kNetem, 6},
                                        {Role::kExperimenter, 1}};
     EXPECT_EQ(owned, expected);
     EXPECT_EQ(owner(Port::kSessionMaster), Role::kSession);
@@ -55,7 +55,7 @@ TEST(NetworkSettings, HostsByRole) {
 
 TEST(NetworkSettings, RefusesWhatDoesNotFit) {
     const std::string last = std::to_string(65536 - kPorts);
-    EXPECT_EQ(network_settings("base_port = " + last).at(Port::kPlayerMonitor).port, 65535);
+    EXPECT_EQ(network_settings("base_port = " + last).at(Port::kNetemStop).port, 65535);
     for (const std::string& text : {"base_port = " + std::to_string(65536 - kPorts + 1),
                                     std::string("base_port = 1023"), std::string("base_port = '27000'"),
                                     std::string("host_slave = 'x'"), std::string("host_master = 1")}) {

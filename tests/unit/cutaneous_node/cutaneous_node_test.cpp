@@ -1,9 +1,13 @@
 #include "cutaneous_node/cutaneous_node.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "cutaneous_node/guarded_actuator.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 #include "tests/unit/session_time.hpp"
 
@@ -131,6 +135,41 @@ TEST(CutaneousNode, LetsGoWhenFeedbackStops) {
     EXPECT_EQ(bench.actuator.releases, before + 1) << "once is enough";
     bench.node.on_feedback(at(milliseconds{160}), force(-0.5));
     EXPECT_EQ(bench.node.percept(at(milliseconds{160}))->force_N, 0.5);
+}
+
+TEST(CutaneousNode, HoldsOrFadesWhereItIsToldTo) {
+    for (const StaleMode mode : {StaleMode::kHold, StaleMode::kRamp}) {
+        NotingActuator actuator;
+        CutaneousSettings settings;
+        settings.stale.mode = mode;
+        CutaneousNode node(settings, actuator);
+        node.start_trial(at({}), trial(Modality::kCF));
+        node.on_feedback(at(milliseconds{0}), force(-0.8));
+        for (int ms = 0; ms <= 110; ++ms) static_cast<void>(node.percept(at(milliseconds{ms})));
+        EXPECT_EQ(actuator.current.finger, Finger::kIndex);
+        EXPECT_DOUBLE_EQ(actuator.current.force_N, mode == StaleMode::kHold ? 0.8 : 0.4);
+        for (int ms = 111; ms <= 121; ++ms) static_cast<void>(node.percept(at(milliseconds{ms})));
+        EXPECT_EQ(actuator.current.force_N, mode == StaleMode::kHold ? 0.8 : 0);
+    }
+}
+
+TEST(GuardedActuator, NoFingerIsPressedHarderThanItsLimit) {
+    NotingActuator device;
+    GuardedActuator guard(2, device);
+    for (const double wanted_N : {-1.0, 0.0, 1.5, 2.0, 2.5, 1e300}) {
+        guard.command({}, Finger::kIndex, wanted_N);
+        EXPECT_EQ(device.current.force_N, std::clamp(wanted_N, 0.0, 2.0));
+    }
+    for (const double no_number : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+        guard.clear();
+        guard.command({}, Finger::kThumb, 1);
+        EXPECT_FALSE(guard.tripped());
+        guard.command({}, Finger::kThumb, no_number);
+        EXPECT_TRUE(guard.tripped());
+        EXPECT_EQ(device.current.force_N, 0);
+        guard.command({}, Finger::kThumb, 1);
+        EXPECT_EQ(device.current.force_N, 0) << "until it is cleared";
+    }
 }
 
 TEST(CutaneousNode, LetsGoWhenTheNeedleIsHeld) {

@@ -24,7 +24,7 @@ TEST(CutaneousSettings, DefaultsAreTheDeviceOfTheExperiments) {
     EXPECT_EQ(settings.dead_time, milliseconds{45});
     EXPECT_EQ(settings.time_constant, Duration::zero());
     EXPECT_EQ(settings.force_limit_N, 1.5);
-    EXPECT_EQ(settings.stale_after, milliseconds{100});
+    EXPECT_EQ(settings.stale.after, milliseconds{100});
     EXPECT_EQ(settings.percept_period, milliseconds{1});
 }
 
@@ -35,7 +35,7 @@ TEST(CutaneousSettings, ReadsEveryKey) {
     EXPECT_EQ(settings.dead_time, milliseconds{10});
     EXPECT_EQ(settings.time_constant, milliseconds{20});
     EXPECT_EQ(settings.force_limit_N, 3);
-    EXPECT_EQ(settings.stale_after, milliseconds{50});
+    EXPECT_EQ(settings.stale.after, milliseconds{50});
     EXPECT_EQ(settings.percept_period, microseconds{500});
 }
 
@@ -51,7 +51,8 @@ TEST(CutaneousSettings, DrivesNeedABus) {
 
 TEST(CutaneousSettings, RefusesWhatIsOutOfRange) {
     for (const char* text : {"dead_time_s = -0.01", "time_constant_s = 2", "force_limit_N = 0",
-                             "stale_after_s = 0", "percept_period_s = 0", "limit_N = 1"}) {
+                             "stale_after_s = 0", "stale = 'slack'", "guard_limit_N = 1", "force_limit_N = 6",
+                             "percept_period_s = 0", "limit_N = 1"}) {
         EXPECT_THROW(read(text), Error) << text;
     }
 }

@@ -111,14 +111,16 @@ RC_GTEST_PROP(TrialTable, RoundTripToTheBit, (std::vector<double> numbers, std::
 
 TEST(TrialTable, EveryOutcomeReadsBack) {
     for (const EndReason reason : {EndReason::kNone, EndReason::kCompleted, EndReason::kTimeout,
-                                   EndReason::kPeerLost, EndReason::kInterrupted, EndReason::kDeviceFault}) {
+                                   EndReason::kPeerLost, EndReason::kInterrupted, EndReason::kDeviceFault,
+                                   EndReason::kSafetyStop, EndReason::kEmergencyStop}) {
         for (const Role role :
              {Role::kMaster, Role::kSlaveSim, Role::kCutaneous, Role::kVisual, Role::kNetem}) {
             EndReason reason_back = EndReason::kNone;
             Role role_back = Role::kSession;
             ASSERT_TRUE(parse_outcome(outcome_text(reason, role), reason_back, role_back));
             EXPECT_EQ(reason_back, reason);
-            if (reason == EndReason::kPeerLost || reason == EndReason::kDeviceFault) {
+            if (reason == EndReason::kPeerLost || reason == EndReason::kDeviceFault ||
+                reason == EndReason::kSafetyStop) {
                 EXPECT_EQ(role_back, role);
             }
         }

@@ -1,6 +1,7 @@
 // A whole sitting with trials that are over at once and an experimenter whose lines are written beforehand.
 #include "experiment/sitting/sitting.hpp"
 
+#include <algorithm>
 #include <deque>
 #include <fstream>
 
@@ -36,6 +37,7 @@ class InstantTrials final : public TrialRunner {
         }
         clock += seconds{10};
         if (numbers.size() == stop_after) stop = true;
+        if (is_stop(record.reason)) stopped_by = "emergency stop (master): a key";
         return record;
     }
     void show(const Page& page) override {
@@ -47,12 +49,15 @@ class InstantTrials final : public TrialRunner {
     void idle(Duration limit) override { clock += limit; }
     SessionTime now() const override { return clock; }
     std::string problem() const override { return "the cable"; }
+    std::string stop_words() const override { return stopped_by; }
+    void release_stop() override { stopped_by.clear(); }
 
     std::deque<EndReason> outcomes;
     std::vector<std::uint32_t> numbers;
     std::vector<Page> pages;  // without repetitions
     std::uint32_t seen = 0;
     std::size_t stop_after = 0;
+    std::string stopped_by;  // until released
     int prepared = 0;
     SessionTime clock{}, turned{};
     bool presses = false;
@@ -329,6 +334,24 @@ TEST_F(SittingTest, AWatcherMayStopOrPauseIt) {
     paused_ = [&] { return trials_.clock < until; };
     EXPECT_EQ(sit().code, ExitCode::kOk);
     EXPECT_GE(trials_.clock, until + 3 * seconds{10});  // no trial before
+}
+
+// Whatever else is typed: nothing begins before the release, and the trial is repeated without counting as a failure.
+TEST_F(SittingTest, AfterAStopNothingBeginsUntilItIsReleased) {
+    settings_.repeats_limit = 0;
+    settings_.break_every = 0;
+    trials_.outcomes = {EndReason::kEmergencyStop};
+    WrittenLines lines({"", "", "go", "release", "", "", "", "", "", ""});
+    const SittingResult result = sit(&lines);
+    EXPECT_EQ(result.code, ExitCode::kOk) << result.problem;
+    EXPECT_THAT(said_, Contains(HasSubstr("emergency stop (master): a key, or type 'release'")));
+    EXPECT_THAT(said_, Contains("released"));
+    EXPECT_EQ(result.records, 6U);
+    const auto records = read_records(dataset_.records(2));
+    EXPECT_EQ(records[0].row.reason, EndReason::kEmergencyStop);
+    EXPECT_TRUE(std::any_of(records.begin(), records.end(), [](const SittingRecord& record) {
+        return record.repeat_of == 1 && record.repeat_reason == "emergency_stop";
+    }));
 }
 
 }  // namespace

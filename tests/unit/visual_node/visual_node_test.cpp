@@ -129,8 +129,31 @@ TEST(VisualNode, BarDropsWhenFeedbackStops) {
         if (now < at(milliseconds{20})) continue;
         ASSERT_TRUE(scene.has_value());
         EXPECT_EQ(scene->bar_N, now < at(milliseconds{120}) ? 6 : 0);
+        EXPECT_EQ(scene->stale, now >= at(milliseconds{120})) << "for the screen to say so";
         EXPECT_EQ(scene->position_needle_m, 0.05) << "the needle stays where it was last seen";
         EXPECT_EQ(scene->sample_time, at(milliseconds{20}));
+    }
+}
+
+TEST(VisualNode, BarHoldsOrFallsWhereItIsToldTo) {
+    for (const StaleMode mode : {StaleMode::kHold, StaleMode::kRamp}) {
+        VisualSettings settings;
+        settings.refresh_Hz = 1000;
+        settings.stale = {mode, milliseconds{100}, milliseconds{50}};
+        VisualNode node(settings);
+        node.start_trial(at({}), trial(Modality::kVF), 1);
+        node.on_feedback(at({}), feedback(0.05, 0.1, -6));
+        double before_N = 6;
+        for (SessionTime now{}; now < at(milliseconds{200}); now = node.next_frame()) {
+            const auto scene = node.frame(now);
+            if (!scene) continue;
+            EXPECT_LE(scene->bar_N, before_N);
+            before_N = scene->bar_N;
+            if (now < at(milliseconds{100}) || mode == StaleMode::kHold) {
+                EXPECT_EQ(scene->bar_N, 6);
+            }
+        }
+        EXPECT_EQ(before_N, mode == StaleMode::kHold ? 6 : 0);
     }
 }
 

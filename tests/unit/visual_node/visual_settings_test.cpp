@@ -24,7 +24,7 @@ TEST(VisualSettings, DefaultsAreTheScreenOfTheExperiments) {
     EXPECT_EQ(settings.pipeline, milliseconds{25});
     EXPECT_EQ(settings.bar_full_scale_N, 12);
     EXPECT_EQ(settings.bar_resolution, 400);
-    EXPECT_EQ(settings.stale_after, milliseconds{100});
+    EXPECT_EQ(settings.stale.after, milliseconds{100});
     EXPECT_TRUE(settings.vibration);
     EXPECT_EQ(settings.vibration_device, "");
 }
@@ -37,7 +37,7 @@ TEST(VisualSettings, ReadsEveryKey) {
     EXPECT_EQ(settings.pipeline, milliseconds{5});
     EXPECT_EQ(settings.bar_full_scale_N, 20);
     EXPECT_EQ(settings.bar_resolution, 1000);
-    EXPECT_EQ(settings.stale_after, milliseconds{50});
+    EXPECT_EQ(settings.stale.after, milliseconds{50});
     EXPECT_FALSE(settings.vibration);
     EXPECT_EQ(settings.vibration_device, "/dev/input/event7");
 }

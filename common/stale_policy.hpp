@@ -1,0 +1,37 @@
+// What an output does when its input falls silent: for `after` it goes on as the last input said, then it holds that, falls to
+// zero within `ramp`, or is zero at once. A held output still ends with the trial, kPeerTimeout after the last input.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "common/config.hpp"
+#include "common/time.hpp"
+
+namespace thimble {
+
+enum class StaleMode : std::uint8_t { kHold, kRamp, kZero };
+const char* to_string(StaleMode mode);
+
+struct StalePolicy {
+    StaleMode mode = StaleMode::kZero;
+    Duration after = std::chrono::milliseconds{100};
+    Duration ramp = std::chrono::milliseconds{20};
+
+    bool stale(Duration silence) const { return silence >= after; }
+    // What is left of the output, 1 to 0, when the input has been silent for so long.
+    double share(Duration silence) const {
+        if (!stale(silence) || mode == StaleMode::kHold) return 1;
+        if (mode == StaleMode::kZero || ramp <= Duration::zero()) return 0;
+        return std::max(0.0, 1 - to_seconds(silence - after) / to_seconds(ramp));
+    }
+    // "ramp to zero within 20 ms after 100 ms": for logs and reports.
+    std::string text() const;
+};
+
+// Keys stale ("hold", "ramp" or "zero"), stale_after_s and stale_ramp_s of a node's own table. Throws Error (usage).
+StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Duration shortest,
+                              Duration longest);
+
+}  // namespace thimble

@@ -1,0 +1,98 @@
+// thimble stop: an emergency stop from any terminal, and its release.
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/network_settings.hpp"
+#include "common/runtime/sockets.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/stop_line.hpp"
+#include "experiment/commands/commands.hpp"
+
+namespace thimble {
+namespace {
+
+// As many as [session] lanes may be: a stop that is said where nobody runs does no harm.
+constexpr int kMostLanes = 64;
+
+struct StopArguments {
+    std::string config, reason = "thimble stop";
+    int base_port = 0, lanes = 0;
+    bool release = false;
+};
+
+NetworkSettings lane_network(const StopArguments& a, int lane) {
+    const ConfigFile file = a.config.empty() ? ConfigFile::empty() : ConfigFile::load(a.config);
+    NetworkSettings network = read_network_settings(file);
+    const int base = a.base_port != 0 ? a.base_port : network.base_port;
+    network.base_port = static_cast<std::uint16_t>(base + lane * static_cast<int>(Port::kCount));
+    return network;
+}
+
+int lanes_of(const StopArguments& a) {
+    const int base = lane_network(a, 0).base_port;
+    const int possible = (65536 - base) / static_cast<int>(Port::kCount);
+    return std::clamp(a.lanes == 0 ? 8 : a.lanes, 1, possible);
+}
+
+// Said ten times within half a second: each is carried out once.
+void say_to_all(const StopOrder& order, const StopArguments& a) {
+    std::vector<std::unique_ptr<Sockets>> lanes;
+    std::vector<OutboundFlow> flows;
+    const auto count = static_cast<std::size_t>(lanes_of(a));
+    lanes.reserve(count);
+    flows.reserve(count);
+    const std::uint64_t instance = system_entropy();
+    for (std::size_t i = 0; i < count; ++i) {
+        lanes.push_back(std::make_unique<Sockets>(lane_network(a, static_cast<int>(i))));
+        const StopOutlets out = lanes.back()->stop_outlets();
+        flows.emplace_back(Role::kExperimenter, instance,
+                           std::initializer_list<Channel*>{out[0], out[1], out[2], out[3], out[4], out[5]});
+    }
+    for (int i = 0; i < kReleaseTimes; ++i) {
+        if (i > 0) wall_sleep(kStopRepeat);
+        for (OutboundFlow& flow : flows) flow.send(wall_now(), 0, order);
+    }
+}
+
+int stop(const StopArguments& a) {
+    const std::uint64_t id = std::max<std::uint64_t>(1, system_entropy());
+    say_to_all(
+        StopOrder(id, a.release ? StopKind::kRelease : StopKind::kStop, EndReason::kEmergencyStop, a.reason),
+        a);
+    const int base = lane_network(a, 0).base_port;
+    if (a.release) {
+        fmt::print("released: trials may begin again (ports from {})\n", base);
+    } else {
+        fmt::print("emergency stop (ports from {}): no force, no trial begins; {}\n", base, kHowToRelease);
+    }
+    return 0;
+}
+
+}  // namespace
+
+Subcommand add_stop(CLI::App& app) {
+    const auto arguments = std::make_shared<StopArguments>();
+    StopArguments& a = *arguments;
+    CLI::App* sub = app.add_subcommand(
+        "stop", "emergency stop of a running session: no force at the handle, cables slack, needle held");
+    sub->add_option("session", a.config, "session file (TOML), for its [network]; without it this machine");
+    sub->add_flag("--release", a.release, "let trials begin again");
+    sub->add_option("--reason", a.reason, "goes into the record's words; no names");
+    sub->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
+        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+        ->type_name("PORT");
+    sub->add_option("--lanes", a.lanes, "so many lanes of a run side by side (8)")
+        ->check(CLI::Range(1, kMostLanes));
+    sub->footer(
+        "Where thimble runs in this terminal, Ctrl-\\ does the same.\n"
+        "Examples:\n  thimble stop\n  thimble stop --release\n  thimble stop lab.toml --reason \"cable "
+        "loose\"");
+    return {sub, [arguments] { return stop(*arguments); }};
+}
+
+}  // namespace thimble

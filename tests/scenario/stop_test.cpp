@@ -1,0 +1,169 @@
+// Emergency stop and guard in a whole session: from every program, within two samples, and nothing begins before the release.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/scenario/rig.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+void say(Rig& rig, Role to, const StopOrder& order, Role sender) {
+    Encoder encoder;
+    rig.stop_channel(to).send(encoder.encode(Header{5, rig.now(), 1, 0, sender}, order));
+}
+
+void press_until_contact(Rig& rig, Modality modality) {
+    rig.start(trial_of(modality));
+    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 0.5; }));
+}
+
+// At one program's place only: the others hear of it by that program's heartbeat and the session.
+class StopAt : public testing::TestWithParam<Role> {};
+
+TEST_P(StopAt, OneOrderEndsTheTrialForAll) {
+    Rig rig(paper());
+    press_until_contact(rig, Modality::kHF);
+    ASSERT_GT(rig.handle().force_hand_N(), 0.5);
+    say(rig, GetParam(), StopOrder(77, StopKind::kStop, EndReason::kEmergencyStop, "a test"),
+        Role::kExperimenter);
+    const SessionTime stopped = rig.now();
+    const TrialRecord& record = rig.finish();
+    EXPECT_LT(rig.now() - stopped, milliseconds{300});
+    EXPECT_EQ(record.reason, EndReason::kEmergencyStop);
+    EXPECT_EQ(record.fault, "a test");
+    EXPECT_EQ(rig.handle().force_hand_N(), 0);
+    EXPECT_FALSE(record.samples.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Emergency, StopAt,
+                         testing::Values(Role::kSession, Role::kMaster, Role::kSlaveSim, Role::kCutaneous,
+                                         Role::kVisual, Role::kNetem),
+                         [](const auto& test) { return std::string(to_string(test.param)); });
+
+TEST(EmergencyStop, AButtonAtTheHandleStopsEverybodyWithinTwoSamples) {
+    Rig rig(paper());
+    press_until_contact(rig, Modality::kHF);
+    const SessionTime pressed = rig.now();
+    rig.press_handle_button(true);
+    rig.run_until(pressed + milliseconds{2});
+    EXPECT_EQ(rig.handle().force_hand_N(), 0);
+    for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
+             &rig.master(), &rig.netem(), &rig.slave(), &rig.cutaneous(), &rig.visual()}) {
+        EXPECT_NE(node->state(), NodeState::kRunning) << to_string(node->role());
+        EXPECT_TRUE(node->stop_line().stopped()) << to_string(node->role());
+    }
+    const TrialRecord& record = rig.finish();
+    EXPECT_EQ(record.reason, EndReason::kEmergencyStop);
+    EXPECT_EQ(record.fault, "the stop button at the handle");
+    EXPECT_EQ(record.lost_peer, Role::kMaster);
+}
+
+TEST(EmergencyStop, CablesGoSlack) {
+    Rig rig(paper());
+    press_until_contact(rig, Modality::kCF);
+    ASSERT_GT(rig.force_at_finger_N(), 0.3);
+    rig.session().emergency_stop(rig.now(), "a test");
+    rig.run_until(rig.now() + milliseconds{2});
+    EXPECT_EQ(rig.force_at_finger_N(), 0);
+    EXPECT_EQ(rig.finish().reason, EndReason::kEmergencyStop);
+}
+
+TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
+    Rig rig(paper());
+    press_until_contact(rig, Modality::kHF);
+    rig.session().emergency_stop(rig.now(), "a test");
+    rig.finish();
+    TrialConditions conditions = trial_of(Modality::kHF);
+    conditions.trial = 2;
+    const TrialRecord& refused = rig.run(conditions);
+    EXPECT_EQ(refused.reason, EndReason::kEmergencyStop);
+    EXPECT_TRUE(refused.samples.empty());
+    EXPECT_NE(rig.master().state(), NodeState::kRunning);
+    // Nor by an order that the session never gave: the nodes hold it themselves.
+    say(rig, Role::kSession, StopOrder(78, StopKind::kRelease, EndReason::kEmergencyStop, {}),
+        Role::kExperimenter);
+    rig.idle(milliseconds{20});
+    EXPECT_FALSE(rig.session().stop_line().stopped());
+    EXPECT_TRUE(rig.master().stop_line().stopped());
+    conditions.trial = 3;
+    EXPECT_EQ(rig.run(conditions).reason, EndReason::kEmergencyStop);
+    // On purpose, for all.
+    rig.session().release_stop(rig.now());
+    rig.idle(milliseconds{200});
+    conditions.trial = 4;
+    EXPECT_EQ(rig.run(conditions).reason, EndReason::kCompleted);
+}
+
+// A handle that gives out energy: HF with 50 ms oscillates, which the guard ends where it is asked to.
+TEST(Guard, ATripEndsTheTrialInItsOwnWordsAndHolds) {
+    SystemSettings settings = paper();
+    set_delay(settings.netem.force, settings.netem.force_timeline, milliseconds{50});
+    settings.master.guard.energy_limit_J = 0.02;
+    Rig rig(settings);
+    TrialConditions conditions = trial_of(Modality::kHF);
+    conditions.delay_s = 0.05;
+    const TrialRecord& record = rig.run(conditions);
+    EXPECT_EQ(record.reason, EndReason::kSafetyStop);
+    EXPECT_EQ(record.lost_peer, Role::kMaster);
+    EXPECT_NE(record.fault.find("energy_limit_J"), std::string::npos) << record.fault;
+    EXPECT_EQ(rig.handle().force_hand_N(), 0);
+    conditions.trial = 2;
+    EXPECT_EQ(rig.run(conditions).reason, EndReason::kSafetyStop) << "latched";
+    // Without delay the same limit is never reached.
+    settings = paper();
+    settings.master.guard.energy_limit_J = 0.02;
+    Rig calm(settings);
+    EXPECT_EQ(calm.run(trial_of(Modality::kHF)).reason, EndReason::kCompleted);
+    EXPECT_LT(calm.master().guard().most_given_out_J(), 0.02);
+}
+
+TEST(StaleInput, TheHandleFollowsThePolicy) {
+    for (const StaleMode mode : {StaleMode::kHold, StaleMode::kRamp, StaleMode::kZero}) {
+        SCOPED_TRACE(to_string(mode));
+        SystemSettings settings = paper();
+        settings.master.stale.mode = mode;
+        Rig rig(settings);
+        press_until_contact(rig, Modality::kHF);
+        rig.freeze(Role::kNetem);
+        const SessionTime cut = rig.now();
+        rig.run_until(cut + milliseconds{99});
+        const double held_N = rig.force_at_handle_N();
+        EXPECT_GT(held_N, 0.5);
+        rig.run_until(cut + milliseconds{111});
+        const double fallen_N = rig.force_at_handle_N();
+        if (mode == StaleMode::kHold) {
+            EXPECT_EQ(fallen_N, held_N);
+        } else if (mode == StaleMode::kRamp) {
+            EXPECT_NEAR(fallen_N / held_N, 0.5, 0.15);
+        } else {
+            EXPECT_EQ(fallen_N, 0);
+        }
+        rig.run_until(cut + milliseconds{125});
+        EXPECT_EQ(rig.force_at_handle_N(), mode == StaleMode::kHold ? held_N : 0);
+        rig.finish();
+        EXPECT_EQ(rig.force_at_handle_N(), 0) << "the trial is over";
+    }
+}
+
+// SIGSTOP and SIGCONT: what waited meanwhile looks new and is not.
+TEST(StaleInput, AMasterThatStoodStillTakesNoOldForce) {
+    Rig rig(paper_with_delays({}, milliseconds{5}));  // so that no new force comes in the same instant
+    rig.start(trial_of(Modality::kHF));
+    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.force_fixture_N < -1; }));
+    rig.run_until(rig.now() + milliseconds{10});
+    ASSERT_GT(rig.force_at_handle_N(), 0.5);
+    rig.freeze(Role::kMaster);
+    rig.run_until(rig.now() + milliseconds{300});
+    rig.thaw(Role::kMaster);
+    rig.step();
+    EXPECT_EQ(rig.force_at_handle_N(), 0);
+    EXPECT_NE(rig.finish().reason, EndReason::kNone);
+}
+
+}  // namespace
+}  // namespace thimble::test

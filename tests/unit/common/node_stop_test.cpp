@@ -1,0 +1,125 @@
+// What a node does that is stopped, or that comes too late again and again.
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/node_process.hpp"
+#include "common/queue_channel.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+class StoppableProcess final : public NodeProcess {
+  public:
+    explicit StoppableProcess(Channel& control) : NodeProcess(Role::kVisual, 42, control) {}
+
+    std::vector<std::string> said;
+    StopWish wish;
+    int rests = 0;
+
+  protected:
+    void begin_trial(SessionTime, const SessionControl&) override {
+        said.push_back("begin " + std::to_string(trial()));
+    }
+    void end_trial(SessionTime) override { said.push_back("end " + std::to_string(trial())); }
+    void obey(SessionTime, const SessionControl&) override { said.emplace_back("obey"); }
+    void work(SessionTime) override {}
+    SessionTime next_work() const override { return kNever; }
+    StopWish wants_stop(SessionTime) override { return wish; }
+    void rest(SessionTime) override { ++rests; }
+};
+
+class StoppedNode : public testing::Test {
+  protected:
+    StoppedNode() {
+        process.join_stop_line(
+            line.b, {&outside.a, &outside.a, &outside.a, &outside.a, &outside.a, &outside.a});
+        order(ControlKind::kTrialStart, 1);
+        tick(milliseconds{10});
+        heard();
+    }
+    void tick(Duration time) {
+        now = SessionTime{time};
+        process.tick(now);
+    }
+    void order(ControlKind kind, std::uint32_t trial) {
+        SessionControl control;
+        control.kind = kind;
+        session.send(now, trial, control);
+    }
+    void say(const StopOrder& stop) {
+        Encoder encoder;
+        line.a.send(encoder.encode(Header{9, now, 1, 0, Role::kExperimenter}, stop));
+    }
+    // What the session was told since the last call.
+    std::vector<Message> heard() {
+        std::vector<Message> messages;
+        for (Bytes bytes = control.a.receive(); !bytes.empty(); bytes = control.a.receive())
+            messages.push_back(decode(bytes).message.value());
+        return messages;
+    }
+    using Said = std::vector<std::string>;
+
+    QueuePipe control, line, outside;
+    StoppableProcess process{control.b};
+    OutboundFlow session{Role::kSession, 1, {&control.a}};
+    SessionTime now{};
+};
+
+TEST_F(StoppedNode, EndsItsTrialInTheStopsWordsAndBeginsNoneBeforeTheRelease) {
+    say(StopOrder(5, StopKind::kStop, EndReason::kEmergencyStop, "a key"));
+    order(ControlKind::kFixtureChange, 1);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, (Said{"begin 1", "end 1"})) << "and no order of the same tick is obeyed";
+    const auto told = heard();
+    ASSERT_EQ(told.size(), 2U);
+    EXPECT_EQ(std::get<Heartbeat>(told[0].body).state, NodeState::kFailed);
+    EXPECT_EQ(std::get<Heartbeat>(told[0].body).reason, EndReason::kEmergencyStop);
+    EXPECT_EQ(std::get<DeviceFault>(told[1].body).words(), "a key");
+    order(ControlKind::kTrialStart, 2);
+    tick(milliseconds{300});
+    EXPECT_EQ(process.said, (Said{"begin 1", "end 1"}));
+    EXPECT_EQ(std::get<Heartbeat>(heard()[0].body).state, NodeState::kFailed);
+    say(StopOrder(6, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    order(ControlKind::kTrialStart, 3);
+    tick(milliseconds{310});
+    EXPECT_EQ(process.said, (Said{"begin 1", "end 1", "begin 3"}));
+}
+
+TEST_F(StoppedNode, StopsTheOthersFromHere) {
+    process.wish = {EndReason::kSafetyStop, "the guard"};
+    tick(milliseconds{20});
+    EXPECT_EQ(process.said, (Said{"begin 1", "end 1"}));
+    const auto decoded = decode(outside.b.receive());
+    ASSERT_TRUE(decoded.message);
+    EXPECT_EQ(std::get<StopOrder>(decoded.message->body).words(), "the guard");
+    EXPECT_EQ(std::get<StopOrder>(decoded.message->body).reason, EndReason::kSafetyStop);
+}
+
+TEST_F(StoppedNode, DeadlinesMissedInARow) {
+    process.set_overrun(OverrunPolicy::kRest, 3);
+    process.deadlines_missed(now, 2);
+    tick(milliseconds{20});
+    EXPECT_EQ(process.rests, 0);
+    for (unsigned missed = 3; missed < 6; ++missed) process.deadlines_missed(now, missed);
+    EXPECT_EQ(process.overruns(), 1U) << "one run of them";
+    tick(milliseconds{21});
+    tick(milliseconds{22});
+    EXPECT_EQ(process.rests, 2) << "for as long as it is late";
+    process.deadlines_missed(now, 0);
+    tick(milliseconds{23});
+    EXPECT_EQ(process.rests, 2);
+    EXPECT_EQ(process.state(), NodeState::kRunning);
+    process.set_overrun(OverrunPolicy::kStop, 3);
+    process.deadlines_missed(now, 3);
+    EXPECT_EQ(process.overruns(), 2U);
+    EXPECT_EQ(process.state(), NodeState::kFailed);
+    EXPECT_EQ(process.reason(), EndReason::kSafetyStop);
+    EXPECT_EQ(process.stop_line().words(), "visual missed 3 deadlines in a row");
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,139 @@
+// The stop line: everybody reaches everybody, a stop holds until it is released on purpose, and what comes twice or late
+// changes nothing.
+#include "common/stop_line.hpp"
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/queue_channel.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Six programs, each with its own place to hear.
+class Party {
+  public:
+    Party() {
+        StopOutlets out{};
+        for (std::size_t i = 0; i < pipes_.size(); ++i) out[i] = &pipes_[i].a;
+        constexpr std::array kRoles{Role::kSession,   Role::kMaster, Role::kSlaveSim,
+                                    Role::kCutaneous, Role::kVisual, Role::kNetem};
+        for (std::size_t i = 0; i < pipes_.size(); ++i) {
+            lines_.push_back(std::make_unique<StopLine>(kRoles[i], 100 + i));
+            lines_.back()->connect(pipes_[i].b, out);
+        }
+    }
+    StopLine& of(std::size_t i) { return *lines_[i]; }
+    void tick(Duration time) {
+        now = SessionTime{time};
+        for (auto& line : lines_) line->tick(now);
+    }
+    int stopped() const {
+        int count = 0;
+        for (const auto& line : lines_) count += line->stopped() ? 1 : 0;
+        return count;
+    }
+    void send(std::size_t to, const StopOrder& order, Role sender = Role::kExperimenter) {
+        Encoder encoder;
+        pipes_[to].a.send(encoder.encode(Header{9, now, 1, 0, sender}, order));
+    }
+    SessionTime now{};
+
+  private:
+    std::array<QueuePipe, 6> pipes_;
+    std::vector<std::unique_ptr<StopLine>> lines_;
+};
+
+TEST(StopLine, OneStopStopsEverybodyInTheNextTick) {
+    Party party;
+    party.tick(milliseconds{1});
+    EXPECT_EQ(party.stopped(), 0);
+    party.of(3).stop(party.now, EndReason::kEmergencyStop, "a button");
+    party.tick(milliseconds{2});
+    EXPECT_EQ(party.stopped(), 6);
+    EXPECT_EQ(party.of(1).words(), "a button");
+    EXPECT_EQ(party.of(1).raised_by(), Role::kCutaneous);
+    EXPECT_EQ(party.of(1).reason(), EndReason::kEmergencyStop);
+}
+
+TEST(StopLine, HoldsUntilReleasedAndIsNotTakenUpAgainByWhatComesLate) {
+    Party party;
+    party.of(1).stop(party.now, EndReason::kSafetyStop, "the guard");
+    for (int ms = 1; ms < 1000; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 6);
+    party.of(0).release(party.now);
+    party.tick(milliseconds{1001});
+    EXPECT_EQ(party.stopped(), 0);
+    // What the first one said while the release was on its way.
+    for (int ms = 1002; ms < 3000; ++ms) {
+        party.tick(milliseconds{ms});
+        ASSERT_EQ(party.stopped(), 0);
+    }
+    // The next stop is another one, also while the release is still being said.
+    party.of(0).release(party.now);
+    party.of(2).stop(party.now, EndReason::kEmergencyStop, "again");
+    party.tick(milliseconds{3001});
+    party.tick(milliseconds{3100});
+    EXPECT_EQ(party.stopped(), 6);
+}
+
+TEST(StopLine, AStopAloneCountsAndNodesMayNotRelease) {
+    Party party;
+    const StopOrder stop(7, StopKind::kStop, EndReason::kEmergencyStop, "a view");
+    party.send(1, stop);
+    party.tick(milliseconds{1});
+    EXPECT_EQ(party.stopped(), 1) << "whoever was told";
+    party.send(1, StopOrder(8, StopKind::kRelease, EndReason::kEmergencyStop, {}), Role::kSlaveSim);
+    party.tick(milliseconds{2});
+    EXPECT_TRUE(party.of(1).stopped());
+    EXPECT_EQ(party.of(1).counters().of(Refusal::kUnexpectedKind), 1U);
+    party.send(1, StopOrder(9, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    party.tick(milliseconds{100});
+    EXPECT_TRUE(party.of(1).stopped()) << "a release that was on its way when somebody stopped";
+    party.send(1, StopOrder(9, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    party.tick(milliseconds{300});
+    EXPECT_TRUE(party.of(1).stopped()) << "nor when it is said again";
+    party.send(1, StopOrder(10, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    party.tick(milliseconds{301});
+    EXPECT_EQ(party.stopped(), 0);
+    party.send(1, stop);  // the same datagram, late
+    party.tick(milliseconds{302});
+    EXPECT_EQ(party.stopped(), 0);
+}
+
+TEST(StopLine, WhatIsNoStopIsCounted) {
+    Party party;
+    Encoder encoder;
+    StopLine line(Role::kMaster, 1);
+    QueuePipe pipe;
+    line.connect(pipe.b, {&pipe.a, &pipe.a, &pipe.a, &pipe.a, &pipe.a, &pipe.a});
+    pipe.a.send(encoder.encode(Header{}, Heartbeat{}));
+    const std::vector<std::uint8_t> noise(40, 7);
+    pipe.a.send(noise);
+    line.tick(SessionTime{});
+    EXPECT_FALSE(line.stopped());
+    EXPECT_EQ(line.counters().of(Refusal::kUnexpectedKind), 1U);
+    EXPECT_EQ(line.counters().refused_total(), 2U);
+}
+
+// More at once than have a place: one release lets go of all that was heard.
+TEST(StopLine, ManyStopsAtOnce) {
+    Party party;
+    for (std::uint64_t id = 1; id <= 12; ++id) {
+        party.send(1, StopOrder(1000 + id, StopKind::kStop, EndReason::kEmergencyStop, "many"));
+        party.tick(milliseconds{id});
+    }
+    EXPECT_TRUE(party.of(1).stopped());
+    party.tick(milliseconds{500});
+    party.of(0).release(party.now);
+    party.tick(milliseconds{501});
+    EXPECT_FALSE(party.of(1).stopped());
+}
+
+}  // namespace
+}  // namespace thimble
