@@ -19,16 +19,19 @@ constexpr Duration kProgress = std::chrono::milliseconds{500};
 
 }  // namespace
 
-Lane::Company::Company(SessionProcess& session, std::unique_ptr<Process> attendant)
-    : session_(&session), attendant_(std::move(attendant)) {}
+Lane::Company::Company(SessionProcess& session, std::unique_ptr<Process> attendant, Security* security)
+    : session_(&session), attendant_(std::move(attendant)), security_(security) {}
 
 void Lane::Company::tick(SessionTime now) {
+    if (security_ != nullptr) security_->tick(now);
     session_->tick(now);
     if (attendant_) attendant_->tick(now);
+    if (security_ != nullptr) security_->tick(now);
 }
 
 SessionTime Lane::Company::next_wakeup() const {
-    const SessionTime next = session_->next_wakeup();
+    SessionTime next = session_->next_wakeup();
+    if (security_ != nullptr) next = std::min(next, security_->next_wakeup());
     return attendant_ ? std::min(next, attendant_->next_wakeup()) : next;
 }
 
@@ -37,7 +40,7 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       events_(events),
       sockets_(plan.network),
       session_(system_entropy(), plan.session, open_channels()),
-      company_(session_, plan.attend ? plan.attend(session_, sockets_) : nullptr),
+      company_(session_, plan.attend ? plan.attend(session_, sockets_) : nullptr, sockets_.security()),
       loop_(sockets_.listeners()) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
@@ -147,10 +150,16 @@ void Lane::wait_for_nodes() {
         if (now < deadline) continue;
         throw Error(
             ExitCode::kNetwork,
-            fmt::format("no answer from {} within {} s on ports from {}: see the logs in {}",
+            fmt::format("no answer from {} within {} s on ports from {}{}: see the logs in {}",
                         session_.missing_peers(now, kPeerTimeout), to_seconds(plan_.session.peer_wait),
-                        plan_.network.base_port, plan_.out.string()));
+                        plan_.network.base_port, why_silent(), plan_.out.string()));
     }
+}
+
+// Whoever is heard with another lab key is not silent.
+std::string Lane::why_silent() const {
+    const std::string complaint = sockets_.security() == nullptr ? "" : sockets_.security()->complaint();
+    return complaint.empty() ? complaint : " (" + complaint + ")";
 }
 
 const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t number,

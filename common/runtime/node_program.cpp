@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +15,7 @@
 
 #include "common/error.hpp"
 #include "common/runtime/command_line.hpp"
+#include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/service_notice.hpp"
@@ -43,9 +45,21 @@ nlohmann::ordered_json refusals(FlowCounters counters, const UdpCounters& udp) {
     return names;
 }
 
+nlohmann::ordered_json describe_security(const Security* security) {
+    if (security == nullptr) return {{"mode", "none"}};
+    const SecurityCounters c = security->counters();
+    return {{"mode", "lab-key"},          {"sealed", c.sealed},
+            {"opened", c.opened},         {"handshakes", c.handshakes},
+            {"forged", c.forged},         {"replayed", c.replayed},
+            {"wrong_role", c.wrong_role}, {"no_key", c.no_key},
+            {"unsealed", c.unsealed},     {"handshake_refused", c.handshake_refused},
+            {"not_sent", c.not_sent}};
+}
+
 nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& instance,
-                                const FlowCounters& counters, const UdpCounters& udp,
+                                const Sockets& sockets, const FlowCounters& counters,
                                 const LoopStatistics& loop) {
+    const UdpCounters udp = sockets.counters();
     nlohmann::ordered_json report;
     report["program"] = program.name;
     report["version"] = kVersion;
@@ -56,6 +70,7 @@ nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& 
                      {"send_failed", udp.send_failed},
                      {"foreign_source", udp.foreign_source},
                      {"too_long", udp.too_long}};
+    report["security"] = describe_security(sockets.security());
     report["deadlines"] = loop.deadlines;
     report["deadlines_missed"] = loop.missed;
     report["arrivals"] = loop.arrivals;
@@ -79,6 +94,7 @@ void finish_config(const NodeProgram& program, const ConfigFile& file) {
     std::vector<std::string_view> elsewhere;
     for (const std::string_view table : session_tables()) {
         const auto& own = program.tables;
+        if (table == "security") continue;  // every program's
         if (std::find(own.begin(), own.end(), table) == own.end()) elsewhere.push_back(table);
     }
     file.finish(elsewhere);
@@ -97,23 +113,23 @@ int check_deadlines(const Options& options, const RuntimeSettings& runtime, cons
 }
 
 // Deadlines are kept by the thread that calls this, whichever it is: scheduling belongs to threads.
-void run_process(NodeInstance& instance, const RuntimeSettings& runtime, RealtimeLoop& loop,
+void run_process(Process& process, const RuntimeSettings& runtime, RealtimeLoop& loop,
                  ServiceNotice& notice) {
     if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
     notice.ready();
-    loop.run(instance.process(), [&notice](SessionTime now) { notice.turns(now); });
+    loop.run(process, [&notice](SessionTime now) { notice.turns(now); });
     notice.stopping();
 }
 
 // The process in a second thread beside the node's foreground. Whatever the foreground dies of is told after the process has
 // stopped, as it would have without.
-void run_beside_foreground(NodeInstance& instance, const RuntimeSettings& runtime, RealtimeLoop& loop,
-                           ServiceNotice& notice) {
+void run_beside_foreground(NodeInstance& instance, Process& process, const RuntimeSettings& runtime,
+                           RealtimeLoop& loop, ServiceNotice& notice) {
     std::atomic<bool> stopped{false};
     std::exception_ptr died, foreground_died;
     std::thread thread([&] {
         try {
-            run_process(instance, runtime, loop, notice);
+            run_process(process, runtime, loop, notice);
         } catch (...) {
             died = std::current_exception();
         }
@@ -130,6 +146,32 @@ void run_beside_foreground(NodeInstance& instance, const RuntimeSettings& runtim
     if (foreground_died) std::rethrow_exception(foreground_died);
 }
 
+// What a node does, behind its protection. Says once if the session has another lab key.
+class Guarded final : public Process {
+  public:
+    Guarded(NodeProcess& node, Security* security) : node_(&node), security_(security) {
+        if (security_ != nullptr) secured_.emplace(node, *security_);
+    }
+    void tick(SessionTime now) override {
+        if (!secured_) return node_->tick(now);
+        secured_->tick(now);
+        if (complained_ || security_->complete()) return;
+        const std::string complaint = security_->complaint();
+        complained_ = !complaint.empty();
+        if (complained_) spdlog::error(complaint);
+    }
+    SessionTime next_wakeup() const override {
+        return secured_ ? secured_->next_wakeup() : node_->next_wakeup();
+    }
+    bool stopped() const override { return node_->stopped(); }
+
+  private:
+    NodeProcess* node_;
+    Security* security_;
+    std::optional<SecuredProcess> secured_;
+    bool complained_ = false;
+};
+
 int run(const NodeProgram& program, const Options& options) {
     if (options.die_with_parent) stop_with_parent();
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
@@ -137,6 +179,7 @@ int run(const NodeProgram& program, const Options& options) {
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
     const RuntimeSettings runtime = read_runtime_settings(file);
     Sockets sockets(network);
+    if (!options.die_with_parent) warn_if_unprotected(network);  // whoever started it has said so
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);
     install_stop_signals();
@@ -144,13 +187,14 @@ int run(const NodeProgram& program, const Options& options) {
     RealtimeLoop loop(sockets.listeners());
     spdlog::info("ready, ports from {}", network.base_port);
     ServiceNotice notice;
+    Guarded process(instance->process(), sockets.security());
     if (instance->has_foreground()) {
-        run_beside_foreground(*instance, runtime, loop, notice);
+        run_beside_foreground(*instance, process, runtime, loop, notice);
     } else {
-        run_process(*instance, runtime, loop, notice);
+        run_process(process, runtime, loop, notice);
     }
     save(options.report,
-         describe(program, *instance, instance->process().counters(), sockets.counters(), loop.statistics()));
+         describe(program, *instance, sockets, instance->process().counters(), loop.statistics()));
     return check_deadlines(options, runtime, loop.statistics());
 }
 

@@ -1,6 +1,13 @@
 #include "common/runtime/sockets.hpp"
 
+#include "common/runtime/protection.hpp"
+
 namespace thimble {
+
+Sockets::Sockets(NetworkSettings settings) : settings_(std::move(settings)) {
+    require_protection(settings_);
+    security_ = make_security(settings_.security);
+}
 
 UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& remote) {
     channels_.push_back(std::make_unique<UdpChannel>(local, remote));
@@ -11,7 +18,22 @@ UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& 
 Channel* Sockets::between(Port local, Port remote) {
     UdpChannel* channel = open(settings_.at(local), settings_.at(remote));
     channel->stamp_arrivals();
-    return channel;
+    return security_ ? security_->pair(*channel, local, remote) : channel;
+}
+
+Channel* Sockets::inlet(Port local, Role sender) {
+    UdpChannel* channel = open(settings_.at(local), {settings_.host(sender), 0});
+    return security_ ? security_->inlet(*channel, local) : channel;
+}
+
+Channel* Sockets::outlet(Port remote) {
+    UdpChannel* channel = open(std::nullopt, settings_.at(remote));
+    return security_ ? security_->outlet(*channel, remote) : channel;
+}
+
+Channel* Sockets::device(const Endpoint& local, const Endpoint& remote) {
+    require_protection_of_device(settings_.security, remote.host);
+    return open(local, remote);
 }
 
 UdpCounters Sockets::counters() const {

@@ -1,4 +1,4 @@
-// The UDP channels of one program, by the names of network_settings.hpp.
+// The channels of one program, by the names of network_settings.hpp: UDP, protected as [security] says.
 #pragma once
 
 #include <memory>
@@ -7,23 +7,26 @@
 
 #include "common/network_settings.hpp"
 #include "common/runtime/udp_channel.hpp"
+#include "common/security/security.hpp"
 
 namespace thimble {
 
 class Sockets {
   public:
-    explicit Sockets(NetworkSettings settings) : settings_(std::move(settings)) {}
+    // Throws Error (usage) if the settings leave other machines unprotected without saying so twice, or as read_lab_key() does.
+    explicit Sockets(NetworkSettings settings);
 
-    // Both ways between two known ports (control channels).
+    // Both ways between two known ports (control channels, views). The first that a program opens.
     // Arrivals are stamped: clocks are compared here.
     Channel* between(Port local, Port remote);
     // Listens at `local` to the host of `sender` only.
-    Channel* inlet(Port local, Role sender) { return open(settings_.at(local), {settings_.host(sender), 0}); }
+    Channel* inlet(Port local, Role sender);
     // Sends to `remote`, listens to nobody.
-    Channel* outlet(Port remote) { return open(std::nullopt, settings_.at(remote)); }
+    Channel* outlet(Port remote);
 
-    // To and from a device that is not of the session.
-    Channel* device(const Endpoint& local, const Endpoint& remote) { return open(local, remote); }
+    // To and from a device that is not of the session, unprotected. Throws Error (usage) if it is elsewhere and the file does
+    // not allow that.
+    Channel* device(const Endpoint& local, const Endpoint& remote);
     // Something else that wakes the program; outlives its loop.
     void listen_to(Listener& listener) { listeners_.push_back(&listener); }
 
@@ -32,11 +35,19 @@ class Sockets {
     const std::vector<Listener*>& listeners() const { return listeners_; }
     UdpCounters counters() const;
 
+    // What protects the channels; null in mode "none". A SecuredProcess keeps it going.
+    Security* security() const { return security_.get(); }
+    // For loops that are not a process: before and after receiving and sending.
+    void tick(SessionTime now) {
+        if (security_) security_->tick(now);
+    }
+
   private:
     UdpChannel* open(const std::optional<Endpoint>& local, const Endpoint& remote);
 
     NetworkSettings settings_;
     std::vector<std::unique_ptr<UdpChannel>> channels_;
+    std::unique_ptr<Security> security_;  // goes before the channels that it uses
     std::vector<Listener*> listeners_;
 };
 

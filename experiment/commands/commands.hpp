@@ -27,5 +27,6 @@ Subcommand add_check(CLI::App& app);
 Subcommand add_doctor(CLI::App& app);
 Subcommand add_exclude(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);
+Subcommand add_keygen(CLI::App& app);
 
 }  // namespace thimble

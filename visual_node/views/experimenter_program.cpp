@@ -42,6 +42,7 @@ NetworkSettings read_network(const ViewOptions& options) {
     NetworkSettings network = read_network_settings(file);
     std::vector<std::string_view> elsewhere = session_tables();
     std::erase(elsewhere, "network");
+    std::erase(elsewhere, "security");
     file.finish(elsewhere);
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
     return network;
@@ -65,8 +66,8 @@ class ExperimenterView {
     explicit ExperimenterView(const ViewOptions& options)
         : options_(options),
           sockets_(read_network(options)),
-          panels_(system_entropy(), {sockets_.inlet(Port::kExperimenterMonitor, Role::kSession),
-                                     sockets_.outlet(Port::kSessionOrders)}),
+          link_(sockets_.between(Port::kExperimenterMonitor, Port::kSessionOrders)),
+          panels_(system_entropy(), {link_, link_}),
           window_(window_settings(options)),
           gui_(window_),
           period_(from_seconds(1 / window_.refresh_Hz())) {}
@@ -75,12 +76,17 @@ class ExperimenterView {
 
   private:
     bool turn(SessionTime started);
+    void look(SessionTime now) {
+        sockets_.tick(now);
+        panels_.tick(now);
+    }
     void draw_view(SessionTime now);
     void draw_empty();
     void finish();
 
     ViewOptions options_;
     Sockets sockets_;
+    Channel* link_;
     ExperimenterPanels panels_;
     GlWindow window_;
     GuiLayer gui_;
@@ -113,7 +119,7 @@ void ExperimenterView::draw_view(SessionTime now) {
 bool ExperimenterView::turn(SessionTime started) {
     const SessionTime now = wall_now();
     if (options_.frame_times && !window_.lost()) draw_empty();
-    panels_.tick(now);
+    look(now);
     draw_view(now);
     const bool over = stop_requested() || window_.should_close() ||
                       (options_.seconds > 0 && now - started >= from_seconds(options_.seconds));
@@ -122,7 +128,7 @@ bool ExperimenterView::turn(SessionTime started) {
     due_ = std::max(due_ + period_, now);
     for (SessionTime at = wall_now(); at < due_ && !over; at = wall_now()) {
         window_.wait_events(due_ - at);
-        panels_.tick(at);
+        look(at);
         if (window_.should_close() || stop_requested()) break;
     }
     window_.poll_events();
