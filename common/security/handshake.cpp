@@ -103,17 +103,17 @@ bool proof_holds(const SecretKey& proof, Bytes datagram) {
            same_bytes(proof_code(proof, datagram), datagram.subspan(kProofAt, kCodeBytes));
 }
 
-std::optional<AgreedKeys> agree(const LabKey& lab, const Agreement& agreement, const SecretKey& own,
+std::optional<AgreedKeys> agree(const LabKey& lab, const HandshakeParties& parties, const SecretKey& own,
                                 const PublicKey& theirs) {
     SecretKey shared;
     if (crypto_scalarmult(shared.bytes.data(), own.bytes.data(), theirs.data()) != 0) return std::nullopt;
     std::array<std::uint8_t, 64> secret{};
     KeyedHash(lab.bytes(), secret.size())
         .add("thimble-1 session")
-        .add(agreement.initiator)
-        .add(agreement.responder)
-        .add(agreement.initiator_key)
-        .add(agreement.responder_key)
+        .add(parties.initiator)
+        .add(parties.responder)
+        .add(parties.initiator_key)
+        .add(parties.responder_key)
         .add(shared.bytes)
         .finish(secret);
     AgreedKeys keys{derive(secret, "initiator to responder"), derive(secret, "responder to initiator"),

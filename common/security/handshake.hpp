@@ -45,11 +45,11 @@ struct AgreedKeys {
 };
 // The ports at which each side listens, and both public keys as the messages had them. None if `theirs` is no proper public
 // key.
-struct Agreement {
+struct HandshakeParties {
     Port initiator = Port::kCount, responder = Port::kCount;
     PublicKey initiator_key{}, responder_key{};
 };
-std::optional<AgreedKeys> agree(const LabKey& lab, const Agreement& agreement, const SecretKey& own,
+std::optional<AgreedKeys> agree(const LabKey& lab, const HandshakeParties& parties, const SecretKey& own,
                                 const PublicKey& theirs);
 
 // The key of a one-way flow, from the secret of an epoch: names who may seal it, for whom, and what.

@@ -150,7 +150,7 @@ void SecurePair::take_offer(const HandshakeMessage& offer) {
         return;
     }
     if (pending_.valid && pending_.other == offer.own) return;  // said twice; the timer repeats our answer
-    const auto keys = agree(*lab_, agreement(offer.own), own_.secret, offer.own);
+    const auto keys = agree(*lab_, parties(offer.own), own_.secret, offer.own);
     if (!keys) {
         ++counters_.handshake_refused;
         return;
@@ -169,7 +169,7 @@ void SecurePair::take_accept(const HandshakeMessage& accept, Bytes datagram) {
         return;
     }
     std::optional<AgreedKeys> keys;
-    if (accept.other == own_.open) keys = agree(*lab_, agreement(accept.own), own_.secret, accept.own);
+    if (accept.other == own_.open) keys = agree(*lab_, parties(accept.own), own_.secret, accept.own);
     if (!keys || !proof_holds(keys->proof, datagram)) {
         ++counters_.handshake_refused;
         return;
@@ -184,7 +184,7 @@ void SecurePair::take_accept(const HandshakeMessage& accept, Bytes datagram) {
     send_sealed(PacketKind::kKeys, {});
 }
 
-Agreement SecurePair::agreement(const PublicKey& theirs) const {
+HandshakeParties SecurePair::parties(const PublicKey& theirs) const {
     if (begins_) return {ends_.local, ends_.remote, own_.open, theirs};
     return {ends_.remote, ends_.local, theirs, own_.open};
 }

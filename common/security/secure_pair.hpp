@@ -76,7 +76,7 @@ class SecurePair final : public Channel {
     void send_sealed(PacketKind kind, Bytes text);
     void establish(const SecretKey& out);
     bool needs_handshake() const;
-    Agreement agreement(const PublicKey& theirs) const;
+    HandshakeParties parties(const PublicKey& theirs) const;
     void transmit(const HandshakeMessage& message, const SecretKey* proof = nullptr);
 
     Channel* wire_;

@@ -17,8 +17,8 @@ class Security {
   public:
     Security(std::shared_ptr<const LabKey> lab, RandomBytes random, const SecurityTimes& times = {});
 
-    // Each returns what protects `wire`, which outlives this. The channel with the session comes first, at the session those
-    // with the nodes: it says whose program this is. The relay's flows are returned as they are: it has no keys.
+    // Each returns what protects `wire`, which outlives this. The relay's flows are returned as they are: it has no keys for
+    // them. An outlet is never the first: the ports of the others say whose program this is.
     Channel* pair(Channel& wire, Port local, Port remote);
     Channel* inlet(Channel& wire, Port local);
     Channel* outlet(Channel& wire, Port remote);
