@@ -92,6 +92,11 @@ std::optional<HandshakeMessage> read_handshake(const LabKey& lab, Port port, Byt
     if (!header || header->port != port || datagram.size() != kHandshakeBytes) return std::nullopt;
     if (header->kind < PacketKind::kHello) return std::nullopt;
     if (!same_bytes(lab_code(lab, datagram), datagram.subspan(kCodeAt, kCodeBytes))) return std::nullopt;
+    // Where nothing is proven there is nothing that could be changed on the way.
+    const Bytes proof = datagram.subspan(kProofAt, kCodeBytes);
+    const auto is_zero = [](std::uint8_t byte) { return byte == 0; };
+    if (header->kind != PacketKind::kAccept && !std::all_of(proof.begin(), proof.end(), is_zero))
+        return std::nullopt;
     HandshakeMessage message{header->kind, header->port, {}, {}};
     std::copy_n(datagram.begin() + kOwnAt, message.own.size(), message.own.begin());
     std::copy_n(datagram.begin() + kOtherAt, message.other.size(), message.other.begin());

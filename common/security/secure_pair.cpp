@@ -8,7 +8,7 @@ namespace {
 
 // A flood of what is refused must not hold a tick: the rest waits for the next one.
 constexpr int kMostRefusedAtOnce = 64;
-// Lost three times: the offer may be of a session that is gone.
+// Then it says hello again: the offer may be of a session that is gone. The answer may also be long under way, so its keys stay.
 constexpr int kMostAccepts = 3;
 constexpr Duration kForeignAnswerPeriod = std::chrono::milliseconds{250};
 
@@ -54,9 +54,9 @@ void SecurePair::begin() {
 
 void SecurePair::speak() {
     next_send_ = now_ + times_.resend;
-    if (pending_.valid && accepts_sent_ >= kMostAccepts) pending_ = {};
-    if (!pending_.valid) return transmit({PacketKind::kHello, ends_.remote, own_.open, {}});
-    ++accepts_sent_;
+    const bool accepts = pending_.valid && accepts_sent_ < kMostAccepts;
+    accepts_sent_ = accepts ? accepts_sent_ + 1 : 0;
+    if (!accepts) return transmit({PacketKind::kHello, ends_.remote, own_.open, {}});
     transmit({PacketKind::kAccept, ends_.remote, own_.open, pending_.other}, &pending_.keys.proof);
 }
 

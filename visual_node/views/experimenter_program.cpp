@@ -79,6 +79,10 @@ class ExperimenterView {
     void look(SessionTime now) {
         sockets_.tick(now);
         panels_.tick(now);
+        if (complained_ || sockets_.security() == nullptr) return;
+        const std::string complaint = sockets_.security()->complaint();
+        complained_ = !complaint.empty();
+        if (complained_) spdlog::error(complaint);
     }
     void draw_view(SessionTime now);
     void draw_empty();
@@ -87,6 +91,7 @@ class ExperimenterView {
     ViewOptions options_;
     Sockets sockets_;
     Channel* link_;
+    bool complained_ = false;  // of another lab key
     ExperimenterPanels panels_;
     GlWindow window_;
     GuiLayer gui_;
