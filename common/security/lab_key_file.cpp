@@ -116,7 +116,7 @@ std::filesystem::path default_lab_key_file() {
 
 std::filesystem::path lab_key_file(std::string_view setting) {
     if (const std::string_view given = environment("CREDENTIALS_DIRECTORY"); !given.empty()) {
-        const auto credential = std::filesystem::path(given) / "lab.key";
+        auto credential = std::filesystem::path(given) / "lab.key";
         if (access(credential.c_str(), F_OK) == 0) return credential;
     }
     if (setting.starts_with("~/")) return home() / setting.substr(2);

@@ -10,6 +10,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
 #include "tests/loopback/hostile_peer.hpp"
+#include "tests/loopback/played_view.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -110,8 +111,15 @@ TEST_F(Attack, AFloodMovesNothing) {
 TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
     SessionFile file;
     file.more = under_key(key_);
-    RealRun run(file);
+    RealRun run(file, {"--monitor"});
     ASSERT_TRUE(run.reaches_trial()) << run.words();
+    PlayedView view(run.base_port(), PlayedView::Ports::kExperimenter,
+                    {SecurityMode::kLabKey, true, false, key_.string()});
+    EXPECT_TRUE(wait_until([&] {
+        view.listen(wall_now());
+        return view.heard() > 0 || run.launcher().poll().has_value();
+    }));
+    EXPECT_GT(view.heard(), 0U);
     HostilePeer peer(run.base_port());
     for (int i = 0; i < 20; ++i) {
         peer.send_broken();

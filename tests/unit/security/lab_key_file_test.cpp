@@ -89,6 +89,25 @@ TEST_F(LabKeyFile, IsRefusedWhereOthersMayReadIt) {
     expect_refused(path, ExitCode::kUsage, "belongs to somebody else");
 }
 
+// systemd's: root's, readable through an access list, which shows as the group's right.
+TEST_F(LabKeyFile, IsTakenFromAServicesCredentials) {
+    const fs::path path = folder_ / "lab.key";
+    create_lab_key(path, seeded_bytes(1));
+    setenv("CREDENTIALS_DIRECTORY", folder_.c_str(), 1);
+    EXPECT_EQ(lab_key_file("/somewhere/else"), path);
+    if (geteuid() == 0) {
+        chmod(path.c_str(), 0440);
+        EXPECT_NO_THROW(read_lab_key(path));
+        chmod(path.c_str(), 0444);
+        expect_refused(path, ExitCode::kUsage, "chmod 600");
+    }
+    setenv("CREDENTIALS_DIRECTORY", "/nowhere", 1);
+    chmod(path.c_str(), 0440);
+    EXPECT_EQ(lab_key_file("/somewhere/else"), "/somewhere/else");
+    expect_refused(path, ExitCode::kUsage, "chmod 600");
+    unsetenv("CREDENTIALS_DIRECTORY");
+}
+
 TEST_F(LabKeyFile, ThatIsNoneIsNamed) {
     expect_refused(folder_ / "absent", ExitCode::kUsage, "thimble keygen");
     expect_refused(folder_, ExitCode::kUsage, "is not a file");
