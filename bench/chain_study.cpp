@@ -25,10 +25,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Not of a temporary: g++ 12 then warns of members that it thinks were never set.
+int default_base_port() {
+    const NetworkSettings settings;
+    return settings.base_port;
+}
+
 struct ChainOptions {
     int rounds = 8;
     double window_s = 1;
-    int base_port = NetworkSettings{}.base_port;
+    int base_port = default_base_port();
     std::string programs, scheduling = "both";
     bool json = false;
 };

@@ -55,6 +55,7 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
     constexpr auto kPorts = static_cast<std::int64_t>(Port::kCount);
     const ConfigTable table = file.table("network");
     NetworkSettings settings;
+    settings.security = read_security_settings(file);
     settings.base_port =
         static_cast<std::uint16_t>(table.integer("base_port", settings.base_port, 1024, 65536 - kPorts));
     for (std::size_t i = 0; i < settings.hosts.size(); ++i) {
@@ -65,9 +66,9 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
 }
 
 std::vector<std::string_view> session_tables() {
-    return {"network", "session",   "trial",   "protocol", "dataset",      "tissue",
-            "fixture", "slave_sim", "master",  "handle",   "operator",     "cutaneous",
-            "visual",  "netem",     "runtime", "launch",   "instructions", "control", "log", "guard"};
+    return {"network", "security",  "session", "trial",        "protocol", "dataset",   "tissue",
+            "fixture", "slave_sim", "master",  "handle",       "operator", "cutaneous", "visual",
+            "netem",   "runtime",   "launch",  "instructions", "control",  "log",       "guard"};
 }
 
 }  // namespace thimble

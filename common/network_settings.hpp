@@ -11,6 +11,7 @@
 
 #include "common/config.hpp"
 #include "common/messages.hpp"
+#include "common/security/security_settings.hpp"
 
 namespace thimble {
 
@@ -83,6 +84,7 @@ struct Endpoint {
 };
 
 struct NetworkSettings {
+    SecuritySettings security;  // table [security]
     // Below 32768, where Linux starts to hand out ports to sockets that ask for none.
     std::uint16_t base_port = 27000;
     std::array<std::string, kRoleCount> hosts = every_role_here();  // by Role
@@ -97,6 +99,7 @@ struct NetworkSettings {
     }
 };
 
+// Tables [network] and [security].
 NetworkSettings read_network_settings(const ConfigFile& file);
 
 // The tables that a session file may hold. A program checks its own and leaves the rest to the others.

@@ -42,7 +42,9 @@ int check(const CheckOptions& options) {
         throw Error(ExitCode::kUsage,
                     options.config + " has no [cutaneous.drives] with a bus, so there is nothing to check");
     }
-    Sockets sockets{NetworkSettings{}};
+    NetworkSettings network;
+    network.security.allow_unprotected_network = read_security_settings(file).allow_unprotected_network;
+    Sockets sockets{network};
     const auto bus = open_bus(settings.drives, sockets);
     DriveActuator actuator(settings.drives, settings.force_limit_N, *bus);
     install_stop_signals();

@@ -19,7 +19,7 @@ constexpr Duration kFlush = std::chrono::milliseconds{200};  // trajectory to di
 constexpr Duration kFarewell = std::chrono::seconds{1};      // to end when told to, and again
 constexpr Duration kProgress = std::chrono::milliseconds{500};
 constexpr Duration kWordsAfter = std::chrono::milliseconds{500};  // of a node that waits for its user
-constexpr Duration kClockNotes = std::chrono::seconds{1};  // offsets to the log, of each node
+constexpr Duration kClockNotes = std::chrono::seconds{1};         // offsets to the log, of each node
 
 Sockets open_sockets(const LanePlan& plan, MessageLog* log) {
     Sockets sockets(plan.network);
@@ -44,16 +44,19 @@ void Lane::attempt(Write&& write) {
     }
 }
 
-Lane::Company::Company(SessionProcess& session, std::unique_ptr<Process> attendant)
-    : session_(&session), attendant_(std::move(attendant)) {}
+Lane::Company::Company(SessionProcess& session, std::unique_ptr<Process> attendant, Security* security)
+    : session_(&session), attendant_(std::move(attendant)), security_(security) {}
 
 void Lane::Company::tick(SessionTime now) {
+    if (security_ != nullptr) security_->tick(now);
     session_->tick(now);
     if (attendant_) attendant_->tick(now);
+    if (security_ != nullptr) security_->tick(now);
 }
 
 SessionTime Lane::Company::next_wakeup() const {
-    const SessionTime next = session_->next_wakeup();
+    SessionTime next = session_->next_wakeup();
+    if (security_ != nullptr) next = std::min(next, security_->next_wakeup());
     return attendant_ ? std::min(next, attendant_->next_wakeup()) : next;
 }
 
@@ -63,7 +66,7 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       log_(plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>()),
       sockets_(open_sockets(plan, log_.get())),
       session_(system_entropy(), plan.session, open_channels()),
-      company_(session_, plan.attend ? plan.attend(session_, sockets_) : nullptr),
+      company_(session_, plan.attend ? plan.attend(session_, sockets_) : nullptr, sockets_.security()),
       loop_(listening(sockets_, session_)),
       stops_heard_(emergency_stops()) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
@@ -273,10 +276,16 @@ void Lane::wait_for_nodes() {
         }
         if (now < begin + limit) continue;
         throw Error(ExitCode::kNetwork,
-                    fmt::format("no answer from {} within {} s on ports from {}: see the logs in {}",
+                    fmt::format("no answer from {} within {} s on ports from {}{}: see the logs in {}",
                                 session_.missing_peers(now, kPeerTimeout), to_seconds(limit),
-                                plan_.network.base_port, plan_.out.string()));
+                                plan_.network.base_port, why_silent(), plan_.out.string()));
     }
+}
+
+// Whoever is heard with another lab key is not silent.
+std::string Lane::why_silent() const {
+    const std::string complaint = sockets_.security() == nullptr ? "" : sockets_.security()->complaint();
+    return complaint.empty() ? complaint : " (" + complaint + ")";
 }
 
 const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t number,
@@ -335,8 +344,7 @@ void Lane::close_trial() {
     } else if (is_stop(record.reason)) {
         halted_ = true;
         result_.code = ExitCode::kRunFailed;
-        result_.problem =
-            fmt::format("{}: {}", outcome_text(record.reason, record.lost_peer), record.fault);
+        result_.problem = fmt::format("{}: {}", outcome_text(record.reason, record.lost_peer), record.fault);
         // Nodes that go on running without us hold it.
         if (!plan_.starter) result_.problem += fmt::format("; {}", kHowToRelease);
     } else if (record.reason == EndReason::kDeviceFault) {

@@ -98,10 +98,10 @@ class Lane {
     LaneResult close();
 
   private:
-    // The session and whoever sits beside it, as one.
+    // The session and whoever sits beside it, as one, behind what protects the sockets.
     class Company final : public Process {
       public:
-        Company(SessionProcess& session, std::unique_ptr<Process> attendant);
+        Company(SessionProcess& session, std::unique_ptr<Process> attendant, Security* security);
         void tick(SessionTime now) override;
         SessionTime next_wakeup() const override;
         bool stopped() const override { return false; }
@@ -109,7 +109,10 @@ class Lane {
       private:
         SessionProcess* session_;
         std::unique_ptr<Process> attendant_;
+        Security* security_;
     };
+
+    std::string why_silent() const;
 
     SessionProcess::Channels open_channels();
     std::string again() const;

@@ -1,8 +1,11 @@
 #include "experiment/virtual_session.hpp"
 
+#include <stdexcept>
+
 #include "common/queue_channel.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
+#include "experiment/virtual_protection.hpp"
 #include "master/master_process.hpp"
 #include "netem/netem_process.hpp"
 #include "slave_sim/slave_process.hpp"
@@ -17,13 +20,18 @@ std::uint64_t instance_of(Role role) {
     return stream();
 }
 
+// Nobody needs longer for handshakes without delay.
+constexpr int kMostInstantsForKeys = 100;
+
 }  // namespace
 
 struct VirtualSession::Parts {
-    explicit Parts(const SystemSettings& s);
+    Parts(const SystemSettings& s, const std::shared_ptr<const LabKey>& lab);
     void wire();
+    std::uint32_t add(Process& process, Role role);
 
     SystemSettings settings;
+    VirtualProtection protection;
     // control[i] joins the session (a) with node kNodeRoles[i] (b).
     std::array<QueuePipe, kNodeRoles.size()> control;
     QueuePipe record, needle_up, needle_down, force_up_master, force_up_cutaneous, force_up_visual,
@@ -37,21 +45,33 @@ struct VirtualSession::Parts {
     SlaveProcess slave;
     CutaneousProcess cutaneous;
     VisualProcess visual;
+    std::vector<std::unique_ptr<SecuredProcess>> secured;
     VirtualLoop loop;
     std::uint32_t session_bit = 0;
 };
 
-VirtualSession::Parts::Parts(const SystemSettings& s)
+VirtualSession::Parts::Parts(const SystemSettings& s, const std::shared_ptr<const LabKey>& lab)
     : settings(s),
+      protection(lab),
       handle(s.handle, s.person),
       actuator(s.cutaneous),
       display(s.visual.pipeline),
       session(instance_of(Role::kSession), session_settings(s),
-              {{&control[0].a, &control[1].a, &control[2].a, &control[3].a, &control[4].a}, &record.b}),
+              {{protection.pair(control[0].a, Port::kSessionNetem, Port::kNetemControl),
+                protection.pair(control[1].a, Port::kSessionSlave, Port::kSlaveControl),
+                protection.pair(control[2].a, Port::kSessionCutaneous, Port::kCutaneousControl),
+                protection.pair(control[3].a, Port::kSessionVisual, Port::kVisualControl),
+                protection.pair(control[4].a, Port::kSessionMaster, Port::kMasterControl)},
+               protection.inlet(record.b, Port::kSessionRecord)}),
       master(instance_of(Role::kMaster), s.master,
-             {&control[4].b, &needle_up.a, &force_down_master.b, &percept_cutaneous.b, &percept_visual.b},
+             {protection.pair(control[4].b, Port::kMasterControl, Port::kSessionMaster),
+              protection.outlet(Role::kMaster, needle_up.a, Port::kNetemNeedle),
+              protection.inlet(force_down_master.b, Port::kMasterForce),
+              protection.inlet(percept_cutaneous.b, Port::kMasterPerceptCutaneous),
+              protection.inlet(percept_visual.b, Port::kMasterPerceptVisual)},
              handle, handle),
-      netem(instance_of(Role::kNetem), control[0].b,
+      netem(instance_of(Role::kNetem),
+            *protection.pair(control[0].b, Port::kNetemControl, Port::kSessionNetem),
             std::vector<RelayPlan>{
                 {&needle_up.b, &needle_down.a, s.netem.needle, kDirectionNeedle, s.netem.needle_timeline},
                 {&force_up_master.b, &force_down_master.a, s.netem.force, kDirectionForceMaster,
@@ -61,23 +81,41 @@ VirtualSession::Parts::Parts(const SystemSettings& s)
                 {&force_up_visual.b, &force_down_visual.a, s.netem.force, kDirectionForceVisual,
                  s.netem.force_timeline}}),
       slave(instance_of(Role::kSlaveSim), s.slave,
-            {&control[1].b, &needle_down.b, &force_up_master.a, &force_up_cutaneous.a, &force_up_visual.a,
-             &beep.a, &record.a}),
+            {protection.pair(control[1].b, Port::kSlaveControl, Port::kSessionSlave),
+             protection.inlet(needle_down.b, Port::kSlaveNeedle),
+             protection.outlet(Role::kSlaveSim, force_up_master.a, Port::kNetemForceMaster),
+             protection.outlet(Role::kSlaveSim, force_up_cutaneous.a, Port::kNetemForceCutaneous),
+             protection.outlet(Role::kSlaveSim, force_up_visual.a, Port::kNetemForceVisual),
+             protection.outlet(Role::kSlaveSim, beep.a, Port::kVisualBeep),
+             protection.outlet(Role::kSlaveSim, record.a, Port::kSessionRecord)}),
       cutaneous(instance_of(Role::kCutaneous), s.cutaneous,
-                {&control[2].b, &force_down_cutaneous.b, &percept_cutaneous.a}, actuator),
+                {protection.pair(control[2].b, Port::kCutaneousControl, Port::kSessionCutaneous),
+                 protection.inlet(force_down_cutaneous.b, Port::kCutaneousForce),
+                 protection.outlet(Role::kCutaneous, percept_cutaneous.a, Port::kMasterPerceptCutaneous)},
+                actuator),
       visual(instance_of(Role::kVisual), s.visual,
-             {&control[3].b, &force_down_visual.b, &beep.b, &percept_visual.a}, display) {
+             {protection.pair(control[3].b, Port::kVisualControl, Port::kSessionVisual),
+              protection.inlet(force_down_visual.b, Port::kVisualForce),
+              protection.inlet(beep.b, Port::kVisualBeep),
+              protection.outlet(Role::kVisual, percept_visual.a, Port::kMasterPerceptVisual)},
+             display) {
     wire();
+}
+
+std::uint32_t VirtualSession::Parts::add(Process& process, Role role) {
+    Security* const security = protection.of(role);
+    if (security == nullptr) return loop.add(process);
+    return loop.add(*secured.emplace_back(std::make_unique<SecuredProcess>(process, *security)));
 }
 
 void VirtualSession::Parts::wire() {
     std::uint32_t* mask = loop.wake_mask();
-    session_bit = loop.add(session);
-    const std::uint32_t master_bit = loop.add(master);
-    const std::uint32_t netem_bit = loop.add(netem);
-    const std::uint32_t slave_bit = loop.add(slave);
-    const std::uint32_t cutaneous_bit = loop.add(cutaneous);
-    const std::uint32_t visual_bit = loop.add(visual);
+    session_bit = add(session, Role::kSession);
+    const std::uint32_t master_bit = add(master, Role::kMaster);
+    const std::uint32_t netem_bit = add(netem, Role::kNetem);
+    const std::uint32_t slave_bit = add(slave, Role::kSlaveSim);
+    const std::uint32_t cutaneous_bit = add(cutaneous, Role::kCutaneous);
+    const std::uint32_t visual_bit = add(visual, Role::kVisual);
     const std::array node_bits{netem_bit, slave_bit, cutaneous_bit, visual_bit, master_bit};  // as kNodeRoles
     for (std::size_t i = 0; i < control.size(); ++i) {
         control[i].a.wake(mask, session_bit);
@@ -94,10 +132,16 @@ void VirtualSession::Parts::wire() {
     for (QueuePipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
 }
 
-VirtualSession::VirtualSession(const SystemSettings& settings) : parts_(std::make_unique<Parts>(settings)) {}
+VirtualSession::VirtualSession(const SystemSettings& settings, std::shared_ptr<const LabKey> lab)
+    : parts_(std::make_unique<Parts>(settings, lab)) {}
 VirtualSession::~VirtualSession() = default;
 
 void VirtualSession::start(const TrialConditions& conditions) {
+    const Security* const security = parts_->protection.of(Role::kSession);
+    for (int i = 0; security != nullptr && !security->complete(); ++i) {
+        if (i > kMostInstantsForKeys) throw std::logic_error("the nodes do not get their keys");
+        parts_->loop.step();
+    }
     parts_->session.start(conditions);
     parts_->loop.poke(parts_->session_bit);
 }
@@ -117,6 +161,7 @@ const TrialRecord& VirtualSession::run(const TrialConditions& conditions) {
 SessionProcess& VirtualSession::session() { return parts_->session; }
 const SimulatedHandle& VirtualSession::handle() const { return parts_->handle; }
 const VirtualLoop& VirtualSession::loop() const { return parts_->loop; }
+SecurityCounters VirtualSession::security() const { return parts_->protection.counters(); }
 
 TrialRecord run_virtual_trial(const SystemSettings& settings, const TrialConditions& conditions) {
     SystemSettings with_delay = settings;

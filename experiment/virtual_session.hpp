@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "common/security/security.hpp"
 #include "experiment/session_process.hpp"
 #include "experiment/system_settings.hpp"
 #include "experiment/virtual_loop.hpp"
@@ -12,7 +13,8 @@ namespace thimble {
 
 class VirtualSession {
   public:
-    explicit VirtualSession(const SystemSettings& settings);
+    // With a lab key, its channels are protected as they are between real processes.
+    explicit VirtualSession(const SystemSettings& settings, std::shared_ptr<const LabKey> lab = nullptr);
     ~VirtualSession();
 
     // Runs one trial to its end, over the network of the settings.
@@ -24,6 +26,7 @@ class VirtualSession {
     SessionProcess& session();
     const SimulatedHandle& handle() const;
     const VirtualLoop& loop() const;
+    SecurityCounters security() const;  // of all six
 
   private:
     struct Parts;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,7 @@
 #include "common/log/log_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/log/message_log.hpp"
+#include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/service_notice.hpp"
@@ -45,9 +47,21 @@ nlohmann::ordered_json refusals(FlowCounters counters, const UdpCounters& udp) {
     return names;
 }
 
+nlohmann::ordered_json describe_security(const Security* security) {
+    if (security == nullptr) return {{"mode", "none"}};
+    const SecurityCounters c = security->counters();
+    return {{"mode", "lab-key"},          {"sealed", c.sealed},
+            {"opened", c.opened},         {"handshakes", c.handshakes},
+            {"forged", c.forged},         {"replayed", c.replayed},
+            {"wrong_role", c.wrong_role}, {"no_key", c.no_key},
+            {"unsealed", c.unsealed},     {"handshake_refused", c.handshake_refused},
+            {"not_sent", c.not_sent}};
+}
+
 nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& instance,
-                                const FlowCounters& counters, const UdpCounters& udp,
+                                const Sockets& sockets, const FlowCounters& counters,
                                 const LoopStatistics& loop, std::uint64_t overruns) {
+    const UdpCounters udp = sockets.counters();
     nlohmann::ordered_json report;
     report["program"] = program.name;
     report["version"] = kVersion;
@@ -58,6 +72,7 @@ nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& 
                      {"send_failed", udp.send_failed},
                      {"foreign_source", udp.foreign_source},
                      {"too_long", udp.too_long}};
+    report["security"] = describe_security(sockets.security());
     report["deadlines"] = loop.deadlines;
     report["deadlines_missed"] = loop.missed;
     report["overruns"] = overruns;
@@ -82,9 +97,8 @@ void finish_config(const NodeProgram& program, const ConfigFile& file) {
     std::vector<std::string_view> elsewhere;
     for (const std::string_view table : session_tables()) {
         const auto& own = program.tables;
-        // [log] is read here, for all of them.
-        if (table != "log" && std::find(own.begin(), own.end(), table) == own.end())
-            elsewhere.push_back(table);
+        if (table == "log" || table == "security") continue;  // every program's, read here
+        if (std::find(own.begin(), own.end(), table) == own.end()) elsewhere.push_back(table);
     }
     file.finish(elsewhere);
 }
@@ -151,12 +165,12 @@ class LoopWatch {
 };
 
 // Deadlines are kept by the thread that calls this, whichever it is: scheduling belongs to threads.
-void run_process(NodeInstance& instance, const RuntimeSettings& runtime, RealtimeLoop& loop,
+void run_process(NodeInstance& instance, Process& process, const RuntimeSettings& runtime, RealtimeLoop& loop,
                  ServiceNotice& notice) {
     if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
     notice.ready();
     LoopWatch watch(instance.process(), runtime);
-    loop.run(instance.process(), [&](SessionTime now) {
+    loop.run(process, [&](SessionTime now) {
         notice.turns(now);
         watch.turned(now, loop.statistics());
     });
@@ -165,13 +179,13 @@ void run_process(NodeInstance& instance, const RuntimeSettings& runtime, Realtim
 
 // The process in a second thread beside the node's foreground. Whatever the foreground dies of is told after the process has
 // stopped, as it would have without.
-void run_beside_foreground(NodeInstance& instance, const RuntimeSettings& runtime, RealtimeLoop& loop,
-                           ServiceNotice& notice) {
+void run_beside_foreground(NodeInstance& instance, Process& process, const RuntimeSettings& runtime,
+                           RealtimeLoop& loop, ServiceNotice& notice) {
     std::atomic<bool> stopped{false};
     std::exception_ptr died, foreground_died;
     std::thread thread([&] {
         try {
-            run_process(instance, runtime, loop, notice);
+            run_process(instance, process, runtime, loop, notice);
         } catch (...) {
             died = std::current_exception();
         }
@@ -188,6 +202,32 @@ void run_beside_foreground(NodeInstance& instance, const RuntimeSettings& runtim
     if (foreground_died) std::rethrow_exception(foreground_died);
 }
 
+// What a node does, behind its protection. Says once if the session has another lab key.
+class Guarded final : public Process {
+  public:
+    Guarded(NodeProcess& node, Security* security) : node_(&node), security_(security) {
+        if (security_ != nullptr) secured_.emplace(node, *security_);
+    }
+    void tick(SessionTime now) override {
+        if (!secured_) return node_->tick(now);
+        secured_->tick(now);
+        if (complained_ || security_->complete()) return;
+        const std::string complaint = security_->complaint();
+        complained_ = !complaint.empty();
+        if (complained_) spdlog::error(complaint);
+    }
+    SessionTime next_wakeup() const override {
+        return secured_ ? secured_->next_wakeup() : node_->next_wakeup();
+    }
+    bool stopped() const override { return node_->stopped(); }
+
+  private:
+    NodeProcess* node_;
+    Security* security_;
+    std::optional<SecuredProcess> secured_;
+    bool complained_ = false;
+};
+
 int run(const NodeProgram& program, const Options& options) {
     if (options.die_with_parent) stop_with_parent();
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
@@ -199,6 +239,7 @@ int run(const NodeProgram& program, const Options& options) {
     const auto log = log_file.empty() ? nullptr : std::make_unique<MessageLog>();
     Sockets sockets(network);
     if (log) sockets.record_to(*log, logging.messages == LoggedMessages::kAll && !program.relays);
+    if (!options.die_with_parent) warn_if_unprotected(network);  // whoever started it has said so
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);
     install_stop_signals();
@@ -210,13 +251,14 @@ int run(const NodeProgram& program, const Options& options) {
     RealtimeLoop loop(sockets.listeners());
     spdlog::info("ready, ports from {}", network.base_port);
     ServiceNotice notice;
+    Guarded process(instance->process(), sockets.security());
     if (instance->has_foreground()) {
-        run_beside_foreground(*instance, runtime, loop, notice);
+        run_beside_foreground(*instance, process, runtime, loop, notice);
     } else {
-        run_process(*instance, runtime, loop, notice);
+        run_process(*instance, process, runtime, loop, notice);
     }
-    auto report = describe(program, *instance, instance->process().counters(), sockets.counters(),
-                           loop.statistics(), instance->process().overruns());
+    auto report = describe(program, *instance, sockets, instance->process().counters(), loop.statistics(),
+                           instance->process().overruns());
     if (log) report["log"] = describe(log->close());
     save(options.report, report);
     if (log && !log->fault().empty()) return static_cast<int>(ExitCode::kRunFailed);

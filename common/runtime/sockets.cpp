@@ -1,8 +1,14 @@
 #include "common/runtime/sockets.hpp"
 
 #include "common/runtime/log/message_log.hpp"
+#include "common/runtime/protection.hpp"
 
 namespace thimble {
+
+Sockets::Sockets(NetworkSettings settings) : settings_(std::move(settings)) {
+    require_protection(settings_);
+    security_ = make_security(settings_.security);
+}
 
 UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& remote) {
     channels_.push_back(std::make_unique<UdpChannel>(local, remote));
@@ -13,23 +19,46 @@ UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& 
 Channel* Sockets::between(Port local, Port remote) {
     UdpChannel* channel = open(settings_.at(local), settings_.at(remote));
     channel->stamp_arrivals();
+    return log_control(security_ ? security_->pair(*channel, local, remote) : channel, local, remote);
+}
+
+Channel* Sockets::inlet(Port local, Role sender) {
+    UdpChannel* channel = open(settings_.at(local), {settings_.host(sender), 0});
+    return log_data(security_ ? security_->inlet(*channel, local) : channel, local);
+}
+
+Channel* Sockets::outlet(Port remote) {
+    UdpChannel* channel = open(std::nullopt, settings_.at(remote));
+    return log_data(security_ ? security_->outlet(*channel, remote) : channel, remote);
+}
+
+// As they were before they were sealed, and after they were opened.
+Channel* Sockets::log_control(Channel* channel, Port local, Port remote) {
     return log_ == nullptr ? channel : log_->tap(*channel, remote, local);
 }
 
 // One way only: the other is never used.
-Channel* Sockets::data(Channel& channel, Port port) {
-    return log_all_ ? log_->tap(channel, port, port) : &channel;
+Channel* Sockets::log_data(Channel* channel, Port port) {
+    return log_all_ ? log_->tap(*channel, port, port) : channel;
+}
+
+Channel* Sockets::device(const Endpoint& local, const Endpoint& remote) {
+    require_protection_of_device(settings_.security, remote.host);
+    return open(local, remote);
 }
 
 Channel* Sockets::inlet_for_all(Port local) {
     UdpChannel* channel = open(settings_.at(local), {settings_.host(owner(local)), 0});
     channel->listen_also_to({settings_.hosts.begin(), settings_.hosts.end()});
-    return channel;
+    return log_data(security_ ? security_->stop_end(*channel) : channel, local);
 }
 
 std::array<Channel*, kStopPorts.size()> Sockets::stop_outlets() {
     std::array<Channel*, kStopPorts.size()> outlets{};
-    for (std::size_t i = 0; i < outlets.size(); ++i) outlets[i] = outlet(kStopPorts[i]);
+    for (std::size_t i = 0; i < outlets.size(); ++i) {
+        UdpChannel* channel = open(std::nullopt, settings_.at(kStopPorts[i]));
+        outlets[i] = log_data(security_ ? security_->stop_end(*channel) : channel, kStopPorts[i]);
+    }
     return outlets;
 }
 

@@ -1,4 +1,4 @@
-// The UDP channels of one program, by the names of network_settings.hpp.
+// The channels of one program, by the names of network_settings.hpp: UDP, protected as [security] says.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 
 #include "common/network_settings.hpp"
 #include "common/runtime/udp_channel.hpp"
+#include "common/security/security.hpp"
 
 namespace thimble {
 
@@ -15,7 +16,8 @@ class MessageLog;
 
 class Sockets {
   public:
-    explicit Sockets(NetworkSettings settings) : settings_(std::move(settings)) {}
+    // Throws Error (usage) if the settings leave other machines unprotected without saying so twice, or as read_lab_key() does.
+    explicit Sockets(NetworkSettings settings);
 
     // What passes from now on, through channels opened from now on, is written down there: of the control channels, or of all
     // but those of devices. Before anything is opened; `log` outlives this.
@@ -24,20 +26,21 @@ class Sockets {
         log_all_ = all;
     }
 
-    // Both ways between two known ports (control channels).
+    // Both ways between two known ports (control channels, views). The first that a program opens.
     // Arrivals are stamped: clocks are compared here.
     Channel* between(Port local, Port remote);
     // Listens at `local` to the host of `sender` only.
-    Channel* inlet(Port local, Role sender) { return data(*open(settings_.at(local), {settings_.host(sender), 0}), local); }
+    Channel* inlet(Port local, Role sender);
     // Sends to `remote`, listens to nobody.
-    Channel* outlet(Port remote) { return data(*open(std::nullopt, settings_.at(remote)), remote); }
+    Channel* outlet(Port remote);
 
     // Listens at `local` to every host of the session.
     Channel* inlet_for_all(Port local);
     // To the stop lines of all programs of the session.
     std::array<Channel*, kStopPorts.size()> stop_outlets();
-    // To and from a device that is not of the session.
-    Channel* device(const Endpoint& local, const Endpoint& remote) { return open(local, remote); }
+    // To and from a device that is not of the session, unprotected. Throws Error (usage) if it is elsewhere and the file does
+    // not allow that.
+    Channel* device(const Endpoint& local, const Endpoint& remote);
     // Something else that wakes the program; outlives its loop.
     void listen_to(Listener& listener) { listeners_.push_back(&listener); }
 
@@ -46,15 +49,24 @@ class Sockets {
     const std::vector<Listener*>& listeners() const { return listeners_; }
     UdpCounters counters() const;
 
+    // What protects the channels; null in mode "none". A SecuredProcess keeps it going.
+    Security* security() const { return security_.get(); }
+    // For loops that are not a process: before and after receiving and sending.
+    void tick(SessionTime now) {
+        if (security_) security_->tick(now);
+    }
+
   private:
     UdpChannel* open(const std::optional<Endpoint>& local, const Endpoint& remote);
 
-    Channel* data(Channel& channel, Port port);
+    Channel* log_control(Channel* channel, Port local, Port remote);
+    Channel* log_data(Channel* channel, Port port);
 
     NetworkSettings settings_;
     MessageLog* log_ = nullptr;
     bool log_all_ = false;
     std::vector<std::unique_ptr<UdpChannel>> channels_;
+    std::unique_ptr<Security> security_;  // goes before the channels that it uses
     std::vector<Listener*> listeners_;
 };
 

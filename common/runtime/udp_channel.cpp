@@ -56,6 +56,15 @@ bool means_this_machine(const std::string& host) {
     }
 }
 
+bool leaves_this_machine(const std::string& host) {
+    constexpr std::uint32_t kLoopbackNet = 127;
+    try {
+        return ntohl(resolve({host, 0}).sin_addr.s_addr) >> 24U != kLoopbackNet;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 UdpChannel::UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote)
     : remote_(resolve(remote)) {
     socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);

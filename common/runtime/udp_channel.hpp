@@ -26,6 +26,10 @@ struct UdpCounters {
 // stands for, or 0.0.0.0. False for a name that cannot be resolved here.
 bool means_this_machine(const std::string& host);
 
+// Whether a host is an address outside 127.0.0.0/8, so that others may hear what is said to it. False for a name that cannot
+// be resolved here: nothing is said to it.
+bool leaves_this_machine(const std::string& host);
+
 class UdpChannel final : public Channel, public Listener {
   public:
     // `local`: where to listen; absent for a channel that only sends. `remote`: where to send, and the only

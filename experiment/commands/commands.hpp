@@ -32,5 +32,6 @@ Subcommand add_link_test(CLI::App& app);
 Subcommand add_stability(CLI::App& app);
 Subcommand add_map(CLI::App& app);
 Subcommand add_log(CLI::App& app);
+Subcommand add_keygen(CLI::App& app);
 
 }  // namespace thimble

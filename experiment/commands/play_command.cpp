@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/commands/film_options.hpp"
@@ -77,6 +78,7 @@ int run_play(const PlayArguments& arguments) {
         std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command),
                                       settings.handle.kind != HandleKind::kHid);
     install_stop_signals();
+    warn_if_unprotected(options.network);
     if (!arguments.replay.empty()) return run_recorded(arguments, settings, options);
     const PlayResult result = play(settings, options);
     fmt::print("{} trials{}\n", result.trials, arguments.record.empty() ? "" : ": " + arguments.record);

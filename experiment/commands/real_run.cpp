@@ -7,6 +7,7 @@
 
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
+#include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "experiment/commands/build_checks.hpp"
@@ -91,6 +92,9 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
                  const std::shared_ptr<NodeStarter>& starter) {
     install_stop_signals();
     if (starter) check_build(settings);
+    const NetworkSettings network = network_of(arguments);
+    require_protection(network);
+    warn_if_unprotected(network);
     if (settings.protocol) return run_sitting_for_real(arguments, settings, starter);
     refuse_sitting(arguments.sitting, settings);
     refuse_dataset(arguments.out);
@@ -99,7 +103,7 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
     options.starter = starter;
     options.out = arguments.out;
     options.command = arguments.typed;
-    options.network = network_of(arguments);
+    options.network = network;
     options.runtime = read_runtime_settings(file_of(arguments));
     options.overwrite = arguments.overwrite;
     options.strict_rt = arguments.strict_rt;

@@ -95,6 +95,12 @@ SystemCallErrorNumber=EPERM
 WantedBy=multi-user.target
 )";
 
+// The key is root's; systemd hands it to the service, whoever that is (systemd.exec(5), "Credentials").
+std::string credential(const SecuritySettings& security) {
+    if (security.mode == SecurityMode::kNone) return "";
+    return fmt::format("LoadCredential=lab.key:{}/lab.key\n", kSessionFolder);
+}
+
 UnitFile unit(const UnitPlan& plan, const NodeKind& node) {
     UnitFile file;
     file.machine = plan.launch.machine(node.role);
@@ -112,7 +118,7 @@ UnitFile unit(const UnitPlan& plan, const NodeKind& node) {
                              plan.network.base_port)),
         fmt::arg("protect_home",
                  folder.rfind("/home/", 0) == 0 || folder.rfind("/root/", 0) == 0 ? "read-only" : "yes"),
-        fmt::arg("addresses", address_rules(plan.network, node.role)));
+        fmt::arg("addresses", credential(plan.network.security) + address_rules(plan.network, node.role)));
     return file;
 }
 

@@ -19,9 +19,9 @@ void Attendant::tick(SessionTime now) {
 }
 
 ViewChannels open_view_channels(Sockets& sockets) {
-    return {sockets.outlet(Port::kExperimenterMonitor),
-            sockets.inlet(Port::kSessionOrders, Role::kExperimenter), sockets.outlet(Port::kPlayerMonitor),
-            sockets.inlet(Port::kSessionPlayerOrders, Role::kVisual)};
+    Channel* const experimenter = sockets.between(Port::kSessionOrders, Port::kExperimenterMonitor);
+    Channel* const player = sockets.between(Port::kSessionPlayerOrders, Port::kPlayerMonitor);
+    return {experimenter, experimenter, player, player};
 }
 
 std::unique_ptr<Process> attend(const SessionProcess& session, Sockets& sockets, OrderHandler& handler,

@@ -1,5 +1,7 @@
 #include "experiment/play/replay_session.hpp"
 
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "common/runtime/realtime_loop.hpp"
@@ -45,11 +47,14 @@ void play_recorded(const ReplayPlayOptions& options) {
     const ScratchFolder logs;
     Sockets sockets(options.network);
     ReplayProcess replay(system_entropy(), trial, options.speed, open_replay_channels(sockets));
+    std::optional<SecuredProcess> secured;
+    if (sockets.security() != nullptr) secured.emplace(replay, *sockets.security());
+    Process& process = secured ? static_cast<Process&>(*secured) : replay;
     RealtimeLoop loop(sockets.listeners());
     const auto window = start_window(options, logs.path());
     const SessionTime begin = wall_now();
     for (SessionTime now = begin; !replay.stopped(); now = wall_now()) {
-        loop.step(replay, now + kGlance);
+        loop.step(process, now + kGlance);
         if (options.stop != nullptr && *options.stop) break;
         if (now - begin >= options.longest) break;
         if (options.starter->window_closed()) return;

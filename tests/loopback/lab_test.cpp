@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/security/lab_key_file.hpp"
 #include "experiment/sitting/dataset.hpp"
 #include "experiment/sitting/record_table.hpp"
 #include "tests/loopback/real_run.hpp"
@@ -24,6 +25,7 @@ constexpr const char* kMachines =
     "machine_visual = 'display'\nlease_s = 5\n"
     "[network]\nhost_session = '10.77.0.1'\nhost_master = '10.77.0.1'\nhost_netem = '10.77.0.2'\n"
     "host_slave_sim = '10.77.0.3'\nhost_cutaneous = '10.77.0.4'\nhost_visual = '10.77.0.4'\n";
+constexpr const char* kOpen = "[security]\nmode = 'none'\nallow_unprotected_network = true\n";
 
 class Lab : public testing::Test {
   protected:
@@ -58,7 +60,9 @@ TEST_F(Lab, FourMachinesFindWhatOneFinds) {
     session.modalities = R"(["HF", "CF", "CCF", "VF"])";
     session.delays_s = "[0.05]";
     session.contact_hold_s = 0.6;  // half of it is watched for oscillation
-    session.more = kMachines;
+    const auto key = folder_ / "lab.key";
+    create_lab_key(key, system_random_bytes());
+    session.more = kMachines + ("[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n");
     Child launcher("unshare", up(session.text()), folder_ / "words");
     ASSERT_EQ(launcher.wait(3 * kPatience), 0) << said();
     const auto rows = read_trial_table(folder_ / "out/trials.csv");
@@ -89,7 +93,7 @@ TEST_F(Lab, ACutWireEndsTheTrialAndNotTheSession) {
                       "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = 2\n"
                       "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 0\n"
                       "break_every = 0\nrepeat = 'at_once'\nrepeats_limit = 9\n" +
-                      std::string(kMachines)),
+                      std::string(kMachines) + kOpen),
                    folder_ / "words");
     const auto recorded = [&] {
         std::error_code absent;

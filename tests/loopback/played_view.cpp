@@ -5,24 +5,24 @@
 namespace thimble {
 namespace {
 
-NetworkSettings viewed_network(std::uint16_t base_port) {
+NetworkSettings viewed_network(std::uint16_t base_port, const SecuritySettings& security) {
     NetworkSettings network;
     network.base_port = base_port;
+    network.security = security;
     return network;
 }
 
 }  // namespace
 
-PlayedView::PlayedView(std::uint16_t base_port, Ports ports)
-    : sockets_(viewed_network(base_port)),
-      in_(sockets_.inlet(ports == Ports::kPlayer ? Port::kPlayerMonitor : Port::kExperimenterMonitor,
-                         Role::kSession)),
-      orders_(
-          Role::kExperimenter, ports == Ports::kPlayer ? 201 : 200,
-          {sockets_.outlet(ports == Ports::kPlayer ? Port::kSessionPlayerOrders : Port::kSessionOrders)}) {}
+PlayedView::PlayedView(std::uint16_t base_port, Ports ports, const SecuritySettings& security)
+    : sockets_(viewed_network(base_port, security)),
+      link_(ports == Ports::kPlayer ? sockets_.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)
+                                    : sockets_.between(Port::kExperimenterMonitor, Port::kSessionOrders)),
+      orders_(Role::kExperimenter, ports == Ports::kPlayer ? 201 : 200, {link_}) {}
 
 void PlayedView::listen(SessionTime now) {
-    while (const Message* message = heard_.receive(now, *in_)) {
+    sockets_.tick(now);
+    while (const Message* message = heard_.receive(now, *link_)) {
         if (const auto* replay = std::get_if<ReplayState>(&message->body)) replay_ = *replay;
         const auto* monitor = std::get_if<Monitor>(&message->body);
         if (monitor == nullptr) continue;

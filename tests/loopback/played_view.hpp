@@ -9,7 +9,8 @@ namespace thimble {
 class PlayedView {
   public:
     enum class Ports { kExperimenter, kPlayer };
-    explicit PlayedView(std::uint16_t base_port, Ports ports = Ports::kExperimenter);
+    explicit PlayedView(std::uint16_t base_port, Ports ports = Ports::kExperimenter,
+                        const SecuritySettings& security = {});
 
     void listen(SessionTime now);
     // For the trial that the Monitor showed last, as a view does it.
@@ -23,7 +24,7 @@ class PlayedView {
 
   private:
     Sockets sockets_;
-    Channel* in_;
+    Channel* link_;
     InboundFlow heard_{Role::kSession};
     OutboundFlow orders_;
     Monitor monitor_;

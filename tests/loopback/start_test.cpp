@@ -27,7 +27,7 @@ TEST(Help, IsThereWithAnExampleInEveryProgram) {
         EXPECT_EQ(outcome.code, 0) << program;
         EXPECT_THAT(outcome.words, HasSubstr("Example")) << program;
     }
-    for (const char* command : {"run", "up", "study", "replay", "report", "check", "doctor"}) {
+    for (const char* command : {"run", "up", "study", "replay", "report", "check", "doctor", "keygen"}) {
         const Outcome outcome = run_to_end(built_programs() / "thimble", {command, "--help"});
         EXPECT_EQ(outcome.code, 0) << command;
         EXPECT_THAT(outcome.words, HasSubstr("Example")) << command;

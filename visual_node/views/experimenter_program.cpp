@@ -47,6 +47,7 @@ NetworkSettings read_network(const ViewOptions& options) {
     NetworkSettings network = read_network_settings(file);
     std::vector<std::string_view> elsewhere = session_tables();
     std::erase(elsewhere, "network");
+    std::erase(elsewhere, "security");
     file.finish(elsewhere);
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
     return network;
@@ -75,9 +76,9 @@ class ExperimenterView {
     explicit ExperimenterView(const ViewOptions& options)
         : options_(options),
           sockets_(read_network(options)),
+          link_(sockets_.between(Port::kExperimenterMonitor, Port::kSessionOrders)),
           stop_flow_(make_stop_flow(sockets_)),
-          panels_(system_entropy(), {sockets_.inlet(Port::kExperimenterMonitor, Role::kSession),
-                                     sockets_.outlet(Port::kSessionOrders)}),
+          panels_(system_entropy(), {link_, link_}),
           window_(window_settings(options)),
           gui_(window_),
           period_(from_seconds(1 / window_.refresh_Hz())) {}
@@ -86,6 +87,14 @@ class ExperimenterView {
 
   private:
     bool turn(SessionTime started);
+    void look(SessionTime now) {
+        sockets_.tick(now);
+        panels_.tick(now);
+        if (complained_ || sockets_.security() == nullptr) return;
+        const std::string complaint = sockets_.security()->complaint();
+        complained_ = !complaint.empty();
+        if (complained_) spdlog::error(complaint);
+    }
     void draw_view(SessionTime now);
     void draw_empty();
     void finish();
@@ -94,10 +103,12 @@ class ExperimenterView {
 
     ViewOptions options_;
     Sockets sockets_;
+    Channel* link_;
     OutboundFlow stop_flow_;
     StopOrder stop_;
     int stops_left_ = 0;  // to be said
     SessionTime next_stop_{};
+    bool complained_ = false;  // of another lab key
     ExperimenterPanels panels_;
     GlWindow window_;
     GuiLayer gui_;
@@ -150,7 +161,7 @@ void ExperimenterView::draw_view(SessionTime now) {
 bool ExperimenterView::turn(SessionTime started) {
     const SessionTime now = wall_now();
     if (options_.frame_times && !window_.lost()) draw_empty();
-    panels_.tick(now);
+    look(now);
     draw_view(now);
     const bool over = stop_requested() || window_.should_close() ||
                       (options_.seconds > 0 && now - started >= from_seconds(options_.seconds));
@@ -159,7 +170,7 @@ bool ExperimenterView::turn(SessionTime started) {
     due_ = std::max(due_ + period_, now);
     for (SessionTime at = wall_now(); at < due_ && !over; at = wall_now()) {
         hear_stop_key(at, window_.wait_events(due_ - at));
-        panels_.tick(at);
+        look(at);
         if (window_.should_close() || stop_requested()) break;
     }
     hear_stop_key(wall_now(), window_.poll_events());

@@ -4,8 +4,13 @@ namespace thimble {
 
 PlayerOverlay::PlayerOverlay(std::uint64_t instance, const NetworkSettings& network)
     : sockets_(network),
-      panel_(instance, {sockets_.inlet(Port::kPlayerMonitor, Role::kSession),
-                        sockets_.outlet(Port::kSessionPlayerOrders)}) {}
+      link_(sockets_.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)),
+      panel_(instance, {link_, link_}) {}
+
+void PlayerOverlay::tick(SessionTime now) {
+    sockets_.tick(now);
+    panel_.tick(now);
+}
 
 double PlayerOverlay::right_margin(const GlWindow& window) const {
     return PlayerPanel::place(window.width(), window.height(), window.content_scale()).width;

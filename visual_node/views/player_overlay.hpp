@@ -12,13 +12,14 @@ class PlayerOverlay final : public Overlay {
     // `instance`: random per program start. Throws Error (network) if the port of Monitors is taken.
     PlayerOverlay(std::uint64_t instance, const NetworkSettings& network);
 
-    void tick(SessionTime now) override { panel_.tick(now); }
+    void tick(SessionTime now) override;
     void draw(SessionTime now, const OverlayFrame& frame) override { panel_.draw(now, frame); }
     double right_margin(const GlWindow& window) const override;
     void closing(SessionTime now) override;
 
   private:
     Sockets sockets_;
+    Channel* link_;
     PlayerPanel panel_;
 };
 

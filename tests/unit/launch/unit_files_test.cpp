@@ -44,6 +44,14 @@ TEST(UnitFiles, SayWhatANodeNeedsAndNoMore) {
     }
 }
 
+TEST(UnitFiles, HandOverTheLabKeyWhereThereIsOne) {
+    constexpr const char* kLine = "LoadCredential=lab.key:/etc/thimble/lab.key\n";
+    UnitPlan secured = plan();
+    EXPECT_THAT(unit_files(secured).front().text, Not(HasSubstr("LoadCredential")));
+    secured.network.security.mode = SecurityMode::kLabKey;
+    for (const UnitFile& file : unit_files(secured)) EXPECT_THAT(file.text, HasSubstr(kLine)) << file.name;
+}
+
 TEST(UnitFiles, ANameIsNoAddressToFilterBy) {
     UnitPlan named = plan();
     named.network.hosts[static_cast<std::size_t>(Role::kNetem)] = "relay.lab";

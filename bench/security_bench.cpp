@@ -1,0 +1,101 @@
+// What protection costs, per datagram.
+//   build/release/bin/thimble-bench --benchmark_filter=security
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "common/security/handshake.hpp"
+
+namespace {
+
+using namespace thimble;
+
+SecretKey bench_key() {
+    SecretKey key;
+    key.bytes.fill(3);
+    return key;
+}
+
+// 104 bytes: a NeedleCommand; 144: a ForceFeedback.
+void security_seal(benchmark::State& state) {
+    Sealer sealer;
+    sealer.arm(bench_key());
+    const std::vector<std::uint8_t> text(static_cast<std::size_t>(state.range(0)), 1);
+    for (auto _ : state)
+        benchmark::DoNotOptimize(sealer.seal(PacketKind::kData, Port::kSlaveNeedle, text).data());
+}
+BENCHMARK(security_seal)->Arg(104)->Arg(144);
+
+// Sealed beforehand: each opens once.
+void security_open(benchmark::State& state) {
+    constexpr std::size_t kBatch = 1000;
+    Sealer sealer;
+    sealer.arm(bench_key());
+    const std::vector<std::uint8_t> text(static_cast<std::size_t>(state.range(0)), 1);
+    Opener opener;
+    opener.arm(bench_key());
+    std::vector<std::vector<std::uint8_t>> sealed(kBatch);
+    std::array<std::uint8_t, kMaxDatagramBytes> out{};
+    SecurityCounters counters;
+    std::size_t next = kBatch;
+    for (auto _ : state) {
+        if (next == kBatch) {
+            state.PauseTiming();
+            for (auto& one : sealed) {
+                const Bytes bytes = sealer.seal(PacketKind::kData, Port::kSlaveNeedle, text);
+                one.assign(bytes.begin(), bytes.end());
+            }
+            next = 0;
+            state.ResumeTiming();
+        }
+        const auto& datagram = sealed[next++];
+        benchmark::DoNotOptimize(opener.open(*read_seal_header(datagram), datagram, out, counters));
+    }
+}
+BENCHMARK(security_open)->Arg(104)->Arg(144);
+
+void security_refuse_forged(benchmark::State& state) {
+    Sealer sealer;
+    sealer.arm(bench_key());
+    Opener opener;
+    opener.arm(bench_key());
+    const Bytes sealed =
+        sealer.seal(PacketKind::kData, Port::kSlaveNeedle, std::vector<std::uint8_t>(144, 1));
+    std::vector<std::uint8_t> forged(sealed.begin(), sealed.end());
+    forged.back() ^= 1;
+    std::array<std::uint8_t, kMaxDatagramBytes> out{};
+    SecurityCounters counters;
+    for (auto _ : state)
+        benchmark::DoNotOptimize(opener.open(*read_seal_header(forged), forged, out, counters));
+}
+BENCHMARK(security_refuse_forged);
+
+void security_refuse_hello(benchmark::State& state) {
+    prepare_security();
+    std::array<std::uint8_t, kKeyBytes> bytes{};
+    const LabKey lab(bytes);
+    HandshakeBytes hello = write_handshake(lab, {PacketKind::kHello, Port::kSessionMaster, {}, {}});
+    hello[40] ^= 1;
+    for (auto _ : state) benchmark::DoNotOptimize(read_handshake(lab, Port::kSessionMaster, hello));
+}
+BENCHMARK(security_refuse_hello);
+
+// One side's share: a one-time key, and the keys that both compute.
+void security_handshake(benchmark::State& state) {
+    prepare_security();
+    std::array<std::uint8_t, kKeyBytes> bytes{};
+    const LabKey lab(bytes);
+    const RandomBytes random = system_random_bytes();
+    const PublicKey peer = make_one_time_key(random).open;
+    for (auto _ : state) {
+        const OneTimeKey own = make_one_time_key(random);
+        benchmark::DoNotOptimize(
+            agree(lab, {Port::kMasterControl, Port::kSessionMaster, own.open, peer}, own.secret, peer));
+    }
+}
+BENCHMARK(security_handshake);
+
+}  // namespace

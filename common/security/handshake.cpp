@@ -1,0 +1,144 @@
+#include "common/security/handshake.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <sodium.h>
+#include <string_view>
+
+#include "common/security/flow_roles.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kCodeBytes = 16;
+constexpr std::size_t kOwnAt = kSealHeaderBytes, kOtherAt = kOwnAt + 32, kCodeAt = kOtherAt + 32,
+                      kProofAt = kCodeAt + kCodeBytes;
+static_assert(kProofAt + kCodeBytes == kHandshakeBytes);
+
+// Keyed BLAKE2b of several parts, each of fixed length or the last one.
+class KeyedHash {
+  public:
+    KeyedHash(std::span<const std::uint8_t> key, std::size_t size) : size_(size) {
+        crypto_generichash_init(&state_, key.data(), key.size(), size);
+    }
+    ~KeyedHash() { sodium_memzero(&state_, sizeof state_); }
+    KeyedHash(const KeyedHash&) = delete;
+    KeyedHash& operator=(const KeyedHash&) = delete;
+
+    KeyedHash& add(std::span<const std::uint8_t> part) {
+        crypto_generichash_update(&state_, part.data(), part.size());
+        return *this;
+    }
+    KeyedHash& add(std::string_view words) {
+        return add({reinterpret_cast<const std::uint8_t*>(words.data()), words.size()});
+    }
+    KeyedHash& add(Port port) {
+        const auto number = static_cast<std::uint8_t>(port);
+        return add({&number, 1});
+    }
+    void finish(std::span<std::uint8_t> out) { crypto_generichash_final(&state_, out.data(), size_); }
+
+  private:
+    std::size_t size_;
+    crypto_generichash_state state_{};
+};
+
+using Code = std::array<std::uint8_t, kCodeBytes>;
+
+Code code_of(std::span<const std::uint8_t> key, std::string_view label, Bytes said) {
+    Code code{};
+    KeyedHash(key, code.size()).add(label).add(said).finish(code);
+    return code;
+}
+
+Code lab_code(const LabKey& lab, Bytes datagram) {
+    return code_of(lab.bytes(), "thimble-1 handshake", datagram.first(kCodeAt));
+}
+
+Code proof_code(const SecretKey& proof, Bytes datagram) {
+    return code_of(proof.bytes, "thimble-1 proof", datagram.first(kCodeAt));
+}
+
+SecretKey derive(std::span<const std::uint8_t> secret, std::string_view label) {
+    SecretKey key;
+    KeyedHash(secret, kKeyBytes).add(label).finish(key.bytes);
+    return key;
+}
+
+}  // namespace
+
+OneTimeKey make_one_time_key(const RandomBytes& random) {
+    OneTimeKey key;
+    random(key.secret.bytes);
+    crypto_scalarmult_base(key.open.data(), key.secret.bytes.data());
+    return key;
+}
+
+HandshakeBytes write_handshake(const LabKey& lab, const HandshakeMessage& message, const SecretKey* proof) {
+    HandshakeBytes bytes{};
+    write_seal_header({message.kind, message.port, 0, 0}, std::span(bytes).first<kSealHeaderBytes>());
+    std::copy(message.own.begin(), message.own.end(), bytes.begin() + kOwnAt);
+    std::copy(message.other.begin(), message.other.end(), bytes.begin() + kOtherAt);
+    const Code code = lab_code(lab, bytes);
+    std::copy(code.begin(), code.end(), bytes.begin() + kCodeAt);
+    if (proof == nullptr) return bytes;
+    const Code proven = proof_code(*proof, bytes);
+    std::copy(proven.begin(), proven.end(), bytes.begin() + kProofAt);
+    return bytes;
+}
+
+std::optional<HandshakeMessage> read_handshake(const LabKey& lab, Port port, Bytes datagram) {
+    const auto header = read_seal_header(datagram);
+    if (!header || header->port != port || datagram.size() != kHandshakeBytes) return std::nullopt;
+    if (header->kind < PacketKind::kHello) return std::nullopt;
+    if (!same_bytes(lab_code(lab, datagram), datagram.subspan(kCodeAt, kCodeBytes))) return std::nullopt;
+    // Where nothing is proven there is nothing that could be changed on the way.
+    const Bytes proof = datagram.subspan(kProofAt, kCodeBytes);
+    const auto is_zero = [](std::uint8_t byte) { return byte == 0; };
+    if (header->kind != PacketKind::kAccept && !std::all_of(proof.begin(), proof.end(), is_zero))
+        return std::nullopt;
+    HandshakeMessage message{header->kind, header->port, {}, {}};
+    std::copy_n(datagram.begin() + kOwnAt, message.own.size(), message.own.begin());
+    std::copy_n(datagram.begin() + kOtherAt, message.other.size(), message.other.begin());
+    return message;
+}
+
+bool proof_holds(const SecretKey& proof, Bytes datagram) {
+    return datagram.size() == kHandshakeBytes &&
+           same_bytes(proof_code(proof, datagram), datagram.subspan(kProofAt, kCodeBytes));
+}
+
+std::optional<AgreedKeys> agree(const LabKey& lab, const HandshakeParties& parties, const SecretKey& own,
+                                const PublicKey& theirs) {
+    SecretKey shared;
+    if (crypto_scalarmult(shared.bytes.data(), own.bytes.data(), theirs.data()) != 0) return std::nullopt;
+    std::array<std::uint8_t, 64> secret{};
+    KeyedHash(lab.bytes(), secret.size())
+        .add("thimble-1 session")
+        .add(parties.initiator)
+        .add(parties.responder)
+        .add(parties.initiator_key)
+        .add(parties.responder_key)
+        .add(shared.bytes)
+        .finish(secret);
+    AgreedKeys keys{derive(secret, "initiator to responder"), derive(secret, "responder to initiator"),
+                    derive(secret, "proof")};
+    wipe(secret);
+    return keys;
+}
+
+SecretKey flow_key(const SecretKey& epoch_secret, Port port) {
+    SecretKey key;
+    KeyedHash(epoch_secret.bytes, kKeyBytes)
+        .add("thimble-1 flow ")
+        .add(to_string(speaker(port)))
+        .add(" -> ")
+        .add(to_string(owner(port)))
+        .add(": ")
+        .add(flow(port).what)
+        .add(port)
+        .finish(key.bytes);
+    return key;
+}
+
+}  // namespace thimble

@@ -1,0 +1,183 @@
+#include "common/security/key_ring.hpp"
+
+#include <algorithm>
+
+#include "common/security/flow_roles.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kTellPeriod = std::chrono::milliseconds{50};
+
+}  // namespace
+
+void FlowEnds::expect(Port port, const SecretKey& key) const {
+    for (SecureInlet* inlet : inlets) {
+        if (inlet->port() != port) continue;
+        inlet->openers().before = inlet->openers().now;
+        inlet->openers().now.arm(key);
+    }
+}
+
+void FlowEnds::use(Port port, const SecretKey& key) const {
+    for (SecureOutlet* outlet : outlets) {
+        if (outlet->port() == port) outlet->sealer().arm(key);
+    }
+}
+
+void FlowEnds::forget_before() const {
+    for (SecureInlet* inlet : inlets) inlet->openers().before.disarm();
+}
+
+void FlowEnds::forget_all() const {
+    for (SecureInlet* inlet : inlets) inlet->openers() = {};
+    for (SecureOutlet* outlet : outlets) outlet->sealer().disarm();
+}
+
+std::uint64_t FlowEnds::most_packets() const {
+    std::uint64_t most = 0;
+    for (SecureOutlet* outlet : outlets) most = std::max(most, outlet->sealer().packets());
+    return most;
+}
+
+KeyRing::KeyRing(FlowEnds& ends, SecurePair& control, const SecurityTimes& times)
+    : ends_(&ends), control_(&control), times_(times) {
+    control_->set_keys_hook([this](Bytes text) {
+        if (const auto grant = read_grant(text)) take(*grant);
+    });
+}
+
+void KeyRing::tick(SessionTime now) {
+    now_ = now;
+    if (now >= forget_at_) {
+        ends_->forget_before();
+        forget_at_ = kNever;
+    }
+    if (ends_->most_packets() >= times_.renew_packets) control_->renew();
+}
+
+// A session repeats itself until it has our receipt; what it said before is not taken again, or replays could follow.
+void KeyRing::take(const KeyGrant& grant) {
+    const bool other_session = !holds_ || grant.session != grant_.session;
+    if (!other_session && grant.epoch < grant_.epoch) return;
+    const bool fresh = other_session || grant.epoch > grant_.epoch;
+    if (other_session) ends_->forget_all();
+    for (std::size_t i = 0; i < grant.count; ++i) {
+        const FlowKey& one = grant.keys[i];
+        if (fresh) ends_->expect(one.port, one.key);
+        if (grant.in_use && (fresh || !grant_.in_use)) ends_->use(one.port, one.key);
+    }
+    const bool in_use = grant.in_use || (!fresh && grant_.in_use);
+    if (grant.in_use && (fresh || !grant_.in_use)) forget_at_ = now_ + times_.grace;
+    holds_ = true;
+    grant_.session = grant.session;
+    grant_.epoch = grant.epoch;
+    grant_.in_use = in_use;
+    control_->send_keys(write_receipt({grant_.epoch, in_use}, text_));
+}
+
+KeyDesk::KeyDesk(FlowEnds& ends, RandomBytes random, const SecurityTimes& times)
+    : ends_(&ends), random_(std::move(random)), times_(times) {
+    std::array<std::uint8_t, sizeof session_> bytes{};
+    random_(bytes);
+    for (const std::uint8_t byte : bytes) session_ = session_ << 8U | byte;
+}
+
+void KeyDesk::serve(SecurePair& control) {
+    control.set_open(false);
+    const std::size_t index = members_.size();
+    members_.push_back({&control});
+    control.set_keys_hook([this, index](Bytes text) {
+        const auto receipt = read_receipt(text);
+        if (!receipt) return;
+        Member& member = members_[index];
+        member.receipt = *receipt;
+        member.receipt_valid = true;
+        if (may_have(member) && has(member, true)) member.pair->set_open(true);
+    });
+}
+
+void KeyDesk::tick(SessionTime now) {
+    now_ = now;
+    if (now >= forget_at_) {
+        ends_->forget_before();
+        forget_at_ = kNever;
+    }
+    look_for_handshakes();
+    if (!in_use_ && (all_expect() || now - begun_ >= times_.agreed_within)) use_epoch();
+    if (wanted_ && in_use_) begin_epoch();
+    if (now >= next_tell_) tell();
+}
+
+void KeyDesk::look_for_handshakes() {
+    for (Member& member : members_) {
+        if (member.pair->generation() == member.generation) continue;
+        member.generation = member.pair->generation();
+        member.first_epoch = epoch_ + 1;
+        member.receipt_valid = false;
+        member.pair->set_open(false);
+        wanted_ = true;
+    }
+}
+
+void KeyDesk::begin_epoch() {
+    wanted_ = false;
+    in_use_ = false;
+    ++epoch_;
+    random_(secret_.bytes);
+    for (const Port port : kKeyedFlows) {
+        if (owner(port) == Role::kSession) ends_->expect(port, flow_key(secret_, port));
+    }
+    begun_ = now_;
+    next_tell_ = now_;
+}
+
+void KeyDesk::use_epoch() {
+    in_use_ = true;
+    for (const Port port : kKeyedFlows) ends_->use(port, flow_key(secret_, port));
+    forget_at_ = now_ + times_.grace;
+    next_tell_ = now_;
+}
+
+void KeyDesk::tell() {
+    next_tell_ = kNever;
+    for (const Member& member : members_) {
+        if (!may_have(member) || has(member, in_use_)) continue;
+        KeyGrant grant;
+        grant.session = session_;
+        grant.epoch = epoch_;
+        grant.in_use = in_use_;
+        for (const Port port : kKeyedFlows) {
+            const Role role = member.pair->peer();
+            if (owner(port) != role && speaker(port) != role) continue;
+            grant.keys[grant.count++] = {port, flow_key(secret_, port)};
+        }
+        member.pair->send_keys(write_grant(grant, text_));
+        next_tell_ = now_ + kTellPeriod;
+    }
+    wipe(text_);
+}
+
+bool KeyDesk::has(const Member& member, bool in_use) const {
+    return member.receipt_valid && member.receipt.epoch == epoch_ && (member.receipt.in_use || !in_use);
+}
+
+bool KeyDesk::all_expect() const {
+    return std::all_of(members_.begin(), members_.end(), [this](const Member& member) {
+        return !may_have(member) || has(member, false) || member.pair->silent(now_);
+    });
+}
+
+bool KeyDesk::complete() const {
+    return !wanted_ && in_use_ && std::all_of(members_.begin(), members_.end(), [this](const Member& member) {
+        return may_have(member) && has(member, true);
+    });
+}
+
+SessionTime KeyDesk::next_wakeup() const {
+    SessionTime next = std::min(next_tell_, forget_at_);
+    if (!in_use_) next = std::min(next, begun_ + times_.agreed_within);
+    return wanted_ && in_use_ ? SessionTime{} : next;
+}
+
+}  // namespace thimble

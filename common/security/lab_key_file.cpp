@@ -1,0 +1,171 @@
+#include "common/security/lab_key_file.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <optional>
+#include <sodium.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::string_view kWord = "thimble-lab-key-1 ";
+constexpr std::size_t kBase64Bytes = sodium_base64_ENCODED_LEN(kKeyBytes, sodium_base64_VARIANT_ORIGINAL);
+constexpr std::size_t kLineBytes = kWord.size() + kBase64Bytes;  // with the newline where base64's 0 would be
+using Line = std::array<char, kLineBytes + 1>;
+
+std::string_view environment(const char* name) {
+    const char* value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets it
+    return value == nullptr ? std::string_view{} : value;
+}
+
+std::filesystem::path home() {
+    const std::string_view folder = environment("HOME");
+    if (folder.empty())
+        throw Error(ExitCode::kUsage,
+                    "there is no home folder for the lab key: name a file in [security] key_file");
+    return folder;
+}
+
+void wipe(Line& line) { sodium_memzero(line.data(), line.size()); }
+
+// An open file, closed when it goes.
+class Descriptor {
+  public:
+    explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
+    ~Descriptor() {
+        if (descriptor_ >= 0) close(descriptor_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    int get() const { return descriptor_; }
+
+  private:
+    int descriptor_;
+};
+
+// What systemd has made readable for this service alone: root's, through an access list that counts as a group.
+bool is_credential(const std::filesystem::path& path, const struct stat& found) {
+    const std::string_view folder = environment("CREDENTIALS_DIRECTORY");
+    const bool readable_only = (found.st_mode & 07777U) == 0440 || (found.st_mode & 07777U) == 0400;
+    return !folder.empty() && path.parent_path() == folder && found.st_uid == 0 && readable_only;
+}
+
+void check_owner_alone(const std::filesystem::path& path, const struct stat& found) {
+    if (!S_ISREG(found.st_mode))
+        throw Error(ExitCode::kUsage, fmt::format("the lab key '{}' is not a file", path.string()));
+    if (is_credential(path, found)) return;
+    if (found.st_uid != geteuid()) {
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format(
+                "the lab key '{}' belongs to somebody else: copy it into a file of your own, or chown it",
+                path.string()));
+    }
+    if ((found.st_mode & 07777U) == 0600 || (found.st_mode & 07777U) == 0400) return;
+    throw Error(ExitCode::kUsage,
+                fmt::format("the lab key '{0}' may be read or changed by others (mode {1:04o}): chmod 600 "
+                            "'{0}'; if others had access, make a new key with thimble keygen",
+                            path.string(), found.st_mode & 07777U));
+}
+
+std::optional<LabKey> parse_line(const Line& line, std::size_t size) {
+    if (size != kLineBytes || std::string_view(line.data(), kWord.size()) != kWord ||
+        line[kLineBytes - 1] != '\n')
+        return std::nullopt;
+    SecretKey key;
+    std::size_t length = 0;
+    if (sodium_base642bin(key.bytes.data(), key.bytes.size(), line.data() + kWord.size(), kBase64Bytes - 1,
+                          nullptr, &length, nullptr, sodium_base64_VARIANT_ORIGINAL) != 0 ||
+        length != kKeyBytes)
+        return std::nullopt;
+    return LabKey(key.bytes);
+}
+
+bool write_line(const std::filesystem::path& path, int file, const RandomBytes& random) {
+    SecretKey key;
+    random(key.bytes);
+    Line line{};
+    std::memcpy(line.data(), kWord.data(), kWord.size());
+    sodium_bin2base64(line.data() + kWord.size(), kBase64Bytes, key.bytes.data(), key.bytes.size(),
+                      sodium_base64_VARIANT_ORIGINAL);
+    line[kLineBytes - 1] = '\n';
+    const bool written =
+        write(file, line.data(), kLineBytes) == static_cast<ssize_t>(kLineBytes) && fsync(file) == 0;
+    wipe(line);
+    if (!written) unlink(path.c_str());
+    return written;
+}
+
+}  // namespace
+
+std::filesystem::path default_lab_key_file() {
+    const std::string_view folder = environment("XDG_CONFIG_HOME");
+    // The standard: a relative one is to be ignored.
+    const bool usable = !folder.empty() && folder.front() == '/';
+    return (usable ? std::filesystem::path(folder) : home() / ".config") / "thimble" / "lab.key";
+}
+
+std::filesystem::path lab_key_file(std::string_view setting) {
+    if (const std::string_view given = environment("CREDENTIALS_DIRECTORY"); !given.empty()) {
+        auto credential = std::filesystem::path(given) / "lab.key";
+        if (access(credential.c_str(), F_OK) == 0) return credential;
+    }
+    if (setting.starts_with("~/")) return home() / setting.substr(2);
+    if (!setting.empty()) return setting;
+    const std::string_view named = environment("THIMBLE_LAB_KEY_FILE");
+    return named.empty() ? default_lab_key_file() : std::filesystem::path(named);
+}
+
+void create_lab_key(const std::filesystem::path& path, const RandomBytes& random) {
+    std::error_code problem;  // seen when the file cannot be made
+    if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), problem);
+    const Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+    if (file.get() < 0) {
+        const int error = errno;
+        throw Error(
+            ExitCode::kData,
+            error == EEXIST
+                ? fmt::format(
+                      "'{}' exists, and a key is never overwritten: name another file, or move it away",
+                      path.string())
+                : fmt::format("cannot make '{}': {}", path.string(), std::strerror(error)));
+    }
+    fchmod(file.get(), 0600);  // whatever the umask says
+    if (!write_line(path, file.get(), random))
+        throw Error(ExitCode::kData,
+                    fmt::format("cannot write the lab key '{}': is the disk full?", path.string()));
+}
+
+LabKey read_lab_key(const std::filesystem::path& path) {
+    const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    struct stat found {};
+    if (file.get() < 0 || fstat(file.get(), &found) != 0) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("cannot read the lab key '{}': {}; make one with 'thimble keygen', and copy "
+                                "it to each machine (docs/security.md)",
+                                path.string(), std::strerror(errno)));
+    }
+    check_owner_alone(path, found);
+    Line line{};
+    const auto size = read(file.get(), line.data(), line.size());
+    auto key = parse_line(line, size < 0 ? 0 : static_cast<std::size_t>(size));
+    wipe(line);
+    if (!key) {
+        throw Error(ExitCode::kData,
+                    fmt::format("'{}' holds no lab key: one line '{}BASE64' is expected, as thimble keygen "
+                                "writes it",
+                                path.string(), kWord));
+    }
+    return std::move(*key);
+}
+
+}  // namespace thimble

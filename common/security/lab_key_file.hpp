@@ -1,0 +1,23 @@
+// The lab key as a file: one line, "thimble-lab-key-1 " and 32 bytes in base64, readable by its owner alone.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "common/security/secret.hpp"
+
+namespace thimble {
+
+// XDG_CONFIG_HOME/thimble/lab.key, by default ~/.config/thimble/lab.key. Throws Error (usage) without a home.
+std::filesystem::path default_lab_key_file();
+// What systemd hands a service as the credential "lab.key"; else the setting if it is not empty (a leading "~/" is the home), else the environment's THIMBLE_LAB_KEY_FILE, else the default.
+std::filesystem::path lab_key_file(std::string_view setting);
+
+// A key of random bits in a new file, and whatever folders it needs. Throws Error (data) if there is a file of that name: a key
+// is never overwritten; nothing is left behind if it cannot be written.
+void create_lab_key(const std::filesystem::path& path, const RandomBytes& random);
+// Throws Error: usage, if there is none, if it is not ours or not ours alone, with the command that mends it; data, if it is no
+// key.
+LabKey read_lab_key(const std::filesystem::path& path);
+
+}  // namespace thimble

@@ -1,0 +1,92 @@
+#include "common/security/security.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "common/security/flow_roles.hpp"
+
+namespace thimble {
+namespace {
+
+// Views have no flows but their own two-way channel.
+bool is_node_end(Port port) { return port >= Port::kMasterControl && port <= Port::kNetemControl; }
+
+}  // namespace
+
+Security::Security(std::shared_ptr<const LabKey> lab, RandomBytes random, const SecurityTimes& times,
+                   StopSeal::RealtimeClock realtime_ns)
+    : lab_(std::move(lab)), random_(std::move(random)), times_(times), realtime_ns_(std::move(realtime_ns)) {}
+
+Channel* Security::pair(Channel& wire, Port local, Port remote) {
+    self_ = owner(local);
+    pairs_.push_back(
+        std::make_unique<SecurePair>(wire, *lab_, SecurePair::Ends{local, remote}, random_, times_));
+    SecurePair& added = *pairs_.back();
+    if (is_node_end(local)) ring_ = std::make_unique<KeyRing>(ends_, added, times_);
+    if (is_node_end(remote)) {
+        if (!desk_) desk_ = std::make_unique<KeyDesk>(ends_, random_, times_);
+        desk_->serve(added);
+    }
+    return &added;
+}
+
+Channel* Security::inlet(Channel& wire, Port local) {
+    self_ = owner(local);
+    if (self_ == Role::kNetem) return &wire;
+    inlets_.push_back(std::make_unique<SecureInlet>(wire, final_port(local)));
+    ends_.inlets.push_back(inlets_.back().get());
+    return inlets_.back().get();
+}
+
+Channel* Security::outlet(Channel& wire, Port remote) {
+    if (!self_) throw std::logic_error("an outlet of nobody: open a channel that listens first");
+    if (self_ == Role::kNetem) return &wire;
+    outlets_.push_back(std::make_unique<SecureOutlet>(wire, final_port(remote)));
+    ends_.outlets.push_back(outlets_.back().get());
+    return outlets_.back().get();
+}
+
+Channel* Security::stop_end(Channel& wire) {
+    stop_ends_.push_back(std::make_unique<StopSeal>(wire, lab_, realtime_ns_));
+    return stop_ends_.back().get();
+}
+
+void Security::tick(SessionTime now) {
+    if (ring_) ring_->tick(now);
+    for (const auto& one : pairs_) one->tick(now);
+    if (desk_) desk_->tick(now);
+}
+
+SessionTime Security::next_wakeup() const {
+    SessionTime next = desk_ ? desk_->next_wakeup() : kNever;
+    for (const auto& one : pairs_) next = std::min(next, one->next_wakeup());
+    return next;
+}
+
+bool Security::complete() const {
+    if (desk_) return desk_->complete();
+    return std::all_of(pairs_.begin(), pairs_.end(), [](const auto& one) { return one->established(); });
+}
+
+SecurityCounters Security::counters() const {
+    SecurityCounters sum;
+    for (const auto& one : pairs_) sum.add(one->counters());
+    for (const auto& one : inlets_) sum.add(one->counters());
+    for (const auto& one : outlets_) sum.add(one->counters());
+    for (const auto& one : stop_ends_) sum.add(one->counters());
+    return sum;
+}
+
+std::string Security::complaint() const {
+    std::string names;
+    for (const auto& one : pairs_) {
+        if (one->trouble() != PairTrouble::kWrongLabKey) continue;
+        names += (names.empty() ? "" : ", ") + std::string(to_string(one->peer()));
+    }
+    if (names.empty()) return names;
+    return "wrong lab key: " + names +
+           " uses another one than this program; give both the same file ([security] key_file, "
+           "docs/security.md)";
+}
+
+}  // namespace thimble

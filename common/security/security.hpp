@@ -1,0 +1,75 @@
+// All that one program protects: its channels with a way back, its ends of one-way flows, and the keys of both. Pure: `now` is an
+// argument, randomness is handed in.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/process.hpp"
+#include "common/security/key_ring.hpp"
+#include "common/security/stop_seal.hpp"
+
+namespace thimble {
+
+class Security {
+  public:
+    Security(
+        std::shared_ptr<const LabKey> lab, RandomBytes random, const SecurityTimes& times = {},
+        StopSeal::RealtimeClock realtime_ns = [] { return std::int64_t{0}; });
+
+    // Each returns what protects `wire`, which outlives this. The relay's flows are returned as they are: it has no keys for
+    // them. An outlet is never the first: the ports of the others say whose program this is.
+    Channel* pair(Channel& wire, Port local, Port remote);
+    Channel* inlet(Channel& wire, Port local);
+    Channel* outlet(Channel& wire, Port remote);
+    Channel* stop_end(Channel& wire);
+
+    // Before and after whatever sends and receives through it, at the same `now`.
+    void tick(SessionTime now);
+    SessionTime next_wakeup() const;
+
+    // A node: it can speak with the session. The session: each node has all its keys.
+    bool complete() const;
+    SecurityCounters counters() const;
+    // Who uses another lab key, as far as that can be heard: "" or words with what to do.
+    std::string complaint() const;
+
+  private:
+    std::shared_ptr<const LabKey> lab_;
+    RandomBytes random_;
+    SecurityTimes times_;
+    StopSeal::RealtimeClock realtime_ns_;
+    std::optional<Role> self_;
+    FlowEnds ends_;
+    std::vector<std::unique_ptr<SecurePair>> pairs_;
+    std::vector<std::unique_ptr<SecureInlet>> inlets_;
+    std::vector<std::unique_ptr<SecureOutlet>> outlets_;
+    std::vector<std::unique_ptr<StopSeal>> stop_ends_;
+    std::unique_ptr<KeyRing> ring_;
+    std::unique_ptr<KeyDesk> desk_;
+};
+
+// A process whose channels are protected; both outlive it.
+class SecuredProcess final : public Process {
+  public:
+    SecuredProcess(Process& process, Security& security) : process_(&process), security_(&security) {}
+
+    void tick(SessionTime now) override {
+        security_->tick(now);
+        process_->tick(now);
+        security_->tick(now);
+    }
+    SessionTime next_wakeup() const override {
+        return std::min(process_->next_wakeup(), security_->next_wakeup());
+    }
+    bool stopped() const override { return process_->stopped(); }
+
+  private:
+    Process* process_;
+    Security* security_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,184 @@
+// Sessions under a lab key: they run; whoever has no key, or another one, moves nothing and is counted by name.
+#include "tests/loopback/attacker.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "common/security/lab_key_file.hpp"
+#include "tests/loopback/hostile_peer.hpp"
+#include "tests/loopback/played_view.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+std::string under_key(const std::filesystem::path& key) {
+    return "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
+}
+
+class LabKeyTest : public testing::Test {
+  protected:
+    LabKeyTest() { create_lab_key(key_, system_random_bytes()); }
+
+    Folder folder_;
+    std::filesystem::path key_ = folder_ / "lab.key";
+};
+
+// A lone slave_sim in a running trial, commanded and overheard.
+class Attack : public LabKeyTest {
+  protected:
+    void SetUp() override {
+        ASSERT_TRUE(slave_.ready()) << slave_.words();
+        ASSERT_TRUE(session_.start()) << slave_.words();
+        ASSERT_TRUE(session_.command([this] { return session_.answers() >= 50; }));
+    }
+    void expect_unmoved() {
+        EXPECT_TRUE(session_.still_answers());
+        EXPECT_EQ(session_.foreign_positions(), 0U);
+        EXPECT_EQ(session_.state(), NodeState::kRunning);
+    }
+    nlohmann::json security_at_the_end() {
+        EXPECT_EQ(slave_.terminate(), 0);
+        return slave_.report().at("security");
+    }
+
+    LoneNode slave_{"thimble-slave-sim", under_key(key_)};
+    OverheardSession session_{slave_, key_};
+    Attacker attacker_{slave_};
+};
+
+// Replayed, changed, turned back to their sender, and under another role, to either port.
+TEST_F(Attack, WhatWasOverheardIsOfNoUseInThisSession) {
+    int rounds = 0;
+    EXPECT_TRUE(session_.command([&] {
+        attacker_.replay(session_.said());
+        attacker_.replay_changed(session_.said());
+        attacker_.replay(session_.heard());
+        return ++rounds == 5;
+    }));
+    expect_unmoved();
+    const auto counters = security_at_the_end();
+    for (const char* name : {"forged", "replayed", "wrong_role", "no_key", "unsealed", "handshake_refused"})
+        EXPECT_GT(counters.at(name), 0) << name;
+    EXPECT_GE(counters.at("handshakes"), 1);
+}
+
+// A slave_sim that was started anew, before, while and after it has a session of its own.
+TEST_F(Attack, WhatWasOverheardIsOfNoUseAfterARestart) {
+    const Overheard said = session_.said();
+    LoneNode restarted("thimble-slave-sim", under_key(key_));
+    ASSERT_TRUE(restarted.ready()) << restarted.words();
+    Attacker attacker(restarted);
+    attacker.replay(said);
+    OverheardSession session(restarted, key_);
+    int rounds = 0;
+    ASSERT_TRUE(session.start());
+    EXPECT_TRUE(session.command([&] {
+        attacker.replay(said);
+        return ++rounds == 5 && session.answers() > 0;
+    }));
+    EXPECT_TRUE(session.still_answers());
+    EXPECT_EQ(session.foreign_positions(), 0U);
+    EXPECT_EQ(restarted.terminate(), 0);
+    const auto counters = restarted.report().at("security");
+    EXPECT_EQ(counters.at("replayed"), 0);  // none of them was ever under a key of this life
+    EXPECT_GT(counters.at("no_key"), 0);
+}
+
+TEST_F(Attack, AFloodMovesNothing) {
+    const SessionTime begin = wall_now();
+    EXPECT_TRUE(session_.command([&] {
+        attacker_.flood(200);
+        return wall_now() - begin > std::chrono::milliseconds{500};
+    }));
+    // Enough of them fill the kernel's buffers, and then the trial ends as over any broken network: what is promised is that
+    // nothing moves.
+    EXPECT_EQ(session_.foreign_positions(), 0U);
+    if (session_.state() == NodeState::kRunning) expect_unmoved();
+    RecordProperty("datagrams", static_cast<int>(attacker_.sent()));
+    EXPECT_GT(attacker_.sent(), 1000U);
+    const auto counters = security_at_the_end();
+    EXPECT_GT(counters.at("handshake_refused"), 0);
+    EXPECT_GT(counters.at("wrong_role"), 0);
+}
+
+TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
+    SessionFile file;
+    file.more = under_key(key_);
+    RealRun run(file, {"--monitor"});
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    PlayedView view(run.base_port(), PlayedView::Ports::kExperimenter,
+                    {SecurityMode::kLabKey, true, false, key_.string()});
+    EXPECT_TRUE(wait_until([&] {
+        view.listen(wall_now());
+        return view.heard() > 0 || run.launcher().poll().has_value();
+    }));
+    EXPECT_GT(view.heard(), 0U);
+    HostilePeer peer(run.base_port());
+    for (int i = 0; i < 20; ++i) {
+        peer.send_broken();
+        peer.send_as_second_sender(1);
+    }
+    EXPECT_EQ(run.end(), 0) << run.words();
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    for (const char* program : kNodePrograms) {
+        const auto report = run.report(program);
+        EXPECT_EQ(report.at("security").at("mode"), "lab-key") << program;
+        EXPECT_GE(report.at("security").at("handshakes"), 1) << program;
+        EXPECT_GT(report.at("security").at("unsealed"), 0) << program;
+        EXPECT_EQ(report.at("refused").at("second_sender"), 0) << program;
+    }
+}
+
+TEST_F(LabKeyTest, ANodeWithAnotherKeyIsNamed) {
+    create_lab_key(folder_ / "other.key", system_random_bytes());
+    const std::filesystem::path programs = folder_ / "bin";
+    std::filesystem::create_directories(programs);
+    install_programs(programs);
+    replace_program(programs / "thimble-cutaneous",
+                    "export THIMBLE_LAB_KEY_FILE=" + (folder_ / "other.key").string() + "\nexec " +
+                        (built_programs() / "thimble-cutaneous").string() + " \"$@\"\n");
+    SessionFile file;
+    file.more = "peer_wait_s = 1\n[security]\nmode = 'lab-key'\n";
+    setenv("THIMBLE_LAB_KEY_FILE", key_.c_str(), 1);
+    RealRun run(file, {}, programs);
+    unsetenv("THIMBLE_LAB_KEY_FILE");
+    EXPECT_EQ(run.end(), 3);
+    EXPECT_THAT(run.words(), HasSubstr("no answer from cutaneous"));
+    EXPECT_THAT(run.words(), HasSubstr("wrong lab key: cutaneous"));
+    EXPECT_THAT(read_text(run.out() / "nodes/thimble-cutaneous_0ms.log"),
+                HasSubstr("wrong lab key: session"));
+}
+
+TEST_F(LabKeyTest, IsMadeByKeygenOnce) {
+    const auto keygen = [this] {
+        return run_to_end(built_programs() / "thimble", {"keygen", (folder_ / "new.key").string()});
+    };
+    EXPECT_EQ(keygen().code, 0);
+    EXPECT_NO_THROW(read_lab_key(folder_ / "new.key"));
+    EXPECT_EQ(keygen().code, 5);
+}
+
+TEST_F(LabKeyTest, MachinesWithoutOneAreRefused) {
+    const auto file = folder_.write("open.toml", "[network]\nhost_slave_sim = '192.0.2.1'\n");
+    for (const char* program : {"thimble-master", "thimble-netem"}) {
+        const Outcome outcome = run_to_end(built_programs() / program, {"--config", file.string()});
+        EXPECT_EQ(outcome.code, 2) << outcome.words;
+        EXPECT_THAT(outcome.words, HasSubstr("thimble keygen"));
+    }
+    const Outcome run =
+        run_to_end(built_programs() / "thimble", {"run", file.string(), "--out", (folder_ / "out").string()});
+    EXPECT_EQ(run.code, 2) << run.words;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
+}
+
+}  // namespace
+}  // namespace thimble

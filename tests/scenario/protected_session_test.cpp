@@ -1,0 +1,41 @@
+// Protection changes no bit of a trial.
+#include <array>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "experiment/virtual_session.hpp"
+#include "tests/scenario/same_records.hpp"
+#include "tests/scenario/trials.hpp"
+
+namespace thimble::test {
+namespace {
+
+std::shared_ptr<const LabKey> virtual_lab_key() {
+    std::array<std::uint8_t, kKeyBytes> bytes{};
+    bytes.fill(42);
+    return std::make_shared<const LabKey>(bytes);
+}
+
+TEST(ProtectedSession, HasTheSameBitsAsAnOpenOne) {
+    for (const Modality modality : {Modality::kHF, Modality::kCCF}) {
+        TrialConditions conditions;
+        conditions.modality = modality;
+        conditions.fixture_position_m = 0.035;
+        const SystemSettings settings = paper_with_delays({}, kPaperDelay);
+        VirtualSession open(settings), secured(settings, virtual_lab_key());
+        const TrialRecord& plain = open.run(conditions);
+        EXPECT_TRUE(same_samples(secured.run(conditions), plain));
+        EXPECT_EQ(plain.reason, EndReason::kCompleted);
+        const SecurityCounters counters = secured.security();
+        EXPECT_GT(counters.opened, 5000U);
+        EXPECT_EQ(counters.handshakes, 10U);  // five, as both sides count them
+        EXPECT_EQ(counters.forged + counters.replayed + counters.wrong_role + counters.unsealed +
+                      counters.handshake_refused,
+                  0U);
+        EXPECT_EQ(open.security().opened, 0U);
+    }
+}
+
+}  // namespace
+}  // namespace thimble::test

@@ -1,0 +1,256 @@
+// Keys of one-way flows: each node has those of its roles and directions, and new ones after every start.
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/security/security_rig.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A program with its control channel and some flows.
+struct Program {
+    Program(TestWire& control, Port local, Port remote, std::uint64_t seed, const SecurityTimes& times)
+        : security(test_lab_key(), seeded_bytes(seed), times),
+          channel(security.pair(control, local, remote)) {}
+    void tick(SessionTime now) {
+        security.tick(now);
+        for (std::string word = received(*channel); !word.empty(); word = received(*channel)) heard += word;
+        security.tick(now);
+    }
+    Security security;
+    Channel* channel;
+    std::string heard;
+};
+
+// The session, a master, a slave_sim and a visual; the needle goes through a relay that looks at nothing.
+class Rig {
+  public:
+    explicit Rig(const SecurityTimes& t = {}) : times(t) {
+        start_session();
+        start_master();
+        start_slave();
+        start_visual();
+    }
+
+    void start_session() {
+        desk = std::make_unique<Security>(test_lab_key(), seeded_bytes(++lives), times);
+        session[0] = desk->pair(control[0].a, Port::kSessionMaster, Port::kMasterControl);
+        session[1] = desk->pair(control[1].a, Port::kSessionSlave, Port::kSlaveControl);
+        session[2] = desk->pair(control[2].a, Port::kSessionVisual, Port::kVisualControl);
+        record_in = desk->inlet(record.b, Port::kSessionRecord);
+    }
+    void start_master() {
+        master = std::make_unique<Program>(control[0].b, Port::kMasterControl, Port::kSessionMaster, ++lives,
+                                           times);
+        needle_out = master->security.outlet(needle.a, Port::kNetemNeedle);
+    }
+    void start_slave() {
+        slave =
+            std::make_unique<Program>(control[1].b, Port::kSlaveControl, Port::kSessionSlave, ++lives, times);
+        needle_in = slave->security.inlet(needle.b, Port::kSlaveNeedle);
+        record_out = slave->security.outlet(record.a, Port::kSessionRecord);
+    }
+    void start_visual() {
+        visual = std::make_unique<Program>(control[2].b, Port::kVisualControl, Port::kSessionVisual, ++lives,
+                                           times);
+        false_needle = visual->security.outlet(needle.a, Port::kNetemNeedle);
+        percept_out = visual->security.outlet(percept.a, Port::kMasterPerceptVisual);
+    }
+
+    void turn(Duration later = {}) {
+        now += later;
+        for (int i = 0; i < 8; ++i) {
+            desk->tick(now);
+            for (Channel* channel : session) received(*channel);
+            desk->tick(now);
+            for (Program* node : {master.get(), slave.get(), visual.get()}) node->tick(now);
+        }
+    }
+    std::string across(const char* word) {
+        needle_out->send(bytes_of(word));
+        return received(*needle_in);
+    }
+
+    SecurityTimes times;
+    SessionTime now{std::chrono::hours{5}};
+    std::uint64_t lives = 0;
+    std::array<TestPipe, 3> control;
+    TestPipe needle, record, percept;
+    std::unique_ptr<Security> desk;
+    std::array<Channel*, 3> session{};
+    std::unique_ptr<Program> master, slave, visual;
+    Channel *record_in = nullptr, *needle_out = nullptr, *needle_in = nullptr, *record_out = nullptr,
+            *false_needle = nullptr, *percept_out = nullptr;
+};
+
+TEST(FlowKeys, ComeWithTheHandshakes) {
+    Rig rig;
+    EXPECT_FALSE(rig.desk->complete());
+    EXPECT_EQ(rig.across("too early"), "");
+    rig.turn();
+    ASSERT_TRUE(rig.desk->complete());
+    EXPECT_EQ(rig.across("needle"), "needle");
+    rig.record_out->send(bytes_of("sample"));
+    EXPECT_EQ(received(*rig.record_in), "sample");
+    EXPECT_GT(rig.needle.a.said.back().size(), std::string("needle").size());
+}
+
+TEST(FlowKeys, AVisualCannotCommandTheNeedle) {
+    Rig rig;
+    rig.turn();
+    rig.false_needle->send(bytes_of("needle"));
+    EXPECT_TRUE(rig.needle.a.said.empty());
+    EXPECT_EQ(rig.visual->security.counters().not_sent, 1U);
+    // Nor with a datagram of its own flow, whatever port it writes on it.
+    rig.percept_out->send(bytes_of("percept"));
+    Datagram percept = rig.percept.a.said.back();
+    rig.needle.b.deliver(percept);
+    percept[3] = static_cast<std::uint8_t>(Port::kSlaveNeedle);
+    rig.needle.b.deliver(percept);
+    EXPECT_EQ(received(*rig.needle_in), "");
+    EXPECT_EQ(rig.slave->security.counters().wrong_role, 1U);
+    EXPECT_EQ(rig.slave->security.counters().no_key, 1U);
+}
+
+TEST(FlowKeys, ARelayHasNone) {
+    TestPipe control, flow;
+    Security relay(test_lab_key(), seeded_bytes(1));
+    EXPECT_NE(relay.pair(control.a, Port::kNetemControl, Port::kSessionNetem), &control.a);
+    EXPECT_EQ(relay.inlet(flow.a, Port::kNetemNeedle), &flow.a);
+    EXPECT_EQ(relay.outlet(flow.a, Port::kSlaveNeedle), &flow.a);
+}
+
+TEST(FlowKeys, ARestartedSlaveTakesNoRecordedCommand) {
+    Rig rig;
+    rig.turn();
+    for (int i = 0; i < 5; ++i) EXPECT_EQ(rig.across("needle"), "needle");
+    const auto recorded = rig.needle.a.said;
+    rig.start_slave();
+    const auto replay = [&] {
+        for (const Datagram& datagram : recorded) rig.needle.b.deliver(datagram);
+        return received(*rig.needle_in);
+    };
+    EXPECT_EQ(replay(), "");
+    rig.turn();
+    EXPECT_EQ(replay(), "");
+    EXPECT_EQ(rig.slave->security.counters().no_key, 2 * recorded.size());
+    EXPECT_EQ(rig.across("fresh"), "fresh");
+}
+
+TEST(FlowKeys, ARestartedMasterNeverSealsUnderTheKeyItHadBefore) {
+    Rig rig;
+    rig.turn();
+    EXPECT_EQ(rig.across("needle"), "needle");
+    const auto first = read_seal_header(rig.needle.a.said.back());
+    const auto recorded = rig.needle.a.said;
+    rig.start_master();
+    rig.turn();
+    EXPECT_EQ(rig.across("fresh"), "fresh");
+    EXPECT_NE(read_seal_header(rig.needle.a.said.back())->key_name, first->key_name);
+    for (const Datagram& datagram : recorded) rig.needle.b.deliver(datagram);
+    EXPECT_EQ(received(*rig.needle_in), "");
+}
+
+TEST(FlowKeys, ANewSessionIsObeyedAndNothingFromBefore) {
+    Rig rig;
+    rig.turn();
+    EXPECT_EQ(rig.across("needle"), "needle");
+    const auto commands = rig.needle.a.said;
+    const auto orders = rig.control[1].a.said;
+    rig.start_session();
+    rig.turn(milliseconds{400});
+    rig.turn(milliseconds{50});
+    ASSERT_TRUE(rig.desk->complete());
+    for (const Datagram& datagram : commands) rig.needle.b.deliver(datagram);
+    for (const Datagram& datagram : orders) rig.control[1].b.deliver(datagram);
+    EXPECT_EQ(received(*rig.needle_in), "");
+    rig.turn();
+    EXPECT_EQ(rig.slave->heard, "");
+    EXPECT_EQ(rig.across("fresh"), "fresh");
+}
+
+// Renewal in the middle of a trial: nothing is lost, nothing is taken twice.
+TEST(FlowKeys, AreRenewedWithoutLoss) {
+    SecurityTimes times;
+    times.renew_after = std::chrono::seconds{2};
+    Rig rig(times);
+    rig.turn();
+    std::set<std::uint32_t> keys;
+    std::vector<Datagram> recorded;
+    for (int i = 0; i < 5000; ++i) {
+        rig.now += milliseconds{1};
+        rig.desk->tick(rig.now);
+        for (Channel* channel : rig.session) received(*channel);
+        rig.desk->tick(rig.now);
+        if (i % 100 == 0) {
+            for (Channel* channel : rig.session) channel->send(bytes_of("alive"));
+        }
+        for (Program* node : {rig.master.get(), rig.slave.get(), rig.visual.get()}) node->tick(rig.now);
+        ASSERT_EQ(rig.across("needle"), "needle") << i;
+        const Datagram& said = rig.needle.a.said.back();
+        if (keys.insert(read_seal_header(said)->key_name).second) recorded.push_back(said);
+    }
+    EXPECT_GE(keys.size(), 3U);
+    for (const Datagram& datagram : recorded) rig.needle.b.deliver(datagram);
+    EXPECT_EQ(received(*rig.needle_in), "");
+}
+
+TEST(FlowKeys, RenewalGoesOnWhenANodeIsGone) {
+    Rig rig;
+    rig.turn();
+    rig.control[2].b.cut = true;  // the visual is not heard any more
+    rig.start_master();
+    rig.turn();
+    for (int i = 0; i < 10; ++i) rig.turn(milliseconds{50});
+    EXPECT_EQ(rig.across("fresh"), "fresh");
+}
+
+TEST(FlowKeys, WithoutItsKeysANodeIsNotHeard) {
+    Rig rig;
+    const auto beat = [&] {
+        rig.master->channel->send(bytes_of("heartbeat"));
+        return received(*rig.session[0]);
+    };
+    rig.master->tick(rig.now);
+    received(*rig.session[0]);  // hello
+    rig.master->tick(rig.now);
+    received(*rig.session[0]);  // accept
+    rig.master->tick(rig.now);
+    EXPECT_EQ(beat(), "");
+    rig.turn();
+    EXPECT_EQ(beat(), "heartbeat");
+}
+
+TEST(KeyMessages, HoldWhatWasWritten) {
+    KeyGrant grant;
+    grant.session = 0x0123456789abcdef;
+    grant.epoch = 77;
+    grant.in_use = true;
+    grant.count = kMostFlowKeys;
+    for (std::size_t i = 0; i < kMostFlowKeys; ++i) {
+        grant.keys[i].port = static_cast<Port>(i);
+        grant.keys[i].key.bytes.fill(static_cast<std::uint8_t>(i + 1));
+    }
+    KeyText text{};
+    const Bytes bytes = write_grant(grant, text);
+    const auto read = read_grant(bytes);
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->session, grant.session);
+    EXPECT_EQ(read->epoch, 77U);
+    EXPECT_TRUE(read->in_use);
+    ASSERT_EQ(read->count, kMostFlowKeys);
+    EXPECT_EQ(read->keys[7].port, static_cast<Port>(7));
+    EXPECT_EQ(read->keys[7].key.bytes, grant.keys[7].key.bytes);
+    for (std::size_t size = 0; size < bytes.size(); ++size)
+        EXPECT_FALSE(read_grant(bytes.first(size))) << size;
+    const auto receipt = read_receipt(write_receipt({5, true}, text));
+    ASSERT_TRUE(receipt);
+    EXPECT_EQ(receipt->epoch, 5U);
+    EXPECT_FALSE(read_grant(write_receipt({5, true}, text)));
+}
+
+}  // namespace
+}  // namespace thimble
