@@ -194,6 +194,7 @@ int run_map(MapArguments& a) {
         throw Error(ExitCode::kUsage, "--contact-stiffness-N-per-m: LOW must be above 0");
     a.plan.delays_s = spread(parse_axis("--delay-s", a.delays), false);
     a.plan.stiffness_N_per_m = spread(stiffness, true);
+    require_meaningful(a.plan.hand);
     if (!std::isfinite(a.plan.press_N + a.plan.force_limit_N + a.plan.encoder_step_m)) {
         throw Error(ExitCode::kUsage, "press, force limit and encoder must be finite");
     }

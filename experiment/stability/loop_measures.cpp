@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace thimble {
@@ -50,8 +51,8 @@ std::vector<double> linear_run(const LoopConditions& conditions) {
     return trace;
 }
 
-// Without turns: how much smaller the second half is than the first.
-double creep_per_sample(std::span<const double> trace) {
+// How much the second half is smaller than the first, whatever is in the trace.
+double envelope_per_sample(std::span<const double> trace) {
     const std::size_t half = trace.size() / 2;
     double first = 0, second = 0;
     for (std::size_t i = 0; i < half; ++i) {
@@ -61,14 +62,13 @@ double creep_per_sample(std::span<const double> trace) {
     return first > 0 && second > 0 ? std::pow(second / first, 1 / static_cast<double>(half)) : 1;
 }
 
-}  // namespace
-
-double growth_per_sample(std::span<const double> trace) {
+// Nothing where there is no oscillation to be measured.
+std::optional<double> prony_per_sample(std::span<const double> trace) {
     const ZeroCrossings z = zero_crossings(trace);
-    if (z.count < 3) return creep_per_sample(trace);
+    if (z.count < 3) return std::nullopt;
     const double half_period = static_cast<double>(z.last - z.first) / static_cast<double>(z.count - 1);
     const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(half_period / 2)));
-    if (trace.size() <= 2 * stride) return 1;
+    if (trace.size() <= 2 * stride) return std::nullopt;
     double pp = 0, pq = 0, qq = 0, rp = 0, rq = 0;
     for (std::size_t n = 0; n + 2 * stride < trace.size(); ++n) {
         const double q = trace[n], p = trace[n + stride], r = trace[n + 2 * stride];
@@ -79,11 +79,22 @@ double growth_per_sample(std::span<const double> trace) {
         rq += r * q;
     }
     const double determinant = pp * qq - pq * pq;
-    if (!(determinant > 0)) return 1;
+    if (!(determinant > 0)) return std::nullopt;
     const double a = (rp * qq - rq * pq) / determinant, b = (rq * pp - rp * pq) / determinant;
     const double discriminant = a * a / 4 + b;
     const double size = discriminant < 0 ? std::sqrt(-b) : std::abs(a) / 2 + std::sqrt(discriminant);
     return std::pow(size, 1 / static_cast<double>(stride));
+}
+
+}  // namespace
+
+double growth_per_sample(std::span<const double> trace) {
+    constexpr double kMeant = 3;  // of the logarithm: a swing is not in step with the halves
+    const double envelope = envelope_per_sample(trace);
+    const std::optional<double> prony = prony_per_sample(trace);
+    if (!prony) return envelope;
+    const double apart = std::log(*prony / envelope) * static_cast<double>(trace.size()) / 2;
+    return std::abs(apart) < kMeant ? *prony : envelope;
 }
 
 // Of the second half, where the other modes have died out.

@@ -12,8 +12,8 @@
 namespace thimble {
 
 // Per sample, from a trace of one dominant oscillation about zero: least squares of x[n+2p] = a x[n+p] + b x[n] with p a
-// quarter period (Prony with a stride), rho = |mu|^(1/p) for the greater root of mu^2 - a mu - b. A trace without
-// turns creeps: by how much its second half is smaller than its first.
+// quarter period (Prony with a stride), rho = |mu|^(1/p) for the greater root of mu^2 - a mu - b. Where that is not
+// what the trace did from its first half to its second (several modes at once, or a creep without turns), what it did.
 double growth_per_sample(std::span<const double> trace);
 
 // Of the linear loop let go from 5 mm: ln(rho) / h after the first half of six seconds, or of sixty delays. `encoder_step_m` of 0:

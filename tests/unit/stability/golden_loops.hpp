@@ -2,6 +2,7 @@
 // share nothing. Some are numbers, some text with more digits.
 #pragma once
 
+#include <cmath>
 #include <fstream>
 #include <string>
 

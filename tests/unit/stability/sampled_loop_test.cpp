@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
