@@ -1,6 +1,7 @@
 // thimble remedies: experiment 3 with each remedy against delay, beside HF, CF, CCF and VF.
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <vector>

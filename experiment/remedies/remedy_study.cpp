@@ -1,6 +1,7 @@
 #include "experiment/remedies/remedy_study.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <exception>
 #include <mutex>

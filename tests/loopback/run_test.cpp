@@ -98,6 +98,7 @@ TEST(WholeRun, JitterAndLossAreSurvivedAndCounted) {
     SessionFile session;
     session.modalities = R"(["CF"])";
     session.delays_s = "[0.02]";
+    session.contact_hold_s = 0.2;
     session.more =
         "[netem.force]\ndelay_s = 0.02\njitter = \"uniform\"\njitter_spread_s = 0.01\nloss = 0.05\nin_order "
         "= false";

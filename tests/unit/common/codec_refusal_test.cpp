@@ -58,7 +58,8 @@ struct alignas(8) ZeroBody {  // as large as the largest
 };
 constexpr flatbuffers::voffset_t kHeaderField = 4;
 // All but the device fault, of which two have no room in a datagram.
-constexpr std::array<flatbuffers::voffset_t, 12> kBodyFields{6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28};
+constexpr std::array<flatbuffers::voffset_t, 14> kBodyFields{6,  8,  10, 12, 14, 16, 18,
+                                                             20, 22, 24, 26, 28, 32, 34};
 
 Packet by_hand(bool header, const std::vector<flatbuffers::voffset_t>& bodies,
                const char* identifier = "THM1") {
@@ -126,7 +127,7 @@ TEST(CodecRefusal, NotOneBody) {
         }
     }
     // A body that a later version may add is none that we know.
-    EXPECT_EQ(judged(by_hand(true, {34})), Refusal::kNotOneBody);
+    EXPECT_EQ(judged(by_hand(true, {38})), Refusal::kNotOneBody);
 }
 
 struct Number {
@@ -241,6 +242,23 @@ TEST(CodecRefusal, MoreMarksThanThereIsRoomFor) {
     EXPECT_EQ(verdict(state), Refusal::kCount);
     ++state.changes;
     EXPECT_EQ(verdict(state), Refusal::kOutOfRange);
+}
+
+TEST(CodecRefusal, WavesThatNoHandMakes) {
+    const auto verdict_after = [](auto change) {
+        NeedleWave there;
+        ForceWave back;
+        change(there.waves);
+        change(back.waves);
+        EXPECT_EQ(verdict(there), verdict(back));
+        return verdict(back);
+    };
+    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.count = 8; }), Refusal::kCount);
+    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.count = 9; }), Refusal::kOutOfRange);
+    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.wave_root_W[7] = -2e6; }), Refusal::kOutOfRange);
+    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.wave_root_W[7] = kNaN; }), Refusal::kNotFinite);
+    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.energy_J = -1; }), Refusal::kOutOfRange);
+    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.sum_root_Ws = 2e12; }), Refusal::kOutOfRange);
 }
 
 TEST(CodecRefusal, NotFiniteBeatsOutOfRange) {

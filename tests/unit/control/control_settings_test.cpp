@@ -56,7 +56,7 @@ TEST(ControlSettings, NumbersOfTheChosenOne) {
 TEST(ControlSettings, WhatIsWithoutEffectOrUnknownIsRefused) {
     EXPECT_THAT(refusal_of("share = 0.1"), testing::HasSubstr("remedy = \"none\""));
     EXPECT_THAT(refusal_of("remedy = \"wave\"\nshare = 0.1"), testing::HasSubstr("choose scaled"));
-    EXPECT_THAT(refusal_of("remedy = \"waves\""), testing::HasSubstr("\"wave\""));
+    EXPECT_THAT(refusal_of("remedy = \"waves\""), testing::HasSubstr("local-fixture, wave"));
     EXPECT_THAT(refusal_of("remedi = \"wave\""), testing::HasSubstr("unknown key"));
     for (const char* impedance : {"0.0", "inf", "nan", "-1.0"})
         EXPECT_NE(refusal_of("remedy = \"wave\"\nwave_impedance_Ns_per_m = " + std::string(impedance)), "")

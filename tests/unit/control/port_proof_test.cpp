@@ -1,6 +1,8 @@
 // What the bounds promise, for motions and wishes of all kinds: the work of the hand, with the device's damping, never falls below
 // zero.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 

@@ -1,6 +1,8 @@
 // A remedy in the master's loop: which force a sample gets.
 #include "master/handle_control.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace thimble {

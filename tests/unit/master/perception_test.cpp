@@ -32,7 +32,8 @@ TEST(Criterion, IsCappedByTheRangeOfTheDisplayInUse) {
 
 TEST(Perception, EachModalityHasItsOwnStimulus) {
     const Percept percept{.force_N = 1.0, .bar_N = 5.0};
-    EXPECT_EQ(calm(Modality::kHF).sense(3.0, percept).signal_N, 3.0);
+    EXPECT_EQ(calm(Modality::kHF).sense(3.0, {.bar_N = 5.0}).signal_N, 3.0);
+    EXPECT_EQ(calm(Modality::kHF).sense(3.0, percept).signal_N, 4.0) << "hand and skin, where both get a share";
     EXPECT_EQ(calm(Modality::kCF).sense(3.0, percept).signal_N, 1.0);
     EXPECT_EQ(calm(Modality::kCCF).sense(3.0, percept).signal_N, 1.0);
     EXPECT_EQ(calm(Modality::kVF).sense(3.0, percept).signal_N, 5.0);
@@ -65,8 +66,9 @@ TEST(Perception, NoiseIsTheWeberFractionOfTheStimulus) {
         Perception perception(PerceptionParameters{}, subject_with_criterion(2), task_of(modality));
         double sum = 0;
         constexpr int kTicks = 1'000'000;
+        const double skin_N = modality == Modality::kHF ? 0 : 4;  // the hand feels the handle
         for (int i = 0; i < kTicks; ++i) {
-            const double error = perception.sense(4, {.force_N = 4, .bar_N = 4}).signal_N / 4 - 1;
+            const double error = perception.sense(4, {.force_N = skin_N, .bar_N = 4}).signal_N / 4 - 1;
             sum += error * error;
         }
         EXPECT_NEAR(std::sqrt(sum / kTicks) / weber, 1, 0.05);

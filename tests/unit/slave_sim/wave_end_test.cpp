@@ -11,6 +11,7 @@ namespace {
 WaveEndSettings wave_settings() {
     WaveEndSettings settings;
     settings.used = true;
+    settings.damping_Ns_per_m = 0;  // this master feels no drag, and would leave the needle behind
     return settings;
 }
 
