@@ -35,8 +35,8 @@ class StoppableProcess final : public NodeProcess {
 class StoppedNode : public testing::Test {
   protected:
     StoppedNode() {
-        process.join_stop_line(
-            line.b, {&outside.a, &outside.a, &outside.a, &outside.a, &outside.a, &outside.a});
+        process.join_stop_line(line.b,
+                               {&outside.a, &outside.a, &outside.a, &outside.a, &outside.a, &outside.a});
         order(ControlKind::kTrialStart, 1);
         tick(milliseconds{10});
         heard();
