@@ -192,7 +192,13 @@ bool Lane::revive() {
     result_ = {};
     halted_ = false;
     wait_for_machines();
-    // The session goes on taking the dead one's place for occupied until it has been silent for a second.
+    // The dead ones were heard a moment ago, and their places count as occupied until they have been silent for a second: only
+    // then are the new ones heard, and all have answered who are not missing.
+    const SessionTime forgotten = wall_now() + 2 * kPeerTimeout;
+    for (SessionTime now = wall_now(); now < forgotten && session_.missing_peers(now, kPeerTimeout).empty();
+         now = wall_now()) {
+        loop_.step(company_, now + kPoll);
+    }
     wait_for_nodes();
     return true;
 }

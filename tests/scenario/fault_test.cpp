@@ -204,9 +204,9 @@ class FaultTrial {
         }
     }
 
-    // Everything is well again: nothing of the trial before is left over.
+    // What failed works again: nothing of the trial before is left over.
     void second_trial(TrialConditions conditions) {
-        on_ = false;
+        on_ = on_ && plan_.fault == Fault::kClock;  // it has stepped, and does not fall back
         if (began_ && !thawed_ && plan_.fault == Fault::kStandStill) rig_.thaw(plan_.victim);
         rig_.idle(seconds{2});
         conditions.trial = 2;

@@ -78,6 +78,7 @@ TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     press_until_contact(rig, Modality::kHF);
     rig.session().emergency_stop(rig.now(), "a test");
     rig.finish();
+    rig.idle(kHeldAtLeast);
     TrialConditions conditions = trial_of(Modality::kHF);
     conditions.trial = 2;
     const TrialRecord& refused = rig.run(conditions);

@@ -35,8 +35,8 @@ class StoppableProcess final : public NodeProcess {
 class StoppedNode : public testing::Test {
   protected:
     StoppedNode() {
-        process.join_stop_line(
-            line.b, {&outside.a, &outside.a, &outside.a, &outside.a, &outside.a, &outside.a});
+        process.join_stop_line(line.b,
+                               {&outside.a, &outside.a, &outside.a, &outside.a, &outside.a, &outside.a});
         order(ControlKind::kTrialStart, 1);
         tick(milliseconds{10});
         heard();
@@ -57,15 +57,15 @@ class StoppedNode : public testing::Test {
     // What the session was told since the last call.
     std::vector<Message> heard() {
         std::vector<Message> messages;
-        for (Bytes bytes = control.a.receive(); !bytes.empty(); bytes = control.a.receive())
+        for (Bytes bytes = steering.a.receive(); !bytes.empty(); bytes = steering.a.receive())
             messages.push_back(decode(bytes).message.value());
         return messages;
     }
     using Said = std::vector<std::string>;
 
-    QueuePipe control, line, outside;
-    StoppableProcess process{control.b};
-    OutboundFlow session{Role::kSession, 1, {&control.a}};
+    QueuePipe steering, line, outside;
+    StoppableProcess process{steering.b};
+    OutboundFlow session{Role::kSession, 1, {&steering.a}};
     SessionTime now{};
 };
 
