@@ -2,6 +2,7 @@
 // one byte of operation, eight bytes of length, and content.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -48,7 +49,11 @@ class McapOutput {
     void u16(std::uint16_t value) { number(value); }
     void u32(std::uint32_t value) { number(value); }
     void u64(std::uint64_t value) { number(value); }
-    void bytes(Bytes more) { bytes_.insert(bytes_.end(), more.begin(), more.end()); }
+    void bytes(Bytes more) {
+        const std::size_t at = bytes_.size();
+        bytes_.resize(at + more.size());
+        std::copy(more.begin(), more.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(at));
+    }
     void text(std::string_view text);
     void map(const std::vector<std::pair<std::string, std::string>>& pairs);
 
