@@ -75,14 +75,14 @@ ComplexOf<Precise> denominator_at(const HandleRatio& r, const Precise& w) {
 }
 
 // |numerator|^2 - K^2 |denominator|^2 in u = w^2.
-Polynomial magnitude_excess(const HandleRatio& r, const Precise& K) {
+Polynomial magnitude_excess(const HandleRatio& r, const Precise& loop) {
     const auto& n = r.numerator;
     const auto& d = r.denominator;
-    const Precise KK = K * K;
-    return {n[0] * n[0] - KK * d[0] * d[0],
-            n[1] * n[1] - 2 * n[0] * n[2] - KK * (d[1] * d[1] - 2 * d[0] * d[2]),
-            n[2] * n[2] + 2 * n[0] * n[4] - 2 * n[1] * n[3] - KK * d[2] * d[2], n[3] * n[3] - 2 * n[2] * n[4],
-            n[4] * n[4]};
+    const Precise square = loop * loop;
+    return {n[0] * n[0] - square * d[0] * d[0],
+            n[1] * n[1] - 2 * n[0] * n[2] - square * (d[1] * d[1] - 2 * d[0] * d[2]),
+            n[2] * n[2] + 2 * n[0] * n[4] - 2 * n[1] * n[3] - square * d[2] * d[2],
+            n[3] * n[3] - 2 * n[2] * n[4], n[4] * n[4]};
 }
 
 Precise last_root_bound(const Polynomial& p) {

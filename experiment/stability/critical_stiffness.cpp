@@ -58,13 +58,13 @@ std::vector<long> around(const Precise& turns) {
 }
 
 // Without damping P is real: crossings are where it has the right sign, on its way through resonance none if that is at once.
-CriticalStiffness undamped(const PreciseHand& hand, const Precise& T) {
+CriticalStiffness undamped(const PreciseHand& hand, const Precise& delay) {
     const Precise pi = pi_of<Precise>(), resonance = sqrt(Precise(hand.k / hand.m));
-    const Precise half_turns = resonance * T / pi, whole = floor(half_turns);
+    const Precise half_turns = resonance * delay / pi, whole = floor(half_turns);
     const bool odd = to_double(whole / 2 - floor(Precise(whole / 2))) > 0;
     // Between an even and an odd number of half turns the least stiffness feeds the resonance.
     if (!odd) return {0, to_double(resonance)};
-    const Precise below = whole * pi / T, above = (whole + 1) * pi / T;
+    const Precise below = whole * pi / delay, above = (whole + 1) * pi / delay;
     const Precise w = hand.magnitude(below) <= hand.magnitude(above) ? below : above;
     return {to_double(hand.magnitude(w)), to_double(w)};
 }

@@ -45,21 +45,21 @@ double ramp_mean(double u) {
 }
 
 struct SaturatedContact {
-    double K, strip_m;  // p_s
+    double stiffness, strip_m;  // K, p_s
 
-    double gain(double mean_m, double A) const {
-        return K * (ramp_gain(-mean_m / A) - ramp_gain((strip_m - mean_m) / A));
+    double gain(double mean_m, double swing_m) const {
+        return stiffness * (ramp_gain(-mean_m / swing_m) - ramp_gain((strip_m - mean_m) / swing_m));
     }
-    double mean_N(double mean_m, double A) const {
-        return K * A * (ramp_mean(-mean_m / A) - ramp_mean((strip_m - mean_m) / A));
+    double mean_N(double mean_m, double swing_m) const {
+        return stiffness * swing_m * (ramp_mean(-mean_m / swing_m) - ramp_mean((strip_m - mean_m) / swing_m));
     }
 };
 
 // The mean p at which mean force and spring balance the press; both rise with p.
-double mean_at(const PressedLoop& loop, const SaturatedContact& contact, double A) {
+double mean_at(const PressedLoop& loop, const SaturatedContact& contact, double swing_m) {
     const double k = loop.hand.stiffness_N_per_m;
     return zero_between((loop.press_N - loop.force_limit_N) / k, loop.press_N / k,
-                        [&](double p) { return contact.mean_N(p, A) + k * p - loop.press_N; });
+                        [&](double p) { return contact.mean_N(p, swing_m) + k * p - loop.press_N; });
 }
 
 double rest_position_m(const PressedLoop& loop) {
@@ -78,8 +78,8 @@ std::optional<LimitCycle> describing_function_cycle(const PressedLoop& loop) {
     if (!(critical.stiffness_N_per_m > 0) || critical.stiffness_N_per_m >= loop.stiffness_N_per_m)
         return std::nullopt;
     const SaturatedContact contact{loop.stiffness_N_per_m, loop.force_limit_N / loop.stiffness_N_per_m};
-    const auto lacks_gain = [&](double A) {
-        return critical.stiffness_N_per_m - contact.gain(mean_at(loop, contact, A), A);
+    const auto lacks_gain = [&](double swing_m) {
+        return critical.stiffness_N_per_m - contact.gain(mean_at(loop, contact, swing_m), swing_m);
     };
     constexpr double kRatio = 1.02;
     constexpr int kSteps = 1200;  // ten decades

@@ -110,9 +110,9 @@ double measured_growth_per_s(const SampledLoop& loop, double encoder_step_m) {
 MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double encoder_step_m,
                                               double relative) {
     MeasuredStiffness measured;
-    const auto grows_with = [&](double K) {
+    const auto grows_with = [&](double stiffness) {
         ++measured.runs;
-        return measured_growth_per_s({loop.hand, K, loop.delay_s, loop.step_s}, encoder_step_m) > 0;
+        return measured_growth_per_s({loop.hand, stiffness, loop.delay_s, loop.step_s}, encoder_step_m) > 0;
     };
     constexpr int kMost = 60;
     double low = std::max(1e-3, loop.hand.damping_Ns_per_m / (loop.delay_s + loop.step_s)), high = low;

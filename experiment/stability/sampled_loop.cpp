@@ -113,7 +113,7 @@ Between<Real> stiffness_range(const PulsePolynomial<Real>& p, double guess, doub
     Between<Real> range{Real(guess), Real(guess)};
     for (int i = 0; i < kMost && !unstable_at(p, range.high); ++i) range.high *= 2;
     for (int i = 0; i < kMost && unstable_at(p, range.low); ++i) range.low /= 2;
-    return halved(range, width, [&](const Real& K) { return unstable_at(p, K); });
+    return halved(range, width, [&](const Real& stiffness) { return unstable_at(p, stiffness); });
 }
 
 // On the unit circle: D theta + arg den - arg num is an odd multiple of pi. Secants from `theta` on.
@@ -155,14 +155,14 @@ std::optional<CriticalSteps> by_trial(PrecisePulse p) {
     return std::nullopt;
 }
 
-// Close to `K` (a middle of a narrow range), to all digits.
-SampledLimit polished_limit(PrecisePulse p, const Precise& K) {
-    p.gain = K;
+// Close to `stiffness` (a middle of a narrow range), to all digits.
+SampledLimit polished_limit(PrecisePulse p, const Precise& stiffness) {
+    p.gain = stiffness;
     const Circle<Precise> unit(p, Precise(1));
     const Precise found = angle_on(p, unit);
     const Precise theta = found < pi_of<Precise>() ? crossing_angle(unit, p.power, found) : found;
-    const Precise better = K * unit.hand_at(theta).size / unit.feedback_at(theta).size;
-    if (abs(better - K) > K * Precise(1e-7)) return {to_double(K), to_double(found)};
+    const Precise better = stiffness * unit.hand_at(theta).size / unit.feedback_at(theta).size;
+    if (abs(better - stiffness) > stiffness * Precise(1e-7)) return {to_double(stiffness), to_double(found)};
     return {to_double(better), to_double(theta)};
 }
 

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/stability/critical_delay.hpp"
 #include "experiment/link_test/link_report.hpp"
+#include "experiment/stability/critical_delay.hpp"
 
 namespace thimble {
 namespace {

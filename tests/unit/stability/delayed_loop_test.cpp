@@ -163,7 +163,7 @@ RC_GTEST_PROP(DelayedLoop, AboveTheCriticalStiffnessItIsUnstable, ()) {
 using RootOfLoop = std::complex<double>;
 
 // From many starts: the rightmost of the roots that Newton finds.
-double searched_real(const DelayedLoop& loop, double T, double reach) {
+double searched_real(const DelayedLoop& loop, double delay_s, double reach) {
     const double m = loop.hand.mass_kg, b = loop.hand.damping_Ns_per_m, k = loop.hand.stiffness_N_per_m;
     const double K = loop.stiffness_N_per_m;
     double rightmost = -1e300;
@@ -171,10 +171,10 @@ double searched_real(const DelayedLoop& loop, double T, double reach) {
         for (int j = 0; j <= 60; ++j) {
             RootOfLoop s(reach * (i / 6.0 - 1), reach * j / 60.0);
             for (int step = 0; step < 60; ++step) {
-                const RootOfLoop late = K * std::exp(-s * T);
-                s -= (m * s * s + b * s + k + late) / (2 * m * s + b - T * late);
+                const RootOfLoop late = K * std::exp(-s * delay_s);
+                s -= (m * s * s + b * s + k + late) / (2 * m * s + b - delay_s * late);
             }
-            const RootOfLoop late = K * std::exp(-s * T);
+            const RootOfLoop late = K * std::exp(-s * delay_s);
             const double scale = std::abs(m * s * s) + std::abs(b * s) + k + std::abs(late);
             if (std::abs(m * s * s + b * s + k + late) < 1e-12 * scale)
                 rightmost = std::max(rightmost, s.real());

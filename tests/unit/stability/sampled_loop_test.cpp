@@ -51,7 +51,7 @@ TEST(SampledLoop, GainsThatStayStable) {
 // Delays between whole steps: continuous, and the same from both forms.
 TEST(SampledLoop, FractionsOfAStep) {
     const HeldMass hand{1, 20, 500};
-    const auto radius = [&](double T) { return dominant_mode({hand, 3000, T, 1e-3}).radius; };
+    const auto radius = [&](double delay_s) { return dominant_mode({hand, 3000, delay_s, 1e-3}).radius; };
     for (const double whole_s : {0.0, 0.001, 0.007}) {
         EXPECT_NEAR(radius(whole_s), radius(whole_s + 1e-9), 1e-7);
         EXPECT_NEAR(radius(whole_s + 0.001), radius(whole_s + 0.001 - 1e-9), 1e-7);
@@ -68,7 +68,9 @@ TEST(SampledLoop, FractionsOfAStep) {
 TEST(SampledLoop, WhereItBecomesUnstable) {
     const SampledLoop loop{{0.35, 6, 400}, 9000, 0.0123, 1e-3};
     const double limit = critical_sampled_stiffness(loop).stiffness_N_per_m;
-    const auto with = [&](double K) { return SampledLoop{loop.hand, K, loop.delay_s, loop.step_s}; };
+    const auto with = [&](double stiffness) {
+        return SampledLoop{loop.hand, stiffness, loop.delay_s, loop.step_s};
+    };
     EXPECT_EQ(growing_modes(with(limit * (1 - 1e-10))), 0);
     EXPECT_EQ(growing_modes(with(limit * (1 + 1e-10))), 2);
     EXPECT_NEAR(dominant_mode(with(limit)).radius, 1, 1e-12);
