@@ -54,7 +54,7 @@ struct alignas(8) ZeroHeader {
     std::array<std::uint8_t, 32> bytes{};
 };
 struct alignas(8) ZeroBody {  // as large as the largest
-    std::array<std::uint8_t, 168> bytes{};
+    std::array<std::uint8_t, 176> bytes{};
 };
 constexpr flatbuffers::voffset_t kHeaderField = 4;
 // All but the device fault, of which two have no room in a datagram.
