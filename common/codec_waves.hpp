@@ -6,11 +6,11 @@
 namespace thimble {
 
 inline constexpr double kMaxWave_root_W = 1e6;
-inline constexpr double kMaxWaveSum_root_Ws = 1e12;
+inline constexpr double kMaxWaveSum_root_W_s = 1e12;
 inline constexpr double kMaxWaveEnergy_J = 1e12;
 
 inline wire::WaveBurst to_wire(const WaveBurst& b) {
-    return {b.wave_root_W, b.sum_root_Ws, b.energy_J, b.number, b.count};
+    return {b.wave_root_W, b.sum_root_W_s, b.energy_J, b.number, b.count};
 }
 
 inline WaveBurst from_wire(const wire::WaveBurst& w, Judge& judge) {
@@ -19,11 +19,11 @@ inline WaveBurst from_wire(const wire::WaveBurst& w, Judge& judge) {
         b.wave_root_W[i] = w.wave_root_W()->Get(static_cast<flatbuffers::uoffset_t>(i));
         judge.number(b.wave_root_W[i], kMaxWave_root_W);
     }
-    b.sum_root_Ws = w.sum_root_Ws();
+    b.sum_root_W_s = w.sum_root_W_s();
     b.energy_J = w.energy_J();
     b.number = w.number();
     b.count = w.count();
-    judge.number(b.sum_root_Ws, kMaxWaveSum_root_Ws);
+    judge.number(b.sum_root_W_s, kMaxWaveSum_root_W_s);
     judge.number(b.energy_J, 0, kMaxWaveEnergy_J);
     judge.require(b.count <= WaveBurst::kMost);
     return b;

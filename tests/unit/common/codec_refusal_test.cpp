@@ -258,7 +258,7 @@ TEST(CodecRefusal, WavesThatNoHandMakes) {
     EXPECT_EQ(verdict_after([](WaveBurst& w) { w.wave_root_W[7] = -2e6; }), Refusal::kOutOfRange);
     EXPECT_EQ(verdict_after([](WaveBurst& w) { w.wave_root_W[7] = kNaN; }), Refusal::kNotFinite);
     EXPECT_EQ(verdict_after([](WaveBurst& w) { w.energy_J = -1; }), Refusal::kOutOfRange);
-    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.sum_root_Ws = 2e12; }), Refusal::kOutOfRange);
+    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.sum_root_W_s = 2e12; }), Refusal::kOutOfRange);
 }
 
 TEST(CodecRefusal, NotFiniteBeatsOutOfRange) {
