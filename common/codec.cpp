@@ -3,7 +3,7 @@
 #include <array>
 #include <cstring>
 
-#include "common/codec_bodies.hpp"
+#include "common/codec_waves.hpp"
 
 namespace thimble {
 namespace {

@@ -17,9 +17,6 @@ inline constexpr double kMaxVelocity_m_per_s = 1000;
 inline constexpr double kMaxForce_N = 1e5;
 inline constexpr double kMaxTime_s = 1e6;
 inline constexpr double kMaxEnergy_J = 1e6;
-inline constexpr double kMaxWave_root_W = 1e6;
-inline constexpr double kMaxWaveSum_root_Ws = 1e12;
-inline constexpr double kMaxWaveEnergy_J = 1e12;
 inline constexpr std::int64_t kMaxStamp_ns = std::int64_t{1} << 62;
 
 template <class Enum>
@@ -364,38 +361,6 @@ inline DeviceFault from_wire(const wire::DeviceFault& w, Judge& judge) {
     std::memcpy(fault.text.data(), &w, sizeof w);
     judge.number(static_cast<unsigned char>(fault.text.back()), 0, 0);
     return fault;
-}
-
-inline wire::WaveBurst to_wire(const WaveBurst& b) {
-    return {b.wave_root_W, b.sum_root_Ws, b.energy_J, b.number, b.count};
-}
-
-inline WaveBurst from_wire(const wire::WaveBurst& w, Judge& judge) {
-    WaveBurst b;
-    for (std::size_t i = 0; i < b.wave_root_W.size(); ++i) {
-        b.wave_root_W[i] = w.wave_root_W()->Get(static_cast<flatbuffers::uoffset_t>(i));
-        judge.number(b.wave_root_W[i], kMaxWave_root_W);
-    }
-    b.sum_root_Ws = w.sum_root_Ws();
-    b.energy_J = w.energy_J();
-    b.number = w.number();
-    b.count = w.count();
-    judge.number(b.sum_root_Ws, kMaxWaveSum_root_Ws);
-    judge.number(b.energy_J, 0, kMaxWaveEnergy_J);
-    judge.require(b.count <= WaveBurst::kMost);
-    return b;
-}
-
-inline wire::NeedleWave to_wire(const NeedleWave& b) { return {to_wire(b.command), to_wire(b.waves)}; }
-
-inline NeedleWave from_wire(const wire::NeedleWave& w, Judge& judge) {
-    return {from_wire(w.command(), judge), from_wire(w.waves(), judge)};
-}
-
-inline wire::ForceWave to_wire(const ForceWave& b) { return {to_wire(b.feedback), to_wire(b.waves)}; }
-
-inline ForceWave from_wire(const wire::ForceWave& w, Judge& judge) {
-    return {from_wire(w.feedback(), judge), from_wire(w.waves(), judge)};
 }
 
 inline wire::StopOrder to_wire(const StopOrder& b) {

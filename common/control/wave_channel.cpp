@@ -16,7 +16,7 @@ const WaveBurst& WaveSender::add(double wave_root_W) {
     burst_.count = std::min(burst_.count + 1, settings_.repeats + 1);
     if (!first_) ++burst_.number;
     first_ = false;
-    burst_.sum_root_Ws += wave_root_W * settings_.sample_period_s;
+    burst_.sum_root_W_s += wave_root_W * settings_.sample_period_s;
     burst_.energy_J += 0.5 * wave_root_W * wave_root_W * settings_.sample_period_s;
     return burst_;
 }
@@ -32,13 +32,13 @@ void WaveReceiver::reset(std::uint32_t play_out_samples) {
     played_ = newest_ = -1;
     fresh_ = false;
     latest_ = {};
-    sum_out_root_Ws_ = energy_out_J_ = 0;
+    sum_out_root_W_s_ = energy_out_J_ = 0;
     missing_ = 0;
 }
 
 void WaveReceiver::receive(const WaveBurst& burst) {
     if (burst.count > WaveBurst::kMost || burst.count > std::int64_t{burst.number} + 1) return;
-    if (!std::isfinite(burst.sum_root_Ws) || !std::isfinite(burst.energy_J)) return;
+    if (!std::isfinite(burst.sum_root_W_s) || !std::isfinite(burst.energy_J)) return;
     for (std::uint32_t i = 0; i < burst.count; ++i) {
         if (!std::isfinite(burst.wave_root_W[i])) return;
     }
@@ -56,7 +56,7 @@ void WaveReceiver::receive(const WaveBurst& burst) {
 double WaveReceiver::play(std::uint32_t number) {
     const double wave_root_W = next(number);
     const double h_s = settings_.sample_period_s;
-    sum_out_root_Ws_ += wave_root_W * h_s;
+    sum_out_root_W_s_ += wave_root_W * h_s;
     energy_out_J_ += 0.5 * wave_root_W * wave_root_W * h_s;
     return wave_root_W;
 }
@@ -89,7 +89,7 @@ double WaveReceiver::next_in_time(std::int64_t due) {
 
 double WaveReceiver::next_by_energy() const {
     const double h_s = settings_.sample_period_s;
-    const double owed_root_W = (latest_.sum_root_Ws - sum_out_root_Ws_) / (settings_.catch_up * h_s);
+    const double owed_root_W = (latest_.sum_root_W_s - sum_out_root_W_s_) / (settings_.catch_up * h_s);
     const double spare_J = std::max(0.0, latest_.energy_J - energy_out_J_);
     const double most_root_W = std::sqrt(2 * spare_J / h_s);
     return std::clamp(owed_root_W, -most_root_W, most_root_W);

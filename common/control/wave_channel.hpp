@@ -90,7 +90,7 @@ class WaveReceiver {
     std::int64_t played_ = -1, newest_ = -1;
     bool fresh_ = false;
     WaveBurst latest_;
-    double sum_out_root_Ws_ = 0, energy_out_J_ = 0;
+    double sum_out_root_W_s_ = 0, energy_out_J_ = 0;
     std::uint64_t missing_ = 0;
 };
 

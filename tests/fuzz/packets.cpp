@@ -141,7 +141,7 @@ bool plausible_body(const DeviceFault& m) { return m.words().size() < m.text.siz
 bool plausible_waves(const WaveBurst& m) {
     return std::all_of(m.wave_root_W.begin(), m.wave_root_W.end(),
                        [](double wave_root_W) { return within(wave_root_W, -1e6, 1e6); }) &&
-           within(m.sum_root_Ws, -1e12, 1e12) && within(m.energy_J, 0, 1e12) && m.count <= WaveBurst::kMost;
+           within(m.sum_root_W_s, -1e12, 1e12) && within(m.energy_J, 0, 1e12) && m.count <= WaveBurst::kMost;
 }
 bool plausible_body(const NeedleWave& m) { return plausible_body(m.command) && plausible_waves(m.waves); }
 bool plausible_body(const ForceWave& m) { return plausible_body(m.feedback) && plausible_waves(m.waves); }

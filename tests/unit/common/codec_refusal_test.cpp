@@ -54,7 +54,7 @@ struct alignas(8) ZeroHeader {
     std::array<std::uint8_t, 32> bytes{};
 };
 struct alignas(8) ZeroBody {  // as large as the largest
-    std::array<std::uint8_t, 168> bytes{};
+    std::array<std::uint8_t, 176> bytes{};
 };
 constexpr flatbuffers::voffset_t kHeaderField = 4;
 // All but the device fault, of which two have no room in a datagram.
@@ -258,7 +258,7 @@ TEST(CodecRefusal, WavesThatNoHandMakes) {
     EXPECT_EQ(verdict_after([](WaveBurst& w) { w.wave_root_W[7] = -2e6; }), Refusal::kOutOfRange);
     EXPECT_EQ(verdict_after([](WaveBurst& w) { w.wave_root_W[7] = kNaN; }), Refusal::kNotFinite);
     EXPECT_EQ(verdict_after([](WaveBurst& w) { w.energy_J = -1; }), Refusal::kOutOfRange);
-    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.sum_root_Ws = 2e12; }), Refusal::kOutOfRange);
+    EXPECT_EQ(verdict_after([](WaveBurst& w) { w.sum_root_W_s = 2e12; }), Refusal::kOutOfRange);
 }
 
 TEST(CodecRefusal, NotFiniteBeatsOutOfRange) {

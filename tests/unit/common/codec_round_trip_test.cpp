@@ -112,7 +112,7 @@ ReplayState draw_replay() {
 WaveBurst draw_waves() {
     WaveBurst waves;
     for (double& wave_root_W : waves.wave_root_W) wave_root_W = draw(1e6);
-    waves.sum_root_Ws = draw(1e12);
+    waves.sum_root_W_s = draw(1e12);
     waves.energy_J = draw(0, 1e12);
     waves.number = draw_bits<std::uint32_t>();
     waves.count = *rc::gen::inRange(0U, 9U);
