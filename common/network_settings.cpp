@@ -59,8 +59,8 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
 }
 
 std::vector<std::string_view> session_tables() {
-    return {"network", "session",   "trial",   "protocol", "dataset",     "tissue",
-            "fixture", "slave_sim", "master",  "handle",   "operator",    "cutaneous",
+    return {"network", "session",   "trial",   "protocol", "dataset",      "tissue",
+            "fixture", "slave_sim", "master",  "handle",   "operator",     "cutaneous",
             "visual",  "netem",     "runtime", "launch",   "instructions", "log"};
 }
 

@@ -27,7 +27,9 @@ class Sockets {
     // Arrivals are stamped: clocks are compared here.
     Channel* between(Port local, Port remote);
     // Listens at `local` to the host of `sender` only.
-    Channel* inlet(Port local, Role sender) { return data(*open(settings_.at(local), {settings_.host(sender), 0}), local); }
+    Channel* inlet(Port local, Role sender) {
+        return data(*open(settings_.at(local), {settings_.host(sender), 0}), local);
+    }
     // Sends to `remote`, listens to nobody.
     Channel* outlet(Port remote) { return data(*open(std::nullopt, settings_.at(remote)), remote); }
 
