@@ -16,9 +16,9 @@ namespace thimble {
 class ByteQueue {
   public:
     struct Entry {
-        std::uint32_t size;  // of the bytes behind it
-        std::uint16_t tag;   // what they are, in their writer's words
-        std::int64_t time_ns;
+        std::uint32_t size = 0;  // of the bytes behind it
+        std::uint16_t tag = 0;   // what they are, in their writer's words
+        std::int64_t time_ns = 0;
     };
 
     // A power of two, in bytes. All of it is touched now, so that no page is asked for later.
@@ -53,7 +53,7 @@ class ByteQueue {
         std::uint64_t head = head_.load(std::memory_order_relaxed);
         const std::uint64_t tail = tail_.load(std::memory_order_acquire);
         while (head != tail) {
-            Entry entry;
+            Entry entry{};
             std::memcpy(&entry, at(head), sizeof entry);
             if (entry.size == kSkip) {
                 head += capacity_ - offset(head);

@@ -34,6 +34,12 @@ constexpr std::array<const char*, kPortCount> kTopics{
     "/session/monitor/experimenter",
     "/visual/order",
     "/session/monitor/player",
+    "/stop/session",
+    "/stop/master",
+    "/stop/slave_sim",
+    "/stop/cutaneous",
+    "/stop/visual",
+    "/stop/netem",
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,7 +34,8 @@ struct HdfColumn {
             kind = value.index();
             std::visit(
                 [&](const auto& v) {
-                    std::memcpy(bytes.data() + at, &v, std::min(sizeof v, sizeof(double)));
+                    if constexpr (std::is_arithmetic_v<std::decay_t<decltype(v)>>)
+                        std::memcpy(bytes.data() + at, &v, sizeof v);
                 },
                 value);
         }

@@ -56,9 +56,6 @@ Hdf5Library::Hdf5Library() {
     text = constant("H5T_C_S1_g");
 }
 
-// It tidies up when the program ends, and must be there then.
-Hdf5Library::~Hdf5Library() = default;
-
 void* Hdf5Library::symbol(const char* name) const {
     void* found = dlsym(library_, name);
     if (found != nullptr) return found;

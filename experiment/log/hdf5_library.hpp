@@ -15,7 +15,7 @@ class Hdf5Library {
 
     // Throws Error (run failed), with what to install, if there is none.
     Hdf5Library();
-    ~Hdf5Library();
+    ~Hdf5Library() = default;  // the library tidies up when the program ends, and must be there then
     Hdf5Library(const Hdf5Library&) = delete;
     Hdf5Library& operator=(const Hdf5Library&) = delete;
 
