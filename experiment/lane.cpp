@@ -253,8 +253,7 @@ void Lane::close_trial() {
     } else if (is_stop(record.reason)) {
         halted_ = true;
         result_.code = ExitCode::kRunFailed;
-        result_.problem =
-            fmt::format("{}: {}", outcome_text(record.reason, record.lost_peer), record.fault);
+        result_.problem = fmt::format("{}: {}", outcome_text(record.reason, record.lost_peer), record.fault);
         // Nodes that go on running without us hold it.
         if (!plan_.starter) result_.problem += fmt::format("; {}", kHowToRelease);
     } else if (record.reason == EndReason::kDeviceFault) {
