@@ -142,7 +142,8 @@ TEST(PortTraffic, OnlyThePortsOfProgramsThatAreThere) {
     EXPECT_EQ(ports_on(network, "127.0.0.1").size(), kPortCount);
     EXPECT_EQ(ports_on(network, "elsewhere").size(), kPortCount);  // the file says nothing about it
     network.hosts[static_cast<std::size_t>(Role::kSlaveSim)] = "10.0.0.2";
-    EXPECT_EQ(ports_on(network, "10.0.0.2"), (std::vector{Port::kSlaveControl, Port::kSlaveNeedle}));
+    EXPECT_EQ(ports_on(network, "10.0.0.2"),
+              (std::vector{Port::kSlaveControl, Port::kSlaveNeedle, Port::kSlaveStop}));
 }
 
 }  // namespace
