@@ -53,7 +53,9 @@ void KeyRing::tick(SessionTime now) {
         ends_->forget_before();
         forget_at_ = kNever;
     }
-    if (ends_->most_packets() >= times_.renew_packets) control_->renew();
+    if (ends_->most_packets() < times_.renew_packets || now < next_renewal_) return;
+    control_->renew();
+    next_renewal_ = now + times_.grace;  // the new keys are on their way
 }
 
 // A session repeats itself until it has our receipt; what it said before is not taken again, or replays could follow.

@@ -36,7 +36,7 @@ class KeyRing {
     FlowEnds* ends_;
     SecurePair* control_;
     SecurityTimes times_;
-    SessionTime now_{}, forget_at_ = kNever;
+    SessionTime now_{}, forget_at_ = kNever, next_renewal_{};
     bool holds_ = false;
     KeyGrant grant_;
     KeyText text_{};

@@ -198,6 +198,23 @@ TEST(FlowKeys, AreRenewedWithoutLoss) {
     EXPECT_EQ(received(*rig.needle_in), "");
 }
 
+TEST(FlowKeys, AreRenewedAfterSoManyDatagrams) {
+    SecurityTimes times;
+    times.renew_packets = 1000;
+    Rig rig(times);
+    rig.turn();
+    for (int i = 0; i < 3500; ++i) {
+        ASSERT_EQ(rig.across("needle"), "needle") << i;
+        if (i % 20 == 0) {
+            for (Channel* channel : rig.session) channel->send(bytes_of("alive"));
+        }
+        rig.turn(milliseconds{1});
+    }
+    EXPECT_LE(read_seal_header(rig.needle.a.said.back())->counter, 1010U);
+    // Three times by the master; each other node began once.
+    EXPECT_EQ(rig.desk->counters().handshakes, 3U + 3U);
+}
+
 TEST(FlowKeys, RenewalGoesOnWhenANodeIsGone) {
     Rig rig;
     rig.turn();
