@@ -84,7 +84,7 @@ void MasterProcess::take_forces(SessionTime now) {
             now, *channels_.force_in, running(), trial(),
             [&](const Header&, const ForceFeedback& feedback) { take_force(now, feedback); });
     }
-    if (running()) fade(now, now - force_flow_.last_accepted());
+    if (running()) fade(now);
 }
 
 void MasterProcess::take_force(SessionTime now, const ForceFeedback& feedback) {
@@ -95,17 +95,28 @@ void MasterProcess::take_force(SessionTime now, const ForceFeedback& feedback) {
         return apply(now, asked_force_N_);
     }
     node_.control().take(feedback);
-    if (now == sampled_) apply(now, node_.control().force_N());
+    if (now == sampled_) apply(now, share(now) * node_.control().force_N());
 }
 
-void MasterProcess::fade(SessionTime now, Duration silence) {
+// How much of its force the handle is given: all of it while news come. A remedy that brakes by itself fades as well.
+double MasterProcess::share(SessionTime now) const {
     const StalePolicy& stale = node_.settings().stale;
     // What has waited while this program stood still says nothing about now.
+    if (since_last_tick() > stale.after) return 0;
+    return stale.share(now - force_flow_.last_accepted());
+}
+
+void MasterProcess::fade(SessionTime now) {
+    const StalePolicy& stale = node_.settings().stale;
     const bool stood_still = since_last_tick() > stale.after;
     if (stood_still) asked_force_N_ = 0;
-    if (!stood_still && !stale.stale(silence)) return;
-    if (node_.control().active()) node_.control().forget();
-    if (stood_still || !node_.control().active()) apply(now, asked_force_N_ * stale.share(silence));
+    if (!stood_still && !stale.stale(now - force_flow_.last_accepted())) return;
+    if (node_.control().active()) {
+        node_.control().forget();
+        if (share(now) == 0) apply(now, 0);
+    } else {
+        apply(now, asked_force_N_ * share(now));
+    }
 }
 
 // Nothing reaches the handle but through the guard; what lets go of it (end_trial) needs none.
@@ -126,7 +137,7 @@ void MasterProcess::sample(SessionTime now) {
         send_needle(now, node_.sample(now, handle));
         energy_.add(handle);
         sampled_ = now;
-        if (node_.control().active()) apply(now, node_.control().force_N());
+        if (node_.control().active()) apply(now, share(now) * node_.control().force_N());
         ++samples_;
     }
     next_sample_ += node_.settings().sample_period;

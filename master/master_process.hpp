@@ -61,7 +61,8 @@ class MasterProcess final : public NodeProcess {
     void sample(SessionTime now);
     void send_needle(SessionTime now, const NeedleCommand& command);
     void apply(SessionTime now, double force_hand_N);
-    void fade(SessionTime now, Duration silence);
+    double share(SessionTime now) const;
+    void fade(SessionTime now);
 
     Channels channels_;
     MasterNode node_;

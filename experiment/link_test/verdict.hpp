@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "common/messages.hpp"
-#include "experiment/critical_delay.hpp"
+#include "experiment/stability/critical_delay.hpp"
 #include "experiment/link_test/link_figures.hpp"
 #include "experiment/system_settings.hpp"
 
