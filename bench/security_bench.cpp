@@ -31,18 +31,18 @@ BENCHMARK(security_seal)->Arg(104)->Arg(144);
 
 // Sealed beforehand: each opens once.
 void security_open(benchmark::State& state) {
-    constexpr std::size_t kFloodBatch = 1000;
+    constexpr std::size_t kSealedAtOnce = 1000;
     Sealer sealer;
     sealer.arm(bench_key());
     const std::vector<std::uint8_t> text(static_cast<std::size_t>(state.range(0)), 1);
     Opener opener;
     opener.arm(bench_key());
-    std::vector<std::vector<std::uint8_t>> sealed(kFloodBatch);
+    std::vector<std::vector<std::uint8_t>> sealed(kSealedAtOnce);
     std::array<std::uint8_t, kMaxDatagramBytes> out{};
     SecurityCounters counters;
-    std::size_t next = kFloodBatch;
+    std::size_t next = kSealedAtOnce;
     for (auto _ : state) {
-        if (next == kFloodBatch) {
+        if (next == kSealedAtOnce) {
             state.PauseTiming();
             for (auto& one : sealed) {
                 const Bytes bytes = sealer.seal(PacketKind::kData, Port::kSlaveNeedle, text);
