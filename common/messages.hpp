@@ -274,9 +274,9 @@ struct StopOrder {
 };
 
 // Order as in Packet of messages.fbs.
-using Body = std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe,
-                          ClockReply, HandInput, Monitor, Order, Page, ReplayState, DeviceFault, NeedleWave,
-                          ForceWave, StopOrder>;
+using Body =
+    std::variant<NeedleCommand, ForceFeedback, Percept, SessionControl, Heartbeat, ClockProbe, ClockReply,
+                 HandInput, Monitor, Order, Page, ReplayState, DeviceFault, NeedleWave, ForceWave, StopOrder>;
 
 struct Message {
     Header header;

@@ -112,6 +112,8 @@ class Lane {
         Security* security_;
     };
 
+    static constexpr Duration kPoll = std::chrono::milliseconds{20};  // look after children, stop requests
+
     std::string why_silent() const;
 
     SessionProcess::Channels open_channels();
@@ -131,7 +133,7 @@ class Lane {
     void close_clocks();
     void launch();
     void end_nodes();
-    void start_node(std::size_t node);
+    std::unique_ptr<RunningNode> start_node(std::size_t node);
     void hear_stop_key();
     std::optional<std::size_t> dead_node();
     void throw_if_dead();

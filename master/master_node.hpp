@@ -12,8 +12,8 @@
 #include "common/stale_policy.hpp"
 #include "common/velocity_estimator.hpp"
 #include "master/devices/haptic_device.hpp"
-#include "master/handle_control.hpp"
 #include "master/force_guard.hpp"
+#include "master/handle_control.hpp"
 
 namespace thimble {
 

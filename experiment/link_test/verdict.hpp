@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "common/messages.hpp"
-#include "experiment/stability/critical_delay.hpp"
 #include "experiment/link_test/link_figures.hpp"
+#include "experiment/stability/critical_delay.hpp"
 #include "experiment/system_settings.hpp"
 
 namespace thimble {

@@ -26,7 +26,8 @@ std::vector<std::pair<std::int64_t, std::string>> enum_names(const reflection::S
     return names;
 }
 
-// Fields of a struct in the order of its bytes; a struct within it gives its own, which is a name of text here.
+// Fields of a struct in the order of its bytes. A struct within it gives its own; one that has a single field (a text) has the
+// name under which it stands there.
 void add_fields(const reflection::Schema& schema, const reflection::Object& object, std::size_t start,
                 const std::string& only_name, std::vector<PacketField>& fields) {
     std::vector<const reflection::Field*> ordered(object.fields()->begin(), object.fields()->end());
@@ -37,8 +38,8 @@ void add_fields(const reflection::Schema& schema, const reflection::Object& obje
         const std::size_t offset = start + field->offset();
         const std::string name = only_name.empty() ? field->name()->str() : only_name;
         if (type.base_type() == BaseType::Obj) {
-            add_fields(schema, *schema.objects()->Get(static_cast<unsigned>(type.index())), offset, name,
-                       fields);
+            const auto& inner = *schema.objects()->Get(static_cast<unsigned>(type.index()));
+            add_fields(schema, inner, offset, inner.fields()->size() == 1 ? name : "", fields);
         } else if (type.base_type() != BaseType::Array) {
             fields.push_back({name, offset, type.base_type(), 0, enum_names(schema, type)});
         } else if (type.element() == BaseType::UByte) {

@@ -16,8 +16,8 @@ namespace {
 
 // Below the range from which the kernel draws ports for sockets that did not ask for one.
 constexpr unsigned kFirstPort = 10000;
-constexpr unsigned kPortsPerBlock = 64;
-constexpr unsigned kBlocks = 300;
+constexpr unsigned kPortsPerBlock = 128;
+constexpr unsigned kBlocks = 150;
 
 std::unique_ptr<UdpChannel> listen_at(unsigned port) {
     return std::make_unique<UdpChannel>(Endpoint{"127.0.0.1", static_cast<std::uint16_t>(port)},

@@ -33,7 +33,8 @@ TEST(Criterion, IsCappedByTheRangeOfTheDisplayInUse) {
 TEST(Perception, EachModalityHasItsOwnStimulus) {
     const Percept percept{.force_N = 1.0, .bar_N = 5.0};
     EXPECT_EQ(calm(Modality::kHF).sense(3.0, {.bar_N = 5.0}).signal_N, 3.0);
-    EXPECT_EQ(calm(Modality::kHF).sense(3.0, percept).signal_N, 4.0) << "hand and skin, where both get a share";
+    EXPECT_EQ(calm(Modality::kHF).sense(3.0, percept).signal_N, 4.0)
+        << "hand and skin, where both get a share";
     EXPECT_EQ(calm(Modality::kCF).sense(3.0, percept).signal_N, 1.0);
     EXPECT_EQ(calm(Modality::kCCF).sense(3.0, percept).signal_N, 1.0);
     EXPECT_EQ(calm(Modality::kVF).sense(3.0, percept).signal_N, 5.0);
