@@ -16,7 +16,7 @@ namespace thimble {
 namespace {
 
 struct StudiedHand {
-    const char* name;
+    const char* name = "";
     HeldMass hand;
 };
 constexpr std::array<StudiedHand, 5> kStudiedHands{{{"A light pinch", {0.15, 3, 300}},

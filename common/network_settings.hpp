@@ -67,8 +67,8 @@ inline constexpr auto kEveryPort = [] {
 
 // Who listens at a port, to whom and for what. The table of docs/machines.md is made of these.
 struct Flow {
-    Role listens, hears;
-    const char* what;
+    Role listens = Role::kSession, hears = Role::kSession;
+    const char* what = "";
     bool from_all = false;  // the machines of every role are heard, not only that of `hears`
 };
 const Flow& flow(Port port);

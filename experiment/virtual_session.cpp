@@ -132,7 +132,7 @@ void VirtualSession::Parts::wire() {
     for (QueuePipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
 }
 
-VirtualSession::VirtualSession(const SystemSettings& settings, std::shared_ptr<const LabKey> lab)
+VirtualSession::VirtualSession(const SystemSettings& settings, const std::shared_ptr<const LabKey>& lab)
     : parts_(std::make_unique<Parts>(settings, lab)) {}
 VirtualSession::~VirtualSession() = default;
 

@@ -14,7 +14,8 @@ namespace thimble {
 class VirtualSession {
   public:
     // With a lab key, its channels are protected as they are between real processes.
-    explicit VirtualSession(const SystemSettings& settings, std::shared_ptr<const LabKey> lab = nullptr);
+    explicit VirtualSession(const SystemSettings& settings,
+                            const std::shared_ptr<const LabKey>& lab = nullptr);
     ~VirtualSession();
 
     // Runs one trial to its end, over the network of the settings.

@@ -54,7 +54,7 @@ class KeyDesk {
 
   private:
     struct Member {
-        SecurePair* pair;
+        SecurePair* pair = nullptr;
         std::uint32_t generation = 0;
         std::uint32_t first_epoch = 0;  // that it may be given
         KeyReceipt receipt{};

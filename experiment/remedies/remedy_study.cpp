@@ -145,9 +145,10 @@ void fill(RemedyRow& row, const std::vector<Trial>& trials, double true_N_per_m)
 }
 
 std::vector<RemedyCondition> chosen(const SystemSettings& settings, const std::vector<std::string>& names) {
-    const std::vector<RemedyCondition> all = remedy_conditions(settings);
+    std::vector<RemedyCondition> all = remedy_conditions(settings);
     if (names.empty()) return all;
     std::vector<std::string> known;
+    known.reserve(all.size());
     for (const RemedyCondition& condition : all) known.push_back(condition.name);
     for (const std::string& name : names) {
         if (std::find(known.begin(), known.end(), name) == known.end())
@@ -166,6 +167,7 @@ std::vector<RemedyCondition> chosen(const SystemSettings& settings, const std::v
 
 std::vector<RemedyCondition> remedy_conditions(const SystemSettings& settings) {
     std::vector<RemedyCondition> conditions;
+    conditions.reserve(kModalities.size() + kRemedyNames.size());
     for (const Modality modality : kModalities) conditions.push_back({to_string(modality), modality, {}});
     for (std::size_t i = 1; i < kRemedyNames.size(); ++i) {
         ControlSettings control;

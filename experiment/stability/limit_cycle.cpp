@@ -120,8 +120,8 @@ NeededDamping needed_damping(const DelayedLoop& loop, double delay_s) {
     const auto excess = [&](double w) { return m * w * w - k - K * std::cos(w * delay_s); };
     const double last = std::sqrt((k + K) / m) * (1 + 1e-12);
     constexpr double kPerTurn = 64;
-    constexpr double kMostTurned_rad = 1e6;
-    if (last * delay_s > kMostTurned_rad) {
+    constexpr double kMostTurnedForFriction_rad = 1e6;
+    if (last * delay_s > kMostTurnedForFriction_rad) {
         throw Error(ExitCode::kUsage,
                     "stability: for friction, delay times frequency must stay below 1e6 rad");
     }
