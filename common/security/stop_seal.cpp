@@ -61,7 +61,7 @@ Bytes StopSeal::take() {
 }
 
 Bytes StopSeal::judge(Bytes datagram) {
-    const bool ours = datagram.size() > kHeaderBytes + kCodeBytes &&
+    const bool ours = datagram.size() > kHeaderBytes + kCodeBytes && datagram.size() <= kMaxDatagramBytes &&
                       std::equal(kStopMagic.begin(), kStopMagic.end(), datagram.begin());
     if (!ours) {
         ++counters_.unsealed;
@@ -74,7 +74,8 @@ Bytes StopSeal::judge(Bytes datagram) {
     }
     std::uint64_t made_ns = 0;
     for (std::size_t i = 0; i < 8; ++i) made_ns |= std::uint64_t{datagram[2 + i]} << (8 * i);
-    const Bytes text = said.subspan(kHeaderBytes);
+    const auto end = std::copy(said.begin() + kHeaderBytes, said.end(), text_.begin());
+    const Bytes text{text_.data(), static_cast<std::size_t>(end - text_.begin())};
     if (too_old(text, static_cast<std::int64_t>(made_ns))) {
         ++counters_.replayed;
         return {};

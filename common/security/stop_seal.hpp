@@ -36,6 +36,7 @@ class StopSeal final : public Channel {
     std::shared_ptr<const LabKey> lab_;
     RealtimeClock realtime_ns_;
     SecurityCounters counters_;
+    alignas(16) std::array<std::uint8_t, kMaxDatagramBytes> text_{};  // where a message may be read
     Message message_;
 };
 
