@@ -107,7 +107,6 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     read_network_settings(file);
     read_runtime_settings(file);
     s.master = read_master_settings(file);
-    s.master.control = read_control_settings(file.table("control"));
     s.handle = read_handle_settings(file.table("handle"));
     s.person = read_operator_parameters(file.table("operator"));
     s.slave = read_slave_settings(file);

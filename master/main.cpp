@@ -37,20 +37,14 @@ void await_user(OpenHandle& handle, Duration limit) {
         throw Error(ExitCode::kRunFailed, std::string(handle.device().fault()));
 }
 
-MasterSettings master_settings(const ConfigFile& file) {
-    MasterSettings settings = read_master_settings(file.table("master"));
-    settings.control = read_control_settings(file.table("control"));
-    return settings;
-}
-
 class Master final : public NodeInstance {
   public:
     Master(const ConfigFile& file, Sockets& sockets, std::uint64_t instance, const HandleSettings& settings)
         : user_limit_(user_limit(settings)),
           handle_(open_handle(settings, read_operator_parameters(file.table("operator")),
                               read_runtime_settings(file))),
-          stale_(read_master_settings(file).stale.text()),
-          process_(instance, master_settings(file),
+          settings_(read_master_settings(file)),
+          process_(instance, settings_,
                    {sockets.between(Port::kMasterControl, Port::kSessionMaster),
                     sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
                     sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
@@ -67,7 +61,7 @@ class Master final : public NodeInstance {
     void describe(nlohmann::ordered_json& report) const override {
         report["samples"] = process_.samples();
         report["samples_skipped"] = process_.samples_skipped();
-        report["stale"] = stale_;
+        report["stale"] = settings_.stale.text();
         report["guard"] = {{"tripped", process_.guard().tripped()},
                            {"words", process_.guard().words()},
                            {"cut", process_.guard().cut()},
@@ -80,7 +74,7 @@ class Master final : public NodeInstance {
   private:
     Duration user_limit_;
     std::unique_ptr<OpenHandle> handle_;
-    std::string stale_;
+    MasterSettings settings_;
     MasterProcess process_;
 };
 

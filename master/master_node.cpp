@@ -25,6 +25,7 @@ MasterSettings read_master_settings(const ConfigTable& table) {
 MasterSettings read_master_settings(const ConfigFile& file) {
     MasterSettings s = read_master_settings(file.table("master"));
     s.guard = read_guard_settings(file.table("guard"));
+    s.control = read_control_settings(file.table("control"));
     if (s.force_limit_N > s.guard.force_limit_N && file.table("master").has("force_limit_N")) {
         file.table("master").fail(
             "force_limit_N",

@@ -29,7 +29,7 @@ struct MasterSettings {
     ControlSettings control{};  // of table [control], in HF
 };
 
-// Table [master], and with it [guard]; throws Error (usage).
+// Table [master], and with it [guard] and [control]; throws Error (usage).
 MasterSettings read_master_settings(const ConfigTable& table);
 MasterSettings read_master_settings(const ConfigFile& file);
 

@@ -79,6 +79,20 @@ TEST(RealFaults, OutOfFileDescriptors) {
     }
 }
 
+// The guard of a session file is the one before the real program's handle.
+TEST(Guard, TripsInTheRealProgramAsTheSessionFileSays) {
+    SessionFile session;
+    session.delays_s = "[0.05]";
+    session.contact_hold_s = kEndlessHold_s;
+    session.more = "[guard]\nenergy_limit_J = 0.001\n";
+    RealRun run(session);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("[guard] energy_limit_J is 0.001"));
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().reason, EndReason::kSafetyStop);
+}
+
 TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
     SessionFile session;
     session.contact_hold_s = kEndlessHold_s;
