@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "common/security/flow_roles.hpp"
+#include "common/security/keyed_hash.hpp"
 
 namespace thimble {
 namespace {
@@ -14,34 +15,6 @@ constexpr std::size_t kCodeBytes = 16;
 constexpr std::size_t kOwnAt = kSealHeaderBytes, kOtherAt = kOwnAt + 32, kCodeAt = kOtherAt + 32,
                       kProofAt = kCodeAt + kCodeBytes;
 static_assert(kProofAt + kCodeBytes == kHandshakeBytes);
-
-// Keyed BLAKE2b of several parts, each of fixed length or the last one.
-class KeyedHash {
-  public:
-    KeyedHash(std::span<const std::uint8_t> key, std::size_t size) : size_(size) {
-        crypto_generichash_init(&state_, key.data(), key.size(), size);
-    }
-    ~KeyedHash() { sodium_memzero(&state_, sizeof state_); }
-    KeyedHash(const KeyedHash&) = delete;
-    KeyedHash& operator=(const KeyedHash&) = delete;
-
-    KeyedHash& add(std::span<const std::uint8_t> part) {
-        crypto_generichash_update(&state_, part.data(), part.size());
-        return *this;
-    }
-    KeyedHash& add(std::string_view words) {
-        return add({reinterpret_cast<const std::uint8_t*>(words.data()), words.size()});
-    }
-    KeyedHash& add(Port port) {
-        const auto number = static_cast<std::uint8_t>(port);
-        return add({&number, 1});
-    }
-    void finish(std::span<std::uint8_t> out) { crypto_generichash_final(&state_, out.data(), size_); }
-
-  private:
-    std::size_t size_;
-    crypto_generichash_state state_{};
-};
 
 using Code = std::array<std::uint8_t, kCodeBytes>;
 

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <sodium.h>
 
+#include "common/security/byte_order.hpp"
+
 namespace thimble {
 namespace {
 
@@ -12,18 +14,6 @@ static_assert(kSealTagBytes == crypto_aead_chacha20poly1305_ietf_ABYTES);
 static_assert(kKeyBytes == crypto_aead_chacha20poly1305_ietf_KEYBYTES);
 
 using Nonce = std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES>;
-
-template <class Number>
-void write_little_endian(Number number, std::uint8_t* out) {
-    for (std::size_t i = 0; i < sizeof number; ++i) out[i] = static_cast<std::uint8_t>(number >> (8 * i));
-}
-
-template <class Number>
-Number read_little_endian(const std::uint8_t* in) {
-    Number number = 0;
-    for (std::size_t i = 0; i < sizeof number; ++i) number |= static_cast<Number>(Number{in[i]} << (8 * i));
-    return number;
-}
 
 Nonce nonce_of(std::uint64_t counter) {
     Nonce nonce{};

@@ -1,21 +1,11 @@
 #include "common/security/secure_flow.hpp"
 
+#include "common/security/refusing_receive.hpp"
+
 namespace thimble {
-namespace {
-
-// As in a SecurePair: a flood waits for the next tick.
-constexpr int kMostRefusedInFlow = 64;
-
-}  // namespace
 
 Bytes SecureInlet::take() {
-    for (int refused = 0; refused < kMostRefusedInFlow; ++refused) {
-        const Bytes datagram = wire_->receive();
-        if (datagram.empty()) return {};
-        const Bytes text = open(datagram);
-        if (!text.empty()) return text;
-    }
-    return {};
+    return receive_judged(*wire_, [this](Bytes datagram) { return open(datagram); });
 }
 
 Bytes SecureInlet::open(Bytes datagram) {

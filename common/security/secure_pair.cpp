@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/security/refusing_receive.hpp"
+
 namespace thimble {
 namespace {
 
-// A flood of what is refused must not hold a tick: the rest waits for the next one.
-constexpr int kMostRefusedAtOnce = 64;
 // Then it says hello again: the offer may be of a session that is gone. The answer may also be long under way, so its keys stay.
 constexpr int kMostAccepts = 3;
 constexpr Duration kForeignAnswerPeriod = std::chrono::milliseconds{250};
@@ -71,13 +71,7 @@ void SecurePair::send_sealed(PacketKind kind, Bytes text) {
 }
 
 Bytes SecurePair::take() {
-    for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {
-        const Bytes datagram = wire_->receive();
-        if (datagram.empty()) return {};
-        const Bytes text = judge(datagram);
-        if (!text.empty()) return text;
-    }
-    return {};
+    return receive_judged(*wire_, [this](Bytes datagram) { return judge(datagram); });
 }
 
 // What is for whoever reads this channel; empty: it was not, and has been dealt with.

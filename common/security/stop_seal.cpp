@@ -1,30 +1,22 @@
 #include "common/security/stop_seal.hpp"
 
 #include <algorithm>
-#include <cstdlib>
-#include <cstring>
-#include <sodium.h>
 #include <variant>
 
 #include "common/codec.hpp"
+#include "common/security/byte_order.hpp"
+#include "common/security/keyed_hash.hpp"
+#include "common/security/refusing_receive.hpp"
 
 namespace thimble {
 namespace {
 
 constexpr std::array<std::uint8_t, 2> kStopMagic{'T', 'S'};
-constexpr int kMostRefusedStops = 64;  // as in a SecurePair
 using StopCode = std::array<std::uint8_t, StopSeal::kCodeBytes>;
 
 StopCode code_of_stop(const LabKey& lab, Bytes said) {
-    constexpr std::array<std::uint8_t, 19> kLabel{'t', 'h', 'i', 'm', 'b', 'l', 'e', '-', '1', ' ',
-                                                  's', 't', 'o', 'p', ' ', 'l', 'i', 'n', 'e'};
     StopCode code{};
-    crypto_generichash_state state;
-    crypto_generichash_init(&state, lab.bytes().data(), lab.bytes().size(), code.size());
-    crypto_generichash_update(&state, kLabel.data(), kLabel.size());
-    crypto_generichash_update(&state, said.data(), said.size());
-    crypto_generichash_final(&state, code.data(), code.size());
-    sodium_memzero(&state, sizeof state);
+    KeyedHash(lab.bytes(), code.size()).add("thimble-1 stop line").add(said).finish(code);
     return code;
 }
 
@@ -40,8 +32,7 @@ void StopSeal::send(Bytes datagram) {
     }
     std::array<std::uint8_t, kMaxDatagramBytes> bytes{};
     std::copy(kStopMagic.begin(), kStopMagic.end(), bytes.begin());
-    const auto now_ns = static_cast<std::uint64_t>(realtime_ns_());
-    for (std::size_t i = 0; i < 8; ++i) bytes[2 + i] = static_cast<std::uint8_t>(now_ns >> (8 * i));
+    write_little_endian(static_cast<std::uint64_t>(realtime_ns_()), &bytes[kStopMagic.size()]);
     const auto end = std::copy(datagram.begin(), datagram.end(), bytes.begin() + kHeaderBytes);
     const Bytes said{bytes.data(), kHeaderBytes + datagram.size()};
     const StopCode code = code_of_stop(*lab_, said);
@@ -51,13 +42,7 @@ void StopSeal::send(Bytes datagram) {
 }
 
 Bytes StopSeal::take() {
-    for (int refused = 0; refused < kMostRefusedStops; ++refused) {
-        const Bytes datagram = wire_->receive();
-        if (datagram.empty()) return {};
-        const Bytes text = judge(datagram);
-        if (!text.empty()) return text;
-    }
-    return {};
+    return receive_judged(*wire_, [this](Bytes datagram) { return judge(datagram); });
 }
 
 Bytes StopSeal::judge(Bytes datagram) {
@@ -72,8 +57,7 @@ Bytes StopSeal::judge(Bytes datagram) {
         ++counters_.forged;
         return {};
     }
-    std::uint64_t made_ns = 0;
-    for (std::size_t i = 0; i < 8; ++i) made_ns |= std::uint64_t{datagram[2 + i]} << (8 * i);
+    const auto made_ns = read_little_endian<std::uint64_t>(&datagram[kStopMagic.size()]);
     const auto end = std::copy(said.begin() + kHeaderBytes, said.end(), text_.begin());
     const Bytes text{text_.data(), static_cast<std::size_t>(end - text_.begin())};
     if (too_old(text, static_cast<std::int64_t>(made_ns))) {
