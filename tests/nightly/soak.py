@@ -15,7 +15,7 @@ import tempfile
 import time
 
 SESSION = """[session]
-modalities = ["CF", "VF"]
+modalities = ["CF", "CCF", "VF"]
 [network]
 base_port = {port}
 [protocol]
@@ -23,8 +23,6 @@ experiments = [1]
 trials_per_modality = {trials}
 practice_trials = 0
 break_every = 0
-[trial]
-contact_hold_s = 2
 [netem.needle]
 delay_s = 0.002
 jitter = "uniform"
@@ -36,7 +34,7 @@ jitter = "gamma"
 jitter_spread_s = 0.001
 loss = 0.01
 """
-TRIAL_S = 10  # about, of these
+MODALITIES, TRIAL_S = 3, 13  # a trial of these lasts about so long
 
 
 def resident_kib(pid):
@@ -113,7 +111,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="thimble-soak-") as folder:
         session = os.path.join(folder, "session.toml")
         with open(session, "w") as file:
-            file.write(SESSION.format(port=port, trials=max(1, round(seconds / (2 * TRIAL_S)))))
+            file.write(SESSION.format(port=port, trials=max(1, round(seconds / (MODALITIES * TRIAL_S)))))
         with open(os.path.join(folder, "words"), "w+") as words:
             run = subprocess.Popen([programs + "/thimble", "run", session, "--out", folder + "/data"],
                                    stdin=subprocess.DEVNULL, stdout=words, stderr=words)
@@ -122,7 +120,9 @@ def main():
             took = time.monotonic() - begin
             words.seek(0)
             said = words.read()
-        findings = [] if run.returncode == 0 else [f"thimble run ended with {run.returncode}"]
+        if run.returncode != 0:
+            raise SystemExit(f"{said[-3000:]}\nsoak: thimble run ended with {run.returncode}")
+        findings = []
         trials = [line for line in said.splitlines() if line.startswith("trial ")]
         bad = [line for line in trials if ": completed" not in line]
         findings += bad + ([] if trials else ["no trial was run"])
