@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -10,7 +11,7 @@
 #include "bench/network/window_errors.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/time.hpp"
-#include "experiment/trial_record.hpp"
+#include "experiment/lane.hpp"
 
 namespace thimble {
 
@@ -29,14 +30,18 @@ struct ChainSettings {
     std::filesystem::path scratch;   // for logs, reports and trajectories; must exist
     std::uint16_t base_port = 0;
     RuntimeSettings runtime;
-    Duration window{};  // after which the trial is ended; it may be over before
+    Duration window{};                // after which the trial is ended; it may be over before
+    std::filesystem::path lab_key{};  // empty: no protection
 };
 
 // Trials without delay in every modality, of subject 1 of the default session.
 std::vector<TrialConditions> chain_trials();
 
-// Starts the five nodes on loopback, runs one trial, ends them. Throws Error as run_lane does, and run failed if a stop
-// was requested (realtime_loop.hpp).
+// Starts the five nodes on loopback, runs one trial, ends them. `ended`, if there is one, is told of it. Throws Error as run_lane
+// does.
+LaneResult run_window(const ChainSettings& settings, const TrialConditions& trial,
+                      const std::function<void(const TrialRecord&)>& ended = {});
+// The same; throws Error, run failed, if a stop was requested (realtime_loop.hpp), and whatever else ended the trial.
 ChainRound run_chain(const ChainSettings& settings, const TrialConditions& trial);
 
 }  // namespace thimble
