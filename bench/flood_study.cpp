@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <ctime>
 #include <optional>
 #include <string>
-#include <time.h>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -97,7 +97,7 @@ struct FloodFigures {
     double missed_share() const { return deadlines > 0 ? missed / deadlines : 0; }
 };
 
-double median(std::vector<double> values) {
+double middle_of(std::vector<double> values) {
     if (values.empty()) return 0;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -116,24 +116,22 @@ void add_report(FloodFigures& figures, const Json& report) {
 }
 
 void add_window(FloodFigures& figures, FloodKind kind, const ChainSettings& settings, double rate_per_s) {
-    bool in_time = false;
     Flooder flooder(kind, settings.base_port, rate_per_s);
     const SessionTime begin = wall_now();
-    LaneResult result;
+    ChainWindow window;
     {
         std::optional<Helper> helper;
         if (kind != FloodKind::kNone)
             helper.emplace([&flooder](const std::atomic<bool>& stop) { flooder.run(stop); });
-        result = run_window(settings, chain_trials().front(), [&](const TrialRecord& record) {
-            in_time = record.reason == EndReason::kTimeout || record.reason == EndReason::kCompleted;
-        });
+        window = run_window(settings, chain_trials().front());
     }
     if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted");
     if (kind != FloodKind::kNone)
         figures.sent_per_s += static_cast<double>(flooder.sent()) / to_seconds(wall_now() - begin);
     ++figures.windows;
+    const bool in_time = window.reason == EndReason::kTimeout || window.reason == EndReason::kCompleted;
     figures.ended_early += in_time ? 0 : 1;
-    for (const Json& report : result.reports) {
+    for (const Json& report : window.reports) {
         if (report.is_object() && report.value("program", "") == "thimble-master")
             add_report(figures, report);
     }
@@ -141,7 +139,7 @@ void add_window(FloodFigures& figures, FloodKind kind, const ChainSettings& sett
 
 Json describe(const FloodFigures& f, const FloodFigures& quiet) {
     const auto ratio = [](double value, double without) { return without > 0 ? value / without : 0; };
-    const double late = median(f.lateness_p99_us), trip = median(f.round_trip_p99_us);
+    const double late = middle_of(f.lateness_p99_us), trip = middle_of(f.round_trip_p99_us);
     return {{"windows", f.windows},
             {"ended_early", f.ended_early},
             {"sent_per_s", f.windows > 0 ? f.sent_per_s / f.windows : 0},
@@ -151,8 +149,8 @@ Json describe(const FloodFigures& f, const FloodFigures& quiet) {
             {"lateness_p99_us", late},
             {"lateness_worst_us", f.worst_lateness_us},
             {"round_trip_p99_us", trip},
-            {"lateness_p99_ratio", ratio(late, median(quiet.lateness_p99_us))},
-            {"round_trip_p99_ratio", ratio(trip, median(quiet.round_trip_p99_us))}};
+            {"lateness_p99_ratio", ratio(late, middle_of(quiet.lateness_p99_us))},
+            {"round_trip_p99_ratio", ratio(trip, middle_of(quiet.round_trip_p99_us))}};
 }
 
 void say_table(const Json& one) {

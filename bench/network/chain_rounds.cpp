@@ -3,11 +3,13 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "experiment/lane.hpp"
 #include "experiment/launch/local_starter.hpp"
 #include "experiment/run.hpp"
 #include "experiment/system_settings.hpp"
@@ -80,17 +82,21 @@ ChainRound read_chain_round(const std::vector<Json>& reports) {
 
 std::vector<TrialConditions> chain_trials() { return run_trials_of(load_system_settings({}), 0); }
 
-LaneResult run_window(const ChainSettings& settings, const TrialConditions& trial,
-                      const std::function<void(const TrialRecord&)>& ended) {
+ChainWindow run_window(const ChainSettings& settings, const TrialConditions& trial) {
     const LanePlan plan = plan_of(settings, trial);
+    ChainWindow window;
     LaneEvents events;
-    events.trial_done = ended;
+    events.trial_done = [&window](const TrialRecord& record) { window.reason = record.reason; };
     events.stop = [] { return stop_requested().load(); };
-    return run_lane(plan, events);
+    LaneResult result = run_lane(plan, events);
+    window.code = result.code;
+    window.problem = std::move(result.problem);
+    window.reports = std::move(result.reports);
+    return window;
 }
 
 ChainRound run_chain(const ChainSettings& settings, const TrialConditions& trial) {
-    const LaneResult result = run_window(settings, trial);
+    const ChainWindow result = run_window(settings, trial);
     if (result.code != ExitCode::kOk) throw Error(result.code, result.problem);
     return read_chain_round(result.reports);
 }

@@ -3,15 +3,16 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "bench/network/window_errors.hpp"
+#include "common/error.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/time.hpp"
-#include "experiment/lane.hpp"
+#include "experiment/trial_record.hpp"
 
 namespace thimble {
 
@@ -37,10 +38,15 @@ struct ChainSettings {
 // Trials without delay in every modality, of subject 1 of the default session.
 std::vector<TrialConditions> chain_trials();
 
-// Starts the five nodes on loopback, runs one trial, ends them. `ended`, if there is one, is told of it. Throws Error as run_lane
-// does.
-LaneResult run_window(const ChainSettings& settings, const TrialConditions& trial,
-                      const std::function<void(const TrialRecord&)>& ended = {});
+struct ChainWindow {
+    ExitCode code = ExitCode::kOk;
+    std::string problem;  // why the trial ended early; empty if it did not
+    EndReason reason = EndReason::kNone;
+    std::vector<nlohmann::ordered_json> reports;
+};
+
+// Starts the five nodes on loopback, runs one trial, ends them. Throws Error as run_lane does.
+ChainWindow run_window(const ChainSettings& settings, const TrialConditions& trial);
 // The same; throws Error, run failed, if a stop was requested (realtime_loop.hpp), and whatever else ended the trial.
 ChainRound run_chain(const ChainSettings& settings, const TrialConditions& trial);
 
