@@ -1,18 +1,16 @@
 // thimble-bench chain: the round trip through the five real programs beside that of bare processes over as many hops,
 // window by window in one run (docs/network-relay.md).
-#include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "bench/network/bare_chain.hpp"
 #include "bench/network/chain_figures.hpp"
 #include "bench/network/chain_rounds.hpp"
+#include "bench/network/study_place.hpp"
 #include "bench/studies.hpp"
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
@@ -39,37 +37,6 @@ struct ChainOptions {
     bool json = false;
 };
 
-// Removed, with the nodes' logs, when this object goes.
-class Scratch {
-  public:
-    Scratch() {
-        std::string name = (fs::temp_directory_path() / "thimble_chain_XXXXXX").string();
-        if (mkdtemp(name.data()) == nullptr)
-            throw Error(ExitCode::kData, fmt::format("cannot make a folder like '{}': set TMPDIR", name));
-        path_ = name;
-    }
-    ~Scratch() {
-        std::error_code left;
-        fs::remove_all(path_, left);
-    }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-    const fs::path& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
-
-fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
-
-// On a thread of its own: this program itself is no node.
-bool is_granted(const RuntimeSettings& runtime) {
-    std::string refusal;
-    std::thread([&] { refusal = ask_for_realtime(runtime); }).join();
-    if (!refusal.empty()) spdlog::warn(refusal);
-    return refusal.empty();
-}
-
 WindowQuantiles ping_pong(const ChainSettings& settings) {
     const Histogram h =
         measure_ping_pong(settings.runtime, static_cast<int>(1e3 * to_seconds(settings.window)));
@@ -90,15 +57,6 @@ ChainFigures measure(const ChainSettings& settings, int rounds) {
     return figures;
 }
 
-std::vector<bool> schedulings(const ChainOptions& options) {
-    std::vector<bool> realtime;
-    if (options.scheduling != "default" && is_granted({})) realtime.push_back(true);
-    if (options.scheduling != "fifo") realtime.push_back(false);
-    if (realtime.empty())
-        throw Error(ExitCode::kRealtime, "SCHED_FIFO is not allowed here: leave --scheduling fifo out");
-    return realtime;
-}
-
 int run_chain_study(const ChainOptions& options) {
     install_stop_signals();
     const Scratch scratch;
@@ -108,7 +66,7 @@ int run_chain_study(const ChainOptions& options) {
     settings.base_port = static_cast<std::uint16_t>(options.base_port);
     settings.window = from_seconds(options.window_s);
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (const bool realtime : schedulings(options)) {
+    for (const bool realtime : schedulings(options.scheduling)) {
         settings.runtime.realtime_scheduling = realtime;
         const ChainFigures figures = measure(settings, options.rounds);
         if (!options.json) fmt::print("{}\n", figures.table());

@@ -19,8 +19,9 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 6> kStudies{{
+constexpr std::array<Study, 7> kStudies{{
     {"chain", "the round trip through all five programs beside bare processes", &chain_study},
+    {"flood", "deadlines of a node under forged datagrams beside those without", &flood_study},
     {"netem", "the relay beside the bare machine: lateness, throughput, round trip", &network_study},
     {"scene-cost", "what a scene costs, against the number of layers", &scene_cost_study},
     {"stability", "the delayed force loop: critical delay and stiffness, theory beside the running loop",

@@ -16,6 +16,10 @@ inline constexpr std::size_t kMaxDatagramBytes = 512;
 
 using Bytes = std::span<const std::uint8_t>;
 
+// So many datagrams that are refused, or only passed on, are taken from a channel in a row. A flood must not hold a tick: the rest
+// waits for the next one, which comes at once while there is mail.
+inline constexpr int kMostRefusedAtOnce = 64;
+
 class Channel {
   public:
     virtual ~Channel() = default;

@@ -32,7 +32,9 @@ const Message* InboundFlow::admit(SessionTime now, Bytes datagram) {
 }
 
 const Message* InboundFlow::take(SessionTime now, Channel& channel) {
-    for (Bytes datagram = channel.receive(); !datagram.empty(); datagram = channel.receive()) {
+    for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {
+        const Bytes datagram = channel.receive();
+        if (datagram.empty()) return nullptr;
         if (const Message* message = admit(now, datagram)) return message;
     }
     return nullptr;

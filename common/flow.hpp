@@ -34,7 +34,7 @@ class InboundFlow {
 
     // The message if it is new and trustworthy, else null; valid until the next call.
     const Message* admit(SessionTime now, Bytes datagram);
-    // The next admitted message waiting on the channel, null when the channel is empty.
+    // The next admitted message waiting on the channel, null when the channel is empty or too much of it was refused in a row.
     const Message* receive(SessionTime now, Channel& channel) {
         return channel.known_empty() ? nullptr : take(now, channel);
     }

@@ -12,7 +12,11 @@ void StopLine::connect(Channel& in, const StopOutlets& out) {
 
 void StopLine::tick(SessionTime now) {
     if (in_ != nullptr && !in_->known_empty()) {
-        for (Bytes in = in_->receive(); !in.empty(); in = in_->receive()) take(now, in);
+        for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
+            const Bytes in = in_->receive();
+            if (in.empty()) break;
+            take(now, in);
+        }
     }
     if (now < next_) return;
     next_ = kNever;

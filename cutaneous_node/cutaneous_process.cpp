@@ -23,7 +23,10 @@ void CutaneousProcess::work(SessionTime now) {
         now, *channels_.force_in, running(), trial(),
         [&](const Header&, const ForceFeedback& feedback) { node_.on_feedback(now, feedback); });
     // What has waited while this program stood still says nothing about now.
-    if (running() && since_last_tick() > stale_after_) actuator_.release(now);
+    const bool stood_still = since_last_tick() > stale_after_;
+    if (running() && stood_still) actuator_.release(now);
+    if (running() && needed_)
+        stale_record_.watch(now, trial(), stood_still || force_flow_.silent_for(now, stale_after_));
     actuator_.tick(now);
     if (const auto percept = node_.percept(now)) percept_flow_.send(now, trial(), *percept);
 }

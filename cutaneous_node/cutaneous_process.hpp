@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/node_process.hpp"
+#include "common/stale_record.hpp"
 #include "cutaneous_node/cutaneous_node.hpp"
 #include "cutaneous_node/guarded_actuator.hpp"
 
@@ -21,9 +22,14 @@ class CutaneousProcess final : public NodeProcess {
     CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, const Channels& channels,
                      FingertipActuator& actuator);
 
+    const StaleRecord& stale_record() const { return stale_record_; }
+
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
-    void end_trial(SessionTime now) override { node_.end_trial(now); }
+    void end_trial(SessionTime now) override {
+        stale_record_.end(now);
+        node_.end_trial(now);
+    }
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
     }
@@ -46,6 +52,7 @@ class CutaneousProcess final : public NodeProcess {
     GuardedActuator actuator_;
     CutaneousNode node_;
     Duration stale_after_;
+    StaleRecord stale_record_;
     bool needed_ = false;  // CF, CCF: since the newest trial's beginning
     InboundFlow force_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;

@@ -4,6 +4,7 @@
 #include "common/control/control_settings.hpp"
 #include "common/runtime/hid/hid_thread.hpp"
 #include "common/runtime/node_program.hpp"
+#include "common/runtime/node_report.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
 #include "cutaneous_node/can/bus_from_settings.hpp"
@@ -45,7 +46,7 @@ class UndrivenCutaneous final : public NodeInstance {
         : simulated_(settings),
           board_(settings.device == FingertipDevice::kBoard ? std::make_unique<Board>(settings, runtime)
                                                             : nullptr),
-          stale_(settings.stale.text()),
+          stale_(settings.stale),
           process_(instance, settings, open_channels(sockets), actuator()) {
         process_.join_stop_line(*sockets.inlet_for_all(Port::kCutaneousStop), sockets.stop_outlets());
     }
@@ -55,7 +56,7 @@ class UndrivenCutaneous final : public NodeInstance {
         if (board_) board_->await_first_word();
     }
     void describe(nlohmann::ordered_json& report) const override {
-        report["stale"] = stale_;
+        describe_stale(report, stale_, process_.stale_record());
         if (board_) report["board"] = {{"bad_reports", board_->actuator.bad_reports()}};
     }
 
@@ -67,7 +68,7 @@ class UndrivenCutaneous final : public NodeInstance {
 
     SimulatedActuator simulated_;
     std::unique_ptr<Board> board_;
-    std::string stale_;
+    StalePolicy stale_;
     CutaneousProcess process_;
 };
 
@@ -76,7 +77,7 @@ class DrivenCutaneous final : public NodeInstance {
     DrivenCutaneous(const CutaneousSettings& settings, Sockets& sockets, std::uint64_t instance)
         : bus_(open_bus(settings.drives, sockets)),
           actuator_(settings.drives, settings.force_limit_N, *bus_),
-          stale_(settings.stale.text()),
+          stale_(settings.stale),
           process_(instance, settings, open_channels(sockets), actuator_) {
         process_.join_stop_line(*sockets.inlet_for_all(Port::kCutaneousStop), sockets.stop_outlets());
     }
@@ -85,14 +86,14 @@ class DrivenCutaneous final : public NodeInstance {
     NodeProcess& process() override { return process_; }
     void bring_up() override { bring_up_drives(actuator_); }
     void describe(nlohmann::ordered_json& report) const override {
-        report["stale"] = stale_;
+        describe_stale(report, stale_, process_.stale_record());
         report["drives"] = describe_drives(actuator_);
     }
 
   private:
     std::unique_ptr<CanBus> bus_;
     DriveActuator actuator_;
-    std::string stale_;
+    StalePolicy stale_;
     CutaneousProcess process_;
 };
 

@@ -37,6 +37,10 @@ CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists) : path_(
                                 "--overwrite",
                                 path.string()));
     }
+    if (!file_ && (errno == EMFILE || errno == ENFILE)) {
+        throw Error(ExitCode::kRunFailed,
+                    fmt::format("{}: cannot be created: {}; raise 'ulimit -n'", path.string(), reason()));
+    }
     if (!file_) {
         throw Error(ExitCode::kUsage,
                     fmt::format("{}: cannot be created: {}; check directory and permissions", path.string(),

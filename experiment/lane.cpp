@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "common/runtime/node_report.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/version.hpp"
+#include "experiment/csv_file.hpp"
 #include "experiment/event_file.hpp"
 #include "experiment/launch/node_kinds.hpp"
 #include "experiment/trial_table.hpp"
@@ -26,6 +29,20 @@ Sockets open_sockets(const LanePlan& plan, MessageLog* log) {
 const std::vector<Listener*>& listening(Sockets& sockets, SessionProcess& session) {
     session.join_stop_line(*sockets.inlet_for_all(Port::kSessionStop), sockets.stop_outlets());
     return sockets.listeners();
+}
+
+// The session's own, as the nodes write theirs.
+nlohmann::ordered_json session_report(const Sockets& sockets) {
+    const UdpCounters udp = sockets.counters();
+    return {{"program", "thimble"},
+            {"version", kVersion},
+            {"udp",
+             {{"sent", udp.sent},
+              {"received", udp.received},
+              {"send_failed", udp.send_failed},
+              {"foreign_source", udp.foreign_source},
+              {"too_long", udp.too_long}}},
+            {"security", describe_security(sockets.security())}};
 }
 
 }  // namespace
@@ -274,6 +291,13 @@ void Lane::idle(Duration limit) {
 LaneResult Lane::close() {
     close_clocks();
     if (plan_.starter) end_nodes();
+    result_.reports.push_back(session_report(sockets_));
+    attempt([this] {
+        CsvFile file(plan_.out / fmt::format("session_{:g}ms.json", 1000 * plan_.delay_s),
+                     IfExists::kReplace);
+        file.write(result_.reports.back().dump(2) + "\n");
+        file.flush();
+    });
     admit_write_fault(write_fault_);
     if (log_) admit_write_fault(log_->close().fault);
     for (const auto& report : result_.reports) {

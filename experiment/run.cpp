@@ -1,6 +1,7 @@
 #include "experiment/run.hpp"
 
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -177,6 +178,10 @@ class Run {
         timing.title = "How well time was kept";
         timing.tables = {round_trip_table(result_.rows, bare_), clock_table(clocks_), deadline_table(nodes_),
                          refusal_table(nodes_)};
+        std::array extra{security_table(nodes_), stale_table(nodes_)};
+        for (ReportTable& table : extra) {
+            if (!table.rows.empty()) timing.tables.push_back(std::move(table));
+        }
         if (elsewhere()) timing.tables.push_back(machine_table(*options_.starter, options_.network));
         report.sections.push_back(std::move(timing));
         report.provenance = {{"command", options_.command},

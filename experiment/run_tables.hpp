@@ -22,6 +22,10 @@ struct NodeReport {
 ReportTable deadline_table(const std::vector<NodeReport>& reports);
 // Every refusal counter that is not zero, per node and condition.
 ReportTable refusal_table(const std::vector<NodeReport>& reports);
+// What protection refused, and how often keys were agreed, per program and condition; no row in mode "none".
+ReportTable security_table(const std::vector<NodeReport>& reports);
+// In which trials an input fell silent and its stale policy acted, and how long.
+ReportTable stale_table(const std::vector<NodeReport>& reports);
 // Which node ran on which machine.
 bool runs_elsewhere(const NodeStarter& starter);
 ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network);

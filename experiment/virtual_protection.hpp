@@ -36,6 +36,9 @@ class VirtualProtection {
     Channel* outlet(Role self, QueueChannel& wire, Port remote) const {
         return of(self) ? of(self)->outlet(wire, remote) : &wire;
     }
+    Channel* stop_end(Role self, QueueChannel& wire) const {
+        return of(self) ? of(self)->stop_end(wire) : &wire;
+    }
     SecurityCounters counters() const {
         SecurityCounters sum;
         for (const auto& one : of_) {

@@ -1,11 +1,13 @@
 #include "experiment/virtual_session.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "common/queue_channel.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 #include "experiment/virtual_protection.hpp"
+#include "experiment/virtual_stops.hpp"
 #include "master/master_process.hpp"
 #include "netem/netem_process.hpp"
 #include "slave_sim/slave_process.hpp"
@@ -29,6 +31,7 @@ struct VirtualSession::Parts {
     Parts(const SystemSettings& s, const std::shared_ptr<const LabKey>& lab);
     void wire();
     std::uint32_t add(Process& process, Role role);
+    NodeProcess& node(Role role);
 
     SystemSettings settings;
     VirtualProtection protection;
@@ -47,7 +50,8 @@ struct VirtualSession::Parts {
     VisualProcess visual;
     std::vector<std::unique_ptr<SecuredProcess>> secured;
     VirtualLoop loop;
-    std::uint32_t session_bit = 0;
+    VirtualStops stops;
+    std::array<std::uint32_t, kRoleCount> bits{};  // by Role
 };
 
 VirtualSession::Parts::Parts(const SystemSettings& s, const std::shared_ptr<const LabKey>& lab)
@@ -110,7 +114,7 @@ std::uint32_t VirtualSession::Parts::add(Process& process, Role role) {
 
 void VirtualSession::Parts::wire() {
     std::uint32_t* mask = loop.wake_mask();
-    session_bit = add(session, Role::kSession);
+    const std::uint32_t session_bit = add(session, Role::kSession);
     const std::uint32_t master_bit = add(master, Role::kMaster);
     const std::uint32_t netem_bit = add(netem, Role::kNetem);
     const std::uint32_t slave_bit = add(slave, Role::kSlaveSim);
@@ -130,6 +134,18 @@ void VirtualSession::Parts::wire() {
         down->b.wake(mask, master_bit);
     force_down_cutaneous.b.wake(mask, cutaneous_bit);
     for (QueuePipe* down : {&force_down_visual, &beep}) down->b.wake(mask, visual_bit);
+    bits[static_cast<std::size_t>(Role::kSession)] = session_bit;
+    stops.join(session, Role::kSession, protection, mask, session_bit);
+    for (std::size_t i = 0; i < kNodeRoles.size(); ++i) {
+        bits[static_cast<std::size_t>(kNodeRoles[i])] = node_bits[i];
+        stops.join(node(kNodeRoles[i]), kNodeRoles[i], protection, mask, node_bits[i]);
+    }
+}
+
+NodeProcess& VirtualSession::Parts::node(Role role) {
+    const std::array<NodeProcess*, kNodeRoles.size()> nodes{&netem, &slave, &cutaneous, &visual, &master};
+    const auto place = std::find(kNodeRoles.begin(), kNodeRoles.end(), role) - kNodeRoles.begin();
+    return *nodes.at(static_cast<std::size_t>(place));
 }
 
 VirtualSession::VirtualSession(const SystemSettings& settings, const std::shared_ptr<const LabKey>& lab)
@@ -143,7 +159,7 @@ void VirtualSession::start(const TrialConditions& conditions) {
         parts_->loop.step();
     }
     parts_->session.start(conditions);
-    parts_->loop.poke(parts_->session_bit);
+    parts_->loop.poke(parts_->bits[static_cast<std::size_t>(Role::kSession)]);
 }
 
 bool VirtualSession::step() {
@@ -158,6 +174,28 @@ const TrialRecord& VirtualSession::run(const TrialConditions& conditions) {
     return parts_->session.record();
 }
 
+void VirtualSession::emergency_stop(Role at, std::string_view words) {
+    const SessionTime now = parts_->loop.now();
+    if (at == Role::kSession) {
+        parts_->session.emergency_stop(now, words);
+    } else {
+        parts_->node(at).stop_everything(now, EndReason::kEmergencyStop, words);
+    }
+    parts_->loop.poke(parts_->bits.at(static_cast<std::size_t>(at)));
+}
+
+void VirtualSession::release_stop() {
+    parts_->session.release_stop(parts_->loop.now());
+    parts_->loop.poke(parts_->bits[static_cast<std::size_t>(Role::kSession)]);
+}
+
+void VirtualSession::idle(Duration limit) {
+    const SessionTime end = parts_->loop.now() + limit;
+    while (parts_->loop.now() < end && parts_->loop.step()) {
+    }
+}
+
+const NodeProcess& VirtualSession::node(Role role) const { return parts_->node(role); }
 SessionProcess& VirtualSession::session() { return parts_->session; }
 const SimulatedHandle& VirtualSession::handle() const { return parts_->handle; }
 const VirtualLoop& VirtualSession::loop() const { return parts_->loop; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include "common/security/security.hpp"
 #include "experiment/session_process.hpp"
@@ -28,6 +29,13 @@ class VirtualSession {
     const SimulatedHandle& handle() const;
     const VirtualLoop& loop() const;
     SecurityCounters security() const;  // of all six
+
+    // Somebody presses stop at that program, or the session releases all stops: as between real processes, over the stop lines.
+    void emergency_stop(Role at, std::string_view words);
+    void release_stop();
+    // Between trials: lets time pass.
+    void idle(Duration limit);
+    const NodeProcess& node(Role role) const;  // of kNodeRoles
 
   private:
     struct Parts;

@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
+#include "common/runtime/node_report.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -61,7 +62,7 @@ class Master final : public NodeInstance {
     void describe(nlohmann::ordered_json& report) const override {
         report["samples"] = process_.samples();
         report["samples_skipped"] = process_.samples_skipped();
-        report["stale"] = settings_.stale.text();
+        describe_stale(report, settings_.stale, process_.stale_record());
         report["guard"] = {{"tripped", process_.guard().tripped()},
                            {"words", process_.guard().words()},
                            {"cut", process_.guard().cut()},

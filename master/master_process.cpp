@@ -33,6 +33,7 @@ void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) 
 }
 
 void MasterProcess::end_trial(SessionTime now) {
+    stale_record_.end(now);
     device_->command_force(now, 0);
     device_->enable_force(now, false);
     node_.end_trial();
@@ -110,7 +111,9 @@ void MasterProcess::fade(SessionTime now) {
     const StalePolicy& stale = node_.settings().stale;
     const bool stood_still = since_last_tick() > stale.after;
     if (stood_still) asked_force_N_ = 0;
-    if (!stood_still && !stale.stale(now - force_flow_.last_accepted())) return;
+    const bool acts = stood_still || stale.stale(now - force_flow_.last_accepted());
+    stale_record_.watch(now, trial(), acts);
+    if (!acts) return;
     if (node_.control().active()) {
         node_.control().forget();
         if (share(now) == 0) apply(now, 0);

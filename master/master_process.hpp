@@ -4,6 +4,7 @@
 
 #include "common/node_process.hpp"
 #include "common/round_trip.hpp"
+#include "common/stale_record.hpp"
 #include "master/devices/hand_follower.hpp"
 #include "master/devices/haptic_device.hpp"
 #include "master/force_guard.hpp"
@@ -33,6 +34,7 @@ class MasterProcess final : public NodeProcess {
 
     const ForceGuard& guard() const { return guard_; }
     const PortEnergy& energy() const { return energy_; }  // of this trial
+    const StaleRecord& stale_record() const { return stale_record_; }
     const RoundTrip& round_trip() const { return round_trip_; }
     std::uint64_t samples() const { return samples_; }
     std::uint64_t samples_skipped() const { return samples_skipped_; }
@@ -67,6 +69,7 @@ class MasterProcess final : public NodeProcess {
     Channels channels_;
     MasterNode node_;
     ForceGuard guard_;
+    StaleRecord stale_record_;
     double asked_force_N_ = 0;  // by the newest feedback
     HapticDevice* device_;
     OperatorPort* person_;

@@ -39,7 +39,9 @@ void NetemProcess::work(SessionTime now) {
     for (Relay& relay : relays_) {
         send_due(now, relay);  // first what is late already
         bool arrived = false;
-        for (Bytes in = relay.from->receive(); !in.empty(); in = relay.from->receive()) {
+        for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
+            const Bytes in = relay.from->receive();
+            if (in.empty()) break;
             relay.model.push(now, in);
             arrived = true;
         }

@@ -1,5 +1,6 @@
 // thimble-slave-sim: the needle in simulated tissue before a virtual fixture.
 #include "common/runtime/node_program.hpp"
+#include "common/runtime/node_report.hpp"
 #include "common/stale_policy.hpp"
 #include "slave_sim/slave_process.hpp"
 
@@ -21,7 +22,7 @@ class Slave final : public NodeInstance {
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {
-        report["stale"] = StalePolicy{StaleMode::kHold, stale_after_}.text();
+        describe_stale(report, {StaleMode::kHold, stale_after_}, process_.stale_record());
     }
 
   private:

@@ -31,6 +31,7 @@ void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
 }
 
 void SlaveProcess::end_trial(SessionTime now) {
+    stale_record_.end(now);
     send(now, node_.hold());
     node_.end_trial();
 }
@@ -54,6 +55,7 @@ void SlaveProcess::work(SessionTime now) {
             });
     }
     if (running() && now >= next_hold_) {
+        stale_record_.watch(now, trial(), true);
         send(now, node_.hold());
         next_hold_ = now + settings_.stale_after;
     }
@@ -61,6 +63,7 @@ void SlaveProcess::work(SessionTime now) {
 }
 
 void SlaveProcess::answer(SessionTime now, const ForceFeedback& feedback) {
+    stale_record_.watch(now, trial(), false);
     send(now, feedback);  // hold time 0: answered in the tick of its arrival
     next_hold_ = now + settings_.stale_after;
     if (node_.take_beep()) {

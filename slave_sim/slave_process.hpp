@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/node_process.hpp"
+#include "common/stale_record.hpp"
 #include "slave_sim/slave_node.hpp"
 
 namespace thimble {
@@ -20,6 +21,8 @@ class SlaveProcess final : public NodeProcess {
     };
 
     SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, const Channels& channels);
+
+    const StaleRecord& stale_record() const { return stale_record_; }
 
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
@@ -42,6 +45,7 @@ class SlaveProcess final : public NodeProcess {
     Channels channels_;
     SlaveSettings settings_;
     SlaveNode node_;
+    StaleRecord stale_record_;
     InboundFlow needle_flow_{Role::kMaster};
     OutboundFlow force_flow_;
     OutboundFlow wave_flow_, force_flow_beside_waves_;  // with waves: to the master, to the others

@@ -3,6 +3,7 @@
 
 #include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
+#include "common/runtime/node_report.hpp"
 #include "visual_node/recording_display.hpp"
 #include "visual_node/visual_process.hpp"
 #ifdef THIMBLE_GUI
@@ -34,17 +35,19 @@ class RecordingVisual final : public NodeInstance {
   public:
     RecordingVisual(const VisualSettings& settings, Sockets& sockets, std::uint64_t instance)
         : display_(settings.pipeline),
-          stale_(settings.stale.text()),
+          stale_(settings.stale),
           process_(instance, settings, open_channels(sockets, false), display_) {
         process_.join_stop_line(*sockets.inlet_for_all(Port::kVisualStop), sockets.stop_outlets());
     }
 
     NodeProcess& process() override { return process_; }
-    void describe(nlohmann::ordered_json& report) const override { report["stale"] = stale_; }
+    void describe(nlohmann::ordered_json& report) const override {
+        describe_stale(report, stale_, process_.stale_record());
+    }
 
   private:
     RecordingDisplay display_;
-    std::string stale_;
+    StalePolicy stale_;
     VisualProcess process_;
 };
 
@@ -66,7 +69,7 @@ class WindowVisual final : public NodeInstance {
                   {choices.view == "player", settings.pointer, settings.fullscreen, choices.screenshot,
                    make_overlay(choices, sockets.settings(), instance), instructions},
                   sockets.settings()),
-          stale_(settings.stale.text()),
+          stale_(settings.stale),
           process_(instance, settings, open_channels(sockets, window_.hand() != nullptr), window_.display(),
                    window_.hand()) {
         process_.join_stop_line(*sockets.inlet_for_all(Port::kVisualStop), sockets.stop_outlets());
@@ -74,7 +77,7 @@ class WindowVisual final : public NodeInstance {
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {
-        report["stale"] = stale_;
+        describe_stale(report, stale_, process_.stale_record());
         window_.describe(report);
     }
     bool has_foreground() const override { return true; }
@@ -88,7 +91,7 @@ class WindowVisual final : public NodeInstance {
   private:
     bool subject_points_;
     VisualWindow window_;
-    std::string stale_;
+    StalePolicy stale_;
     VisualProcess process_;
 };
 

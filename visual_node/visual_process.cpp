@@ -8,6 +8,7 @@ VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& setti
       channels_(channels),
       node_(settings),
       display_(&display),
+      stale_(settings.stale),
       percept_flow_(Role::kVisual, instance, {channels.percept_out}),
       hand_flow_(instance, channels.hand_out, hand),
       go_on_(settings.subject_goes_on) {}
@@ -25,6 +26,7 @@ void VisualProcess::work(SessionTime now) {
                                      [&](const Header& header, const ForceFeedback& feedback) {
                                          node_.on_feedback(now, feedback, header.send_time);
                                      });
+    if (running()) stale_record_.watch(now, trial(), stale_.stale(now - force_flow_.last_accepted()));
     hand_flow_.work(now, running(), trial());
     take_beep(now);
     ask_to_go_on(now);

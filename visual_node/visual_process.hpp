@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/node_process.hpp"
+#include "common/stale_record.hpp"
 #include "visual_node/display.hpp"
 #include "visual_node/go_on_wish.hpp"
 #include "visual_node/hand_flow.hpp"
@@ -26,9 +27,14 @@ class VisualProcess final : public NodeProcess {
     VisualProcess(std::uint64_t instance, const VisualSettings& settings, const Channels& channels,
                   Display& display, HandSource* hand = nullptr);
 
+    const StaleRecord& stale_record() const { return stale_record_; }
+
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
-    void end_trial(SessionTime now) override { node_.end_trial(now); }
+    void end_trial(SessionTime now) override {
+        stale_record_.end(now);
+        node_.end_trial(now);
+    }
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
     }
@@ -51,6 +57,8 @@ class VisualProcess final : public NodeProcess {
     Channels channels_;
     VisualNode node_;
     Display* display_;
+    StalePolicy stale_;
+    StaleRecord stale_record_;
     InboundFlow force_flow_{Role::kSlaveSim};
     InboundFlow beep_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -39,6 +40,8 @@ std::filesystem::path write_session(const ChainSettings& settings) {
     std::ofstream file(path);
     file << fmt::format("[runtime]\nrealtime_scheduling = {}\npriority = {}\n",
                         settings.runtime.realtime_scheduling, settings.runtime.priority);
+    if (!settings.lab_key.empty())
+        file << fmt::format("[security]\nmode = 'lab-key'\nkey_file = '{}'\n", settings.lab_key.string());
     if (!file.flush())
         throw Error(ExitCode::kData, fmt::format("cannot write '{}': is the disk full?", path.string()));
     return path;
@@ -49,6 +52,8 @@ LanePlan plan_of(const ChainSettings& settings, const TrialConditions& trial) {
     plan.starter = std::make_shared<LocalStarter>(settings.programs, write_session(settings));
     plan.out = settings.scratch / "nodes";
     plan.network.base_port = settings.base_port;
+    if (!settings.lab_key.empty())
+        plan.network.security = {SecurityMode::kLabKey, true, false, settings.lab_key.string()};
     SystemSettings system = load_system_settings({});
     set_delay(system.netem.force, system.netem.force_timeline, Duration::zero());
     plan.session = session_settings(system);
@@ -77,11 +82,21 @@ ChainRound read_chain_round(const std::vector<Json>& reports) {
 
 std::vector<TrialConditions> chain_trials() { return run_trials_of(load_system_settings({}), 0); }
 
-ChainRound run_chain(const ChainSettings& settings, const TrialConditions& trial) {
+ChainWindow run_window(const ChainSettings& settings, const TrialConditions& trial) {
     const LanePlan plan = plan_of(settings, trial);
+    ChainWindow window;
     LaneEvents events;
+    events.trial_done = [&window](const TrialRecord& record) { window.reason = record.reason; };
     events.stop = [] { return stop_requested().load(); };
-    const LaneResult result = run_lane(plan, events);
+    LaneResult result = run_lane(plan, events);
+    window.code = result.code;
+    window.problem = std::move(result.problem);
+    window.reports = std::move(result.reports);
+    return window;
+}
+
+ChainRound run_chain(const ChainSettings& settings, const TrialConditions& trial) {
+    const ChainWindow result = run_window(settings, trial);
     if (result.code != ExitCode::kOk) throw Error(result.code, result.problem);
     return read_chain_round(result.reports);
 }

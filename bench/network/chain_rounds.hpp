@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "bench/network/window_errors.hpp"
+#include "common/error.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/time.hpp"
 #include "experiment/trial_record.hpp"
@@ -29,14 +31,23 @@ struct ChainSettings {
     std::filesystem::path scratch;   // for logs, reports and trajectories; must exist
     std::uint16_t base_port = 0;
     RuntimeSettings runtime;
-    Duration window{};  // after which the trial is ended; it may be over before
+    Duration window{};                // after which the trial is ended; it may be over before
+    std::filesystem::path lab_key{};  // empty: no protection
 };
 
 // Trials without delay in every modality, of subject 1 of the default session.
 std::vector<TrialConditions> chain_trials();
 
-// Starts the five nodes on loopback, runs one trial, ends them. Throws Error as run_lane does, and run failed if a stop
-// was requested (realtime_loop.hpp).
+struct ChainWindow {
+    ExitCode code = ExitCode::kOk;
+    std::string problem;  // why the trial ended early; empty if it did not
+    EndReason reason = EndReason::kNone;
+    std::vector<nlohmann::ordered_json> reports;
+};
+
+// Starts the five nodes on loopback, runs one trial, ends them. Throws Error as run_lane does.
+ChainWindow run_window(const ChainSettings& settings, const TrialConditions& trial);
+// The same; throws Error, run failed, if a stop was requested (realtime_loop.hpp), and whatever else ended the trial.
 ChainRound run_chain(const ChainSettings& settings, const TrialConditions& trial);
 
 }  // namespace thimble

@@ -147,6 +147,8 @@ void McapWriter::flush() {
         throw;
     }
     chunk_records_.bytes(index.view());
+    if (chunk_records_.size() >= kLongIndexBytes && sink_.set_aside(chunk_records_.view()))
+        chunk_records_.clear();
     count_chunk();
     forget_chunk();
 }
@@ -215,13 +217,27 @@ void McapWriter::write_statistics(McapOutput& out) const {
     out.close(record);
 }
 
-void McapWriter::close_group(McapOutput& summary, McapOutput& offsets, McapOpcode opcode,
-                             std::size_t start) const {
-    if (summary.size() == start) return;
+void McapWriter::hand_over_summary() {
+    summary_crc_ = mcap_crc(summary_crc_, out_.view());
+    hand_over();
+}
+
+// Of chunks, those that were set aside come first.
+void McapWriter::write_group(McapOutput& offsets, McapOpcode opcode, const McapOutput& records) {
+    const std::uint64_t start = offset_;
+    if (opcode == McapOpcode::kChunkIndex) {
+        sink_.give_back([this](Bytes bytes) {
+            out_.bytes(bytes);
+            hand_over_summary();
+        });
+    }
+    out_.bytes(records.view());
+    hand_over_summary();
+    if (offset_ == start) return;
     const std::size_t record = offsets.open(McapOpcode::kSummaryOffset);
     offsets.u8(static_cast<std::uint8_t>(opcode));
-    offsets.u64(offset_ + start);
-    offsets.u64(summary.size() - start);
+    offsets.u64(start);
+    offsets.u64(offset_ - start);
     offsets.close(record);
 }
 
@@ -230,31 +246,25 @@ void McapWriter::finish() {
     const std::size_t end = out_.open(McapOpcode::kDataEnd);
     out_.u32(data_crc_);
     out_.close(end);
-    const std::size_t summary_start = out_.size();
-    McapOutput offsets;
-    const auto group = [&](McapOpcode opcode, const McapOutput& records) {
-        const std::size_t start = out_.size();
-        out_.bytes(records.view());
-        close_group(out_, offsets, opcode, start);
-    };
-    McapOutput statistics;
+    hand_over();
+    const std::uint64_t summary_at = offset_;
+    McapOutput statistics, offsets;
     write_statistics(statistics);
-    group(McapOpcode::kSchema, schema_records_);
-    group(McapOpcode::kChannel, channel_records_);
-    group(McapOpcode::kStatistics, statistics);
-    group(McapOpcode::kChunkIndex, chunk_records_);
-    group(McapOpcode::kAttachmentIndex, attachment_records_);
-    group(McapOpcode::kMetadataIndex, metadata_records_);
-    const std::uint64_t offsets_at = offset_ + out_.size();
+    write_group(offsets, McapOpcode::kSchema, schema_records_);
+    write_group(offsets, McapOpcode::kChannel, channel_records_);
+    write_group(offsets, McapOpcode::kStatistics, statistics);
+    write_group(offsets, McapOpcode::kChunkIndex, chunk_records_);
+    write_group(offsets, McapOpcode::kAttachmentIndex, attachment_records_);
+    write_group(offsets, McapOpcode::kMetadataIndex, metadata_records_);
+    const std::uint64_t offsets_at = offset_;
     out_.bytes(offsets.view());
     const std::size_t footer = out_.open(McapOpcode::kFooter);
-    out_.u64(offset_ + summary_start);
+    out_.u64(summary_at);
     out_.u64(offsets_at);
     out_.u32(0);
     out_.close(footer);
     const std::size_t crc_at = out_.size() - sizeof(std::uint32_t);
-    const Bytes summary = out_.view().subspan(summary_start, crc_at - summary_start);
-    out_.put_u32(crc_at, mcap_crc(0, summary));
+    out_.put_u32(crc_at, mcap_crc(summary_crc_, out_.view().first(crc_at)));
     out_.bytes(kMcapMagic);
     hand_over();
 }

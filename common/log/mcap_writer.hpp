@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,11 @@ namespace thimble {
 class McapSink {
   public:
     virtual void write(Bytes bytes) = 0;
+    // Keeps these bytes until the file's end, behind what it keeps already: the index of a long log is no matter of memory. False:
+    // it does not, and they stay with the writer.
+    virtual bool set_aside(Bytes /*bytes*/) { return false; }
+    // All that was set aside, in the same portions and order.
+    virtual void give_back(const std::function<void(Bytes)>& /*use*/) {}
 
   protected:
     ~McapSink() = default;
@@ -45,6 +51,10 @@ class McapWriter {
         return forgotten_;
     }  // messages of chunks that could not be handed over
     std::size_t chunk_bytes() const { return chunk_.size(); }
+    std::size_t index_bytes() const { return chunk_records_.size(); }  // held in memory
+
+    // An index longer than this is set aside, where the sink does that.
+    static constexpr std::size_t kLongIndexBytes = std::size_t{64} << 10U;
 
   private:
     struct IndexEntry {
@@ -56,14 +66,15 @@ class McapWriter {
     void write_message_indexes(McapOutput& index);
     void count_chunk();
     void write_statistics(McapOutput& out) const;
-    void close_group(McapOutput& summary, McapOutput& offsets, McapOpcode opcode, std::size_t start) const;
+    void hand_over_summary();
+    void write_group(McapOutput& offsets, McapOpcode opcode, const McapOutput& records);
     void forget_chunk();
 
     McapSink& sink_;
     McapOutput out_;    // the records that go next
     McapOutput chunk_;  // records of the open chunk
     std::uint64_t offset_ = 0;
-    std::uint32_t data_crc_ = 0;
+    std::uint32_t data_crc_ = 0, summary_crc_ = 0;
     std::uint16_t schemas_ = 0;
     std::vector<std::vector<IndexEntry>> chunk_index_;  // by channel, of the open chunk
     std::uint64_t chunk_start_ns_ = 0, chunk_end_ns_ = 0;

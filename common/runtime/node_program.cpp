@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <fstream>
 #include <optional>
@@ -17,6 +19,7 @@
 #include "common/log/log_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/log/message_log.hpp"
+#include "common/runtime/node_report.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
@@ -47,17 +50,6 @@ nlohmann::ordered_json refusals(FlowCounters counters, const UdpCounters& udp) {
     return names;
 }
 
-nlohmann::ordered_json describe_security(const Security* security) {
-    if (security == nullptr) return {{"mode", "none"}};
-    const SecurityCounters c = security->counters();
-    return {{"mode", "lab-key"},          {"sealed", c.sealed},
-            {"opened", c.opened},         {"handshakes", c.handshakes},
-            {"forged", c.forged},         {"replayed", c.replayed},
-            {"wrong_role", c.wrong_role}, {"no_key", c.no_key},
-            {"unsealed", c.unsealed},     {"handshake_refused", c.handshake_refused},
-            {"not_sent", c.not_sent}};
-}
-
 nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& instance,
                                 const Sockets& sockets, const FlowCounters& counters,
                                 const LoopStatistics& loop, std::uint64_t overruns) {
@@ -85,11 +77,13 @@ nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& 
 
 void save(const std::string& path, const nlohmann::ordered_json& report) {
     if (path.empty()) return;
+    errno = 0;
     std::ofstream file(path);
-    if (!(file << report.dump(2) << '\n')) {
-        throw Error(ExitCode::kData,
-                    fmt::format("cannot write the report '{}': does its folder exist?", path));
-    }
+    if (file << report.dump(2) << '\n') return;
+    if (errno == EMFILE || errno == ENFILE)
+        throw Error(ExitCode::kRunFailed, fmt::format("cannot write the report '{}': {}; raise 'ulimit -n'",
+                                                      path, std::strerror(errno)));
+    throw Error(ExitCode::kData, fmt::format("cannot write the report '{}': does its folder exist?", path));
 }
 
 // Own tables are checked here, the others by the programs they belong to.
@@ -117,6 +111,17 @@ LogOrigin log_origin(const NodeProgram& program, const Options& options, const C
     LogOrigin origin{program.name, options.config, {}};
     for (const std::string& name : file.used_files()) origin.files.push_back(file.folder() / name);
     return origin;
+}
+
+// In the record, too, which policy acted.
+void note_stale(MessageLog& log, const nlohmann::ordered_json& report) {
+    for (const auto& one : report.value("stale_acted", nlohmann::ordered_json::array())) {
+        log.note("stale", {{"policy", report.value("stale", "")},
+                           {"number_on_the_wire", one.at("trial").dump()},
+                           {"times", one.at("times").dump()},
+                           {"acted_s", one.at("acted_s").dump()},
+                           {"longest_s", one.at("longest_s").dump()}});
+    }
 }
 
 nlohmann::ordered_json describe(const LogCounters& log) {
@@ -259,7 +264,10 @@ int run(const NodeProgram& program, const Options& options) {
     }
     auto report = describe(program, *instance, sockets, instance->process().counters(), loop.statistics(),
                            instance->process().overruns());
-    if (log) report["log"] = describe(log->close());
+    if (log) {
+        note_stale(*log, report);
+        report["log"] = describe(log->close());
+    }
     save(options.report, report);
     if (log && !log->fault().empty()) return static_cast<int>(ExitCode::kRunFailed);
     return check_deadlines(options, runtime, loop.statistics());

@@ -103,7 +103,7 @@ void UdpChannel::send(Bytes datagram) {
 }
 
 Bytes UdpChannel::take() {
-    for (;;) {
+    for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {
         sockaddr_in source{};
         iovec part{buffer_.data(), buffer_.size()};
         alignas(cmsghdr) std::array<std::uint8_t, 64> control{};
@@ -126,6 +126,7 @@ Bytes UdpChannel::take() {
         if (stamping_) arrival_ = arrival_of(message);
         return {buffer_.data(), static_cast<std::size_t>(size)};
     }
+    return {};
 }
 
 // Counts it; an empty datagram is nobody's.

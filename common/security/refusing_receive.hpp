@@ -6,8 +6,6 @@
 
 namespace thimble {
 
-inline constexpr int kMostRefusedAtOnce = 64;
-
 template <class Judge>
 Bytes receive_judged(Channel& wire, Judge&& judge) {
     for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {

@@ -64,7 +64,9 @@ void CannelloniBus::flush() {
 }
 
 bool CannelloniBus::next_datagram() {
-    for (in_ = channel_->receive(); !in_.empty(); in_ = channel_->receive()) {
+    for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {
+        in_ = channel_->receive();
+        if (in_.empty()) return false;
         const auto frames = count_frames(in_);
         in_at_ = kCannelloniHeaderBytes;
         in_frames_ = frames.value_or(0);

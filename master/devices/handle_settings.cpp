@@ -29,6 +29,7 @@ ForceDimensionSettings read_force_dimension(const ConfigTable& table) {
     read_axis(table, settings.axis, 5000);
     settings.library = table.text("library", "");
     settings.serial = static_cast<int>(table.integer("serial", 0, 0, 65535));
+    settings.stop_button = static_cast<int>(table.integer("stop_button", settings.stop_button, -1, 15));
     settings.gravity_compensation = table.boolean("gravity_compensation", settings.gravity_compensation);
     settings.watchdog = table.boolean("watchdog", settings.watchdog);
     return settings;

@@ -3,11 +3,13 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
+#include "common/security/handshake.hpp"
 #include "common/security/lab_key_file.hpp"
 #include "tests/loopback/hostile_peer.hpp"
 #include "tests/loopback/played_view.hpp"
@@ -136,6 +138,46 @@ TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
         EXPECT_GT(report.at("security").at("unsealed"), 0) << program;
         EXPECT_EQ(report.at("refused").at("second_sender"), 0) << program;
     }
+    const auto session = run.report("session");
+    EXPECT_GE(session.at("security").at("handshakes"), kNodePrograms.size());
+    EXPECT_GT(session.at("security").at("unsealed"), 0);
+    EXPECT_THAT(read_text(run.out() / "report.html"), HasSubstr("Protection"));
+}
+
+// Order only: how fast it was, and what became of the deadlines, is a figure (thimble-bench flood, docs/security.md).
+TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
+    SessionFile file;
+    file.more = under_key(key_);
+    RealRun run(file);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    HandshakeBytes made_up{};
+    const std::span header = std::span(made_up).first<kSealHeaderBytes>();
+    NetworkSettings network;
+    network.base_port = run.base_port();
+    UdpChannel forces(std::nullopt, network.at(Port::kMasterForce)),
+        control(std::nullopt, network.at(Port::kMasterControl)),
+        needle(std::nullopt, network.at(Port::kNetemNeedle));
+    for (std::uint32_t burst = 1; !run.launcher().poll() && burst < 20'000; ++burst) {
+        for (std::uint32_t i = 0; i < 10; ++i) {
+            write_seal_header({PacketKind::kData, Port::kMasterForce, burst, i + 1}, header);
+            forces.send(made_up);
+            write_seal_header({PacketKind::kHello, Port::kMasterControl, 0, 0}, header);
+            control.send(made_up);
+            write_seal_header({PacketKind::kData, Port::kSlaveNeedle, burst, i + 1}, header);
+            needle.send(made_up);
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    }
+    EXPECT_EQ(run.end(), 0) << run.words();
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    const auto master = run.report("thimble-master").at("security"),
+               slave = run.report("thimble-slave-sim").at("security");
+    EXPECT_GT(master.at("no_key"), 1000);
+    EXPECT_GT(master.at("handshake_refused"), 1000);
+    EXPECT_GT(slave.at("no_key"), 100) << "the relay passes on what it cannot judge";
+    EXPECT_EQ(slave.at("forged"), 0);
 }
 
 TEST_F(LabKeyTest, ANodeWithAnotherKeyIsNamed) {

@@ -1,8 +1,11 @@
 // Real programs that are killed or stopped at random instants, and stopped on purpose. How many: THIMBLE_FAULT_TRIALS
 // (docs/reliability.md).
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
+#include <sys/resource.h>
 #include <thread>
 
 #include <gmock/gmock.h>
@@ -77,6 +80,40 @@ TEST(RealFaults, OutOfFileDescriptors) {
         EXPECT_EQ(outcome.code, 3) << outcome.words;
         EXPECT_THAT(outcome.words, HasSubstr("cannot open a UDP socket"));
     }
+}
+
+// From here on whatever these programs want to open is refused; what is open stays open.
+void take_descriptors(pid_t pid) {
+    const rlimit none{3, 3};
+    ASSERT_EQ(prlimit(pid, RLIMIT_NOFILE, &none, nullptr), 0) << std::strerror(errno);
+}
+
+// A node opens nothing while it runs: the trial goes on to its end. What it cannot write then, its report, is told.
+TEST(RealFaults, NodesOutOfFileDescriptorsInARunKeepTheTrial) {
+    RealRun run(SessionFile{});
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    for (const char* program : kNodePrograms) take_descriptors(run.node(program));
+    run.end();
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U) << run.words();
+    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    EXPECT_THAT(read_text(run.out() / "nodes/thimble-slave-sim_0ms.log"), HasSubstr("ulimit -n"));
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+}
+
+// thimble opens files between trials: the running one is kept, the run ends in words.
+TEST(RealFaults, ASessionOutOfFileDescriptorsInARunLosesNoTrial) {
+    SessionFile file;
+    file.modalities = R"(["HF", "CF"])";
+    RealRun run(file);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    take_descriptors(run.launcher().pid());
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("ulimit -n"));
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U) << run.words();
+    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
 
 // The guard of a session file is the one before the real program's handle.

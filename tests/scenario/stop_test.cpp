@@ -1,8 +1,11 @@
 // Emergency stop and guard in a whole session: from every program, within two samples, and nothing begins before the release.
+#include <array>
+#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "experiment/virtual_session.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -100,6 +103,59 @@ TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     EXPECT_EQ(rig.run(conditions).reason, EndReason::kCompleted);
 }
 
+std::shared_ptr<const LabKey> key_of_stops() {
+    std::array<std::uint8_t, kKeyBytes> bytes{};
+    bytes.fill(7);
+    return std::make_shared<const LabKey>(bytes);
+}
+
+// What tools run, and not only the rig: a stop in mid-trial, pressed at each program, open and under a lab key.
+class VirtualStop : public testing::TestWithParam<Role> {
+  protected:
+    static void press_in_contact(VirtualSession& session, Role at) {
+        session.start(trial_of(Modality::kHF));
+        while (session.handle().force_hand_N() <= 0.5) ASSERT_TRUE(session.step());
+        session.emergency_stop(at, "a test");
+        const std::size_t samples = session.session().record().samples.size();
+        const SessionTime end = session.loop().now() + milliseconds{3};
+        while (session.loop().now() < end && session.step()) {
+        }
+        EXPECT_EQ(session.handle().force_hand_N(), 0);
+        EXPECT_LE(session.session().record().samples.size(), samples + 1) << "the needle is held";
+        for (const Role role : kNodeRoles) {
+            EXPECT_NE(session.node(role).state(), NodeState::kRunning) << to_string(role);
+            EXPECT_TRUE(session.node(role).stop_line().stopped()) << to_string(role);
+        }
+        while (session.step()) {
+        }
+        EXPECT_EQ(session.session().record().reason, EndReason::kEmergencyStop);
+        EXPECT_EQ(session.session().record().fault, "a test");
+        EXPECT_EQ(session.session().record().lost_peer, at);
+    }
+};
+
+TEST_P(VirtualStop, HoldsUntilItIsReleased) {
+    for (const auto& key : {std::shared_ptr<const LabKey>{}, key_of_stops()}) {
+        SCOPED_TRACE(key ? "under a lab key" : "open");
+        VirtualSession session(paper(), key);
+        press_in_contact(session, GetParam());
+        session.idle(kHeldAtLeast);
+        TrialConditions conditions = trial_of(Modality::kHF);
+        conditions.trial = 2;
+        EXPECT_EQ(session.run(conditions).reason, EndReason::kEmergencyStop);
+        EXPECT_TRUE(session.session().record().samples.empty());
+        session.release_stop();
+        session.idle(milliseconds{10});
+        for (const Role role : kNodeRoles)
+            EXPECT_FALSE(session.node(role).stop_line().stopped()) << to_string(role);
+        conditions.trial = 3;
+        EXPECT_EQ(session.run(conditions).reason, EndReason::kCompleted);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Emergency, VirtualStop, testing::Values(Role::kSession, Role::kMaster, Role::kNetem),
+                         [](const auto& test) { return std::string(to_string(test.param)); });
+
 // A handle that gives out energy: HF with 50 ms oscillates, which the guard ends where it is asked to.
 TEST(Guard, ATripEndsTheTrialInItsOwnWordsAndHolds) {
     SystemSettings settings = paper();
@@ -148,6 +204,16 @@ TEST(StaleInput, TheHandleFollowsThePolicy) {
         EXPECT_EQ(rig.force_at_handle_N(), mode == StaleMode::kHold ? held_N : 0);
         rig.finish();
         EXPECT_EQ(rig.force_at_handle_N(), 0) << "the trial is over";
+        // Each output that missed it says so, and until when: the trial's end, 500 ms after the last input.
+        ASSERT_EQ(rig.master().stale_record().trials(), 1U);
+        const StaleRecord::Trial acted = rig.master().stale_record().known().front();
+        EXPECT_EQ(acted.trial, 1U);
+        EXPECT_EQ(acted.times, 1U);
+        EXPECT_NEAR(to_seconds(acted.acted), 0.4, 0.01);
+        EXPECT_EQ(acted.longest, acted.acted);
+        EXPECT_EQ(rig.visual().stale_record().trials(), 1U);
+        EXPECT_EQ(rig.slave().stale_record().trials(), 1U);
+        EXPECT_EQ(rig.cutaneous().stale_record().trials(), 0U) << "presses nobody in HF";
     }
 }
 

@@ -159,6 +159,28 @@ TEST_F(WindowLoopTest, MouseTakesTheHandMovesItAndLetsGo) {
     EXPECT_FALSE(hand.hand().engaged);
 }
 
+TEST_F(WindowLoopTest, BackspaceIsAnEmergencyStopOnce) {
+    WindowSettings settings;
+    settings.title = "stop under test";
+    GlWindow window{settings};
+    WindowDisplay display(Duration::zero());
+    WindowLoop loop({&window, &display}, Duration::zero(), true);
+    const auto person = [&](std::vector<std::string> words) {
+        Child tool("xdotool", words, server_.folder() / "xdotool");
+        for (int i = 0; i < 200 && !tool.poll(); ++i) loop.turn();
+        return tool.poll() == 0;
+    };
+    if (!person({"version"})) GTEST_SKIP() << "xdotool is not installed (deploy/packages.txt, [test])";
+    ASSERT_TRUE(person({"search", "--name", "stop under test", "windowfocus"}));
+    ASSERT_TRUE(person({"key", "space"}));
+    for (int i = 0; i < 10; ++i) loop.turn();
+    EXPECT_FALSE(display.take_stop());
+    ASSERT_TRUE(person({"key", "BackSpace"}));
+    for (int i = 0; i < 20; ++i) loop.turn();
+    EXPECT_TRUE(display.take_stop());
+    EXPECT_FALSE(display.take_stop());
+}
+
 TEST_F(WindowLoopTest, NodeGoesOnWithoutScreen) {
     EXPECT_EXIT(
         {

@@ -6,7 +6,9 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/protection.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/security/lab_key_file.hpp"
 #include "tests/read_text.hpp"
 #include "tests/window/x_server.hpp"
 
@@ -67,6 +69,35 @@ TEST(WindowProgram, OutlivesItsScreen) {
     visual.signal(SIGTERM);
     EXPECT_EQ(visual.wait(seconds{20}), 0) << visual.last_words();
     EXPECT_EQ(nlohmann::json::parse(read_text(report))["window"]["end"], "screen_lost");
+}
+
+// A subject who presses the stop key at the screen of a session under a lab key: everything stops, and says who it was.
+TEST(WindowProgram, ItsStopKeyStopsASessionUnderALabKey) {
+    XServer server;
+    if (!server.missing().empty()) GTEST_SKIP() << server.missing();
+    const auto folder = server.folder();
+    const auto person = [&](const std::vector<std::string>& words) {
+        return Child("xdotool", words, folder / "xdotool").wait(seconds{20}) == 0;
+    };
+    if (!person({"version"})) GTEST_SKIP() << "xdotool is not installed (deploy/packages.txt, [test])";
+    create_lab_key(folder / "lab.key", system_random_bytes());
+    std::ofstream(folder / "session.toml") << "[session]\nmodalities = ['HF']\ndelays_s = "
+                                              "[0.0]\n[trial]\ncontact_hold_s = 40\n[visual]\ndisplay = "
+                                              "'window'\n[security]\nmode = 'lab-key'\nkey_file = '"
+                                           << (folder / "lab.key").string() << "'\n";
+    Child run(THIMBLE_BIN_DIR "/thimble",
+              {"run", folder / "session.toml", "--out", folder / "out", "--base-port", "26190"},
+              folder / "log");
+    const auto trajectory = folder / "out/trajectories/trial01_HF_0ms.csv";
+    ASSERT_TRUE(wait_for_words(trajectory, "\n0.2")) << run.last_words();
+    ASSERT_TRUE(person({"search", "--onlyvisible", "--name", "Thimble", "windowfocus"}));
+    ASSERT_TRUE(person({"key", "BackSpace"}));
+    EXPECT_EQ(run.wait(seconds{40}), 1) << run.last_words();
+    EXPECT_THAT(read_text(folder / "log"), HasSubstr("the stop key at the subject's screen"));
+    EXPECT_THAT(read_text(folder / "out/trials.csv"), HasSubstr("emergency_stop"));
+    const auto report = nlohmann::json::parse(read_text(folder / "out/nodes/thimble-visual_0ms.json"));
+    EXPECT_EQ(report["security"]["mode"], "lab-key");
+    EXPECT_EQ(report["window"]["end"], "asked");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "common/runtime/log/log_file.hpp"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <unistd.h>
@@ -19,18 +20,71 @@ std::string short_path(const std::filesystem::path& path) {
     return text.size() <= kMost ? text : "..." + text.substr(text.size() - kMost);
 }
 
+// -1 if the folder allows none.
+int open_nameless(const std::filesystem::path& beside) {
+    std::string name = (beside.parent_path() / ".thimble-index-XXXXXX").string();
+    const int descriptor = mkostemp(name.data(), O_CLOEXEC);
+    if (descriptor >= 0) unlink(name.c_str());
+    return descriptor;
+}
+
 }  // namespace
 
 LogFile::LogFile(const std::filesystem::path& path) : path_(path) {
     descriptor_ = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-    if (descriptor_ >= 0) return;
+    if (descriptor_ >= 0) {
+        aside_ = open_nameless(path);
+        return;
+    }
     const char* advice =
         errno == EEXIST ? "a log is never overwritten: name another file" : "check folder and permissions";
     throw Error(ExitCode::kUsage, fmt::format("cannot create the log '{}': {}; {}", path.string(),
                                               std::strerror(errno), advice));
 }
 
-LogFile::~LogFile() { close(descriptor_); }
+LogFile::~LogFile() {
+    close(descriptor_);
+    if (aside_ >= 0) close(aside_);
+}
+
+// What was written in part is written over the next time.
+bool LogFile::set_aside(Bytes bytes) {
+    std::size_t done = 0;
+    while (aside_ >= 0 && done < bytes.size()) {
+        const auto wrote =
+            pwrite(aside_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(aside_size_ + done));
+        if (wrote < 0 && errno == EINTR) continue;
+        if (wrote <= 0) return false;
+        done += static_cast<std::size_t>(wrote);
+    }
+    if (aside_ < 0) return false;
+    portions_.push_back(bytes.size());
+    aside_size_ += bytes.size();
+    return true;
+}
+
+void LogFile::give_back(const std::function<void(Bytes)>& use) {
+    std::vector<std::uint8_t> portion;
+    std::uint64_t at = 0;
+    for (const std::size_t size : portions_) {
+        portion.resize(size);
+        for (std::size_t done = 0; done < size;) {
+            const auto got = pread(aside_, portion.data() + done, size - done, static_cast<off_t>(at + done));
+            if (got < 0 && errno == EINTR) continue;
+            if (got <= 0) {
+                throw Error(
+                    ExitCode::kRunFailed,
+                    fmt::format(
+                        "the log '{}' has no index: it cannot be read back ({}); 'thimble log repair' "
+                        "makes another",
+                        short_path(path_), got == 0 ? "it is shorter than it was" : std::strerror(errno)));
+            }
+            done += static_cast<std::size_t>(got);
+        }
+        at += size;
+        use(portion);
+    }
+}
 
 void LogFile::write(Bytes bytes) {
     std::size_t done = 0;

@@ -151,6 +151,7 @@ void DhdLibrary::bind() {
     optional("dhdEnableExpertMode", f.enable_expert_mode);
     optional("dhdDisableExpertMode", f.disable_expert_mode);
     optional("dhdSetWatchdog", f.set_watchdog);
+    optional("dhdGetButton", f.button);
     optional("dhdGetSDKVersion", f.sdk_version);
 }
 

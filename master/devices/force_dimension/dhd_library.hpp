@@ -26,7 +26,7 @@ enum DhdStatus : std::size_t {
     kDhdForceOffCause = 14,  // 1 button, 2 velocity, 3 watchdog, 4 software, 5 USB, 6 dead man's switch
 };
 
-// Metres, newtons, metres per second. Null: this version has no such function (the last four only).
+// Metres, newtons, metres per second. Null: this version has no such function (the last five only).
 struct DhdFunctions {
     int (*open_id)(char index) = nullptr;  // the device's number
     int (*close)(char id) = nullptr;
@@ -48,6 +48,7 @@ struct DhdFunctions {
     int (*enable_expert_mode)() = nullptr;
     int (*disable_expert_mode)() = nullptr;
     int (*set_watchdog)(unsigned char ticks, char id) = nullptr;  // of 125 us; 0: none
+    int (*button)(int index, char id) = nullptr;                  // 1: pressed
     void (*sdk_version)(int* major, int* minor, int* release, int* revision) = nullptr;
 };
 

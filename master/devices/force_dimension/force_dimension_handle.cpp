@@ -124,6 +124,12 @@ void ForceDimensionHandle::prepare() {
                                                   "here, and a bare controller has no arm",
                                                   name_, type));
     }
+    if (settings_.stop_button >= 0 &&
+        (dhd_.button == nullptr || dhd_.button(settings_.stop_button, id_) < 0)) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{} has no button {}, which [handle.force_dimension] stop_button names",
+                                name_, settings_.stop_button));
+    }
     StatusArray status{};
     if (dhd_.status(status.data(), id_) < 0)
         throw Error(ExitCode::kRunFailed, fmt::format("{} does not say how it is: {}", name_, last_error()));
@@ -256,6 +262,10 @@ void ForceDimensionHandle::enable_force(SessionTime now, bool enabled) {
     if (dhd_.enable_force(1, id_) < 0) return fail_in("dhdEnableForce");
     forced_ = true;
     apply();
+}
+
+bool ForceDimensionHandle::stop_pressed() const {
+    return settings_.stop_button >= 0 && dhd_.button(settings_.stop_button, id_) > 0;
 }
 
 void ForceDimensionHandle::fail_in(const char* function) {

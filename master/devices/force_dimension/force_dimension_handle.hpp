@@ -35,6 +35,8 @@ class ForceDimensionHandle final : public RealHandle {
     void command_force(SessionTime now, double force_hand_N) override;
     void enable_force(SessionTime now, bool enabled) override;
     std::string_view fault() const override { return fault_; }
+    // Of the button that the settings name; asks the device, between trials too.
+    bool stop_pressed() const override;
 
     std::string name() const override { return name_; }
     void describe(nlohmann::ordered_json& report) const override;

@@ -8,7 +8,8 @@ namespace {
 constexpr double kFullScale = 350;
 constexpr int kNonsense = 700;                   // no cap of any model gives twice the full scale
 constexpr std::uint16_t kFirstAxisUsage = 0x30;  // X; then Y, Z, Rx, Ry, Rz
-constexpr std::uint8_t kTranslation = 1, kRotation = 2;
+constexpr std::uint8_t kTranslation = 1, kRotation = 2, kButtons = 3;
+constexpr std::uint16_t kButtonPage = 0x09;
 
 }  // namespace
 
@@ -26,7 +27,15 @@ std::optional<HidAxes> HidAxes::described_by(const HidLayout& layout) {
         stick = field.application;
         axes.fields_[axis] = field;
     }
+    axes.stick_ = stick.value_or(0);
     return stick ? std::optional(axes) : std::nullopt;
+}
+
+bool HidAxes::has_button(unsigned button) const {
+    if (!layout_) return button >= 1 && button <= kHidButtons;  // not told
+    return std::any_of(layout_->fields.begin(), layout_->fields.end(), [&](const HidField& field) {
+        return field.usage_page == kButtonPage && field.application == stick_ && field.usage == button;
+    });
 }
 
 ReportVerdict HidAxes::take(std::span<const std::uint8_t> report) {
@@ -36,6 +45,11 @@ ReportVerdict HidAxes::take(std::span<const std::uint8_t> report) {
 
 ReportVerdict HidAxes::take_spacemouse(std::span<const std::uint8_t> report) {
     const bool translation = report[0] == kTranslation, rotation = report[0] == kRotation;
+    if (report[0] == kButtons) {
+        buttons_ = 0;
+        for (std::size_t i = 1; i < std::min<std::size_t>(report.size(), 5); ++i)
+            buttons_ |= std::uint32_t{report[i]} << (8 * (i - 1));
+    }
     if (!translation && !rotation) return ReportVerdict::kOther;
     const std::size_t count = report.size() == 13 && translation ? 6 : 3;
     if (report.size() != 1 + 2 * count) return ReportVerdict::kBad;
@@ -52,6 +66,7 @@ ReportVerdict HidAxes::take_spacemouse(std::span<const std::uint8_t> report) {
 
 // The range's middle is rest. A value outside its range is what the standard calls a null state: no news.
 ReportVerdict HidAxes::take_described(std::span<const std::uint8_t> report) {
+    take_buttons(report);
     ReportVerdict verdict = ReportVerdict::kOther;
     for (std::size_t axis = 0; axis < kHidAxes; ++axis) {
         const HidField& field = fields_[axis];
@@ -64,6 +79,19 @@ ReportVerdict HidAxes::take_described(std::span<const std::uint8_t> report) {
         verdict = ReportVerdict::kTaken;
     }
     return verdict;
+}
+
+// A report that is too short says nothing of them.
+void HidAxes::take_buttons(std::span<const std::uint8_t> report) {
+    for (const HidField& field : layout_->fields) {
+        const bool button = field.usage_page == kButtonPage && field.application == stick_ &&
+                            field.usage >= 1 && field.usage <= kHidButtons;
+        if (!button || (layout_->numbered && report[0] != field.report)) continue;
+        const auto value = value_of(*layout_, field, report);
+        if (!value) continue;
+        const std::uint32_t bit = std::uint32_t{1} << (field.usage - 1U);
+        buttons_ = *value != 0 ? buttons_ | bit : buttons_ & ~bit;
+    }
 }
 
 }  // namespace thimble

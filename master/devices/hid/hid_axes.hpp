@@ -4,7 +4,7 @@
 //
 // SpaceMouse reports are told apart by their length, not by the model (spacenavd, PySpaceMouse): number 1 with 6 bytes of
 // x, y, z and number 2 with those of rx, ry, rz in turn, or number 1 with all 12; little-endian, full scale 350. Others are
-// read as their report descriptor says.
+// read as their report descriptor says. Number 3 of a SpaceMouse is a bit per button.
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@
 namespace thimble {
 
 inline constexpr std::size_t kHidAxes = 6;  // x, y, z, rx, ry, rz
+inline constexpr unsigned kHidButtons = 32;
 
 enum class ReportVerdict : std::uint8_t { kTaken, kOther, kBad };  // kOther: buttons, battery
 
@@ -31,12 +32,20 @@ class HidAxes {
     // At rest until the first report.
     const std::array<double, kHidAxes>& values() const { return values_; }
     bool has(std::size_t axis) const { return !layout_ || fields_[axis].bits > 0; }
+    // Buttons have the numbers that HID gives them: 1 to kHidButtons. As the newest report that speaks of it says.
+    bool pressed(unsigned button) const {
+        return button >= 1 && button <= kHidButtons && ((buttons_ >> (button - 1)) & 1U) != 0;
+    }
+    bool has_button(unsigned button) const;
 
   private:
     ReportVerdict take_spacemouse(std::span<const std::uint8_t> report);
     ReportVerdict take_described(std::span<const std::uint8_t> report);
+    void take_buttons(std::span<const std::uint8_t> report);
 
     std::array<double, kHidAxes> values_{};
+    std::uint32_t buttons_ = 0;
+    std::size_t stick_ = 0;            // whose buttons count, of the layout's applications
     std::optional<HidLayout> layout_;  // none: a SpaceMouse
     std::array<HidField, kHidAxes> fields_{};
 };

@@ -38,6 +38,8 @@ HidHandSettings read_hid_hand_settings(const ConfigTable& table) {
     settings.device = read_hid_choice(table);
     settings.axis = table.choice("axis", settings.axis, {kAxisNames.begin(), kAxisNames.end()});
     settings.inverted = table.boolean("inverted", settings.inverted);
+    settings.stop_button =
+        static_cast<unsigned>(table.integer("stop_button", settings.stop_button, 0, kHidButtons));
     settings.control = static_cast<HidControl>(table.choice("control", 0, {"rate", "position"}));
     settings.dead_zone_fraction = table.number("dead_zone_fraction", settings.dead_zone_fraction, 0, 0.9);
     settings.speed_hand_m_per_s = table.number("speed_hand_m_per_s", settings.speed_hand_m_per_s, 0.001, 1);
@@ -80,6 +82,11 @@ bool HidHand::attach(const HidDevice& device, std::span<const std::uint8_t> desc
         }
         axes_ = *described;
     }
+    if (settings_.stop_button != 0 && !axes_.has_button(settings_.stop_button)) {
+        trouble = fmt::format("{} has no button {}: choose another with [handle.hid] stop_button",
+                              to_string(device), settings_.stop_button);
+        return false;
+    }
     attachments_.fetch_add(1, std::memory_order_relaxed);
     deflection_.store(0, std::memory_order_release);
     return true;
@@ -90,7 +97,9 @@ bool HidHand::turn(SessionTime /*now*/, HidLink& link) {
     const int size = link.read(report, kOneRead);
     if (size < 0) return false;
     if (size == 0) return true;
-    switch (axes_.take(std::span(report).first(static_cast<std::size_t>(size)))) {
+    const ReportVerdict verdict = axes_.take(std::span(report).first(static_cast<std::size_t>(size)));
+    stop_pressed_.store(axes_.pressed(settings_.stop_button), std::memory_order_release);
+    switch (verdict) {
         case ReportVerdict::kBad:
             bad_reports_.fetch_add(1, std::memory_order_relaxed);
             break;
@@ -105,7 +114,10 @@ bool HidHand::turn(SessionTime /*now*/, HidLink& link) {
     return true;
 }
 
-void HidHand::detach() { deflection_.store(kAbsent, std::memory_order_release); }
+void HidHand::detach() {
+    deflection_.store(kAbsent, std::memory_order_release);
+    stop_pressed_.store(false, std::memory_order_release);
+}
 
 void HidMapping::start(SessionTime now) {
     reached_ = now;

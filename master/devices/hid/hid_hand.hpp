@@ -18,6 +18,8 @@ class HidHand final : public HidUser {
     // Of the chosen axis, -1 to 1, positive into the tissue; none while no device is there. Any thread. A device that says
     // nothing is one that does not move: SpaceMouses report changes only.
     std::optional<double> deflection() const;
+    // The button that the settings name is down. Any thread.
+    bool stop_pressed() const { return stop_pressed_.load(std::memory_order_acquire); }
     std::uint64_t bad_reports() const { return bad_reports_.load(std::memory_order_relaxed); }
     std::uint64_t attachments() const { return attachments_.load(std::memory_order_relaxed); }
 
@@ -31,6 +33,7 @@ class HidHand final : public HidUser {
     HidHandSettings settings_;
     HidAxes axes_ = HidAxes::of_spacemouse();
     std::atomic<double> deflection_{kAbsent};
+    std::atomic<bool> stop_pressed_{false};
     std::atomic<std::uint64_t> bad_reports_{0}, attachments_{0};
 
     static constexpr double kAbsent = 2;  // no deflection
@@ -64,6 +67,7 @@ class HidHandle final : public HapticDevice, public OperatorPort {
     void command_force(SessionTime now, double force_hand_N) override {
         pointer_.command_force(now, force_hand_N);
     }
+    bool stop_pressed() const override { return hand_.stop_pressed(); }
     void start_trial(SessionTime now, const OperatorTask& task) override;
     void perceive(SessionTime /*now*/, const Percept& /*percept*/) override {}
     bool finished() const override { return false; }  // as PointerHandle

@@ -14,6 +14,7 @@ struct HidHandSettings {
     HidChoice device;
     std::size_t axis = 1;  // of x, y, z, rx, ry, rz: y, towards the person
     bool inverted = false;
+    unsigned stop_button = 0;  // an emergency stop, by its HID number from 1; 0: none
     HidControl control = HidControl::kRate;
     double dead_zone_fraction = 0.08;  // of full deflection: at rest no device is quite at rest
     double speed_hand_m_per_s = 0.03;  // kRate: at full deflection

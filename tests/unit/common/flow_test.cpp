@@ -1,11 +1,13 @@
 // Who gets in: one sender, newest first, for the running trial.
 #include "common/flow.hpp"
 
+#include <array>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
+#include "common/stop_line.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -285,6 +287,37 @@ TEST_F(InboundFlowTest, SilenceIsExcusedUntilANamedTimeAndTheUsualPatienceThen) 
     EXPECT_TRUE(flow.silent_for(now + milliseconds{501}, milliseconds{500}));  // it is silent all the same
     flow.expect_from(now);
     EXPECT_TRUE(flow.lost_for(now + milliseconds{501}, milliseconds{500}));
+}
+
+// A socket into which somebody writes faster than it can be read.
+class EndlessChannel final : public Channel {
+  public:
+    void send(Bytes /*datagram*/) override {}
+    int taken = 0;
+
+  private:
+    Bytes take() override {
+        ++taken;
+        return {rubbish_.data(), rubbish_.size()};
+    }
+    std::array<std::uint8_t, 112> rubbish_{};
+};
+
+TEST(Flood, HoldsNoTick) {
+    EndlessChannel flood;
+    InboundFlow flow{Role::kMaster};
+    int used = 0;
+    flow.drain<NeedleCommand>(at(seconds{1}), flood, true, 1, [&](const auto&, const auto&) { ++used; });
+    EXPECT_EQ(used, 0);
+    EXPECT_EQ(flood.taken, kMostRefusedAtOnce);
+    EXPECT_EQ(flow.counters().refused_total(), static_cast<std::uint64_t>(kMostRefusedAtOnce));
+
+    EndlessChannel stops;
+    StopLine line(Role::kMaster, 1);
+    line.connect(stops, StopOutlets{&stops, &stops, &stops, &stops, &stops, &stops});
+    line.tick(at(seconds{1}));
+    EXPECT_EQ(stops.taken, kMostRefusedAtOnce);
+    EXPECT_FALSE(line.stopped());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/stale_record.hpp"
 
 namespace thimble {
 namespace {
@@ -48,6 +49,44 @@ TEST(StalePolicy, RefusesWhatMakesNoSense) {
     for (const char* text : {"stale = 'stop'", "stale = 1", "stale_after_s = 0", "stale_ramp_s = -1",
                              "stale = 'zero'\nstale_ramp_s = 0.1", "stale_s = 1"}) {
         EXPECT_THROW(stale_policy(text), Error) << text;
+    }
+}
+
+TEST(StaleRecord, SaysInWhichTrialHowOftenAndHowLong) {
+    const auto ms = [](int time) { return SessionTime{milliseconds{time}}; };
+    StaleRecord record;
+    record.watch(ms(0), 1, true);  // has not come yet in this trial
+    EXPECT_EQ(record.trials(), 0U);
+    record.watch(ms(1), 1, false);
+    record.watch(ms(10), 1, true);
+    record.watch(ms(11), 1, true);
+    record.watch(ms(15), 1, false);
+    record.watch(ms(20), 1, true);
+    record.end(ms(40));
+    record.watch(ms(50), 2, false);
+    record.watch(ms(60), 3, false);
+    record.watch(ms(61), 3, true);
+    record.watch(ms(62), 3, false);
+    ASSERT_EQ(record.trials(), 2U);
+    EXPECT_EQ(record.known()[0].trial, 1U);
+    EXPECT_EQ(record.known()[0].times, 2U);
+    EXPECT_EQ(record.known()[0].acted, Duration(milliseconds{25}));
+    EXPECT_EQ(record.known()[0].longest, Duration(milliseconds{20}));
+    EXPECT_EQ(record.known()[1].trial, 3U);
+}
+
+TEST(StaleRecord, KeepsTheNewestTrials) {
+    StaleRecord record;
+    for (std::uint32_t trial = 1; trial <= 100; ++trial) {
+        record.watch(SessionTime{seconds{trial}}, trial, false);
+        record.watch(SessionTime{seconds{trial} + milliseconds{1}}, trial, true);
+        record.end(SessionTime{seconds{trial} + milliseconds{2}});
+    }
+    EXPECT_EQ(record.trials(), 100U);
+    ASSERT_EQ(record.known().size(), 64U);
+    for (const StaleRecord::Trial& one : record.known()) {
+        EXPECT_GT(one.trial, 36U);
+        EXPECT_EQ(one.acted, Duration(milliseconds{1}));
     }
 }
 

@@ -152,6 +152,11 @@ const char* dhdErrorGetStr(int code) {
            : code == kErrorCommunication ? "communication error"
                                          : "error";
 }
+int dhdGetButton(int index, char /*id*/) {
+    const Device& d = device();
+    if (index >= d.number("buttons", 1)) return -1;
+    return d.after("pressed_after") ? 1 : 0;
+}
 int dhdEnableExpertMode() { return 0; }
 int dhdDisableExpertMode() { return 0; }
 int dhdSetWatchdog(unsigned char ticks, char /*id*/) {

@@ -226,6 +226,21 @@ TEST_F(ForceDimension, SaysWhichLibraryItLacks) {
                 HasSubstr("The link is missing: run `sudo ln -s libdhd.so.3.17.0 " + link));
 }
 
+TEST_F(ForceDimension, AButtonThatTheFileNamesIsAnEmergencyStop) {
+    script("pressed_after 10\n");
+    const auto deaf = open();
+    EXPECT_TRUE(reads(*deaf, 20));
+    EXPECT_FALSE(deaf->stop_pressed()) << "no button is named";
+    settings_.stop_button = 0;
+    const auto handle = open();
+    EXPECT_TRUE(reads(*handle, 5));
+    EXPECT_FALSE(handle->stop_pressed());
+    EXPECT_TRUE(reads(*handle, 6));
+    EXPECT_TRUE(handle->stop_pressed());
+    settings_.stop_button = 3;
+    EXPECT_THAT(refusal(), HasSubstr("has no button 3"));
+}
+
 TEST_F(ForceDimension, NamesTheFoldersItLookedInInVain) {
     setenv("FDSDK", folder_.c_str(), 1);
     const std::string words = library_refusal("");

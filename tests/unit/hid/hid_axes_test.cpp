@@ -53,6 +53,36 @@ TEST(SpaceMouseAxes, ShortGarbledAndOtherReportsChangeNothing) {
     EXPECT_EQ(axes.values(), before);
 }
 
+TEST(HidButtons, OfEitherKindHaveTheNumbersOfHid) {
+    HidAxes cap = HidAxes::of_spacemouse();
+    EXPECT_FALSE(cap.pressed(1));
+    cap.take(Report{3, 2, 0x80});
+    EXPECT_TRUE(cap.pressed(2) && cap.pressed(16));
+    EXPECT_FALSE(cap.pressed(0) || cap.pressed(1) || cap.pressed(33));
+    cap.take(axes_report(1, {0, 70, 0}));
+    EXPECT_TRUE(cap.pressed(2)) << "an axis says nothing of buttons";
+    cap.take(Report{3, 0, 0});
+    EXPECT_FALSE(cap.pressed(2));
+
+    auto pad = HidAxes::described_by(*parse_report_descriptor(kGamepadDescriptor));
+    ASSERT_TRUE(pad);
+    EXPECT_TRUE(pad->has_button(8));
+    EXPECT_FALSE(pad->has_button(9) || pad->has_button(0));
+    pad->take(Report{1, 128, 128, 128, 128, 0x80});
+    EXPECT_TRUE(pad->pressed(8));
+    EXPECT_FALSE(pad->pressed(1));
+
+    // Of a receiver those of the cap, not the mouse's.
+    auto receiver = HidAxes::described_by(*parse_report_descriptor(kReceiverDescriptor));
+    ASSERT_TRUE(receiver);
+    EXPECT_TRUE(receiver->has_button(2));
+    EXPECT_FALSE(receiver->has_button(3));
+    receiver->take(Report{2, 1, 0, 0, 0});
+    EXPECT_FALSE(receiver->pressed(1));
+    receiver->take(Report{4, 1});
+    EXPECT_TRUE(receiver->pressed(1));
+}
+
 TEST(DescribedAxes, OfAReceiverAreTheCapsAndNotTheMouses) {
     auto axes = HidAxes::described_by(*parse_report_descriptor(kReceiverDescriptor));
     ASSERT_TRUE(axes);

@@ -123,6 +123,32 @@ TEST_F(HidHandleTest, AWallIsNotWoundUpAgainst) {
     EXPECT_LT(run(milliseconds{700}, 6.0), pressed_m - 0.005);
 }
 
+TEST_F(HidHandleTest, TheNamedButtonIsAnEmergencyStop) {
+    HidHandSettings settings;
+    settings.stop_button = 1;
+    HidHand careful{settings};
+    const HidHandle stoppable{HandleSettings{}, settings, careful};
+    ASSERT_TRUE(careful.attach(compact_cap(), {}, trouble)) << trouble;
+    const auto buttons = [&](std::uint8_t bits) {
+        cable.said.push_back({3, bits, 0});
+        careful.turn(now, link);
+        hand.turn(now, link);
+    };
+    buttons(2);
+    EXPECT_FALSE(stoppable.stop_pressed());
+    buttons(1);
+    EXPECT_TRUE(stoppable.stop_pressed());
+    EXPECT_FALSE(handle.stop_pressed()) << "no button is named";
+    careful.detach();
+    EXPECT_FALSE(stoppable.stop_pressed());
+    // A pad with eight has no ninth.
+    settings.stop_button = 9;
+    HidHand wrong{settings};
+    EXPECT_FALSE(wrong.attach({"/dev/hidraw0", "Pad", "", 0x054c, 0x0ce6, 1, kGamepadUsage},
+                              kGamepadDescriptor, trouble));
+    EXPECT_NE(trouble.find("has no button 9"), std::string::npos) << trouble;
+}
+
 TEST_F(HidHandleTest, AllocatesNothing) {
     say(0x5e, 0x01);
     const auto before = allocation_count();

@@ -1,6 +1,8 @@
 // What `thimble log` makes of files: checks, merging, tables, JSON, repair.
 #include <algorithm>
+#include <filesystem>
 #include <functional>
+#include <iterator>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -20,6 +22,7 @@
 #include "tests/fuzz/packets.hpp"
 #include "tests/read_text.hpp"
 #include "tests/unit/log/log_folder.hpp"
+#include "tests/unit/log/small_log.hpp"
 
 namespace thimble {
 namespace {
@@ -273,6 +276,36 @@ TEST(LogUnits, AreInTheNames) {
     EXPECT_EQ(unit_of("change_s_3"), "s");
     EXPECT_EQ(unit_of("force_hand_N"), "N");
     EXPECT_EQ(unit_of("trial"), "");
+}
+
+// So many chunks that their index does not stay in memory: the file has the same bytes as one whose index did.
+TEST(LogFiles, ALongIndexIsSetAside) {
+    const auto write = [](McapSink& sink) {
+        McapWriter writer(sink, "test");
+        const std::uint16_t channel = writer.add_channel(0, "/a", "", {});
+        std::size_t most = 0;
+        for (std::uint32_t i = 0; i < 3000; ++i) {
+            writer.add_message({channel, i, i, i, {}});
+            writer.flush();
+            most = std::max(most, writer.index_bytes());
+        }
+        writer.finish();
+        return most;
+    };
+    const LogFolder folder;
+    MemorySink memory;
+    EXPECT_GT(write(memory), 3 * McapWriter::kLongIndexBytes);
+    std::size_t most = 0;
+    {
+        LogFile file(folder.path() / "long.mcap");
+        most = write(file);
+    }
+    EXPECT_LT(most, 2 * McapWriter::kLongIndexBytes);
+    const std::string bytes = read_text(folder.path() / "long.mcap");
+    EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), memory.bytes.begin(), memory.bytes.end(),
+                           [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; }));
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1)
+        << "nothing else is left";
 }
 
 }  // namespace

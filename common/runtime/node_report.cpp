@@ -1,0 +1,28 @@
+#include "common/runtime/node_report.hpp"
+
+namespace thimble {
+
+nlohmann::ordered_json describe_security(const Security* security) {
+    if (security == nullptr) return {{"mode", "none"}};
+    const SecurityCounters c = security->counters();
+    return {{"mode", "lab-key"},          {"sealed", c.sealed},
+            {"opened", c.opened},         {"handshakes", c.handshakes},
+            {"forged", c.forged},         {"replayed", c.replayed},
+            {"wrong_role", c.wrong_role}, {"no_key", c.no_key},
+            {"unsealed", c.unsealed},     {"handshake_refused", c.handshake_refused},
+            {"not_sent", c.not_sent}};
+}
+
+void describe_stale(nlohmann::ordered_json& report, const StalePolicy& policy, const StaleRecord& record) {
+    report["stale"] = policy.text();
+    nlohmann::ordered_json trials = nlohmann::ordered_json::array();
+    for (const StaleRecord::Trial& one : record.known()) {
+        trials.push_back({{"trial", one.trial},
+                          {"times", one.times},
+                          {"acted_s", to_seconds(one.acted)},
+                          {"longest_s", to_seconds(one.longest)}});
+    }
+    report["stale_acted"] = std::move(trials);
+}
+
+}  // namespace thimble
