@@ -24,6 +24,8 @@ using std::chrono::milliseconds;
 constexpr std::size_t kBytes = 144;  // a ForceFeedback
 constexpr Duration kPeriod = milliseconds{1};
 constexpr std::size_t kManyInFlight = 1'000'000;
+constexpr Duration kSpin = std::chrono::microseconds{300};
+constexpr Duration kWarmUp = milliseconds{200};  // in which a relay learns how late the timer is
 
 double thread_cpu_s() {
     timespec now{};
@@ -70,10 +72,14 @@ class DueTimes final : public PacketSink {
     std::vector<SessionTime> due;
 };
 
-// Sends numbered datagrams at 1 kHz and notes when the kernel had them at the sink.
+// About 1 kHz, so that due times fall midway between two sendings: the sender at work is not what is measured.
+Duration period_beside(Duration delay) { return 2 * delay / (2 * (delay / kPeriod) + 1); }
+
+// Sends numbered datagrams and notes when the kernel had them at the sink.
 class Stream {
   public:
-    Stream(const UdpSocket& sink, std::size_t packets) : sink_(&sink), arrived(packets) {}
+    Stream(const UdpSocket& sink, Duration period, std::size_t packets)
+        : sink_(&sink), period_(period), arrived(packets) {}
 
     void run(const UdpAddress& relay, const std::atomic<bool>& stop) {
         be_ordinary();
@@ -86,7 +92,7 @@ class Stream {
             waiter.wait(next, next, room);
             receive();
             if (wall_now() < next) continue;
-            next += kPeriod;
+            next += period_;
             if (sent < arrived.size()) send(client, sent++);
         }
     }
@@ -110,6 +116,7 @@ class Stream {
     }
 
     const UdpSocket* sink_;
+    Duration period_;
     ReceiveBatch in_;
     SendBatch out_;
     StampClock stamps_;
@@ -142,6 +149,26 @@ void echo(const UdpSocket& socket, const std::atomic<bool>& stop) {
     }
 }
 
+void forward(const UdpSocket& inlet, const UdpSocket& out, const std::atomic<bool>& stop) {
+    pin();
+    EventWaiter waiter(false);
+    waiter.add(inlet.descriptor(), 0);
+    waiter.add(out.descriptor(), 1);
+    std::array<epoll_event, 2> room{};
+    UdpAddress client;
+    ReceiveBatch in;
+    SendBatch batch;
+    while (!stop) {
+        for (const epoll_event& event : waiter.wait(kNever, wall_now() + milliseconds{100}, room)) {
+            const bool up = event.data.u64 == 0;
+            if (in.receive((up ? inlet : out).descriptor(), 1) == 0) continue;
+            if (up) client = in[0].from;
+            batch.add(in[0].bytes, up ? nullptr : &client);
+            batch.send((up ? out : inlet).descriptor());
+        }
+    }
+}
+
 // Blocks for at most 200 ms: a lost datagram must not hang the measurement.
 void make_blocking(const UdpSocket& socket) {
     const int on = 0;
@@ -171,21 +198,23 @@ std::vector<double> round_trips(const UdpAddress& to, int count) {
 }  // namespace
 
 LatenessRound relay_lateness(Mode mode, Duration delay, Duration length) {
-    const auto packets = static_cast<std::size_t>(length / kPeriod);
+    const Duration period = period_beside(delay);
+    const auto warm = static_cast<std::size_t>(kWarmUp / period);
+    const auto packets = warm + static_cast<std::size_t>(length / period);
     const UdpSocket sink = UdpSocket::listening(loopback());
     DueTimes times(packets);
     RelayEngine engine(settings_for(mode, delay, sink.local()), &times);
-    Stream stream(sink, packets);
+    Stream stream(sink, period, packets);
     LatenessRound round;
     {
         Helper sender([&](const std::atomic<bool>& stop) { stream.run(engine.inlet_address(0), stop); });
-        const SessionTime start = wall_now(), end = start + length + delay + milliseconds{20};
+        const SessionTime start = wall_now(), end = start + kWarmUp + length + delay + milliseconds{20};
         const double cpu_before_s = thread_cpu_s();
         for (SessionTime now = start; now < end; now = wall_now()) engine.step(end);
         round.cpu_s = thread_cpu_s() - cpu_before_s;
         round.wall_s = to_seconds(wall_now() - start);
     }
-    for (std::size_t i = 0; i < times.due.size(); ++i) {
+    for (std::size_t i = warm; i < times.due.size(); ++i) {
         if (stream.arrived[i] != SessionTime{})
             round.errors_us.push_back(us(stream.arrived[i] - times.due[i]));
     }
@@ -204,6 +233,35 @@ LatenessRound timer_lateness(Duration length) {
     }
     round.cpu_s = thread_cpu_s() - cpu_before_s;
     round.wall_s = to_seconds(wall_now() - start);
+    return round;
+}
+
+// What the machine itself adds to a moment that nobody sleeps before.
+LatenessRound spinner_lateness(Duration length) {
+    LatenessRound round;
+    const UdpSocket sink = UdpSocket::listening(loopback()), out = UdpSocket::connected(sink.local());
+    const std::array<std::uint8_t, kBytes> bytes{};
+    StampClock stamps;
+    ReceiveBatch in;
+    const SessionTime start = wall_now(), end = start + length;
+    const double cpu_before_s = thread_cpu_s();
+    std::vector<SessionTime> dues;
+    dues.reserve(static_cast<std::size_t>(length / kPeriod));
+    for (SessionTime due = start + kPeriod; due < end; due += kPeriod) {
+        wall_sleep(due - kSpin - wall_now());
+        while (wall_now() < due) {
+        }
+        ::send(out.descriptor(), bytes.data(), bytes.size(), 0);
+        dues.push_back(due);
+    }
+    round.cpu_s = thread_cpu_s() - cpu_before_s;
+    round.wall_s = to_seconds(wall_now() - start);
+    stamps.update(read_clock_pair());
+    const SessionTime now = wall_now();
+    for (std::size_t done = 0, count = 0; (count = in.receive(sink.descriptor())) > 0; done += count) {
+        for (std::size_t i = 0; i < count; ++i)
+            round.errors_us.push_back(us(stamps.to_session(in[i].stamp_realtime_ns, now) - dues[done + i]));
+    }
     return round;
 }
 
@@ -253,6 +311,16 @@ std::vector<double> relay_round_trips(Mode mode, int count) {
         while (!stop) engine.step(kNever);
     });
     return round_trips(engine.inlet_address(0), count);
+}
+
+// Both ways through two watched sockets, as a relay has them, and nothing else.
+std::vector<double> forwarder_round_trips(int count) {
+    const UdpSocket server = UdpSocket::listening(loopback());
+    make_blocking(server);
+    const Helper echoing([&](const std::atomic<bool>& stop) { echo(server, stop); });
+    const UdpSocket inlet = UdpSocket::listening(loopback()), out = UdpSocket::connected(server.local());
+    const Helper forwarding([&](const std::atomic<bool>& stop) { forward(inlet, out, stop); });
+    return round_trips(inlet.local(), count);
 }
 
 std::vector<double> bare_round_trips(int count) {

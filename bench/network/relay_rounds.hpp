@@ -16,11 +16,14 @@ struct LatenessRound {
     double wall_s = 0;
 };
 
-// 1 kHz of session-sized datagrams through a relay with this delay, one way; error from due time to the kernel's stamp
-// at the receiver. The sender is a thread with default scheduling.
+// About 1 kHz of session-sized datagrams through a relay with this delay, one way; error from due time to the kernel's stamp
+// at the receiver, after a warm-up. The sender is a thread with default scheduling.
 LatenessRound relay_lateness(Mode mode, Duration delay, Duration length);
 // Deadlines at 1 kHz by timerfd and epoll.
 LatenessRound timer_lateness(Duration length);
+// The same by spinning, each with the sending of one datagram, to the kernel's stamp at the receiver: the least a relay could do
+// that begins when a packet is due, and a witness of the machine's stalls.
+LatenessRound spinner_lateness(Duration length);
 
 // Datagrams per second that come out where more are offered than can be forwarded.
 double relay_throughput(Mode mode, Duration delay, Duration length);
@@ -29,5 +32,6 @@ double bare_throughput(Duration length);  // recvmmsg, sendmmsg and nothing else
 // Round trips at 1 kHz, in microseconds.
 std::vector<double> relay_round_trips(Mode mode, int count);
 std::vector<double> bare_round_trips(int count);
+std::vector<double> forwarder_round_trips(int count);  // epoll, recvmmsg and sendmmsg both ways
 
 }  // namespace thimble
