@@ -29,6 +29,7 @@ struct Options {
     int rounds = 8, flows = 0;
     bool json = false, default_scheduling = false;
     std::string only;
+    std::vector<int> delays_ms{1, 5, 50, 200};
 };
 
 struct Row {
@@ -77,6 +78,18 @@ void measure_lateness(const Options& options, bool granted, Duration delay, std:
         {name + ", CPU precise / sleeping", "<= 2", 1e2 * precise.cpu(), 1e2 * sleeping.cpu(), "%", 0});
 }
 
+void measure_carried(bool granted, std::vector<Row>& rows) {
+    constexpr std::uint64_t kPackets = 1'000'000;
+    const CarriedRound r = relay_carries(granted ? Mode::kPrecise : Mode::kSleeping, kPackets);
+    const auto row = [&](const char* what, std::uint64_t count, const char* goal) {
+        rows.push_back({fmt::format("of 1e6 packets, {}", what), goal, static_cast<double>(count), 0, "", 0});
+    };
+    row("early", r.early, "0");
+    row("overtaken", r.overtaken, "0");
+    row("not arrived", r.sent - r.arrived, "0");
+    row("dropped by full sockets", r.full, "");
+}
+
 void measure_throughput(const Options& options, bool granted, std::vector<Row>& rows) {
     std::vector<double> bare, sleeping, precise;
     for (int i = 0; i < options.rounds; ++i) {
@@ -123,6 +136,10 @@ void print(const std::vector<Row>& rows, bool granted, bool json) {
                        {"goal", r.goal},
                        {"stalled_windows", r.stalled}});
         if (!json) {
+            if (r.bare == 0) {
+                fmt::print("| {} | {:g} | | | {} | |\n", r.what, r.ours, r.goal);
+                continue;
+            }
             fmt::print("| {} | {:.4g} {} | {:.4g} {} | {:.3f} | {} | {:.0f} % |\n", r.what, r.ours, r.unit,
                        r.bare, r.unit, r.ratio(), r.goal, 100 * r.stalled);
         }
@@ -179,9 +196,10 @@ int run(const Options& options) {
     const bool granted = ask_for_precision(runtime, true);
     std::vector<Row> rows;
     const auto wanted = [&](const char* what) { return options.only.empty() || options.only == what; };
-    for (const int delay_ms : {1, 5, 50, 200}) {
+    for (const int delay_ms : options.delays_ms) {
         if (wanted("lateness")) measure_lateness(options, granted, milliseconds{delay_ms}, rows);
     }
+    if (wanted("carried")) measure_carried(granted, rows);
     if (wanted("throughput")) measure_throughput(options, granted, rows);
     if (wanted("round-trips")) measure_round_trips(options, rows);
     print(rows, granted, options.json);
@@ -197,8 +215,11 @@ int network_study(int argc, char** argv) {
     app.add_option("--rounds", options.rounds, "how often everything takes its turn")
         ->check(CLI::Range(2, 1000))
         ->capture_default_str();
-    app.add_option("--only", options.only, "of all that: lateness, throughput or round-trips")
-        ->check(CLI::IsMember({"lateness", "throughput", "round-trips"}));
+    app.add_option("--only", options.only, "of all that: lateness, carried, throughput or round-trips")
+        ->check(CLI::IsMember({"lateness", "carried", "throughput", "round-trips"}));
+    app.add_option("--delay-ms", options.delays_ms, "for which delays lateness is measured")
+        ->check(CLI::Range(1, 10000))
+        ->capture_default_str();
     app.add_option("--flows", options.flows,
                    "instead: whether that many flows share one relay fairly, alone and beside a greedy one")
         ->check(CLI::Range(1, 10000));

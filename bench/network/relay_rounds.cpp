@@ -1,5 +1,6 @@
 #include "bench/network/relay_rounds.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <ctime>
@@ -78,8 +79,8 @@ Duration period_beside(Duration delay) { return 2 * delay / (2 * (delay / kPerio
 // Sends numbered datagrams and notes when the kernel had them at the sink.
 class Stream {
   public:
-    Stream(const UdpSocket& sink, Duration period, std::size_t packets)
-        : sink_(&sink), period_(period), arrived(packets) {}
+    Stream(const UdpSocket& sink, Duration period, std::size_t packets, std::size_t at_once = 1)
+        : sink_(&sink), period_(period), at_once_(at_once), arrived(packets) {}
 
     void run(const UdpAddress& relay, const std::atomic<bool>& stop) {
         be_ordinary();
@@ -93,7 +94,7 @@ class Stream {
             receive();
             if (wall_now() < next) continue;
             next += period_;
-            if (sent < arrived.size()) send(client, sent++);
+            for (std::size_t i = 0; i < at_once_ && sent < arrived.size(); ++i) send(client, sent++);
         }
     }
 
@@ -111,18 +112,23 @@ class Stream {
         for (std::size_t i = 0; i < count; ++i) {
             std::uint64_t number = 0;
             std::memcpy(&number, in_[i].bytes.data(), sizeof number);
+            overtaken += number < latest_ ? 1 : 0;
+            latest_ = std::max(latest_, number);
             if (number < arrived.size()) arrived[number] = stamps_.to_session(in_[i].stamp_realtime_ns, now);
         }
     }
 
     const UdpSocket* sink_;
     Duration period_;
+    std::size_t at_once_;
     ReceiveBatch in_;
     SendBatch out_;
     StampClock stamps_;
+    std::uint64_t latest_ = 0;
 
   public:
     std::vector<SessionTime> arrived;
+    std::uint64_t overtaken = 0;
 };
 
 // As many as come, as fast as they come.
@@ -218,6 +224,38 @@ LatenessRound relay_lateness(Mode mode, Duration delay, Duration length) {
         if (stream.arrived[i] != SessionTime{})
             round.errors_us.push_back(us(stream.arrived[i] - times.due[i]));
     }
+    return round;
+}
+
+CarriedRound relay_carries(Mode mode, std::uint64_t packets) {
+    constexpr std::size_t kAtOnce = 100;
+    constexpr Duration kDelay = milliseconds{50}, kJitter = milliseconds{10}, kRest = milliseconds{500};
+    const UdpSocket sink = UdpSocket::listening(loopback());
+    RelaySettings settings = settings_for(mode, kDelay, sink.local());
+    settings.links.up.jitter = {JitterShape::kUniform, kJitter};
+    DueTimes times(packets);
+    RelayEngine engine(settings, &times);
+    Stream stream(sink, kPeriod, packets, kAtOnce);
+    CarriedRound round;
+    {
+        Helper sender([&](const std::atomic<bool>& stop) { stream.run(engine.inlet_address(0), stop); });
+        const SessionTime longest = wall_now() + 5 * static_cast<int>(packets / kAtOnce) * kPeriod;
+        SessionTime last = wall_now();  // until nothing has come for a while
+        for (std::size_t known = 0; wall_now() < std::min(longest, last + kRest);) {
+            engine.step(wall_now() + milliseconds{10});
+            if (known != times.due.size()) last = wall_now();
+            known = times.due.size();
+        }
+    }
+    round.sent = packets;
+    round.overtaken = stream.overtaken;
+    for (std::size_t i = 0; i < packets; ++i) {
+        if (stream.arrived[i] == SessionTime{}) continue;
+        ++round.arrived;
+        // Without a loss the relay's records are in the order of the packets.
+        if (times.due.size() == packets && stream.arrived[i] < times.due[i]) ++round.early;
+    }
+    round.full = engine.totals(wall_now()).dropped_by_kernel + sink.dropped_by_kernel();
     return round;
 }
 

@@ -2,6 +2,9 @@
 // alternated, so that the machine's moods fall on both.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "bench/network/window_errors.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/time.hpp"
@@ -24,6 +27,13 @@ LatenessRound timer_lateness(Duration length);
 // The same by spinning, each with the sending of one datagram, to the kernel's stamp at the receiver: the least a relay could do
 // that begins when a packet is due, and a witness of the machine's stalls.
 LatenessRound spinner_lateness(Duration length);
+
+// So many numbered datagrams, 100 each millisecond, through a relay with 50 ms of delay and 10 ms of jitter that keeps the order.
+struct CarriedRound {
+    std::uint64_t sent = 0, arrived = 0, early = 0, overtaken = 0;
+    std::uint64_t full = 0;  // found no room in a socket while this machine did not run the program that empties it
+};
+CarriedRound relay_carries(Mode mode, std::uint64_t packets);
 
 // Datagrams per second that come out where more are offered than can be forwarded.
 double relay_throughput(Mode mode, Duration delay, Duration length);
