@@ -45,7 +45,8 @@ struct Lateness {
     double cpu_s = 0, wall_s = 0;
     std::ptrdiff_t early = 0;
     void add(LatenessRound round) {
-        early += std::count_if(round.errors_us.begin(), round.errors_us.end(), [](double e) { return e < 0; });
+        early +=
+            std::count_if(round.errors_us.begin(), round.errors_us.end(), [](double e) { return e < 0; });
         windows.add(std::move(round.errors_us));
         cpu_s += round.cpu_s;
         wall_s += round.wall_s;
@@ -82,7 +83,8 @@ void measure_carried(bool granted, std::vector<Row>& rows) {
     constexpr std::uint64_t kPackets = 1'000'000;
     const CarriedRound r = relay_carries(granted ? Mode::kPrecise : Mode::kSleeping, kPackets);
     const auto row = [&](const char* what, std::uint64_t count, const char* goal) {
-        rows.push_back({fmt::format("of 1e6 packets, {}", what), goal, static_cast<double>(count), 0, "", 0});
+        rows.push_back(
+            {fmt::format("of {} packets, {}", r.sent, what), goal, static_cast<double>(count), 0, "", 0});
     };
     row("early", r.early, "0");
     row("overtaken", r.overtaken, "0");

@@ -25,6 +25,8 @@ using std::chrono::milliseconds;
 constexpr std::size_t kBytes = 144;  // a ForceFeedback
 constexpr Duration kPeriod = milliseconds{1};
 constexpr std::size_t kManyInFlight = 1'000'000;
+constexpr std::uint64_t kMostUnderWay =
+    8000;  // datagrams; what a socket has room for while nobody empties it
 constexpr Duration kSpin = std::chrono::microseconds{300};
 constexpr Duration kWarmUp = milliseconds{200};  // in which a relay learns how late the timer is
 
@@ -88,13 +90,14 @@ class Stream {
         EventWaiter waiter(false);
         waiter.add(sink_->descriptor(), 0);
         std::array<epoll_event, 2> room{};
-        std::uint64_t sent = 0;
         for (SessionTime next = wall_now(); !stop;) {
             waiter.wait(next, next, room);
             receive();
             if (wall_now() < next) continue;
             next += period_;
-            for (std::size_t i = 0; i < at_once_ && sent < arrived.size(); ++i) send(client, sent++);
+            for (std::size_t i = 0; i < at_once_ && sent < arrived.size() && sent < received_ + kMostUnderWay;
+                 ++i)
+                send(client, sent++);
         }
     }
 
@@ -112,6 +115,7 @@ class Stream {
         for (std::size_t i = 0; i < count; ++i) {
             std::uint64_t number = 0;
             std::memcpy(&number, in_[i].bytes.data(), sizeof number);
+            ++received_;
             overtaken += number < latest_ ? 1 : 0;
             latest_ = std::max(latest_, number);
             if (number < arrived.size()) arrived[number] = stamps_.to_session(in_[i].stamp_realtime_ns, now);
@@ -124,11 +128,11 @@ class Stream {
     ReceiveBatch in_;
     SendBatch out_;
     StampClock stamps_;
-    std::uint64_t latest_ = 0;
+    std::uint64_t latest_ = 0, received_ = 0;
 
   public:
     std::vector<SessionTime> arrived;
-    std::uint64_t overtaken = 0;
+    std::uint64_t sent = 0, overtaken = 0;
 };
 
 // As many as come, as fast as they come.
@@ -239,21 +243,20 @@ CarriedRound relay_carries(Mode mode, std::uint64_t packets) {
     CarriedRound round;
     {
         Helper sender([&](const std::atomic<bool>& stop) { stream.run(engine.inlet_address(0), stop); });
-        const SessionTime longest = wall_now() + 5 * static_cast<int>(packets / kAtOnce) * kPeriod;
-        SessionTime last = wall_now();  // until nothing has come for a while
-        for (std::size_t known = 0; wall_now() < std::min(longest, last + kRest);) {
-            engine.step(wall_now() + milliseconds{10});
-            if (known != times.due.size()) last = wall_now();
-            known = times.due.size();
-        }
+        const SessionTime longest = wall_now() + 10 * static_cast<int>(packets / kAtOnce) * kPeriod;
+        const auto relay_until = [&](SessionTime end, std::size_t enough) {
+            while (wall_now() < end && times.due.size() < enough) engine.step(wall_now() + milliseconds{10});
+        };
+        relay_until(longest, packets);
+        relay_until(wall_now() + kRest, packets + 1);  // the last ones are read meanwhile
     }
-    round.sent = packets;
+    round.sent = stream.sent;
     round.overtaken = stream.overtaken;
-    for (std::size_t i = 0; i < packets; ++i) {
+    for (std::size_t i = 0; i < round.sent; ++i) {
         if (stream.arrived[i] == SessionTime{}) continue;
         ++round.arrived;
         // Without a loss the relay's records are in the order of the packets.
-        if (times.due.size() == packets && stream.arrived[i] < times.due[i]) ++round.early;
+        if (times.due.size() == round.sent && stream.arrived[i] < times.due[i]) ++round.early;
     }
     round.full = engine.totals(wall_now()).dropped_by_kernel + sink.dropped_by_kernel();
     return round;

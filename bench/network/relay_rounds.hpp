@@ -31,7 +31,8 @@ LatenessRound spinner_lateness(Duration length);
 // So many numbered datagrams, 100 each millisecond, through a relay with 50 ms of delay and 10 ms of jitter that keeps the order.
 struct CarriedRound {
     std::uint64_t sent = 0, arrived = 0, early = 0, overtaken = 0;
-    std::uint64_t full = 0;  // found no room in a socket while this machine did not run the program that empties it
+    std::uint64_t full =
+        0;  // found no room in a socket while this machine did not run the program that empties it
 };
 CarriedRound relay_carries(Mode mode, std::uint64_t packets);
 

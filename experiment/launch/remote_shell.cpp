@@ -114,7 +114,8 @@ void RemoteShell::look_for_turn() {
 void RemoteShell::keep(std::string_view bytes) {
     if (bytes.empty() || file_name_.empty()) return;
     if (!file_.is_open()) file_.open(file_name_, std::ios::binary | std::ios::trunc);
-    if (file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush()) in_file_ += bytes.size();
+    if (file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush())
+        in_file_ += bytes.size();
 }
 
 void RemoteShell::divert_after(std::string_view word, std::filesystem::path file) {

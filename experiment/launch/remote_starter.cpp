@@ -38,9 +38,9 @@ class RemoteNode final : public RunningNode {
           command_(command_to(launch, machine_)),
           shell_(command_, order.log) {
         shell_.divert_after(kEnded, order.messages);
-        shell_.send(remote_script({order.program, launch.programs, kVersion, machine_,
-                                   bundle.files.front().name, launch.lease, order.arguments,
-                                   !order.messages.empty()}));
+        shell_.send(
+            remote_script({order.program, launch.programs, kVersion, machine_, bundle.files.front().name,
+                           launch.lease, order.arguments, !order.messages.empty()}));
     }
     ~RemoteNode() override {
         stop();
@@ -133,9 +133,9 @@ std::string RemoteNode::log_fault() const {
     std::uint64_t bytes = 0;
     std::from_chars(numbers.data() + numbers.rfind(' ') + 1, numbers.data() + numbers.size(), bytes);
     if (bytes == shell_.in_file()) return {};
-    return fmt::format("the log of messages of {} came from '{}' with {} of its {} bytes; is there room in {}?",
-                       order_.program, machine_, shell_.in_file(), bytes,
-                       order_.messages.parent_path().string());
+    return fmt::format(
+        "the log of messages of {} came from '{}' with {} of its {} bytes; is there room in {}?",
+        order_.program, machine_, shell_.in_file(), bytes, order_.messages.parent_path().string());
 }
 
 void RemoteNode::save_report() {

@@ -89,7 +89,7 @@ class RelayEngine {
     PacketSink* log_;
     EventWaiter waiter_;
     const Duration send_cost_;
-    LeastLately handling_;       // from the decision to send to the call that does
+    LeastLately handling_;        // from the decision to send to the call that does
     SessionTime woken_ = kNever;  // by a due time, until the first packet has been handed over
     StampClock stamps_;
     std::vector<UdpSocket> inlets_;

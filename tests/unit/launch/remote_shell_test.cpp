@@ -50,7 +50,8 @@ TEST_F(Diverted, WhatFollowsTheWordGoesToTheFile) {
 }
 
 TEST_F(Diverted, AWordInTwoPiecesIsFoundAndALongFileIsWhole) {
-    EXPECT_EQ(run("printf 'a\\ntur'; sleep 0.02; echo n: 1; head -c 300000 /dev/zero", folder_ / "kept"), "a\n");
+    EXPECT_EQ(run("printf 'a\\ntur'; sleep 0.02; echo n: 1; head -c 300000 /dev/zero", folder_ / "kept"),
+              "a\n");
     EXPECT_EQ(fs::file_size(folder_ / "kept"), 300000U);
 }
 
