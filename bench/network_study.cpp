@@ -1,5 +1,7 @@
 // thimble-bench netem: how near the relay comes to a machine without it, each figure a ratio of two things measured in
 // turn in one run (docs/network-relay.md).
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +28,8 @@ constexpr Duration kBurst = milliseconds{500};
 struct Options {
     int rounds = 8, flows = 0;
     bool json = false, default_scheduling = false;
+    std::string only;
+    std::vector<int> delays_ms{1, 5, 50, 200};
 };
 
 struct Row {
@@ -39,7 +43,10 @@ struct Row {
 struct Lateness {
     ErrorWindows windows;
     double cpu_s = 0, wall_s = 0;
+    std::ptrdiff_t early = 0;
     void add(LatenessRound round) {
+        early +=
+            std::count_if(round.errors_us.begin(), round.errors_us.end(), [](double e) { return e < 0; });
         windows.add(std::move(round.errors_us));
         cpu_s += round.cpu_s;
         wall_s += round.wall_s;
@@ -49,10 +56,11 @@ struct Lateness {
 
 // Precise, sleeping and bare take turns, a window each.
 void measure_lateness(const Options& options, bool granted, Duration delay, std::vector<Row>& rows) {
-    Lateness precise, sleeping, bare;
+    Lateness precise, sleeping, bare, spinner;
     for (int i = 0; i < 2 * options.rounds; ++i) {
         bare.add(timer_lateness(kWindow));
         sleeping.add(relay_lateness(Mode::kSleeping, delay, kWindow));
+        if (granted) spinner.add(spinner_lateness(kWindow));
         if (granted) precise.add(relay_lateness(Mode::kPrecise, delay, kWindow));
     }
     const WindowErrors b = bare.windows.errors(), s = sleeping.windows.errors(), p = precise.windows.errors();
@@ -64,8 +72,24 @@ void measure_lateness(const Options& options, bool granted, Duration delay, std:
     row("sleeping", s, granted ? "<= 1.1" : "<= 1.3");
     if (!granted) return;
     row("precise", p, "<= 0.10");
+    row("spinner with a send", spinner.windows.errors(), "");
+    rows.push_back({name + ", precise, packets early", "0", static_cast<double>(precise.early), 0, "", 0});
+    rows.push_back({name + ", sleeping, packets early", "0", static_cast<double>(sleeping.early), 0, "", 0});
     rows.push_back(
         {name + ", CPU precise / sleeping", "<= 2", 1e2 * precise.cpu(), 1e2 * sleeping.cpu(), "%", 0});
+}
+
+void measure_carried(bool granted, std::vector<Row>& rows) {
+    constexpr std::uint64_t kPackets = 1'000'000;
+    const CarriedRound r = relay_carries(granted ? Mode::kPrecise : Mode::kSleeping, kPackets);
+    const auto row = [&](const char* what, std::uint64_t count, const char* goal) {
+        rows.push_back(
+            {fmt::format("of {} packets, {}", r.sent, what), goal, static_cast<double>(count), 0, "", 0});
+    };
+    row("early", r.early, "0");
+    row("overtaken", r.overtaken, "0");
+    row("not arrived", r.sent - r.arrived, "0");
+    row("dropped by full sockets", r.full, "");
 }
 
 void measure_throughput(const Options& options, bool granted, std::vector<Row>& rows) {
@@ -83,15 +107,18 @@ void measure_throughput(const Options& options, bool granted, std::vector<Row>& 
 }
 
 void measure_round_trips(const Options& options, std::vector<Row>& rows) {
-    ErrorWindows bare, relay;
+    ErrorWindows bare, relay, forwarder;
     for (int i = 0; i < options.rounds; ++i) {
         bare.add(bare_round_trips(250));
+        forwarder.add(forwarder_round_trips(250));
         relay.add(relay_round_trips(Mode::kSleeping, 250));
     }
-    const WindowErrors b = bare.errors(), r = relay.errors();
+    const WindowErrors b = bare.errors(), r = relay.errors(), f = forwarder.errors();
     rows.push_back(
         {"round trip, delay 0, one core, w50", "<= 1.10", r.w50_us, 2 * b.w50_us, "us", r.stalled});
     rows.push_back({"round trip, delay 0, one core, w99", "", r.w99_us, 2 * b.w99_us, "us", r.stalled});
+    rows.push_back({"round trip, bare forwarder, w50", "", f.w50_us, 2 * b.w50_us, "us", f.stalled});
+    rows.push_back({"round trip, bare forwarder, w99", "", f.w99_us, 2 * b.w99_us, "us", f.stalled});
 }
 
 void print(const std::vector<Row>& rows, bool granted, bool json) {
@@ -111,6 +138,10 @@ void print(const std::vector<Row>& rows, bool granted, bool json) {
                        {"goal", r.goal},
                        {"stalled_windows", r.stalled}});
         if (!json) {
+            if (r.bare == 0) {
+                fmt::print("| {} | {:g} | | | {} | |\n", r.what, r.ours, r.goal);
+                continue;
+            }
             fmt::print("| {} | {:.4g} {} | {:.4g} {} | {:.3f} | {} | {:.0f} % |\n", r.what, r.ours, r.unit,
                        r.bare, r.unit, r.ratio(), r.goal, 100 * r.stalled);
         }
@@ -166,10 +197,13 @@ int run(const Options& options) {
     runtime.realtime_scheduling = !options.default_scheduling;
     const bool granted = ask_for_precision(runtime, true);
     std::vector<Row> rows;
-    for (const int delay_ms : {1, 5, 50, 200})
-        measure_lateness(options, granted, milliseconds{delay_ms}, rows);
-    measure_throughput(options, granted, rows);
-    measure_round_trips(options, rows);
+    const auto wanted = [&](const char* what) { return options.only.empty() || options.only == what; };
+    for (const int delay_ms : options.delays_ms) {
+        if (wanted("lateness")) measure_lateness(options, granted, milliseconds{delay_ms}, rows);
+    }
+    if (wanted("carried")) measure_carried(granted, rows);
+    if (wanted("throughput")) measure_throughput(options, granted, rows);
+    if (wanted("round-trips")) measure_round_trips(options, rows);
     print(rows, granted, options.json);
     return 0;
 }
@@ -182,6 +216,11 @@ int network_study(int argc, char** argv) {
     Options options;
     app.add_option("--rounds", options.rounds, "how often everything takes its turn")
         ->check(CLI::Range(2, 1000))
+        ->capture_default_str();
+    app.add_option("--only", options.only, "of all that: lateness, carried, throughput or round-trips")
+        ->check(CLI::IsMember({"lateness", "carried", "throughput", "round-trips"}));
+    app.add_option("--delay-ms", options.delays_ms, "for which delays lateness is measured")
+        ->check(CLI::Range(1, 10000))
         ->capture_default_str();
     app.add_option("--flows", options.flows,
                    "instead: whether that many flows share one relay fairly, alone and beside a greedy one")

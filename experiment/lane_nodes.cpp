@@ -29,7 +29,9 @@ std::unique_ptr<RunningNode> Lane::start_node(std::size_t i) {
     order.log = log_path(i);
     order.report = report_path(i);
     order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
-    if (log_) order.messages = messages_path(node.program);
+    // On another machine with a folder for logs its log stays there: it may be too long for the way.
+    if (log_ && (plan_.log.folder.empty() || plan_.starter->machine(node.role).empty()))
+        order.messages = messages_path(node.program);
     if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
     if (node.role == Role::kNetem) {
         order.arguments.insert(order.arguments.end(), {"--force-delay-s", fmt::format("{}", plan_.delay_s)});

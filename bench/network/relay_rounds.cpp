@@ -1,5 +1,6 @@
 #include "bench/network/relay_rounds.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <ctime>
@@ -24,6 +25,10 @@ using std::chrono::milliseconds;
 constexpr std::size_t kBytes = 144;  // a ForceFeedback
 constexpr Duration kPeriod = milliseconds{1};
 constexpr std::size_t kManyInFlight = 1'000'000;
+constexpr std::uint64_t kMostUnderWay =
+    8000;  // datagrams; what a socket has room for while nobody empties it
+constexpr Duration kSpin = std::chrono::microseconds{300};
+constexpr Duration kWarmUp = milliseconds{200};  // in which a relay learns how late the timer is
 
 double thread_cpu_s() {
     timespec now{};
@@ -70,10 +75,14 @@ class DueTimes final : public PacketSink {
     std::vector<SessionTime> due;
 };
 
-// Sends numbered datagrams at 1 kHz and notes when the kernel had them at the sink.
+// About 1 kHz, so that due times fall midway between two sendings: the sender at work is not what is measured.
+Duration period_beside(Duration delay) { return 2 * delay / (2 * (delay / kPeriod) + 1); }
+
+// Sends numbered datagrams and notes when the kernel had them at the sink.
 class Stream {
   public:
-    Stream(const UdpSocket& sink, std::size_t packets) : sink_(&sink), arrived(packets) {}
+    Stream(const UdpSocket& sink, Duration period, std::size_t packets, std::size_t at_once = 1)
+        : sink_(&sink), period_(period), at_once_(at_once), arrived(packets) {}
 
     void run(const UdpAddress& relay, const std::atomic<bool>& stop) {
         be_ordinary();
@@ -81,13 +90,14 @@ class Stream {
         EventWaiter waiter(false);
         waiter.add(sink_->descriptor(), 0);
         std::array<epoll_event, 2> room{};
-        std::uint64_t sent = 0;
         for (SessionTime next = wall_now(); !stop;) {
             waiter.wait(next, next, room);
             receive();
             if (wall_now() < next) continue;
-            next += kPeriod;
-            if (sent < arrived.size()) send(client, sent++);
+            next += period_;
+            for (std::size_t i = 0; i < at_once_ && sent < arrived.size() && sent < received_ + kMostUnderWay;
+                 ++i)
+                send(client, sent++);
         }
     }
 
@@ -105,17 +115,24 @@ class Stream {
         for (std::size_t i = 0; i < count; ++i) {
             std::uint64_t number = 0;
             std::memcpy(&number, in_[i].bytes.data(), sizeof number);
+            ++received_;
+            overtaken += number < latest_ ? 1 : 0;
+            latest_ = std::max(latest_, number);
             if (number < arrived.size()) arrived[number] = stamps_.to_session(in_[i].stamp_realtime_ns, now);
         }
     }
 
     const UdpSocket* sink_;
+    Duration period_;
+    std::size_t at_once_;
     ReceiveBatch in_;
     SendBatch out_;
     StampClock stamps_;
+    std::uint64_t latest_ = 0, received_ = 0;
 
   public:
     std::vector<SessionTime> arrived;
+    std::uint64_t sent = 0, overtaken = 0;
 };
 
 // As many as come, as fast as they come.
@@ -139,6 +156,26 @@ void echo(const UdpSocket& socket, const std::atomic<bool>& stop) {
         socklen_t size = sizeof from;
         const auto got = recvfrom(socket.descriptor(), bytes.data(), bytes.size(), 0, raw, &size);
         if (got > 0) sendto(socket.descriptor(), bytes.data(), static_cast<std::size_t>(got), 0, raw, size);
+    }
+}
+
+void forward(const UdpSocket& inlet, const UdpSocket& out, const std::atomic<bool>& stop) {
+    pin();
+    EventWaiter waiter(false);
+    waiter.add(inlet.descriptor(), 0);
+    waiter.add(out.descriptor(), 1);
+    std::array<epoll_event, 2> room{};
+    UdpAddress client;
+    ReceiveBatch in;
+    SendBatch batch;
+    while (!stop) {
+        for (const epoll_event& event : waiter.wait(kNever, wall_now() + milliseconds{100}, room)) {
+            const bool up = event.data.u64 == 0;
+            if (in.receive((up ? inlet : out).descriptor(), 1) == 0) continue;
+            if (up) client = in[0].from;
+            batch.add(in[0].bytes, up ? nullptr : &client);
+            batch.send((up ? out : inlet).descriptor());
+        }
     }
 }
 
@@ -171,24 +208,57 @@ std::vector<double> round_trips(const UdpAddress& to, int count) {
 }  // namespace
 
 LatenessRound relay_lateness(Mode mode, Duration delay, Duration length) {
-    const auto packets = static_cast<std::size_t>(length / kPeriod);
+    const Duration period = period_beside(delay);
+    const auto warm = static_cast<std::size_t>(kWarmUp / period);
+    const auto packets = warm + static_cast<std::size_t>(length / period);
     const UdpSocket sink = UdpSocket::listening(loopback());
     DueTimes times(packets);
     RelayEngine engine(settings_for(mode, delay, sink.local()), &times);
-    Stream stream(sink, packets);
+    Stream stream(sink, period, packets);
     LatenessRound round;
     {
         Helper sender([&](const std::atomic<bool>& stop) { stream.run(engine.inlet_address(0), stop); });
-        const SessionTime start = wall_now(), end = start + length + delay + milliseconds{20};
+        const SessionTime start = wall_now(), end = start + kWarmUp + length + delay + milliseconds{20};
         const double cpu_before_s = thread_cpu_s();
         for (SessionTime now = start; now < end; now = wall_now()) engine.step(end);
         round.cpu_s = thread_cpu_s() - cpu_before_s;
         round.wall_s = to_seconds(wall_now() - start);
     }
-    for (std::size_t i = 0; i < times.due.size(); ++i) {
+    for (std::size_t i = warm; i < times.due.size(); ++i) {
         if (stream.arrived[i] != SessionTime{})
             round.errors_us.push_back(us(stream.arrived[i] - times.due[i]));
     }
+    return round;
+}
+
+CarriedRound relay_carries(Mode mode, std::uint64_t packets) {
+    constexpr std::size_t kAtOnce = 100;
+    constexpr Duration kDelay = milliseconds{50}, kJitter = milliseconds{10}, kRest = milliseconds{500};
+    const UdpSocket sink = UdpSocket::listening(loopback());
+    RelaySettings settings = settings_for(mode, kDelay, sink.local());
+    settings.links.up.jitter = {JitterShape::kUniform, kJitter};
+    DueTimes times(packets);
+    RelayEngine engine(settings, &times);
+    Stream stream(sink, kPeriod, packets, kAtOnce);
+    CarriedRound round;
+    {
+        Helper sender([&](const std::atomic<bool>& stop) { stream.run(engine.inlet_address(0), stop); });
+        const SessionTime longest = wall_now() + 10 * static_cast<int>(packets / kAtOnce) * kPeriod;
+        const auto relay_until = [&](SessionTime end, std::size_t enough) {
+            while (wall_now() < end && times.due.size() < enough) engine.step(wall_now() + milliseconds{10});
+        };
+        relay_until(longest, packets);
+        relay_until(wall_now() + kRest, packets + 1);  // the last ones are read meanwhile
+    }
+    round.sent = stream.sent;
+    round.overtaken = stream.overtaken;
+    for (std::size_t i = 0; i < round.sent; ++i) {
+        if (stream.arrived[i] == SessionTime{}) continue;
+        ++round.arrived;
+        // Without a loss the relay's records are in the order of the packets.
+        if (times.due.size() == round.sent && stream.arrived[i] < times.due[i]) ++round.early;
+    }
+    round.full = engine.totals(wall_now()).dropped_by_kernel + sink.dropped_by_kernel();
     return round;
 }
 
@@ -204,6 +274,35 @@ LatenessRound timer_lateness(Duration length) {
     }
     round.cpu_s = thread_cpu_s() - cpu_before_s;
     round.wall_s = to_seconds(wall_now() - start);
+    return round;
+}
+
+// What the machine itself adds to a moment that nobody sleeps before.
+LatenessRound spinner_lateness(Duration length) {
+    LatenessRound round;
+    const UdpSocket sink = UdpSocket::listening(loopback()), out = UdpSocket::connected(sink.local());
+    const std::array<std::uint8_t, kBytes> bytes{};
+    StampClock stamps;
+    ReceiveBatch in;
+    const SessionTime start = wall_now(), end = start + length;
+    const double cpu_before_s = thread_cpu_s();
+    std::vector<SessionTime> dues;
+    dues.reserve(static_cast<std::size_t>(length / kPeriod));
+    for (SessionTime due = start + kPeriod; due < end; due += kPeriod) {
+        wall_sleep(due - kSpin - wall_now());
+        while (wall_now() < due) {
+        }
+        ::send(out.descriptor(), bytes.data(), bytes.size(), 0);
+        dues.push_back(due);
+    }
+    round.cpu_s = thread_cpu_s() - cpu_before_s;
+    round.wall_s = to_seconds(wall_now() - start);
+    stamps.update(read_clock_pair());
+    const SessionTime now = wall_now();
+    for (std::size_t done = 0, count = 0; (count = in.receive(sink.descriptor())) > 0; done += count) {
+        for (std::size_t i = 0; i < count; ++i)
+            round.errors_us.push_back(us(stamps.to_session(in[i].stamp_realtime_ns, now) - dues[done + i]));
+    }
     return round;
 }
 
@@ -253,6 +352,16 @@ std::vector<double> relay_round_trips(Mode mode, int count) {
         while (!stop) engine.step(kNever);
     });
     return round_trips(engine.inlet_address(0), count);
+}
+
+// Both ways through two watched sockets, as a relay has them, and nothing else.
+std::vector<double> forwarder_round_trips(int count) {
+    const UdpSocket server = UdpSocket::listening(loopback());
+    make_blocking(server);
+    const Helper echoing([&](const std::atomic<bool>& stop) { echo(server, stop); });
+    const UdpSocket inlet = UdpSocket::listening(loopback()), out = UdpSocket::connected(server.local());
+    const Helper forwarding([&](const std::atomic<bool>& stop) { forward(inlet, out, stop); });
+    return round_trips(inlet.local(), count);
 }
 
 std::vector<double> bare_round_trips(int count) {

@@ -18,6 +18,7 @@
 #include "common/error.hpp"
 #include "common/log/log_settings.hpp"
 #include "common/runtime/command_line.hpp"
+#include "common/runtime/core_choice.hpp"
 #include "common/runtime/log/message_log.hpp"
 #include "common/runtime/node_report.hpp"
 #include "common/runtime/protection.hpp"
@@ -260,6 +261,9 @@ int run(const NodeProgram& program, const Options& options) {
     if (instance->has_foreground()) {
         run_beside_foreground(*instance, process, runtime, loop, notice);
     } else {
+        // Not beside a window, which needs a core of its own.
+        if (const std::string warning = keep_to_core(read_core(file)); !warning.empty())
+            spdlog::warn(warning);
         run_process(*instance, process, runtime, loop, notice);
     }
     auto report = describe(program, *instance, sockets, instance->process().counters(), loop.statistics(),

@@ -18,7 +18,7 @@ struct NodeOrder {
     std::string program;                 // "thimble-master"
     std::vector<std::string> arguments;  // but for --config and --report, which depend on the place
     std::filesystem::path log, report;   // here, wherever it runs
-    std::filesystem::path messages{};    // its log of messages, if it runs here; empty: none
+    std::filesystem::path messages{};    // its log of messages, here at its end; empty: none
 };
 
 // Ended, at the latest, when this object goes.

@@ -89,6 +89,10 @@ done
 kill "$keeper" "$lessor" 2>/dev/null
 echo "$report"
 cat "$dir/report.json" 2>/dev/null
+echo
+[ -f "$messages" ] || messages=/dev/null
+echo "$ended $code $(($(wc -c <"$messages")))"
+cat "$messages"
 exit "$code"
 )sh";
 
@@ -104,12 +108,14 @@ std::string remote_script(const RemoteOrder& order) {
               assign("version", order.version) + assign("machine", order.machine) +
               assign("only_check", order.only_check ? "yes" : "") + assign("reached", kReached) +
               assign("send", kSend) + assign("report", kReport) + assign("good", kGood) +
-              assign("lease", fmt::format("{:.3f}", to_seconds(order.lease)));
+              assign("ended", kEnded) + assign("lease", fmt::format("{:.3f}", to_seconds(order.lease)));
     script += kLook;
     script += kUnpack;
     script += fmt::format(
-        "set -- --config \"$dir\"/session/{} --report \"$dir\"/report.json --die-with-parent {}\n",
-        shell_word(order.session), shell_words(order.arguments));
+        "messages=$dir/messages.mcap\nset -- --config \"$dir\"/session/{} --report \"$dir\"/report.json "
+        "--die-with-parent {}{}\n",
+        shell_word(order.session), order.messages ? "--log \"$messages\" " : "",
+        shell_words(order.arguments));
     script += kRun;
     return script + "}\n";
 }

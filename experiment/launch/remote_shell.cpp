@@ -83,13 +83,44 @@ void RemoteShell::feed() {
 }
 
 void RemoteShell::hear() {
-    std::array<char, 4096> chunk{};
+    std::array<char, 65536> chunk{};
     for (;;) {
         const ssize_t n = read(output_, chunk.data(), chunk.size());
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) return;
-        if (said_.size() < kMostSaid) said_.append(chunk.data(), static_cast<std::size_t>(n));
+        take({chunk.data(), static_cast<std::size_t>(n)});
     }
+}
+
+void RemoteShell::take(std::string_view bytes) {
+    heard_ += bytes.size();
+    if (diverted_) return keep(bytes);
+    if (said_.size() < kMostSaid) said_ += bytes;
+    if (!turn_.empty()) look_for_turn();
+}
+
+void RemoteShell::look_for_turn() {
+    const std::size_t at = said_.starts_with(turn_) ? 0 : said_.find('\n' + turn_);
+    if (at == std::string::npos) return;
+    const std::size_t word = said_.find(turn_, at), end = said_.find('\n', word);
+    if (end == std::string::npos) return;
+    diverted_ = said_.substr(word + turn_.size(), end - word - turn_.size());
+    turn_.clear();
+    keep(std::string_view(said_).substr(end + 1));
+    said_.resize(word);
+}
+
+// No file for nothing. What cannot be written is missing in in_file().
+void RemoteShell::keep(std::string_view bytes) {
+    if (bytes.empty() || file_name_.empty()) return;
+    if (!file_.is_open()) file_.open(file_name_, std::ios::binary | std::ios::trunc);
+    if (file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush())
+        in_file_ += bytes.size();
+}
+
+void RemoteShell::divert_after(std::string_view word, std::filesystem::path file) {
+    turn_ = word;
+    file_name_ = std::move(file);
 }
 
 std::optional<int> RemoteShell::poll() {

@@ -3,6 +3,9 @@
 // time.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,6 +33,12 @@ class RemoteShell {
     const std::string& said() const { return said_; }
     bool has_said(std::string_view line) const;
     std::string last_words() const { return child_.last_words(); }
+    // From the first line on that begins with this word its output goes to a new file, and no more to said().
+    void divert_after(std::string_view word, std::filesystem::path file);
+    // The rest of that line, once it has come; how many bytes came after it and are in the file.
+    const std::optional<std::string>& diverted() const { return diverted_; }
+    std::uint64_t in_file() const { return in_file_; }
+    std::uint64_t heard() const { return heard_; }  // bytes in all
     // Kills the command, for one that does not end after hang_up(), and waits for it.
     void kill();
 
@@ -38,10 +47,18 @@ class RemoteShell {
     RemoteShell(const std::vector<std::string>& command, const std::filesystem::path& log, Pipes&& pipes);
     void feed();
     void hear();
+    void take(std::string_view bytes);
+    void keep(std::string_view bytes);
+    void look_for_turn();
 
     Child child_;
     int input_, output_;
     std::string pending_, said_;
+    std::string turn_;  // the word; empty: none, or it has come
+    std::optional<std::string> diverted_;
+    std::filesystem::path file_name_;
+    std::ofstream file_;
+    std::uint64_t heard_ = 0, in_file_ = 0;
 };
 
 }  // namespace thimble

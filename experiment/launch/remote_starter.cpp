@@ -1,6 +1,8 @@
 #include "experiment/launch/remote_starter.hpp"
 
+#include <charconv>
 #include <csignal>
+#include <cstdint>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,18 +37,23 @@ class RemoteNode final : public RunningNode {
           machine_(launch.machine(order.role)),
           command_(command_to(launch, machine_)),
           shell_(command_, order.log) {
-        shell_.send(remote_script({order.program, launch.programs, kVersion, machine_,
-                                   bundle.files.front().name, launch.lease, order.arguments}));
+        shell_.divert_after(kEnded, order.messages);
+        shell_.send(
+            remote_script({order.program, launch.programs, kVersion, machine_, bundle.files.front().name,
+                           launch.lease, order.arguments, !order.messages.empty()}));
     }
     ~RemoteNode() override {
         stop();
-        if (!wait_for_end(*this, started_ ? kGoodbye : kNothingToClean)) shell_.kill();
+        hear_out(started_ ? kGoodbye : kNothingToClean);
+        if (code_) save_report();
     }
 
     std::optional<int> poll() override {
+        if (code_) return code_;
         const auto code = shell_.poll();
-        if (code && !code_) save_report();
-        if (code) return code_ = code;
+        code_ = shell_.diverted() ? exit_code_told() : code;
+        if (code_) save_report();
+        if (code_) return code_;
         if (!started_ && shell_.has_said(kSend)) {
             shell_.send(to_stream(bundle_));
             started_ = true;
@@ -70,6 +77,9 @@ class RemoteNode final : public RunningNode {
         next_sign_ = now + kSignOfLife;
         shell_.send("\n");
     }
+    std::optional<int> exit_code_told() const;
+    std::string log_fault() const;
+    void hear_out(Duration patience);
     void save_report();
 
     NodeOrder order_;
@@ -96,6 +106,38 @@ std::string RemoteNode::obituary() {
     return fmt::format("{} on '{}' ended with code {}: {}", order_.program, machine_, code, words);
 }
 
+// Its node may have ended while its log is still on its way.
+std::optional<int> RemoteNode::exit_code_told() const {
+    int code = -1;
+    const std::string& numbers = *shell_.diverted();
+    if (numbers.empty()) return std::nullopt;
+    std::from_chars(numbers.data() + 1, numbers.data() + numbers.size(), code);
+    return code;
+}
+
+// The whole of its log, however long that takes, as long as it comes.
+void RemoteNode::hear_out(Duration patience) {
+    std::uint64_t heard = shell_.heard();
+    for (SessionTime last = wall_now(); !shell_.poll(); wall_sleep(std::chrono::milliseconds{1})) {
+        const SessionTime now = wall_now();
+        if (heard != shell_.heard()) last = now;
+        heard = shell_.heard();
+        if (now - last > patience) return shell_.kill();
+    }
+    poll();
+}
+
+std::string RemoteNode::log_fault() const {
+    if (order_.messages.empty() || !shell_.diverted()) return {};
+    const std::string& numbers = *shell_.diverted();
+    std::uint64_t bytes = 0;
+    std::from_chars(numbers.data() + numbers.rfind(' ') + 1, numbers.data() + numbers.size(), bytes);
+    if (bytes == shell_.in_file()) return {};
+    return fmt::format(
+        "the log of messages of {} came from '{}' with {} of its {} bytes; is there room in {}?",
+        order_.program, machine_, shell_.in_file(), bytes, order_.messages.parent_path().string());
+}
+
 void RemoteNode::save_report() {
     const std::string& said = shell_.said();
     const std::size_t at = said.rfind(kReport);
@@ -103,6 +145,10 @@ void RemoteNode::save_report() {
     auto report = nlohmann::ordered_json::parse(said.substr(at + kReport.size()), nullptr, false);
     if (!report.is_object()) return;
     report["machine"] = machine_;
+    if (report.contains("log") && report["log"].is_object() && shell_.poll()) {
+        report["log"]["file"] = order_.messages.string();
+        if (const std::string fault = log_fault(); !fault.empty()) report["log"]["fault"] = fault;
+    }
     write_text_file(order_.report, report.dump(2) + '\n');
 }
 
@@ -116,6 +162,7 @@ std::unique_ptr<RunningNode> RemoteStarter::start(const NodeOrder& order) const 
     if (launch_.machine(order.role).empty()) return here_->start(order);
     std::filesystem::remove(order.log);
     std::filesystem::remove(order.report);
+    if (!order.messages.empty()) std::filesystem::remove(order.messages);
     return std::make_unique<RemoteNode>(launch_, bundle_, order);
 }
 

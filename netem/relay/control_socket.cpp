@@ -90,8 +90,8 @@ bool readable(int descriptor, int timeout_ms) {
 }
 
 RelayState state_of(RelayEngine& engine) {
-    return {engine.links(), engine.totals(wall_now()), engine.waiter().counters(), engine.waiter().margin(),
-            engine.waiter().precise()};
+    return {engine.links(),           engine.totals(wall_now()), engine.waiter().counters(),
+            engine.waiter().margin(), engine.waiter().precise(), engine.send_lead()};
 }
 
 nlohmann::ordered_json carry_out(const ControlRequest& request, ControlDesk& desk) {

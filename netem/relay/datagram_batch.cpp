@@ -41,14 +41,15 @@ ReceiveBatch::ReceiveBatch() : data_(std::make_unique_for_overwrite<std::uint8_t
     }
 }
 
-std::size_t ReceiveBatch::receive(int descriptor) {
+std::size_t ReceiveBatch::receive(int descriptor, std::size_t most) {
+    assert(most <= kSize);
     for (std::size_t i = 0; i < used_; ++i) {
         messages_[i].msg_hdr.msg_namelen = sizeof(sockaddr_in);
         messages_[i].msg_hdr.msg_controllen = sizeof(Control);
     }
     int found = -1;
     do {
-        found = recvmmsg(descriptor, messages_.data(), kSize, MSG_DONTWAIT, nullptr);
+        found = recvmmsg(descriptor, messages_.data(), static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
     } while (found < 0 && (errno == EINTR || errno == ECONNREFUSED));
     used_ = found < 0 ? 0 : static_cast<std::size_t>(found);
     return used_;

@@ -24,12 +24,14 @@ RelayEngine::RelayEngine(const RelaySettings& settings, PacketSink* log)
     : settings_(settings),
       log_(log),
       waiter_(settings.precise),
+      send_cost_(measure_send_cost()),
       table_(settings.most_flows, settings.inlets.size()),
       flows_(settings.most_flows),
       due_(2 * settings.most_flows),
       start_(wall_now()),
       next_housekeeping_(start_ + kHousekeeping),
       next_expiry_(start_ + settings.idle / 4) {
+    inlet_turns_.resize(settings_.inlets.size());
     active_.reserve(2 * settings.most_flows);
     outgoing_.reserve(SendBatch::kSize);
     if (log_ != nullptr) drops_ = std::make_unique<DropLog>(*log_);
@@ -49,15 +51,17 @@ bool RelayEngine::watched_is_readable() { return std::exchange(watched_readable_
 
 void RelayEngine::step(SessionTime latest) {
     std::array<epoll_event, 64> room{};
-    const auto events = waiter_.wait(due_.first_due(), std::min(latest, next_housekeeping_), room);
+    const Duration lead = send_lead();
+    const auto events = waiter_.wait(due_.first_due() - lead, std::min(latest, next_housekeeping_), room);
     SessionTime now = wall_now();
-    if (due_.first_due() <= now) {
-        send_due(now);
+    if (due_.first_due() <= now + lead) {
+        woken_ = now;
+        send_due(now + lead);
         now = wall_now();
     }
     if (!events.empty()) {
         receive(events);
-        send_due(wall_now());
+        send_due(wall_now() + send_cost_);
     }
     if (now >= next_housekeeping_) housekeep(now);
 }
@@ -97,6 +101,8 @@ void RelayEngine::serve(std::uint32_t link, SessionTime now) {
 
 void RelayEngine::flush() {
     if (outgoing_.empty()) return;
+    if (const SessionTime woken = std::exchange(woken_, kNever); woken != kNever)
+        handling_.add(wall_now() - woken);
     const auto accepted = batch_.send(batch_socket_);
     const SessionTime sent = wall_now();
     for (std::size_t i = 0; i < outgoing_.size(); ++i) record_sent(outgoing_[i], sent, accepted[i]);
@@ -148,8 +154,14 @@ void RelayEngine::receive(std::span<const epoll_event> events) {
     }
 }
 
+std::size_t RelayEngine::receive_turn(int descriptor, ReceiveTurn& turn) {
+    const std::size_t count = arrivals_.receive(descriptor, turn.most());
+    turn.got(count);
+    return count;
+}
+
 void RelayEngine::receive_from_clients(std::uint32_t inlet) {
-    const std::size_t count = arrivals_.receive(inlets_[inlet].descriptor());
+    const std::size_t count = receive_turn(inlets_[inlet].descriptor(), inlet_turns_[inlet]);
     const SessionTime now =
         wall_now();  // after the call: a stamp cannot be later, and none is cut down to an earlier time
     for (std::size_t i = 0; i < count; ++i) {
@@ -164,7 +176,7 @@ void RelayEngine::receive_from_clients(std::uint32_t inlet) {
 
 void RelayEngine::receive_from_server(std::uint32_t place) {
     if (!table_.open(place)) return;
-    const std::size_t count = arrivals_.receive(flows_[place]->server.descriptor());
+    const std::size_t count = receive_turn(flows_[place]->server.descriptor(), flows_[place]->turn);
     const SessionTime now = wall_now();
     if (count > 0) table_.alive(place, now);
     for (std::size_t i = 0; i < count; ++i) {

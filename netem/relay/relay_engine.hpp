@@ -17,8 +17,10 @@
 #include "netem/relay/due_heap.hpp"
 #include "netem/relay/flow_table.hpp"
 #include "netem/relay/packet_record.hpp"
+#include "netem/relay/receive_turn.hpp"
 #include "netem/relay/relay_settings.hpp"
 #include "netem/relay/relay_totals.hpp"
+#include "netem/relay/send_lead.hpp"
 #include "netem/relay/udp_socket.hpp"
 
 namespace thimble {
@@ -29,7 +31,8 @@ class RelayEngine {
     RelayEngine(const RelaySettings& settings, PacketSink* log);
     ~RelayEngine();
 
-    // One wait, no longer than until `latest`, and what follows from it. Sends what is due before it receives.
+    // One wait, no longer than until `latest`, and what follows from it. Sends what is due before it receives; what is due
+    // by the time it could be on its way counts as due (send_lead.hpp).
     void step(SessionTime latest);
 
     // Asks step() to return when this becomes readable, and says whether it did. At most one.
@@ -45,12 +48,15 @@ class RelayEngine {
     // From when on outages, slots and traces by time count.
     SessionTime start() const { return start_; }
     const EventWaiter& waiter() const { return waiter_; }
+    // How long before its due time a packet is taken in hand.
+    Duration send_lead() const { return send_cost_ + handling_.least(); }
 
   private:
     struct Flow {
         UdpSocket server;
         std::array<LinkModel, 2> links;  // RelayDirection
         std::array<SessionTime, 2> last_received{};
+        ReceiveTurn turn{};
     };
     // What is on its way out in the batch.
     struct Outgoing {
@@ -66,6 +72,7 @@ class RelayEngine {
     void flush();
     void record_sent(const Outgoing& out, SessionTime sent, bool accepted);
     void receive(std::span<const epoll_event> events);
+    std::size_t receive_turn(int descriptor, ReceiveTurn& turn);
     void receive_from_clients(std::uint32_t inlet);
     void receive_from_server(std::uint32_t place);
     void push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime now);
@@ -81,8 +88,12 @@ class RelayEngine {
     RelaySettings settings_;
     PacketSink* log_;
     EventWaiter waiter_;
+    const Duration send_cost_;
+    LeastLately handling_;        // from the decision to send to the call that does
+    SessionTime woken_ = kNever;  // by a due time, until the first packet has been handed over
     StampClock stamps_;
     std::vector<UdpSocket> inlets_;
+    std::vector<ReceiveTurn> inlet_turns_;
     FlowTable table_;
     std::vector<std::unique_ptr<Flow>> flows_;  // by place; link 2 * place + direction
     DueHeap due_;

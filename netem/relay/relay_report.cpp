@@ -128,6 +128,7 @@ nlohmann::ordered_json describe(const RelayState& state) {
         {"down", describe_direction(state.links.down, t[RelayDirection::kDown])}};
     json["machine"] = {{"waiting", state.precise ? "precise" : "sleeping"},
                        {"margin_us", us(state.margin)},
+                       {"send_lead_us", us(state.send_lead)},
                        {"spun_s", to_seconds(state.waiting.spun)},
                        {"spinning_gave_up", state.waiting.exhausted},
                        {"stalls", t.stalls},

@@ -17,6 +17,7 @@ struct RelayState {
     WaitCounters waiting;
     Duration margin{};
     bool precise = false;
+    Duration send_lead{};  // RelayEngine::send_lead
 };
 
 nlohmann::ordered_json describe(const LinkSettings& link);

@@ -87,8 +87,8 @@ RelayState run_relay(const ServiceSettings& settings) {
     say_ready(relay, engine);
     const SessionTime start = wall_now();
     relay_until_stopped(engine, desk, settings.length > Duration::zero() ? start + settings.length : kNever);
-    RelayState state{engine.links(), engine.totals(wall_now()), engine.waiter().counters(),
-                     engine.waiter().margin(), engine.waiter().precise()};
+    RelayState state{engine.links(),           engine.totals(wall_now()), engine.waiter().counters(),
+                     engine.waiter().margin(), engine.waiter().precise(), engine.send_lead()};
     control.reset();
     if (log) log->finish();
     return state;

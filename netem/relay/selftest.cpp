@@ -123,7 +123,7 @@ SelftestResult run_selftest(const SelftestSettings& settings) {
     const SessionTime end = wall_now();
     result.timer.merge(measure_timer(kTrafficPeriod, bare));
     result.state = {engine.links(), engine.totals(end), engine.waiter().counters(), engine.waiter().margin(),
-                    precise};
+                    precise,        engine.send_lead()};
     const StreamKey key = flow_key(settings.seed, 0, 0);
     result.direction[0] =
         examine({settings.links.up, settings.timelines.up, key, kRelayUp, engine.start()}, kUpBytes,

@@ -72,6 +72,12 @@ TEST_F(Up, ASessionOnThreeMachinesIsARunLikeAnyOther) {
         EXPECT_GT(run.report(program).at("accepted"), 0) << program;
         EXPECT_THAT(read_text(run.out() / "nodes" / (std::string(program) + "_0ms.log")), HasSubstr("ready"));
     }
+    for (const std::string program : {"thimble-slave-sim", "thimble-netem", "thimble-master"}) {
+        const std::string log = read_text(run.out() / "nodes" / (program + "_0ms.mcap"));
+        EXPECT_GT(log.size(), 1000U) << program << ": its log of messages has not come here";
+        EXPECT_TRUE(log.ends_with("MCAP0\r\n")) << program << ": not all of it";
+        EXPECT_EQ(run.report(program).at("log").at("fault"), "");
+    }
     EXPECT_EQ(run.report("thimble-slave-sim").at("machine"), "robot");
     EXPECT_EQ(run.report("thimble-netem").at("machine"), "chatty");
     EXPECT_FALSE(run.report("thimble-master").contains("machine")) << "it ran here";

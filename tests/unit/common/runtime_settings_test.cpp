@@ -1,10 +1,13 @@
 #include "common/runtime/runtime_settings.hpp"
 
+#include <sched.h>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/runtime/core_choice.hpp"
 
 namespace thimble {
 namespace {
@@ -34,6 +37,35 @@ TEST(RuntimeSettings, RefusesWhatIsOutOfRange) {
           "prio = 3", "overrun = 'end'", "overrun_limit = 0"}) {
         EXPECT_THROW(runtime_settings(text), Error) << text;
     }
+}
+
+TEST(CoreChoice, IsNoneUnlessNamed) {
+    EXPECT_EQ(read_core(ConfigFile::parse("", "x.toml")), kAnyCore);
+    EXPECT_EQ(read_core(ConfigFile::parse("[runtime]\ncore = 3", "x.toml")), 3);
+    EXPECT_THROW(runtime_settings("core = -2"), Error);
+    EXPECT_NO_THROW(runtime_settings("core = 3")) << "a key that every program knows";
+}
+
+TEST(CoreChoice, KeepsTheThreadThereAndNoOther) {
+    std::string refusal;
+    int core = kAnyCore, cores = 0;
+    std::thread([&] {
+        cpu_set_t allowed;
+        sched_getaffinity(0, sizeof allowed, &allowed);
+        for (int i = 0; i < CPU_SETSIZE; ++i)
+            core = CPU_ISSET(static_cast<std::size_t>(i), &allowed) ? i : core;
+        refusal = keep_to_core(core);
+        sched_getaffinity(0, sizeof allowed, &allowed);
+        cores = CPU_COUNT(&allowed);
+    }).join();
+    EXPECT_EQ(refusal, "");
+    EXPECT_EQ(cores, 1);
+}
+
+TEST(CoreChoice, SaysThatACoreIsNotThere) {
+    if (std::thread::hardware_concurrency() > 1023) GTEST_SKIP() << "it is there";
+    EXPECT_NE(keep_to_core(1023).find("cannot keep to core 1023"), std::string::npos);
+    EXPECT_EQ(keep_to_core(kAnyCore), "");
 }
 
 }  // namespace

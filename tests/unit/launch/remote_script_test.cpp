@@ -68,6 +68,18 @@ TEST_F(RemoteScript, StartsTheProgramWithWhatWasSent) {
     EXPECT_TRUE(left_nothing());
 }
 
+TEST_F(RemoteScript, SendsTheLogOfMessagesAfterTheReport) {
+    program(R"([ "$6" = --log ] && printf 'log of %s' "$8" > "$7"; echo '{}' > "$4"; exit 3)");
+    RemoteOrder with = order();
+    with.arguments = {"it"};
+    EXPECT_THAT(run(with, kSession).output, HasSubstr("thimble: ended 3 0\n"));
+    with.messages = true;
+    const ProgramResult result = run(with, kSession);
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_THAT(result.output, HasSubstr("thimble: report\n{}\n\nthimble: ended 3 9\nlog of it"));
+    EXPECT_TRUE(left_nothing());
+}
+
 TEST_F(RemoteScript, EndsTheProgramWhenItsInputEnds) {
     program("trap 'echo told to end >&2; exit 0' TERM\nwhile :; do sleep 0.05; done");
     EXPECT_THAT(run(order(), kSession).output, HasSubstr("told to end"));

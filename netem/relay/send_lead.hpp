@@ -1,0 +1,37 @@
+// How long before its due time a packet may be taken in hand and still not be on its way early. What is done with it, and the
+// system call that sends it, take a while; the least that they ever take may be begun before.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "common/time.hpp"
+
+namespace thimble {
+
+// The least of the last 64 to 128 durations; zero until there are so many. Pure arithmetic.
+class LeastLately {
+  public:
+    void add(Duration took) {
+        least_ = std::min(least_, took);
+        known_ = std::min(known_, took);
+        if (++count_ < kGeneration) return;
+        known_ = std::min(before_, least_);
+        before_ = std::exchange(least_, Duration::max());
+        count_ = 0;
+    }
+    Duration least() const { return known_; }
+
+  private:
+    static constexpr std::size_t kGeneration = 64;
+    Duration least_ = Duration::max(), before_ = Duration::max(), known_{};
+    std::size_t count_ = 0;
+};
+
+// From before a call that sends one datagram to the kernel's stamp at the receiver, on the shortest path there is: the least over
+// loopback, from calls in a row, less half a microsecond for what readings of clocks are worth. Takes about a millisecond.
+// Zero where it cannot be measured. Throws Error (network) if the kernel gives no socket.
+Duration measure_send_cost();
+
+}  // namespace thimble
