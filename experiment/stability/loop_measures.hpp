@@ -52,6 +52,22 @@ struct HoldPlan {
     double position_scale = 3;  // handle to needle
     double start_m = -5e-3, start_m_per_s = 0.1;
 };
+// Watches a hold sample by sample.
+class HoldWatch {
+  public:
+    HoldWatch(const HoldPlan& plan, double step_s);
+    bool over() const { return done_ >= samples_; }
+    // After a sample: where it was before, where it is.
+    void add(double sampled_before_m, double sampled_m, double position_m, double energy_J);
+    HoldOutcome outcome() const;
+
+  private:
+    double position_scale_;
+    long samples_, watched_, done_ = 0, losses_ = 0;
+    double low_m_ = 0, high_m_ = 0, energy_before_J_ = 0, energy_J_ = 0;
+    bool touches_ = false;
+};
+
 HoldOutcome measured_hold(const LoopConditions& conditions, const HoldPlan& plan);
 
 }  // namespace thimble
