@@ -40,10 +40,10 @@ int ranks() {
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     execv(program.c_str(), arguments.data());
-    throw Error(ExitCode::kUsage,
-                fmt::format("mpirun has started {} of this, and {} is missing: build with -DTHIMBLE_MPI=ON, or leave mpirun out "
-                            "(one program uses all cores of its machine)",
-                            ranks(), program.string()));
+    throw Error(ExitCode::kUsage, fmt::format("mpirun has started {} of this, and {} is missing: build with "
+                                              "-DTHIMBLE_MPI=ON, or leave mpirun out "
+                                              "(one program uses all cores of its machine)",
+                                              ranks(), program.string()));
 }
 
 int run_sweep(const SweepArguments& arguments) {
@@ -58,7 +58,8 @@ int run_sweep(const SweepArguments& arguments) {
 Subcommand add_map(CLI::App& app) {
     const auto arguments = std::make_shared<SweepArguments>();
     CLI::App* command = app.add_subcommand(
-        "sweep", "stability maps: delay against stiffness for hands, remedies and networks, measured and by theory");
+        "sweep",
+        "stability maps: delay against stiffness for hands, remedies and networks, measured and by theory");
     add_sweep_options(*command, *arguments);
     return {command, [arguments] { return run_sweep(*arguments); }};
 }

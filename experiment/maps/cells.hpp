@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <mutex>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "experiment/maps/map_grid.hpp"
 
@@ -14,8 +17,20 @@ struct CellRange {
 
 // CSV with units, long form; what a cell does not have is empty.
 std::string cells_header();
-// The same bytes for a cell wherever and in whatever company it is worked out. Callable from several threads.
-std::string cell_rows(const MapGrid& grid, const CellRange& range);
+// Works out cells, in several threads at a time if need be. The same bytes for a cell wherever and in whatever company.
+class CellWriter {
+  public:
+    explicit CellWriter(const MapGrid& grid);  // which must outlive it
+    std::string rows(const CellRange& range);
+
+  private:
+    // It takes longer than a cell, and all cells of a hand and delay share it.
+    double critical_N_per_m(const CellPlace& place);
+
+    const MapGrid& grid_;
+    std::mutex mutex_;
+    std::vector<std::optional<double>> critical_N_per_m_;  // by hand and delay
+};
 
 // The theory of a column (all of its cells have the same): the stiffness at which the loop without remedy, jitter and loss becomes
 // unstable, of the passive hand or of the virtual operator's nominal one.

@@ -12,8 +12,9 @@ namespace thimble {
 struct CrewWork {
     std::size_t first = 0, end = 0, block = 1;  // cells [first, end), so many at a time
     std::function<std::string(const CellRange&)> rows;
-    std::function<void(const CellRange&, std::string rows)> take;  // in any order, from the thread that called lead()
-    std::function<bool()> stop;                                    // asked now and again
+    std::function<void(const CellRange&, std::string rows)>
+        take;                    // in any order, from the thread that called lead()
+    std::function<bool()> stop;  // asked now and again
 };
 
 class Crew {

@@ -38,7 +38,8 @@ std::string panel_script(const MapGrid& g, std::size_t panel, double point) {
     const std::string rows = fmt::format("'map.tsv' every ::{}::{} using", first, last);
     const auto points = [&](char label, std::string_view colour, const char* title) {
         return fmt::format(
-            "     {} (1e3*$6):(strcol(12) eq '{}' ? $8 : 1/0) with points pt 5 ps {:.2f} lc rgb '{}' title '{}', \\\n",
+            "     {} (1e3*$6):(strcol(12) eq '{}' ? $8 : 1/0) with points pt 5 ps {:.2f} lc rgb '{}' title "
+            "'{}', \\\n",
             rows, label, point, colour, title);
     };
     return fmt::format("set title '{}'\nplot \\\n", title_of(g, panel)) + points('S', kSkyBlue, "settles") +
@@ -72,7 +73,8 @@ std::string map_script(const MapGrid& g) {
 
 void draw_map(const std::filesystem::path& folder, const MapGrid& grid) {
     if (grid.panels() > kMostPanels) {
-        spdlog::info("no figure: {} panels are more than {}; map.csv has them all", grid.panels(), kMostPanels);
+        spdlog::info("no figure: {} panels are more than {}; map.csv has them all", grid.panels(),
+                     kMostPanels);
         return;
     }
     try {

@@ -23,9 +23,11 @@ constexpr long kMostPoints = 10000;
 constexpr double kMostCells = 1e8;
 
 [[noreturn]] void refuse_axis(const std::string& option, const std::string& text) {
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} {}: needs LOW:HIGH:POINTS with LOW < HIGH and 2 to 10000 points, or values like 0,0.05", option,
-                            text));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "{} {}: needs LOW:HIGH:POINTS with LOW < HIGH and 2 to 10000 points, or values like 0,0.05",
+            option, text));
 }
 
 std::vector<double> spread(double low, double high, long points, bool logarithmic) {
@@ -129,14 +131,15 @@ void require_meaningful(const MapGrid& g) {
 std::string grid_text(const MapGrid& g) {
     std::string text = fmt::format("operator {}\n", g.who == MapOperator::kVirtual ? "virtual" : "passive");
     for (const NamedHand& h : g.hands)
-        text += fmt::format("hand {}: {} kg {} Ns/m {} N/m\n", h.name, h.hand.mass_kg, h.hand.damping_Ns_per_m,
-                            h.hand.stiffness_N_per_m);
-    text += fmt::format("remedy {}\njitter_s {}\nloss {}, in bursts of {}\ndelay_s {}\nstiffness_N_per_m {}, gain 1 is {}\n",
-                        fmt::join(g.remedies, " "), fmt::join(g.jitters_s, " "), fmt::join(g.losses, " "),
-                        g.mean_burst, fmt::join(g.delays_s, " "), fmt::join(g.stiffness_N_per_m, " "),
-                        g.full_stiffness_N_per_m);
-    text += fmt::format("step {} s, press {} N, limit {} N, encoder {} m, friction {} N\nseed {}, trials {}\n", g.step_s,
-                        g.press_N, g.force_limit_N, g.encoder_step_m, g.friction_N, g.seed, g.trials);
+        text += fmt::format("hand {}: {} kg {} Ns/m {} N/m\n", h.name, h.hand.mass_kg,
+                            h.hand.damping_Ns_per_m, h.hand.stiffness_N_per_m);
+    text += fmt::format(
+        "remedy {}\njitter_s {}\nloss {}, in bursts of {}\ndelay_s {}\nstiffness_N_per_m {}, gain 1 is {}\n",
+        fmt::join(g.remedies, " "), fmt::join(g.jitters_s, " "), fmt::join(g.losses, " "), g.mean_burst,
+        fmt::join(g.delays_s, " "), fmt::join(g.stiffness_N_per_m, " "), g.full_stiffness_N_per_m);
+    text +=
+        fmt::format("step {} s, press {} N, limit {} N, encoder {} m, friction {} N\nseed {}, trials {}\n",
+                    g.step_s, g.press_N, g.force_limit_N, g.encoder_step_m, g.friction_N, g.seed, g.trials);
     if (g.config.empty()) return text;
     std::ifstream file(g.config);
     return text + "session file\n" + std::string(std::istreambuf_iterator<char>(file), {});

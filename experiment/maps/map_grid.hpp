@@ -25,7 +25,8 @@ enum class MapOperator : std::uint8_t { kPassive, kVirtual };
 struct MapGrid {
     MapOperator who = MapOperator::kPassive;
     std::vector<NamedHand> hands;
-    std::vector<std::string> remedies;  // "none" or a name of [control] remedy; virtual operator: CF, CCF, VF as well
+    std::vector<std::string>
+        remedies;  // "none" or a name of [control] remedy; virtual operator: CF, CCF, VF as well
     std::vector<double> jitters_s, losses, delays_s, stiffness_N_per_m;
 
     double mean_burst = 1;

@@ -27,7 +27,7 @@ struct SweepArguments {
 void add_sweep_options(CLI::App& command, SweepArguments& arguments);
 // Throws Error (usage).
 MapGrid grid_of(const SweepArguments& arguments);
-// Of this many workers: small enough that all have work to the end, large enough to be worth a message.
+// For so many workers: no more than a column, whose cells share their theory, and so few that all have work to the end.
 std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands);
 // Table and figure; the exit code.
 int run_map(const SweepArguments& arguments, const MapGrid& grid, Crew& crew);

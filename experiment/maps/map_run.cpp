@@ -13,9 +13,9 @@ namespace thimble {
 
 std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands) {
     if (arguments.block > 0) return arguments.block;
-    constexpr std::size_t kBlocksEach = 32, kMost = 64;
+    constexpr std::size_t kBlocksEach = 8, kMost = 128;
     if (grid.who == MapOperator::kVirtual) return 1;
-    return std::clamp<std::size_t>(grid.cells() / (hands * kBlocksEach), 1, kMost);
+    return std::clamp<std::size_t>(grid.cells() / (hands * kBlocksEach), 1, std::min(kMost, grid.column()));
 }
 
 int run_map(const SweepArguments& arguments, const MapGrid& grid, Crew& crew) {
@@ -26,12 +26,14 @@ int run_map(const SweepArguments& arguments, const MapGrid& grid, Crew& crew) {
     work.first = table.done();
     work.end = grid.cells();
     work.block = block_of(arguments, grid, crew.hands());
-    work.rows = [&grid](const CellRange& range) { return cell_rows(grid, range); };
+    CellWriter writer(grid);
+    work.rows = [&writer](const CellRange& range) { return writer.rows(range); };
     work.take = [&table](const CellRange& range, std::string rows) { table.take(range, std::move(rows)); };
     work.stop = [] { return stop_requested().load(); };
     crew.lead(work);
     if (table.done() < grid.cells()) {
-        spdlog::error("interrupted; the {} cells that were done are kept, the same command goes on", table.done());
+        spdlog::error("interrupted; the {} cells that were done are kept, the same command goes on",
+                      table.done());
         return static_cast<int>(ExitCode::kRunFailed);
     }
     fmt::print("table: {}\n", (folder / "map.csv").string());

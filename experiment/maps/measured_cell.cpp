@@ -15,7 +15,8 @@ constexpr double kShareMargin = 0.8;
 
 LoopConditions conditions_of(const MapGrid& g, const CellPlace& place) {
     LoopConditions c;
-    c.loop = {g.hands[place.hand].hand, g.stiffness_N_per_m[place.stiffness], g.delays_s[place.delay], g.step_s};
+    c.loop = {g.hands[place.hand].hand, g.stiffness_N_per_m[place.stiffness], g.delays_s[place.delay],
+              g.step_s};
     c.one_sided = true;
     c.force_limit_N = g.force_limit_N;
     c.press_N = g.press_N;
@@ -91,27 +92,40 @@ std::string passive_measures(const MapGrid& grid, const CellPlace& place, double
 }
 
 std::string cells_header() {
-    return "hand,operator,remedy,jitter_s,loss,delay_s,gain,stiffness_N_per_m,critical_stiffness_N_per_m,growth_per_s,linear,"
-           "outcome,energy_grows,peak_to_peak_m,losses_per_s,energy_J,effective_delay_s,hand_share,trials,completed,"
+    return "hand,operator,remedy,jitter_s,loss,delay_s,gain,stiffness_N_per_m,critical_stiffness_N_per_m,"
+           "growth_per_s,linear,"
+           "outcome,energy_grows,peak_to_peak_m,losses_per_s,energy_J,effective_delay_s,hand_share,trials,"
+           "completed,"
            "oscillating,penetration_mean_m,penetration_max_m,completion_time_s\n";
 }
 
-std::string cell_rows(const MapGrid& g, const CellRange& range) {
+CellWriter::CellWriter(const MapGrid& grid)
+    : grid_(grid), critical_N_per_m_(grid.hands.size() * grid.delays_s.size()) {}
+
+double CellWriter::critical_N_per_m(const CellPlace& p) {
+    std::optional<double>& known = critical_N_per_m_[p.hand * grid_.delays_s.size() + p.delay];
+    {
+        const std::lock_guard lock(mutex_);
+        if (known) return *known;
+    }
+    const double critical = grid_.who == MapOperator::kVirtual ? virtual_critical_N_per_m(grid_, p)
+                                                               : passive_critical_N_per_m(grid_, p);
+    const std::lock_guard lock(mutex_);
+    known = critical;
+    return critical;
+}
+
+std::string CellWriter::rows(const CellRange& range) {
+    const MapGrid& g = grid_;
     const bool person = g.who == MapOperator::kVirtual;
     std::string rows;
-    std::size_t column = g.cells();
-    double critical = 0;
     for (std::size_t cell = range.first; cell < range.first + range.count; ++cell) {
         const CellPlace p = place_of(g, cell);
-        if (cell / g.column() != column) {
-            column = cell / g.column();
-            critical = person ? virtual_critical_N_per_m(g, p) : passive_critical_N_per_m(g, p);
-        }
-        const double stiffness = g.stiffness_N_per_m[p.stiffness];
+        const double stiffness = g.stiffness_N_per_m[p.stiffness], critical = critical_N_per_m(p);
         rows += fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},", g.hands[p.hand].name,
                             person ? "virtual" : "passive", g.remedies[p.remedy], g.jitters_s[p.jitter],
-                            g.losses[p.loss], g.delays_s[p.delay], stiffness / g.full_stiffness_N_per_m, stiffness,
-                            number_or_nothing(critical, "{:.9g}"));
+                            g.losses[p.loss], g.delays_s[p.delay], stiffness / g.full_stiffness_N_per_m,
+                            stiffness, number_or_nothing(critical, "{:.9g}"));
         rows += person ? virtual_measures(g, p) : passive_measures(g, p, critical);
         rows += '\n';
     }

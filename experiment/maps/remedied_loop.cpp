@@ -38,7 +38,8 @@ const RemediedConditions& checked(const RemediedConditions& c) {
                          (c.loop.loop.delay_s + c.jitter_s) / c.loop.loop.step_s < kMostWaiting;
     if (network) return c;
     throw Error(ExitCode::kUsage,
-                "sweep: jitter must be 0 s or more, loss 0 to 0.5 (with longer bursts up to burst / (1 + burst)), and "
+                "sweep: jitter must be 0 s or more, loss 0 to 0.5 (with longer bursts up to burst / (1 + "
+                "burst)), and "
                 "delay and jitter together below 1e7 steps");
 }
 
@@ -82,8 +83,7 @@ RemediedLoop::RemediedLoop(const RemediedConditions& conditions, double position
     WaveChannelSettings channel = c.channel;
     channel.sample_period_s = step_s_;
     if (conditions.loss == 0) channel.repeats = 0;
-    const auto play_out =
-        static_cast<std::uint32_t>(std::ceil(longest - kSameInstant)) + channel.repeats;
+    const auto play_out = static_cast<std::uint32_t>(std::ceil(longest - kSameInstant)) + channel.repeats;
     const WaveSettings at_hand{c.wave_impedance_Ns_per_m, step_s_};
     const WaveSettings at_wall{c.wave_impedance_Ns_per_m, step_s_, c.wave_slave_damping_Ns_per_m};
     waves_ = std::make_unique<Waves>(Waves{WaveMaster(at_hand), WaveSlave(at_wall), WaveSender(channel),
@@ -123,8 +123,8 @@ void RemediedLoop::send(double reading_m) {
         loop.force_limit_N > 0 ? loop.force_limit_N : std::numeric_limits<double>::infinity();
     if (waves_) {
         const double u = waves_->master.wave_out(reading_m, force_N_);
-        packet.burst = waves_->sender.add(
-            waves_->slave.step(u, {0, loop.loop.stiffness_N_per_m}, 0, limit_N));
+        packet.burst =
+            waves_->sender.add(waves_->slave.step(u, {0, loop.loop.stiffness_N_per_m}, 0, limit_N));
     } else {
         packet.force_N = loop.loop.stiffness_N_per_m * std::max(reading_m, 0.0);
     }
@@ -150,8 +150,7 @@ void RemediedLoop::set_force(double reading_m) {
     double wanted_N = wish_N_ * conditions_.control.hand_share();
     if (port_) wanted_N = port_->force_N(limit_N > 0 ? std::min(wish_N_, limit_N) : wish_N_);
     if (local_) wanted_N = local_->force_N(reading_m);
-    if (waves_)
-        wanted_N = waves_->master.force_N(waves_->receiver.play(static_cast<std::uint32_t>(sample_)));
+    if (waves_) wanted_N = waves_->master.force_N(waves_->receiver.play(static_cast<std::uint32_t>(sample_)));
     force_N_ = limit_N > 0 ? std::clamp(wanted_N, -limit_N, limit_N) : wanted_N;
     wished_of_ = newest_;
 }

@@ -28,7 +28,8 @@ SystemSettings settings_of(const MapGrid& g, const CellPlace& place) {
         link.in_order = false;
     }
     if (loss > 0)
-        link.loss = g.mean_burst > 1 ? LossSettings::gilbert(loss, g.mean_burst) : LossSettings::independent(loss);
+        link.loss =
+            g.mean_burst > 1 ? LossSettings::gilbert(loss, g.mean_burst) : LossSettings::independent(loss);
     return settings;
 }
 

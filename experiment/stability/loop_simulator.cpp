@@ -18,8 +18,7 @@ const HeldMass& checked_hand(const LoopConditions& conditions) {
 }  // namespace
 
 LoopSimulator::LoopSimulator(const LoopConditions& conditions, double position_m, double velocity_m_per_s)
-    : conditions_(conditions),
-      hand_(checked_hand(conditions), position_m, velocity_m_per_s) {
+    : conditions_(conditions), hand_(checked_hand(conditions), position_m, velocity_m_per_s) {
     hand_.rub(conditions.friction_N);
     const WholeSteps delay = whole_steps(conditions.loop);
     const double rest_s = to_double(delay.rest_s);

@@ -51,8 +51,7 @@ std::optional<double> press_fold_N(const PressedLoop& given) {
     const PressForecast forecast = forecast_press(loop);
     if (!forecast.cycle) return std::nullopt;
     const bool relay = forecast.predictor == CyclePredictor::kRelayOrbit;
-    const double through_N =
-        loop.force_limit_N * (1 + loop.hand.stiffness_N_per_m / loop.stiffness_N_per_m);
+    const double through_N = loop.force_limit_N * (1 + loop.hand.stiffness_N_per_m / loop.stiffness_N_per_m);
     return std::max(through_N, relay ? relay_fold_N(loop, *forecast.cycle) : harmonic_fold_N(loop));
 }
 

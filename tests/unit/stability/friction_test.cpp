@@ -40,7 +40,8 @@ TEST(HandMotion, SticksUntilTheForceIsGreaterThanFriction) {
 
 // However it is cut, the same motion: with and without turns inside a step, damped in every way.
 TEST(HandMotion, IsTheSameInLargeAndSmallSteps) {
-    for (const HeldMass& hand : {HeldMass{0.2, 1, 300}, HeldMass{0.2, 60, 300}, HeldMass{0.2, 15.5, 300}, HeldMass{1, 2, 0}}) {
+    for (const HeldMass& hand :
+         {HeldMass{0.2, 1, 300}, HeldMass{0.2, 60, 300}, HeldMass{0.2, 15.5, 300}, HeldMass{1, 2, 0}}) {
         HandMotion coarse(hand, 1e-3, 0.4), fine(hand, 1e-3, 0.4);
         coarse.rub(0.3);
         fine.rub(0.3);
@@ -50,7 +51,8 @@ TEST(HandMotion, IsTheSameInLargeAndSmallSteps) {
             coarse.advance(large, force_N);
             for (int part = 0; part < 64; ++part) fine.advance(small, force_N);
             ASSERT_NEAR(coarse.position_m(), fine.position_m(), 1e-12) << hand.damping_Ns_per_m << ' ' << i;
-            ASSERT_NEAR(coarse.velocity_m_per_s(), fine.velocity_m_per_s(), 1e-11) << hand.damping_Ns_per_m << ' ' << i;
+            ASSERT_NEAR(coarse.velocity_m_per_s(), fine.velocity_m_per_s(), 1e-11)
+                << hand.damping_Ns_per_m << ' ' << i;
         }
     }
 }
@@ -70,7 +72,7 @@ TEST(LoopMeasures, FrictionStopsSwingsUpToItsThreshold) {
         loop.stiffness_N_per_m = excess * critical_sampled_stiffness(loop).stiffness_N_per_m;
         const double forecast_m = friction_threshold_m({hand, loop.stiffness_N_per_m}, 0.0505, 0.05);
         const double measured_m = measured_friction_threshold_m(loop, 0.05);
-        printf("%g %g\n", excess, measured_m/forecast_m);
+        printf("%g %g\n", excess, measured_m / forecast_m);
         EXPECT_GT(measured_m, 0.90 * forecast_m) << excess;
         EXPECT_LT(measured_m, 1.17 * forecast_m) << excess;
     }
@@ -84,9 +86,10 @@ TEST(LoopMeasures, ThePressThatEndsTheCycle) {
         std::array<double, 4> fold_N;
     };
     const std::array<double, 4> delays_s{0.010, 0.025, 0.050, 0.100};
-    for (const Folds& f : {Folds{{0.15, 3, 300}, {14.7, 17.2, 17.7, 16.0}}, Folds{{0.35, 6, 400}, {13.8, 15.7, 16.9, 16.2}},
-                           Folds{{0.55, 6.45, 135}, {12.3, 13.0, 13.7, 14.4}}, Folds{{1, 20, 500}, {12.7, 12.9, 13.6, 13.8}},
-                           Folds{{2, 40, 1000}, {13.3, 13.3, 13.7, 14.1}}}) {
+    for (const Folds& f :
+         {Folds{{0.15, 3, 300}, {14.7, 17.2, 17.7, 16.0}}, Folds{{0.35, 6, 400}, {13.8, 15.7, 16.9, 16.2}},
+          Folds{{0.55, 6.45, 135}, {12.3, 13.0, 13.7, 14.4}}, Folds{{1, 20, 500}, {12.7, 12.9, 13.6, 13.8}},
+          Folds{{2, 40, 1000}, {13.3, 13.3, 13.7, 14.1}}}) {
         for (std::size_t i = 0; i < delays_s.size(); ++i) {
             LoopConditions conditions;
             conditions.loop = {f.hand, 9000, delays_s[i], 1e-3};
