@@ -83,7 +83,8 @@ std::string passive_measures(const MapGrid& grid, const CellPlace& place, double
     c.seed = grid.seed;
     if (c.control.remedy == Remedy::kScaled) c.control.share = stable_share_of(c, critical_N_per_m);
     const bool plain = c.control.remedy == Remedy::kNone && c.jitter_s == 0 && c.loss == 0;
-    const HeldCell cell = held(c);
+    const HeldCell cell =
+        plain ? HeldCell{measured_hold(c.loop, {}), c.loop.loop.delay_s + grid.step_s / 2} : held(c);
     const HoldOutcome& h = cell.hold;
     return fmt::format("{},{},{},{:.6g},{:.4g},{:.6g},{},{:.6g},,,,,,", plain ? growth_fields(c.loop) : ",",
                        static_cast<char>(h.label), h.energy_grows ? "yes" : "no", h.peak_to_peak_m,

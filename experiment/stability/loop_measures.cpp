@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kStart_m = 5e-3;  // of a linear run
 constexpr double kRun_s = 6, kDelays = 60;
+// After long delays many modes grow almost alike, and the first takes this long to stand out.
+constexpr double kLong_s = 0.5, kLongDelays = 400;
 constexpr double kGrown = 1e60;  // beyond, nobody needs more of the trace
 constexpr double kFaded = 1e-60;
 constexpr double kQuantaLeft = 100;  // of amplitude, for an encoder not to matter
@@ -32,7 +34,8 @@ ZeroCrossings zero_crossings(std::span<const double> trace) {
 // Sampled positions, from the start until they have become uselessly large or small.
 std::vector<double> linear_run(const LoopConditions& conditions) {
     const SampledLoop& loop = conditions.loop;
-    const auto samples = static_cast<std::size_t>(std::max(kRun_s, kDelays * loop.delay_s) / loop.step_s);
+    const auto samples = static_cast<std::size_t>(
+        std::max(kRun_s, (loop.delay_s > kLong_s ? kLongDelays : kDelays) * loop.delay_s) / loop.step_s);
     LoopSimulator run(conditions, kStart_m, 0);
     const double least_m = std::max(kFaded, kQuantaLeft * conditions.encoder_step_m);
     std::vector<double> trace;

@@ -16,7 +16,7 @@ namespace thimble {
 // what the trace did from its first half to its second (several modes at once, or a creep without turns), what it did.
 double growth_per_sample(std::span<const double> trace);
 
-// Of the linear loop let go from 5 mm: ln(rho) / h after the first half of six seconds, or of sixty delays. `encoder_step_m` of 0:
+// Of the linear loop let go from 5 mm: ln(rho) / h after the first half of six seconds, of sixty delays, or of 400 delays beyond 0.5 s. `encoder_step_m` of 0:
 // none.
 double measured_growth_per_s(const SampledLoop& loop, double encoder_step_m);
 
