@@ -30,3 +30,9 @@ if(THIMBLE_DEVICES)
     pkg_check_modules(hidapi REQUIRED IMPORTED_TARGET hidapi-hidraw)
     pkg_check_modules(libusb REQUIRED IMPORTED_TARGET libusb-1.0)
 endif()
+
+# Maps by the ranks of many machines: a program of its own, so that no other needs Open MPI.
+option(THIMBLE_MPI "build thimble-sweep-mpi" ON)
+if(THIMBLE_MPI)
+    pkg_check_modules(ompi REQUIRED IMPORTED_TARGET ompi-c)
+endif()

@@ -134,6 +134,7 @@ void add_press(const StabilityArguments& a, Json& all) {
     const bool rubs = a.friction_N > 0;
     const double least_m = rubs ? friction_threshold_m(a.loop, whole_s, a.friction_N) : 0;
     const double chatter_m = encoder_chatter_m(a.loop.stiffness_N_per_m, critical, a.encoder_m, a.friction_N);
+    const auto fold_N = press_fold_N({a.loop.hand, a.loop.stiffness_N_per_m, whole_s, a.force_limit_N, 0});
     all["press"] = {{"press_N", press_N},
                     {"force_limit_N", a.force_limit_N},
                     {"delay_with_hold_s", whole_s},
@@ -141,6 +142,7 @@ void add_press(const StabilityArguments& a, Json& all) {
                     {"rest_is_stable", forecast.rest_is_stable},
                     {"pushed_through", forecast.pushed_through},
                     {"limit_cycle", cycle_of(forecast)},
+                    {"fold_N", given(fold_N)},
                     {"friction_threshold_m", rubs ? number(least_m) : Json(nullptr)},
                     {"encoder_chatter_m", number(chatter_m)}};
 }

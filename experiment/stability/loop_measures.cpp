@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kStart_m = 5e-3;  // of a linear run
 constexpr double kRun_s = 6, kDelays = 60;
+// After long delays many modes grow almost alike, and the first takes this long to stand out.
+constexpr double kLong_s = 0.5, kLongDelays = 400;
 constexpr double kGrown = 1e60;  // beyond, nobody needs more of the trace
 constexpr double kFaded = 1e-60;
 constexpr double kQuantaLeft = 100;  // of amplitude, for an encoder not to matter
@@ -32,7 +34,8 @@ ZeroCrossings zero_crossings(std::span<const double> trace) {
 // Sampled positions, from the start until they have become uselessly large or small.
 std::vector<double> linear_run(const LoopConditions& conditions) {
     const SampledLoop& loop = conditions.loop;
-    const auto samples = static_cast<std::size_t>(std::max(kRun_s, kDelays * loop.delay_s) / loop.step_s);
+    const auto samples = static_cast<std::size_t>(
+        std::max(kRun_s, (loop.delay_s > kLong_s ? kLongDelays : kDelays) * loop.delay_s) / loop.step_s);
     LoopSimulator run(conditions, kStart_m, 0);
     const double least_m = std::max(kFaded, kQuantaLeft * conditions.encoder_step_m);
     std::vector<double> trace;
@@ -126,37 +129,52 @@ MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double en
     return measured;
 }
 
-HoldOutcome measured_hold(const LoopConditions& conditions, const HoldPlan& plan) {
-    constexpr double kSettled_m = 1e-4, kOscillates_m = 1e-3, kWatched_s = 3, kGrowth_J = 0.01;
-    const double step_s = conditions.loop.step_s;
-    const auto samples = static_cast<long>(plan.duration_s / step_s),
-               watched = static_cast<long>(kWatched_s / step_s);
-    LoopSimulator run(conditions, plan.start_m, plan.start_m_per_s);
-    double low_m = 0, high_m = 0, energy_before_J = 0;
-    long losses = 0;
-    for (long i = 0; i < samples; ++i) {
-        const bool touched = run.sampled_m() > 0;
-        run.step();
-        if (i < samples - watched) continue;
-        const double x = run.position_m();
-        if (i == samples - watched) {
-            low_m = high_m = x;
-            energy_before_J = run.energy_J();
-        }
-        low_m = std::min(low_m, x);
-        high_m = std::max(high_m, x);
-        if (touched && !(run.sampled_m() > 0)) ++losses;
+namespace {
+constexpr double kWatched_s = 3;  // the last of a hold
+}
+
+HoldWatch::HoldWatch(const HoldPlan& plan, double step_s)
+    : position_scale_(plan.position_scale),
+      samples_(static_cast<long>(plan.duration_s / step_s)),
+      watched_(static_cast<long>(kWatched_s / step_s)) {}
+
+void HoldWatch::add(double sampled_before_m, double sampled_m, double position_m, double energy_J) {
+    const long from = samples_ - watched_;
+    if (done_++ < from) return;
+    if (done_ - 1 == from) {
+        low_m_ = high_m_ = position_m;
+        energy_before_J_ = energy_J;
     }
+    low_m_ = std::min(low_m_, position_m);
+    high_m_ = std::max(high_m_, position_m);
+    energy_J_ = energy_J;
+    touches_ = sampled_m > 0;
+    if (sampled_before_m > 0 && !touches_) ++losses_;
+}
+
+HoldOutcome HoldWatch::outcome() const {
+    constexpr double kSettled_m = 1e-4, kOscillates_m = 1e-3, kGrowth_J = 0.01;
     HoldOutcome outcome;
-    outcome.peak_to_peak_m = high_m - low_m;
-    outcome.losses_per_s = static_cast<double>(losses) / kWatched_s;
-    outcome.energy_J = run.energy_J();
-    outcome.energy_grows = run.energy_J() - energy_before_J < -kGrowth_J;
-    const double needle_m = plan.position_scale * outcome.peak_to_peak_m;
-    const bool in_contact = losses == 0 && run.sampled_m() > 0;
-    if (in_contact && needle_m <= kSettled_m) outcome.label = HoldClass::kSettles;
+    outcome.peak_to_peak_m = high_m_ - low_m_;
+    outcome.losses_per_s = static_cast<double>(losses_) / kWatched_s;
+    outcome.energy_J = energy_J_;
+    outcome.energy_grows = energy_J_ - energy_before_J_ < -kGrowth_J;
+    const double needle_m = position_scale_ * outcome.peak_to_peak_m;
+    if (losses_ == 0 && touches_ && needle_m <= kSettled_m) outcome.label = HoldClass::kSettles;
     if (outcome.losses_per_s >= 1 || needle_m >= kOscillates_m) outcome.label = HoldClass::kOscillates;
     return outcome;
+}
+
+HoldOutcome measured_hold(const LoopConditions& conditions, const HoldPlan& plan) {
+    LoopSimulator run(conditions, plan.start_m, plan.start_m_per_s);
+    HoldWatch watch(plan, conditions.loop.step_s);
+    for (double before_m = run.sampled_m(); !watch.over();) {
+        run.step();
+        const double now_m = run.sampled_m();
+        watch.add(before_m, now_m, run.position_m(), run.energy_J());
+        before_m = now_m;
+    }
+    return watch.outcome();
 }
 
 }  // namespace thimble

@@ -16,7 +16,7 @@ namespace thimble {
 // what the trace did from its first half to its second (several modes at once, or a creep without turns), what it did.
 double growth_per_sample(std::span<const double> trace);
 
-// Of the linear loop let go from 5 mm: ln(rho) / h after the first half of six seconds, or of sixty delays. `encoder_step_m` of 0:
+// Of the linear loop let go from 5 mm: ln(rho) / h after the first half of six seconds, of sixty delays, or of 400 delays beyond 0.5 s. `encoder_step_m` of 0:
 // none.
 double measured_growth_per_s(const SampledLoop& loop, double encoder_step_m);
 
@@ -27,6 +27,13 @@ struct MeasuredStiffness {
 // Runs it, `stiffness_N_per_m` not read, with ever closer stiffness until that is known to `relative`.
 MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double encoder_step_m,
                                               double relative);
+
+// Of an unstable linear loop with dry friction: the amplitude that neither dies out nor grows, found by letting the friction begin at
+// ever closer amplitudes of a loop that swings up without. Throws Error (usage) for a loop that does not swing up.
+double measured_friction_threshold_m(const SampledLoop& loop, double friction_N);
+
+// The greatest press with which the loop at the wall still cycles, pressed harder and harder at N_per_s from half of the limit.
+double measured_press_fold_N(const LoopConditions& conditions, double N_per_s);
 
 enum class HoldClass : char { kSettles = 'S', kMarginal = 'M', kOscillates = 'O' };
 
@@ -45,6 +52,22 @@ struct HoldPlan {
     double position_scale = 3;  // handle to needle
     double start_m = -5e-3, start_m_per_s = 0.1;
 };
+// Watches a hold sample by sample.
+class HoldWatch {
+  public:
+    HoldWatch(const HoldPlan& plan, double step_s);
+    bool over() const { return done_ >= samples_; }
+    // After a sample: where it was before, where it is.
+    void add(double sampled_before_m, double sampled_m, double position_m, double energy_J);
+    HoldOutcome outcome() const;
+
+  private:
+    double position_scale_;
+    long samples_, watched_, done_ = 0, losses_ = 0;
+    double low_m_ = 0, high_m_ = 0, energy_before_J_ = 0, energy_J_ = 0;
+    bool touches_ = false;
+};
+
 HoldOutcome measured_hold(const LoopConditions& conditions, const HoldPlan& plan);
 
 }  // namespace thimble

@@ -3,24 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/error.hpp"
 #include "experiment/stability/pulse_polynomial.hpp"
 
 namespace thimble {
 namespace {
 
-SecondOrder checked_hand(const LoopConditions& conditions) {
+const HeldMass& checked_hand(const LoopConditions& conditions) {
     whole_steps(conditions.loop);  // throws where it is no loop
-    const HeldMass& hand = conditions.loop.hand;
-    return {hand.mass_kg, hand.damping_Ns_per_m, hand.stiffness_N_per_m};
+    if (conditions.friction_N >= 0 && std::isfinite(conditions.friction_N)) return conditions.loop.hand;
+    throw Error(ExitCode::kUsage, "stability: friction must be finite and 0 N or more");
 }
 
 }  // namespace
 
 LoopSimulator::LoopSimulator(const LoopConditions& conditions, double position_m, double velocity_m_per_s)
-    : conditions_(conditions),
-      hand_(checked_hand(conditions)),
-      position_m_(position_m),
-      velocity_m_per_s_(velocity_m_per_s) {
+    : conditions_(conditions), hand_(checked_hand(conditions), position_m, velocity_m_per_s) {
+    hand_.rub(conditions.friction_N);
     const WholeSteps delay = whole_steps(conditions.loop);
     const double rest_s = to_double(delay.rest_s);
     early_ = hand_.propagator(rest_s);
@@ -30,7 +29,7 @@ LoopSimulator::LoopSimulator(const LoopConditions& conditions, double position_m
 
 double LoopSimulator::sampled_m() const {
     const double step_m = conditions_.encoder_step_m;
-    return step_m > 0 ? step_m * std::round(position_m_ / step_m) : position_m_;
+    return step_m > 0 ? step_m * std::round(position_m() / step_m) : position_m();
 }
 
 void LoopSimulator::step() {
@@ -48,11 +47,9 @@ void LoopSimulator::step() {
 }
 
 void LoopSimulator::move(const Propagator& propagator, double force_N) {
-    const double a = hand_.acceleration(conditions_.press_N - force_N, position_m_, velocity_m_per_s_);
-    const double moved_m = propagator.moved_m(velocity_m_per_s_, a);
-    velocity_m_per_s_ = propagator.velocity_after_m_per_s(velocity_m_per_s_, a);
-    position_m_ += moved_m;
-    energy_J_ += force_N * moved_m;
+    const double from_m = position_m();
+    hand_.advance(propagator, conditions_.press_N - force_N);
+    energy_J_ += force_N * (position_m() - from_m);
 }
 
 }  // namespace thimble

@@ -2,12 +2,17 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
 namespace thimble {
 namespace {
 
 constexpr double kMarginalGrowth = 0.1 / 6;  // per second
+
+}  // namespace
+
+GrowthClass growth_class(double growth_per_s) {
+    if (std::abs(growth_per_s) < kMarginalGrowth) return GrowthClass::kMarginal;
+    return growth_per_s > 0 ? GrowthClass::kUnstable : GrowthClass::kStable;
+}
 
 const char* name_of(GrowthClass growth) {
     switch (growth) {
@@ -20,8 +25,6 @@ const char* name_of(GrowthClass growth) {
     }
     return "?";
 }
-
-}  // namespace
 
 std::vector<MapCell> map_column(const MapPlan& plan, std::size_t delay_index) {
     LoopConditions conditions;
@@ -40,25 +43,11 @@ std::vector<MapCell> map_column(const MapPlan& plan, std::size_t delay_index) {
         cell.stiffness_N_per_m = stiffness;
         cell.critical_stiffness_N_per_m = critical;
         cell.growth_per_s = measured_growth_per_s(conditions.loop, 0);
-        if (std::abs(cell.growth_per_s) >= kMarginalGrowth) {
-            cell.growth = cell.growth_per_s > 0 ? GrowthClass::kUnstable : GrowthClass::kStable;
-        }
+        cell.growth = growth_class(cell.growth_per_s);
         cell.hold = measured_hold(conditions, {});
         column.push_back(cell);
     }
     return column;
-}
-
-std::string map_header() {
-    return "delay_s,stiffness_N_per_m,critical_stiffness_N_per_m,growth_per_s,linear,outcome,energy_grows,"
-           "peak_to_peak_m,losses_per_s,energy_J\n";
-}
-
-std::string map_row(const MapCell& c) {
-    return fmt::format("{:.9g},{:.9g},{:.9g},{:.6g},{},{},{},{:.6g},{:.4g},{:.6g}\n", c.delay_s,
-                       c.stiffness_N_per_m, c.critical_stiffness_N_per_m, c.growth_per_s, name_of(c.growth),
-                       static_cast<char>(c.hold.label), c.hold.energy_grows ? "yes" : "no",
-                       c.hold.peak_to_peak_m, c.hold.losses_per_s, c.hold.energy_J);
 }
 
 }  // namespace thimble

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include "experiment/stability/loop_measures.hpp"
@@ -21,6 +20,8 @@ struct MapPlan {
 
 // Of the linear loop. Marginal: neither grown nor faded by a tenth within the six seconds it was watched.
 enum class GrowthClass : unsigned char { kStable, kMarginal, kUnstable };
+GrowthClass growth_class(double growth_per_s);
+const char* name_of(GrowthClass growth);  // "stable", "marginal", "unstable"
 
 struct MapCell {
     double delay_s = 0;
@@ -32,9 +33,5 @@ struct MapCell {
 };
 // All cells of one delay.
 std::vector<MapCell> map_column(const MapPlan& plan, std::size_t delay_index);
-
-// CSV with units in its header; the same bytes from every build.
-std::string map_header();
-std::string map_row(const MapCell& cell);
 
 }  // namespace thimble

@@ -62,7 +62,7 @@ TEST(StabilityProgram, AnInterruptedMapGoesOnToTheSameBytes) {
     const Outcome whole = sweep("whole", "0:0.1:3", "1");
     ASSERT_EQ(whole.code, 0) << whole.words;
     const std::string table = read_text(folder / "whole/map.csv");
-    EXPECT_THAT(table, StartsWith("delay_s,stiffness_N_per_m,"));
+    EXPECT_THAT(table, StartsWith("hand,operator,remedy,"));
     std::filesystem::create_directory(folder / "half");
     std::filesystem::copy(folder / "whole/map.txt", folder / "half/map.txt");
     folder.write("half/map.csv", table.substr(0, table.size() * 2 / 3));
@@ -72,6 +72,8 @@ TEST(StabilityProgram, AnInterruptedMapGoesOnToTheSameBytes) {
     EXPECT_EQ(other.code, 2);
     EXPECT_THAT(other.words, HasSubstr("another map"));
     EXPECT_EQ(sweep("bad", "0.1:0:3", "1").code, 2);
+    EXPECT_EQ(sweep("bad", "0,0.1,", "1").code, 2);
+    EXPECT_EQ(sweep("bad", "-1", "1").code, 2);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace thimble {
@@ -30,16 +29,6 @@ TEST(StabilityMap, NoCellIsOnTheWrongSide) {
             EXPECT_GT(unstable, 0);
         }
     }
-}
-
-TEST(StabilityMap, RowsNameWhatTheyAre) {
-    MapCell cell;
-    cell.delay_s = 0.05;
-    cell.stiffness_N_per_m = 9000;
-    cell.growth = GrowthClass::kUnstable;
-    cell.hold.label = HoldClass::kOscillates;
-    EXPECT_EQ(map_row(cell), "0.05,9000,0,0,unstable,O,no,0,0,0\n");
-    EXPECT_THAT(map_header(), testing::StartsWith("delay_s,stiffness_N_per_m,"));
 }
 
 }  // namespace

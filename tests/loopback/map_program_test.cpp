@@ -1,0 +1,151 @@
+// Maps as users start them: the same table from threads and from ranks, and what a killed one leaves.
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/loopback/programs.hpp"
+#include "tests/loopback/workbench.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::ContainsRegex;
+using testing::HasSubstr;
+
+const std::filesystem::path kMpirun = "/usr/bin/mpirun";
+
+#define SKIP_WITHOUT_MPI()                                                \
+    if (!std::filesystem::exists(built_programs() / "thimble-sweep-mpi")) \
+        GTEST_SKIP() << "built without THIMBLE_MPI";                      \
+    if (!std::filesystem::exists(kMpirun)) GTEST_SKIP() << kMpirun << " is missing: package openmpi-bin"
+
+std::vector<std::string> map_words(const std::filesystem::path& out, std::vector<std::string> more) {
+    std::vector<std::string> words{"--hand",     "B",        "--remedy",  "none,wave",
+                                   "--jitter-s", "0,0.003",  "--delay-s", "0:0.1:3",
+                                   "--gain",     "0.02:2:4", "--out",     out.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+// One machine's ranks, also where there are fewer cores, as root in a container, without a network.
+std::vector<std::string> with_ranks(int ranks, const std::filesystem::path& program,
+                                    const std::vector<std::string>& words) {
+    std::vector<std::string> all{"--allow-run-as-root",
+                                 "--oversubscribe",
+                                 "--bind-to",
+                                 "none",
+                                 "--mca",
+                                 "btl",
+                                 "self,vader,tcp",
+                                 "--mca",
+                                 "btl_vader_single_copy_mechanism",
+                                 "none",
+                                 "-n",
+                                 std::to_string(ranks),
+                                 program.string()};
+    all.insert(all.end(), words.begin(), words.end());
+    return all;
+}
+
+std::vector<std::string> sweep(std::vector<std::string> words) {
+    words.insert(words.begin(), "sweep");
+    return words;
+}
+
+TEST(MapProgram, RanksAndThreadsMakeTheSameTable) {
+    SKIP_WITHOUT_MPI();
+    const Folder folder;
+    const Outcome threads =
+        run_to_end(built_programs() / "thimble", sweep(map_words(folder / "threads", {"--jobs", "2"})));
+    ASSERT_EQ(threads.code, 0) << threads.words;
+    const std::string table = read_text(folder / "threads/map.csv");
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 2 * 3 * 4);
+    for (const int ranks : {1, 2, 3}) {
+        const auto out = folder / std::to_string(ranks);
+        const Outcome outcome =
+            run_to_end(kMpirun, with_ranks(ranks, built_programs() / "thimble",
+                                           sweep(map_words(out, {"--block", std::to_string(ranks)}))));
+        ASSERT_EQ(outcome.code, 0) << outcome.words;
+        EXPECT_EQ(read_text(out / "map.csv"), table) << ranks;
+    }
+}
+
+std::size_t lines_in(const std::filesystem::path& file) {
+    const std::string text = std::filesystem::exists(file) ? read_text(file) : "";
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+std::vector<pid_t> children_of(pid_t parent) {
+    std::ifstream file(fmt::format("/proc/{0}/task/{0}/children", parent));
+    return {std::istream_iterator<pid_t>(file), {}};
+}
+
+// mpirun ends all when one goes; the same command, with another number of them, goes on.
+TEST(MapProgram, ADeadRankLeavesWhatWasDone) {
+    SKIP_WITHOUT_MPI();
+    const Folder folder;
+    const auto out = folder / "map", whole = folder / "whole";
+    const auto words = [](const std::filesystem::path& where) {
+        return std::vector<std::string>{"--delay-s",    "0:0.2:20",    "--contact-stiffness-N-per-m",
+                                        "100:20000:60", "--block",     "3",
+                                        "--out",        where.string()};
+    };
+    {
+        Child mpirun(kMpirun, with_ranks(2, built_programs() / "thimble-sweep-mpi", words(out)),
+                     folder / "mpirun.log");
+        ASSERT_TRUE(wait_until([&] { return lines_in(out / "map.csv") > 30; })) << mpirun.last_words();
+        const std::vector<pid_t> ranks = children_of(mpirun.pid());
+        if (ranks.size() != 2) GTEST_SKIP() << "this kernel does not say who mpirun's children are";
+        kill(ranks.back(), SIGKILL);
+        const auto code = mpirun.wait(kPatience);
+        ASSERT_TRUE(code);
+        if (lines_in(out / "map.csv") < 1 + 20 * 60) EXPECT_NE(*code, 0);
+    }
+    const Outcome on = run_to_end(kMpirun, with_ranks(3, built_programs() / "thimble-sweep-mpi", words(out)));
+    ASSERT_EQ(on.code, 0) << on.words;
+    ASSERT_EQ(run_to_end(built_programs() / "thimble", sweep(words(whole))).code, 0);
+    EXPECT_EQ(read_text(out / "map.csv"), read_text(whole / "map.csv"));
+}
+
+// Once, by the first rank, and nobody is left waiting.
+TEST(MapProgram, AMistakeUnderMpirunIsSaidOnce) {
+    SKIP_WITHOUT_MPI();
+    const Outcome outcome = run_to_end(
+        kMpirun, with_ranks(2, built_programs() / "thimble", {"sweep", "--hand", "Z", "--out", "/nowhere"}));
+    EXPECT_EQ(outcome.code, 2);
+    const std::string words = "--hand Z: there are A, B, C, D and E";
+    ASSERT_THAT(outcome.words, HasSubstr(words));
+    EXPECT_EQ(outcome.words.find(words), outcome.words.rfind(words));
+}
+
+TEST(MapProgram, WithoutItsProgramForRanksThimbleSaysSo) {
+    const Folder folder;
+    std::filesystem::copy(built_programs() / "thimble", folder / "thimble");
+    const Outcome outcome =
+        run_to_end("/usr/bin/env", {"OMPI_COMM_WORLD_SIZE=2", (folder / "thimble").string(), "sweep"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.words, HasSubstr("build with -DTHIMBLE_MPI=ON"));
+}
+
+TEST(MapProgram, TheVirtualOperatorsCells) {
+    const Folder folder;
+    const Outcome outcome =
+        run_to_end(built_programs() / "thimble",
+                   {"sweep", "--operator", "virtual", "--remedy", "none,CF", "--delay-s", "0.05", "--gain",
+                    "1", "--loss", "0.01", "--out", (folder / "map").string()});
+    ASSERT_EQ(outcome.code, 0) << outcome.words;
+    const std::string table = read_text(folder / "map/map.csv");
+    EXPECT_THAT(table, HasSubstr("\nvirtual,virtual,none,0,0.01,0.05,1,9000,"));
+    EXPECT_THAT(table, ContainsRegex(",none,[^\n]*,O,"));
+    EXPECT_THAT(table, ContainsRegex(",CF,[^\n]*,S,"));
+}
+
+}  // namespace
+}  // namespace thimble

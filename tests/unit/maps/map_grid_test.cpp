@@ -1,0 +1,151 @@
+// Which cell is which, what an axis may be, and rows in their order.
+#include "experiment/maps/map_grid.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "experiment/maps/cell_pool.hpp"
+#include "experiment/maps/cells.hpp"
+#include "experiment/maps/crew.hpp"
+#include "experiment/maps/map_table.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::ElementsAre;
+
+MapGrid small_grid() {
+    MapGrid grid;
+    grid.hands = {named_hand("A"), named_hand("D")};
+    grid.remedies = {"none", "wave", "scaled"};
+    grid.jitters_s = {0, 0.005};
+    grid.losses = {0};
+    grid.delays_s = {0, 0.01, 0.05};
+    grid.stiffness_N_per_m = {100, 1000};
+    return grid;
+}
+
+TEST(MapGrid, EveryCellIsAnotherOneAndPanelsAreStretches) {
+    const MapGrid grid = small_grid();
+    ASSERT_EQ(grid.cells(), 2U * 3 * 2 * 3 * 2);
+    std::set<std::string> seen;
+    for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+        const CellPlace p = place_of(grid, cell);
+        seen.insert(std::to_string(p.hand) + std::to_string(p.remedy) + std::to_string(p.jitter) +
+                    std::to_string(p.loss) + std::to_string(p.delay) + std::to_string(p.stiffness));
+        EXPECT_EQ(p.hand, cell / (grid.cells() / 2));
+        EXPECT_EQ(p.stiffness, cell % 2);
+    }
+    EXPECT_EQ(seen.size(), grid.cells());
+}
+
+TEST(MapGrid, AxesAreRangesOrValues) {
+    EXPECT_THAT(parse_map_axis("--x", "0:0.2:3", false), ElementsAre(0, 0.1, 0.2));
+    EXPECT_THAT(parse_map_axis("--x", "1:100:3", true), ElementsAre(1, 10, 100));
+    EXPECT_THAT(parse_map_axis("--x", "0.05,0", false), ElementsAre(0.05, 0));
+    for (const char* text :
+         {"", "x", "1,", "1;2", "1:2", "2:1:3", "1:2:1", "1:2:3:4", "nan", "1,inf", "1:2:99999"})
+        EXPECT_THROW(parse_map_axis("--x", text, false), Error) << text;
+    EXPECT_THROW(parse_map_axis("--x", "0:1:3", true), Error);
+}
+
+TEST(MapGrid, WhatNoCellCouldBeMadeOfIsRefused) {
+    EXPECT_NO_THROW(require_meaningful(small_grid()));
+    const auto refused = [](const auto& change) {
+        MapGrid grid = small_grid();
+        change(grid);
+        EXPECT_THROW(require_meaningful(grid), Error);
+    };
+    refused([](MapGrid& g) { g.remedies = {"magic"}; });
+    refused([](MapGrid& g) { g.remedies = {"CF"}; });
+    refused([](MapGrid& g) { g.losses = {0.6}; });
+    refused([](MapGrid& g) { g.delays_s = {-0.01}; });
+    refused([](MapGrid& g) { g.stiffness_N_per_m = {0}; });
+    refused([](MapGrid& g) { g.hands[0].hand.mass_kg = 0; });
+    EXPECT_THROW(named_hand("F"), Error);
+}
+
+TEST(MapCells, RowsDoNotDependOnTheBlocksTheyAreMadeIn) {
+    const MapGrid grid = small_grid();
+    const std::string whole = CellWriter(grid).rows({0, 4});
+    std::string parts;
+    for (std::size_t cell = 0; cell < 4; ++cell) parts += CellWriter(grid).rows({cell, 1});
+    EXPECT_EQ(parts, whole);
+}
+
+TEST(MapCells, EveryRowHasTheHeadersColumns) {
+    const auto commas = [](const std::string& text) { return std::count(text.begin(), text.end(), ','); };
+    const MapGrid grid = small_grid();
+    CellWriter writer(grid);
+    for (const std::size_t cell : {0U, 6U, 12U})
+        EXPECT_EQ(commas(writer.rows({cell, 1})), commas(cells_header())) << cell;
+}
+
+class ScratchFolder : public testing::Test {
+  protected:
+    ScratchFolder()
+        : path(std::filesystem::temp_directory_path() / ("thimble_map_" + std::to_string(getpid()))) {
+        std::filesystem::remove_all(path);
+    }
+    ~ScratchFolder() override { std::filesystem::remove_all(path); }
+    std::string table() const {
+        std::ifstream file(path / "map.csv");
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    std::filesystem::path path;
+};
+using MapTables = ScratchFolder;
+
+TEST_F(MapTables, BlocksInAnyOrderStandInOrder) {
+    {
+        MapTable table(path, small_grid(), false);
+        table.take({2, 1}, "c\n");
+        EXPECT_EQ(table.done(), 0U);
+        table.take({0, 2}, "a\nb\n");
+        EXPECT_EQ(table.done(), 3U);
+        table.take({9, 1}, "lost\n");
+    }
+    EXPECT_EQ(table(), cells_header() + "a\nb\nc\n");
+    std::ofstream(path / "map.csv", std::ios::app) << "half a row";
+    MapTable again(path, small_grid(), false);
+    EXPECT_EQ(again.done(), 3U);
+    MapGrid other = small_grid();
+    other.press_N = 6;
+    EXPECT_THROW(MapTable(path, other, false), Error);
+    EXPECT_EQ(MapTable(path, other, true).done(), 0U);
+}
+
+TEST(ThreadCrews, DoEverythingOnceAndThrowWhatAWorkerThrew) {
+    for (const unsigned threads : {1U, 3U}) {
+        std::multiset<std::size_t> done;
+        CrewWork work;
+        work.first = 5;
+        work.end = 42;
+        work.block = 4;
+        work.rows = [](const CellRange& range) { return std::to_string(range.first); };
+        work.take = [&](const CellRange& range, const std::string& rows) {
+            EXPECT_EQ(rows, std::to_string(range.first));
+            for (std::size_t i = 0; i < range.count; ++i) done.insert(range.first + i);
+        };
+        work.stop = [] { return false; };
+        ThreadCrew(threads).lead(work);
+        EXPECT_EQ(done.size(), 37U);
+        EXPECT_EQ(std::set<std::size_t>(done.begin(), done.end()).size(), 37U);
+        work.rows = [](const CellRange&) -> std::string { throw Error(ExitCode::kUsage, "no"); };
+        EXPECT_THROW(ThreadCrew(threads).lead(work), Error);
+        work.stop = [] { return true; };
+        EXPECT_NO_THROW(ThreadCrew(threads).lead(work));
+    }
+}
+
+}  // namespace
+}  // namespace thimble

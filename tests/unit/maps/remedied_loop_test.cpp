@@ -1,0 +1,120 @@
+// The running loop with remedies and a bad network: against the loop without, and against the study's traces.
+#include "experiment/maps/remedied_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "experiment/stability/loop_measures.hpp"
+
+namespace thimble {
+namespace {
+
+RemediedConditions held_at(double stiffness_N_per_m, double delay_s, const HeldMass& hand = {1, 20, 500}) {
+    RemediedConditions c;
+    c.loop.loop = {hand, stiffness_N_per_m, delay_s, 1e-3};
+    c.loop.one_sided = true;
+    c.loop.force_limit_N = 12;
+    c.loop.press_N = 5;
+    c.loop.encoder_step_m = 1e-5;
+    return c;
+}
+
+HoldOutcome hold_of(const RemediedConditions& c) {
+    const HoldPlan plan;
+    RemediedLoop run(c, plan.start_m, plan.start_m_per_s);
+    HoldWatch watch(plan, c.loop.loop.step_s);
+    for (double before_m = run.sampled_m(); !watch.over();) {
+        run.step();
+        watch.add(before_m, run.sampled_m(), run.position_m(), run.energy_J());
+        before_m = run.sampled_m();
+    }
+    return watch.outcome();
+}
+
+TEST(RemediedLoop, WithNothingInTheWayItIsThePlainLoop) {
+    for (const double delay_s : {0.0, 0.0004, 0.005, 0.0503}) {
+        for (const double friction_N : {0.0, 0.1}) {
+            RemediedConditions c = held_at(9000, delay_s);
+            c.loop.friction_N = friction_N;
+            RemediedLoop run(c, -5e-3, 0.1);
+            LoopSimulator plain(c.loop, -5e-3, 0.1);
+            for (int i = 0; i < 3000; ++i) {
+                run.step();
+                plain.step();
+                ASSERT_NEAR(run.position_m(), plain.position_m(), 1e-11) << delay_s << ' ' << i;
+            }
+            EXPECT_NEAR(run.effective_delay_s(), delay_s + 0.5e-3, 1e-6) << delay_s;
+            EXPECT_NEAR(run.energy_J(), plain.energy_J(), 1e-9);
+        }
+    }
+}
+
+// Jitter alone makes the stable loop without delay unstable, and waves, which wait for the late, keep it.
+TEST(RemediedLoop, JitterThatOvertakesAndLossInBursts) {
+    RemediedConditions c = held_at(9000, 0);
+    EXPECT_EQ(hold_of(c).label, HoldClass::kSettles);
+    c.jitter_s = 0.005;
+    EXPECT_EQ(hold_of(c).label, HoldClass::kOscillates);
+    c.control.remedy = Remedy::kWave;
+    EXPECT_EQ(hold_of(c).label, HoldClass::kSettles);
+    c.jitter_s = 0;
+    c.loss = 0.2;
+    c.mean_burst = 100;  // longer than any delay here
+    c.control.remedy = Remedy::kNone;
+    EXPECT_EQ(hold_of(c).label, HoldClass::kOscillates);
+}
+
+// Whatever the network does, a bound lets no more energy out than the device's damping takes; without one there is no bound.
+TEST(RemediedLoop, ABoundHoldsOnAnyNetwork) {
+    for (const double loss : {0.0, 0.3}) {
+        for (const double jitter_s : {0.0, 0.02}) {
+            for (const Remedy remedy :
+                 {Remedy::kMemorylessBound, Remedy::kLeastConservative, Remedy::kTwoLayer}) {
+                RemediedConditions c = held_at(9000, 0.05);
+                c.loop.encoder_step_m = 0;
+                c.loss = loss;
+                c.mean_burst = loss > 0 ? 60 : 1;
+                c.jitter_s = jitter_s;
+                c.control.remedy = remedy;
+                RemediedLoop run(c, -5e-3, 0.1);
+                double dissipated_J = 0, before_m = run.position_m(), least_J = 0;
+                for (int i = 0; i < 4000; ++i) {
+                    run.step();
+                    const double moved_m = run.position_m() - before_m;
+                    dissipated_J += c.control.device_damping_Ns_per_m * moved_m * moved_m / 1e-3;
+                    before_m = run.position_m();
+                    least_J = std::min(least_J, run.energy_J() + dissipated_J);
+                }
+                EXPECT_GE(least_J, -1e-9) << static_cast<int>(remedy) << ' ' << loss << ' ' << jitter_s;
+                c.control.remedy = Remedy::kNone;
+                RemediedLoop bare(c, -5e-3, 0.1);
+                for (int i = 0; i < 4000; ++i) bare.step();
+                EXPECT_LT(bare.energy_J(), -0.1);
+            }
+        }
+    }
+}
+
+TEST(RemediedLoop, RefusesWhatIsNoNetworkAndNoImpedance) {
+    const auto refused = [](const auto& change) {
+        RemediedConditions c = held_at(9000, 0.01);
+        change(c);
+        EXPECT_THROW(RemediedLoop(c, 0, 0), Error);
+    };
+    refused([](auto& c) { c.loss = 0.6; });
+    refused([](auto& c) { c.loss = -0.1; });
+    refused([](auto& c) { c.jitter_s = std::nan(""); });
+    refused([](auto& c) { c.mean_burst = 0.5; });
+    for (const double impedance : {0.0, std::numeric_limits<double>::infinity()})
+        refused([&](auto& c) {
+            c.control.remedy = Remedy::kWave;
+            c.control.wave_impedance_Ns_per_m = impedance;
+        });
+}
+
+}  // namespace
+}  // namespace thimble
