@@ -162,7 +162,8 @@ class Study {
         ReportSection section;
         section.title = "Remedies against delay";
         section.text =
-            "The trials with HF again, with a controller in the handle's loop: the same subjects, fixtures and "
+            "The trials with HF again, with a controller in the handle's loop: the same subjects, fixtures "
+            "and "
             "delays.";
         for (const MeasureAnalysis& measure : measures) {
             section.findings.push_back(finding_text(measure));

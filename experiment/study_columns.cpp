@@ -62,9 +62,9 @@ std::vector<NamedValues> StudyColumns::subject_means(Metric metric) const {
 CompleteRows StudyColumns::table(Metric metric) const { return complete_rows(subject_means(metric)); }
 
 NamedValues StudyColumns::column(Metric metric, Modality modality) const {
-    return column(metric, *std::find_if(conditions_.begin(), conditions_.end(), [&](const Condition& condition) {
-        return condition.modality == modality;
-    }));
+    return column(metric,
+                  *std::find_if(conditions_.begin(), conditions_.end(),
+                                [&](const Condition& condition) { return condition.modality == modality; }));
 }
 
 NamedValues StudyColumns::column(Metric metric, const Condition& condition) const {

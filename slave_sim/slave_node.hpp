@@ -80,7 +80,7 @@ class SlaveNode {
     SessionTime sample_time_{};
     std::uint64_t refused_ = 0;
     std::uint32_t sequence_ = 0;
-    std::optional<WaveEnd> wave_;       // where the session has one
+    std::optional<WaveEnd> wave_;  // where the session has one
     std::optional<TwoPortSlave> two_port_;
     WaveBurst two_port_burst_;          // its energy alone
     double force_held_hand_N_ = 0;      // of the last answer, positive pushes the hand out

@@ -25,8 +25,8 @@ enum class Remedy : std::uint8_t {
     kTwoPort,            // two-port passivity, for comparison; needs both sides
 };
 inline constexpr std::array<std::string_view, 9> kRemedyNames{
-    "none",         "scaled",    "passivity",     "energy-bound-memoryless",
-    "energy-bound", "two-layer", "local-fixture", "wave", "two-port"};
+    "none",          "scaled", "passivity", "energy-bound-memoryless", "energy-bound", "two-layer",
+    "local-fixture", "wave",   "two-port"};
 
 struct ControlSettings {
     Remedy remedy = Remedy::kNone;

@@ -40,8 +40,7 @@ double TwoPortSlave::move(double position_hand_m, double force_held_N, double en
     (flow_J > 0 ? energy_out_J_ : energy_in_J_) += flow_J > 0 ? flow_J : -flow_J;
     const double observed_J = heard_J_ - energy_out_J_ + controlled_J_;
     if (observed_J < 0 && force_held_N != 0) {
-        const double back_m =
-            std::clamp(observed_J / force_held_N, -most_correction_m_, most_correction_m_);
+        const double back_m = std::clamp(observed_J / force_held_N, -most_correction_m_, most_correction_m_);
         position_proxy_m_ += back_m;
         controlled_J_ -= force_held_N * back_m;
     }

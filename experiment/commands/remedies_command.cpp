@@ -41,8 +41,8 @@ void print_rows(const std::vector<RemedyRow>& rows) {
     fmt::print("{:<24}{:>22}{:>7}{:>7}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", "condition", "network", "done",
                "osc.", "p-p mm", "pen mm", "max mm", "time s", "K / true", "drift", "share");
     for (const RemedyRow& row : rows) {
-        fmt::print("{:<24}{:>22}{:>7}{:>7}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", row.name,
-                   row.network.name, fmt::format("{}/{}", row.completed, row.trials),
+        fmt::print("{:<24}{:>22}{:>7}{:>7}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", row.name, row.network.name,
+                   fmt::format("{}/{}", row.completed, row.trials),
                    fmt::format("{}/{}", row.oscillating, row.trials),
                    cell(1000 * row.oscillation_peak_to_peak_m, 2), cell(1000 * row.penetration_mean_m, 2),
                    cell(1000 * row.penetration_max_m, 2), cell(row.completion_time_s, 2),
@@ -53,8 +53,9 @@ void print_rows(const std::vector<RemedyRow>& rows) {
 // What decides the trials: with another one the table is another one. A session file's own network and [control] among it.
 std::string plan_text(const RemediesArguments& a) {
     const RemedyStudyOptions& s = a.study;
-    std::string text = fmt::format("seed {}\nsubjects {}\ntrials {}\nconditions {}\n", s.seed, s.subjects, s.trials,
-                                   s.names.empty() ? "all" : fmt::format("{}", fmt::join(s.names, " ")));
+    std::string text =
+        fmt::format("seed {}\nsubjects {}\ntrials {}\nconditions {}\n", s.seed, s.subjects, s.trials,
+                    s.names.empty() ? "all" : fmt::format("{}", fmt::join(s.names, " ")));
     for (const RemedyNetwork& network : s.networks)
         text += fmt::format("network {}: {} s, jitter {} s, loss {}\n", network.name, network.delay_s,
                             network.jitter_spread_s, network.loss);
@@ -81,8 +82,8 @@ IfExists prepare_folder(const RemediesArguments& a) {
 
 // What gives the same results, without where they went.
 std::string remedies_command(const RemediesArguments& a) {
-    std::string command = fmt::format("thimble remedies --subjects {} --trials {} --seed {}", a.study.subjects,
-                                      a.study.trials, a.study.seed);
+    std::string command = fmt::format("thimble remedies --subjects {} --trials {} --seed {}",
+                                      a.study.subjects, a.study.trials, a.study.seed);
     if (!a.config.empty()) command += " --config " + a.config;
     if (!a.delays_ms.empty()) command += fmt::format(" --delays-ms {}", fmt::join(a.delays_ms, " "));
     if (!a.study.names.empty()) command += fmt::format(" --only {}", fmt::join(a.study.names, " "));
@@ -143,10 +144,12 @@ Subcommand add_remedies(CLI::App& app) {
     CLI::App* sub = app.add_subcommand(
         "remedies", "experiment 3 in virtual time with each remedy against delay, beside HF, CF, CCF and VF");
     sub->add_option("--config", a.config, "session file (TOML); its network holds, but for the force delay");
-    sub->add_option("--out", a.out,
-                    "folder for report.html, figures/ and the tables; the same command goes on there after Ctrl-C");
-    sub->add_option("--delays-ms", a.delays_ms,
-                    "delays of the force path, one way, instead of 0 10 25 50 100 200 and 50 with jitter and loss")
+    sub->add_option(
+        "--out", a.out,
+        "folder for report.html, figures/ and the tables; the same command goes on there after Ctrl-C");
+    sub->add_option(
+           "--delays-ms", a.delays_ms,
+           "delays of the force path, one way, instead of 0 10 25 50 100 200 and 50 with jitter and loss")
         ->check(CLI::Range(0.0, 10000.0));
     sub->add_option("--only", a.study.names, "these conditions alone, e.g. HF CF wave");
     sub->add_option("--subjects", a.study.subjects, "virtual subjects")

@@ -82,20 +82,25 @@ FigureSource loop_map_figure(const std::vector<std::vector<MapCell>>& columns) {
     const std::string name = "remedies_map";
     std::string script = gnuplot_preamble(name, 860, 480);
     script +=
-        "set logscale y\nset yrange [50:20000]\nset xrange [0:200]\nset key outside bottom center horizontal\n"
-        "set xlabel 'delay of the whole way round (ms)'\nset ylabel 'contact stiffness at the handle (N/m)'\nplot ";
+        "set logscale y\nset yrange [50:20000]\nset xrange [0:200]\nset key outside bottom center "
+        "horizontal\n"
+        "set xlabel 'delay of the whole way round (ms)'\nset ylabel 'contact stiffness at the handle "
+        "(N/m)'\nplot ";
     const auto points = [&](char label, std::string_view colour, const char* title) {
-        return fmt::format("'{}.tsv' using 1:(strcol(3) eq '{}' ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{}' "
-                           "title '{}', \\\n     ",
-                           name, label, colour, title);
+        return fmt::format(
+            "'{}.tsv' using 1:(strcol(3) eq '{}' ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{}' "
+            "title '{}', \\\n     ",
+            name, label, colour, title);
     };
     script += points('S', kSkyBlue, "settles") + points('M', kGrey, "in between") +
               points('O', kVermilion, "oscillates");
     script += fmt::format(
-        "'{}.tsv' using 1:4 with lines lw 2 lc rgb 'black' title 'theory', \\\n     {} with lines dt 2 lw 1.5 lc rgb "
+        "'{}.tsv' using 1:4 with lines lw 2 lc rgb 'black' title 'theory', \\\n     {} with lines dt 2 lw "
+        "1.5 lc rgb "
         "'black' title 'the paper'\n",
         name, kPaperLoop_N_per_m);
-    return {name, "Delay against stiffness", "A firm grip (D) at the fixture: what became of 12 s of holding, and the boundary "
+    return {name, "Delay against stiffness",
+            "A firm grip (D) at the fixture: what became of 12 s of holding, and the boundary "
             "of the sampled loop by theory. The paper's fixture is the dashed line.",
             data, script};
 }
@@ -106,7 +111,8 @@ double measured_delay_s(const HeldMass& hand) {
     double stable_s = 0, unstable_s = 0.02;
     while (unstable_s - stable_s > 1e-7) {
         const double middle_s = (stable_s + unstable_s) / 2;
-        (measured_growth_per_s({hand, kPaperLoop_N_per_m, middle_s, kFineStep_s}, 0) > 0 ? unstable_s : stable_s) =
+        (measured_growth_per_s({hand, kPaperLoop_N_per_m, middle_s, kFineStep_s}, 0) > 0 ? unstable_s
+                                                                                         : stable_s) =
             middle_s;
     }
     return (stable_s + unstable_s) / 2 + kFineStep_s / 2;
@@ -115,17 +121,20 @@ double measured_delay_s(const HeldMass& hand) {
 ReportTable critical_delay_table() {
     ReportTable table;
     table.title = "Critical delay at the paper's fixture, 9000 N/m at the handle";
-    table.note = "Theory: closed form. Measured: the running loop at 10 kHz, by halving, half a step added. No hand bears the "
-                 "paper's 50 ms.";
-    table.columns = {"hand (kg, Ns/m, N/m)", "theory (ms)", "measured (ms)", "difference (us)", "50 ms is too long by"};
+    table.note =
+        "Theory: closed form. Measured: the running loop at 10 kHz, by halving, half a step added. No hand "
+        "bears the "
+        "paper's 50 ms.";
+    table.columns = {"hand (kg, Ns/m, N/m)", "theory (ms)", "measured (ms)", "difference (us)",
+                     "50 ms is too long by"};
     for (const TypicalHand& typical : kTypicalHands) {
         const HeldMass& h = typical.hand;
         const double theory_s = critical_delay_s(h, kPaperLoop_N_per_m), measured_s = measured_delay_s(h);
-        table.rows.push_back({fmt::format("{} ({}, {}, {})", typical.name, h.mass_kg, h.damping_Ns_per_m,
-                                          h.stiffness_N_per_m),
-                              fmt::format("{:.4f}", 1000 * theory_s), fmt::format("{:.4f}", 1000 * measured_s),
-                              fmt::format("{:+.2f}", 1e6 * (measured_s - theory_s)),
-                              fmt::format("{:.0f} times", kPaperDelay_s / theory_s)});
+        table.rows.push_back(
+            {fmt::format("{} ({}, {}, {})", typical.name, h.mass_kg, h.damping_Ns_per_m, h.stiffness_N_per_m),
+             fmt::format("{:.4f}", 1000 * theory_s), fmt::format("{:.4f}", 1000 * measured_s),
+             fmt::format("{:+.2f}", 1e6 * (measured_s - theory_s)),
+             fmt::format("{:.0f} times", kPaperDelay_s / theory_s)});
     }
     return table;
 }
@@ -168,15 +177,19 @@ FigureSource perceptual_figure(const SystemSettings& settings) {
     const std::string name = "remedies_perceptual";
     std::string script = gnuplot_preamble(name, 860, 430);
     script += fmt::format(
-        "set xlabel 'reaction time (ms)'\nset ylabel 'gain of the correction (1/s)'\nset xrange [40:435]\nset yrange "
+        "set xlabel 'reaction time (ms)'\nset ylabel 'gain of the correction (1/s)'\nset xrange "
+        "[40:435]\nset yrange "
         "[0:13]\n"
         "set key outside bottom center horizontal\n"
-        "plot '{0}.tsv' using 1:($3 == 0 ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{1}' title 'dies out', \\\n"
-        "     '{0}.tsv' using 1:($3 == 1 ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{2}' title 'oscillates', \\\n"
+        "plot '{0}.tsv' using 1:($3 == 0 ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{1}' title 'dies out', "
+        "\\\n"
+        "     '{0}.tsv' using 1:($3 == 1 ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{2}' title "
+        "'oscillates', \\\n"
         "     '{0}.tsv' using 1:4 with lines lw 2 lc rgb 'black' title 'theory, hand and arm as one mass'\n",
         name, kSkyBlue, kVermilion);
     return {name, "A person's own loop",
-            "The virtual operator's arm, corrected without pauses by what the skin says; the device and 50 ms of network come on "
+            "The virtual operator's arm, corrected without pauses by what the skin says; the device and 50 "
+            "ms of network come on "
             "top of the reaction.",
             data, script};
 }
@@ -184,15 +197,17 @@ FigureSource perceptual_figure(const SystemSettings& settings) {
 ReportTable perceptual_table() {
     ReportTable table;
     table.title = "The gain at which corrections by skin or eyes would oscillate";
-    table.note = "Lag: delay, device and reaction together. Without pauses x_d' = -L x(t - lag), in 1/s; a person who presses "
-                 "against the paper's fixture corrects by L / 9000 m/s per N.";
+    table.note =
+        "Lag: delay, device and reaction together. Without pauses x_d' = -L x(t - lag), in 1/s; a person who "
+        "presses "
+        "against the paper's fixture corrects by L / 9000 m/s per N.";
     table.columns = {"hand", "lag (ms)", "theory (1/s)", "measured (1/s)", "difference (%)"};
     for (const TypicalHand& typical : kTypicalHands) {
         for (const double lag_s : {0.195, 0.245, 0.395}) {
             const double theory = perceptual_limit(typical.hand, lag_s).gain_per_s;
             const double measured = measured_perceptual_limit_per_s(typical.hand, lag_s, 1e-4);
-            table.rows.push_back({typical.name, fmt::format("{:.0f}", 1000 * lag_s), fmt::format("{:.3f}", theory),
-                                  fmt::format("{:.3f}", measured),
+            table.rows.push_back({typical.name, fmt::format("{:.0f}", 1000 * lag_s),
+                                  fmt::format("{:.3f}", theory), fmt::format("{:.3f}", measured),
                                   fmt::format("{:+.2f}", 100 * (measured / theory - 1))});
         }
     }
@@ -207,12 +222,19 @@ ReportTable operator_table(const SystemSettings& settings) {
     table.title = "The virtual operator's own lags";
     const double period_s = behaviour.refractory_s + behaviour.relax_s;
     table.note = fmt::format(
-        "Without pauses: the same arm moved by x_d' = -L x(t - lag), the operator's feed-forward of speed included, so that it bears "
-        "a little more than one mass on a spring. With pauses: a move of {:.0f} ms every {:.0f} ms (refractory period and move), and "
-        "the part of the error that a move may correct. The built-in operator moves so, and only ever forward or to rest: nobody "
+        "Without pauses: the same arm moved by x_d' = -L x(t - lag), the operator's feed-forward of speed "
+        "included, so that it bears "
+        "a little more than one mass on a spring. With pauses: a move of {:.0f} ms every {:.0f} ms "
+        "(refractory period and move), and "
+        "the part of the error that a move may correct. The built-in operator moves so, and only ever "
+        "forward or to rest: nobody "
         "retreats from too deep a stop. Its own loop has no gain to oscillate with.",
         1000 * behaviour.relax_s, 1000 * period_s);
-    table.columns = {"modality", "delay (ms)", "lag (ms)", "theory, one mass (1/s)", "measured, the operator's arm (1/s)",
+    table.columns = {"modality",
+                     "delay (ms)",
+                     "lag (ms)",
+                     "theory, one mass (1/s)",
+                     "measured, the operator's arm (1/s)",
                      "with pauses, part of the error"};
     for (const Modality modality : {Modality::kCF, Modality::kCCF, Modality::kVF}) {
         for (const double delay_s : {0.0, 0.05, 0.2}) {
@@ -271,7 +293,8 @@ ReportSection handle_loop_section(const std::filesystem::path& out, unsigned job
     ReportSection section;
     section.title = "The handle's loop: theory and measurement";
     section.text = fmt::format(
-        "A force rendered late drives the hand. Of {} cells of the map farther than 2 % from the boundary, {} grow or fade on the "
+        "A force rendered late drives the hand. Of {} cells of the map farther than 2 % from the boundary, "
+        "{} grow or fade on the "
         "wrong side of it.",
         cells, wrong);
     section.drawn = draw_figures({loop_map_figure(columns)}, out);
@@ -283,7 +306,8 @@ ReportSection perceptual_loop_section(const SystemSettings& settings, const std:
     ReportSection section;
     section.title = "The person's loop: fingertips and eyes";
     section.text =
-        "CF, CCF and VF leave the handle alone, at any delay. What is left is a person who corrects by what was felt or seen a lag "
+        "CF, CCF and VF leave the handle alone, at any delay. What is left is a person who corrects by what "
+        "was felt or seen a lag "
         "ago: beyond a gain, which falls with delay and reaction time, that loop would oscillate too.";
     section.drawn = draw_figures({perceptual_figure(settings)}, out);
     section.tables = {operator_table(settings), perceptual_table()};

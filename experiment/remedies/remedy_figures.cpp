@@ -18,17 +18,22 @@ struct LineStyle {
     int dash, point;
 };
 constexpr std::string_view kInk = "#000000", kOrange = "#E69F00";
-constexpr std::array kStyles{
-    LineStyle{"HF", kInk, 1, 7},          LineStyle{"CF", kInk, 2, 6},
-    LineStyle{"CCF", kInk, 3, 4},         LineStyle{"VF", kGrey, 2, 8},
-    LineStyle{"scaled", kOrange, 1, 9},   LineStyle{"passivity", kSkyBlue, 1, 5},
-    LineStyle{"energy-bound-memoryless", kGreen, 2, 10}, LineStyle{"energy-bound", kGreen, 1, 11},
-    LineStyle{"two-layer", kBlue, 1, 13}, LineStyle{"local-fixture", kPurple, 1, 7},
-    LineStyle{"wave", kVermilion, 1, 5},  LineStyle{"two-port", kBlue, 2, 12}};
+constexpr std::array kStyles{LineStyle{"HF", kInk, 1, 7},
+                             LineStyle{"CF", kInk, 2, 6},
+                             LineStyle{"CCF", kInk, 3, 4},
+                             LineStyle{"VF", kGrey, 2, 8},
+                             LineStyle{"scaled", kOrange, 1, 9},
+                             LineStyle{"passivity", kSkyBlue, 1, 5},
+                             LineStyle{"energy-bound-memoryless", kGreen, 2, 10},
+                             LineStyle{"energy-bound", kGreen, 1, 11},
+                             LineStyle{"two-layer", kBlue, 1, 13},
+                             LineStyle{"local-fixture", kPurple, 1, 7},
+                             LineStyle{"wave", kVermilion, 1, 5},
+                             LineStyle{"two-port", kBlue, 2, 12}};
 
 LineStyle style_of(std::string_view condition) {
-    const auto* const found = std::find_if(kStyles.begin(), kStyles.end(),
-                                           [&](const LineStyle& style) { return style.condition == condition; });
+    const auto* const found = std::find_if(
+        kStyles.begin(), kStyles.end(), [&](const LineStyle& style) { return style.condition == condition; });
     return found != kStyles.end() ? *found : LineStyle{condition, kGrey, 1, 1};
 }
 
@@ -66,7 +71,8 @@ std::string measure_script(const std::vector<RemedyRow>& rows, const RemedyMeasu
     std::string script = gnuplot_preamble(name, 860, 430);
     script += fmt::format(
         "set xtics ({})\nset xrange [-0.2:{:.1f}]\nset xlabel 'delay of the force path, one way (ms)'\n"
-        "set ylabel '{}'\nset key outside right center vertical samplen 3 noenhanced\nset offsets graph 0, 0, 0.05, 0\n{}plot ",
+        "set ylabel '{}'\nset key outside right center vertical samplen 3 noenhanced\nset offsets graph 0, "
+        "0, 0.05, 0\n{}plot ",
         tics, static_cast<double>(networks.size()) - 0.8, measure.label,
         measure.logarithmic ? "set logscale y\nset format y '%g'\n" : "set yrange [0:*]\n");
     const std::vector<std::string> conditions = conditions_in(rows);
@@ -97,7 +103,8 @@ std::string matrix_data(const std::vector<RemedyRow>& rows) {
             const RemedyRow* const row = find_row(rows, conditions[y], networks[x].name);
             if (row == nullptr || row->trials == 0) continue;
             const std::uint32_t bad = std::max(row->oscillating, row->trials - row->completed);
-            data += fmt::format("{}\t{}\t{:.4g}\t\"{}\"\n", x, y, 100.0 * bad / row->trials, matrix_cell(*row));
+            data +=
+                fmt::format("{}\t{}\t{:.4g}\t\"{}\"\n", x, y, 100.0 * bad / row->trials, matrix_cell(*row));
         }
         data += '\n';
     }
@@ -119,7 +126,8 @@ std::string matrix_script(const std::vector<RemedyRow>& rows, const std::string&
     std::string script = gnuplot_preamble(name, 960, 130 + 27 * static_cast<int>(conditions.size()));
     script += fmt::format(
         "set xtics ({}) noenhanced\nset ytics ({}) noenhanced\nunset key\nset xrange [-0.5:{:.1f}]\n"
-        "set yrange [{:.1f}:-0.5]\nset palette defined (0 '#FFFFFF', 1 '#FBE3D6', 100 '{}')\nset cbrange [0:100]\n"
+        "set yrange [{:.1f}:-0.5]\nset palette defined (0 '#FFFFFF', 1 '#FBE3D6', 100 '{}')\nset cbrange "
+        "[0:100]\n"
         "set cblabel 'percent of trials not completed or oscillating'\n"
         "plot '{}.tsv' using 1:2:3 with image pixels, \\\n"
         "     '' using 1:2:4 with labels font ',10' textcolor '#000000'\n",
@@ -156,8 +164,8 @@ std::vector<FigureSource> delay_figures(const std::vector<RemedyRow>& rows) {
     for (const RemedyMeasure& measure : remedy_measures()) {
         const std::string name = "remedies_" + std::string(measure.name);
         sources.push_back({name, std::string(measure.label),
-                           "Means over trials. A point that is missing has no such trial.", measure_data(rows, measure),
-                           measure_script(rows, measure, name)});
+                           "Means over trials. A point that is missing has no such trial.",
+                           measure_data(rows, measure), measure_script(rows, measure, name)});
     }
     return sources;
 }
@@ -165,7 +173,8 @@ std::vector<FigureSource> delay_figures(const std::vector<RemedyRow>& rows) {
 FigureSource matrix_figure(const std::vector<RemedyRow>& rows) {
     const std::string name = "remedies_matrix";
     return {name, "Who is stable where, and at what cost",
-            "In each cell the maximum penetration in mm and the stiffness felt over the true one; the darker, the "
+            "In each cell the maximum penetration in mm and the stiffness felt over the true one; the "
+            "darker, the "
             "more trials were not completed or oscillated.",
             matrix_data(rows), matrix_script(rows, name)};
 }

@@ -31,6 +31,7 @@ FigureSource matrix_figure(const std::vector<RemedyRow>& rows);
 std::vector<std::string> conditions_in(const std::vector<RemedyRow>& rows);
 std::vector<RemedyNetwork> networks_in(const std::vector<RemedyRow>& rows);
 // Null if there is none.
-const RemedyRow* find_row(const std::vector<RemedyRow>& rows, std::string_view condition, std::string_view network);
+const RemedyRow* find_row(const std::vector<RemedyRow>& rows, std::string_view condition,
+                          std::string_view network);
 
 }  // namespace thimble

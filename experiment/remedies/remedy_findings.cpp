@@ -32,7 +32,9 @@ constexpr std::array kContests{
             [](const RemedyRow& r) { return r.oscillation_peak_to_peak_m; },
             [](const RemedyTrial& t) { return t.metrics.oscillation_peak_to_peak_m; }}};
 
-std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+std::string joined(const std::vector<std::string>& words) {
+    return fmt::format("{}", fmt::join(words, ", "));
+}
 
 std::string ordinal(std::size_t n) {
     const bool teen = n % 100 >= 11 && n % 100 <= 13;
@@ -107,9 +109,10 @@ class Findings {
             }
         }
         if (!everywhere.empty())
-            sentences_.push_back("Stable over every network compared, which is to say that every trial was "
-                                 "completed and none oscillated: " +
-                                 joined(everywhere) + ".");
+            sentences_.push_back(
+                "Stable over every network compared, which is to say that every trial was "
+                "completed and none oscillated: " +
+                joined(everywhere) + ".");
         if (!somewhere.empty()) sentences_.push_back("Not everywhere: " + joined(somewhere) + ".");
     }
 
@@ -136,8 +139,8 @@ class Findings {
                                contest.unit);
         };
         if (cf == ranked.begin()) {
-            sentences_.push_back(fmt::format("{}: CF is best in {} ({}), before {} ({}){}.", network.name, contest.what,
-                                             text(**cf), ranked[1]->name, text(*ranked[1]),
+            sentences_.push_back(fmt::format("{}: CF is best in {} ({}), before {} ({}){}.", network.name,
+                                             contest.what, text(**cf), ranked[1]->name, text(*ranked[1]),
                                              difference(network, contest, ranked[1]->name, "CF")));
             return;
         }
@@ -156,7 +159,8 @@ class Findings {
         NamedValues differences{"difference", {}};
         for (const auto& [subject, value] : a) {
             const auto other = b.find(subject);
-            if (other != b.end()) differences.values.push_back(contest.shown_per_si * (value - other->second));
+            if (other != b.end())
+                differences.values.push_back(contest.shown_per_si * (value - other->second));
         }
         try {
             const ConfidenceInterval interval = mean_interval(differences, 0.95);
@@ -184,7 +188,8 @@ class Findings {
             sentences_.push_back(fmt::format(
                 "{}: of the fixture's stiffness the hand feels, in percent: {}; nothing in CF, CCF and VF{}.",
                 network.name, joined(feel),
-                apart.empty() ? "" : "; hand and needle are apart by more than 0.1 mm with " + joined(apart)));
+                apart.empty() ? ""
+                              : "; hand and needle are apart by more than 0.1 mm with " + joined(apart)));
         }
     }
 

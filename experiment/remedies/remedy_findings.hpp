@@ -9,6 +9,7 @@
 namespace thimble {
 
 // The rows condensed from the trials, all of them. Sentences for people, most important first.
-std::vector<std::string> remedy_findings(const std::vector<RemedyRow>& rows, const std::vector<RemedyTrial>& trials);
+std::vector<std::string> remedy_findings(const std::vector<RemedyRow>& rows,
+                                         const std::vector<RemedyTrial>& trials);
 
 }  // namespace thimble

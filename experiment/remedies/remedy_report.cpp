@@ -38,15 +38,18 @@ ReportTable table_of(const std::vector<RemedyRow>& rows, std::string title, std:
 
 std::vector<ReportTable> tables_of(const std::vector<RemedyRow>& rows) {
     std::vector<ReportTable> tables;
-    tables.push_back(table_of(rows, "Completed, oscillating", "Of the trials of each cell.", [](const RemedyRow& row) {
-        return fmt::format("{}, {} of {}", row.completed, row.oscillating, row.trials);
-    }));
+    tables.push_back(
+        table_of(rows, "Completed, oscillating", "Of the trials of each cell.", [](const RemedyRow& row) {
+            return fmt::format("{}, {} of {}", row.completed, row.oscillating, row.trials);
+        }));
     for (const RemedyMeasure& measure : remedy_measures()) {
         if (measure.name == "oscillating") continue;
-        tables.push_back(table_of(rows, std::string(measure.label), "Mean over trials.", [&](const RemedyRow& row) {
-            const double value = measure.value(row);
-            return std::isfinite(value) ? fmt::format("{:.{}f}", value, measure.decimals) : std::string(kDash);
-        }));
+        tables.push_back(
+            table_of(rows, std::string(measure.label), "Mean over trials.", [&](const RemedyRow& row) {
+                const double value = measure.value(row);
+                return std::isfinite(value) ? fmt::format("{:.{}f}", value, measure.decimals)
+                                            : std::string(kDash);
+            }));
     }
     tables.push_back(table_of(rows, "Share of the force for the hand",
                               "Of scaled: 0.8 of what the linear loop of the nominal hand bears.",
@@ -59,7 +62,8 @@ ReportSection comparison_section(const std::vector<RemedyRow>& rows, const std::
     ReportSection section;
     section.title = "Experiment 3 with remedies";
     section.text = fmt::format(
-        "Insertion, stop at the fixture and five seconds of contact by the virtual operator: {} subjects, {} trials each per condition "
+        "Insertion, stop at the fixture and five seconds of contact by the virtual operator: {} subjects, {} "
+        "trials each per condition "
         "and network, the same people and fixtures in all. Remedies act in HF.",
         options.subjects, options.trials);
     section.findings = findings;
@@ -85,8 +89,11 @@ void write_remedy_report(const SystemSettings& settings, const RemedyStudyOption
     const std::vector<RemedyRow> rows = condense(settings, options, trials);
     const std::vector<std::string> findings = remedy_findings(rows, trials);
     write_text_file(out / "remedies.csv", remedy_rows_csv(rows));
-    nlohmann::ordered_json json{{"command", command},          {"version", kVersion},   {"seed", options.seed},
-                                {"subjects", options.subjects}, {"trials", options.trials}};
+    nlohmann::ordered_json json{{"command", command},
+                                {"version", kVersion},
+                                {"seed", options.seed},
+                                {"subjects", options.subjects},
+                                {"trials", options.trials}};
     json["findings"] = findings;
     json["rows"] = remedy_rows_json(rows);
     write_text_file(out / "remedies.json", json.dump(2) + '\n');

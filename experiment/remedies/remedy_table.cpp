@@ -16,11 +16,22 @@
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 16> kTrialColumns{
-    "condition",  "network",          "delay_s",           "jitter_spread_s",
-    "loss",       "subject",          "trial",             "hand_share",
-    "completed",  "oscillates",       "oscillation_peak_to_peak_m",
-    "penetration_mean_m", "penetration_max_m", "completion_time_s", "rendered_stiffness", "drift_needle_m"};
+constexpr std::array<std::string_view, 16> kTrialColumns{"condition",
+                                                         "network",
+                                                         "delay_s",
+                                                         "jitter_spread_s",
+                                                         "loss",
+                                                         "subject",
+                                                         "trial",
+                                                         "hand_share",
+                                                         "completed",
+                                                         "oscillates",
+                                                         "oscillation_peak_to_peak_m",
+                                                         "penetration_mean_m",
+                                                         "penetration_max_m",
+                                                         "completion_time_s",
+                                                         "rendered_stiffness",
+                                                         "drift_needle_m"};
 constexpr std::size_t kIdentity = 8;  // columns that are planned, not measured
 
 struct RowColumn {
@@ -73,8 +84,8 @@ std::vector<std::string> names_of(const std::vector<RemedyCondition>& conditions
 }
 
 // How many lines are there; what a program that was killed left of its last one goes.
-std::size_t recover(const std::filesystem::path& path, IfExists if_exists, const std::vector<std::string>& names,
-                    std::vector<RemedyTrial>& plan) {
+std::size_t recover(const std::filesystem::path& path, IfExists if_exists,
+                    const std::vector<std::string>& names, std::vector<RemedyTrial>& plan) {
     std::error_code none;
     if (if_exists != IfExists::kContinue || !std::filesystem::exists(path, none)) return 0;
     keep_lines(path, std::numeric_limits<std::size_t>::max() - 1);
@@ -82,7 +93,8 @@ std::size_t recover(const std::filesystem::path& path, IfExists if_exists, const
     CsvReader reader(path, kTrialColumns);
     std::size_t done = 0;
     for (; reader.next(); ++done) {
-        if (done >= plan.size() || identity_of(reader) != identity_of(plan[done], names[plan[done].condition]))
+        if (done >= plan.size() ||
+            identity_of(reader) != identity_of(plan[done], names[plan[done].condition]))
             throw Error(ExitCode::kUsage,
                         fmt::format("{}:{}: this trial is not the one this comparison would have run there: "
                                     "choose another folder, or say --overwrite",
@@ -95,7 +107,8 @@ std::size_t recover(const std::filesystem::path& path, IfExists if_exists, const
 }  // namespace
 
 RemedyTrialTable::RemedyTrialTable(const std::filesystem::path& path, IfExists if_exists,
-                                   const std::vector<RemedyCondition>& conditions, std::vector<RemedyTrial>& plan)
+                                   const std::vector<RemedyCondition>& conditions,
+                                   std::vector<RemedyTrial>& plan)
     : names_(names_of(conditions)), done_(recover(path, if_exists, names_, plan)), file_(path, if_exists) {
     if (!file_.is_new()) return;
     file_.write(fmt::format("{}\n", fmt::join(kTrialColumns, ",")));
@@ -103,12 +116,11 @@ RemedyTrialTable::RemedyTrialTable(const std::filesystem::path& path, IfExists i
 }
 
 void RemedyTrialTable::append(const RemedyTrial& trial) {
-    std::string line = fmt::format("{},{},{}", identity_of(trial, names_[trial.condition]), trial.completed ? 1 : 0,
-                                   trial.metrics.oscillates ? 1 : 0);
-    for (const double value :
-         {trial.metrics.oscillation_peak_to_peak_m, trial.metrics.penetration_mean_m,
-          trial.metrics.penetration_max_m, trial.metrics.completion_time_s, trial.rendered_stiffness,
-          trial.drift_needle_m}) {
+    std::string line = fmt::format("{},{},{}", identity_of(trial, names_[trial.condition]),
+                                   trial.completed ? 1 : 0, trial.metrics.oscillates ? 1 : 0);
+    for (const double value : {trial.metrics.oscillation_peak_to_peak_m, trial.metrics.penetration_mean_m,
+                               trial.metrics.penetration_max_m, trial.metrics.completion_time_s,
+                               trial.rendered_stiffness, trial.drift_needle_m}) {
         line += ',';
         write_number(std::back_inserter(line), value);
     }

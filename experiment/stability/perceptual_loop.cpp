@@ -14,7 +14,7 @@ namespace thimble {
 namespace {
 
 constexpr double kLet_go_m = 1e-3;
-constexpr double kLongestStep_s = 1e-3;
+constexpr double kLongestLedStep_s = 1e-3;
 constexpr double kWatchedLags = 80, kWatchedPeriods = 60;
 
 void require_positive(double value, const char* what) {
@@ -35,7 +35,7 @@ class LedHand {
   public:
     LedHand(const HeldMass& hand, double lag_s)
         : stiffness_N_per_m_(hand.stiffness_N_per_m),
-          lag_steps_(static_cast<std::size_t>(std::ceil(lag_s / kLongestStep_s))),
+          lag_steps_(static_cast<std::size_t>(std::ceil(lag_s / kLongestLedStep_s))),
           step_s_(lag_s / static_cast<double>(lag_steps_)),
           motion_(hand.mass_kg, hand.damping_Ns_per_m, hand.stiffness_N_per_m),
           propagator_(motion_.propagator(step_s_)),
@@ -44,9 +44,7 @@ class LedHand {
     double step_s() const { return step_s_; }
     double position_m() const { return position_m_; }
     // As it was one lag before the middle of the coming step.
-    double perceived_m() const {
-        return (were_m_[oldest_] + were_m_[(oldest_ + 1) % were_m_.size()]) / 2;
-    }
+    double perceived_m() const { return (were_m_[oldest_] + were_m_[(oldest_ + 1) % were_m_.size()]) / 2; }
     // One step, in which the reference moves by `moved_m`.
     void step(double moved_m) {
         const double pull_N = stiffness_N_per_m_ * (reference_m_ + moved_m / 2);
@@ -139,8 +137,9 @@ double measured_perceptual_growth_per_s(const HeldMass& hand, double lag_s, doub
 }
 
 double measured_perceptual_limit_per_s(const HeldMass& hand, double lag_s, double relative) {
-    return limit_of([&](double gain_per_s) { return measured_perceptual_growth_per_s(hand, lag_s, gain_per_s); },
-                    0.5 / lag_s, relative);
+    return limit_of(
+        [&](double gain_per_s) { return measured_perceptual_growth_per_s(hand, lag_s, gain_per_s); },
+        0.5 / lag_s, relative);
 }
 
 double measured_paused_limit(const HeldMass& hand, const PausedCorrection& correction, double relative) {
