@@ -5,10 +5,10 @@
 namespace thimble {
 
 void TwoPortMaster::observe(double position_hand_m, double force_held_N) {
-    controlled_J_ += controls_J_;
-    controls_J_ = 0;
     const double travel_m = placed_ ? position_hand_m - position_hand_m_ : 0;
-    const double flow_J = force_held_N * travel_m;
+    controlled_J_ += control_N_ * travel_m;
+    const double flow_J = (force_held_N - control_N_) * travel_m;
+    control_N_ = 0;
     (flow_J > 0 ? energy_in_J_ : energy_out_J_) += flow_J > 0 ? flow_J : -flow_J;
     velocity_m_per_s_ = travel_m / period_s_;
     position_hand_m_ = position_hand_m;
@@ -17,13 +17,13 @@ void TwoPortMaster::observe(double position_hand_m, double force_held_N) {
 
 double TwoPortMaster::force_N(double wanted_N, double energy_in_slave_J) {
     heard_J_ = std::max(heard_J_, energy_in_slave_J);
-    controls_J_ = 0;
+    control_N_ = 0;
     const double observed_J = heard_J_ - energy_out_J_ + controlled_J_;
     if (observed_J >= 0 || velocity_m_per_s_ == 0) return wanted_N;
     const double per_damping_J = velocity_m_per_s_ * velocity_m_per_s_ * period_s_;
     const double damping_Ns_per_m = std::min(-observed_J / per_damping_J, most_damping_Ns_per_m_);
-    controls_J_ = damping_Ns_per_m * per_damping_J;
-    return wanted_N + damping_Ns_per_m * velocity_m_per_s_;
+    control_N_ = damping_Ns_per_m * velocity_m_per_s_;
+    return wanted_N + control_N_;
 }
 
 void TwoPortMaster::reset() { *this = TwoPortMaster({period_s_, 0}, most_damping_Ns_per_m_); }

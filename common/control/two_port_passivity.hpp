@@ -2,8 +2,8 @@
 // al. 2011). Each end counts what flows in at it and what flows out; what came in is told to the other end, which may let out no
 // more than that. Told values only grow, so the newest one stands for those that were lost or came late.
 //
-//     master  dE = F_{k-1} Dx_k: in if > 0, else out.   O = E_in^S(heard) - E_out^M + E_PC^M;   O < 0: F_k = F + a v_k,
-//             a = min(-O / (v_k^2 h), a_max),  E_PC^M += a v_k^2 h
+//     master  dE = F_{k-1} Dx_k without the controller's part: in if > 0, else out.   O = E_in^S(heard) - E_out^M + E_PC^M;
+//             O < 0: F_k = F + a v_k,  a = min(-O / (v_k^2 h), a_max),  E_PC^M += a v_k Dx_{k+1}, what it really took
 //     slave   dE = F_{k-1} Dx_k: out if > 0, else in.         O = E_in^M(heard) - E_out^S + E_PC^S;   O < 0: the proxy goes back
 //             by beta F h = -O / F_{k-1},  E_PC^S -= O
 //
@@ -35,7 +35,7 @@ class TwoPortMaster {
     bool placed_ = false;
     double position_hand_m_ = 0, velocity_m_per_s_ = 0;
     double energy_in_J_ = 0, energy_out_J_ = 0, controlled_J_ = 0, heard_J_ = 0;
-    double controls_J_ = 0;  // in this sample
+    double control_N_ = 0;  // a v, held in this sample: no part of what the network does
 };
 
 // Whatever pushes on it.
