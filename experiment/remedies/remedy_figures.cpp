@@ -71,8 +71,7 @@ std::string measure_script(const std::vector<RemedyRow>& rows, const RemedyMeasu
     std::string script = gnuplot_preamble(name, 860, 430);
     script += fmt::format(
         "set xtics ({})\nset xrange [-0.2:{:.1f}]\nset xlabel 'delay of the force path, one way (ms)'\n"
-        "set ylabel '{}'\nset key outside right center vertical samplen 3 noenhanced\nset offsets graph 0, "
-        "0, 0.05, 0\n{}plot ",
+        "set ylabel '{}'\nset key outside right center vertical samplen 3 noenhanced\n{}plot ",
         tics, static_cast<double>(networks.size()) - 0.8, measure.label,
         measure.logarithmic ? "set logscale y\nset format y '%g'\n" : "set yrange [0:*]\n");
     const std::vector<std::string> conditions = conditions_in(rows);

@@ -28,7 +28,7 @@ constexpr std::array kContests{
             [](const RemedyTrial& t) { return t.metrics.penetration_max_m; }},
     Contest{"completion time", "s", 2, 1, [](const RemedyRow& r) { return r.completion_time_s; },
             [](const RemedyTrial& t) { return t.metrics.completion_time_s; }},
-    Contest{"movement of the needle in the hold, peak to peak,", "mm", 2, 1000,
+    Contest{"peak-to-peak movement in the hold", "mm", 2, 1000,
             [](const RemedyRow& r) { return r.oscillation_peak_to_peak_m; },
             [](const RemedyTrial& t) { return t.metrics.oscillation_peak_to_peak_m; }}};
 

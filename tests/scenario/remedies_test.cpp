@@ -11,6 +11,7 @@
 #include "experiment/metrics.hpp"
 #include "experiment/remedies/loop_sections.hpp"
 #include "experiment/remedies/remedy_findings.hpp"
+#include "experiment/remedies/remedy_report.hpp"
 #include "experiment/remedies/remedy_table.hpp"
 #include "experiment/stability/delayed_loop.hpp"
 #include "experiment/virtual_session.hpp"
@@ -168,6 +169,31 @@ TEST(Remedies, FindingsSayWhereCfIsNotBest) {
               std::string::npos)
         << text;
     EXPECT_EQ(text.find("HF (50 ms"), std::string::npos) << text;  // what HF does is the first sentence's
+}
+
+TEST(Remedies, AllFiguresAreDrawn) {
+    std::vector<RemedyRow> rows;
+    for (const char* name : {"CF", "wave"}) {
+        for (const RemedyNetwork& network : standard_networks()) {
+            RemedyRow row;
+            row.name = name;
+            row.network = network;
+            row.trials = row.completed = 2;
+            row.penetration_max_m = row.oscillation_peak_to_peak_m = row.drift_needle_m = 1e-3;
+            row.completion_time_s = 10;
+            row.rendered_stiffness = 0.5;
+            rows.push_back(row);
+        }
+    }
+    std::vector<FigureSource> sources = delay_figures(rows);
+    ASSERT_EQ(sources.size(), remedy_measures().size());
+    sources.push_back(matrix_figure(rows));
+    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_remedy_figures";
+    const DrawnFigures drawn = draw_figures(sources, folder);
+    if (drawn.problem.find("cannot be started") != std::string::npos) GTEST_SKIP() << drawn.problem;
+    EXPECT_EQ(drawn.problem, "");
+    EXPECT_EQ(drawn.figures.size(), sources.size());
+    std::filesystem::remove_all(folder);
 }
 
 // Passive, and of no use before a forbidden region: the proxy is led out and the hand goes on in.
