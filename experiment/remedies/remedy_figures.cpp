@@ -116,7 +116,7 @@ std::string matrix_script(const std::vector<RemedyRow>& rows, const std::string&
     std::string x, y;
     for (std::size_t i = 0; i < networks.size(); ++i) {
         std::string broken = networks[i].name;
-        if (const std::size_t plus = broken.find(" + "); plus != std::string::npos)
+        for (std::size_t plus = broken.find(" + "); plus != std::string::npos; plus = broken.find(" + "))
             broken.replace(plus, 1, "\\n");
         x += fmt::format("{}\"{}\" {}", i > 0 ? ", " : "", broken, i);
     }
@@ -124,7 +124,8 @@ std::string matrix_script(const std::vector<RemedyRow>& rows, const std::string&
         y += fmt::format("{}'{}' {}", i > 0 ? ", " : "", conditions[i], i);
     std::string script = gnuplot_preamble(name, 960, 130 + 27 * static_cast<int>(conditions.size()));
     script += fmt::format(
-        "set xtics ({}) noenhanced\nset ytics ({}) noenhanced\nunset key\nset xrange [-0.5:{:.1f}]\n"
+        "set bmargin 4.5\nset xtics ({}) noenhanced\nset ytics ({}) noenhanced\nunset key\nset xrange "
+        "[-0.5:{:.1f}]\n"
         "set yrange [{:.1f}:-0.5]\nset palette defined (0 '#FFFFFF', 1 '#FBE3D6', 100 '{}')\nset cbrange "
         "[0:100]\n"
         "set cblabel 'percent of trials not completed or oscillating'\n"
