@@ -1,10 +1,12 @@
 #include "common/control/two_port_passivity.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace thimble {
 
 void TwoPortMaster::observe(double position_hand_m, double force_held_N) {
+    if (!std::isfinite(position_hand_m) || !std::isfinite(force_held_N)) return;
     const double travel_m = placed_ ? position_hand_m - position_hand_m_ : 0;
     controlled_J_ += control_N_ * travel_m;
     const double flow_J = (force_held_N - control_N_) * travel_m;

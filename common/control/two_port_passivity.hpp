@@ -9,7 +9,7 @@
 //
 // For comparison only. The slave's controller moves the proxy and nothing moves it back: it drifts out of a forbidden region
 // while the hand is inside, and the force is gone (docs/remedies.md). F positive pushes the hand out. SI units, frame: hand.
-// A position, force or energy that is not a number must not get here: messages are refused before (common/codec.hpp).
+// A reading that is not a number is no sample at the master; the slave hears of none, messages are refused before (common/codec.hpp).
 #pragma once
 
 #include <limits>

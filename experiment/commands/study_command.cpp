@@ -1,4 +1,5 @@
 // thimble study: the paper's experiments in virtual time, once or over many seeds.
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -42,6 +43,22 @@ std::vector<Protocol> protocols_of(const StudyArguments& a, const SystemSettings
     if (all || a.experiment == "2") protocols.push_back(experiment_2(settings, without, a.seed));
     if (all || a.experiment == "3") protocols.push_back(experiment_3(settings, with, a.seed));
     return protocols;
+}
+
+// Each once, and none that HF has already: it would be the same condition twice.
+std::vector<Remedy> remedies_of(const StudyArguments& a, const SystemSettings& settings) {
+    std::vector<Remedy> remedies;
+    remedies.reserve(a.remedies.size());
+    for (const std::string& name : a.remedies) {
+        const Remedy remedy = parse_remedy(name);
+        if (settings.master.control.remedy == remedy)
+            throw Error(ExitCode::kUsage,
+                        fmt::format("--remedies {}: HF has it already, by [control] of {}", name, a.config));
+        if (std::find(remedies.begin(), remedies.end(), remedy) != remedies.end())
+            throw Error(ExitCode::kUsage, fmt::format("--remedies: {} is there twice", name));
+        remedies.push_back(remedy);
+    }
+    return remedies;
 }
 
 // What gives the same results, without where they went and how they came: a resumed study equals another.
@@ -89,7 +106,7 @@ int run_one_study(const StudyArguments& arguments) {
     if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
     options.control = !arguments.no_control;
-    for (const std::string& name : arguments.remedies) options.remedies.push_back(parse_remedy(name));
+    options.remedies = remedies_of(arguments, settings);
     options.analysis = *parse_analysis(arguments.analysis);
     options.stop = &stop_requested();
     const StudyResult result = run_study(settings, options);

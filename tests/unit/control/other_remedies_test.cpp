@@ -1,4 +1,5 @@
 // The share for the hand, the local fixture, and the two-port controllers with their drift.
+#include <cmath>
 #include <memory>
 #include <random>
 
@@ -194,6 +195,16 @@ TEST(TwoPort, TheMastersDamperFeedsNobody) {
     const double before_J = master.energy_in_J();
     master.observe(-2e-3, force_N);
     EXPECT_EQ(master.energy_in_J(), before_J);
+}
+
+TEST(TwoPort, AReadingThatIsNoNumberIsNoSample) {
+    TwoPortMaster master({kTick_s, 0}, 1000);
+    master.observe(0, 0);
+    master.observe(std::nan(""), 5);
+    master.observe(1e-3, std::nan(""));
+    EXPECT_EQ(master.energy_in_J(), 0);
+    master.observe(1e-3, 5);
+    EXPECT_DOUBLE_EQ(master.energy_in_J(), 5e-3);
 }
 
 // It may go back by so much at a time; what is owed stays owed.
