@@ -141,7 +141,7 @@ ReportTable pair_table(const std::vector<MeasureAnalysis>& measures, bool full) 
     ReportTable table{"Pairs of modalities", "", {"measure", "pair", "difference", "by", "P"}, {}};
     if (full) {
         table.columns.insert(table.columns.end(),
-                             {"95 % CI", "95 % CI, all six at once", "P (Holm)", "d_z (95 % CI)"});
+                             {"95 % CI", "95 % CI, all at once", "P (Holm)", "d_z (95 % CI)"});
         table.note =
             "Intervals and Holm's P come from the subjects' own differences (paired t); in experiment 2 from "
             "the "

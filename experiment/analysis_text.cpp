@@ -264,9 +264,12 @@ class Narrator {
             disagreeing += fmt::format("{}{} - {} ({})", disagreeing.empty() ? "" : ", ", name(pair.first),
                                        name(pair.second), p_text(by_means->p_holm));
         }
-        return fmt::format(" {} with Holm's correction {}.",
-                           m_.within_subjects ? "Paired t tests" : "The same t tests",
-                           disagreeing.empty() ? "agree on all six pairs" : "disagree on " + disagreeing);
+        return fmt::format(
+            " {} with Holm's correction {}.", m_.within_subjects ? "Paired t tests" : "The same t tests",
+            disagreeing.empty()
+                ? fmt::format("agree on all {} pairs",
+                              m_.pairs.size() == 6 ? std::string("six") : std::to_string(m_.pairs.size()))
+                : "disagree on " + disagreeing);
     }
 
     std::string left_out_sentence() const {

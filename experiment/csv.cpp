@@ -60,15 +60,17 @@ void CsvField::fail(std::string_view why) const {
                             file->string(), line, column, name, text, why));
 }
 
-CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator)
+CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator,
+                     std::size_t later)
     : file_(std::move(file)), columns_(columns), separator_(separator), text_(read_whole(file_)) {
     split(take_line());
-    if (fields_.size() != columns_.size()) {
+    there_ = fields_.size();
+    if (there_ != columns_.size() && there_ + later != columns_.size()) {
         fail(fmt::format(
             "has {} columns instead of {}; it was written by another version or is another kind of file",
             fields_.size(), columns_.size()));
     }
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
+    for (std::size_t i = 0; i < there_; ++i) {
         if (fields_[i] != columns_[i]) field(i).fail("is not the name of this column");
     }
 }
@@ -81,10 +83,10 @@ bool CsvReader::next() {
             continue;
         }
         split(line);
-        if (fields_.size() != columns_.size()) {
+        if (fields_.size() != there_) {
             fail(fmt::format(
                 "has {} fields instead of {} (column '{}' is the last that is there); delete this line",
-                fields_.size(), columns_.size(), columns_[std::min(fields_.size(), columns_.size()) - 1]));
+                fields_.size(), there_, columns_[std::min(fields_.size(), there_) - 1]));
         }
         return true;
     }
@@ -92,7 +94,8 @@ bool CsvReader::next() {
 }
 
 CsvField CsvReader::field(std::size_t column) const {
-    return {&file_, line_, column + 1, columns_[column], fields_[column]};
+    return {&file_, line_, column + 1, columns_[column],
+            column < there_ ? fields_[column] : std::string_view{}};
 }
 
 std::string_view CsvReader::take_line() {

@@ -32,8 +32,10 @@ struct CsvField {
 class CsvReader {
   public:
     // Throws Error (data) if the file cannot be read or its header is not exactly `columns` (which must
-    // outlive the reader).
-    CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator = ',');
+    // outlive the reader). The last `later` columns may be missing, all together: files of earlier versions. Their fields are
+    // empty.
+    CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator = ',',
+              std::size_t later = 0);
     CsvReader(const CsvReader&) = delete;
     CsvReader& operator=(const CsvReader&) = delete;
 
@@ -52,6 +54,7 @@ class CsvReader {
     std::filesystem::path file_;
     std::span<const std::string_view> columns_;
     char separator_;
+    std::size_t there_ = 0;  // columns of this file
     std::string text_;
     std::size_t position_ = 0;
     std::size_t line_ = 0;

@@ -1,6 +1,8 @@
 #include "experiment/study.hpp"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,7 @@
 #include "experiment/study_folder.hpp"
 #include "experiment/subject_table.hpp"
 #include "experiment/trajectory_file.hpp"
+#include "experiment/with_remedy.hpp"
 
 namespace thimble {
 namespace {
@@ -32,6 +35,7 @@ class Study {
             run_table(all_trials({control}), "control");
         }
         if (options_.control && result_.complete) run_without_lag();
+        if (result_.complete) run_with_remedies();
         // Not before a table: it is the one that refuses a folder with another study in it.
         write_subjects(options_.out / "subjects.csv", settings_.person, options_.protocols);
         result_.claims = judge_claims(result_.rows, no_lag_);
@@ -54,6 +58,11 @@ class Study {
         for (const char* name : {"control.csv", "control_curves.csv", "no_lag.csv", "no_lag_curves.csv"}) {
             std::filesystem::remove(options_.out / name);
         }
+        for (const std::string_view remedy : kRemedyNames) {
+            for (const char* end : {".csv", "_curves.csv"})
+                std::filesystem::remove(options_.out / fmt::format("hf_{}{}", remedy, end));
+        }
+        std::filesystem::remove(options_.out / "remedies.json");
     }
 
     // Its rows are no part of the study's: they only tell what the lag costs.
@@ -63,8 +72,19 @@ class Study {
         run_table(without_lag(settings_), planned, "no_lag", no_lag_, [](const TrialCurve&) {});
     }
 
-    void run_table(const SystemSettings& settings, const std::vector<TrialConditions>& planned,
+    void run_with_remedies() {
+        for (const Remedy remedy : options_.remedies) {
+            if (!result_.complete) return;
+            run_table(with_control(settings_, control_for(settings_, remedy)),
+                      force_feedback_trials(options_.protocols),
+                      fmt::format("hf_{}", kRemedyNames[static_cast<std::size_t>(remedy)]), with_remedies_,
+                      [](const TrialCurve&) {});
+        }
+    }
+
+    void run_table(const SystemSettings& settings, std::vector<TrialConditions> planned,
                    const std::string& name, std::vector<TrialRow>& rows, const TakeCurve& take_curve) {
+        name_remedies(planned, settings);
         StudyTables tables(options_.out, name, options_.if_exists, planned, take_curve);
         rows.insert(rows.end(), tables.rows().begin(), tables.rows().end());
         std::size_t done = tables.rows().size();
@@ -133,6 +153,25 @@ class Study {
         return section;
     }
 
+    // HF, each remedy, CF, CCF and VF, by the paper's rule for choosing tests.
+    ReportSection remedies_section() const {
+        std::vector<TrialRow> rows = result_.rows;
+        rows.insert(rows.end(), with_remedies_.begin(), with_remedies_.end());
+        const std::vector<MeasureAnalysis> measures = analyse_trials(rows, options_.analysis);
+        write_analysis(measures, options_.analysis, options_.out / "remedies.json");
+        ReportSection section;
+        section.title = "Remedies against delay";
+        section.text =
+            "The trials with HF again, with a controller in the handle's loop: the same subjects, fixtures "
+            "and "
+            "delays.";
+        for (const MeasureAnalysis& measure : measures) {
+            section.findings.push_back(finding_text(measure));
+            for (ReportTable& table : analysis_tables({measure})) section.tables.push_back(std::move(table));
+        }
+        return section;
+    }
+
     // Whose stability is the headline, judged against all trials without delay; 0: nobody's.
     std::uint32_t delayed_experiment() const {
         for (const Protocol& protocol : options_.protocols) {
@@ -161,6 +200,7 @@ class Study {
         for (const auto& [experiment, panels] : panels_) {
             report.sections.push_back(section(experiment, figures, measures));
         }
+        if (!with_remedies_.empty()) report.sections.push_back(remedies_section());
         const Protocol& protocol = options_.protocols[0];
         report.provenance = {{"command", options_.command},
                              {"seed", std::to_string(protocol.seed)},
@@ -177,7 +217,7 @@ class Study {
     unsigned jobs_;
     Progress progress_;
     PanelsByExperiment panels_;
-    std::vector<TrialRow> no_lag_;
+    std::vector<TrialRow> no_lag_, with_remedies_;
     StudyResult result_;
 };
 

@@ -27,6 +27,9 @@ struct StudyOptions {
     // Of an experiment with delay that comes alone: the same trials without, into control.csv. Of experiment 1:
     // its trials with CF, with actuators without lag, into no_lag.csv.
     bool control = true;
+    // The trials with HF again, with each of these in the handle's loop, into hf_NAME.csv: HF, each of them, CF, CCF and VF are then
+    // compared (remedies.json). The paper's claims are about HF without.
+    std::vector<Remedy> remedies{};
     AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
     const std::atomic<bool>* stop = nullptr;      // asked between trials
 };
@@ -48,7 +51,7 @@ struct StudyResult {
 };
 
 // Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
-// no_lag.csv, subjects.csv, claims.json, analysis.json, report.html, summary.json and figures/ below options.out.
+// no_lag.csv, hf_NAME.csv, subjects.csv, claims.json, analysis.json, report.html, summary.json and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 }  // namespace thimble

@@ -15,7 +15,8 @@ constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max() - 1;
 bool same(const TrialConditions& a, const TrialConditions& b) {
     return a.study_seed == b.study_seed && a.experiment == b.experiment && a.subject == b.subject &&
            a.trial == b.trial && a.modality == b.modality && same_delay(a.delay_s, b.delay_s) &&
-           a.fixture_position_m == b.fixture_position_m && a.removes_fixture == b.removes_fixture;
+           a.fixture_position_m == b.fixture_position_m && a.removes_fixture == b.removes_fixture &&
+           a.remedy == b.remedy;
 }
 
 void check_plan(const std::filesystem::path& table, const std::vector<TrialRow>& rows,

@@ -138,6 +138,7 @@ SessionSettings session_settings(const SystemSettings& settings) {
     };
     session.user_limit = user_limit(settings.handle);
     session.force_delay = settings.netem.force.delay;
+    session.remedy = settings.master.control.remedy;
     session.network_delay += longest(settings.netem.needle, settings.netem.needle_timeline) +
                              longest(settings.netem.force, settings.netem.force_timeline);
     return session;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/control/control_settings.hpp"
 #include "common/messages.hpp"
 
 namespace thimble {
@@ -19,6 +20,7 @@ struct TrialConditions {
     double delay_s = 0;             // one-way, virtual environment to handle, fingertips and bar
     double fixture_position_m = 0;  // drawn anew for every trial
     bool removes_fixture = false;   // it vanishes with the beep (experiment 2)
+    Remedy remedy = Remedy::kNone;  // against delay, in HF ([control]); the session says which one acted
 };
 
 // One answer of slave_sim. Forces act on the operator (negative resists insertion); z positive into the

@@ -76,6 +76,18 @@ void read_outcome(const CsvField& field, TrialRow& row) {
     }
 }
 
+void write_remedy(Out out, const TrialRow& row) {
+    fmt::format_to(out, "{}", kRemedyNames[static_cast<std::size_t>(row.conditions.remedy)]);
+}
+
+// A table of an earlier version has no such field: it may have had one, but nobody wrote it down.
+void read_remedy(const CsvField& field, TrialRow& row) {
+    if (field.text.empty()) return;
+    const auto* const name = std::find(kRemedyNames.begin(), kRemedyNames.end(), field.text);
+    if (name == kRemedyNames.end()) field.fail(fmt::format("is none of {}", fmt::join(kRemedyNames, ", ")));
+    row.conditions.remedy = static_cast<Remedy>(name - kRemedyNames.begin());
+}
+
 using R = TrialRow;
 using C = TrialConditions;
 using M = TrialMetrics;
@@ -105,6 +117,7 @@ constexpr std::array kColumns{
     number<&R::metrics, &M::puncture_time_s>("puncture_time_s"),
     number<&R::metrics, &M::first_contact_time_s>("first_contact_time_s"),
     number<&R::metrics, &M::duration_s>("duration_s"),
+    Column{"remedy", write_remedy, read_remedy},
 };
 
 constexpr auto kColumnNames = [] {
@@ -168,7 +181,8 @@ void read_trial_field(const CsvField& field, std::size_t column, TrialRow& row) 
 
 TrialTable::TrialTable(const std::filesystem::path& path, IfExists if_exists) : file_(path, if_exists) {
     if (!file_.is_new()) {
-        read_trial_table(path);  // to append to a damaged table would hide the damage
+        (void)CsvReader(path, kColumnNames);  // of an earlier version: its lines would be shorter
+        read_trial_table(path);               // to append to a damaged table would hide the damage
         return;
     }
     file_.write(fmt::format("{}\n", fmt::join(kColumnNames, ",")));
@@ -187,7 +201,7 @@ void TrialTable::append(const TrialRow& row) {
 }
 
 std::vector<TrialRow> read_trial_table(const std::filesystem::path& path) {
-    CsvReader reader(path, kColumnNames);
+    CsvReader reader(path, kColumnNames, ',', kLaterColumns);
     std::vector<TrialRow> rows;
     while (reader.next()) {
         TrialRow row;

@@ -37,7 +37,11 @@ HandleControl::HandleControl(const ControlSettings& settings, const HandleContro
       scale_(scale),
       port_(make_port_remedy(settings, to_seconds(scale.sample_period))),
       local_(with_period(settings.local, to_seconds(scale.sample_period))),
-      waves_(make_waves(settings, to_seconds(scale.sample_period))) {}
+      waves_(make_waves(settings, to_seconds(scale.sample_period))) {
+    if (settings.remedy != Remedy::kTwoPort) return;
+    const PortSettings port{to_seconds(scale.sample_period), settings.device_damping_Ns_per_m};
+    two_port_.emplace(port, settings.most_damping_Ns_per_m);
+}
 
 std::unique_ptr<HandleControl::Waves> HandleControl::make_waves(const ControlSettings& settings,
                                                                 double period_s) {
@@ -55,6 +59,9 @@ void HandleControl::start(bool kinesthetic, Duration network_delay) {
     expected_delay_ = network_delay;
     sampled_before_ = false;
     wish_N_ = 0;
+    burst_ = {};
+    energy_heard_J_ = 0;
+    if (two_port_) two_port_->reset();
     if (!waves_) return;
     waves_->master.reset();
     waves_->sender.reset();
@@ -79,12 +86,17 @@ void HandleControl::sample(SessionTime now, const HandleSample& handle) {
     sampled_before_ = true;
     position_hand_m_ = handle.position_hand_m;
     if (port_) port_->observe(elapsed_s, handle.position_hand_m, handle.force_hand_N);
+    if (two_port_) {
+        two_port_->observe(handle.position_hand_m, handle.force_hand_N);
+        burst_.energy_J = two_port_->energy_in_J();
+    }
     if (!waves_) return;
-    waves_->burst = waves_->sender.add(waves_->master.wave_out(handle.position_hand_m, handle.force_hand_N));
-    waves_->in_root_W = waves_->receiver.play(waves_->burst.number);
+    burst_ = waves_->sender.add(waves_->master.wave_out(handle.position_hand_m, handle.force_hand_N));
+    waves_->in_root_W = waves_->receiver.play(burst_.number);
 }
 
 void HandleControl::take(const WaveBurst& waves) {
+    energy_heard_J_ = waves.energy_J;
     if (waves_) waves_->receiver.receive(waves);
 }
 
@@ -110,6 +122,7 @@ double HandleControl::force_N() {
     double force_N = std::clamp(wish_N_, -limit_N, limit_N);
     if (port_) force_N = port_->force_N(force_N);
     if (settings_.remedy == Remedy::kLocalFixture) force_N += local_.force_N(position_hand_m_);
+    if (two_port_) force_N = two_port_->force_N(force_N, energy_heard_J_);
     if (waves_) force_N = waves_->master.force_N(waves_->in_root_W);
     return std::clamp(force_N, -limit_N, limit_N);
 }

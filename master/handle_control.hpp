@@ -7,9 +7,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "common/control/control_settings.hpp"
 #include "common/control/port_remedy.hpp"
+#include "common/control/two_port_passivity.hpp"
 #include "common/control/wave_variables.hpp"
 #include "common/messages.hpp"
 #include "master/devices/haptic_device.hpp"
@@ -36,7 +38,8 @@ class HandleControl {
 
     // A remedy that works at samples is in the loop of this trial.
     bool active() const { return active_; }
-    bool waves() const { return active_ && settings_.remedy == Remedy::kWave; }
+    // What travels has waves, or the energies of two-port passivity, beside it.
+    bool waves() const { return active_ && (waves_ || two_port_); }
 
     void sample(SessionTime now, const HandleSample& handle);
     void take(const ForceFeedback& feedback);
@@ -46,16 +49,13 @@ class HandleControl {
     void forget();
     double force_N();
 
-    const WaveBurst& burst() const {
-        return waves_->burst;
-    }  // to go with the sample's command; only if waves()
+    const WaveBurst& burst() const { return burst_; }  // to go with the sample's command; only if waves()
 
   private:
     struct Waves {
         WaveMaster master;
         WaveSender sender;
         WaveReceiver receiver;
-        WaveBurst burst{};
         double in_root_W = 0;
     };
     static std::unique_ptr<Waves> make_waves(const ControlSettings& settings, double period_s);
@@ -66,7 +66,10 @@ class HandleControl {
     bool active_ = false;
     std::unique_ptr<PortRemedy> port_;  // of the remedies at one port, else null
     LocalFixture local_;
-    std::unique_ptr<Waves> waves_;  // with kWave
+    std::unique_ptr<Waves> waves_;           // with kWave
+    std::optional<TwoPortMaster> two_port_;  // with kTwoPort
+    WaveBurst burst_{};
+    double energy_heard_J_ = 0;
     Duration expected_delay_{};
     SessionTime sampled_{};
     bool sampled_before_ = false;

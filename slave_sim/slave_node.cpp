@@ -1,11 +1,15 @@
 #include "slave_sim/slave_node.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
 namespace thimble {
 
 namespace {
+
+// Of two-port passivity, per sample, at the hand: a force that has nearly gone must not throw the proxy.
+constexpr double kMostCorrection_m = 1e-3;
 
 // False for NaN too.
 bool within_reach(double position_m) { return std::abs(position_m) <= SlaveNode::kFarthestNeedleMetres; }
@@ -16,6 +20,7 @@ SlaveNode::SlaveNode(const SlaveSettings& settings)
 
     : settings_(settings), scene_(settings.scene, settings.make_tissue), timer_(settings.contact_hold) {
     if (settings.wave.used) wave_.emplace(settings.wave);
+    if (settings.wave.two_port) two_port_.emplace(kMostCorrection_m);
     assert(scene_.surface() != nullptr && scene_.fixture() != nullptr);
 }
 
@@ -24,8 +29,11 @@ void SlaveNode::start_trial(const SessionControl& order) {
     scene_.reset(scene_.needle());
     timer_.reset();
     scene_.clear_transitions();
-    waves_ = wave_ && order.modality == Modality::kHF;
-    if (waves_) wave_->reset();
+    waves_ = (wave_ || two_port_) && order.modality == Modality::kHF;
+    if (wave_) wave_->reset();
+    if (two_port_) two_port_->reset();
+    two_port_burst_ = {};
+    force_held_hand_N_ = 0;
     in_trial_ = true;
     needle_known_ = false;
     held_ = false;
@@ -76,6 +84,25 @@ ForceFeedback SlaveNode::on_wave(SessionTime sample_time, std::uint32_t sequence
     sequence_ = sequence;
     ForceFeedback feedback = answer();
     feedback.echo_time = sample_time;
+    return feedback;
+}
+
+ForceFeedback SlaveNode::on_two_port(SessionTime sample_time, std::uint32_t sequence,
+                                     const NeedleWave& message) {
+    NeedleCommand command = message.command;
+    const bool older = needle_known_ && !held_ && sample_time <= sample_time_;
+    if (!older && within_reach(command.position_hand_m)) {
+        const double scale = settings_.wave.position_scale;
+        if (!needle_known_) wave_estimator_.reset(scale * command.position_hand_m);
+        command.position_needle_m =
+            scale * two_port_->move(command.position_hand_m, force_held_hand_N_, message.waves.energy_J);
+        command.position_needle_estimate_m =
+            wave_estimator_.update(sample_time, command.position_needle_m).position_estimate_m;
+    }
+    const ForceFeedback feedback = on_needle(sample_time, sequence, command);
+    const double limit_N = settings_.wave.force_limit_N;
+    force_held_hand_N_ = std::clamp(-settings_.wave.force_scale * feedback.force_total_N, -limit_N, limit_N);
+    two_port_burst_.energy_J = two_port_->energy_in_J();
     return feedback;
 }
 
@@ -131,6 +158,7 @@ void SlaveNode::step(Duration duration, const NeedleSample& needle) {
 
 ForceFeedback SlaveNode::hold() {
     held_ = true;
+    force_held_hand_N_ = 0;
     timer_.lose_contact();
     scene_.clear_transitions();
     return answer();

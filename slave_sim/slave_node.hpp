@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/control/two_port_passivity.hpp"
 #include "common/messages.hpp"
 #include "common/time.hpp"
 #include "common/velocity_estimator.hpp"
@@ -44,8 +45,11 @@ class SlaveNode {
     // The same with wave variables: each of the master's samples that has not been, one after another, then the answer to the
     // newest. The needle goes where the waves lead it. wave_burst() goes back with the answer. Only while waves().
     ForceFeedback on_wave(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
+    // The same with two-port passivity: the needle is where the passive proxy is.
+    ForceFeedback on_two_port(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
     bool waves() const { return in_trial_ && waves_; }
-    const WaveBurst& wave_burst() const { return wave_->burst(); }
+    bool two_port() const { return two_port_.has_value(); }
+    const WaveBurst& wave_burst() const { return wave_ ? wave_->burst() : two_port_burst_; }
 
     // Commands stopped: the needle is held where it is, every force is zero and contact is lost.
     ForceFeedback hold();
@@ -76,7 +80,10 @@ class SlaveNode {
     SessionTime sample_time_{};
     std::uint64_t refused_ = 0;
     std::uint32_t sequence_ = 0;
-    std::optional<WaveEnd> wave_;       // where the session has one
+    std::optional<WaveEnd> wave_;  // where the session has one
+    std::optional<TwoPortSlave> two_port_;
+    WaveBurst two_port_burst_;          // its energy alone
+    double force_held_hand_N_ = 0;      // of the last answer, positive pushes the hand out
     VelocityEstimator wave_estimator_;  // of the needle that waves lead: tissue follows its smooth position
     bool waves_ = false;                // in this trial
     bool in_trial_ = false;

@@ -42,11 +42,12 @@ void SlaveProcess::obey(SessionTime /*now*/, const SessionControl& control) {
 
 void SlaveProcess::work(SessionTime now) {
     if (node_.waves()) {
-        needle_flow_.drain<NeedleWave>(now, *channels_.needle_in, running(), trial(),
-                                       [&](const Header& header, const NeedleWave& message) {
-                                           answer(now,
-                                                  node_.on_wave(header.send_time, header.sequence, message));
-                                       });
+        needle_flow_.drain<NeedleWave>(
+            now, *channels_.needle_in, running(), trial(),
+            [&](const Header& header, const NeedleWave& message) {
+                const auto take = node_.two_port() ? &SlaveNode::on_two_port : &SlaveNode::on_wave;
+                answer(now, (node_.*take)(header.send_time, header.sequence, message));
+            });
     } else {
         needle_flow_.drain<NeedleCommand>(
             now, *channels_.needle_in, running(), trial(),

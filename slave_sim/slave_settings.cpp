@@ -61,6 +61,7 @@ WaveEndSettings read_wave_end(const ConfigFile& file) {
 
 WaveEndSettings wave_end_of(const ControlSettings& control, WaveEndSettings handle) {
     handle.used = control.remedy == Remedy::kWave;
+    handle.two_port = control.remedy == Remedy::kTwoPort;
     handle.impedance_Ns_per_m = control.wave_impedance_Ns_per_m;
     handle.damping_Ns_per_m = control.wave_slave_damping_Ns_per_m;
     handle.channel = control.channel;

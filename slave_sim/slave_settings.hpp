@@ -11,9 +11,11 @@
 
 namespace thimble {
 
-// The slave's end of wave variables ([control] remedy = "wave"), with what the master's table says of the handle.
+// The slave's end of a remedy that has two ([control] remedy = "wave" or "two-port"), with what the master's table says of the
+// handle.
 struct WaveEndSettings {
-    bool used = false;
+    bool used = false;      // waves
+    bool two_port = false;  // two-port passivity
     double impedance_Ns_per_m = 20, damping_Ns_per_m = 20;
     WaveChannelSettings channel{};
     double position_scale = 3;  // as MasterSettings

@@ -16,7 +16,7 @@ std::vector<KeyUse> key_uses() {
     using R = Remedy;
     return {{"share", {R::kScaled}},
             {"device_damping_Ns_per_m", {R::kMemorylessBound, R::kLeastConservative, R::kTwoLayer}},
-            {"most_damping_Ns_per_m", {R::kPassivity}},
+            {"most_damping_Ns_per_m", {R::kPassivity, R::kTwoPort}},
             {"tank_level_J", {R::kTwoLayer}},
             {"tank_damping_Ns_per_m", {R::kTwoLayer}},
             {"local_stiffness_N_per_m", {R::kLocalFixture}},

@@ -22,16 +22,17 @@ enum class Remedy : std::uint8_t {
     kTwoLayer,           // tank
     kLocalFixture,       // model-mediated
     kWave,               // wave variables; needs both sides
+    kTwoPort,            // two-port passivity, for comparison; needs both sides
 };
-inline constexpr std::array<std::string_view, 8> kRemedyNames{
-    "none",         "scaled",    "passivity",     "energy-bound-memoryless",
-    "energy-bound", "two-layer", "local-fixture", "wave"};
+inline constexpr std::array<std::string_view, 9> kRemedyNames{
+    "none",          "scaled", "passivity", "energy-bound-memoryless", "energy-bound", "two-layer",
+    "local-fixture", "wave",   "two-port"};
 
 struct ControlSettings {
     Remedy remedy = Remedy::kNone;
     double share = 0.05;                      // kScaled, 0 to 1
     double device_damping_Ns_per_m = 0.5;     // bounds and tank
-    double most_damping_Ns_per_m = 250;       // kPassivity
+    double most_damping_Ns_per_m = 250;       // kPassivity, kTwoPort
     TankSettings tank{};                      // kTwoLayer
     LocalFixtureSettings local{};             // kLocalFixture, without sample_period_s
     double wave_slave_damping_Ns_per_m = 20;  // kWave

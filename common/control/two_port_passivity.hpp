@@ -2,14 +2,17 @@
 // al. 2011). Each end counts what flows in at it and what flows out; what came in is told to the other end, which may let out no
 // more than that. Told values only grow, so the newest one stands for those that were lost or came late.
 //
-//     master  dE = F_{k-1} Dx_k: in if > 0, else out.   O = E_in^S(heard) - E_out^M + E_PC^M;   O < 0: F_k = F + a v_k,
-//             a = min(-O / (v_k^2 h), a_max),  E_PC^M += a v_k^2 h
+//     master  dE = F_{k-1} Dx_k without the controller's part: in if > 0, else out.   O = E_in^S(heard) - E_out^M + E_PC^M;
+//             O < 0: F_k = F + a v_k,  a = min(-O / (v_k^2 h), a_max),  E_PC^M += a v_k Dx_{k+1}, what it really took
 //     slave   dE = F_{k-1} Dx_k: out if > 0, else in.         O = E_in^M(heard) - E_out^S + E_PC^S;   O < 0: the proxy goes back
 //             by beta F h = -O / F_{k-1},  E_PC^S -= O
 //
 // For comparison only. The slave's controller moves the proxy and nothing moves it back: it drifts out of a forbidden region
 // while the hand is inside, and the force is gone (docs/remedies.md). F positive pushes the hand out. SI units, frame: hand.
+// A reading that is not a number is no sample at the master; the slave hears of none, messages are refused before (common/codec.hpp).
 #pragma once
+
+#include <limits>
 
 #include "common/control/port_remedy.hpp"
 
@@ -23,13 +26,35 @@ class TwoPortMaster {
     // x_k and the force that was held on the way. To be sent with x_k: energy_in_J().
     void observe(double position_hand_m, double force_held_N);
     double energy_in_J() const { return energy_in_J_; }
-    // Force and E_in^S as they came last. Once per sample.
+    // Force and E_in^S as they came last. Asked again within a sample it is the last answer that counts.
     double force_N(double wanted_N, double energy_in_slave_J);
+    void reset();
 
   private:
     double period_s_, most_damping_Ns_per_m_;
     bool placed_ = false;
     double position_hand_m_ = 0, velocity_m_per_s_ = 0;
+    double energy_in_J_ = 0, energy_out_J_ = 0, controlled_J_ = 0, heard_J_ = 0;
+    double control_N_ = 0;  // a v, held in this sample: no part of what the network does
+};
+
+// Whatever pushes on it.
+class TwoPortSlave {
+  public:
+    // In one sample the proxy goes back by at most this: what is owed beyond it stays owed.
+    explicit TwoPortSlave(double most_correction_m = std::numeric_limits<double>::infinity())
+        : most_correction_m_(most_correction_m) {}
+
+    // Position and E_in^M as they came last, and the force that was held on the way. Where the proxy is then.
+    double move(double position_hand_m, double force_held_N, double energy_in_master_J);
+    double energy_in_J() const { return energy_in_J_; }
+    double position_proxy_m() const { return position_proxy_m_; }
+    void reset();
+
+  private:
+    double most_correction_m_;
+    bool placed_ = false;
+    double position_hand_m_ = 0, position_proxy_m_ = 0;
     double energy_in_J_ = 0, energy_out_J_ = 0, controlled_J_ = 0, heard_J_ = 0;
 };
 
@@ -41,16 +66,14 @@ class TwoPortWall {
 
     // Position and E_in^M as they came last; the force to send back, with energy_in_J().
     double force_N(double position_hand_m, double energy_in_master_J);
-    double energy_in_J() const { return energy_in_J_; }
-    double position_proxy_m() const { return position_proxy_m_; }
+    double energy_in_J() const { return slave_.energy_in_J(); }
+    double position_proxy_m() const { return slave_.position_proxy_m(); }
 
   private:
     double spring_N() const;
 
     double wall_m_, stiffness_N_per_m_, force_limit_N_;
-    bool placed_ = false;
-    double position_hand_m_ = 0, position_proxy_m_ = 0;
-    double energy_in_J_ = 0, energy_out_J_ = 0, controlled_J_ = 0, heard_J_ = 0;
+    TwoPortSlave slave_;
 };
 
 }  // namespace thimble

@@ -59,7 +59,7 @@ std::vector<SittingRecord> read_records(const std::filesystem::path& file) {
     std::vector<SittingRecord> records;
     if (!is_table(file)) return records;
     const auto columns = record_columns();
-    CsvReader reader(file, columns, '\t');
+    CsvReader reader(file, columns, '\t', kLaterColumns);
     while (reader.next()) {
         records.push_back(read_record(reader));
         if (records.back().record != records.size()) reader.field(0).fail("is not the next record");

@@ -58,6 +58,8 @@ constexpr std::array kMeanings{
     ColumnMeaning{"puncture_time_s", "Since the start of the trial", "s"},
     ColumnMeaning{"first_contact_time_s", "With the fixture, since the start of the trial", "s"},
     ColumnMeaning{"duration_s", "Of the whole trial, withdrawal included", "s"},
+    ColumnMeaning{"remedy", "Controller against delay that acted at the handle; none in CF, CCF and VF",
+                  nullptr},
 };
 
 std::string behaviour_json() {

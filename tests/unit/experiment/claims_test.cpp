@@ -196,6 +196,29 @@ TEST(StudyColumns, TakeAnExperimentsOwnTrials) {
     EXPECT_GT(max.at(0, 0), 0.03);
 }
 
+// HF with several remedies are several conditions; with one it is HF.
+TEST(StudyColumns, EachRemedyIsAColumnOfItsOwn) {
+    Table table;
+    table.add(3, 4, {0.03, 0.004, 0.005, 0.008}, {15, 11, 11, 11}, 0.05);
+    std::vector<TrialRow> rows = table.rows;
+    for (TrialRow& row : rows) {
+        if (row.conditions.modality == Modality::kHF) row.conditions.remedy = Remedy::kTwoLayer;
+    }
+    EXPECT_EQ(StudyColumns(rows, 3).table(Metric::kPenetrationMean).table.name(0), "HF");
+    for (TrialRow row : table.rows) {
+        if (row.conditions.modality != Modality::kHF) continue;
+        row.metrics.penetration_mean_m = 0.001 * row.conditions.subject;
+        rows.push_back(row);
+    }
+    const SampleTable means = StudyColumns(rows, 3).table(Metric::kPenetrationMean).table;
+    ASSERT_EQ(means.conditions(), 5U);
+    EXPECT_EQ(means.name(0), "HF");
+    EXPECT_EQ(means.name(1), "HF+two-layer");
+    EXPECT_EQ(means.name(2), "CF");
+    EXPECT_EQ(means.at(1, 0), 0.002);
+    EXPECT_GT(means.at(1, 1), 0.02);
+}
+
 TEST(StudyColumns, AverageASubjectsTrialsAndLeaveOutWhoHasNone) {
     Table table;
     table.add(1, 3, {0.001, 0.002, 0.003, 0.004}, {11, 11, 11, 11});

@@ -59,7 +59,7 @@ TEST(TrialTable, HeaderNamesEveryColumnInSI) {
         "completion_time_s,peak_displacement_m,contacts_lost,oscillation_rms_m,oscillation_peak_to_peak_m,"
         "oscillation_frequency_Hz,oscillates,beeped,outcome,seed,fixture_removed,delay_achieved_s,round_trip_"
         "s,"
-        "puncture_time_s,first_contact_time_s,duration_s\n");
+        "puncture_time_s,first_contact_time_s,duration_s,remedy\n");
 }
 
 TEST(TrialTable, RowIsInTheFileWhenAppendReturns) {
@@ -162,11 +162,38 @@ TEST(TrialTable, DamageIsNamedWithLineAndColumn) {
           Case{6, "1e999", ":2: column 7 (penetration_mean_m)"}, Case{3, "HFC", "column 4 (modality)"},
           Case{1, "-1", ":2: column 2 (subject)"}, Case{2, "4294967296", ":2: column 3 (trial)"},
           Case{14, "true", ":2: column 15 (oscillates)"}, Case{16, "done", ":2: column 17 (outcome)"},
-          Case{17, "18446744073709551616", ":2: column 18 (seed)"}, Case{0, "3,4", ":2: has 25 fields"}}) {
+          Case{17, "18446744073709551616", ":2: column 18 (seed)"}, Case{0, "3,4", ":2: has 26 fields"},
+          Case{24, "waves", ":2: column 25 (remedy)"}}) {
         write_text(path, damaged(path, c.field, c.text));
         const std::string message = message_of([&] { read_trial_table(path); });
         EXPECT_NE(message.find(c.complaint), std::string::npos) << message;
     }
+}
+
+TEST(TrialTable, SaysWhichRemedyActed) {
+    const TemporaryDirectory directory;
+    TrialRow row = sample_row();
+    row.conditions.remedy = Remedy::kWave;
+    TrialTable(directory / "trials.csv").append(row);
+    EXPECT_EQ(read_trial_table(directory / "trials.csv").at(0).conditions.remedy, Remedy::kWave);
+}
+
+// It is read, and not gone on with: its lines are shorter.
+TEST(TrialTable, ATableFromBeforeTheColumnOfRemedies) {
+    const TemporaryDirectory directory;
+    const auto path = directory / "trials.csv";
+    TrialTable(path).append(sample_row());
+    std::string text = read_text(path);
+    for (const char* last : {",remedy", ",none"}) text.erase(text.find(last), std::string(last).size());
+    write_text(path, text);
+    const std::vector<TrialRow> rows = read_trial_table(path);
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows[0].conditions.remedy, Remedy::kNone);
+    EXPECT_EQ(rows[0].conditions.study_seed, ~std::uint64_t{0});
+    EXPECT_NE(message_of([&] {
+                  const TrialTable table(path, IfExists::kContinue);
+              }).find("24 columns instead of 25"),
+              std::string::npos);
 }
 
 TEST(TrialTable, CutOffForeignAndMissingFiles) {
