@@ -13,6 +13,7 @@
 #include <toml++/toml.h>
 
 #include "common/error.hpp"
+#include "common/nearest_name.hpp"
 
 namespace thimble {
 
@@ -56,11 +57,22 @@ class UnknownKeys {
             return refuse_within(full, node);
         }
         refuse(file_, node.source().begin,
-               fmt::format("unknown {} '{}': check the spelling, or remove it",
-                           path.empty() ? "table or key" : "key", full));
+               fmt::format("unknown {} '{}': {}check the spelling, or remove it",
+                           path.empty() ? "table or key" : "key", full, advice(path, key)));
     }
 
   private:
+    std::string advice(const std::string& path, std::string_view key) const {
+        const std::string beside = path.empty() ? "" : path + ".";
+        std::vector<std::string> names;
+        for (const std::string& known : known_) {
+            if (!known.starts_with(beside) || known.find('.', beside.size()) != std::string::npos) continue;
+            names.push_back(known.substr(beside.size()));
+        }
+        const std::string meant = nearest_name(key, names);
+        return meant.empty() ? "" : fmt::format("did you mean '{}'? Otherwise ", meant);
+    }
+
     void refuse_within(const std::string& path, const toml::node& node) const {
         if (const toml::table* inner = node.as_table()) {
             for (const auto& [key, value] : *inner) refuse_entry(path, key.str(), value);
@@ -189,6 +201,7 @@ bool ConfigTable::has(std::string_view key) const {
 
 bool ConfigTable::is_text(std::string_view key) const {
     const Found found = find(key);
+    declare(key, "text");
     return found.node != nullptr && found.node->is_string();
 }
 

@@ -20,9 +20,9 @@ class ConfigFile;
 // What a reader said of a key when it asked for it, as text for people. A reference that is written from these cannot differ
 // from the program.
 struct KeyDeclaration {
-    std::string type;      // "number", "whole number", "text", "table", "tables", ...; several: "number or table"
-    std::string fallback;  // as a file would write it; empty: none
-    std::string range;     // "0 to 60"; empty: any
+    std::string type;  // "number", "whole number", "text", "table", "tables", ...; several: "number or table"
+    std::string fallback;              // as a file would write it; empty: none
+    std::string range;                 // "0 to 60"; empty: any
     std::vector<std::string> choices;  // all that a text may be; empty: not limited
 };
 
@@ -60,8 +60,8 @@ class ConfigTable {
     Found find(std::string_view key) const;
     ConfigTable(const ConfigFile* file, std::string path) : file_(file), path_(std::move(path)) {}
     const ConfigFile* file_;
-    void declare(std::string_view key, std::string_view type, std::string fallback = {}, std::string range = {},
-                 std::vector<std::string> choices = {}) const;
+    void declare(std::string_view key, std::string_view type, std::string fallback = {},
+                 std::string range = {}, std::vector<std::string> choices = {}) const;
     std::string path_;  // dotted, "" for the root
 };
 
