@@ -18,10 +18,15 @@ namespace {
 using Keys = std::map<std::string, KeyDeclaration>;
 
 // What some keys are read beside, where choosing alone does not lead to them.
-constexpr std::array<std::string_view, 4> kCompanions{
-    "session = { subject = \"human\", participant = \"P01\" }", "netem.needle.timeline = [{ at_s = 1 }]",
-    "netem.force.timeline = [{ at_s = 1 }]",
-    "netem.needle = { loss = { model = \"gilbert\", share = 0.01 } }"};
+constexpr std::array<std::string_view, 8> kCompanions{
+    "session = { subject = \"human\", participant = \"P01\" }",
+    "netem.needle.timeline = [{ at_s = 1, loss = 0.1 }]",
+    "netem.force.timeline = [{ at_s = 1, loss = 0.1 }]",
+    "netem.needle = { loss = 0.01 }",
+    "netem.force = { loss = 0.01 }",
+    "netem.needle = { loss = { model = \"gilbert\", share = 0.01 } }",
+    "netem.force = { loss = { model = \"gilbert\", share = 0.01 } }",
+    "cutaneous.device = \"drives\""};
 
 std::string in_one_list(std::string path) {
     for (std::size_t open = path.find('['); open != std::string::npos; open = path.find('[', open + 1)) {
@@ -77,8 +82,10 @@ class Walk {
         for (const std::string& choice : declared.choices) {
             later(file_with(path, fmt::format("\"{}\"", choice)));
         }
-        if (declared.type.find("tables") != std::string::npos) later(file_with(path, "[{}]"));
-        if (declared.type.find("table") != std::string::npos) later(file_with(path, "{}"));
+        if (declared.type.find("table") != std::string::npos) {
+            const bool several = declared.type.find("tables") != std::string::npos;
+            later(file_with(path, several ? "[{}]" : "{}"));
+        }
     }
 
     void later(const std::string& text) {
@@ -114,10 +121,15 @@ std::string keys_as_markdown(const Keys& keys) {
             continue;
         tables[table_of(path)] += line_of(path.substr(path.rfind('.') + 1), declared);
     }
+    // Links and pages have the same keys several times over.
+    std::map<std::string, std::vector<std::string>> same;
+    for (const auto& [table, lines] : tables) same[lines].push_back(table);
     std::string text;
     for (const auto& [table, lines] : tables) {
+        const std::vector<std::string>& together = same[lines];
+        if (together.front() != table) continue;
         text += fmt::format("## [{}]\n\n| key | type | default | range |\n| --- | --- | --- | --- |\n{}\n",
-                            table, lines);
+                            fmt::join(together, "], ["), lines);
     }
     return text;
 }

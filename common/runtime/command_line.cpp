@@ -45,7 +45,8 @@ std::string explain_word(const CLI::App& app, const std::vector<std::string>& wo
     }
     const std::string list = fmt::format("Commands: {}", fmt::join(commands, ", "));
     if (words.empty()) return "name a command. " + list;
-    return fmt::format("unknown command '{}'{} {}", words.front(), meant(words.front(), commands), list);
+    const std::string instead = meant(words.front(), commands);
+    return fmt::format("unknown command '{}'{} {}", words.front(), instead.empty() ? "." : instead, list);
 }
 
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {

@@ -30,12 +30,12 @@ def subcommands(text):
 
 def write_commands(programs, out):
     out.mkdir(parents=True)
-    names = []
+    names = {}
 
     def page(words):
         text = said_by([programs / words[0], *words[1:], '--help'])
         name = '-'.join(words)
-        names.append(name)
+        names[name] = ' '.join(words)
         (out / f'{name}.md').write_text(f'# {" ".join(words)}\n\n```text\n{text.rstrip()}\n```\n')
         for sub in subcommands(text):
             page([*words, sub])
@@ -44,8 +44,7 @@ def write_commands(programs, out):
         page([program])
     # thimble-netem lists only what it does alone.
     page(['thimble-netem', 'node'])
-    listed = '\n'.join(f'- [{name.replace("-", " ") if name.startswith("thimble-") and (programs / name).exists() is False else name}](commands/{name}.md)'
-                       for name in names)
+    listed = '\n'.join(f'- [{title}](commands/{name}.md)' for name, title in names.items())
     entries = '\n'.join(f'commands/{name}' for name in names)
     (out.parent / 'commands.md').write_text(
         '# Commands\n\nWhat each program says with `--help`. Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, '
@@ -134,7 +133,7 @@ def point_to_sources(page, sources, out):
 
     def replace(match):
         text, target = match[1], match[2].split('#')[0]
-        if '://' in target or not target or (folder / target).exists():
+        if '://' in target or not target or (folder / target).is_file():
             return match[0]
         place = (sources / folder.relative_to(out) / target).resolve()
         if not place.exists():
@@ -142,6 +141,13 @@ def point_to_sources(page, sources, out):
         return text if text.startswith('`') else f'`{place.relative_to(sources)}`'
 
     page.write_text(re.sub(r'(?<!!)\[([^\]]*)\]\(([^)\s]+)\)', replace, page.read_text()))
+
+
+def with_unlisted(contents, out):
+    """Pages that contents.md does not place stand at the end of the reference."""
+    pages = sorted(str(page.relative_to(out).with_suffix('')) for page in out.rglob('*.md'))
+    unlisted = [page for page in pages if page not in contents.splitlines()]
+    return contents.replace('\nCHANGELOG\n', '\n'.join(['', *unlisted, 'CHANGELOG', '']), 1)
 
 
 def main():
@@ -152,6 +158,7 @@ def main():
         shutil.copy(sources / name, out)
     # The first page is the README, with the site's own contents below it.
     contents = (sources / 'docs/site/contents.md').read_text()
+    contents = with_unlisted(contents, out)
     (out / 'index.md').write_text((sources / 'README.md').read_text() + '\n' + contents)
     for name in ['conf.py', 'diagrams.py', 'style.css']:
         shutil.copy(sources / 'docs/site' / name, out)
