@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -12,6 +13,7 @@
 #include <toml++/toml.h>
 
 #include "common/error.hpp"
+#include "common/nearest_name.hpp"
 
 namespace thimble {
 
@@ -21,6 +23,8 @@ struct ConfigFile::Impl {
     toml::table root;
     mutable std::set<std::string> known;  // dotted paths that somebody asked for
     mutable std::set<std::string> used;   // names of files
+    bool notes = false;                   // note_declarations()
+    mutable std::map<std::string, KeyDeclaration> declared;
 };
 
 namespace {
@@ -53,11 +57,22 @@ class UnknownKeys {
             return refuse_within(full, node);
         }
         refuse(file_, node.source().begin,
-               fmt::format("unknown {} '{}': check the spelling, or remove it",
-                           path.empty() ? "table or key" : "key", full));
+               fmt::format("unknown {} '{}': {}check the spelling, or remove it",
+                           path.empty() ? "table or key" : "key", full, advice(path, key)));
     }
 
   private:
+    std::string advice(const std::string& path, std::string_view key) const {
+        const std::string beside = path.empty() ? "" : path + ".";
+        std::vector<std::string> names;
+        for (const std::string& known : known_) {
+            if (!known.starts_with(beside) || known.find('.', beside.size()) != std::string::npos) continue;
+            names.push_back(known.substr(beside.size()));
+        }
+        const std::string meant = nearest_name(key, names);
+        return meant.empty() ? "" : fmt::format("did you mean '{}'? Otherwise ", meant);
+    }
+
     void refuse_within(const std::string& path, const toml::node& node) const {
         if (const toml::table* inner = node.as_table()) {
             for (const auto& [key, value] : *inner) refuse_entry(path, key.str(), value);
@@ -134,6 +149,10 @@ void ConfigFile::uses(std::string_view name) const { impl_->used.emplace(name); 
 
 const std::set<std::string>& ConfigFile::used_files() const { return impl_->used; }
 
+void ConfigFile::note_declarations() { impl_->notes = true; }
+
+const std::map<std::string, KeyDeclaration>& ConfigFile::declarations() const { return impl_->declared; }
+
 void ConfigFile::finish(const std::vector<std::string_view>& elsewhere) const {
     const UnknownKeys unknown(impl_->name, impl_->known);
     for (const auto& [key, node] : impl_->root) {
@@ -163,22 +182,38 @@ ConfigTable::Found ConfigTable::find(std::string_view key) const {
     return found;
 }
 
+void ConfigTable::declare(std::string_view key, std::string_view type, std::string fallback,
+                          std::string range, std::vector<std::string> choices) const {
+    const ConfigFile::Impl& file = *file_->impl_;
+    if (!file.notes) return;
+    KeyDeclaration& noted = file.declared[join(path_, key)];
+    if (noted.type.find(type) == std::string::npos) {
+        noted.type += fmt::format("{}{}", noted.type.empty() ? "" : " or ", type);
+    }
+    if (!fallback.empty()) noted.fallback = std::move(fallback);
+    if (!range.empty()) noted.range = std::move(range);
+    if (!choices.empty()) noted.choices = std::move(choices);
+}
+
 bool ConfigTable::has(std::string_view key) const {
     return file_->impl_->root.at_path(join(path_, key)).node() != nullptr;
 }
 
 bool ConfigTable::is_text(std::string_view key) const {
     const Found found = find(key);
+    declare(key, "text");
     return found.node != nullptr && found.node->is_string();
 }
 
 bool ConfigTable::is_table(std::string_view key) const {
     const Found found = find(key);
+    declare(key, "table");
     return found.node != nullptr && found.node->is_table();
 }
 
 ConfigTable ConfigTable::table(std::string_view key) const {
     const Found found = find(key);
+    declare(key, "table");
     if (found.node != nullptr && !found.node->is_table()) {
         found.refuse(fmt::format("must be a table, [{}]", found.path));
     }
@@ -187,6 +222,7 @@ ConfigTable ConfigTable::table(std::string_view key) const {
 
 std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
     const Found found = find(key);
+    declare(key, "tables");
     if (found.node == nullptr) return {};
     if (found.node->is_table()) return {{file_, found.path}};
     const toml::array* list = found.node->as_array();
@@ -202,6 +238,7 @@ std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
 
 double ConfigTable::number(std::string_view key, double fallback, double low, double high) const {
     const Found found = find(key);
+    declare(key, "number", fmt::format("{}", fallback), fmt::format("{} to {}", low, high));
     if (found.node == nullptr) return fallback;
     const auto value = found.node->value<double>();
     if (!found.node->is_number() || !value) {
@@ -216,6 +253,7 @@ double ConfigTable::number(std::string_view key, double fallback, double low, do
 std::int64_t ConfigTable::integer(std::string_view key, std::int64_t fallback, std::int64_t low,
                                   std::int64_t high) const {
     const Found found = find(key);
+    declare(key, "whole number", fmt::format("{}", fallback), fmt::format("{} to {}", low, high));
     if (found.node == nullptr) return fallback;
     if (!found.node->is_integer()) {
         found.refuse(fmt::format("must be a whole number, not a {}", type_name(*found.node)));
@@ -229,6 +267,7 @@ std::int64_t ConfigTable::integer(std::string_view key, std::int64_t fallback, s
 
 bool ConfigTable::boolean(std::string_view key, bool fallback) const {
     const Found found = find(key);
+    declare(key, "true or false", fmt::format("{}", fallback));
     if (found.node == nullptr) return fallback;
     if (!found.node->is_boolean()) {
         found.refuse("must be true or false");
@@ -238,6 +277,7 @@ bool ConfigTable::boolean(std::string_view key, bool fallback) const {
 
 std::string ConfigTable::text(std::string_view key, std::string_view fallback) const {
     const Found found = find(key);
+    declare(key, "text", fallback.empty() ? "" : fmt::format("\"{}\"", fallback));
     if (found.node == nullptr) return std::string(fallback);
     if (!found.node->is_string()) {
         found.refuse("must be text in quotes");
@@ -248,6 +288,7 @@ std::string ConfigTable::text(std::string_view key, std::string_view fallback) c
 std::size_t ConfigTable::choice(std::string_view key, std::size_t fallback,
                                 const std::vector<std::string_view>& choices) const {
     const std::string value = text(key, choices.at(fallback));
+    declare(key, "text", {}, {}, {choices.begin(), choices.end()});
     const auto found = std::find(choices.begin(), choices.end(), value);
     if (found == choices.end()) {
         fail(key, fmt::format("is \"{}\", but must be one of {}", value, fmt::join(choices, ", ")));
@@ -262,6 +303,7 @@ Duration ConfigTable::seconds(std::string_view key, Duration fallback, Duration 
 std::vector<double> ConfigTable::numbers(std::string_view key, const std::vector<double>& fallback,
                                          double low, double high) const {
     const Found found = find(key);
+    declare(key, "list of numbers", fmt::format("{}", fallback), fmt::format("{} to {}", low, high));
     if (found.node == nullptr) return fallback;
     const toml::array* array = found.node->as_array();
     if (array == nullptr) found.refuse("must be a list, [1, 2]");
@@ -279,6 +321,7 @@ std::vector<double> ConfigTable::numbers(std::string_view key, const std::vector
 std::vector<std::string> ConfigTable::texts(std::string_view key,
                                             const std::vector<std::string>& fallback) const {
     const Found found = find(key);
+    declare(key, "list of texts", fmt::format("{}", fallback));
     if (found.node == nullptr) return fallback;
     const toml::array* array = found.node->as_array();
     if (array == nullptr) found.refuse("must be a list of texts");

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -15,6 +16,15 @@
 namespace thimble {
 
 class ConfigFile;
+
+// What a reader said of a key when it asked for it, as text for people. A reference that is written from these cannot differ
+// from the program.
+struct KeyDeclaration {
+    std::string type;  // "number", "whole number", "text", "table", "tables", ...; several: "number or table"
+    std::string fallback;              // as a file would write it; empty: none
+    std::string range;                 // "0 to 60"; empty: any
+    std::vector<std::string> choices;  // all that a text may be; empty: not limited
+};
 
 // One table of the file. Each read marks its key; ConfigFile::finish() refuses keys that nobody read.
 // A missing table or key leaves the default. Copyable handle; lives no longer than its ConfigFile.
@@ -50,6 +60,8 @@ class ConfigTable {
     Found find(std::string_view key) const;
     ConfigTable(const ConfigFile* file, std::string path) : file_(file), path_(std::move(path)) {}
     const ConfigFile* file_;
+    void declare(std::string_view key, std::string_view type, std::string fallback = {},
+                 std::string range = {}, std::vector<std::string> choices = {}) const;
     std::string path_;  // dotted, "" for the root
 };
 
@@ -75,6 +87,9 @@ class ConfigFile {
     void uses(std::string_view name) const;
     const std::set<std::string>& used_files() const;
     ConfigTable table(std::string_view key) const { return root().table(key); }
+    // From now on each read notes what it says of its key, by dotted path; [[table]] of several counts from 0: "table[0].key".
+    void note_declarations();
+    const std::map<std::string, KeyDeclaration>& declarations() const;
     // Throws for each key that was never read, also in arrays of tables. Tables in `elsewhere` belong to other programs of the session:
     // their keys are theirs to check.
     void finish(const std::vector<std::string_view>& elsewhere = {}) const;

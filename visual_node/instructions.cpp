@@ -63,8 +63,8 @@ void check(const ConfigTable& table, const std::string& key, std::string_view wo
 }
 
 std::optional<std::string> read_words(const ConfigTable& table, const std::string& key, PageKind kind) {
-    if (!table.has(key)) return std::nullopt;
     std::string words = table.text(key, "");
+    if (!table.has(key)) return std::nullopt;
     check(table, key, words, kind);
     return words;
 }

@@ -1,4 +1,5 @@
 // thimble check: what is wrong with a session file.
+#include <chrono>
 #include <memory>
 #include <string>
 
@@ -13,9 +14,21 @@
 namespace thimble {
 namespace {
 
+// No path on Earth, nor to the moon and back, is as long: somebody wrote milliseconds.
+void warn_of_milliseconds(const SessionPlan& plan) {
+    constexpr Duration kLongest = std::chrono::seconds{3};
+    for (const Duration delay : plan.delays) {
+        if (delay < kLongest) continue;
+        const double delay_s = to_seconds(delay);
+        spdlog::warn("'session.delays_s' holds {} s; if you meant {} ms, write {}", delay_s, delay_s,
+                     delay_s / 1000);
+    }
+}
+
 int check_config(const std::string& config) {
     const SystemSettings settings = load_system_settings(config);
     check_build(settings);
+    warn_of_milliseconds(settings.plan);
     for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
     fmt::print("{}: good\n", config);
     return 0;

@@ -58,6 +58,7 @@ LaunchSettings read_launch_settings(const ConfigFile& file) {
     LaunchSettings s;
     std::set<std::string> others;
     for (std::size_t i = 1; i < s.machines.size(); ++i) {
+        if (static_cast<Role>(i) == Role::kExperimenter) continue;  // no node: its user starts that view
         const std::string key = std::string("machine_") + to_string(static_cast<Role>(i));
         s.machines[i] = table.text(key, "");
         if (!is_plain(s.machines[i]))

@@ -1,0 +1,14 @@
+// "Did you mean ...?": the name that somebody probably meant.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace thimble {
+
+// The one of `names` that the fewest inserted, left out, changed or swapped neighbouring letters make of `typed`; letter case
+// counts nothing. Empty if that takes more than a third of its letters (one is always allowed): then it is another word.
+std::string nearest_name(std::string_view typed, const std::vector<std::string>& names);
+
+}  // namespace thimble

@@ -1,0 +1,179 @@
+"""generate.py SOURCES PROGRAMS OUT: the pages of the site, with the reference written from the programs themselves.
+
+Copies README's neighbours and docs/ to OUT and adds docs/reference/: keys (thimble config reference), commands (--help),
+messages (common/messages.fbs), columns (headers of files that the programs write now)."""
+import csv
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+PROGRAMS = ['thimble', 'thimble-master', 'thimble-slave-sim', 'thimble-cutaneous', 'thimble-visual', 'thimble-netem',
+            'thimble-drive-emulator', 'thimble-drive-check']
+
+
+def said_by(words, cwd=None):
+    run = subprocess.run([str(word) for word in words], text=True, capture_output=True, cwd=cwd)
+    if run.returncode != 0:
+        sys.exit(f'{words} ended with {run.returncode}:\n{run.stdout}{run.stderr}')
+    return run.stdout
+
+
+def subcommands(text):
+    """Names below a line "Subcommands:" of a help."""
+    after = re.search(r'^Subcommands:\n((?:  .*\n?)+)', text, re.M)
+    return re.findall(r'^  ([a-z][a-z-]*)', after[1], re.M) if after else []
+
+
+def write_commands(programs, out):
+    out.mkdir(parents=True)
+    names = {}
+
+    def page(words):
+        text = said_by([programs / words[0], *words[1:], '--help'])
+        name = '-'.join(words)
+        names[name] = ' '.join(words)
+        (out / f'{name}.md').write_text(f'# {" ".join(words)}\n\n```text\n{text.rstrip()}\n```\n')
+        for sub in subcommands(text):
+            page([*words, sub])
+
+    for program in PROGRAMS:
+        page([program])
+    # thimble-netem lists only what it does alone.
+    page(['thimble-netem', 'node'])
+    listed = '\n'.join(f'- [{title}](commands/{name}.md)' for name, title in names.items())
+    entries = '\n'.join(f'commands/{name}' for name in names)
+    (out.parent / 'commands.md').write_text(
+        '# Commands\n\nWhat each program says with `--help`. Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, '
+        f'3 network, 4 real time, 5 data.\n\n{listed}\n\n```{{toctree}}\n:hidden:\n\n{entries}\n```\n')
+
+
+def write_keys(programs, out):
+    (out / 'keys.md').write_text(
+        '# Every key of a session file\n\nAs the programs read them (`thimble config reference`). What each means: '
+        '[session files](../session-files.md), [the network](../network.md#keys).\n'
+        '`[table[]]` may stand several times, as `[[table]]`.\n\n'
+        + said_by([programs / 'thimble', 'config', 'reference']))
+
+
+def write_messages(schema, out):
+    text = ('# Every field of every message\n\nFrom `common/messages.fbs`. What they are for: [the protocol](../protocol.md).\n')
+    for kind, name, base, body in re.findall(r'^(enum|struct) (\w+)(?: : (\w+))? \{(.*?)\}', schema, re.M | re.S):
+        text += f'\n## {name}\n\n'
+        if kind == 'enum':
+            text += '| value | number |\n| --- | --- |\n'
+            text += ''.join(f'| `{a}` | {b} |\n' for a, b in re.findall(r'(\w+) = (\d+)', body))
+            continue
+        text += '| field | type | |\n| --- | --- | --- |\n'
+        for field, sort, remark in re.findall(r'^\s*(\w+):([^;]+);(?:\s*//\s*(.*))?$', body, re.M):
+            text += f'| `{field}` | `{sort}` | {remark.replace("|", ",")} |\n'
+    (out / 'messages.md').write_text(text)
+
+
+def header(path):
+    with open(path, newline='') as file:
+        return next(csv.reader(line for line in file if not line.startswith('#')))
+
+
+def written_tables(programs, scratch):
+    """(name, who writes it, columns) of each kind of table, by letting the programs write a small one."""
+    thimble = programs / 'thimble'
+    study = [thimble, 'study', '-e', '3', '-n', '1', '--no-control']
+    said_by([*study, '--trajectories', '--out', 's'], scratch)
+    said_by([*study[:-1], '--seeds', '1', '--out', 'seeds'], scratch)
+    said_by([*study[:-1], '--vary', 'handle.friction_N=0.5:0.6:2', '--out', 'vary'], scratch)
+    (scratch / 'needle.csv').write_text('time_s,position_needle_m\n0,0\n1,0.03\n')
+    said_by([thimble, 'replay', '--needle', 'needle.csv', '--out', 'forces.csv'], scratch)
+    said_by([thimble, 'sweep', '--mass-kg', '1', '--damping-Ns-per-m', '20', '--stiffness-N-per-m', '500', '--delay-s',
+             '0:0.1:2', '--contact-stiffness-N-per-m', '1000:2000:2', '--out', 'map'], scratch)
+    said_by([thimble, 'remedies', '--only', 'CF', '--subjects', '1', '--delays-ms', '0', '--out', 'remedies'], scratch)
+    trajectory = next((scratch / 's/trajectories').iterdir())
+    return [('trials.csv', 'run, study, sittings: a line per trial; also control.csv, no_lag.csv, virtual.csv', 's/trials.csv'),
+            ('*_curves.csv', 'study: a line per trial', 's/trials_curves.csv'),
+            ('subjects.csv', 'study: a line per virtual subject', 's/subjects.csv'),
+            ('trajectories/*.csv', 'run, study --trajectories: a line per millisecond', trajectory),
+            ('claims_seeds.csv, claims_draws.csv', 'study --seeds, --draws', 'seeds/claims_seeds.csv'),
+            ('claims_vary.csv', 'study --vary', 'vary/claims_vary.csv'),
+            ('OUT.csv', 'replay: a line per sample', 'forces.csv'),
+            ('OUT.events.csv', 'replay: a line per transition', 'forces.events.csv'),
+            ('map.csv', 'sweep: a line per point', 'map/map.csv'),
+            ('remedies.csv', 'remedies: a line per condition and delay', 'remedies/remedies.csv')]
+
+
+def short(column):
+    """The columns of curves are one per quarter of a percent."""
+    return re.sub(r'_-?[\d.]+%$', '_N%', column)
+
+
+def write_columns(sources, programs, out, scratch):
+    meanings = tomllib.loads((sources / 'docs/site/columns.toml').read_text())
+    tables = [(name, who, list(dict.fromkeys(map(short, header(scratch / file)))))
+              for name, who, file in written_tables(programs, scratch)]
+    clocks = re.search(r'kClockColumns\{([^}]*)\}', (sources / 'experiment/clocks/clock_file.cpp').read_text())
+    tables.append(('nodes/clocks.csv', 'run: a line per clock probe', re.findall(r'"(\w+)"', clocks[1])))
+    text = ('# Every column of every table\n\nComma-separated, a header line, SI units named in the columns; lines that begin with # are '
+            'remarks. From the headers that the programs write.\n`thimble log export` writes a table per message, whose columns are '
+            '[its fields](messages.md). `draws.csv` (`study --draws`) has a column per drawn [key](keys.md).\n')
+    unknown = {column for _, _, columns in tables for column in columns} - meanings.keys()
+    unused = meanings.keys() - {column for _, _, columns in tables for column in columns}
+    if unknown or unused:
+        sys.exit(f'docs/site/columns.toml: say what these columns mean: {sorted(unknown)}; remove: {sorted(unused)}')
+    for name, who, columns in tables:
+        text += f'\n## {name}\n\n`thimble` {who}.\n\n| column | |\n| --- | --- |\n'
+        text += ''.join(f'| `{column}` | {meanings[column]} |\n' for column in columns)
+    (out / 'columns.md').write_text(text)
+
+
+def point_to_sources(page, sources, out):
+    """Links to files that are no pages of the site become their names."""
+    folder = page.parent
+
+    def replace(match):
+        text, target = match[1], match[2].split('#')[0]
+        if '://' in target or not target or (folder / target).is_file():
+            return match[0]
+        place = (sources / folder.relative_to(out) / target).resolve()
+        if not place.exists():
+            sys.exit(f'{page.relative_to(out)}: dead link {match[2]}')
+        return text if text.startswith('`') else f'`{place.relative_to(sources)}`'
+
+    page.write_text(re.sub(r'(?<!!)\[([^\]]*)\]\(([^)\s]+)\)', replace, page.read_text()))
+
+
+def with_unlisted(contents, out):
+    """Pages that contents.md does not place stand at the end of the reference."""
+    pages = sorted(str(page.relative_to(out).with_suffix('')) for page in out.rglob('*.md'))
+    unlisted = [page for page in pages if page not in contents.splitlines()]
+    return contents.replace('\nCHANGELOG\n', '\n'.join(['', *unlisted, 'CHANGELOG', '']), 1)
+
+
+def main():
+    sources, programs, out = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
+    shutil.rmtree(out, ignore_errors=True)
+    shutil.copytree(sources / 'docs', out / 'docs', ignore=shutil.ignore_patterns('site', '__pycache__'))
+    for name in ['ARCHITECTURE.md', 'CHANGELOG.md', 'CONTRIBUTING.md', 'LICENSE', 'CITATION.cff']:
+        shutil.copy(sources / name, out)
+    # The first page is the README, with the site's own contents below it.
+    contents = (sources / 'docs/site/contents.md').read_text()
+    contents = with_unlisted(contents, out)
+    (out / 'index.md').write_text((sources / 'README.md').read_text() + '\n' + contents)
+    for name in ['conf.py', 'diagrams.py', 'style.css']:
+        shutil.copy(sources / 'docs/site' / name, out)
+    reference = out / 'docs/reference'
+    reference.mkdir(exist_ok=True)
+    write_commands(programs, reference / 'commands')
+    write_keys(programs, reference)
+    write_messages((sources / 'common/messages.fbs').read_text(), reference)
+    scratch = out.parent / 'site-scratch'
+    shutil.rmtree(scratch, ignore_errors=True)
+    scratch.mkdir(parents=True)
+    write_columns(sources, programs, reference, scratch)
+    for page in out.rglob('*.md'):
+        point_to_sources(page, sources, out)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,115 @@
+"""check_docs.py SOURCES PROGRAMS: the hand-written pages against the programs and the folders.
+
+1. docs/session-files.md (and the page it sends to for a table) names every key that the readers know, and no other.
+2. Its defaults are the readers', where both are one number.
+3. Every string that a reader asks for by name is a key of the reference, so that none is hidden behind a condition.
+4. Every figure of docs/figures and docs/pictures stands in docs/figures.md.
+5. No link inside the repository is dead."""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+
+# Tables whose keys another page lists.
+ELSEWHERE = {'netem.needle': 'network.md', 'netem.force': 'network.md', 'handle.hid': 'hid.md',
+             'handle.falcon': 'handles.md', 'handle.force_dimension': 'handles.md', 'cutaneous.board': 'board-protocol.md',
+             'fixture.event[]': 'scenes.md', 'netem': 'network.md'}
+# Read from files that are no session files: scenes, profiles, needles.
+NO_SESSION = ['slave_sim/elements', 'slave_sim/scene', 'netem/profiles', 'netem/formats', 'netem/relay', 'netem/commands', 'experiment/log']
+QUOTED = re.compile(r'`([A-Za-z]\w*)`')
+
+
+def key_reference(programs):
+    text = subprocess.run([programs / 'thimble', 'config', 'reference', '--json'], check=True, capture_output=True, text=True).stdout
+    return {path: key for path, key in json.loads(text).items()
+            if '.' in path and key['type'] not in ('table', 'tables')}
+
+
+def page_tables(page):
+    """{table: [(key, default or None)]} of the headings ### [table]."""
+    found = {}
+    for part in re.split(r'^### ', page, flags=re.M)[1:]:
+        title, _, body = part.partition('\n')
+        rows = []
+        for line in re.findall(r'^\| (.*) \|$', body, re.M):
+            cells = [cell.strip() for cell in re.split(r'(?<!\\)\|', line)]
+            names = QUOTED.findall(cells[0])
+            rows += [(name, cells[1] if len(names) == 1 else None) for name in names]
+        for table in re.findall(r'\[([\w.]+)\](?!\()', title):
+            found[table] = rows
+    return found
+
+
+def as_number(text):
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        return None
+
+
+def check_keys(sources, keys):
+    page = (sources / 'docs/session-files.md').read_text()
+    tables = page_tables(page)
+    for path, key in keys.items():
+        table, name = path.rsplit('.', 1)
+        top = next((known for known in ELSEWHERE if table.startswith(known)), None)
+        text = (sources / 'docs' / ELSEWHERE[top]).read_text() if top else ''
+        listed = dict(tables.get(table, []))
+        # Keys in rows; names in a family by their placeholder (`..._title`).
+        if name not in listed and not re.search(rf'\b{name}\b', text) and not name.endswith('_title'):
+            yield f'docs/session-files.md: [{table}] lacks {name}'
+        ours, theirs = as_number(listed.get(name)), as_number(key['default'])
+        if ours is not None and theirs is not None and ours != theirs:
+            yield f'docs/session-files.md: [{table}] {name} is said to be {ours} by default, and is {theirs}'
+    for table, rows in tables.items():
+        for name, _ in rows:
+            if f'{table}.{name}' not in keys and table != 'instructions':
+                yield f'docs/session-files.md: [{table}] {name}: no reader knows it'
+
+
+def check_readers(sources, keys):
+    names = {path.rsplit('.', 1)[1] for path in keys}
+    asked = re.compile(r'\b(?:table|entry|own|link|trial|master|file|node)\.'
+                       r'(?:number|integer|boolean|text|choice|seconds|numbers|texts)\(\s*"(\w+)"')
+    for room in ['common', 'netem', 'master', 'slave_sim', 'cutaneous_node', 'visual_node', 'experiment']:
+        for file in (sources / room).rglob('*.cpp'):
+            where = str(file.relative_to(sources))
+            if any(where.startswith(prefix) for prefix in NO_SESSION):
+                continue
+            for name in asked.findall(file.read_text()):
+                if name not in names:
+                    yield f'{where}: reads {name}, which thimble config reference does not show'
+
+
+def check_figures(sources):
+    page = (sources / 'docs/figures.md').read_text()
+    for folder in ['figures', 'pictures']:
+        for file in (sources / 'docs' / folder).iterdir():
+            if file.suffix in ('.svg', '.png') and file.name not in page:
+                yield f'docs/figures.md does not say which command makes {folder}/{file.name}'
+
+
+def check_links(sources):
+    pages = [*sources.glob('*.md'), *(sources / 'docs').rglob('*.md')]
+    for page in pages:
+        text = re.sub(r'^( *)```.*?^\1```', '', page.read_text(), flags=re.M | re.S)
+        for target in re.findall(r'\]\(([^)\s]+)\)', text):
+            name = target.split('#')[0]
+            # docs/reference/ is written when the site is built.
+            if '://' in target or not name or 'reference/' in name or target.startswith('mailto:'):
+                continue
+            if not (page.parent / name).exists():
+                yield f'{page.relative_to(sources)}: dead link {target}'
+
+
+def main():
+    sources, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
+    keys = key_reference(programs)
+    wrong = [*check_keys(sources, keys), *check_readers(sources, keys), *check_figures(sources), *check_links(sources)]
+    print('\n'.join(wrong) or f'{len(keys)} keys, all named')
+    sys.exit(1 if wrong else 0)
+
+
+if __name__ == '__main__':
+    main()
