@@ -41,3 +41,11 @@ install(FILES ${CMAKE_BINARY_DIR}/thimble-config.cmake ${CMAKE_BINARY_DIR}/thimb
 # Session files, scenes and networks to begin with.
 install(DIRECTORY deploy/sessions deploy/scenes deploy/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
     COMPONENT programs)
+if(THIMBLE_GUI)
+    install(FILES deploy/desktop/thimble.desktop deploy/desktop/thimble-experimenter.desktop
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT programs)
+    install(FILES deploy/desktop/thimble.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps
+        COMPONENT programs)
+    install(FILES deploy/desktop/io.github.thimble.Thimble.metainfo.xml
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo COMPONENT programs)
+endif()
