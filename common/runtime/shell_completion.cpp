@@ -30,10 +30,10 @@ std::string function_of(const CommandTree& tree) {
 }
 
 // Patterns of a shell's `case`: paths of subcommands, as far as the words typed so far may have led.
-std::string subcommand_patterns(const CommandTree& tree) {
+std::string subcommand_patterns(const CommandTree& tree, const char* separator = " | ") {
     std::string patterns;
     for (std::size_t i = 1; i < tree.size(); ++i) {
-        patterns += fmt::format("{}'{}'", i > 1 ? " | " : "", tree[i].path);
+        patterns += fmt::format("{}'{}'", i > 1 ? separator : "", tree[i].path);
     }
     return patterns.empty() ? "'/'" : patterns;  // none: a word that no path is
 }
@@ -192,12 +192,10 @@ std::string fish_option(const std::string& start, const CompletedOption& option)
 }
 
 std::string fish(const CommandTree& tree) {
-    std::string subcommands = subcommand_patterns(tree);
-    for (std::size_t at = 0; (at = subcommands.find(" | ", at)) != std::string::npos;)
-        subcommands.replace(at, 3, " ");
     const std::string function = function_of(tree), program = tree.front().path;
-    std::string script = fmt::format(fmt::runtime(kFish), fmt::arg("program", program),
-                                     fmt::arg("function", function), fmt::arg("subcommands", subcommands));
+    std::string script =
+        fmt::format(fmt::runtime(kFish), fmt::arg("program", program), fmt::arg("function", function),
+                    fmt::arg("subcommands", subcommand_patterns(tree, " ")));
     for (const CompletedCommand& command : tree) {
         const std::string start =
             fmt::format("complete -c {} -n '_{}_at {}'", program, function, command.path);
