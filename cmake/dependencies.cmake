@@ -25,7 +25,7 @@ endif()
 # Sound in those windows. Without it the beep is shown only.
 option(THIMBLE_AUDIO "build the beep (with THIMBLE_GUI)" ON)
 if(THIMBLE_GUI AND THIMBLE_AUDIO)
-    pkg_check_modules(openal REQUIRED IMPORTED_TARGET openal)
+    pkg_check_modules(openal REQUIRED openal)
 endif()
 
 # Real devices on USB: HID, and the Novint Falcon. Force Dimension's library is opened at run time and needs nothing here. Without
