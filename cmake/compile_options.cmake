@@ -1,4 +1,5 @@
-# One interface library carries every flag, so that no target can forget one.
+# One interface library carries every flag, so that no target can forget one. It is not installed: who links an installed
+# library gets C++20 and the headers (cmake/install.cmake), not our warnings.
 add_library(thimble_options INTERFACE)
 target_include_directories(thimble_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(thimble_options INTERFACE THIMBLE_VERSION="${PROJECT_VERSION}")
@@ -28,12 +29,16 @@ function(thimble_library name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_library(${name} STATIC ${ARG_SOURCES})
     set_target_properties(${name} PROPERTIES ${THIMBLE_IN_UNITY})
-    target_link_libraries(${name} PUBLIC thimble_options ${ARG_LINK})
+    target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:thimble_options> ${ARG_LINK})
 endfunction()
 
+# Programs are installed, except for those of bench/ and tests/.
 function(thimble_program name)
     cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
     add_executable(${name} ${ARG_SOURCES})
     set_target_properties(${name} PROPERTIES ${THIMBLE_IN_UNITY})
     target_link_libraries(${name} PRIVATE thimble_options ${ARG_LINK})
+    if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(bench|tests)")
+        install(TARGETS ${name} COMPONENT programs)
+    endif()
 endfunction()

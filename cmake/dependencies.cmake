@@ -12,15 +12,20 @@ find_program(FLATC_EXECUTABLE flatc REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(libsodium REQUIRED IMPORTED_TARGET libsodium)
 
-# What windows and sound need. Without it every program still runs, with displays that only record.
-option(THIMBLE_GUI "build windows, sound and thimble play" ON)
+# What windows need. Without it every program still runs, with displays that only record.
+option(THIMBLE_GUI "build windows and thimble play" ON)
 if(THIMBLE_GUI)
     find_package(glfw3 3.3 REQUIRED)
     find_package(glm REQUIRED)
     find_package(PNG REQUIRED)
     pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
     pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
-    pkg_check_modules(openal REQUIRED IMPORTED_TARGET openal)
+endif()
+
+# Sound in those windows. Without it the beep is shown only.
+option(THIMBLE_AUDIO "build the beep (with THIMBLE_GUI)" ON)
+if(THIMBLE_GUI AND THIMBLE_AUDIO)
+    pkg_check_modules(openal REQUIRED openal)
 endif()
 
 # Real devices on USB: HID, and the Novint Falcon. Force Dimension's library is opened at run time and needs nothing here. Without

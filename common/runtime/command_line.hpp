@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -10,7 +11,10 @@ class App;
 namespace thimble {
 
 // Nothing if the program is to go on, else its exit code: what was asked for (--help, --version) or is wrong has
-// been said.
+// been said. Every program also takes --completion SHELL, which its --help does not list.
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
+
+// What a shell (one of kCompletedShells) completes after this program's name. `app` has all its options and subcommands.
+std::string completion_of(const CLI::App& app, const std::string& shell);
 
 }  // namespace thimble

@@ -34,5 +34,6 @@ Subcommand add_stability(CLI::App& app);
 Subcommand add_map(CLI::App& app);
 Subcommand add_log(CLI::App& app);
 Subcommand add_keygen(CLI::App& app);
+Subcommand add_completion(CLI::App& app);
 
 }  // namespace thimble

@@ -146,7 +146,7 @@ Diagnosis check_sound(const SoundFacts& sound) {
     }
     finding.severity = Severity::kNote;
     finding.says = sound.built ? "the beep is shown only: " + sound.problem
-                               : "this build has no sound (THIMBLE_GUI is off)";
+                               : "this build has no sound (THIMBLE_GUI or THIMBLE_AUDIO is off)";
     finding.remedy = sound.built ? "aplay -l" : "";
     return finding;
 }

@@ -59,6 +59,7 @@ ScreenFacts gather_screen() {
 }
 
 SoundFacts gather_sound() {
+    if (!Beeper::built()) return {false, ""};
     const QuietErrors quiet;  // the sound libraries' own words, pages of them
     const Beeper beeper;
     return {true, beeper.can_sound() ? "" : beeper.notice()};

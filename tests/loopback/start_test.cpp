@@ -40,6 +40,39 @@ TEST(Help, AnUnknownOptionIsAUsageError) {
     }
 }
 
+// What bash offers, the last of `words` being typed.
+std::string completed(const std::string& program, const std::vector<std::string>& arguments,
+                      const std::string& words) {
+    std::string command = "'" + (built_programs() / program).string() + "'";
+    for (const std::string& argument : arguments) command += " " + argument;
+    const std::string script = "eval \"$(" + command + ")\"; COMP_WORDS=(" + program + " " + words +
+                               "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _" +
+                               (program == "thimble" ? "thimble" : "thimble_netem") +
+                               "; echo ${COMPREPLY[*]}";
+    return run_to_end("/bin/bash", {"-c", script}).words;
+}
+
+TEST(Completion, KnowsSubcommandsOptionsAndChoices) {
+    const std::vector<std::string> bash{"completion", "bash"};
+    EXPECT_EQ(completed("thimble", bash, "st"), "study stability stop\n");
+    EXPECT_EQ(completed("thimble", bash, "log re"), "repair\n");
+    EXPECT_EQ(completed("thimble", bash, "run --over"), "--overwrite\n");
+    EXPECT_EQ(completed("thimble", bash, "study --analysis ''"), "paper full\n");
+    EXPECT_EQ(completed("thimble", bash, "run --out st"), "\n");  // a file's name: the shell's own business
+}
+
+TEST(Completion, IsInEveryProgramForEveryShell) {
+    for (const std::string& program : six_programs()) {
+        for (const char* shell : {"bash", "zsh", "fish"}) {
+            const Outcome outcome = run_to_end(built_programs() / program, {"--completion", shell});
+            EXPECT_EQ(outcome.code, 0) << program;
+            EXPECT_THAT(outcome.words, HasSubstr("Completion of " + program + " for " + shell));
+        }
+    }
+    EXPECT_EQ(completed("thimble-netem", {"--completion", "bash"}, "--max"), "--max-flows\n");
+    EXPECT_EQ(run_to_end(built_programs() / "thimble", {"completion", "csh"}).code, 2);
+}
+
 // Every program reads [network] and [runtime]; each also has a table of its own.
 class BadConfiguration : public testing::Test {
   protected:

@@ -32,6 +32,8 @@ class Beeper {
     Beeper(const Beeper&) = delete;
     Beeper& operator=(const Beeper&) = delete;
 
+    // False where this build has no sound at all (THIMBLE_AUDIO=OFF).
+    static bool built();
     bool can_sound() const { return impl_ != nullptr; }
     const std::string& notice() const { return notice_; }
     // Begins the tone, from its start if it sounds still.

@@ -78,7 +78,10 @@ void VisualWindow::describe(nlohmann::ordered_json& report) const {
         window["hand_to_swap"] = quantiles(times.hand_to_swap);
     }
     window["beeps"] = beeps_of(loop_.beeps());
-    window["sound"] = beeper_ == nullptr ? "off" : beeper_->can_sound() ? "on" : "no_device";
+    window["sound"] = beeper_ == nullptr     ? "off"
+                      : beeper_->can_sound() ? "on"
+                      : Beeper::built()      ? "no_device"
+                                             : "not_built";
     report["window"] = window;
 }
 

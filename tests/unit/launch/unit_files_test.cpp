@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,6 +43,18 @@ TEST(UnitFiles, SayWhatANodeNeedsAndNoMore) {
           "IPAddressAllow=10.77.0.3 127.0.0.1\n"}) {
         EXPECT_THAT(slave.text, HasSubstr(line));
     }
+}
+
+// deploy/systemd/thimble-node@.service is for whoever has no `thimble up`: what protects the machine must be the same.
+TEST(UnitFiles, TheTemplateOfThePackageProtectsAsTheseDo) {
+    std::ifstream file(std::filesystem::path(THIMBLE_SOURCE_DIR) / "deploy/systemd/thimble-node@.service");
+    ASSERT_TRUE(file.good());
+    std::stringstream text;
+    text << file.rdbuf();
+    const std::string unit = unit_files(plan()).front().text;
+    const std::size_t begin = unit.find("DynamicUser="), end = unit.find("SystemCallErrorNumber=");
+    ASSERT_LT(begin, end);
+    EXPECT_THAT(text.str(), HasSubstr(unit.substr(begin, end - begin)));
 }
 
 TEST(UnitFiles, HandOverTheLabKeyWhereThereIsOne) {
