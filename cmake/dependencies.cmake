@@ -30,3 +30,13 @@ if(THIMBLE_DEVICES)
     pkg_check_modules(hidapi REQUIRED IMPORTED_TARGET hidapi-hidraw)
     pkg_check_modules(libusb REQUIRED IMPORTED_TARGET libusb-1.0)
 endif()
+
+# OpenIGTLink, for thimble-igtl alone (docs/interoperability.md). Its own CMake files would change the flags of everything.
+option(THIMBLE_IGTL "build thimble-igtl, which shows sessions to 3D Slicer" ON)
+if(THIMBLE_IGTL)
+    find_path(OPENIGTLINK_INCLUDE_DIR igtlTransformMessage.h PATH_SUFFIXES openigtlink REQUIRED)
+    find_library(OPENIGTLINK_LIBRARY OpenIGTLink REQUIRED)
+    add_library(openigtlink INTERFACE IMPORTED)
+    target_include_directories(openigtlink INTERFACE ${OPENIGTLINK_INCLUDE_DIR})
+    target_link_libraries(openigtlink INTERFACE ${OPENIGTLINK_LIBRARY})
+endif()
