@@ -41,3 +41,13 @@ option(THIMBLE_MPI "build thimble-sweep-mpi" ON)
 if(THIMBLE_MPI)
     pkg_check_modules(ompi REQUIRED IMPORTED_TARGET ompi-c)
 endif()
+
+# OpenIGTLink, for thimble-igtl alone (docs/interoperability.md). Its own CMake files would change the flags of everything.
+option(THIMBLE_IGTL "build thimble-igtl, which shows sessions to 3D Slicer" ON)
+if(THIMBLE_IGTL)
+    find_path(OPENIGTLINK_INCLUDE_DIR igtlTransformMessage.h PATH_SUFFIXES openigtlink REQUIRED)
+    find_library(OPENIGTLINK_LIBRARY OpenIGTLink REQUIRED)
+    add_library(openigtlink INTERFACE IMPORTED)
+    target_include_directories(openigtlink INTERFACE ${OPENIGTLINK_INCLUDE_DIR})
+    target_link_libraries(openigtlink INTERFACE ${OPENIGTLINK_LIBRARY})
+endif()

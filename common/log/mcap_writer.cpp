@@ -11,10 +11,10 @@ std::string_view value_of(const McapMap& pairs, std::string_view key) {
     return found == pairs.end() ? std::string_view{} : std::string_view(found->second);
 }
 
-McapWriter::McapWriter(McapSink& sink, std::string_view library) : sink_(sink) {
+McapWriter::McapWriter(McapSink& sink, std::string_view library, std::string_view profile) : sink_(sink) {
     out_.bytes(kMcapMagic);
     const std::size_t header = out_.open(McapOpcode::kHeader);
-    out_.text("");
+    out_.text(profile);
     out_.text(library);
     out_.close(header);
     hand_over();

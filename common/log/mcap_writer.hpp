@@ -28,8 +28,8 @@ class McapSink {
 
 class McapWriter {
   public:
-    // `sink` outlives the writer. Begins the file.
-    McapWriter(McapSink& sink, std::string_view library);
+    // `sink` outlives the writer. Begins the file; `profile`: a set of rules that MCAP knows by name, such as "ros2".
+    McapWriter(McapSink& sink, std::string_view library, std::string_view profile = {});
 
     // These return the new record's number in the file.
     std::uint16_t add_schema(std::string_view name, std::string_view encoding, Bytes data);

@@ -27,6 +27,7 @@ Subcommand add_analyse(CLI::App& app);
 Subcommand add_check(CLI::App& app);
 Subcommand add_config(CLI::App& app);
 Subcommand add_doctor(CLI::App& app);
+Subcommand add_bids(CLI::App& app);
 Subcommand add_exclude(CLI::App& app);
 Subcommand add_remedies(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);

@@ -21,7 +21,7 @@ namespace {
 
 struct LogArguments {
     std::vector<std::string> files;
-    std::string out, topic, csv, json, hdf5;
+    std::string out, topic, csv, json, hdf5, ros2;
     CLI::App *info = nullptr, *cat = nullptr, *check = nullptr, *repair = nullptr, *share = nullptr;
 };
 
@@ -109,12 +109,13 @@ void export_json(const LogArguments& a, const LogFiles& files) {
 }
 
 int share(const LogArguments& a) {
-    if (a.csv.empty() && a.json.empty() && a.hdf5.empty())
-        throw Error(ExitCode::kUsage, "say where to: --csv FOLDER, --hdf5 FILE or --json FILE");
+    if (a.csv.empty() && a.json.empty() && a.hdf5.empty() && a.ros2.empty())
+        throw Error(ExitCode::kUsage, "say where to: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
     const LogFiles files = open_logs(a);
     if (!a.csv.empty()) fmt::print("{}: {} tables\n", a.csv, export_csv(files, a.csv, a.topic));
     if (!a.hdf5.empty()) fmt::print("{}: {} tables\n", a.hdf5, export_hdf5(files, a.hdf5, a.topic));
     if (!a.json.empty()) export_json(a, files);
+    if (!a.ros2.empty()) fmt::print("{}: {} topics\n", a.ros2, export_ros2(files, a.ros2, a.topic));
     return 0;
 }
 
@@ -156,7 +157,7 @@ Subcommand add_log(CLI::App& app) {
                  "thimble log check out/run/nodes/*_50ms.mcap");
     a.repair = add_part(*log, a, "repair", "a whole log, with an index, from one that was cut off",
                         "thimble log repair out/run/nodes/session_50ms.mcap --out whole.mcap");
-    a.share = add_part(*log, a, "export", "tables or JSON for other programs",
+    a.share = add_part(*log, a, "export", "tables, JSON or ROS 2 messages for other programs",
                        "thimble log export out/run/nodes/*_50ms.mcap --csv out/tables");
     a.repair->get_option("files")->expected(1);
     a.repair->add_option("-o,--out", a.out, "the new file")->required();
@@ -165,6 +166,9 @@ Subcommand add_log(CLI::App& app) {
     a.share->add_option("--hdf5", a.hdf5,
                         "new file with the same tables, units as attributes (needs the HDF5 library)");
     a.share->add_option("--json", a.json, "file for one object per message and line; - is standard output");
+    a.share->add_option("--ros2", a.ros2,
+                        "new MCAP file of ROS 2 messages for ros2 bag, PlotJuggler, Foxglove, MATLAB "
+                        "(docs/interoperability.md)");
     return {log, [arguments] { return run_log(*arguments); }};
 }
 

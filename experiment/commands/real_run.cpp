@@ -12,6 +12,7 @@
 #include "common/runtime/runtime_settings.hpp"
 #include "experiment/commands/build_checks.hpp"
 #include "experiment/commands/say_results.hpp"
+#include "experiment/observe/plotjuggler.hpp"
 #include "experiment/play/attendant.hpp"
 #include "experiment/play/order_lines.hpp"
 #include "experiment/play/play_starter.hpp"
@@ -55,6 +56,9 @@ int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings
                 return attend(session, sockets, orders, orders.context());
             }};
     }
+    if (!arguments.plotjuggler.empty())
+        run.attend = with_plotjuggler(run.view ? run.view->attend : nullptr,
+                                      plotjuggler_at(arguments.plotjuggler, run.network));
     return sit_and_say(settings, arguments.sitting, run, arguments.json);
 }
 
@@ -72,6 +76,11 @@ void add_real_run_options(CLI::App& command, const std::string& default_out, Rea
     command.add_flag("--strict-rt", a.strict_rt, "exit with 4 if a node missed too many deadlines");
     command.add_flag("--monitor", a.monitor,
                      "feed an experimenter's view and take its orders (ports 23 and 24 of docs/protocol.md)");
+    command
+        .add_option("--plotjuggler", a.plotjuggler,
+                    "send what the session knows, undelayed, to PlotJuggler's UDP server (JSON, 100 Hz; its "
+                    "port is 9870)")
+        ->type_name("[HOST:]PORT");
     command.add_flag("--json", a.json, "print summary.json on stdout");
     add_sitting_options(command, a.sitting);
 }
@@ -116,6 +125,8 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
             return attend(session, sockets, desk, context);
         };
     }
+    if (!arguments.plotjuggler.empty())
+        options.attend = with_plotjuggler(options.attend, plotjuggler_at(arguments.plotjuggler, network));
     const RunResult result = run_session(settings, options);
     say_results(arguments.json, options.out, result.rows);
     if (result.code != ExitCode::kOk) spdlog::error(result.problem);

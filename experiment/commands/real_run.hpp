@@ -16,14 +16,14 @@ class Option;
 namespace thimble {
 
 struct RealRunArguments {
-    std::string config, out, typed;
+    std::string config, out, typed, plotjuggler;
     int base_port = 0;
     SittingArguments sitting;
     CLI::Option* out_option = nullptr;
     bool overwrite = false, strict_rt = false, json = false, monitor = false;
 };
 
-// Session file, --out, --base-port, --overwrite, --strict-rt, --json, --monitor and those of a sitting.
+// Session file, --out, --base-port, --overwrite, --strict-rt, --json, --monitor, --plotjuggler and those of a sitting.
 void add_real_run_options(CLI::App& command, const std::string& default_out, RealRunArguments& arguments);
 
 // The nodes' programs lie beside this one.

@@ -23,6 +23,11 @@ std::size_t export_csv(const std::vector<std::unique_ptr<LoggedFile>>& files,
 std::size_t export_hdf5(const std::vector<std::unique_ptr<LoggedFile>>& files,
                         const std::filesystem::path& path, const std::string& topic);
 
+// The same movements, forces and events as ROS 2 messages (docs/interoperability.md) in a new MCAP file of profile "ros2"; the logs' topics
+// that begin with `topic`. Returns how many topics it has. Throws Error: usage, if it exists; run failed, if it cannot be written.
+std::size_t export_ros2(const std::vector<std::unique_ptr<LoggedFile>>& files,
+                        const std::filesystem::path& path, const std::string& topic);
+
 // One message as a JSON object, or for people; `zero_ns` is what their times count from.
 std::string to_json(const MergedMessage& message, const PacketFields& fields);
 std::string to_line(const MergedMessage& message, const PacketFields& fields, std::int64_t zero_ns);

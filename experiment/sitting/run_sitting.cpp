@@ -113,6 +113,7 @@ LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const 
     plan.log = settings.log;
     plan.session_file = settings.file;
     if (run.view) plan.attend = run.view->attend;
+    if (run.attend) plan.attend = run.attend;
     return plan;
 }
 

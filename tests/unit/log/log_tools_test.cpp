@@ -12,8 +12,6 @@
 #include "common/codec.hpp"
 #include "common/error.hpp"
 #include "common/log/log_topics.hpp"
-#include "common/log/wire_schema.hpp"
-#include "common/runtime/log/log_file.hpp"
 #include "common/text_file.hpp"
 #include "experiment/log/log_check.hpp"
 #include "experiment/log/log_export.hpp"
@@ -23,6 +21,7 @@
 #include "tests/read_text.hpp"
 #include "tests/unit/log/log_folder.hpp"
 #include "tests/unit/log/small_log.hpp"
+#include "tests/unit/log/written_log.hpp"
 
 namespace thimble {
 namespace {
@@ -31,40 +30,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-struct WrittenMessage {
-    std::uint32_t sequence = 0;
-    std::int64_t log_time_ns = 0;
-};
-
-// One flow as one of its ends wrote it down.
-struct WrittenLog {
-    std::string program = "thimble-master", boot = "a";
-    std::string direction = "sent";
-    std::vector<WrittenMessage> messages;
-    std::function<void(McapWriter&)> more{};
-    std::vector<Message> bodies{Message{{7, {}, 0, 1, Role::kMaster}, NeedleCommand{}}};
-
-    void write(const std::filesystem::path& path) const {
-        LogFile file(path);
-        McapWriter writer(file, "test");
-        const std::uint16_t schema = writer.add_schema(kWireSchemaName, "flatbuffer", wire_schema());
-        writer.add_metadata("thimble", {{"program", program}, {"machine_boot", boot}});
-        if (more) more(writer);
-        const std::uint16_t channel =
-            writer.add_channel(schema, "/master/needle_command", "flatbuffer", {{"direction", direction}});
-        Encoder encoder;
-        for (const WrittenMessage& m : messages) {
-            for (Message body : bodies) {
-                body.header.sequence = m.sequence;
-                body.header.send_time = from_nanoseconds(1000 * static_cast<std::int64_t>(m.sequence));
-                writer.add_message({channel, m.sequence, static_cast<std::uint64_t>(m.log_time_ns), 0,
-                                    encoder.encode(body)});
-            }
-        }
-        writer.finish();
-    }
-};
 
 class LogTools : public testing::Test {
   protected:

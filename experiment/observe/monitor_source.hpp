@@ -1,0 +1,73 @@
+// Where thimble-igtl has the state of a session from: a session that runs, or the logs of one that ran.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/runtime/sockets.hpp"
+#include "visual_node/views/monitor_receiver.hpp"
+
+namespace thimble {
+
+class MonitorSource {
+  public:
+    virtual ~MonitorSource() = default;
+    MonitorSource() = default;
+    MonitorSource(const MonitorSource&) = delete;
+    MonitorSource& operator=(const MonitorSource&) = delete;
+
+    virtual void update(SessionTime now) = 0;
+    virtual const Monitor& newest() const = 0;
+    virtual std::uint32_t trial() const = 0;
+    virtual bool silent(SessionTime now) const = 0;
+    virtual bool over() const { return false; }
+    // Because others were awaited: what is shown begins now.
+    virtual void start(SessionTime /*now*/) {}
+};
+
+// In the place of an experimenter's or a player's view, of which each hears what `thimble run --monitor` says.
+class LiveMonitor final : public MonitorSource {
+  public:
+    enum class Seat { kExperimenter, kPlayer };
+    // `sockets` outlive this. Throws Error (network) if another view sits there.
+    LiveMonitor(Sockets& sockets, Seat seat);
+
+    void update(SessionTime now) override;
+    const Monitor& newest() const override { return receiver_.newest(); }
+    std::uint32_t trial() const override { return receiver_.trial(); }
+    bool silent(SessionTime now) const override { return receiver_.silent(now); }
+
+  private:
+    Sockets* sockets_;
+    MonitorReceiver receiver_;
+};
+
+// The logs of one session with `[log] messages = "all"`, at `speed` times the pace of then.
+class LoggedMonitor final : public MonitorSource {
+  public:
+    // Throws Error (data) if they cannot be read, or hold no positions and forces.
+    LoggedMonitor(const std::vector<std::string>& logs, double speed);
+
+    void update(SessionTime now) override;
+    void start(SessionTime now) override { started_ = now; }
+    const Monitor& newest() const override { return moments_[at_].monitor; }
+    std::uint32_t trial() const override { return moments_[at_].trial; }
+    bool silent(SessionTime) const override { return false; }
+    bool over() const override { return at_ + 1 == moments_.size(); }
+
+  private:
+    struct Moment {
+        std::int64_t time_ns = 0;
+        std::uint32_t trial = 0;
+        Monitor monitor{};
+    };
+    class Reading;
+    std::vector<Moment> moments_;
+    std::size_t at_ = 0;
+    double speed_;
+    SessionTime started_{};
+};
+
+}  // namespace thimble

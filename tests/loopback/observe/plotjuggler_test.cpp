@@ -1,0 +1,64 @@
+// `thimble run --plotjuggler`: heard by Python, which is not Thimble's.
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "experiment/observe/observers.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+TEST(PlotJuggler, APythonProgramHearsTheSession) {
+    if (std::system("python3 -c 'import json, socket' > /dev/null 2>&1") != 0)
+        GTEST_SKIP() << "there is no python3 with its standard library";
+    const Folder folder;
+    Child listener(
+        "/bin/sh",
+        {"-c", "exec python3 '" THIMBLE_SOURCE_DIR "/tests/loopback/observe/hear_plotjuggler.py' '" +
+                   (folder / "port").string() + "' 15"},
+        folder / "heard");
+    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder / "port"); }))
+        << read_text(folder / "heard");
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    RealRun run(session, {"--plotjuggler", read_text(folder / "port")});
+    EXPECT_EQ(listener.wait(kPatience), 0) << read_text(folder / "heard") << run.words();
+    run.launcher().signal(SIGTERM);
+    run.end();
+    const auto heard = nlohmann::json::parse(read_text(folder / "heard"));
+    for (const char* key :
+         {"force_total_N", "position_surface_m", "network_delay_s", "tissue_phase", "trial"})
+        EXPECT_THAT(heard["keys"], Contains(key));
+    EXPECT_GT(heard["moved_m"], 0.01);
+    EXPECT_LT(heard["per_second"], 250);  // twice the 100 Hz, for a loop that was late
+    EXPECT_EQ(heard["times_go_up"], true);
+    EXPECT_LT(heard["behind_s"], 60);  // a date, not a machine's own time
+    EXPECT_GT(heard["behind_s"], -60);
+    EXPECT_EQ(heard["last"]["modality"], "HF");
+}
+
+TEST(PlotJuggler, AnotherMachineIsRefusedByName) {
+    const Folder folder;
+    const auto session = folder.write("session.toml", SessionFile{}.text()).string();
+    const Outcome refused =
+        run_to_end(built_programs() / "thimble",
+                   {"run", session, "--out", (folder / "out").string(), "--plotjuggler", "192.0.2.1:9870"});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.words, HasSubstr("--plotjuggler: '192.0.2.1' is not this machine alone"));
+}
+
+TEST(Observers, AreReadFromText) {
+    EXPECT_EQ(read_observer("9870", "--to").host, "127.0.0.1");
+    EXPECT_EQ(read_observer("lab:65535", "--to").port, 65535);
+    for (const char* wrong : {"", "lab", "lab:", ":1", "lab:65536", "lab:-1", "1 "})
+        EXPECT_THROW(read_observer(wrong, "--to"), Error) << wrong;
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,173 @@
+// Logs as ROS 2 messages, read by programs that are not Thimble's.
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+#include "experiment/log/log_export.hpp"
+#include "experiment/log/ros2_messages.hpp"
+#include "tests/read_text.hpp"
+#include "tests/unit/log/log_folder.hpp"
+#include "tests/unit/log/written_log.hpp"
+
+namespace thimble {
+namespace {
+
+// A master on a machine whose clock is one second ahead, its session, and slave_sim, each with a log.
+class Ros2Logs : public testing::Test {
+  protected:
+    Ros2Logs() {
+        WrittenLog session;
+        session.program = "session";
+        session.direction = "received";
+        session.topic = "/slave_sim/record";
+        session.realtime_ns = "1700000000000000000";
+        session.messages = {{1, 2'000'000'020}};
+        ForceFeedback record;
+        record.position_needle_m = 0.06;
+        record.position_surface_m = 0.021;
+        record.velocity_surface_m_per_s = -0.5;
+        record.position_proxy_m = 0.05;
+        record.force_tissue_N = -1.25;
+        record.force_fixture_N = -2;
+        record.force_total_N = -3.25;
+        session.bodies = {Message{{7, {}, 0, 3, Role::kSlaveSim}, record}};
+        session.more = [](McapWriter& writer) {
+            writer.add_metadata("clock_offset", {{"node", "master"}, {"offset_s", "1.0"}, {"at_ns", "0"}});
+        };
+        add("session", session);
+
+        WrittenLog master;
+        master.boot = "another machine";
+        master.realtime_ns = "1234";  // its date is wrong, too
+        master.messages = {{1, 3'000'000'010}};
+        NeedleCommand command;
+        command.position_needle_m = 0.06;
+        command.velocity_needle_m_per_s = 0.3;
+        command.position_hand_m = 0.02;
+        command.velocity_hand_m_per_s = 0.1;
+        command.force_hand_N = 0.75;  // pushes the hand out
+        master.bodies = {Message{{8, {}, 0, 3, Role::kMaster}, command}};
+        add("master", master);
+    }
+    void add(const std::string& name, const WrittenLog& log) {
+        log.write(folder_.path() / (name + ".mcap"));
+        files_.push_back(std::make_unique<LoggedFile>(folder_.path() / (name + ".mcap")));
+    }
+    LogFolder folder_;
+    std::vector<std::unique_ptr<LoggedFile>> files_;
+};
+
+TEST_F(Ros2Logs, ReadByOthers) {
+    const std::filesystem::path modules = THIMBLE_SOURCE_DIR "/build/log_reader/node_modules";
+    if (!std::filesystem::exists(modules / "@foxglove/rosmsg2-serialization"))
+        GTEST_SKIP() << "readers of ROS 2 messages are not installed: deploy/install-log-reader does that "
+                        "where there is npm";
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", ""), 13U);
+    std::filesystem::copy_file(THIMBLE_SOURCE_DIR "/tests/log_reader/read_ros2.mjs",
+                               folder_.path() / "read_ros2.mjs");
+    std::filesystem::create_directory_symlink(modules, folder_.path() / "node_modules");
+    const auto said = folder_.path() / "said";
+    const std::string command =
+        "cd '" + folder_.path().string() + "' && node read_ros2.mjs ros2.mcap > said 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0) << read_text(said);
+    const auto found = nlohmann::json::parse(read_text(said));
+    EXPECT_EQ(found["profile"], "ros2");
+
+    const auto of = [&](const char* topic, const char* type) {
+        const auto& its = found["topics"][topic];
+        EXPECT_EQ(its["type"], type) << topic;
+        EXPECT_EQ(its["messages"].size(), 1U) << topic;
+        return its["messages"][0]["value"];
+    };
+    const auto pose_z = [&](const char* topic) {
+        const auto value = of(topic, "geometry_msgs/msg/PoseStamped");
+        EXPECT_EQ(value["pose"]["orientation"]["w"], 1) << topic;
+        return value["pose"]["position"]["z"].get<double>();
+    };
+    const auto twist_z = [&](const char* topic) {
+        return of(topic, "geometry_msgs/msg/TwistStamped")["twist"]["linear"]["z"].get<double>();
+    };
+    const auto force_z = [&](const char* topic) {
+        return of(topic, "geometry_msgs/msg/WrenchStamped")["wrench"]["force"]["z"].get<double>();
+    };
+    EXPECT_EQ(pose_z("/master/measured_cp"), 0.02);
+    EXPECT_EQ(twist_z("/master/measured_cv"), 0.1);
+    EXPECT_EQ(force_z("/master/measured_cf"), -0.75);
+    EXPECT_EQ(pose_z("/slave_sim/servo_cp"), 0.06);
+    EXPECT_EQ(twist_z("/slave_sim/servo_cv"), 0.3);
+    EXPECT_EQ(pose_z("/slave_sim/measured_cp"), 0.06);
+    EXPECT_EQ(force_z("/slave_sim/measured_cf"), -3.25);
+    EXPECT_EQ(force_z("/slave_sim/tissue/measured_cf"), -1.25);
+    EXPECT_EQ(force_z("/slave_sim/fixture/measured_cf"), -2);
+    EXPECT_EQ(pose_z("/slave_sim/surface/measured_cp"), 0.021);
+    EXPECT_EQ(twist_z("/slave_sim/surface/measured_cv"), -0.5);
+    EXPECT_EQ(pose_z("/slave_sim/proxy/measured_cp"), 0.05);
+
+    // Of odd lengths, so that what follows has to be aligned.
+    const auto joint = of("/master/measured_js", "sensor_msgs/msg/JointState");
+    EXPECT_EQ(joint["name"], nlohmann::json::array({"insertion"}));
+    EXPECT_EQ(joint["position"], nlohmann::json::array({0.02}));
+    EXPECT_EQ(joint["velocity"], nlohmann::json::array({0.1}));
+    EXPECT_EQ(joint["effort"], nlohmann::json::array({-0.75}));
+
+    // Both on the session's clock: 10 ns apart, although the master's is a second ahead and its date is 1970's.
+    const auto stamp = [&](const char* topic) {
+        return found["topics"][topic]["messages"][0]["value"]["header"]["stamp"];
+    };
+    EXPECT_EQ(stamp("/master/measured_cp"), nlohmann::json::parse(R"({"sec": 1700000002, "nanosec": 10})"));
+    EXPECT_EQ(stamp("/slave_sim/measured_cp"),
+              nlohmann::json::parse(R"({"sec": 1700000002, "nanosec": 20})"));
+    EXPECT_EQ(found["topics"]["/master/measured_cp"]["messages"][0]["log_time_ns"], "1700000002000000010");
+    EXPECT_EQ(joint["header"]["frame_id"], "handle");
+}
+
+// Of two copies of a message one is exported; orders that are said again are one event; what arrives is what arrived.
+TEST_F(Ros2Logs, EachThingOnce) {
+    WrittenLog twin;
+    twin.program = "thimble-slave-sim";
+    twin.direction = "received";
+    twin.messages = {{1, 15}};
+    add("slave", twin);
+    WrittenLog orders;
+    orders.program = "session";
+    orders.topic = "/session/orders/master";
+    SessionControl start;
+    start.modality = Modality::kCF;
+    orders.bodies = {Message{{7, {}, 0, 4, Role::kSession}, start},
+                     Message{{7, {}, 0, 4, Role::kSession}, start}};
+    orders.messages = {{1, 5}};
+    add("orders", orders);
+    for (const char* direction : {"sent", "received"}) {
+        WrittenLog force;
+        force.topic = "/slave_sim/force_feedback/master";
+        force.direction = direction;
+        force.bodies = {Message{{7, {}, 0, 4, Role::kSlaveSim}, ForceFeedback{}}};
+        force.messages = {{1, 30}};
+        add(direction, force);
+    }
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", ""), 15U);
+    const LoggedFile written(folder_.path() / "ros2.mcap");
+    EXPECT_EQ(written.scan().messages, 15U);
+    EXPECT_TRUE(written.scan().finished);
+    EXPECT_THROW(export_ros2(files_, folder_.path() / "ros2.mcap", ""), Error);
+}
+
+TEST_F(Ros2Logs, OnlyTheTopicsAskedFor) {
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "/slave_sim"), 7U);
+}
+
+TEST(Cdr, NumbersStandAtMultiplesOfTheirSize) {
+    CdrOutput out;
+    Ros2Value value;
+    value.frame = "ab";
+    value.z = 1;
+    const Bytes bytes = ros2_bytes(Ros2Type::kWrenchStamped, value, out);
+    EXPECT_EQ(bytes.size(), 4U + 16 + 48);  // 8 of stamp, 4 + 3 of the frame, filled up to 16
+    EXPECT_EQ(bytes[1], 1);                 // little-endian
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,54 @@
+// One flow as one of its ends wrote it down: a log made by a test.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/codec.hpp"
+#include "common/log/mcap_writer.hpp"
+#include "common/log/wire_schema.hpp"
+#include "common/runtime/log/log_file.hpp"
+
+namespace thimble {
+
+struct WrittenMessage {
+    std::uint32_t sequence = 0;
+    std::int64_t log_time_ns = 0;
+};
+
+struct WrittenLog {
+    std::string program = "thimble-master", boot = "a";
+    std::string direction = "sent", topic = "/master/needle_command";
+    std::string realtime_ns = "0";  // when its clock was zero
+    std::vector<WrittenMessage> messages;
+    std::function<void(McapWriter&)> more{};
+    std::vector<Message> bodies{Message{{7, {}, 0, 1, Role::kMaster}, NeedleCommand{}}};
+
+    void write(const std::filesystem::path& path) const {
+        LogFile file(path);
+        McapWriter writer(file, "test");
+        const std::uint16_t schema = writer.add_schema(kWireSchemaName, "flatbuffer", wire_schema());
+        writer.add_metadata("thimble", {{"program", program},
+                                        {"machine_boot", boot},
+                                        {"monotonic_ns", "0"},
+                                        {"realtime_ns", realtime_ns}});
+        if (more) more(writer);
+        const std::uint16_t channel =
+            writer.add_channel(schema, topic, "flatbuffer", {{"direction", direction}});
+        Encoder encoder;
+        for (const WrittenMessage& m : messages) {
+            for (Message body : bodies) {
+                body.header.sequence = m.sequence;
+                body.header.send_time = from_nanoseconds(1000 * static_cast<std::int64_t>(m.sequence));
+                writer.add_message({channel, m.sequence, static_cast<std::uint64_t>(m.log_time_ns), 0,
+                                    encoder.encode(body)});
+            }
+        }
+        writer.finish();
+    }
+};
+
+}  // namespace thimble
