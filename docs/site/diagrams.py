@@ -18,9 +18,12 @@ def quoted(text):
 def flowchart(source):
     """Our subset: chains of nodes with labels, solid and dotted edges with labels."""
     lines = source.strip().splitlines()
+    # Labels beside long arrows make a row too wide for a page; a column has room for them.
+    labelled = any(len(label) > 20 for label in re.findall(r'--? "([^"]*)" --?>|-\. "([^"]*)" \.->', source) for label in label)
+    direction = 'TB' if labelled else lines[0].split()[1]
     out = ['digraph { rankdir=%s; bgcolor=transparent; node [shape=box, style="rounded,filled", fillcolor="#eef3f8",'
            ' color="#4a6f96", fontname="sans-serif", fontsize=11]; edge [color="#555555", fontname="sans-serif", fontsize=10];'
-           % lines[0].split()[1]]
+           % direction]
     for line in lines[1:]:
         at, before, edge = 0, None, ''
         while at < len(line):

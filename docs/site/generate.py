@@ -83,7 +83,7 @@ def written_tables(programs, scratch):
     thimble = programs / 'thimble'
     study = [thimble, 'study', '-e', '3', '-n', '1', '--no-control']
     said_by([*study, '--trajectories', '--out', 's'], scratch)
-    said_by([*study[:-1], '--seeds', '1', '--out', 'seeds'], scratch)
+    said_by([*study[:-1], '--seeds', '2', '--out', 'seeds'], scratch)
     said_by([*study[:-1], '--vary', 'handle.friction_N=0.5:0.6:2', '--out', 'vary'], scratch)
     (scratch / 'needle.csv').write_text('time_s,position_needle_m\n0,0\n1,0.03\n')
     said_by([thimble, 'replay', '--needle', 'needle.csv', '--out', 'forces.csv'], scratch)
@@ -113,7 +113,7 @@ def write_columns(sources, programs, out, scratch):
     tables = [(name, who, list(dict.fromkeys(map(short, header(scratch / file)))))
               for name, who, file in written_tables(programs, scratch)]
     clocks = re.search(r'kClockColumns\{([^}]*)\}', (sources / 'experiment/clocks/clock_file.cpp').read_text())
-    tables.append(('nodes/clocks.csv', 'run: a line per clock probe', re.findall(r'"(\w+)"', clocks[1])))
+    tables.append(('nodes/clocks_*ms.csv', 'run: a line per clock probe', re.findall(r'"(\w+)"', clocks[1])))
     text = ('# Every column of every table\n\nComma-separated, a header line, SI units named in the columns; lines that begin with # are '
             'remarks. From the headers that the programs write.\n`thimble log export` writes a table per message, whose columns are '
             '[its fields](messages.md). `draws.csv` (`study --draws`) has a column per drawn [key](keys.md).\n')

@@ -56,8 +56,10 @@ def check_keys(sources, keys):
         top = next((known for known in ELSEWHERE if table.startswith(known)), None)
         text = (sources / 'docs' / ELSEWHERE[top]).read_text() if top else ''
         listed = dict(tables.get(table, []))
-        # Keys in rows; names in a family by their placeholder (`..._title`).
-        if name not in listed and not re.search(rf'\b{name}\b', text) and not name.endswith('_title'):
+        # The pages of [instructions] stand in its text, and each has a title (`..._title`).
+        if table == 'instructions':
+            text, name = page, name.removesuffix('_title')
+        if name not in listed and not re.search(rf'`{name}`' if table == 'instructions' else rf'\b{name}\b', text):
             yield f'docs/session-files.md: [{table}] lacks {name}'
         ours, theirs = as_number(listed.get(name)), as_number(key['default'])
         if ours is not None and theirs is not None and ours != theirs:

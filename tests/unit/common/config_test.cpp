@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/nearest_name.hpp"
 
 namespace thimble {
 namespace {
@@ -256,6 +257,36 @@ TEST_F(ConfigOnDisk, RefusesWhatCannotBeRead) {
     EXPECT_THAT(refusal_of([&] { ConfigFile::load(path_); }),
                 AllOf(StartsWith(path_.string()), HasSubstr("does it exist")));
     EXPECT_THAT(refusal_of([&] { ConfigFile::load(path_.parent_path()); }), HasSubstr("cannot read"));
+}
+
+TEST(Config, AMisspeltKeyIsToldWhichOneWasMeant) {
+    const ConfigFile file = parse("[master]\nforce_limt_N = 3\nspeed = 1");
+    const ConfigTable master = file.table("master");
+    master.number("force_limit_N", 12, 0, 100);
+    EXPECT_THAT(refusal_of([&] { file.finish(); }), AllOf(HasSubstr("unknown key 'master.force_limt_N'"),
+                                                          HasSubstr("did you mean 'force_limit_N'?")));
+}
+
+TEST(Config, NotesWhatAReaderSaysOfItsKeys) {
+    ConfigFile file = parse("");
+    file.note_declarations();
+    const ConfigTable link = file.table("link");
+    link.number("delay_s", 0.05, 0, 60);
+    link.choice("shape", 1, {"none", "normal"});
+    const KeyDeclaration delay = file.declarations().at("link.delay_s");
+    EXPECT_EQ(delay.type, "number");
+    EXPECT_EQ(delay.fallback, "0.05");
+    EXPECT_EQ(delay.range, "0 to 60");
+    EXPECT_EQ(file.declarations().at("link.shape").fallback, "\"normal\"");
+    EXPECT_THAT(file.declarations().at("link.shape").choices, ElementsAre("none", "normal"));
+}
+
+TEST(NearestName, FindsSwappedLettersAndAnotherCaseButNoOtherWord) {
+    EXPECT_EQ(nearest_name("dealy_s", {"delay_s", "loss"}), "delay_s");
+    EXPECT_EQ(nearest_name("hf", {"CF", "HF"}), "HF");
+    EXPECT_EQ(nearest_name("speed", {"delay_s", "loss"}), "");
+    EXPECT_EQ(nearest_name("", {"a"}), "a");
+    EXPECT_EQ(nearest_name("x", {}), "");
 }
 
 }  // namespace
