@@ -204,12 +204,13 @@ TEST(StaleInput, TheHandleFollowsThePolicy) {
         EXPECT_EQ(rig.force_at_handle_N(), mode == StaleMode::kHold ? held_N : 0);
         rig.finish();
         EXPECT_EQ(rig.force_at_handle_N(), 0) << "the trial is over";
-        // Each output that missed it says so, and until when: the trial's end, 500 ms after the last input.
+        // Each output that missed it says so, and how long: to the trial's end, 500 ms after the last heartbeat or input.
         ASSERT_EQ(rig.master().stale_record().trials(), 1U);
         const StaleRecord::Trial acted = rig.master().stale_record().known().front();
         EXPECT_EQ(acted.trial, 1U);
         EXPECT_EQ(acted.times, 1U);
-        EXPECT_NEAR(to_seconds(acted.acted), 0.4, 0.01);
+        EXPECT_GT(acted.acted, milliseconds{250});
+        EXPECT_LE(acted.acted, milliseconds{401});
         EXPECT_EQ(acted.longest, acted.acted);
         EXPECT_EQ(rig.visual().stale_record().trials(), 1U);
         EXPECT_EQ(rig.slave().stale_record().trials(), 1U);
