@@ -16,8 +16,8 @@ import tempfile
 import time
 
 RANKS = (1, 2, 4)
-MAP = ["--delay-s", "0:0.2:60", "--contact-stiffness-N-per-m", "50:20000:60"]
-POINTS = 3600
+MAP = ["--delay-s", "0:0.2:40", "--contact-stiffness-N-per-m", "50:20000:40"]
+POINTS = 1600
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-n"]
 
 
