@@ -38,6 +38,9 @@ endif()
 
 # Maps by the ranks of many machines: a program of its own, so that no other needs Open MPI.
 option(THIMBLE_MPI "build thimble-sweep-mpi" ON)
+if(THIMBLE_SANITIZE)
+    set(THIMBLE_MPI OFF)  # what Open MPI itself leaks and races would be all they say
+endif()
 if(THIMBLE_MPI)
     pkg_check_modules(ompi REQUIRED IMPORTED_TARGET ompi-c)
 endif()

@@ -169,7 +169,6 @@ void RemediedLoop::move(double from_s, double to_s) {
     const double duration_s = to_s - from_s, from_m = position_m();
     hand_.advance(propagator(duration_s), conditions_.loop.press_N - force_N_);
     energy_J_ += force_N_ * (position_m() - from_m);
-    least_energy_J_ = std::min(least_energy_J_, energy_J_);
     if (wished_of_ < 0 || local_) return;
     const double age_s = static_cast<double>(sample_ - wished_of_) * step_s_ + (from_s + to_s) / 2;
     age_s2_ += age_s * duration_s;

@@ -39,7 +39,6 @@ class RemediedLoop {
     double position_m() const { return hand_.position_m(); }
     double sampled_m() const;
     double energy_J() const { return energy_J_; }  // as LoopSimulator's
-    double least_energy_J() const { return least_energy_J_; }
     // Mean age of the position behind the force that acted; NaN for a force of the handle's own (local fixture).
     double effective_delay_s() const;
 
@@ -66,7 +65,7 @@ class RemediedLoop {
     std::vector<std::vector<Packet>> arriving_;  // by sample modulo size
     std::vector<Propagator> known_;
     std::int64_t sample_ = 0, newest_ = -1, wished_of_ = -1;
-    double wish_N_ = 0, force_N_ = 0, energy_J_ = 0, least_energy_J_ = 0;
+    double wish_N_ = 0, force_N_ = 0, energy_J_ = 0;
     double age_s2_ = 0, aged_s_ = 0;
 };
 

@@ -32,8 +32,8 @@ MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double en
 // ever closer amplitudes of a loop that swings up without. Throws Error (usage) for a loop that does not swing up.
 double measured_friction_threshold_m(const SampledLoop& loop, double friction_N);
 
-// The greatest press with which the loop at the wall still cycles, pressed harder and harder at N_per_s from half of the limit.
-double measured_press_fold_N(const LoopConditions& conditions, double N_per_s);
+// The greatest press with which the loop at the wall still cycles, pressed harder and harder by rise_N_per_s from half of the limit.
+double measured_press_fold_N(const LoopConditions& conditions, double rise_N_per_s);
 
 enum class HoldClass : char { kSettles = 'S', kMarginal = 'M', kOscillates = 'O' };
 

@@ -89,7 +89,7 @@ double measured_friction_threshold_m(const SampledLoop& loop, double friction_N)
     return run_rubbed(conditions, high, friction_N).steady_m;
 }
 
-double measured_press_fold_N(const LoopConditions& conditions, double N_per_s) {
+double measured_press_fold_N(const LoopConditions& conditions, double rise_N_per_s) {
     constexpr double kSwinging_s = 3, kKept_s = 1;
     LoopConditions start = conditions;
     start.press_N = conditions.force_limit_N / 2;
@@ -102,7 +102,7 @@ double measured_press_fold_N(const LoopConditions& conditions, double N_per_s) {
     long since = 0;
     bool beyond = false;
     for (long i = 0; since < kept; ++i, ++since) {
-        if (i >= swinging) run.press(press_N += N_per_s * step_s);
+        if (i >= swinging) run.press(press_N += rise_N_per_s * step_s);
         run.step();
         const bool now = run.sampled_m() > strip_m;
         if (now == beyond) continue;

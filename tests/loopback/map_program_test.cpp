@@ -93,7 +93,7 @@ TEST(MapProgram, ADeadRankLeavesWhatWasDone) {
     const Folder folder;
     const auto out = folder / "map", whole = folder / "whole";
     const auto words = [](const std::filesystem::path& where) {
-        return std::vector<std::string>{"--delay-s",    "0:0.2:20",    "--contact-stiffness-N-per-m",
+        return std::vector<std::string>{"--delay-s",    "0:0.2:12",    "--contact-stiffness-N-per-m",
                                         "100:20000:60", "--block",     "3",
                                         "--out",        where.string()};
     };
@@ -106,7 +106,8 @@ TEST(MapProgram, ADeadRankLeavesWhatWasDone) {
         kill(ranks.back(), SIGKILL);
         const auto code = mpirun.wait(kPatience);
         ASSERT_TRUE(code);
-        if (lines_in(out / "map.csv") < 1 + 20 * 60) EXPECT_NE(*code, 0);
+        // Unless all was done before the signal came.
+        EXPECT_TRUE(*code != 0 || lines_in(out / "map.csv") == 1 + 12 * 60) << *code;
     }
     const Outcome on = run_to_end(kMpirun, with_ranks(3, built_programs() / "thimble-sweep-mpi", words(out)));
     ASSERT_EQ(on.code, 0) << on.words;

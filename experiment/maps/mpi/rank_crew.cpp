@@ -7,7 +7,6 @@
 #include <cstring>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 
 #define OMPI_SKIP_MPICXX 1  // its C++ bindings are no more
@@ -123,10 +122,12 @@ void RankCrew::lead(const CrewWork& work) {
     for (int rank = 1; rank < ranks_; ++rank) send(rank, kLetGo, "");
     for (int left = 1; left < ranks_;) {
         const auto message = received();
-        if (!message) std::this_thread::sleep_for(kNap);
-        if (message && message->tag == kRows)
-            work.take(range_in(*message), message->bytes.substr(sizeof(WireRange)));
-        if (message && message->tag == kLeft) ++left;
+        if (!message) {
+            if (auto done = own.take(kNap)) work.take(done->range, std::move(done->rows));
+            continue;
+        }
+        if (message->tag == kRows) work.take(range_in(*message), message->bytes.substr(sizeof(WireRange)));
+        if (message->tag == kLeft) ++left;
     }
 }
 
