@@ -79,5 +79,26 @@ TEST(ReadingExamples, H5pyReadsALogWithItsUnits) {
     EXPECT_THAT(said.words, HasSubstr("log_time_ns  ns  2 values, 10 to 20"));
 }
 
+// As docs/interoperability.md has them.
+TEST(NetworkExamples, AreRead) {
+    const Folder folder;
+    const std::string network = THIMBLE_SOURCE_DIR "/examples/network/";
+    const Outcome good = run_to_end(built_programs() / "thimble", {"check", network + "mahimahi.toml"});
+    EXPECT_EQ(good.code, 0) << good.words;
+    const auto netem = [](const std::vector<std::string>& words) {
+        const Outcome said = run_to_end(built_programs() / "thimble-netem", words);
+        EXPECT_EQ(said.code, 0) << said.words;
+        return said.words;
+    };
+    const std::string out = (folder / "path").string();
+    EXPECT_THAT(netem({"import", network + "irtt.json", "--out", out + ".csv"}),
+                HasSubstr("40 packets over 0.390 s, 2 of them lost"));
+    EXPECT_THAT(netem({"fit", out + ".up.csv", "--down", out + ".down.csv", "--out", out + ".toml"}),
+                HasSubstr("2 of 40 packets lost"));
+    EXPECT_THAT(netem({"--profile", out + ".toml", "--print-tc", "eth0"}), HasSubstr("loss random 5%"));
+    EXPECT_THAT(netem({"--profile", "delay 50ms 5ms distribution normal loss 1%", "--print-tc", "eth0"}),
+                HasSubstr("delay 50ms 5ms distribution normal loss random 1%"));
+}
+
 }  // namespace
 }  // namespace thimble
