@@ -63,7 +63,8 @@ std::string virtual_measures(const MapGrid& g, const CellPlace& place) {
     const SystemSettings settings = settings_of(g, place);
     RemedyStudyOptions options;
     // Delays are drawn about their mean there, here from the least one up.
-    options.delays_s = {g.delays_s[place.delay] + g.jitters_s[place.jitter] / 2};
+    const double delay_s = g.delays_s[place.delay] + g.jitters_s[place.jitter] / 2;
+    options.networks = plain_networks({delay_s});
     const std::string& remedy = g.remedies[place.remedy];
     options.names = {remedy == kRemedyNames[0] ? to_string(Modality::kHF) : remedy};
     options.subjects = g.trials;
@@ -72,7 +73,7 @@ std::string virtual_measures(const MapGrid& g, const CellPlace& place) {
     const RemedyRow row = run_remedy_study(settings, options).at(0);
     return fmt::format(",,{},,{},,,{},{:.6g},{},{},{},{},{},{}", outcome_of(row),
                        field(row.oscillation_peak_to_peak_m / settings.master.position_scale),
-                       field(options.delays_s[0] + to_seconds(settings.master.sample_period) / 2), row.share,
+                       field(delay_s + to_seconds(settings.master.sample_period) / 2), row.share,
                        row.trials, row.completed, row.oscillating, field(row.penetration_mean_m),
                        field(row.penetration_max_m), field(row.completion_time_s));
 }
