@@ -73,8 +73,8 @@ std::string virtual_measures(const MapGrid& g, const CellPlace& place) {
     const RemedyRow row = run_remedy_study(settings, options).at(0);
     return fmt::format(",,{},,{},,,{},{:.6g},{},{},{},{},{},{}", outcome_of(row),
                        field(row.oscillation_peak_to_peak_m / settings.master.position_scale),
-                       field(delay_s + to_seconds(settings.master.sample_period) / 2), row.share,
-                       row.trials, row.completed, row.oscillating, field(row.penetration_mean_m),
+                       field(delay_s + to_seconds(settings.master.sample_period) / 2), row.share, row.trials,
+                       row.completed, row.oscillating, field(row.penetration_mean_m),
                        field(row.penetration_max_m), field(row.completion_time_s));
 }
 
