@@ -11,19 +11,11 @@
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "experiment/stability/loop_measures.hpp"
+#include "experiment/stability/typical_hands.hpp"
 
 namespace thimble {
 namespace {
 
-struct StudiedHand {
-    const char* name = "";
-    HeldMass hand;
-};
-constexpr std::array<StudiedHand, 5> kStudiedHands{{{"A light pinch", {0.15, 3, 300}},
-                                                    {"B pinch", {0.35, 6, 400}},
-                                                    {"C measured arm", {0.55, 6.45, 135}},
-                                                    {"D firm grip", {1, 20, 500}},
-                                                    {"E power grip", {2, 40, 1000}}}};
 constexpr std::array<double, 9> kStudiedDelays_s{0, 0.001, 0.002, 0.005, 0.010, 0.025, 0.050, 0.100, 0.200};
 constexpr double kStep_s = 1e-3;
 
@@ -35,18 +27,8 @@ class Stopwatch {
     SessionTime start_ = wall_now();
 };
 
-// The longest delay that lets the running loop decay, by halving: the sampled loop has no use for a table.
-double bisected_delay_s(const HeldMass& hand, double stiffness, double step_s) {
-    double low = 0, high = 0.02;
-    while (high - low > 1e-6) {
-        const double middle = (low + high) / 2;
-        (measured_growth_per_s({hand, stiffness, middle, step_s}, 0) > 0 ? high : low) = middle;
-    }
-    return (low + high) / 2;
-}
-
 void print_hand_table() {
-    constexpr double kLoop = 9000, kFineStep_s = 1e-4;
+    constexpr double kLoop = 9000;
     const Stopwatch closed;
     std::string line;
     for (const double m : {0.1, 0.35, 1.0, 2.0}) {
@@ -67,7 +49,7 @@ void print_hand_table() {
     for (const double m : {0.1, 0.35, 1.0, 2.0}) {
         for (const double b : {2.0, 5.0, 10.0, 20.0, 40.0}) {
             const HeldMass hand{m, b, 300};
-            const double measured_s = bisected_delay_s(hand, kLoop, kFineStep_s) + kFineStep_s / 2;
+            const double measured_s = measured_critical_delay_s(hand, kLoop);
             worst_s = std::max(worst_s, std::abs(measured_s - critical_delay_s(hand, kLoop)));
         }
     }
@@ -86,7 +68,7 @@ void print_measured() {
     const Stopwatch watch;
     int runs = 0;
     double worst = 0, worst_with_encoder = 0;
-    for (const auto& [name, hand] : kStudiedHands) {
+    for (const auto& [name, hand] : kTypicalHands) {
         fmt::print("| {} |", name);
         for (const double delay_s : kStudiedDelays_s) {
             const SampledLoop loop{hand, 1, delay_s, kStep_s};

@@ -102,6 +102,9 @@ struct NetworkSettings {
 // Tables [network] and [security].
 NetworkSettings read_network_settings(const ConfigFile& file);
 
+// Those of a program that only looks at a session: of no file where none is named; base_port of 0: the file's.
+NetworkSettings observed_network(const std::string& session_file, std::uint16_t base_port);
+
 // The tables that a session file may hold. A program checks its own and leaves the rest to the others.
 std::vector<std::string_view> session_tables();
 

@@ -1,7 +1,6 @@
 #include "experiment/maps/map_grid.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 #include "common/error.hpp"
 #include "common/messages.hpp"
 #include "experiment/stability/delayed_loop.hpp"
+#include "experiment/stability/typical_hands.hpp"
 
 namespace thimble {
 namespace {
@@ -58,13 +58,8 @@ bool known_remedy(const MapGrid& grid, const std::string& name) {
 }  // namespace
 
 NamedHand named_hand(std::string_view letter) {
-    static const std::array<NamedHand, 5> kHands{{{"A", {0.15, 3, 300}},
-                                                  {"B", {0.35, 6, 400}},
-                                                  {"C", {0.55, 6.45, 135}},
-                                                  {"D", {1, 20, 500}},
-                                                  {"E", {2, 40, 1000}}}};
-    for (const NamedHand& hand : kHands) {
-        if (hand.name == letter) return hand;
+    for (const TypicalHand& typical : kTypicalHands) {
+        if (letter == std::string_view(typical.name, 1)) return {std::string(letter), typical.hand};
     }
     throw Error(ExitCode::kUsage, fmt::format("--hand {}: there are A, B, C, D and E", letter));
 }

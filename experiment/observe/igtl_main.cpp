@@ -8,8 +8,8 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
-#include "common/config.hpp"
 #include "common/error.hpp"
+#include "common/network_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/protection.hpp"
@@ -87,17 +87,6 @@ class IgtlServer final : public Process {
     bool waits_, over_ = false;
 };
 
-NetworkSettings igtl_network(const IgtlOptions& options) {
-    const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
-    NetworkSettings network = read_network_settings(file);
-    std::vector<std::string_view> elsewhere = session_tables();
-    std::erase(elsewhere, "network");
-    std::erase(elsewhere, "security");
-    file.finish(elsewhere);
-    if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
-    return network;
-}
-
 void add_igtl_options(CLI::App& app, IgtlOptions& o) {
     app.add_option("-c,--config", o.config, "session file (TOML): where the session is, and its lab key");
     app.add_option("--base-port", o.base_port, "first UDP port, instead of [network].base_port")
@@ -130,7 +119,8 @@ void add_igtl_options(CLI::App& app, IgtlOptions& o) {
 }
 
 int serve(const IgtlOptions& options) {
-    const NetworkSettings network = igtl_network(options);
+    const NetworkSettings network =
+        observed_network(options.config, static_cast<std::uint16_t>(options.base_port));
     const Endpoint local = read_observer(options.listen, "--listen");
     require_observer_here(network.security, local.host, "--listen");
     const bool replay = !options.replay.empty();

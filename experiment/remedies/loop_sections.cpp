@@ -13,24 +13,16 @@
 
 #include "experiment/gnuplot.hpp"
 #include "experiment/link_test/verdict.hpp"
+#include "experiment/stability/loop_measures.hpp"
 #include "experiment/stability/perceptual_loop.hpp"
 #include "experiment/stability/stability_map.hpp"
+#include "experiment/stability/typical_hands.hpp"
 #include "experiment/study.hpp"
 #include "master/operator/limb.hpp"
 
 namespace thimble {
 namespace {
 
-struct TypicalHand {
-    const char* name;
-    HeldMass hand;
-};
-// docs/stability.md
-constexpr std::array<TypicalHand, 5> kTypicalHands{{{"A light pinch", {0.15, 3, 300}},
-                                                    {"B pinch", {0.35, 6, 400}},
-                                                    {"C measured arm", {0.55, 6.45, 135}},
-                                                    {"D firm grip", {1, 20, 500}},
-                                                    {"E power grip", {2, 40, 1000}}}};
 constexpr double kPaperLoop_N_per_m = 9000;  // 3 x 1 x 3000 N/m
 constexpr std::size_t kMapPoints = 40;
 constexpr double kPaperDelay_s = 0.05;
@@ -105,19 +97,6 @@ FigureSource loop_map_figure(const std::vector<std::vector<MapCell>>& columns) {
             data, script};
 }
 
-// Of the running loop at 10 kHz, half a step added, to 0.1 us.
-double measured_delay_s(const HeldMass& hand) {
-    constexpr double kFineStep_s = 1e-4;
-    double stable_s = 0, unstable_s = 0.02;
-    while (unstable_s - stable_s > 1e-7) {
-        const double middle_s = (stable_s + unstable_s) / 2;
-        (measured_growth_per_s({hand, kPaperLoop_N_per_m, middle_s, kFineStep_s}, 0) > 0 ? unstable_s
-                                                                                         : stable_s) =
-            middle_s;
-    }
-    return (stable_s + unstable_s) / 2 + kFineStep_s / 2;
-}
-
 ReportTable critical_delay_table() {
     ReportTable table;
     table.title = "Critical delay at the paper's fixture, 9000 N/m at the handle";
@@ -129,7 +108,8 @@ ReportTable critical_delay_table() {
                      "50 ms is too long by"};
     for (const TypicalHand& typical : kTypicalHands) {
         const HeldMass& h = typical.hand;
-        const double theory_s = critical_delay_s(h, kPaperLoop_N_per_m), measured_s = measured_delay_s(h);
+        const double theory_s = critical_delay_s(h, kPaperLoop_N_per_m),
+                     measured_s = measured_critical_delay_s(h, kPaperLoop_N_per_m);
         table.rows.push_back(
             {fmt::format("{} ({}, {}, {})", typical.name, h.mass_kg, h.damping_Ns_per_m, h.stiffness_N_per_m),
              fmt::format("{:.4f}", 1000 * theory_s), fmt::format("{:.4f}", 1000 * measured_s),

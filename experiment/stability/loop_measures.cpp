@@ -129,6 +129,17 @@ MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double en
     return measured;
 }
 
+double measured_critical_delay_s(const HeldMass& hand, double stiffness_N_per_m) {
+    constexpr double kStep_s = 1e-4;
+    double stable_s = 0, unstable_s = 0.02;
+    while (unstable_s - stable_s > 1e-7) {
+        const double middle_s = (stable_s + unstable_s) / 2;
+        const bool grows = measured_growth_per_s({hand, stiffness_N_per_m, middle_s, kStep_s}, 0) > 0;
+        (grows ? unstable_s : stable_s) = middle_s;
+    }
+    return (stable_s + unstable_s) / 2 + kStep_s / 2;
+}
+
 namespace {
 constexpr double kWatched_s = 3;  // the last of a hold
 }

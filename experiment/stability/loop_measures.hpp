@@ -28,6 +28,9 @@ struct MeasuredStiffness {
 MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double encoder_step_m,
                                               double relative);
 
+// Of the running loop without encoder at 10 kHz, half a step added, to 0.1 us; delays up to 20 ms are looked at.
+double measured_critical_delay_s(const HeldMass& hand, double stiffness_N_per_m);
+
 // Of an unstable linear loop with dry friction: the amplitude that neither dies out nor grows, found by letting the friction begin at
 // ever closer amplitudes of a loop that swings up without. Throws Error (usage) for a loop that does not swing up.
 double measured_friction_threshold_m(const SampledLoop& loop, double friction_N);

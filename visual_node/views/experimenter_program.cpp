@@ -9,8 +9,8 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
-#include "common/config.hpp"
 #include "common/error.hpp"
+#include "common/network_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -42,17 +42,6 @@ struct ViewOptions {
     bool die_with_parent = false;
 };
 
-NetworkSettings read_network(const ViewOptions& options) {
-    const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
-    NetworkSettings network = read_network_settings(file);
-    std::vector<std::string_view> elsewhere = session_tables();
-    std::erase(elsewhere, "network");
-    std::erase(elsewhere, "security");
-    file.finish(elsewhere);
-    if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
-    return network;
-}
-
 WindowSettings window_settings(const ViewOptions& options) {
     WindowSettings settings;
     settings.title = "Thimble, experimenter";
@@ -75,7 +64,7 @@ class ExperimenterView {
   public:
     explicit ExperimenterView(const ViewOptions& options)
         : options_(options),
-          sockets_(read_network(options)),
+          sockets_(observed_network(options.config, static_cast<std::uint16_t>(options.base_port))),
           link_(sockets_.between(Port::kExperimenterMonitor, Port::kSessionOrders)),
           stop_flow_(make_stop_flow(sockets_)),
           panels_(system_entropy(), {link_, link_}),
