@@ -31,7 +31,7 @@ class LeastLately {
 
 // From before a call that sends one datagram to the kernel's stamp at the receiver, on the shortest path there is: the least over
 // loopback, from calls in a row, less half a microsecond for what readings of clocks are worth. Takes about 10 ms.
-// Zero where it cannot be measured. Throws Error (network) if the kernel gives no socket.
+// Zero where it cannot be measured, e.g. without loopback.
 Duration measure_send_cost();
 
 }  // namespace thimble
