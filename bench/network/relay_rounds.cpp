@@ -233,9 +233,10 @@ LatenessRound relay_lateness(Mode mode, Duration delay, Duration length) {
 
 CarriedRound relay_carries(Mode mode, std::uint64_t packets) {
     constexpr std::size_t kAtOnce = 100;
-    constexpr Duration kDelay = milliseconds{50}, kJitter = milliseconds{10}, kRest = milliseconds{500};
+    constexpr Duration kCarriedDelay = milliseconds{50}, kJitter = milliseconds{10},
+                       kRest = milliseconds{500};
     const UdpSocket sink = UdpSocket::listening(loopback());
-    RelaySettings settings = settings_for(mode, kDelay, sink.local());
+    RelaySettings settings = settings_for(mode, kCarriedDelay, sink.local());
     settings.links.up.jitter = {JitterShape::kUniform, kJitter};
     DueTimes times(packets);
     RelayEngine engine(settings, &times);
