@@ -17,6 +17,19 @@
 namespace thimble {
 namespace {
 
+#if defined(__has_feature)
+#if __has_feature(undefined_behavior_sanitizer) || __has_feature(address_sanitizer)
+#define THIMBLE_SANITIZER_NEEDS_DESCRIPTORS
+#endif
+#endif
+#ifdef THIMBLE_SANITIZER_NEEDS_DESCRIPTORS
+constexpr bool kSanitizerNeedsDescriptors = true;
+#else
+constexpr bool kSanitizerNeedsDescriptors = false;
+#endif
+constexpr const char* kWhyNot =
+    "this sanitizer looks at objects through pipes, for which there are no descriptors left";
+
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -69,11 +82,7 @@ TEST(RealFaults, AtRandomInstants) {
 
 // Nothing to open a socket with: said in words, with the exit code of the network, and nothing hangs.
 TEST(RealFaults, OutOfFileDescriptors) {
-#if defined(__has_feature)
-#if __has_feature(undefined_behavior_sanitizer) || __has_feature(address_sanitizer)
-    GTEST_SKIP() << "this sanitizer looks at objects through pipes, for which there are no descriptors left";
-#endif
-#endif
+    if (kSanitizerNeedsDescriptors) GTEST_SKIP() << kWhyNot;
     for (const char* program : {"thimble-master", "thimble-slave-sim"}) {
         const std::string command = "ulimit -n 6; exec " + (built_programs() / program).string();
         const Outcome outcome = run_to_end("/bin/sh", {"-c", command});
@@ -90,6 +99,7 @@ void take_descriptors(pid_t pid) {
 
 // A node opens nothing while it runs: the trial goes on to its end. What it cannot write then, its report, is told.
 TEST(RealFaults, NodesOutOfFileDescriptorsInARunKeepTheTrial) {
+    if (kSanitizerNeedsDescriptors) GTEST_SKIP() << kWhyNot;
     RealRun run(SessionFile{});
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     for (const char* program : kNodePrograms) take_descriptors(run.node(program));
@@ -103,6 +113,7 @@ TEST(RealFaults, NodesOutOfFileDescriptorsInARunKeepTheTrial) {
 
 // thimble opens files between trials: the running one is kept, the run ends in words.
 TEST(RealFaults, ASessionOutOfFileDescriptorsInARunLosesNoTrial) {
+    if (kSanitizerNeedsDescriptors) GTEST_SKIP() << kWhyNot;
     SessionFile file;
     file.modalities = R"(["HF", "CF"])";
     RealRun run(file);

@@ -78,13 +78,15 @@ class BadConfiguration : public testing::Test {
   protected:
     void expect_refused(const std::string& program, const std::string& text, const std::string& place) {
         const auto file = folder_.write("bad.toml", text);
-        std::vector<std::string> arguments{"--config", file.string()};
+        std::vector<std::string> arguments{"--config", file.string(), "--base-port",
+                                           std::to_string(ports_.base())};
         if (program == "thimble") arguments = {"run", file.string(), "--out", (folder_ / "out").string()};
         const Outcome outcome = run_to_end(built_programs() / program, arguments);
         EXPECT_EQ(outcome.code, 2) << program << ": " << outcome.words;
         EXPECT_THAT(outcome.words, HasSubstr(file.string() + place)) << program;
     }
     Folder folder_;
+    PortBlock ports_;
 };
 
 TEST_F(BadConfiguration, UnknownKey) {
