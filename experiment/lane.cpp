@@ -32,10 +32,11 @@ const std::vector<Listener*>& listening(Sockets& sockets, SessionProcess& sessio
 }
 
 // The session's own, as the nodes write theirs.
-nlohmann::ordered_json session_report(const Sockets& sockets) {
+nlohmann::ordered_json session_report(const Sockets& sockets, bool realtime) {
     const UdpCounters udp = sockets.counters();
     return {{"program", "thimble"},
             {"version", kVersion},
+            {"realtime_scheduling", realtime},
             {"udp",
              {{"sent", udp.sent},
               {"received", udp.received},
@@ -75,6 +76,7 @@ SessionTime Lane::Company::next_wakeup() const {
 Lane::Lane(const LanePlan& plan, const LaneEvents& events)
     : plan_(plan),
       events_(events),
+      realtime_(plan.runtime),
       log_(plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>()),
       sockets_(open_sockets(plan, log_.get())),
       session_(system_entropy(), plan.session, open_channels()),
@@ -291,7 +293,7 @@ void Lane::idle(Duration limit) {
 LaneResult Lane::close() {
     close_clocks();
     if (plan_.starter) end_nodes();
-    result_.reports.push_back(session_report(sockets_));
+    result_.reports.push_back(session_report(sockets_, realtime_.granted()));
     attempt([this] {
         CsvFile file(plan_.out / fmt::format("session_{:g}ms.json", 1000 * plan_.delay_s),
                      IfExists::kReplace);

@@ -39,6 +39,7 @@ struct LanePlan {
     // Sits beside the session and is called right after it, with the session's clock; none: nobody watches. What it
     // opens among the sockets wakes the lane.
     MakeAttendant attend{};
+    RuntimeSettings runtime{};
     bool strict_rt = false;
     // What session and nodes write down of their messages, in NAME_<delay>ms.mcap in `out`.
     LogSettings log{LoggedMessages::kNone, {}, {}};
@@ -145,6 +146,7 @@ class Lane {
 
     const LanePlan& plan_;
     const LaneEvents& events_;
+    RealtimeLease realtime_;  // nodes hold where the session is silent: other work must not silence it
     std::unique_ptr<MessageLog> log_;  // none: nothing is to be written; it outlives whoever speaks
     std::array<SessionTime, kRoleCount> next_clock_note_{};
     Sockets sockets_;

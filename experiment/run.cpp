@@ -101,6 +101,7 @@ class Run {
         plan.delay_s = delay_s;
         plan.trials = run_trials_of(settings_, delay_s);
         plan.attend = options_.attend;
+        plan.runtime = settings_.runtime;
         plan.strict_rt = options_.strict_rt;
         plan.if_exists = if_exists_;
         plan.log = settings_.log;

@@ -105,7 +105,7 @@ std::optional<TrialOrder> parse_order(std::string_view text) {
 SystemSettings read_system_settings(const ConfigFile& file) {
     SystemSettings s;
     read_network_settings(file);
-    read_runtime_settings(file);
+    s.runtime = read_runtime_settings(file);
     s.master = read_master_settings(file);
     s.handle = read_handle_settings(file.table("handle"));
     s.person = read_operator_parameters(file.table("operator"));

@@ -10,6 +10,7 @@
 
 #include "common/config.hpp"
 #include "common/log/log_settings.hpp"
+#include "common/runtime/runtime_settings.hpp"
 #include "cutaneous_node/cutaneous_settings.hpp"
 #include "experiment/launch/launch_settings.hpp"
 #include "experiment/participant.hpp"
@@ -62,6 +63,7 @@ struct SystemSettings {
     DatasetSettings dataset;
     LaunchSettings launch;
     LogSettings log;
+    RuntimeSettings runtime;
     std::filesystem::path file;  // where all this was read from; empty: nowhere
 };
 

@@ -62,6 +62,18 @@ std::string ask_for_realtime(const RuntimeSettings& settings) {
         std::strerror(errno), settings.priority);
 }
 
+RealtimeLease::RealtimeLease(const RuntimeSettings& settings) : policy_before_(sched_getscheduler(0)) {
+    if (!settings.realtime_scheduling || policy_before_ < 0 || sched_getparam(0, &before_) != 0) return;
+    sched_param wanted{};
+    wanted.sched_priority = std::max(1, settings.priority - 1);
+    granted_ = sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &wanted) == 0;
+}
+
+// Without privilege the flag can be set, not cleared.
+RealtimeLease::~RealtimeLease() {
+    if (granted_) sched_setscheduler(0, policy_before_ | SCHED_RESET_ON_FORK, &before_);
+}
+
 RealtimeLoop::RealtimeLoop(std::span<Listener* const> listeners)
     : epoll_(epoll_create1(EPOLL_CLOEXEC)),
       timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <functional>
+#include <sched.h>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,23 @@ void stop_with_parent();
 // Real-time scheduling and a 1 ns timer slack for this process. Returns "" or what to tell the user (said
 // once).
 std::string ask_for_realtime(const RuntimeSettings& settings);
+
+// While it lives the thread that made it has real-time scheduling, one step below what the settings name for the nodes, if
+// that is granted; programs that it starts do not inherit it. Made and ended by the same thread.
+class RealtimeLease {
+  public:
+    explicit RealtimeLease(const RuntimeSettings& settings);
+    ~RealtimeLease();
+    RealtimeLease(const RealtimeLease&) = delete;
+    RealtimeLease& operator=(const RealtimeLease&) = delete;
+
+    bool granted() const { return granted_; }
+
+  private:
+    sched_param before_{};
+    int policy_before_ = 0;
+    bool granted_ = false;
+};
 
 class RealtimeLoop {
   public:

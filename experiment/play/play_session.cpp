@@ -73,6 +73,7 @@ class Play {
         plan_.session.ends_by_withdrawal = true;
         plan_.session.trial_timeout = kPlayTimeout;
         plan_.delay_s = options_.delay_s;
+        plan_.runtime = settings.runtime;
         plan_.attend = [this](SessionProcess& session, Sockets& sockets) {
             desk_.serve(session);
             session_ = &session;

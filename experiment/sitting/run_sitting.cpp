@@ -109,6 +109,7 @@ LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const 
     plan.session.ends_by_withdrawal = human;
     plan.session.subject_goes_on = human && settings.protocol->subject_goes_on;
     plan.delay_s = delay_s;
+    plan.runtime = settings.runtime;
     plan.strict_rt = run.strict_rt;
     plan.log = settings.log;
     plan.session_file = settings.file;

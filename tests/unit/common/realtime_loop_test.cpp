@@ -4,6 +4,8 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <sched.h>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -41,6 +43,30 @@ class Ticker final : public Process {
     Duration period_;
     std::size_t count_;
 };
+
+TEST(RealtimeLease, IsOneStepBelowTheNodesAndNotHandedDown) {
+    std::thread([] {
+        {
+            const RealtimeLease lease(RuntimeSettings{.priority = 42});
+            if (!lease.granted()) GTEST_SKIP() << "this user may not have SCHED_FIFO";
+            sched_param got{};
+            sched_getparam(0, &got);
+            EXPECT_EQ(got.sched_priority, 41);
+            EXPECT_EQ(sched_getscheduler(0), SCHED_FIFO | SCHED_RESET_ON_FORK);
+            int policy = -1;
+            std::thread([&policy] { policy = sched_getscheduler(0); }).join();
+            EXPECT_EQ(policy, SCHED_OTHER);
+        }
+        EXPECT_EQ(sched_getscheduler(0) & ~SCHED_RESET_ON_FORK, SCHED_OTHER);
+    }).join();
+}
+
+TEST(RealtimeLease, NothingIsAskedForWhereTheFileSaysNo) {
+    const int before = sched_getscheduler(0);
+    const RealtimeLease lease(RuntimeSettings{.realtime_scheduling = false});
+    EXPECT_FALSE(lease.granted());
+    EXPECT_EQ(sched_getscheduler(0), before);
+}
 
 TEST(WallClock, GoesForward) {
     SessionTime last = wall_now();
