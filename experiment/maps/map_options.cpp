@@ -44,7 +44,7 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
     command
         .add_option("--remedy", a.remedies,
                     "none, scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
-                    "local-fixture, wave (docs/remedies.md), several with commas")
+                    "local-fixture, wave, two-port (docs/remedies.md), several with commas")
         ->delimiter(',')
         ->capture_default_str();
 }

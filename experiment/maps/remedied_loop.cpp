@@ -5,8 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "common/control/energy_bound.hpp"
 #include "common/control/passivity_controller.hpp"
+#include "common/control/two_port_passivity.hpp"
 #include "common/error.hpp"
 
 namespace thimble {
@@ -56,6 +59,7 @@ struct RemediedLoop::Packet {
     std::int64_t number = 0;
     double rest_s = 0;  // of its arrival after the sample
     double position_m = 0, force_N = 0;
+    double energy_in_J = 0;  // two ports: of the wall's end
     WaveBurst burst;
 };
 
@@ -65,6 +69,12 @@ struct RemediedLoop::Waves {
     WaveSender sender;
     WaveReceiver receiver;
     std::uint32_t play_out = 0;
+};
+
+struct RemediedLoop::TwoPorts {
+    TwoPortMaster master;
+    TwoPortWall wall;
+    double heard_J = 0;  // of the wall's end, as it came last
 };
 
 RemediedLoop::RemediedLoop(const RemediedConditions& conditions, double position_m, double velocity_m_per_s)
@@ -78,8 +88,19 @@ RemediedLoop::RemediedLoop(const RemediedConditions& conditions, double position
     const double longest = (conditions.loop.loop.delay_s + conditions.jitter_s) / step_s_;
     arriving_.resize(static_cast<std::size_t>(longest) + 2);
     for (std::vector<Packet>& packets : arriving_) packets.reserve(2);
-    if (conditions.control.remedy != Remedy::kWave) return;
     const ControlSettings& c = conditions.control;
+    if (c.remedy == Remedy::kTwoPort) {
+        two_ports_ = std::make_unique<TwoPorts>(
+            TwoPorts{TwoPortMaster({step_s_, 0}, c.most_damping_Ns_per_m),
+                     TwoPortWall(0, conditions.loop.loop.stiffness_N_per_m, force_limit_N())});
+    }
+    if (c.remedy != Remedy::kWave) {
+        const bool here = c.remedy == Remedy::kNone || c.remedy == Remedy::kScaled;
+        if (here || port_ || local_ || two_ports_) return;
+        throw Error(ExitCode::kUsage,
+                    fmt::format("sweep: remedy {} has no loop in experiment/maps/remedied_loop.cpp",
+                                kRemedyNames.at(static_cast<std::size_t>(c.remedy))));
+    }
     WaveChannelSettings channel = c.channel;
     channel.sample_period_s = step_s_;
     if (conditions.loss == 0) channel.repeats = 0;
@@ -92,6 +113,11 @@ RemediedLoop::RemediedLoop(const RemediedConditions& conditions, double position
 }
 
 RemediedLoop::~RemediedLoop() = default;
+
+double RemediedLoop::force_limit_N() const {
+    const double limit_N = conditions_.loop.force_limit_N;
+    return limit_N > 0 ? limit_N : std::numeric_limits<double>::infinity();
+}
 
 double RemediedLoop::sampled_m() const {
     const double step_m = conditions_.loop.encoder_step_m;
@@ -119,12 +145,13 @@ void RemediedLoop::send(double reading_m) {
     Packet packet;
     packet.number = sample_;
     packet.position_m = reading_m;
-    const double limit_N =
-        loop.force_limit_N > 0 ? loop.force_limit_N : std::numeric_limits<double>::infinity();
     if (waves_) {
         const double u = waves_->master.wave_out(reading_m, force_N_);
         packet.burst =
-            waves_->sender.add(waves_->slave.step(u, {0, loop.loop.stiffness_N_per_m}, 0, limit_N));
+            waves_->sender.add(waves_->slave.step(u, {0, loop.loop.stiffness_N_per_m}, 0, force_limit_N()));
+    } else if (two_ports_) {
+        packet.force_N = two_ports_->wall.force_N(reading_m, two_ports_->master.energy_in_J());
+        packet.energy_in_J = two_ports_->wall.energy_in_J();
     } else {
         packet.force_N = loop.loop.stiffness_N_per_m * std::max(reading_m, 0.0);
     }
@@ -142,6 +169,7 @@ void RemediedLoop::deliver(const Packet& packet) {
     if (packet.number <= newest_) return;  // overtaken
     newest_ = packet.number;
     wish_N_ = packet.force_N;
+    if (two_ports_) two_ports_->heard_J = packet.energy_in_J;
     if (local_) local_->learn(packet.position_m, packet.force_N);
 }
 
@@ -150,6 +178,7 @@ void RemediedLoop::set_force(double reading_m) {
     double wanted_N = wish_N_ * conditions_.control.hand_share();
     if (port_) wanted_N = port_->force_N(limit_N > 0 ? std::min(wish_N_, limit_N) : wish_N_);
     if (local_) wanted_N = local_->force_N(reading_m);
+    if (two_ports_) wanted_N = two_ports_->master.force_N(wish_N_, two_ports_->heard_J);
     if (waves_) wanted_N = waves_->master.force_N(waves_->receiver.play(static_cast<std::uint32_t>(sample_)));
     force_N_ = limit_N > 0 ? std::clamp(wanted_N, -limit_N, limit_N) : wanted_N;
     wished_of_ = newest_;
@@ -178,6 +207,7 @@ void RemediedLoop::move(double from_s, double to_s) {
 void RemediedLoop::step() {
     const double reading_m = sampled_m();
     if (port_) port_->observe(step_s_, reading_m, force_N_);
+    if (two_ports_) two_ports_->master.observe(reading_m, force_N_);
     send(reading_m);
     std::vector<Packet>& arrived = arriving_[static_cast<std::size_t>(sample_) % arriving_.size()];
     std::sort(arrived.begin(), arrived.end(), [](const Packet& a, const Packet& b) {

@@ -45,13 +45,15 @@ class RemediedLoop {
   private:
     struct Packet;
     struct Waves;
+    struct TwoPorts;
 
+    double force_limit_N() const;  // infinite: none
     void send(double reading_m);
     bool lost();
     void deliver(const Packet& packet);
     void set_force(double reading_m);
     void move(double from_s, double to_s);
-    bool at_once() const { return !port_ && !waves_ && !local_; }
+    bool at_once() const { return !port_ && !waves_ && !two_ports_ && !local_; }
     Propagator propagator(double duration_s);
 
     RemediedConditions conditions_;
@@ -60,6 +62,7 @@ class RemediedLoop {
     std::unique_ptr<PortRemedy> port_;
     std::unique_ptr<LocalFixture> local_;
     std::unique_ptr<Waves> waves_;
+    std::unique_ptr<TwoPorts> two_ports_;
     RandomStream delays_, losses_;
     bool losing_ = false;
     std::vector<std::vector<Packet>> arriving_;  // by sample modulo size

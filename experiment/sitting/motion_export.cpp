@@ -256,14 +256,7 @@ void export_study(const fs::path& from, const fs::path& to, MotionDataset& out) 
              {"SubjectKind", "virtual"}});
 }
 
-}  // namespace
-
-MotionExport export_motion(const fs::path& from, const fs::path& to) {
-    std::error_code absent;
-    if (fs::exists(to, absent) && !fs::is_empty(to, absent)) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{}: is not empty; name a new folder with --out", to.string()));
-    }
+MotionExport exported(const fs::path& from, const fs::path& to) {
     const Dataset dataset(from);
     MotionDataset out(from, to);
     if (dataset.kind()) {
@@ -276,6 +269,23 @@ MotionExport export_motion(const fs::path& from, const fs::path& to) {
             fmt::format("{}: holds neither a sitting's dataset nor a study's trials.csv", from.string()));
     }
     return out.finish();
+}
+
+}  // namespace
+
+MotionExport export_motion(const fs::path& from, const fs::path& to) {
+    std::error_code absent;
+    if (fs::exists(to, absent) && !fs::is_empty(to, absent)) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: is not empty; name a new folder with --out", to.string()));
+    }
+    try {
+        return exported(from, to);
+    } catch (...) {
+        // It was empty: whatever is there is half of what was asked for, and in the way of the next try.
+        for (const auto& entry : fs::directory_iterator(to, absent)) fs::remove_all(entry.path(), absent);
+        throw;
+    }
 }
 
 }  // namespace thimble

@@ -19,6 +19,7 @@ import time
 
 BLOCK = re.compile(r'^(?P<indent> *)```(?P<kind>toml|sh|console)\n(?P<text>.*?)^(?P=indent)```$', re.M | re.S)
 NOT_RUN = re.compile(r'<!-- not run: ((?:(?!-->).)*) -->\s*$', re.S)
+REAL_TIME = re.compile(r'thimble (run|up|play)\b')
 LIMIT_S = 60
 
 
@@ -121,8 +122,12 @@ def main():
     pages = [sources / name for name in sys.argv[3:]]
     good = True
     for page in pages:
-        # A machine that stands still for half a second ends a real-time trial: that is no mistake of the page.
-        good &= do_page(page, sources, programs) or (print('once more:'), do_page(page, sources, programs))[1]
+        done = do_page(page, sources, programs)
+        if not done and REAL_TIME.search(page.read_text()):
+            # A machine that stands still for half a second ends a real-time trial: that is no mistake of the page.
+            print('once more:')
+            done = do_page(page, sources, programs)
+        good &= done
     sys.exit(0 if good else 1)
 
 

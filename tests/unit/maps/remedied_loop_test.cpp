@@ -99,6 +99,31 @@ TEST(RemediedLoop, ABoundHoldsOnAnyNetwork) {
     }
 }
 
+// None falls through to the plain loop: where that oscillates, each moves the hand elsewhere within half a second.
+TEST(RemediedLoop, EveryRemedyIsInTheLoop) {
+    for (std::size_t i = 1; i < kRemedyNames.size(); ++i) {
+        RemediedConditions c = held_at(9000, 0.05);
+        LoopSimulator plain(c.loop, 0, 0.05);
+        c.control.remedy = static_cast<Remedy>(i);
+        c.control.share = 0.5;
+        RemediedLoop run(c, 0, 0.05);
+        double farthest_m = 0;
+        for (int k = 0; k < 500; ++k) {
+            run.step();
+            plain.step();
+            farthest_m = std::max(farthest_m, std::abs(run.position_m() - plain.position_m()));
+        }
+        EXPECT_GT(farthest_m, 1e-4) << kRemedyNames.at(i);
+    }
+}
+
+TEST(RemediedLoop, TwoPortsEndTheOscillation) {
+    RemediedConditions c = held_at(9000, 0.05);
+    EXPECT_EQ(hold_of(c).label, HoldClass::kOscillates);
+    c.control.remedy = Remedy::kTwoPort;
+    EXPECT_NE(hold_of(c).label, HoldClass::kOscillates);
+}
+
 TEST(RemediedLoop, RefusesWhatIsNoNetworkAndNoImpedance) {
     const auto refused = [](const auto& change) {
         RemediedConditions c = held_at(9000, 0.01);

@@ -71,6 +71,15 @@ TEST_F(MotionBids, WhatHoldsNothingIsRefused) {
     EXPECT_THROW(export_motion(folder_ / "none", bids()), Error);
 }
 
+// The folder is as empty as it was, so that the same command works once there is something.
+TEST_F(MotionBids, WhatFailsLeavesNothingBehind) {
+    const auto kept = study() / "trajectories", away = folder_ / "away";
+    std::filesystem::rename(kept, away);
+    EXPECT_THROW(export_motion(study(), bids()), Error);
+    std::filesystem::rename(away, kept);
+    EXPECT_EQ(export_motion(study(), bids()).trials, 1U);
+}
+
 TEST_F(MotionBids, TheirValidatorFindsNoError) {
     const std::string validator = THIMBLE_SOURCE_DIR "/build/bids_validator/cli-1.15.0.js";
     if (!std::filesystem::exists(validator))

@@ -173,6 +173,10 @@ every_s = 20
     EXPECT_EQ(profile.up, link);
     EXPECT_NEAR(stationary_loss(profile.up.loss), 0.01, 1e-12);
     EXPECT_EQ(profile.down, LinkSettings{});
+    // Who adds a part must name it here, set it above, and have it written.
+    const auto& [delay, jitter, loss, duplicate, corrupt, corrupt_bits, reorder, reorder_gap, in_order, rate,
+                 slot, outages, trace, deliveries, capacity] = link;
+    link.capacity = capacity + 1;
     link.outages.clear();  // not written
     LinkProfile written{"lab", "a \"quoted\" name", {"line \\ one"}, link, {}, {}, {}};
     const LinkProfile again = parsed_profile(print_profile(written));

@@ -1,0 +1,35 @@
+// The fingertip actuator that a session file names, opened: the one place that chooses.
+#pragma once
+
+#include <memory>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "common/runtime/runtime_settings.hpp"
+#include "common/runtime/sockets.hpp"
+#include "cutaneous_node/cutaneous_settings.hpp"
+#include "cutaneous_node/fingertip_actuator.hpp"
+
+namespace thimble {
+
+class OpenActuator {
+  public:
+    virtual ~OpenActuator() = default;  // lets go of the finger
+    OpenActuator() = default;
+    OpenActuator(const OpenActuator&) = delete;
+    OpenActuator& operator=(const OpenActuator&) = delete;
+
+    virtual FingertipActuator& actuator() = 0;
+    // Before the node says that it is ready, with time limits of its own. Throws Error with which device, which step, why and what
+    // to do.
+    virtual void bring_up() {}
+    // Adds its part, if it has one, to the node's report.
+    virtual void describe(nlohmann::ordered_json& /*report*/) const {}
+};
+
+// A driver with a thread is scheduled as `runtime` says; one that talks over UDP takes its sockets from `sockets`. Throws Error with
+// what is missing and what to do about it; usage, if this build has no driver for it (THIMBLE_DEVICES=OFF).
+std::unique_ptr<OpenActuator> open_actuator(const CutaneousSettings& settings, const RuntimeSettings& runtime,
+                                            Sockets& sockets);
+
+}  // namespace thimble
