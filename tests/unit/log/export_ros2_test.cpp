@@ -15,6 +15,10 @@
 namespace thimble {
 namespace {
 
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
 // A master on a machine whose clock is one second ahead, its session, and slave_sim, each with a log.
 class Ros2Logs : public testing::Test {
   protected:
@@ -65,7 +69,7 @@ TEST_F(Ros2Logs, ReadByOthers) {
     if (!std::filesystem::exists(modules / "@foxglove/rosmsg2-serialization"))
         GTEST_SKIP() << "readers of ROS 2 messages are not installed: deploy/install-log-reader does that "
                         "where there is npm";
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", ""), 13U);
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "").topics, 13U);
     std::filesystem::copy_file(THIMBLE_SOURCE_DIR "/tests/log_reader/read_ros2.mjs",
                                folder_.path() / "read_ros2.mjs");
     std::filesystem::create_directory_symlink(modules, folder_.path() / "node_modules");
@@ -148,7 +152,7 @@ TEST_F(Ros2Logs, EachThingOnce) {
         force.messages = {{1, 30}};
         add(direction, force);
     }
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", ""), 15U);
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "").topics, 15U);
     const LoggedFile written(folder_.path() / "ros2.mcap");
     EXPECT_EQ(written.scan().messages, 15U);
     EXPECT_TRUE(written.scan().finished);
@@ -156,7 +160,28 @@ TEST_F(Ros2Logs, EachThingOnce) {
 }
 
 TEST_F(Ros2Logs, OnlyTheTopicsAskedFor) {
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "/slave_sim"), 7U);
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "/slave_sim").topics, 7U);
+}
+
+// Whoever recorded orders alone, or forgot a log, is told what is not there and whose log has it.
+TEST_F(Ros2Logs, WhatIsMissingIsNamed) {
+    const Ros2Written two = export_ros2(files_, folder_.path() / "two.mcap", "");
+    EXPECT_THAT(two.missing, ElementsAre(HasSubstr("/master/servo_cf"), HasSubstr("/cutaneous/servo_cf"),
+                                         HasSubstr("/cutaneous/measured_cf")));
+    EXPECT_FALSE(two.events_only);
+    EXPECT_THAT(export_ros2(files_, folder_.path() / "part.mcap", "/master").missing, IsEmpty());
+
+    files_.clear();
+    WrittenLog orders;
+    orders.program = "session";
+    orders.topic = "/session/orders/master";
+    orders.bodies = {Message{{7, {}, 0, 4, Role::kSession}, SessionControl{}}};
+    orders.messages = {{1, 5}};
+    add("orders", orders);
+    const Ros2Written events = export_ros2(files_, folder_.path() / "events.mcap", "");
+    EXPECT_EQ(events.topics, 1U);
+    EXPECT_EQ(events.missing.size(), 5U);
+    EXPECT_TRUE(events.events_only);
 }
 
 TEST(Cdr, NumbersStandAtMultiplesOfTheirSize) {
