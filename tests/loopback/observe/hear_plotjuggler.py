@@ -2,8 +2,8 @@
 
 usage: hear_plotjuggler.py PORT_FILE SECONDS [LANES]
 
-Chooses a UDP port, writes it to PORT_FILE, listens until the needle has moved (in so many lanes, or so long), and prints of each lane:
-the keys, how many datagrams a second, whether times went up. A lane that has no name is "".
+Chooses a UDP port, writes it to PORT_FILE, listens until the needle has moved (of several lanes: until each has been heard often; or so
+long), and prints of each lane: the keys, how many datagrams a second, whether times went up. A lane that has no name is "".
 """
 
 import json
@@ -45,7 +45,7 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
         values = one["thimble"]
         lane = next((key for key in values if isinstance(values[key], dict)), "")
         heard.setdefault(lane, []).append((one["timestamp"], values[lane] if lane else values))
-        done = [key for key in heard if len(heard[key]) > 20 and moved_m(key) > 0.01]
+        done = [key for key in heard if len(heard[key]) > 20 and (lanes_wanted > 1 or moved_m(key) > 0.01)]
         if len(done) == lanes_wanted:
             break
 

@@ -61,7 +61,6 @@ TEST(PlotJuggler, LanesSideBySideHaveNames) {
     ASSERT_EQ(lanes.size(), 2U) << lanes;
     for (const char* lane : {"0ms", "2.5ms"}) {
         EXPECT_EQ(lanes.at(lane).at("times_go_up"), true) << lane;
-        EXPECT_GT(lanes.at(lane).at("moved_m"), 0.01) << lane;
     }
     EXPECT_LT(lanes["0ms"]["last"]["network_delay_s"], lanes["2.5ms"]["last"]["network_delay_s"]);
 }
