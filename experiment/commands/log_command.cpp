@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -115,13 +116,13 @@ void share_ros2(const LogArguments& a, const LogFiles& files) {
     if (written.missing.empty()) return;
     std::string words;
     for (const std::string& part : written.missing) words += "\n  " + part;
-    spdlog::warn(
-        "{}: the logs given hold none of these:{}\n{}", a.ros2, words,
+    const std::string_view advice =
         written.events_only
-            ? "Only orders and the like were recorded, as [log] messages = \"control\" (the default) has it. "
-              "Set "
-              "messages = \"all\" in the session file, run it again and give the logs of all its programs."
-            : "Give the logs of all programs of one delay, recorded with [log] messages = \"all\".");
+            ? "Only orders and the like stand in them. [log] messages = \"control\", the default, records no "
+              "more: "
+              "set \"all\" in the session file, run it again and give the logs of all its programs."
+            : "Give the logs of all programs of one delay, recorded with [log] messages = \"all\".";
+    spdlog::warn("{}: the logs given hold none of these:{}\n{}", a.ros2, words, advice);
 }
 
 int share(const LogArguments& a) {
