@@ -80,7 +80,8 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       log_(plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>()),
       sockets_(open_sockets(plan, log_.get())),
       session_(system_entropy(), plan.session, open_channels()),
-      company_(session_, plan.attend ? plan.attend(session_, sockets_) : nullptr, sockets_.security()),
+      company_(session_, plan.attend ? plan.attend(session_, sockets_, plan.name) : nullptr,
+               sockets_.security()),
       loop_(listening(sockets_, session_)),
       stops_heard_(emergency_stops()) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {

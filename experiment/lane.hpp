@@ -25,8 +25,9 @@
 
 namespace thimble {
 
-// Somebody to sit beside a session.
-using MakeAttendant = std::function<std::unique_ptr<Process>(SessionProcess&, Sockets&)>;
+// Somebody to sit beside a session; `lane` is LanePlan::name.
+using MakeAttendant =
+    std::function<std::unique_ptr<Process>(SessionProcess&, Sockets&, const std::string& lane)>;
 
 struct LanePlan {
     std::shared_ptr<NodeStarter>
@@ -35,6 +36,7 @@ struct LanePlan {
     NetworkSettings network;
     SessionSettings session;
     double delay_s = 0;  // of the force path
+    std::string name{};  // among lanes that run at the same time, "50ms"; empty: there is no other
     std::vector<TrialConditions> trials;
     // Sits beside the session and is called right after it, with the session's clock; none: nobody watches. What it
     // opens among the sockets wakes the lane.

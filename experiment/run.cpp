@@ -99,6 +99,7 @@ class Run {
         plan.session = session_settings(with_delay);
         plan.session.ends_by_withdrawal = held_by_person(settings_.handle.kind);
         plan.delay_s = delay_s;
+        if (lane_count() > 1) plan.name = fmt::format("{:g}ms", 1000 * delay_s);
         plan.trials = run_trials_of(settings_, delay_s);
         plan.attend = options_.attend;
         plan.runtime = settings_.runtime;

@@ -1,7 +1,12 @@
 #include "common/runtime/command_line.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -108,6 +113,32 @@ void add_command(CommandTree& tree, const CLI::App& app, const std::string& path
     }
 }
 
+// CLI11 reads counts by strtoull: -1 as 2^64 - 1, 010 as 8, and what is too large as 2^64 - 1.
+std::string judge_count(const std::string& typed) {
+    std::uint64_t value = 0;
+    const char* const last = typed.data() + typed.size();
+    const auto [end, error] = std::from_chars(typed.data(), last, value);
+    if (error == std::errc{} && end == last && (typed == "0" || !typed.starts_with('0'))) return {};
+    return fmt::format("'{}': write a whole number in digits alone (no sign, no 0 before them), at most {}",
+                       typed, std::numeric_limits<std::uint64_t>::max());
+}
+
+// Ranges let nan through: it is neither below nor above.
+std::string judge_number(const std::string& typed) {
+    const bool finite = std::isfinite(std::strtod(typed.c_str(), nullptr));
+    return finite ? std::string() : fmt::format("'{}' is not a finite number", typed);
+}
+
+// Of all numbers of `app` and its subcommands, behind what they themselves check: a range names what is allowed.
+void check_numbers(CLI::App& app) {
+    for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
+        const std::string type = option->get_type_name();
+        if (type.starts_with("UINT")) option->check(judge_count);
+        if (type.starts_with("FLOAT")) option->check(judge_number);
+    }
+    for (CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; })) check_numbers(*below);
+}
+
 }  // namespace
 
 std::string completion_of(const CLI::App& app, const std::string& shell) {
@@ -126,6 +157,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
         ->check(
             CLI::IsMember(std::vector<std::string>(std::begin(kCompletedShells), std::end(kCompletedShells))))
         ->group("");
+    check_numbers(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

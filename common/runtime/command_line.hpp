@@ -11,7 +11,8 @@ class App;
 namespace thimble {
 
 // Nothing if the program is to go on, else its exit code: what was asked for (--help, --version) or is wrong has
-// been said. Every program also takes --completion SHELL, which its --help does not list.
+// been said. Counts are digits alone, without a sign, and numbers finite, whatever else their options allow. Every program
+// also takes --completion SHELL, which its --help does not list.
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 
 // What a shell (one of kCompletedShells) completes after this program's name. `app` has all its options and subcommands.

@@ -33,6 +33,7 @@ Subcommand add_exclude(CLI::App& app) {
     sub->add_option("dataset", a.dataset, "folder of `thimble run` with a [protocol]")->required();
     sub->add_option("--participant", a.participant, "e.g. P07")->required();
     sub->add_option("--trial", a.trial, "its place in the participant's order (column 'position')")
+        ->check(CLI::Range(1, 1000000))
         ->required();
     sub->add_option("--reason", a.reason, "goes into exclusions.tsv; no names")->required();
     sub->footer(

@@ -4,10 +4,12 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
 #include "experiment/commands/commands.hpp"
@@ -108,6 +110,21 @@ void export_json(const LogArguments& a, const LogFiles& files) {
     if (file) file->flush();
 }
 
+void share_ros2(const LogArguments& a, const LogFiles& files) {
+    const Ros2Written written = export_ros2(files, a.ros2, a.topic);
+    fmt::print("{}: {} topics\n", a.ros2, written.topics);
+    if (written.missing.empty()) return;
+    std::string words;
+    for (const std::string& part : written.missing) words += "\n  " + part;
+    const std::string_view advice =
+        written.events_only
+            ? "Only orders and the like stand in them. [log] messages = \"control\", the default, records no "
+              "more: "
+              "set \"all\" in the session file, run it again and give the logs of all its programs."
+            : "Give the logs of all programs of one delay, recorded with [log] messages = \"all\".";
+    spdlog::warn("{}: the logs given hold none of these:{}\n{}", a.ros2, words, advice);
+}
+
 int share(const LogArguments& a) {
     if (a.csv.empty() && a.json.empty() && a.hdf5.empty() && a.ros2.empty())
         throw Error(ExitCode::kUsage, "say where to: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
@@ -115,7 +132,7 @@ int share(const LogArguments& a) {
     if (!a.csv.empty()) fmt::print("{}: {} tables\n", a.csv, export_csv(files, a.csv, a.topic));
     if (!a.hdf5.empty()) fmt::print("{}: {} tables\n", a.hdf5, export_hdf5(files, a.hdf5, a.topic));
     if (!a.json.empty()) export_json(a, files);
-    if (!a.ros2.empty()) fmt::print("{}: {} topics\n", a.ros2, export_ros2(files, a.ros2, a.topic));
+    if (!a.ros2.empty()) share_ros2(a, files);
     return 0;
 }
 

@@ -103,6 +103,7 @@ Subcommand add_play(CLI::App& app) {
                                           "show a trial of this folder (trials.csv, trajectories/) instead");
     sub->add_option("--trial", arguments->trial, "which line of its trials.csv, from 1")
         ->default_val(arguments->trial)
+        ->check(CLI::Range(1, 1000000))
         ->needs(replay);
     sub->add_option("--speed", arguments->speed, "of the replay; 1: as it was")
         ->default_val(arguments->speed)

@@ -51,7 +51,7 @@ int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings
         run.view = SittingView{
             &orders, [&orders] { return orders.context().paused; },
             [&orders](std::size_t trials) { orders.context().trials = static_cast<std::uint32_t>(trials); },
-            [&orders](SessionProcess& session, Sockets& sockets) {
+            [&orders](SessionProcess& session, Sockets& sockets, const std::string&) {
                 orders.serve(session);
                 return attend(session, sockets, orders, orders.context());
             }};
@@ -121,7 +121,7 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
     const MonitorContext context{static_cast<std::uint32_t>(settings.plan.modalities.size())};
     if (arguments.monitor) {
         options.quit = [&desk] { return desk.quit(); };
-        options.attend = [&desk, &context](SessionProcess& session, Sockets& sockets) {
+        options.attend = [&desk, &context](SessionProcess& session, Sockets& sockets, const std::string&) {
             return attend(session, sockets, desk, context);
         };
     }

@@ -159,7 +159,9 @@ Subcommand add_remedies(CLI::App& app) {
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     sub->add_option("--seed", a.study.seed, "of subjects, fixtures and networks")->capture_default_str();
-    sub->add_option("--jobs", a.study.jobs, "threads; 0: one per core")->capture_default_str();
+    sub->add_option("--jobs", a.study.jobs, "threads; 0: one per core")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str();
     sub->add_flag("--overwrite", a.overwrite, "begin anew in that folder");
     sub->footer(
         "done: completed trials; osc.: those in which the needle oscillates; K / true: stiffness that the "

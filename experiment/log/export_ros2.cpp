@@ -22,6 +22,25 @@ namespace {
 constexpr std::string_view kTissueFrame = "tissue", kHandleFrame = "handle", kFingerFrame = "finger";
 constexpr std::string_view kJoint = "insertion";
 constexpr std::size_t kRos2ChunkBytes = std::size_t{1} << 20;
+constexpr const char* kEventTopic = "/session/event";
+
+// What comes of one flow of the logs, told by one of its topics.
+struct Ros2Part {
+    std::string_view from, told_by, words;
+};
+constexpr std::array<Ros2Part, 5> kRos2Parts{{
+    {"/master/needle_command", "/master/measured_cp",
+     "hand and commanded needle (/master/measured_*, /slave_sim/servo_*): logs of thimble-master, "
+     "thimble-slave-sim"},
+    {"/slave_sim/record", "/slave_sim/measured_cp",
+     "needle, tissue and their forces (/slave_sim/...measured_*): logs of session, thimble-slave-sim"},
+    {"/slave_sim/force_feedback/master", "/master/servo_cf",
+     "the force that reached the master (/master/servo_cf): log of thimble-master"},
+    {"/slave_sim/force_feedback/cutaneous", "/cutaneous/servo_cf",
+     "the force that reached the fingertip device (/cutaneous/servo_cf): log of thimble-cutaneous"},
+    {"/cutaneous/percept", "/cutaneous/measured_cf",
+     "what is pressed on the finger (/cutaneous/measured_cf): logs of thimble-cutaneous, thimble-master"},
+}};
 
 // When something passed, in ns since 1970: on the session's clock where the logs say what the writer's differs from it by, else on
 // the writer's own; since its machine's start, if the writer has not said when that was.
@@ -62,9 +81,15 @@ class Ros2Export {
             add_event(file, message.header, *control);
         if (writer_.chunk_bytes() > kRos2ChunkBytes) writer_.flush();
     }
-    std::size_t finish() {
+    Ros2Written finish(const std::string& asked_for) {
         writer_.finish();
-        return channels_.size();
+        Ros2Written written{channels_.size(), {}, false};
+        for (const Ros2Part& part : kRos2Parts) {
+            if (part.from.starts_with(asked_for) && !channels_.contains(std::string(part.told_by)))
+                written.missing.emplace_back(part.words);
+        }
+        written.events_only = channels_.size() == channels_.count(kEventTopic);
+        return written;
     }
 
   private:
@@ -136,7 +161,7 @@ class Ros2Export {
         if (control.kind == ControlKind::kTrialStart) text += fmt::format(" {}", to_string(control.modality));
         Ros2Value value;
         value.text = text;
-        put("/session/event", Ros2Type::kString, value);
+        put(kEventTopic, Ros2Type::kString, value);
     }
 
     LogFile file_;
@@ -176,7 +201,7 @@ const LoggedFile* sessions_file(const std::vector<std::unique_ptr<LoggedFile>>& 
 
 }  // namespace
 
-std::size_t export_ros2(const std::vector<std::unique_ptr<LoggedFile>>& files,
+Ros2Written export_ros2(const std::vector<std::unique_ptr<LoggedFile>>& files,
                         const std::filesystem::path& path, const std::string& topic) {
     const LoggedFile* const session = sessions_file(files);
     std::map<const LoggedFile*, DateClock> clocks;
@@ -192,7 +217,7 @@ std::size_t export_ros2(const std::vector<std::unique_ptr<LoggedFile>>& files,
         const Decoded decoded = decode(packet);
         if (decoded.message) to.add(*decoded.message, m.file, *m.topic, clocks.at(m.file).date_ns(m));
     }
-    return to.finish();
+    return to.finish(topic);
 }
 
 }  // namespace thimble

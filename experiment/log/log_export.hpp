@@ -23,9 +23,16 @@ std::size_t export_csv(const std::vector<std::unique_ptr<LoggedFile>>& files,
 std::size_t export_hdf5(const std::vector<std::unique_ptr<LoggedFile>>& files,
                         const std::filesystem::path& path, const std::string& topic);
 
+struct Ros2Written {
+    std::size_t topics = 0;
+    // What was asked for and stands in none of the logs, with whose log would hold it; in words, one each.
+    std::vector<std::string> missing;
+    bool events_only = false;
+};
+
 // The same movements, forces and events as ROS 2 messages (docs/interoperability.md) in a new MCAP file of profile "ros2"; the logs' topics
-// that begin with `topic`. Returns how many topics it has. Throws Error: usage, if it exists; run failed, if it cannot be written.
-std::size_t export_ros2(const std::vector<std::unique_ptr<LoggedFile>>& files,
+// that begin with `topic`. Throws Error: usage, if it exists; run failed, if it cannot be written.
+Ros2Written export_ros2(const std::vector<std::unique_ptr<LoggedFile>>& files,
                         const std::filesystem::path& path, const std::string& topic);
 
 // One message as a JSON object, or for people; `zero_ns` is what their times count from.

@@ -30,7 +30,7 @@ class PlotJugglerBeside final : public Process {
 
 }  // namespace
 
-std::string plotjuggler_json(double date_s, std::uint32_t trial, const Monitor& m) {
+std::string plotjuggler_json(double date_s, const std::string& lane, std::uint32_t trial, const Monitor& m) {
     // What is not known yet is left out, so that no curve begins at a value that nobody measured.
     nlohmann::ordered_json values{{"trial", trial},
                                   {"time_s", m.time_s},
@@ -56,6 +56,7 @@ std::string plotjuggler_json(double date_s, std::uint32_t trial, const Monitor& 
     if (m.round_trip_s > 0) values["round_trip_s"] = m.round_trip_s;
     if (m.one_way_s >= 0) values["one_way_s"] = m.one_way_s;
     if (m.one_way_s >= 0) values["one_way_bound_s"] = m.one_way_bound_s;
+    if (!lane.empty()) values = nlohmann::ordered_json{{lane, std::move(values)}};
     return nlohmann::ordered_json{{"timestamp", date_s}, {"thimble", std::move(values)}}.dump();
 }
 
@@ -70,18 +71,18 @@ void PlotJugglerFeed::tick(SessionTime now) {
     next_ = std::max(next_ + kPlotJugglerPeriod, now + kPlotJugglerPeriod / 2);
     const Monitor monitor = make_monitor(now, *session_, {});
     const std::string text =
-        plotjuggler_json(to_seconds(now + ahead_ - SessionTime{}), session_->number(), monitor);
+        plotjuggler_json(to_seconds(now + ahead_ - SessionTime{}), lane_, session_->number(), monitor);
     channel_.send({static_cast<const std::uint8_t*>(static_cast<const void*>(text.data())), text.size()});
 }
 
 MakeAttendant with_plotjuggler(MakeAttendant other, const Endpoint& to) {
-    return [other = std::move(other), to](SessionProcess& session,
-                                          Sockets& sockets) -> std::unique_ptr<Process> {
+    return [other = std::move(other), to](SessionProcess& session, Sockets& sockets,
+                                          const std::string& lane) -> std::unique_ptr<Process> {
         const ClockPair clocks = read_clock_pair();
         const Duration ahead{clocks.realtime_ns - to_nanoseconds(clocks.before)};
-        auto feed = std::make_unique<PlotJugglerFeed>(to, session, ahead);
+        auto feed = std::make_unique<PlotJugglerFeed>(to, session, ahead, lane);
         if (!other) return feed;
-        return std::make_unique<PlotJugglerBeside>(other(session, sockets), std::move(feed));
+        return std::make_unique<PlotJugglerBeside>(other(session, sockets, lane), std::move(feed));
     };
 }
 

@@ -74,7 +74,7 @@ class Play {
         plan_.session.trial_timeout = kPlayTimeout;
         plan_.delay_s = options_.delay_s;
         plan_.runtime = settings.runtime;
-        plan_.attend = [this](SessionProcess& session, Sockets& sockets) {
+        plan_.attend = [this](SessionProcess& session, Sockets& sockets, const std::string&) {
             desk_.serve(session);
             session_ = &session;
             return attend(session, sockets, desk_, desk_.context());

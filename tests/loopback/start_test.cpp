@@ -11,7 +11,9 @@
 namespace thimble {
 namespace {
 
+using testing::AllOf;
 using testing::AnyOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -37,6 +39,39 @@ TEST(Help, IsThereWithAnExampleInEveryProgram) {
 TEST(Help, AnUnknownOptionIsAUsageError) {
     for (const std::string& program : six_programs()) {
         EXPECT_EQ(run_to_end(built_programs() / program, {"--no-such-option"}).code, 2) << program;
+    }
+}
+
+// CLI11 would read -1 as 2^64 - 1, 010 as 8, and let nan through every range.
+TEST(Help, NumbersThatAreNoneAreUsageErrors) {
+    const std::vector<std::vector<std::string>> refused{
+        {"thimble", "study", "--seed", "-1"},
+        {"thimble", "study", "--seed", "010"},
+        {"thimble", "study", "--seed", "18446744073709551616"},
+        {"thimble", "study", "--subjects", "-1"},
+        {"thimble", "study", "--jobs", "-1"},
+        {"thimble", "study", "--jobs", "-18446744073709551615"},
+        {"thimble", "study", "--seeds", "-1"},
+        {"thimble", "study", "--draws", "-1"},
+        {"thimble", "sweep", "--seed", "-1"},
+        {"thimble", "sweep", "--trials", "-1"},
+        {"thimble", "sweep", "--block", "-1"},
+        {"thimble", "remedies", "--seed", "-1"},
+        {"thimble", "remedies", "--jobs", "-1"},
+        {"thimble", "exclude", "--trial", "-1"},
+        {"thimble", "play", "--trial", "-1"},
+        {"thimble", "link-test", "--ports", "-1"},
+        {"thimble", "doctor", "--seconds", "nan"},
+        {"thimble", "stability", "--mass-kg", "inf"},
+        {"thimble-netem", "--to=lab:1", "--seed", "-1"},
+        {"thimble-netem", "--to=lab:1", "--max-flows", "-1"},
+    };
+    for (const std::vector<std::string>& words : refused) {
+        const std::string typed = words[words.size() - 2] + ": ";
+        const Outcome outcome = run_to_end(built_programs() / words[0], {words.begin() + 1, words.end()});
+        EXPECT_EQ(outcome.code, 2) << words[1] << ' ' << typed << outcome.words;
+        EXPECT_THAT(outcome.words,
+                    AllOf(HasSubstr(typed), ContainsRegex("not in range .* to |at most 1|finite")));
     }
 }
 

@@ -78,6 +78,22 @@ TEST(ReadingExamples, H5pyReadsALogWithItsUnits) {
     EXPECT_THAT(said.words, HasSubstr("log_time_ns  ns  2 values, 10 to 20"));
 }
 
+TEST(Ros2Export, SaysWhatALogOfOrdersCannotGive) {
+    const Folder folder;
+    WrittenLog orders;
+    orders.program = "session";
+    orders.topic = "/session/orders/master";
+    orders.bodies = {Message{{7, {}, 0, 4, Role::kSession}, SessionControl{}}};
+    orders.messages = {{1, 5}};
+    orders.write(folder / "session.mcap");
+    const Outcome said = run_to_end(
+        built_programs() / "thimble",
+        {"log", "export", (folder / "session.mcap").string(), "--ros2", (folder / "ros2.mcap").string()});
+    EXPECT_EQ(said.code, 0) << said.words;
+    EXPECT_THAT(said.words, HasSubstr("/slave_sim/servo_*"));
+    EXPECT_THAT(said.words, HasSubstr("set \"all\" in the session file"));
+}
+
 // As docs/interoperability.md has them.
 TEST(NetworkExamples, AreRead) {
     const Folder folder;

@@ -1,9 +1,9 @@
 """What a program that knows nothing of Thimble hears at PlotJuggler's port.
 
-usage: hear_plotjuggler.py PORT_FILE SECONDS
+usage: hear_plotjuggler.py PORT_FILE SECONDS [LANES]
 
-Chooses a UDP port, writes it to PORT_FILE, listens until the needle has moved (or so long), and prints: the keys, how many
-datagrams a second, whether times went up.
+Chooses a UDP port, writes it to PORT_FILE, listens until the needle has moved (of several lanes: until each has been heard often; or so
+long), and prints of each lane: the keys, how many datagrams a second, whether times went up. A lane that has no name is "".
 """
 
 import json
@@ -12,7 +12,27 @@ import socket
 import sys
 import time
 
-heard = []
+lanes_wanted = int(sys.argv[3]) if len(sys.argv) > 3 else 1
+heard = {}  # by lane: time and values
+
+
+def moved_m(lane):
+    needles = [values["position_needle_m"] for _, values in heard[lane]]
+    return max(needles) - min(needles)
+
+
+def summary(lane):
+    times = [stamp for stamp, _ in heard[lane]]
+    return {
+        "keys": sorted(heard[lane][-1][1]),
+        "moved_m": moved_m(lane),
+        "per_second": len(times) / (times[-1] - times[0]),
+        "times_go_up": all(a < b for a, b in zip(times, times[1:])),
+        "behind_s": time.time() - times[-1],
+        "last": heard[lane][-1][1],
+    }
+
+
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
     listener.bind(("127.0.0.1", 0))
     listener.settimeout(float(sys.argv[2]))
@@ -21,17 +41,12 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
     os.rename(sys.argv[1] + ".new", sys.argv[1])
     end = time.monotonic() + float(sys.argv[2])
     while time.monotonic() < end:
-        heard.append(json.loads(listener.recv(65536)))
-        needles = [one["thimble"]["position_needle_m"] for one in heard]
-        if len(heard) > 20 and max(needles) - min(needles) > 0.01:
+        one = json.loads(listener.recv(65536))
+        values = one["thimble"]
+        lane = next((key for key in values if isinstance(values[key], dict)), "")
+        heard.setdefault(lane, []).append((one["timestamp"], values[lane] if lane else values))
+        done = [key for key in heard if len(heard[key]) > 20 and (lanes_wanted > 1 or moved_m(key) > 0.01)]
+        if len(done) == lanes_wanted:
             break
 
-times = [one["timestamp"] for one in heard]
-print(json.dumps({
-    "keys": sorted(heard[-1]["thimble"]),
-    "moved_m": max(needles) - min(needles),
-    "per_second": len(heard) / (times[-1] - times[0]),
-    "times_go_up": all(a < b for a, b in zip(times, times[1:])),
-    "behind_s": time.time() - times[-1],
-    "last": heard[-1]["thimble"],
-}))
+print(json.dumps({lane: summary(lane) for lane in heard}))

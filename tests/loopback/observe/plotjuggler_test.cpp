@@ -1,5 +1,6 @@
 // `thimble run --plotjuggler`: heard by Python, which is not Thimble's.
 #include <cstdlib>
+#include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,24 +15,31 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-TEST(PlotJuggler, APythonProgramHearsTheSession) {
-    if (std::system("python3 -c 'import json, socket' > /dev/null 2>&1") != 0)
-        GTEST_SKIP() << "there is no python3 with its standard library";
+bool has_python() { return std::system("python3 -c 'import json, socket' > /dev/null 2>&1") == 0; }
+
+// What hear_plotjuggler.py prints of a run with such a session.
+nlohmann::json heard_of(SessionFile session) {
     const Folder folder;
     Child listener(
         "/bin/sh",
         {"-c", "exec python3 '" THIMBLE_SOURCE_DIR "/tests/loopback/observe/hear_plotjuggler.py' '" +
-                   (folder / "port").string() + "' 15"},
+                   (folder / "port").string() + "' 15 " + std::to_string(session.lanes)},
         folder / "heard");
-    ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder / "port"); }))
-        << read_text(folder / "heard");
-    SessionFile session;
+    if (!wait_until([&] { return std::filesystem::exists(folder / "port"); }))
+        throw std::runtime_error(read_text(folder / "heard"));
     session.contact_hold_s = kEndlessHold_s;
     RealRun run(session, {"--plotjuggler", read_text(folder / "port")});
     EXPECT_EQ(listener.wait(kPatience), 0) << read_text(folder / "heard") << run.words();
     run.launcher().signal(SIGTERM);
     run.end();
-    const auto heard = nlohmann::json::parse(read_text(folder / "heard"));
+    return nlohmann::json::parse(read_text(folder / "heard"));
+}
+
+TEST(PlotJuggler, APythonProgramHearsTheSession) {
+    if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library";
+    const auto lanes = heard_of({});
+    ASSERT_EQ(lanes.size(), 1U) << lanes;
+    const auto heard = lanes.at("");  // alone it has no name
     for (const char* key :
          {"force_total_N", "position_surface_m", "network_delay_s", "tissue_phase", "trial"})
         EXPECT_THAT(heard["keys"], Contains(key));
@@ -41,6 +49,20 @@ TEST(PlotJuggler, APythonProgramHearsTheSession) {
     EXPECT_LT(heard["behind_s"], 60);  // a date, not a machine's own time
     EXPECT_GT(heard["behind_s"], -60);
     EXPECT_EQ(heard["last"]["modality"], "HF");
+}
+
+// Else both delays were drawn as one curve that jumps to and fro.
+TEST(PlotJuggler, LanesSideBySideHaveNames) {
+    if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library";
+    SessionFile session;
+    session.delays_s = "[0.0, 0.0025]";
+    session.lanes = 2;
+    const auto lanes = heard_of(session);
+    ASSERT_EQ(lanes.size(), 2U) << lanes;
+    for (const char* lane : {"0ms", "2.5ms"}) {
+        EXPECT_EQ(lanes.at(lane).at("times_go_up"), true) << lane;
+    }
+    EXPECT_LT(lanes["0ms"]["last"]["network_delay_s"], lanes["2.5ms"]["last"]["network_delay_s"]);
 }
 
 TEST(PlotJuggler, AnotherMachineIsRefusedByName) {

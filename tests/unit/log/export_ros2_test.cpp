@@ -15,6 +15,10 @@
 namespace thimble {
 namespace {
 
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
 // A master on a machine whose clock is one second ahead, its session, and slave_sim, each with a log.
 class Ros2Logs : public testing::Test {
   protected:
@@ -56,6 +60,28 @@ class Ros2Logs : public testing::Test {
         log.write(folder_.path() / (name + ".mcap"));
         files_.push_back(std::make_unique<LoggedFile>(folder_.path() / (name + ".mcap")));
     }
+    // What comes to master and fingertip, what the finger feels, and an order.
+    void add_arrivals() {
+        ForceFeedback force;
+        force.force_total_N = -4.5;
+        Percept percept;
+        percept.force_N = 1.5;
+        const auto add_one = [&](const std::string& name, const std::string& topic,
+                                 const decltype(Message::body)& body) {
+            WrittenLog log;
+            log.topic = topic;
+            log.direction = "received";
+            log.messages = {{1, 2'000'000'040}};
+            log.bodies = {Message{{7, {}, 0, 3, Role::kSlaveSim}, body}};
+            add(name, log);
+        };
+        add_one("at_master", "/slave_sim/force_feedback/master", force);
+        add_one("at_finger", "/slave_sim/force_feedback/cutaneous", force);
+        add_one("felt", "/cutaneous/percept", percept);
+        SessionControl start;
+        start.modality = Modality::kCF;
+        add_one("order", "/session/orders/master", start);
+    }
     LogFolder folder_;
     std::vector<std::unique_ptr<LoggedFile>> files_;
 };
@@ -65,7 +91,8 @@ TEST_F(Ros2Logs, ReadByOthers) {
     if (!std::filesystem::exists(modules / "@foxglove/rosmsg2-serialization"))
         GTEST_SKIP() << "readers of ROS 2 messages are not installed: deploy/install-log-reader does that "
                         "where there is npm";
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", ""), 13U);
+    add_arrivals();
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "").topics, 17U);
     std::filesystem::copy_file(THIMBLE_SOURCE_DIR "/tests/log_reader/read_ros2.mjs",
                                folder_.path() / "read_ros2.mjs");
     std::filesystem::create_directory_symlink(modules, folder_.path() / "node_modules");
@@ -82,16 +109,31 @@ TEST_F(Ros2Logs, ReadByOthers) {
         EXPECT_EQ(its["messages"].size(), 1U) << topic;
         return its["messages"][0]["value"];
     };
+    // Each z, after all the rest has been found to be 0, and the frame to be that one.
+    const auto along_z = [](double z) { return nlohmann::json{{"x", 0}, {"y", 0}, {"z", z}}; };
+    const auto frame_of = [](const std::string& topic) {
+        if (topic == "/cutaneous/measured_cf") return "finger";
+        return topic.starts_with("/master/measured") ? "handle" : "tissue";
+    };
+    const auto z_of = [&](const char* topic, const char* type, const char* name, const char* first,
+                          const char* second, const nlohmann::json& its_second) {
+        auto value = of(topic, type);
+        EXPECT_EQ(value["header"]["frame_id"], frame_of(topic)) << topic;
+        const double z = value[name][first]["z"];
+        value.erase("header");
+        EXPECT_EQ(value, (nlohmann::json{{name, {{first, along_z(z)}, {second, its_second}}}})) << topic;
+        return z;
+    };
     const auto pose_z = [&](const char* topic) {
-        const auto value = of(topic, "geometry_msgs/msg/PoseStamped");
-        EXPECT_EQ(value["pose"]["orientation"]["w"], 1) << topic;
-        return value["pose"]["position"]["z"].get<double>();
+        nlohmann::json none = along_z(0);
+        none["w"] = 1;
+        return z_of(topic, "geometry_msgs/msg/PoseStamped", "pose", "position", "orientation", none);
     };
     const auto twist_z = [&](const char* topic) {
-        return of(topic, "geometry_msgs/msg/TwistStamped")["twist"]["linear"]["z"].get<double>();
+        return z_of(topic, "geometry_msgs/msg/TwistStamped", "twist", "linear", "angular", along_z(0));
     };
     const auto force_z = [&](const char* topic) {
-        return of(topic, "geometry_msgs/msg/WrenchStamped")["wrench"]["force"]["z"].get<double>();
+        return z_of(topic, "geometry_msgs/msg/WrenchStamped", "wrench", "force", "torque", along_z(0));
     };
     EXPECT_EQ(pose_z("/master/measured_cp"), 0.02);
     EXPECT_EQ(twist_z("/master/measured_cv"), 0.1);
@@ -105,6 +147,11 @@ TEST_F(Ros2Logs, ReadByOthers) {
     EXPECT_EQ(pose_z("/slave_sim/surface/measured_cp"), 0.021);
     EXPECT_EQ(twist_z("/slave_sim/surface/measured_cv"), -0.5);
     EXPECT_EQ(pose_z("/slave_sim/proxy/measured_cp"), 0.05);
+    EXPECT_EQ(force_z("/master/servo_cf"), -4.5);
+    EXPECT_EQ(force_z("/cutaneous/servo_cf"), -4.5);
+    EXPECT_EQ(force_z("/cutaneous/measured_cf"), 1.5);
+    EXPECT_EQ(of("/session/event", "std_msgs/msg/String"),
+              nlohmann::json::parse(R"({"data": "trial start 3 CF"})"));
 
     // Of odd lengths, so that what follows has to be aligned.
     const auto joint = of("/master/measured_js", "sensor_msgs/msg/JointState");
@@ -148,7 +195,7 @@ TEST_F(Ros2Logs, EachThingOnce) {
         force.messages = {{1, 30}};
         add(direction, force);
     }
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", ""), 15U);
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "").topics, 15U);
     const LoggedFile written(folder_.path() / "ros2.mcap");
     EXPECT_EQ(written.scan().messages, 15U);
     EXPECT_TRUE(written.scan().finished);
@@ -156,7 +203,28 @@ TEST_F(Ros2Logs, EachThingOnce) {
 }
 
 TEST_F(Ros2Logs, OnlyTheTopicsAskedFor) {
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "/slave_sim"), 7U);
+    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "/slave_sim").topics, 7U);
+}
+
+// Whoever recorded orders alone, or forgot a log, is told what is not there and whose log has it.
+TEST_F(Ros2Logs, WhatIsMissingIsNamed) {
+    const Ros2Written two = export_ros2(files_, folder_.path() / "two.mcap", "");
+    EXPECT_THAT(two.missing, ElementsAre(HasSubstr("/master/servo_cf"), HasSubstr("/cutaneous/servo_cf"),
+                                         HasSubstr("/cutaneous/measured_cf")));
+    EXPECT_FALSE(two.events_only);
+    EXPECT_THAT(export_ros2(files_, folder_.path() / "part.mcap", "/master").missing, IsEmpty());
+
+    files_.clear();
+    WrittenLog orders;
+    orders.program = "session";
+    orders.topic = "/session/orders/master";
+    orders.bodies = {Message{{7, {}, 0, 4, Role::kSession}, SessionControl{}}};
+    orders.messages = {{1, 5}};
+    add("orders", orders);
+    const Ros2Written events = export_ros2(files_, folder_.path() / "events.mcap", "");
+    EXPECT_EQ(events.topics, 1U);
+    EXPECT_EQ(events.missing.size(), 5U);
+    EXPECT_TRUE(events.events_only);
 }
 
 TEST(Cdr, NumbersStandAtMultiplesOfTheirSize) {
