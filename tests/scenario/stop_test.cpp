@@ -79,7 +79,8 @@ TEST(EmergencyStop, CablesGoSlack) {
 TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     Rig rig(paper());
     press_until_contact(rig, Modality::kHF);
-    rig.session().emergency_stop(rig.now(), "a test");
+    const StopOrder stop(78, StopKind::kStop, EndReason::kEmergencyStop, "a test");
+    for (const Role role : {Role::kSession, Role::kMaster}) say(rig, role, stop, Role::kExperimenter);
     rig.finish();
     rig.idle(kHeldAtLeast);
     TrialConditions conditions = trial_of(Modality::kHF);
@@ -96,9 +97,9 @@ TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     EXPECT_TRUE(rig.master().stop_line().stopped());
     conditions.trial = 3;
     EXPECT_EQ(rig.run(conditions).reason, EndReason::kEmergencyStop);
-    // On purpose, for all.
-    rig.session().release_stop(rig.now());
-    rig.idle(milliseconds{200});
+    // Whom the release has not reached hears of it from the session.
+    rig.idle(seconds{1});
+    EXPECT_FALSE(rig.master().stop_line().stopped());
     conditions.trial = 4;
     EXPECT_EQ(rig.run(conditions).reason, EndReason::kCompleted);
 }
