@@ -14,6 +14,7 @@
 #include "common/stop_line.hpp"
 #include "common/stop_release.hpp"
 #include "experiment/commands/commands.hpp"
+#include "experiment/stop_file.hpp"
 
 namespace thimble {
 namespace {
@@ -95,8 +96,13 @@ int release(const StopArguments& a) {
         for (const StopOrder& stop : lane->stops()) fmt::print("released: {}\n", stop.words());
         any = any || !lane->stops().empty();
     }
+    for (int lane = 0; lane < lanes_of(a); ++lane) {
+        const auto kept = StopFile(lane_network(a, lane).base_port).release();
+        if (kept) fmt::print("released, of a session that has ended: {}\n", *kept);
+        any = any || kept;
+    }
     fmt::print("{} (ports from {})\n",
-               any ? "trials may begin again" : "no program that answers holds a stop", base);
+               any ? "trials may begin again" : "nothing was stopped here, as far as programs answer", base);
     return 0;
 }
 
@@ -116,7 +122,9 @@ Subcommand add_stop(CLI::App& app) {
     sub->add_option("--lanes", a.lanes, "so many lanes of a run side by side (8)")
         ->check(CLI::Range(1, kMostLanes));
     sub->footer(
-        "Where thimble runs in this terminal, Ctrl-\\ does the same.\n"
+        "Where thimble runs in this terminal, Ctrl-\\ does the same. A stop that a session ended with holds "
+        "for the next one on "
+        "its ports: release it on the machine of that session.\n"
         "Examples:\n  thimble stop\n  thimble stop --release\n  thimble stop lab.toml --reason \"cable "
         "loose\"");
     return {sub, [arguments] { return arguments->release ? release(*arguments) : stop(*arguments); }};
