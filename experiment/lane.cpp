@@ -99,7 +99,7 @@ Lane::~Lane() {
 }
 
 void Lane::open() {
-    stop_file_.require_released();
+    if (!plan_.holds_stop) stop_file_.require_released();
     std::filesystem::create_directories(plan_.out);
     clock_writer_.emplace(clock_path());
     if (log_) open_log();
@@ -197,7 +197,7 @@ std::string Lane::stop_words() const {
 
 void Lane::keep_stop() {
     const bool held = session_.stop_line().stopped();
-    if (held == stop_kept_) return;
+    if (!held && !stop_kept_) return;
     stop_kept_ = held;
     attempt([&] {
         if (held) return stop_file_.keep(who_stopped());
@@ -314,7 +314,6 @@ void Lane::idle(Duration limit) {
 }
 
 LaneResult Lane::close() {
-    stop_kept_ = false;  // somebody may have taken the file away, and the stop holds all the same
     keep_stop();
     close_clocks();
     if (plan_.starter) end_nodes();

@@ -46,6 +46,7 @@ struct LanePlan {
     LogSettings log{LoggedMessages::kNone, {}, {}};
     std::filesystem::path session_file{};  // kept with it
     IfExists if_exists = IfExists::kRefuse;
+    bool holds_stop = false;  // the one that is kept is its own: whoever plans this raises it again
 };
 
 struct LaneEvents {
