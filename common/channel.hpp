@@ -30,6 +30,9 @@ class Channel {
     // Never blocks. A datagram that cannot be sent is lost, as on any network, and counted by the channel.
     virtual void send(Bytes datagram) = 0;
 
+    // To whoever sent what receive() gave last, where the channel knows him; elsewhere nothing.
+    virtual void answer(Bytes) {}
+
     // The next waiting datagram, or an empty span. Valid until the next call on this channel.
     Bytes receive() { return known_empty() ? Bytes{} : take(); }
     // True if receive() is sure to find nothing; a call, too, that ends what receive() gave. Cheap: every flow

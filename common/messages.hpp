@@ -48,7 +48,7 @@ inline constexpr EndReason kLastEndReason = EndReason::kEmergencyStop;
 constexpr bool is_stop(EndReason reason) {
     return reason == EndReason::kSafetyStop || reason == EndReason::kEmergencyStop;
 }
-enum class StopKind : std::uint8_t { kStop, kRelease };
+enum class StopKind : std::uint8_t { kStop, kRelease, kAsk };
 
 // What a view asks of the session.
 enum class OrderKind : std::uint8_t {
@@ -261,9 +261,9 @@ struct ForceWave {
     WaveBurst waves;
 };
 
-// Whoever stops everything -> everybody, or whoever releases it (stop_line.hpp).
+// Whoever stops everything -> everybody, or whoever releases it, or asks what is held (stop_line.hpp).
 struct StopOrder {
-    std::uint64_t id = 0;  // random: what is said again is carried out once
+    std::uint64_t id = 0;  // of a stop: random; of a release: the stop's; of a question: nothing
     StopKind kind = StopKind::kStop;
     EndReason reason = EndReason::kEmergencyStop;
     std::array<char, 158> text{};  // who and why; UTF-8, zeros behind its end

@@ -1,9 +1,15 @@
 #include "common/stop_line.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <variant>
 
 namespace thimble {
+namespace {
+
+bool may_release(Role role) { return role == Role::kSession || role == Role::kExperimenter; }
+
+}  // namespace
 
 void StopLine::connect(Channel& in, const StopOutlets& out) {
     in_ = &in;
@@ -18,14 +24,22 @@ void StopLine::tick(SessionTime now) {
             take(now, in);
         }
     }
-    if (now < next_) return;
-    next_ = kNever;
+    if (now >= next_) say_what_is_due(now);
+}
+
+void StopLine::say_what_is_due(SessionTime now) {
     if (saying_) out_.send(now, 0, own_);
     if (releases_left_ > 0) {
         --releases_left_;
-        out_.send(now, 0, own_release_);
+        for (std::size_t i = 0; i < releasing_count_; ++i)
+            out_.send(now, 0, StopOrder(releasing_[i], StopKind::kRelease, EndReason::kEmergencyStop, {}));
     }
-    if (saying_ || releases_left_ > 0) next_ = now + kStopRepeat;
+    if (now >= next_passed_on_) {
+        for (std::size_t i = 0; i < held_count_; ++i) out_.send(now, 0, held_[i].order);
+        next_passed_on_ = now + kStopPassedOn;
+    }
+    if (held_count_ == 0) next_passed_on_ = kNever;
+    next_ = saying_ || releases_left_ > 0 ? std::min(now + kStopRepeat, next_passed_on_) : next_passed_on_;
 }
 
 // Whoever it is, and however old its number: a stop that is refused for its sender's sake is none.
@@ -43,47 +57,73 @@ void StopLine::take(SessionTime now, Bytes datagram) {
 
 void StopLine::obey(SessionTime now, Role sender, const StopOrder& order) {
     if (order.kind == StopKind::kStop) return hold(now, sender, order);
-    if (sender == Role::kSession || sender == Role::kExperimenter) return let_go(now, order.id);
+    if (order.kind == StopKind::kAsk) return answer(now);
+    if (may_release(sender)) return let_go(order.id);
     --counters_.accepted;
     ++counters_.refused[static_cast<std::size_t>(Refusal::kUnexpectedKind)];
 }
 
-// With as many at once as there are places, the newest needs none of its own: one release lets go of all.
 void StopLine::hold(SessionTime now, Role sender, const StopOrder& order) {
-    if (released(order.id) || holds(order.id) || held_count_ == kHeld) return;
+    if (released(order.id)) return remind(now, order.id);
+    if (holds(order.id)) return;
+    if (held_count_ == kHeld) make_room(now);
+    if (held_count_ == 0) next_passed_on_ = now + kStopPassedOn;
     held_[held_count_++] = {order, sender, now};
+    next_ = std::min(next_, next_passed_on_);
 }
 
-void StopLine::let_go(SessionTime now, std::uint64_t release) {
-    if (released(release)) return;
-    remember(release);
-    std::size_t kept = 0;
+// More at once than there are places: the two newest become one with a number of its own, which no release that was made before
+// can name.
+void StopLine::make_room(SessionTime now) {
+    --held_count_;
+    Held& last = held_[held_count_ - 1];
+    last.order.id = new_id();
+    last.since = now;
+}
+
+void StopLine::let_go(std::uint64_t id) {
+    if (!released(id)) remember(id);
+    if (own_.id == id) saying_ = false;
+    const auto end = held_.begin() + static_cast<std::ptrdiff_t>(held_count_);
+    const auto found =
+        std::find_if(held_.begin(), end, [id](const Held& held) { return held.order.id == id; });
+    if (found == end) return;
+    std::copy(found + 1, end, found);
+    --held_count_;
+}
+
+// Somebody still holds, or repeats, what was released: the release has not reached him.
+void StopLine::remind(SessionTime now, std::uint64_t id) {
+    if (!may_release(role_) || now < next_reminder_) return;
+    next_reminder_ = now + kStopRepeat;
+    out_.send(now, 0, StopOrder(id, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+}
+
+void StopLine::answer(SessionTime now) {
+    if (now < next_answer_) return;
+    next_answer_ = now + kAnswerEvery;
     for (std::size_t i = 0; i < held_count_; ++i) {
-        if (now - held_[i].since < kHeldAtLeast) {
-            held_[kept++] = held_[i];
-        } else {
-            remember(held_[i].order.id);
-        }
+        if (now - held_[i].since < kHeldAtLeast) continue;
+        in_->answer(encoder_.encode(Header{instance_, now, ++answers_, 0, role_}, held_[i].order));
     }
-    held_count_ = kept;
-    saying_ = saying_ && holds(own_.id);
 }
 
 void StopLine::stop(SessionTime now, EndReason reason, std::string_view words) {
     if (saying_) return;
     own_ = StopOrder(new_id(), StopKind::kStop, reason, words);
     saying_ = true;
-    releases_left_ = 0;
-    if (held_count_ == kHeld) --held_count_;  // one's own has a place in any case
     hold(now, role_, own_);
     next_ = now;
     tick(now);
 }
 
 void StopLine::release(SessionTime now) {
-    own_release_ = StopOrder(new_id(), StopKind::kRelease, EndReason::kEmergencyStop, {});
-    let_go(now, own_release_.id);
-    releases_left_ = kReleaseTimes;
+    releasing_count_ = 0;
+    for (std::size_t i = 0; i < held_count_; ++i) {
+        if (now - held_[i].since >= kHeldAtLeast) releasing_[releasing_count_++] = held_[i].order.id;
+    }
+    for (std::size_t i = 0; i < releasing_count_; ++i) let_go(releasing_[i]);
+    releases_left_ = releasing_count_ == 0 ? 0 : kReleaseTimes;
     next_ = now;
     tick(now);
 }

@@ -1,9 +1,11 @@
 // The stop line: one channel per program on which everybody hears everybody, beside the session and not by way of it. Whoever
 // stops says so again and again until somebody releases it on purpose; until then no trial begins anywhere.
 //
-// A stop and a release each have a random number: what is said again, or comes late, is carried out once. A release lets go of
-// what has been held for kHeldAtLeast and longer: whoever presses stop while a release is on its way has stopped. Anybody may
-// stop; only the session and the experimenter may release. No clock: `now` is the caller's.
+// Each stop has a random number, and a release names that of the stop which it lets go of: what is said again, comes late or was
+// recorded, here or at another session, lets go of nothing else. Who holds a stop passes it on every kStopPassedOn, so that the
+// session knows them all and who is started anew is stopped too; and he answers a question with those he has held for kHeldAtLeast,
+// so that somebody who has just come can name them (stop_release.hpp), and a stop pressed meanwhile holds. Anybody may stop; only
+// the session and the experimenter may release. No clock: `now` is the caller's.
 #pragma once
 
 #include <array>
@@ -18,7 +20,10 @@ namespace thimble {
 // How often a stop is said while it holds, and a release for kReleaseTimes.
 inline constexpr Duration kStopRepeat = std::chrono::milliseconds{50};
 inline constexpr int kReleaseTimes = 10;
-// Longer than a release is on its way, shorter than anybody needs to find out why somebody stopped.
+inline constexpr Duration kStopPassedOn = std::chrono::milliseconds{500};
+// At most so often is a question answered: whoever plays a recorded one again and again does not make a flood of it.
+inline constexpr Duration kAnswerEvery = std::chrono::milliseconds{10};
+// Shorter than anybody needs to find out why somebody stopped.
 inline constexpr Duration kHeldAtLeast = std::chrono::milliseconds{200};
 // What every message about a stop ends with.
 inline constexpr std::string_view kHowToRelease = "release it with: thimble stop --release";
@@ -41,6 +46,7 @@ class StopLine {
 
     // Stops everything (is_stop(reason)); harmless where it holds already. `words`: who and why, without how to release.
     void stop(SessionTime now, EndReason reason, std::string_view words);
+    // Of what has been held for kHeldAtLeast.
     void release(SessionTime now);
 
     bool stopped() const { return held_count_ > 0; }
@@ -61,7 +67,11 @@ class StopLine {
     void take(SessionTime now, Bytes datagram);
     void obey(SessionTime now, Role sender, const StopOrder& order);
     void hold(SessionTime now, Role sender, const StopOrder& order);
-    void let_go(SessionTime now, std::uint64_t release);
+    void make_room(SessionTime now);
+    void let_go(std::uint64_t id);
+    void remind(SessionTime now, std::uint64_t id);
+    void answer(SessionTime now);
+    void say_what_is_due(SessionTime now);
     bool holds(std::uint64_t id) const;
     bool released(std::uint64_t id) const;
     void remember(std::uint64_t id);
@@ -74,12 +84,17 @@ class StopLine {
     OutboundFlow out_;
     std::array<Held, kHeld> held_{};  // oldest first
     std::size_t held_count_ = 0;
-    std::array<std::uint64_t, kRemembered> done_{};  // stops that were released, and releases; a ring
+    std::array<std::uint64_t, kRemembered> done_{};  // stops that were released; a ring
     std::size_t done_next_ = 0;
-    StopOrder own_, own_release_;
-    bool saying_ = false;  // own_
+    StopOrder own_;
+    bool saying_ = false;                           // own_
+    std::array<std::uint64_t, kHeld> releasing_{};  // stops
+    std::size_t releasing_count_ = 0;
     int releases_left_ = 0;
-    SessionTime next_ = kNever;
+    SessionTime next_ = kNever, next_passed_on_ = kNever;
+    SessionTime next_reminder_{}, next_answer_{};
+    Encoder encoder_;
+    std::uint32_t answers_ = 0;
     FlowCounters counters_;
     Message message_;
 };

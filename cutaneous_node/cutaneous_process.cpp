@@ -16,17 +16,23 @@ void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& contro
     actuator_.clear();
     node_.start_trial(now, control);
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
+    network_delay_ = first_answer_within(control);
+    age_.begin(now, network_delay_);
+    fresh_ = force_flow_.last_accepted();
 }
 
+// Late forces, and those that waited while this program stood still, count as if they had not come.
 void CutaneousProcess::work(SessionTime now) {
-    force_flow_.drain<ForceFeedback>(
-        now, *channels_.force_in, running(), trial(),
-        [&](const Header&, const ForceFeedback& feedback) { node_.on_feedback(now, feedback); });
-    // What has waited while this program stood still says nothing about now.
     const bool stood_still = since_last_tick() > stale_after_;
+    force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
+                                     [&](const Header& header, const ForceFeedback& feedback) {
+                                         age_.take_from_elsewhere(now, header.send_time);
+                                         if (stood_still || age_.late(now) >= stale_after_) return;
+                                         fresh_ = now;
+                                         node_.on_feedback(now, feedback);
+                                     });
     if (running() && stood_still) actuator_.release(now);
-    if (running() && needed_)
-        stale_record_.watch(now, trial(), stood_still || force_flow_.silent_for(now, stale_after_));
+    if (running() && needed_) stale_record_.watch(now, trial(), stood_still || now - fresh_ > stale_after_);
     actuator_.tick(now);
     if (const auto percept = node_.percept(now)) percept_flow_.send(now, trial(), *percept);
 }

@@ -15,7 +15,7 @@
 namespace thimble {
 namespace {
 
-constexpr Duration kFlush = std::chrono::milliseconds{200};  // trajectory to disk
+constexpr Duration kFlush = std::chrono::milliseconds{80};  // trajectory to the system
 constexpr Duration kProgress = std::chrono::milliseconds{500};
 constexpr Duration kClockNotes = std::chrono::seconds{1};  // offsets to the log, of each node
 
@@ -83,7 +83,8 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       company_(session_, plan.attend ? plan.attend(session_, sockets_, plan.name) : nullptr,
                sockets_.security()),
       loop_(listening(sockets_, session_)),
-      stops_heard_(emergency_stops()) {
+      stops_heard_(emergency_stops()),
+      stop_file_(plan.network.base_port) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
         if (writer_) attempt([&] { writer_->append(sample); });
@@ -99,6 +100,7 @@ Lane::~Lane() {
 }
 
 void Lane::open() {
+    if (!plan_.holds_stop) stop_file_.require_released();
     std::filesystem::create_directories(plan_.out);
     clock_writer_.emplace(clock_path());
     if (log_) open_log();
@@ -176,12 +178,32 @@ void Lane::close_clocks() {
     result_.clocks = clocks_of(plan_.delay_s, read_clock_file(clock_path()));
 }
 
-std::string Lane::stop_words() const {
+std::string Lane::who_stopped() const {
     const StopLine& line = session_.stop_line();
-    if (!line.stopped()) return {};
-    return fmt::format("{} ({}): {}; {}",
+    return fmt::format("{} ({}): {}",
                        line.reason() == EndReason::kSafetyStop ? "safety stop" : "emergency stop",
-                       to_string(line.raised_by()), line.words(), kHowToRelease);
+                       to_string(line.raised_by()), line.words());
+}
+
+std::string Lane::how_to_release() const {
+    const int base = plan_.network.base_port;
+    const bool usual = base == NetworkSettings{}.base_port;
+    return usual ? std::string(kHowToRelease) : fmt::format("{} --base-port {}", kHowToRelease, base);
+}
+
+std::string Lane::stop_words() const {
+    if (!session_.stop_line().stopped()) return {};
+    return fmt::format("{}; {}", who_stopped(), how_to_release());
+}
+
+void Lane::keep_stop() {
+    const bool held = session_.stop_line().stopped();
+    if (!held && !stop_kept_) return;
+    stop_kept_ = held;
+    attempt([&] {
+        if (held) return stop_file_.keep(who_stopped());
+        stop_file_.release();
+    });
 }
 
 void Lane::emergency_stop(std::string_view words) { session_.emergency_stop(wall_now(), words); }
@@ -229,6 +251,7 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
 void Lane::look_around(SessionTime next, SessionTime& next_poll) {
     next_poll = next;
     hear_stop_key();
+    keep_stop();
     if (events_.stop && events_.stop()) return session_.abort(EndReason::kInterrupted);
     const bool cannot_write = !write_fault_.empty() || (log_ && !log_->fault().empty());
     if (cannot_write) return session_.abort(EndReason::kDeviceFault, Role::kSession);
@@ -251,8 +274,7 @@ void Lane::close_trial() {
         halted_ = true;
         result_.code = ExitCode::kRunFailed;
         result_.problem = fmt::format("{}: {}", outcome_text(record.reason, record.lost_peer), record.fault);
-        // Nodes that go on running without us hold it.
-        if (!plan_.starter) result_.problem += fmt::format("; {}", kHowToRelease);
+        result_.problem += fmt::format("; {}", how_to_release());
     } else if (record.reason == EndReason::kDeviceFault) {
         result_.code = ExitCode::kRunFailed;
         result_.problem = words_of_fault(record);
@@ -287,11 +309,13 @@ void Lane::idle(Duration limit) {
     for (SessionTime now = wall_now(); now < end; now = wall_now()) {
         loop_.step(company_, std::min(end, now + kPoll));
         hear_stop_key();
+        keep_stop();
         dead_node();
     }
 }
 
 LaneResult Lane::close() {
+    keep_stop();
     close_clocks();
     if (plan_.starter) end_nodes();
     result_.reports.push_back(session_report(sockets_, realtime_.granted()));

@@ -21,6 +21,7 @@
 #include "experiment/clocks/clock_table.hpp"
 #include "experiment/launch/node_starter.hpp"
 #include "experiment/session_process.hpp"
+#include "experiment/stop_file.hpp"
 #include "experiment/trajectory_file.hpp"
 
 namespace thimble {
@@ -47,6 +48,7 @@ struct LanePlan {
     LogSettings log{LoggedMessages::kNone, {}, {}};
     std::filesystem::path session_file{};  // kept with it
     IfExists if_exists = IfExists::kRefuse;
+    bool holds_stop = false;  // the one that is kept is its own: whoever plans this raises it again
 };
 
 struct LaneEvents {
@@ -70,7 +72,8 @@ class Lane {
     Lane(const Lane&) = delete;
     Lane& operator=(const Lane&) = delete;
 
-    // Starts the nodes, unless they run already, and waits for them. Throws Error: network, with the words of
+    // Starts the nodes, unless they run already, and waits for them. Throws Error: run failed, if a stop of an earlier session
+    // holds (stop_file.hpp); network, with the words of
     // the node that failed; run failed, if a machine has no such program, or another version of it.
     void open();
     // Throws Error (network), with its words, if a node has ended by itself.
@@ -138,6 +141,10 @@ class Lane {
     void end_nodes();
     std::unique_ptr<RunningNode> start_node(std::size_t node);
     void hear_stop_key();
+    std::string who_stopped() const;
+    std::string how_to_release() const;
+    // The stop file says what the stop line holds.
+    void keep_stop();
     std::optional<std::size_t> dead_node();
     void throw_if_dead();
     void wait_for_machines();
@@ -164,6 +171,8 @@ class Lane {
     LaneResult result_;
     bool halted_ = false;       // by a stop: the result says so until the next trial
     unsigned stops_heard_ = 0;  // emergency_stops()
+    StopFile stop_file_;
+    bool stop_kept_ = false;
     unsigned revivals_ = 0;
 };
 

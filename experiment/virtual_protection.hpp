@@ -37,7 +37,7 @@ class VirtualProtection {
         return of(self) ? of(self)->outlet(wire, remote) : &wire;
     }
     Channel* stop_end(Role self, QueueChannel& wire) const {
-        return of(self) ? of(self)->stop_end(wire) : &wire;
+        return of(self) ? of(self)->stop_end(wire, 0) : &wire;
     }
     SecurityCounters counters() const {
         SecurityCounters sum;

@@ -18,6 +18,7 @@ MasterSettings read_master_settings(const ConfigTable& table) {
     s.force_limit_N = table.number("force_limit_N", s.force_limit_N, 0, 1000);
     s.sample_period = table.seconds("sample_period_s", s.sample_period, microseconds{100}, seconds{1});
     s.stale = read_stale_policy(table, s.stale, s.sample_period, seconds{1});
+    s.oldest_force = table.seconds("oldest_force_s", s.oldest_force, Duration::zero(), seconds{3600});
     s.velocity = read_velocity_settings(table, s.sample_period, s.position_scale);
     return s;
 }

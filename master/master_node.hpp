@@ -23,7 +23,10 @@ struct MasterSettings {
     double force_limit_N = 12;  // at the handle, before the device's own limit
     Duration sample_period = std::chrono::milliseconds{1};
     StalePolicy stale{StaleMode::kRamp};  // of the handle's force, without feedback
-    GuardSettings guard;                  // table [guard]: the last stage before the device
+    // What is older, by stale.after, counts as no feedback. 0: the longest delay of needle and force path that the session
+    // tells of.
+    Duration oldest_force{};
+    GuardSettings guard;  // table [guard]: the last stage before the device
     // At the needle: velocity.quantum_m is position_scale x the encoder's step. sample_period is the one above.
     VelocitySettings velocity;
     ControlSettings control{};  // of table [control], in HF

@@ -1,5 +1,7 @@
 #include "master/master_process.hpp"
 
+#include <algorithm>
+
 namespace thimble {
 
 MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& settings, const Channels& channels,
@@ -25,6 +27,9 @@ void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) 
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
     device_->enable_force(now, control.modality == Modality::kHF);
     force_flow_.expect_from(now + first_answer_within(control));
+    network_delay_ = first_answer_within(control);
+    const Duration oldest = node_.settings().oldest_force;
+    age_.begin(now, oldest > Duration::zero() ? oldest : network_delay_);
     round_trip_.clear();
     newest_age_ = {};
     energy_.clear();
@@ -91,27 +96,37 @@ void MasterProcess::take_forces(SessionTime now) {
 void MasterProcess::take_force(SessionTime now, const ForceFeedback& feedback) {
     round_trip_.add(now, feedback);
     newest_age_ = now - feedback.echo_time;
+    age_.take(feedback.needle_held ? now
+                                   : feedback.echo_time);  // a held needle answers nothing, and has no force
     if (!node_.control().active()) {
+        if (stood_still()) return;
         asked_force_N_ = node_.handle_force_N(feedback);
-        return apply(now, asked_force_N_);
+        return apply(now, share(now) * asked_force_N_);
     }
     node_.control().take(feedback);
     if (now == sampled_) apply(now, share(now) * node_.control().force_N());
 }
 
+// Without a profile the order names the new delay of the force path alone, and the needle's is a part of the one at the start.
+Duration MasterProcess::longest_age(const SessionControl& control) const {
+    const Duration oldest = node_.settings().oldest_force;
+    if (oldest > Duration::zero()) return oldest;
+    if (!control.network.empty()) return silence_of_change(control);
+    return network_delay_ + from_seconds(control.network_delay_s);
+}
+
+Duration MasterProcess::silence(SessionTime now) const {
+    return std::max(now - force_flow_.last_accepted(), age_.late(now));
+}
+
 // How much of its force the handle is given: all of it while news come. A remedy that brakes by itself fades as well.
 double MasterProcess::share(SessionTime now) const {
-    const StalePolicy& stale = node_.settings().stale;
-    // What has waited while this program stood still says nothing about now.
-    if (since_last_tick() > stale.after) return 0;
-    return stale.share(now - force_flow_.last_accepted());
+    return stood_still() ? 0 : node_.settings().stale.share(silence(now));
 }
 
 void MasterProcess::fade(SessionTime now) {
-    const StalePolicy& stale = node_.settings().stale;
-    const bool stood_still = since_last_tick() > stale.after;
-    if (stood_still) asked_force_N_ = 0;
-    const bool acts = stood_still || stale.stale(now - force_flow_.last_accepted());
+    if (stood_still()) asked_force_N_ = 0;
+    const bool acts = stood_still() || node_.settings().stale.stale(silence(now));
     stale_record_.watch(now, trial(), acts);
     if (!acts) return;
     if (node_.control().active()) {

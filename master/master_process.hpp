@@ -2,6 +2,7 @@
 // and passes on what skin and eyes get to whoever holds the handle.
 #pragma once
 
+#include "common/force_age.hpp"
 #include "common/node_process.hpp"
 #include "common/round_trip.hpp"
 #include "common/stale_record.hpp"
@@ -44,6 +45,7 @@ class MasterProcess final : public NodeProcess {
     void end_trial(SessionTime now) override;
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
+        age_.allow(longest_age(control));
         node_.control().network_changed(from_seconds(control.network_delay_s));
     }
     void work(SessionTime now) override;
@@ -63,6 +65,12 @@ class MasterProcess final : public NodeProcess {
     void sample(SessionTime now);
     void send_needle(SessionTime now, const NeedleCommand& command);
     void apply(SessionTime now, double force_hand_N);
+    // So old may a force become under the network that the session tells of.
+    Duration longest_age(const SessionControl& control) const;
+    // What has waited while this program stood still says nothing about now.
+    bool stood_still() const { return since_last_tick() > node_.settings().stale.after; }
+    // Without news: silent, or with forces that are too late.
+    Duration silence(SessionTime now) const;
     double share(SessionTime now) const;
     void fade(SessionTime now);
 
@@ -70,6 +78,8 @@ class MasterProcess final : public NodeProcess {
     MasterNode node_;
     ForceGuard guard_;
     StaleRecord stale_record_;
+    ForceAge age_;              // of the newest force
+    Duration network_delay_{};  // there and back, of the trial's start
     double asked_force_N_ = 0;  // by the newest feedback
     HapticDevice* device_;
     OperatorPort* person_;

@@ -1,6 +1,8 @@
 #include "common/runtime/protection.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 
@@ -9,19 +11,20 @@
 
 #include "common/error.hpp"
 #include "common/runtime/udp_channel.hpp"
-#include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
 
 namespace thimble {
-namespace {
 
-void leave_no_core_dump() {
+void hide_memory() {
     const rlimit none{0, 0};
-    setrlimit(RLIMIT_CORE, &none);
-    prctl(PR_SET_DUMPABLE, 0UL, 0UL, 0UL, 0UL);
+    const bool hidden = setrlimit(RLIMIT_CORE, &none) == 0 && prctl(PR_SET_DUMPABLE, 0UL, 0UL, 0UL, 0UL) == 0;
+    if (hidden) return;
+    throw Error(
+        ExitCode::kRunFailed,
+        fmt::format("cannot keep the lab key out of core dumps: {}; something on this machine forbids "
+                    "setrlimit or prctl to this program (a seccomp filter?)",
+                    std::strerror(errno)));
 }
-
-}  // namespace
 
 void require_protection(const NetworkSettings& settings) {
     if (settings.security.mode != SecurityMode::kNone) return;
@@ -31,7 +34,8 @@ void require_protection(const NetworkSettings& settings) {
     if (outside == hosts.end()) return;
     throw Error(
         ExitCode::kUsage,
-        fmt::format("[network] names the host '{}', and anybody between the machines could move the needle: "
+        fmt::format("[network] names the host '{}', which is not this machine or cannot be resolved here, "
+                    "and anybody between the machines could move the needle: "
                     "make a key "
                     "with 'thimble keygen', copy it to each machine and set [security] mode = \"lab-key\" "
                     "(docs/security.md). To do without, say both mode = \"none\" and "
@@ -60,11 +64,10 @@ void warn_if_unprotected(const NetworkSettings& settings) {
 
 std::unique_ptr<Security> make_security(const SecuritySettings& settings) {
     if (settings.mode == SecurityMode::kNone) return nullptr;
-    leave_no_core_dump();
+    hide_memory();
     prepare_security();
     auto key = std::make_shared<const LabKey>(read_lab_key(lab_key_file(settings.key_file)));
-    return std::make_unique<Security>(std::move(key), system_random_bytes(), SecurityTimes{},
-                                      [] { return read_clock_pair().realtime_ns; });
+    return std::make_unique<Security>(std::move(key), system_random_bytes());
 }
 
 }  // namespace thimble

@@ -15,8 +15,11 @@ void require_protection_of_device(const SecuritySettings& settings, const std::s
 // One line on stderr if nothing is protected.
 void warn_if_unprotected(const NetworkSettings& settings);
 
-// None in mode "none". Reads the lab key; from then on this process leaves no core dump and cannot be looked into by others.
-// Throws Error as read_lab_key() does.
+// From now on this process leaves no core dump, and others of the same user cannot look into it: before a key is read or made.
+// Throws Error (run failed) if the system does not allow that.
+void hide_memory();
+
+// None in mode "none". Reads the lab key; after hide_memory(). Throws Error as both do.
 std::unique_ptr<Security> make_security(const SecuritySettings& settings);
 
 }  // namespace thimble

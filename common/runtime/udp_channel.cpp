@@ -61,7 +61,7 @@ bool leaves_this_machine(const std::string& host) {
     try {
         return ntohl(resolve({host, 0}).sin_addr.s_addr) >> 24U != kLoopbackNet;
     } catch (const Error&) {
-        return false;
+        return true;
     }
 }
 
@@ -96,20 +96,25 @@ void UdpChannel::bind_to(const Endpoint& local) {
 
 UdpChannel::~UdpChannel() { close(socket_); }
 
-void UdpChannel::send(Bytes datagram) {
+void UdpChannel::send(Bytes datagram) { send_to(remote_, datagram); }
+
+void UdpChannel::answer(Bytes datagram) {
+    if (source_.sin_port != 0) send_to(source_, datagram);
+}
+
+void UdpChannel::send_to(const sockaddr_in& address, Bytes datagram) {
     const auto sent = sendto(socket_, datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
-                             generic(remote_), sizeof remote_);
+                             generic(address), sizeof address);
     ++(sent < 0 ? counters_.send_failed : counters_.sent);
 }
 
 Bytes UdpChannel::take() {
     for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {
-        sockaddr_in source{};
         iovec part{buffer_.data(), buffer_.size()};
         alignas(cmsghdr) std::array<std::uint8_t, 64> control{};
         msghdr message{};
-        message.msg_name = &source;
-        message.msg_namelen = sizeof source;
+        message.msg_name = &source_;
+        message.msg_namelen = sizeof source_;
         message.msg_iov = &part;
         message.msg_iovlen = 1;
         message.msg_control = stamping_ ? control.data() : nullptr;
@@ -122,7 +127,7 @@ Bytes UdpChannel::take() {
             known_empty_ = watched_;
             return {};
         }
-        if (!from_peer(static_cast<std::size_t>(size), source)) continue;
+        if (!from_peer(static_cast<std::size_t>(size))) continue;
         if (stamping_) arrival_ = arrival_of(message);
         return {buffer_.data(), static_cast<std::size_t>(size)};
     }
@@ -130,8 +135,8 @@ Bytes UdpChannel::take() {
 }
 
 // Counts it; an empty datagram is nobody's.
-bool UdpChannel::from_peer(std::size_t size, const sockaddr_in& source) {
-    const in_addr_t host = source.sin_addr.s_addr;
+bool UdpChannel::from_peer(std::size_t size) {
+    const in_addr_t host = source_.sin_addr.s_addr;
     if (host != remote_.sin_addr.s_addr && std::find(others_.begin(), others_.end(), host) == others_.end()) {
         ++counters_.foreign_source;
     } else if (size > kMaxDatagramBytes) {

@@ -26,8 +26,8 @@ struct UdpCounters {
 // stands for, or 0.0.0.0. False for a name that cannot be resolved here.
 bool means_this_machine(const std::string& host);
 
-// Whether a host is an address outside 127.0.0.0/8, so that others may hear what is said to it. False for a name that cannot
-// be resolved here: nothing is said to it.
+// Whether a host is an address outside 127.0.0.0/8, so that others may hear what is said to it. True for a name that cannot
+// be resolved here: a moment later it may be.
 bool leaves_this_machine(const std::string& host);
 
 class UdpChannel final : public Channel, public Listener {
@@ -39,6 +39,7 @@ class UdpChannel final : public Channel, public Listener {
     ~UdpChannel() override;
 
     void send(Bytes datagram) override;
+    void answer(Bytes datagram) override;
 
     // From now on the kernel stamps what arrives, and arrival() is known. Costs three clock readings per datagram.
     void stamp_arrivals();
@@ -61,11 +62,13 @@ class UdpChannel final : public Channel, public Listener {
   private:
     Bytes take() override;
     void bind_to(const Endpoint& local);
-    bool from_peer(std::size_t size, const sockaddr_in& source);
+    bool from_peer(std::size_t size);
+    void send_to(const sockaddr_in& address, Bytes datagram);
     SessionTime arrival_of(const msghdr& message);
 
     int socket_ = -1;
     sockaddr_in remote_{};
+    sockaddr_in source_{};           // of what was taken last
     std::vector<in_addr_t> others_;  // hosts
     UdpCounters counters_;
     bool stamping_ = false;

@@ -13,9 +13,8 @@ bool is_node_end(Port port) { return port >= Port::kMasterControl && port <= Por
 
 }  // namespace
 
-Security::Security(std::shared_ptr<const LabKey> lab, RandomBytes random, const SecurityTimes& times,
-                   StopSeal::RealtimeClock realtime_ns)
-    : lab_(std::move(lab)), random_(std::move(random)), times_(times), realtime_ns_(std::move(realtime_ns)) {}
+Security::Security(std::shared_ptr<const LabKey> lab, RandomBytes random, const SecurityTimes& times)
+    : lab_(std::move(lab)), random_(std::move(random)), times_(times) {}
 
 Channel* Security::pair(Channel& wire, Port local, Port remote) {
     self_ = owner(local);
@@ -46,8 +45,8 @@ Channel* Security::outlet(Channel& wire, Port remote) {
     return outlets_.back().get();
 }
 
-Channel* Security::stop_end(Channel& wire) {
-    stop_ends_.push_back(std::make_unique<StopSeal>(wire, lab_, realtime_ns_));
+Channel* Security::stop_end(Channel& wire, std::uint16_t port) {
+    stop_ends_.push_back(std::make_unique<StopSeal>(wire, lab_, port));
     return stop_ends_.back().get();
 }
 

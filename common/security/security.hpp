@@ -16,16 +16,15 @@ namespace thimble {
 
 class Security {
   public:
-    Security(
-        std::shared_ptr<const LabKey> lab, RandomBytes random, const SecurityTimes& times = {},
-        StopSeal::RealtimeClock realtime_ns = [] { return std::int64_t{0}; });
+    Security(std::shared_ptr<const LabKey> lab, RandomBytes random, const SecurityTimes& times = {});
 
     // Each returns what protects `wire`, which outlives this. The relay's flows are returned as they are: it has no keys for
     // them. An outlet is never the first: the ports of the others say whose program this is.
     Channel* pair(Channel& wire, Port local, Port remote);
     Channel* inlet(Channel& wire, Port local);
     Channel* outlet(Channel& wire, Port remote);
-    Channel* stop_end(Channel& wire);
+    // `port`: as StopSeal has it.
+    Channel* stop_end(Channel& wire, std::uint16_t port);
 
     // Before and after whatever sends and receives through it, at the same `now`.
     void tick(SessionTime now);
@@ -41,7 +40,6 @@ class Security {
     std::shared_ptr<const LabKey> lab_;
     RandomBytes random_;
     SecurityTimes times_;
-    StopSeal::RealtimeClock realtime_ns_;
     std::optional<Role> self_;
     FlowEnds ends_;
     std::vector<std::unique_ptr<SecurePair>> pairs_;

@@ -1,43 +1,46 @@
 // An end of a stop line, protected. Everybody speaks to everybody there, also who is in no session (thimble stop), so it has no
-// session's keys but a code under the lab key itself: 'T' 'S' | the sender's realtime clock in ns, 8 bytes, little endian | text |
-// code, 16 bytes, keyed BLAKE2b of all before it.
+// session's keys but a code under the lab key itself: 'T' 'S' | text | code, 16 bytes, keyed BLAKE2b of the port and
+// all before it.
 //
-// A recorded stop stops again whenever it is played, which jamming does as well. A recorded release lets go of nothing: its number is
-// remembered where it was heard, and elsewhere it is too old (kReleaseHolds), as one from a machine whose clock is that wrong.
+// A recorded stop stops again whenever it is played, which jamming does as well. A recorded release passes here, and lets go of the
+// one stop that it names and nothing else, wherever it is played (stop_line.hpp): there is no clock to be wrong.
 #pragma once
 
 #include <array>
-#include <functional>
+#include <cstdint>
 #include <memory>
+#include <utility>
 
-#include "common/messages.hpp"
+#include "common/channel.hpp"
 #include "common/security/sealing.hpp"
 
 namespace thimble {
 
 class StopSeal final : public Channel {
   public:
-    using RealtimeClock = std::function<std::int64_t()>;  // ns
-    static constexpr std::size_t kHeaderBytes = 10, kCodeBytes = 16;
-    static constexpr Duration kReleaseHolds = std::chrono::seconds{60};
+    static constexpr std::size_t kHeaderBytes = 2, kCodeBytes = 16;
 
-    // `wire` outlives it.
-    StopSeal(Channel& wire, std::shared_ptr<const LabKey> lab, RealtimeClock realtime_ns);
+    // `port`: the UDP port of the stop line's listening end, here or there; at others nothing of this one counts. `wire` outlives it.
+    StopSeal(Channel& wire, std::shared_ptr<const LabKey> lab, std::uint16_t port)
+        : wire_(&wire), lab_(std::move(lab)), port_(port) {}
 
     void send(Bytes datagram) override;
+    void answer(Bytes datagram) override;
     const SecurityCounters& counters() const { return counters_; }
 
   private:
+    using StopCode = std::array<std::uint8_t, kCodeBytes>;
     Bytes take() override;
+    StopCode code_of(Bytes said) const;
+    Bytes seal(Bytes datagram);
     Bytes judge(Bytes datagram);
-    bool too_old(Bytes text, std::int64_t made_ns);
 
     Channel* wire_;
     std::shared_ptr<const LabKey> lab_;
-    RealtimeClock realtime_ns_;
+    std::uint16_t port_;
     SecurityCounters counters_;
     alignas(16) std::array<std::uint8_t, kMaxDatagramBytes> text_{};  // where a message may be read
-    Message message_;
+    std::array<std::uint8_t, kMaxDatagramBytes> sealed_{};
 };
 
 }  // namespace thimble

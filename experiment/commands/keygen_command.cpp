@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/runtime/protection.hpp"
 #include "common/security/lab_key_file.hpp"
 #include "experiment/commands/commands.hpp"
 
@@ -12,6 +13,7 @@ namespace thimble {
 namespace {
 
 int make_key(const std::string& file) {
+    hide_memory();
     prepare_security();
     const auto path = lab_key_file(file);
     create_lab_key(path, system_random_bytes());

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -11,7 +12,9 @@
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/stop_line.hpp"
+#include "common/stop_release.hpp"
 #include "experiment/commands/commands.hpp"
+#include "experiment/stop_file.hpp"
 
 namespace thimble {
 namespace {
@@ -39,37 +42,67 @@ int lanes_of(const StopArguments& a) {
     return std::clamp(a.lanes == 0 ? 8 : a.lanes, 1, possible);
 }
 
-// Said ten times within half a second: each is carried out once.
-void say_to_all(const StopOrder& order, const StopArguments& a) {
-    std::vector<std::unique_ptr<Sockets>> lanes;
-    std::vector<OutboundFlow> flows;
-    const auto count = static_cast<std::size_t>(lanes_of(a));
-    lanes.reserve(count);
-    flows.reserve(count);
-    const std::uint64_t instance = system_entropy();
-    for (std::size_t i = 0; i < count; ++i) {
-        lanes.push_back(std::make_unique<Sockets>(lane_network(a, static_cast<int>(i))));
-        const StopOutlets out = lanes.back()->stop_outlets();
-        flows.emplace_back(Role::kExperimenter, instance,
-                           std::initializer_list<Channel*>{out[0], out[1], out[2], out[3], out[4], out[5]});
+// The stop lines of all lanes, and what is said there.
+template <class Talk>
+class Lanes {
+  public:
+    explicit Lanes(const StopArguments& a) {
+        const auto count = static_cast<std::size_t>(lanes_of(a));
+        sockets_.reserve(count);
+        talks_.reserve(count);
+        const std::uint64_t instance = system_entropy();
+        for (std::size_t i = 0; i < count; ++i) {
+            sockets_.push_back(std::make_unique<Sockets>(lane_network(a, static_cast<int>(i))));
+            talks_.push_back(std::make_unique<Talk>(instance, sockets_.back()->stop_outlets()));
+        }
     }
-    for (int i = 0; i < kReleaseTimes; ++i) {
-        if (i > 0) wall_sleep(kStopRepeat);
-        for (OutboundFlow& flow : flows) flow.send(wall_now(), 0, order);
+    template <class Say>
+    void every_round(int rounds, Say&& say) {
+        for (int i = 0; i < rounds; ++i) {
+            if (i > 0) wall_sleep(kStopRepeat);
+            for (const auto& talk : talks_) say(*talk);
+        }
     }
-}
+    const std::vector<std::unique_ptr<Talk>>& talks() const { return talks_; }
 
+  private:
+    std::vector<std::unique_ptr<Sockets>> sockets_;
+    std::vector<std::unique_ptr<Talk>> talks_;
+};
+
+struct StopTalk {
+    StopTalk(std::uint64_t instance, const StopOutlets& out)
+        : flow(Role::kExperimenter, instance, {out[0], out[1], out[2], out[3], out[4], out[5]}) {}
+    OutboundFlow flow;
+};
+
+// Said ten times within half a second: it is carried out once.
 int stop(const StopArguments& a) {
     const std::uint64_t id = std::max<std::uint64_t>(1, system_entropy());
-    say_to_all(
-        StopOrder(id, a.release ? StopKind::kRelease : StopKind::kStop, EndReason::kEmergencyStop, a.reason),
-        a);
+    const StopOrder order(id, StopKind::kStop, EndReason::kEmergencyStop, a.reason);
+    Lanes<StopTalk>(a).every_round(kReleaseTimes,
+                                   [&order](StopTalk& talk) { talk.flow.send(wall_now(), 0, order); });
+    fmt::print("emergency stop (ports from {}): no force, no trial begins; {}\n",
+               lane_network(a, 0).base_port, kHowToRelease);
+    return 0;
+}
+
+int release(const StopArguments& a) {
+    Lanes<StopRelease> lanes(a);
+    lanes.every_round(StopRelease::kRounds, [](StopRelease& talk) { talk.round(wall_now()); });
     const int base = lane_network(a, 0).base_port;
-    if (a.release) {
-        fmt::print("released: trials may begin again (ports from {})\n", base);
-    } else {
-        fmt::print("emergency stop (ports from {}): no force, no trial begins; {}\n", base, kHowToRelease);
+    bool any = false;
+    for (const auto& lane : lanes.talks()) {
+        for (const StopOrder& stop : lane->stops()) fmt::print("released: {}\n", stop.words());
+        any = any || !lane->stops().empty();
     }
+    for (int lane = 0; lane < lanes_of(a); ++lane) {
+        const auto kept = StopFile(lane_network(a, lane).base_port).release();
+        if (kept) fmt::print("released, of a session that has ended: {}\n", *kept);
+        any = any || kept;
+    }
+    fmt::print("{} (ports from {})\n",
+               any ? "trials may begin again" : "nothing was stopped here, as far as programs answer", base);
     return 0;
 }
 
@@ -89,10 +122,12 @@ Subcommand add_stop(CLI::App& app) {
     sub->add_option("--lanes", a.lanes, "so many lanes of a run side by side (8)")
         ->check(CLI::Range(1, kMostLanes));
     sub->footer(
-        "Where thimble runs in this terminal, Ctrl-\\ does the same.\n"
+        "Where thimble runs in this terminal, Ctrl-\\ does the same. A stop that a session ended with holds "
+        "for the next one on "
+        "its ports: release it on the machine of that session.\n"
         "Examples:\n  thimble stop\n  thimble stop --release\n  thimble stop lab.toml --reason \"cable "
         "loose\"");
-    return {sub, [arguments] { return stop(*arguments); }};
+    return {sub, [arguments] { return arguments->release ? release(*arguments) : stop(*arguments); }};
 }
 
 }  // namespace thimble

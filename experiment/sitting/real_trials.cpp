@@ -37,6 +37,7 @@ void RealTrials::prepare() {
     const std::string stopped = stop_words();
     close();
     plan_.out = next_start(nodes_);
+    plan_.holds_stop = !stopped.empty();
     lane_.emplace(plan_, events_);
     lane_->open();
     // A stop outlives the programs that knew of it.

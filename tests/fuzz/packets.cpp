@@ -146,7 +146,7 @@ bool plausible_waves(const WaveBurst& m) {
 bool plausible_body(const NeedleWave& m) { return plausible_body(m.command) && plausible_waves(m.waves); }
 bool plausible_body(const ForceWave& m) { return plausible_body(m.feedback) && plausible_waves(m.waves); }
 bool plausible_body(const StopOrder& m) {
-    return m.kind <= StopKind::kRelease && is_stop(m.reason) && m.words().size() < m.text.size();
+    return m.kind <= StopKind::kAsk && is_stop(m.reason) && m.words().size() < m.text.size();
 }
 bool plausible_body(const ClockProbe& m) { return stamp(m.send_time); }
 bool plausible_body(const ClockReply& m) { return stamp(m.probe_send_time) && stamp(m.probe_arrival_time); }

@@ -166,5 +166,27 @@ TEST(LoneNetem, GivesUpWithoutASession) {
     EXPECT_EQ(node.terminate(), 0);
 }
 
+// By commands of another terminal that hear nothing of each other, under a lab key.
+TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
+    Folder folder;
+    const std::filesystem::path thimble = built_programs() / "thimble", key = folder / "lab.key";
+    ASSERT_EQ(run_to_end(thimble, {"keygen", key.string()}).code, 0);
+    const std::string config = "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
+    LoneNode node("thimble-master", config);
+    ASSERT_TRUE(node.ready()) << node.words();
+    const std::string port = std::to_string(node.at(Port{}).port);
+    const std::vector<std::string> stop{
+        "stop", folder.write("session.toml", config).string(), "--base-port", port, "--lanes", "1"};
+    std::vector<std::string> why = stop, release = stop;
+    why.insert(why.end(), {"--reason", "smoke"});
+    release.emplace_back("--release");
+    EXPECT_EQ(run_to_end(thimble, why).code, 0);
+    const Outcome released = run_to_end(thimble, release);
+    EXPECT_EQ(released.code, 0) << released.words;
+    EXPECT_THAT(released.words, testing::HasSubstr("released: smoke"));
+    EXPECT_THAT(run_to_end(thimble, release).words, testing::HasSubstr("nothing was stopped here"));
+    EXPECT_EQ(node.terminate(), 0);
+}
+
 }  // namespace
 }  // namespace thimble

@@ -7,7 +7,7 @@
 namespace thimble {
 namespace {
 
-// More than the header and a few lines; the first flush brings some 200 lines.
+// More than the header and a few lines; the first flush brings some 80 lines.
 constexpr std::size_t kSomeSamples = 2000;
 
 std::vector<std::string> run_arguments(const Folder& folder, const SessionFile& session,

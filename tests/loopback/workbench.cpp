@@ -1,5 +1,6 @@
 #include "tests/loopback/workbench.hpp"
 
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -65,7 +66,13 @@ std::filesystem::path Folder::write(const std::string& name, const std::string& 
     return path_ / name;
 }
 
+// Stops that programs of this test leave behind are nobody else's, and not of an earlier block of the same ports.
 PortBlock::PortBlock() {
+    static const Folder kStops;
+    static int blocks = 0;
+    const std::filesystem::path stops = kStops / std::to_string(++blocks);
+    std::filesystem::create_directory(stops);
+    setenv("THIMBLE_STOP_DIR", stops.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): before any thread
     const auto start = static_cast<unsigned>(getpid());
     for (unsigned i = 0; i < kBlocks; ++i) {
         const unsigned base = kFirstPort + (start + i) % kBlocks * kPortsPerBlock;

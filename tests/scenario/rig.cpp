@@ -284,6 +284,7 @@ void Rig::restart_master() {
 void Rig::freeze(Role role) { parts_->loop.freeze(parts_->bits[static_cast<std::size_t>(role)]); }
 void Rig::thaw(Role role) { parts_->loop.thaw(parts_->bits[static_cast<std::size_t>(role)]); }
 double Rig::force_at_handle_N() const { return parts_->breakable.commanded_N; }
+double Rig::take_largest_at_handle_N() { return std::exchange(parts_->breakable.largest_N, 0); }
 double Rig::force_at_finger_N() const { return parts_->actuator.output(now()).force_N; }
 void Rig::press_handle_button(bool down) { parts_->breakable.pressed = down; }
 

@@ -3,6 +3,8 @@
 // alone, it gives the bits of VirtualSession.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -62,6 +64,7 @@ class BreakableHandle final : public HapticDevice {
     HandleSample read(SessionTime now) override;
     void command_force(SessionTime now, double force_hand_N) override {
         commanded_N = words.empty() ? force_hand_N : 0;
+        largest_N = std::max(largest_N, std::abs(commanded_N));
         inner_->command_force(now, commanded_N);
     }
     std::string_view fault() const override { return words; }
@@ -69,6 +72,7 @@ class BreakableHandle final : public HapticDevice {
     std::string words;
     bool pressed = false;
     double commanded_N = 0;
+    double largest_N = 0;  // of all commands since it was set
 
   private:
     SimulatedHandle* inner_;
@@ -117,6 +121,8 @@ class Rig {
     void thaw(Role role);
     // What the master really asks of the handle at this moment.
     double force_at_handle_N() const;
+    // The largest of all commands to the handle since the last call.
+    double take_largest_at_handle_N();
     double force_at_finger_N() const;
     // The stop line, where a program of the rig hears of stops; anybody may write here.
     Channel& stop_channel(Role role);

@@ -1,7 +1,10 @@
 // Emergency stop and guard in a whole session: from every program, within two samples, and nothing begins before the release.
+#include <algorithm>
 #include <array>
+#include <deque>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -79,7 +82,8 @@ TEST(EmergencyStop, CablesGoSlack) {
 TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     Rig rig(paper());
     press_until_contact(rig, Modality::kHF);
-    rig.session().emergency_stop(rig.now(), "a test");
+    const StopOrder stop(78, StopKind::kStop, EndReason::kEmergencyStop, "a test");
+    for (const Role role : {Role::kSession, Role::kMaster}) say(rig, role, stop, Role::kExperimenter);
     rig.finish();
     rig.idle(kHeldAtLeast);
     TrialConditions conditions = trial_of(Modality::kHF);
@@ -96,9 +100,9 @@ TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     EXPECT_TRUE(rig.master().stop_line().stopped());
     conditions.trial = 3;
     EXPECT_EQ(rig.run(conditions).reason, EndReason::kEmergencyStop);
-    // On purpose, for all.
-    rig.session().release_stop(rig.now());
-    rig.idle(milliseconds{200});
+    // Whom the release has not reached hears of it from the session.
+    rig.idle(seconds{1});
+    EXPECT_FALSE(rig.master().stop_line().stopped());
     conditions.trial = 4;
     EXPECT_EQ(rig.run(conditions).reason, EndReason::kCompleted);
 }
@@ -228,9 +232,69 @@ TEST(StaleInput, AMasterThatStoodStillTakesNoOldForce) {
     rig.freeze(Role::kMaster);
     rig.run_until(rig.now() + milliseconds{300});
     rig.thaw(Role::kMaster);
+    rig.take_largest_at_handle_N();
     rig.step();
     EXPECT_EQ(rig.force_at_handle_N(), 0);
+    EXPECT_EQ(rig.take_largest_at_handle_N(), 0) << "not for an instant either: a device obeys each command";
     EXPECT_NE(rig.finish().reason, EndReason::kNone);
+}
+
+// From `since` on each datagram takes as long as that is ago: half of them come, each older than the one before. Never silent.
+class StretchingTap final : public Tap {
+  public:
+    StretchingTap(Channel& end, const SessionTime& since) : Tap(end), since_(&since) {}
+    void send(Bytes datagram) override {
+        const SessionTime now = decode(datagram).message->header.send_time;
+        waiting_.push_back(
+            {now + std::max(Duration::zero(), now - *since_), {datagram.begin(), datagram.end()}});
+        for (; !waiting_.empty() && waiting_.front().due <= now; waiting_.pop_front())
+            Tap::send(waiting_.front().bytes);
+    }
+
+  private:
+    struct Waiting {
+        SessionTime due;
+        std::vector<std::uint8_t> bytes;
+    };
+    const SessionTime* since_;
+    std::deque<Waiting> waiting_;
+};
+
+// Forces of 100 ms and older count as none, however regularly they come.
+TEST(StaleInput, ADelayThatGrowsTakesTheForceOffTheHandleAndTheFinger) {
+    for (const Modality modality : {Modality::kHF, Modality::kCF}) {
+        SCOPED_TRACE(to_string(modality));
+        SessionTime since = kNever;
+        Rig rig(paper(), [&since](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
+            if (wire != Wire::kForceMaster && wire != Wire::kForceCutaneous) return nullptr;
+            return std::make_unique<StretchingTap>(end, since);
+        });
+        press_until_contact(rig, modality);
+        const auto felt_N = [&] {
+            return modality == Modality::kHF ? rig.force_at_handle_N() : rig.force_at_finger_N();
+        };
+        since = rig.now();
+        rig.run_until(since + milliseconds{180});
+        EXPECT_GT(felt_N(), 0.3) << "90 ms old: still as good as news";
+        rig.run_until(since + milliseconds{300});
+        EXPECT_EQ(felt_N(), 0);
+        rig.take_largest_at_handle_N();
+        rig.run_until(since + milliseconds{1000});
+        EXPECT_EQ(felt_N(), 0);
+        EXPECT_EQ(rig.take_largest_at_handle_N(), 0);
+        const auto& record =
+            modality == Modality::kHF ? rig.master().stale_record() : rig.cutaneous().stale_record();
+        EXPECT_EQ(record.trials(), 1U) << "and the report says so";
+    }
+}
+
+// The same delay where the session was told of it is no reason to let go.
+TEST(StaleInput, ADelayThatTheSessionKnowsOfMakesNoForceStale) {
+    Rig rig(paper_with_delays({}, milliseconds{300}));
+    TrialConditions conditions = trial_of(Modality::kHF);
+    conditions.delay_s = 0.3;
+    EXPECT_EQ(rig.run(conditions).reason, EndReason::kCompleted);
+    EXPECT_EQ(rig.master().stale_record().trials(), 0U);
 }
 
 }  // namespace

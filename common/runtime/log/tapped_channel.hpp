@@ -19,6 +19,10 @@ class TappedChannel final : public Channel {
         inner_.send(datagram);  // first: writing it down is not to delay it
         note(sent_, datagram);
     }
+    void answer(Bytes datagram) override {
+        inner_.answer(datagram);
+        note(sent_, datagram);
+    }
     std::optional<SessionTime> arrival() const override { return inner_.arrival(); }
 
   private:

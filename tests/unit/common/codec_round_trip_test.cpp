@@ -178,7 +178,7 @@ Body draw_body() {
         case 13:
             return ForceWave{ForceFeedback{}, draw_waves()};
         case 14:
-            return StopOrder(draw_bits<std::uint64_t>(), draw_enum(StopKind::kRelease),
+            return StopOrder(draw_bits<std::uint64_t>(), draw_enum(StopKind::kAsk),
                              draw_bool() ? EndReason::kSafetyStop : EndReason::kEmergencyStop,
                              std::string(*rc::gen::inRange<std::size_t>(0, 200), 'x'));
         default:

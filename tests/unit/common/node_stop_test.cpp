@@ -83,7 +83,7 @@ TEST_F(StoppedNode, EndsItsTrialInTheStopsWordsAndBeginsNoneBeforeTheRelease) {
     tick(milliseconds{300});
     EXPECT_EQ(process.said, (Said{"begin 1", "end 1"}));
     EXPECT_EQ(std::get<Heartbeat>(heard()[0].body).state, NodeState::kFailed);
-    say(StopOrder(6, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    say(StopOrder(5, StopKind::kRelease, EndReason::kEmergencyStop, {}));
     order(ControlKind::kTrialStart, 3);
     tick(milliseconds{310});
     EXPECT_EQ(process.said, (Said{"begin 1", "end 1", "begin 3"}));

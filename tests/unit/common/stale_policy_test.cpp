@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "common/force_age.hpp"
 #include "common/stale_record.hpp"
 
 namespace thimble {
@@ -88,6 +89,33 @@ TEST(StaleRecord, KeepsTheNewestTrials) {
         EXPECT_GT(one.trial, 36U);
         EXPECT_EQ(one.acted, Duration(milliseconds{1}));
     }
+}
+
+TEST(ForceAge, KnowsWhatIsOlderThanTheNetworkMakesIt) {
+    const auto at = [](int ms) { return SessionTime{milliseconds{ms}}; };
+    ForceAge own;
+    own.begin(at(0), milliseconds{50});
+    EXPECT_LT(own.late(at(49)), Duration::zero()) << "nothing can have come";
+    own.take(at(100));
+    EXPECT_EQ(own.late(at(150)), Duration::zero());
+    EXPECT_EQ(own.late(at(180)), Duration(milliseconds{30}));
+    own.allow(milliseconds{80});
+    EXPECT_EQ(own.late(at(180)), Duration::zero());
+    own.allow(milliseconds{10});
+    EXPECT_EQ(own.late(at(180)), Duration::zero()) << "old ones are still under way";
+    // On a clock that is an hour ahead: only how the delay grows can be seen.
+    ForceAge elsewhere;
+    elsewhere.begin(at(0), milliseconds{20});
+    const auto said_at = [&](int ms) { return at(3600'000 + ms); };
+    elsewhere.take_from_elsewhere(at(100), said_at(95));
+    EXPECT_EQ(elsewhere.late(at(100)), Duration(milliseconds{-20}));
+    elsewhere.take_from_elsewhere(at(200), said_at(150));
+    EXPECT_EQ(elsewhere.late(at(200)), Duration(milliseconds{25}));
+    elsewhere.take_from_elsewhere(at(210), said_at(209));  // the youngest so far
+    EXPECT_EQ(elsewhere.late(at(210)), Duration(milliseconds{-20}));
+    elsewhere.begin(at(300), milliseconds{20});
+    elsewhere.take_from_elsewhere(at(400), said_at(350));
+    EXPECT_EQ(elsewhere.late(at(400)), Duration(milliseconds{-20})) << "a new trial";
 }
 
 }  // namespace

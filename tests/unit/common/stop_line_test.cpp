@@ -82,27 +82,38 @@ TEST(StopLine, HoldsUntilReleasedAndIsNotTakenUpAgainByWhatComesLate) {
     EXPECT_EQ(party.stopped(), 6);
 }
 
-TEST(StopLine, AStopAloneCountsAndNodesMayNotRelease) {
+TEST(StopLine, NodesMayNotReleaseAndAReleaseIsOfTheStopThatItNames) {
     Party party;
     const StopOrder stop(7, StopKind::kStop, EndReason::kEmergencyStop, "a view");
+    const StopOrder release(7, StopKind::kRelease, EndReason::kEmergencyStop, {});
     party.send(1, stop);
     party.tick(milliseconds{1});
     EXPECT_EQ(party.stopped(), 1) << "whoever was told";
-    party.send(1, StopOrder(8, StopKind::kRelease, EndReason::kEmergencyStop, {}), Role::kSlaveSim);
+    party.send(1, release, Role::kSlaveSim);
     party.tick(milliseconds{2});
     EXPECT_TRUE(party.of(1).stopped());
     EXPECT_EQ(party.of(1).counters().of(Refusal::kUnexpectedKind), 1U);
     party.send(1, StopOrder(9, StopKind::kRelease, EndReason::kEmergencyStop, {}));
-    party.tick(milliseconds{100});
-    EXPECT_TRUE(party.of(1).stopped()) << "a release that was on its way when somebody stopped";
-    party.send(1, StopOrder(9, StopKind::kRelease, EndReason::kEmergencyStop, {}));
     party.tick(milliseconds{300});
-    EXPECT_TRUE(party.of(1).stopped()) << "nor when it is said again";
-    party.send(1, StopOrder(10, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    EXPECT_TRUE(party.of(1).stopped()) << "another one's release";
+    party.send(1, release);
     party.tick(milliseconds{301});
     EXPECT_EQ(party.stopped(), 0);
     party.send(1, stop);  // the same datagram, late
     party.tick(milliseconds{302});
+    EXPECT_EQ(party.stopped(), 0);
+}
+
+// Whoever is started anew, or was not told, hears of it from those who hold; whoever missed the release, from the session.
+TEST(StopLine, WhatOneHoldsAllHoldAndLetGo) {
+    Party party;
+    party.send(3, StopOrder(7, StopKind::kStop, EndReason::kEmergencyStop, "a view"));
+    for (int ms = 1; ms < 600; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 6);
+    party.send(0, StopOrder(7, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    party.tick(milliseconds{600});
+    EXPECT_EQ(party.stopped(), 5) << "one release, to the session alone";
+    for (int ms = 601; ms < 1300; ++ms) party.tick(milliseconds{ms});
     EXPECT_EQ(party.stopped(), 0);
 }
 
@@ -121,7 +132,7 @@ TEST(StopLine, WhatIsNoStopIsCounted) {
     EXPECT_EQ(line.counters().refused_total(), 2U);
 }
 
-// More at once than have a place: one release lets go of all that was heard.
+// More at once than have a place: all hold, and who asks until nothing is held has let go of all.
 TEST(StopLine, ManyStopsAtOnce) {
     Party party;
     for (std::uint64_t id = 1; id <= 12; ++id) {
@@ -129,10 +140,13 @@ TEST(StopLine, ManyStopsAtOnce) {
         party.tick(milliseconds{id});
     }
     EXPECT_TRUE(party.of(1).stopped());
-    party.tick(milliseconds{500});
+    for (int ms = 13; ms < 2000; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 6);
     party.of(0).release(party.now);
-    party.tick(milliseconds{501});
-    EXPECT_FALSE(party.of(1).stopped());
+    for (int ms = 2000; ms < 4000; ++ms) party.tick(milliseconds{ms});
+    party.of(0).release(party.now);
+    for (int ms = 4000; ms < 6000; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 0);
 }
 
 }  // namespace

@@ -1,6 +1,12 @@
 // When datagrams may go unprotected.
 #include "common/runtime/protection.hpp"
 
+#include <array>
+#include <cstdlib>
+#include <new>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +38,8 @@ constexpr const char* kElsewhere = "[network]\nhost_slave_sim = '192.0.2.1'\n";
 TEST(Protection, IsOptionalOnThisMachineAlone) {
     EXPECT_NO_THROW(require_protection(network("")));
     EXPECT_NO_THROW(require_protection(network("[network]\nhost_slave_sim = '127.0.0.2'\n")));
-    EXPECT_NO_THROW(require_protection(network("[network]\nhost_slave_sim = 'nowhere.invalid'\n")));
+    expect_usage([] { require_protection(network("[network]\nhost_slave_sim = 'nowhere.invalid'\n")); },
+                 "nowhere.invalid");  // a name server that is silent now may answer when the socket is opened
     expect_usage([] { Sockets{network(kElsewhere)}; }, "192.0.2.1");
     expect_usage([] { require_protection(network("[network]\nhost_slave_sim = '0.0.0.0'\n")); },
                  "thimble keygen");
@@ -69,6 +76,38 @@ TEST(Protection, ADeviceElsewhereIsSpokenToOnPurposeOnly) {
 TEST(Protection, WithoutItsKeyAProgramDoesNotStart) {
     expect_usage([] { Sockets{network("[security]\nmode = 'lab-key'\nkey_file = '/nowhere/lab.key'\n")}; },
                  "/nowhere/lab.key");
+}
+
+// In a child, because it cannot be taken back.
+TEST(Protection, AProgramWithAKeyLeavesNoCoreDump) {
+    const auto keep = [] {
+        hide_memory();
+        rlimit cores{1, 1};
+        getrlimit(RLIMIT_CORE, &cores);
+        std::_Exit(cores.rlim_cur == 0 && cores.rlim_max == 0 && prctl(PR_GET_DUMPABLE) == 0 ? 0 : 1);
+    };
+    EXPECT_EXIT(keep(), testing::ExitedWithCode(0), "");
+    const auto with_key = [] {
+        try {
+            make_security(network("[security]\nmode = 'lab-key'\nkey_file = '/nowhere/lab.key'\n").security);
+        } catch (const Error&) {  // hidden before the key is read
+        }
+        rlimit cores{1, 1};
+        getrlimit(RLIMIT_CORE, &cores);
+        std::_Exit(cores.rlim_cur == 0 && cores.rlim_max == 0 && prctl(PR_GET_DUMPABLE) == 0 ? 0 : 1);
+    };
+    EXPECT_EXIT(with_key(), testing::ExitedWithCode(0), "");
+}
+
+TEST(Protection, AKeyIsWipedWhenItGoes) {
+    alignas(SecretKey) std::array<std::uint8_t, sizeof(SecretKey)> place{};
+    auto* key = new (place.data()) SecretKey;
+    key->bytes.fill(0xA5);
+    // Read as memory that somebody else may look at, so that the compiler cannot know what is there.
+    const volatile std::uint8_t* bytes = place.data();
+    ASSERT_EQ(bytes[7], 0xA5);
+    key->~SecretKey();
+    for (std::size_t i = 0; i < place.size(); ++i) ASSERT_EQ(bytes[i], 0) << i;
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ class TestWire final : public Channel {
   public:
     void connect(TestWire& peer) { peer_ = &peer; }
     void send(Bytes datagram) override;
+    void answer(Bytes datagram) override { send(datagram); }
     void deliver(const Datagram& datagram) { waiting_.push_back(datagram); }
 
     bool cut = false;

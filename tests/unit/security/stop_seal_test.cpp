@@ -3,19 +3,20 @@
 #include <gtest/gtest.h>
 
 #include "common/codec.hpp"
+#include "common/stop_line.hpp"
+#include "common/stop_release.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
 namespace thimble {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::uint16_t kStopPort = 27028;
 
-// Two programs on a stop line, each with its own clock and lab key.
+// Two programs on a stop line, under one lab key.
 struct StopRig {
-    std::int64_t here_ns = 1000 * kSecond_ns, there_ns = 1000 * kSecond_ns;
     TestPipe pipe;
-    StopSeal here{pipe.a, test_lab_key(), [this] { return here_ns; }};
-    StopSeal there{pipe.b, test_lab_key(), [this] { return there_ns; }};
+    StopSeal here{pipe.a, test_lab_key(), kStopPort};
+    StopSeal there{pipe.b, test_lab_key(), kStopPort};
     Encoder encoder;
 
     Datagram order(StopKind kind) {
@@ -58,7 +59,7 @@ TEST(StopSeal, EveryFlippedBitIsRefused) {
 
 TEST(StopSeal, AnotherLabsStopIsNone) {
     StopRig rig;
-    StopSeal stranger(rig.pipe.a, test_lab_key(8), [] { return 1000 * kSecond_ns; });
+    StopSeal stranger(rig.pipe.a, test_lab_key(8), kStopPort);
     stranger.send(rig.order(StopKind::kStop));
     EXPECT_TRUE(rig.there.receive().empty());
     rig.pipe.b.deliver(rig.order(StopKind::kStop));  // in the clear
@@ -67,16 +68,115 @@ TEST(StopSeal, AnotherLabsStopIsNone) {
     EXPECT_EQ(rig.there.counters().unsealed, 1U);
 }
 
-TEST(StopSeal, ARecordedReleaseLetsGoOfNothing) {
-    for (const std::int64_t off_s : {61, -61}) {
-        StopRig rig;
-        rig.there_ns += off_s * kSecond_ns;
-        EXPECT_FALSE(rig.arrives(StopKind::kRelease)) << off_s;
-        EXPECT_EQ(rig.there.counters().replayed, 1U);
-        EXPECT_TRUE(rig.arrives(StopKind::kStop)) << "whatever the clocks say";
-        rig.there_ns = rig.here_ns + off_s / 2 * kSecond_ns;
-        EXPECT_TRUE(rig.arrives(StopKind::kRelease));
+TEST(StopSeal, AnotherPortsOrderIsNone) {
+    StopRig rig;
+    StopSeal beside(rig.pipe.a, test_lab_key(), kStopPort + 33);
+    beside.send(rig.order(StopKind::kRelease));
+    EXPECT_TRUE(rig.there.receive().empty());
+    EXPECT_EQ(rig.there.counters().forged, 1U);
+}
+
+// A program on a stop line under a lab key, and the end at which others reach it.
+struct SealedProgram {
+    explicit SealedProgram(std::uint64_t instance, std::uint16_t port = kStopPort)
+        : inlet(wire.b, test_lab_key(), port),
+          outlet(wire.a, test_lab_key(), port),
+          line(Role::kMaster, instance) {
+        line.connect(inlet, {&nobody, &nobody, &nobody, &nobody, &nobody, &nobody});
     }
+    void tick(int ms) { line.tick(SessionTime{std::chrono::milliseconds{ms}}); }
+    // Somebody who has just come, over 0.7 s from `ms`.
+    std::size_t release_from(int ms) {
+        StopRelease release(77, {&outlet, &nobody, &nobody, &nobody, &nobody, &nobody});
+        for (int i = 0; i < StopRelease::kRounds; ++i) {
+            release.round(SessionTime{std::chrono::milliseconds{ms + 50 * i}});
+            tick(ms + 50 * i + 1);
+        }
+        return release.stops().size();
+    }
+    // All that was ever said to it, once more.
+    void hear_again(const std::vector<Datagram>& said, int ms) {
+        for (const Datagram& datagram : said) {
+            wire.b.deliver(datagram);
+            tick(ms);
+        }
+    }
+    TestPipe wire;
+    TestWire nobody;
+    StopSeal inlet, outlet;
+    StopLine line;
+};
+
+std::vector<Datagram> recorded_stop_and_release(SealedProgram& program) {
+    Encoder encoder;
+    program.outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
+                                       StopOrder(5, StopKind::kStop, EndReason::kEmergencyStop, "smoke")));
+    program.tick(1);
+    EXPECT_TRUE(program.line.stopped());
+    EXPECT_EQ(program.release_from(100), 1U) << "answered from 200 ms on";
+    EXPECT_FALSE(program.line.stopped());
+    return program.wire.a.said;
+}
+
+TEST(StopSeal, ARecordedReleaseLetsGoOfNothing) {
+    SealedProgram program(1);
+    const std::vector<Datagram> said = recorded_stop_and_release(program);
+    ASSERT_GT(said.size(), 10U);
+    // The next stop of the same program, another rig under the same key and with the same ports, and a program that was started
+    // anew: each holds, whatever is played and in whichever order.
+    SealedProgram other_rig(2), started_anew(1);
+    for (SealedProgram* held : {&program, &other_rig, &started_anew}) {
+        held->line.stop(SessionTime{std::chrono::seconds{2}}, EndReason::kEmergencyStop, "still smoke");
+        held->hear_again(said, 2300);
+        held->hear_again({said.rbegin(), said.rend()}, 2600);
+        EXPECT_TRUE(held->line.stopped());
+        EXPECT_EQ(held->line.words(), "still smoke");
+        held->release_from(3000);
+        EXPECT_FALSE(held->line.stopped());
+    }
+}
+
+// A table that is full of recorded stops has room for a real one, which none of their releases lets go of.
+TEST(StopSeal, RecordedStopsDoNotCrowdOutAnother) {
+    std::vector<Datagram> stops, releases;
+    SealedProgram recorder(1);
+    Encoder encoder;
+    for (std::uint64_t id = 1; id <= 20; ++id) {
+        for (const StopKind kind : {StopKind::kStop, StopKind::kRelease}) {
+            recorder.outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
+                                                StopOrder(id, kind, EndReason::kEmergencyStop, "old")));
+            (kind == StopKind::kStop ? stops : releases).push_back(recorder.wire.a.said.back());
+        }
+    }
+    SealedProgram program(2);
+    program.hear_again(stops, 1);
+    program.outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
+                                       StopOrder(99, StopKind::kStop, EndReason::kEmergencyStop, "real")));
+    program.tick(2);
+    program.hear_again(stops, 3);
+    program.hear_again(releases, 300);
+    EXPECT_TRUE(program.line.stopped());
+    program.release_from(1000);
+    EXPECT_FALSE(program.line.stopped());
+}
+
+TEST(StopSeal, AStopThatIsPressedDuringTheReleaseHolds) {
+    SealedProgram program(1);
+    program.line.stop(SessionTime{}, EndReason::kEmergencyStop, "first");
+    StopRelease release(77, {&program.outlet, &program.nobody, &program.nobody, &program.nobody,
+                             &program.nobody, &program.nobody});
+    Encoder encoder;
+    for (int i = 0; i < StopRelease::kRounds; ++i) {
+        const SessionTime now{std::chrono::milliseconds{1000 + 50 * i}};
+        release.round(now);
+        if (i == 0)
+            program.outlet.send(
+                encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
+                               StopOrder(6, StopKind::kStop, EndReason::kEmergencyStop, "second")));
+        program.line.tick(now);
+    }
+    EXPECT_TRUE(program.line.stopped());
+    EXPECT_EQ(program.line.words(), "second");
 }
 
 }  // namespace

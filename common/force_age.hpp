@@ -1,0 +1,38 @@
+// How much later a force is than the session's network lets it be. Silence does not show a delay that grows: news come, and are old.
+#pragma once
+
+#include <algorithm>
+
+#include "common/time.hpp"
+
+namespace thimble {
+
+class ForceAge {
+  public:
+    // `allowed`: the longest delay that the session knows of. Nothing is late before an input can have come.
+    void begin(SessionTime now, Duration allowed) {
+        allowed_ = allowed;
+        made_ = now;
+        least_ = Duration::max();
+    }
+    // The network has changed. What is under way comes by the old one: it never becomes less within a trial.
+    void allow(Duration longest) { allowed_ = std::max(allowed_, longest); }
+
+    // A force that answers what this program said at `made`.
+    void take(SessionTime made) { made_ = made; }
+    // One that another program made at `made` on its own clock: how old it is nobody knows here, but how much older than the
+    // youngest of this trial.
+    void take_from_elsewhere(SessionTime now, SessionTime made) {
+        least_ = std::min(least_, now - made);
+        made_ = made + least_;
+    }
+
+    // Of the newest force; negative while it is as young as it may be.
+    Duration late(SessionTime now) const { return now - made_ - allowed_; }
+
+  private:
+    Duration allowed_{}, least_ = Duration::max();
+    SessionTime made_{};
+};
+
+}  // namespace thimble

@@ -1,0 +1,34 @@
+// A stop that outlives the program that ended with it: a file that thimble leaves on its machine while a stop holds, and for which
+// it begins nothing on the same ports until "thimble stop --release" takes it away. In THIMBLE_STOP_DIR, else /tmp:
+// the same for whoever runs and whoever releases, by ssh or as a service, which XDG_RUNTIME_DIR is not. One per user and base port,
+// mode 0600; one of another user counts for nothing.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace thimble {
+
+class StopFile {
+  public:
+    explicit StopFile(std::uint16_t base_port);
+
+    // Throws Error (run failed) with who stopped, why, when, and how to release it, if a stop is kept.
+    void require_released() const;
+    // `words`: who and why. Of several the first is kept. Throws Error (run failed) if it cannot be written.
+    void keep(std::string_view words) const;
+    // What was kept; none if there was nothing. Throws Error (run failed) if it cannot be taken away.
+    std::optional<std::string> release() const;
+    const std::filesystem::path& path() const { return path_; }
+
+  private:
+    std::optional<std::string> read() const;
+
+    std::uint16_t base_port_;
+    std::filesystem::path path_;
+};
+
+}  // namespace thimble
