@@ -74,8 +74,8 @@ std::filesystem::path relay_report_beside(const LogFiles& files) {
         return file.path().parent_path() / ("thimble-netem" + name.substr(condition) + ".json");
     };
     const std::filesystem::path report = report_of(*files.front());
-    const bool one_session = std::all_of(files.begin(), files.end(),
-                                         [&](const auto& file) { return report_of(*file) == report; });
+    const bool one_session =
+        std::all_of(files.begin(), files.end(), [&](const auto& file) { return report_of(*file) == report; });
     return one_session && std::filesystem::exists(report) ? report : std::filesystem::path{};
 }
 
@@ -84,9 +84,9 @@ bool check_with_relay(const std::vector<FlowFinding>& flows, const LogFiles& fil
     if (report.empty()) return true;
     bool good = true;
     for (const RelayFinding& f : check_relay(flows, report)) {
-        fmt::print("{}: {} lost by the logs, {} by the relay{}; before it {}, within {}, behind {}{}\n", f.topic,
-                   f.lost, f.named, f.names.empty() ? "" : fmt::format(" ({})", f.names), f.before, f.within,
-                   f.behind, f.problem.empty() ? "" : "; NOT EXPLAINED: " + f.problem);
+        fmt::print("{}: {} lost by the logs, {} by the relay{}; before it {}, within {}, behind {}{}\n",
+                   f.topic, f.lost, f.named, f.names.empty() ? "" : fmt::format(" ({})", f.names), f.before,
+                   f.within, f.behind, f.problem.empty() ? "" : "; NOT EXPLAINED: " + f.problem);
         good = good && f.problem.empty();
     }
     return good;
@@ -182,11 +182,11 @@ Subcommand add_log(CLI::App& app) {
     a.cat = add_part(*log, a, "cat",
                      "every message in a line, several logs in the order of time on the session's clock",
                      "thimble log cat out/run/nodes/*_50ms.mcap --topic /master/needle_command");
-    a.check =
-        add_part(*log, a, "check",
-                 "CRCs, FlatBuffers, times, sequences; with the logs of both ends: what was lost, and whether the "
-                 "relay's report beside them names it",
-                 "thimble log check out/run/nodes/*_50ms.mcap");
+    a.check = add_part(
+        *log, a, "check",
+        "CRCs, FlatBuffers, times, sequences; with the logs of both ends: what was lost, and whether the "
+        "relay's report beside them names it",
+        "thimble log check out/run/nodes/*_50ms.mcap");
     a.repair = add_part(*log, a, "repair", "a whole log, with an index, from one that was cut off",
                         "thimble log repair out/run/nodes/session_50ms.mcap --out whole.mcap");
     a.share = add_part(*log, a, "export", "tables, JSON or ROS 2 messages for other programs",

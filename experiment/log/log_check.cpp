@@ -161,13 +161,13 @@ RelayFinding compare_with_relay(const FlowFinding& flow, const nlohmann::json& l
     }
     const std::int64_t pushed = count("pushed"), delivered = count("delivered");
     finding.before = static_cast<std::int64_t>(flow.sent) - pushed;
-    finding.within =
-        pushed + count("duplicated") - delivered - static_cast<std::int64_t>(finding.named);
+    finding.within = pushed + count("duplicated") - delivered - static_cast<std::int64_t>(finding.named);
     finding.behind = delivered - static_cast<std::int64_t>(flow.received + flow.repeated);
     const std::int64_t unreadable = count("corrupted");  // delivered, and refused where it came
     const auto wrong = [&](std::int64_t packets, std::int64_t more, const char* where) {
         if (packets >= 0 && packets <= kMostUnderWay + more) return;
-        finding.problem += fmt::format("{}{} packets {}", finding.problem.empty() ? "" : "; ", packets, where);
+        finding.problem +=
+            fmt::format("{}{} packets {}", finding.problem.empty() ? "" : "; ", packets, where);
     };
     wrong(finding.before, 0, "were lost before the relay, which did not see them");
     wrong(finding.within, 0, "are neither delivered nor lost under a name by the relay");
@@ -219,9 +219,10 @@ std::vector<RelayFinding> check_relay(const std::vector<FlowFinding>& flows,
             if (flow != flows.end()) findings.push_back(compare_with_relay(*flow, links.at(i)));
         }
     } catch (const nlohmann::json::exception& error) {
-        throw Error(ExitCode::kData,
-                    fmt::format("{}: is no report of thimble-netem in a session: {}; check the logs without it",
-                                report.string(), error.what()));
+        throw Error(
+            ExitCode::kData,
+            fmt::format("{}: is no report of thimble-netem in a session: {}; check the logs without it",
+                        report.string(), error.what()));
     }
     return findings;
 }

@@ -36,13 +36,13 @@ std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFil
 // was lost there under a name, or was under way when the programs ended.
 struct RelayFinding {
     std::string topic;
-    std::uint64_t lost = 0;        // by the logs
-    std::uint64_t named = 0;       // by the relay, under all its names
-    std::int64_t before = 0;       // sent, and never reached the relay
-    std::int64_t within = 0;       // reached it, and is neither delivered nor lost under a name
-    std::int64_t behind = 0;       // delivered, and never received
-    std::string names{};           // "472 lost, 3 queue_full"
-    std::string problem{};         // empty: the books agree
+    std::uint64_t lost = 0;   // by the logs
+    std::uint64_t named = 0;  // by the relay, under all its names
+    std::int64_t before = 0;  // sent, and never reached the relay
+    std::int64_t within = 0;  // reached it, and is neither delivered nor lost under a name
+    std::int64_t behind = 0;  // delivered, and never received
+    std::string names{};      // "472 lost, 3 queue_full"
+    std::string problem{};    // empty: the books agree
 };
 // So much of a flow may be under way when its programs are told to end.
 inline constexpr std::int64_t kMostUnderWay = 100;

@@ -15,6 +15,12 @@ namespace {
 // Fewer than make the line forget a number (it remembers 32): a release that it has forgotten, and that is not yet too old, is good again.
 constexpr std::size_t kMostStopMoves = 24;
 
+// One for all runs: a key has memory of its own with guard pages, which takes longer than a run.
+const std::shared_ptr<const LabKey>& stop_lab_key() {
+    static const std::shared_ptr<const LabKey> key = test_lab_key();
+    return key;
+}
+
 class StopCheck {
   public:
     explicit StopCheck(std::span<const std::uint8_t> script) : script_(script) {
@@ -84,8 +90,8 @@ class StopCheck {
     std::int64_t clock_ns_ = 1'700'000'000'000'000'000;
     TestPipe wire_;  // a: the program's end, b: the experimenter's
     TestWire sink_;
-    StopSeal seal_here_{wire_.a, test_lab_key(), [this] { return clock_ns_; }};
-    StopSeal seal_there_{wire_.b, test_lab_key(), [this] { return clock_ns_; }};
+    StopSeal seal_here_{wire_.a, stop_lab_key(), [this] { return clock_ns_; }};
+    StopSeal seal_there_{wire_.b, stop_lab_key(), [this] { return clock_ns_; }};
     StopLine here_{Role::kMaster, 1}, there_{Role::kExperimenter, 2};
     bool said_stop_ = false, said_release_ = false;
     bool released_ = false;  // in this move
@@ -107,7 +113,8 @@ Verdict check_stop_bytes(std::span<const std::uint8_t> bytes) {
     Verdict verdict;
     verdict.accepted = line.stopped();
     if (counted != (bytes.empty() ? 0U : 1U)) verdict.flaw = "not counted once";
-    if (line.stopped() && line.words().size() > StopOrder{}.text.size()) verdict.flaw = "words beyond their end";
+    if (line.stopped() && line.words().size() > StopOrder{}.text.size())
+        verdict.flaw = "words beyond their end";
     if (line.stopped() && !is_stop(line.reason())) verdict.flaw = "stopped for a reason that is no stop";
     return verdict;
 }

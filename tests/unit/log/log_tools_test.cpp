@@ -92,9 +92,9 @@ TEST_F(LogTools, WhatNobodySentIsForeign) {
 
 // 1000 sent, 700 received; `lost` is what the relay names of the 300.
 std::string needle_link_report(int lost, int delivered) {
-    nlohmann::json link{{"pushed", 1000},   {"delivered", delivered}, {"lost", lost},      {"outage", 0},
-                        {"queue_full", 10}, {"overflowed", 0},        {"oversized", 0},    {"duplicated", 0},
-                        {"corrupted", 0}};
+    nlohmann::json link{{"pushed", 1000}, {"delivered", delivered}, {"lost", lost},
+                        {"outage", 0},    {"queue_full", 10},       {"overflowed", 0},
+                        {"oversized", 0}, {"duplicated", 0},        {"corrupted", 0}};
     return nlohmann::json{{"links", {link, link, link, link}}}.dump();
 }
 
@@ -112,8 +112,10 @@ TEST_F(LogTools, WhatIsLostHasANameInTheRelaysReport) {
     };
     EXPECT_EQ(problem_with(needle_link_report(290, 700)), "");
     EXPECT_EQ(check_relay({flow}, report).front().names, "290 lost, 10 queue_full");
-    EXPECT_THAT(problem_with(needle_link_report(90, 700)), HasSubstr("200 packets are neither delivered nor lost"));
-    EXPECT_THAT(problem_with(needle_link_report(90, 900)), HasSubstr("200 packets were lost behind the relay"));
+    EXPECT_THAT(problem_with(needle_link_report(90, 700)),
+                HasSubstr("200 packets are neither delivered nor lost"));
+    EXPECT_THAT(problem_with(needle_link_report(90, 900)),
+                HasSubstr("200 packets were lost behind the relay"));
     EXPECT_THAT(problem_with(needle_link_report(390, 700)), HasSubstr("-100 packets are neither"));
     flow.sent = 1200;
     EXPECT_THAT(problem_with(needle_link_report(290, 700)), HasSubstr("200 packets were lost before"));
