@@ -118,7 +118,7 @@ TEST_P(Attack, AFloodMovesNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OnTheWire, Attack, testing::ValuesIn(kAttackTargets),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& target) { return target.param.name; });
 
 TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
     SessionFile file;
