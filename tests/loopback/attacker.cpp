@@ -44,20 +44,46 @@ Bytes OverheardChannel::take() {
     return datagram;
 }
 
+AnswerListener::AnswerListener(Security& session, const std::shared_ptr<const LabKey>& lab, Channel& wire,
+                               Port answers_for)
+    : security_(lab, system_random_bytes()) {
+    const bool of_master = owner(answers_for) == Role::kMaster;
+    const Port at_session = of_master ? Port::kSessionMaster : Port::kSessionSlave;
+    const Port at_peer = of_master ? Port::kMasterControl : Port::kSlaveControl;
+    at_session_ = session.pair(control_.a, at_session, at_peer);
+    at_peer_ = security_.pair(control_.b, at_peer, at_session);
+    answers_ = security_.inlet(wire, answers_for);
+}
+
+// Nothing but keys comes on its control channel.
+void AnswerListener::turn(SessionTime now) {
+    security_.tick(now);
+    at_session_->receive();
+    at_peer_->receive();
+    security_.tick(now);
+}
+
 OverheardSession::OverheardSession(LoneNode& node, const AttackTarget& target,
                                    const std::filesystem::path& key_file)
     : target_(target),
+      lab_(std::make_shared<const LabKey>(read_lab_key(key_file))),
       control_wire_(ports_of(node).at(target.session), node.at(target.control)),
       command_wire_(std::nullopt, node.at(target.commands)),
       answer_wire_(ports_of(node).at(target.answers_arrive), {kNear, 0}),
-      security_(std::make_shared<const LabKey>(read_lab_key(key_file)), system_random_bytes()),
+      security_(lab_, system_random_bytes()),
       control_(security_.pair(control_wire_, target.session, target.control)),
       commanding_end_(security_.outlet(command_wire_, target.commands)),
-      answering_end_(security_.inlet(answer_wire_, target.answers_for)),
       heartbeats_(target.node),
       answers_flow_(target.node),
       orders_(Role::kSession, system_entropy(), {control_}),
-      commands_(target.commander, system_entropy(), {commanding_end_}) {}
+      commands_(target.commander, system_entropy(), {commanding_end_}) {
+    if (owner(target.answers_for) == Role::kSession) {
+        answering_end_ = security_.inlet(answer_wire_, target.answers_for);
+    } else {
+        listener_.emplace(security_, lab_, answer_wire_, target.answers_for);
+        answering_end_ = &listener_->answers();
+    }
+}
 
 bool OverheardSession::start() {
     ++trial_;
@@ -88,6 +114,7 @@ bool OverheardSession::still_answers() {
 
 void OverheardSession::turn(SessionTime now) {
     security_.tick(now);
+    if (listener_) listener_->turn(now);
     if (now >= next_order_) {
         SessionControl order;
         order.kind = ControlKind::kTrialStart;

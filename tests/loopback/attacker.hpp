@@ -4,9 +4,12 @@
 
 #include <array>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
+#include "common/queue_channel.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/security/security.hpp"
 #include "tests/loopback/lone_node.hpp"
@@ -51,6 +54,22 @@ inline constexpr std::array kAttackTargets{
                  Port::kSessionCutaneous, Port::kCutaneousControl, Port::kCutaneousForce,
                  Port::kMasterPerceptCutaneous, Port::kMasterPerceptCutaneous, Modality::kCF}};
 
+// Whoever in a session hears the answers of a node under attack, and so has their key: a peer that the test plays, beside its
+// session.
+class AnswerListener {
+  public:
+    // `session` and `wire` outlive it.
+    AnswerListener(Security& session, const std::shared_ptr<const LabKey>& lab, Channel& wire,
+                   Port answers_for);
+    void turn(SessionTime now);
+    Channel& answers() { return *answers_; }
+
+  private:
+    QueuePipe control_;  // a: session, b: the peer
+    Security security_;
+    Channel *at_session_, *at_peer_, *answers_;
+};
+
 // The session of a lone node, which also commands it, under a lab key, and is overheard. Every command is a position or a force of
 // its own, and whatever the node says that it gave out is compared with those.
 class OverheardSession {
@@ -78,9 +97,12 @@ class OverheardSession {
     void take_answers(SessionTime now);
 
     AttackTarget target_;
+    std::shared_ptr<const LabKey> lab_;
     OverheardChannel control_wire_, command_wire_, answer_wire_;
     Security security_;
-    Channel *control_, *commanding_end_, *answering_end_;
+    Channel *control_, *commanding_end_;
+    std::optional<AnswerListener> listener_;
+    Channel* answering_end_ = nullptr;
     InboundFlow heartbeats_, answers_flow_;
     OutboundFlow orders_, commands_;
     std::uint32_t trial_ = 0;
