@@ -37,13 +37,19 @@ std::string lines_of(NetworkEvent event) {
     return lines;
 }
 
+// An event without one of its numbers is damaged, unlike a trial without a measure.
+double number_in(const CsvField& field) {
+    if (field.text.empty()) field.fail("is not a number");
+    return field.number();
+}
+
 void read_profile(CsvReader& reader, NetworkEvent& event) {
     const CsvField begin = reader.field(1);
     for (const ProfileNumber& number : kProfileNumbers) {
         if (!reader.next()) begin.fail(fmt::format("is not followed by its {}", number.name));
         if (reader.field(1).text != number.name)
             reader.field(1).fail(fmt::format("is not the profile's {}, which comes next", number.name));
-        number.in(event) = reader.field(2).number();
+        number.in(event) = number_in(reader.field(2));
     }
     event.delay_s = event.force.delay_s;
 }
@@ -67,12 +73,13 @@ std::vector<NetworkEvent> read_events(const std::filesystem::path& path) {
     std::vector<NetworkEvent> events;
     while (reader.next()) {
         NetworkEvent event;
-        event.time_s = reader.field(0).number();
+        event.time_s = number_in(reader.field(0));
         if (reader.field(1).text == kProfileEvent) {
             event.profile = reader.field(2).text;
+            if (event.profile.empty()) reader.field(2).fail("is not the name of a profile");
             read_profile(reader, event);
         } else if (reader.field(1).text == kDelayEvent) {
-            event.delay_s = reader.field(2).number();
+            event.delay_s = number_in(reader.field(2));
         } else {
             reader.field(1).fail("is no event known here: delay_s, profile");
         }

@@ -1,6 +1,8 @@
 // thimble log: what stands in the logs of messages, and what can be done with them.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -65,6 +67,33 @@ int show_messages(const LogArguments& a) {
     return 0;
 }
 
+// Of the session whose logs these are; none if they are of several, or it is not beside them.
+std::filesystem::path relay_report_beside(const LogFiles& files) {
+    const auto report_of = [](const LoggedFile& file) {
+        const std::string name = file.name();
+        const auto condition = name.rfind('_');
+        if (condition == std::string::npos) return std::filesystem::path{};
+        return file.path().parent_path() / ("thimble-netem" + name.substr(condition) + ".json");
+    };
+    const std::filesystem::path report = report_of(*files.front());
+    const bool one_session =
+        std::all_of(files.begin(), files.end(), [&](const auto& file) { return report_of(*file) == report; });
+    return one_session && std::filesystem::exists(report) ? report : std::filesystem::path{};
+}
+
+bool check_with_relay(const std::vector<FlowFinding>& flows, const LogFiles& files) {
+    const std::filesystem::path report = relay_report_beside(files);
+    if (report.empty()) return true;
+    bool good = true;
+    for (const RelayFinding& f : check_relay(flows, report)) {
+        fmt::print("{}: {} lost by the logs, {} by the relay{}; before it {}, within {}, behind {}{}\n",
+                   f.topic, f.lost, f.named, f.names.empty() ? "" : fmt::format(" ({})", f.names), f.before,
+                   f.within, f.behind, f.problem.empty() ? "" : "; NOT EXPLAINED: " + f.problem);
+        good = good && f.problem.empty();
+    }
+    return good;
+}
+
 int check_logs(const LogArguments& a) {
     const LogFiles files = open_logs(a);
     bool good = true;
@@ -75,12 +104,14 @@ int check_logs(const LogArguments& a) {
         for (const std::string& problem : finding.problems) fmt::print("  {}\n", problem);
         good = good && finding.problems.empty();
     }
-    for (const FlowFinding& f : check_flows(files)) {
+    const std::vector<FlowFinding> flows = check_flows(files);
+    for (const FlowFinding& f : flows) {
         fmt::print("{}: {} sent = {} received + {} lost; {} repeated, {} out of order{}\n", f.topic, f.sent,
                    f.received, f.lost, f.repeated, f.out_of_order,
                    f.foreign > 0 ? fmt::format("; {} RECEIVED BUT NEVER SENT", f.foreign) : "");
         good = good && f.foreign == 0;
     }
+    good = check_with_relay(flows, files) && good;
     return static_cast<int>(good ? ExitCode::kOk : ExitCode::kData);
 }
 
@@ -168,10 +199,11 @@ Subcommand add_log(CLI::App& app) {
     a.cat = add_part(*log, a, "cat",
                      "every message in a line, several logs in the order of time on the session's clock",
                      "thimble log cat out/run/nodes/*_50ms.mcap --topic /master/needle_command");
-    a.check =
-        add_part(*log, a, "check",
-                 "CRCs, FlatBuffers, times, sequences; with the logs of both ends: sent = received + lost",
-                 "thimble log check out/run/nodes/*_50ms.mcap");
+    a.check = add_part(
+        *log, a, "check",
+        "CRCs, FlatBuffers, times, sequences; with the logs of both ends: what was lost, and whether the "
+        "relay's report beside them names it",
+        "thimble log check out/run/nodes/*_50ms.mcap");
     a.repair = add_part(*log, a, "repair", "a whole log, with an index, from one that was cut off",
                         "thimble log repair out/run/nodes/session_50ms.mcap --out whole.mcap");
     a.share = add_part(*log, a, "export", "tables, JSON or ROS 2 messages for other programs",

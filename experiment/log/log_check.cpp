@@ -1,13 +1,18 @@
 #include "experiment/log/log_check.hpp"
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "common/codec.hpp"
+#include "common/error.hpp"
 #include "common/flow.hpp"
 #include "experiment/log/log_info.hpp"
 #include "experiment/log/packet_fields.hpp"
@@ -137,6 +142,39 @@ void add(FlowFinding& sum, const FlowFinding& more) {
     sum.foreign += more.foreign;
 }
 
+// In the order of the report's links.
+constexpr std::array<std::string_view, 4> kRelayedTopics{
+    "/master/needle_command", "/slave_sim/force_feedback/master", "/slave_sim/force_feedback/cutaneous",
+    "/slave_sim/force_feedback/visual"};
+constexpr std::array kFatesOfPackets{"lost", "outage", "queue_full", "overflowed", "oversized"};
+
+RelayFinding compare_with_relay(const FlowFinding& flow, const nlohmann::json& link) {
+    const auto count = [&](const char* name) { return link.at(name).get<std::int64_t>(); };
+    RelayFinding finding;
+    finding.topic = flow.topic;
+    finding.lost = flow.lost;
+    for (const char* fate : kFatesOfPackets) {
+        const std::int64_t packets = count(fate);
+        finding.named += static_cast<std::uint64_t>(packets);
+        if (packets > 0)
+            finding.names += fmt::format("{}{} {}", finding.names.empty() ? "" : ", ", packets, fate);
+    }
+    const std::int64_t pushed = count("pushed"), delivered = count("delivered");
+    finding.before = static_cast<std::int64_t>(flow.sent) - pushed;
+    finding.within = pushed + count("duplicated") - delivered - static_cast<std::int64_t>(finding.named);
+    finding.behind = delivered - static_cast<std::int64_t>(flow.received + flow.repeated);
+    const std::int64_t unreadable = count("corrupted");  // delivered, and refused where it came
+    const auto wrong = [&](std::int64_t packets, std::int64_t more, const char* where) {
+        if (packets >= 0 && packets <= kMostUnderWay + more) return;
+        finding.problem +=
+            fmt::format("{}{} packets {}", finding.problem.empty() ? "" : "; ", packets, where);
+    };
+    wrong(finding.before, 0, "were lost before the relay, which did not see them");
+    wrong(finding.within, 0, "are neither delivered nor lost under a name by the relay");
+    wrong(finding.behind, unreadable, "were lost behind the relay, which delivered them");
+    return finding;
+}
+
 }  // namespace
 
 FileFinding check_file(const LoggedFile& file) { return FileCheck(file).check(); }
@@ -164,6 +202,28 @@ std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFil
     std::vector<FlowFinding> findings;
     findings.reserve(by_topic.size());
     for (auto& [topic, finding] : by_topic) findings.push_back(finding);
+    return findings;
+}
+
+std::vector<RelayFinding> check_relay(const std::vector<FlowFinding>& flows,
+                                      const std::filesystem::path& report) {
+    std::vector<RelayFinding> findings;
+    findings.reserve(kRelayedTopics.size());
+    try {
+        std::ifstream file(report);
+        const nlohmann::json links = nlohmann::json::parse(file).at("links");
+        for (std::size_t i = 0; i < kRelayedTopics.size(); ++i) {
+            const auto flow = std::find_if(flows.begin(), flows.end(), [&](const FlowFinding& one) {
+                return one.topic == kRelayedTopics[i];
+            });
+            if (flow != flows.end()) findings.push_back(compare_with_relay(*flow, links.at(i)));
+        }
+    } catch (const nlohmann::json::exception& error) {
+        throw Error(
+            ExitCode::kData,
+            fmt::format("{}: is no report of thimble-netem in a session: {}; check the logs without it",
+                        report.string(), error.what()));
+    }
     return findings;
 }
 

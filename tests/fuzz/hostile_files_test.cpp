@@ -1,5 +1,5 @@
 // Good needle and scene files, damaged as editors, spreadsheets and attackers do: what is still read must be as
-// promised. The seeded little sister of fuzz_needle and fuzz_scene, for every build and every compiler.
+// promised. The seeded little sister of fuzz_needle, fuzz_scene and fuzz_recorded, for every build and every compiler.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -14,6 +14,7 @@
 
 #include "common/random.hpp"
 #include "tests/fuzz/needle_check.hpp"
+#include "tests/fuzz/recorded_check.hpp"
 #include "tests/fuzz/scene_check.hpp"
 
 namespace thimble {
@@ -127,10 +128,15 @@ void expect_all_read(const std::string& folder, const Check& check) {
 TEST(HostileFiles, SeedsAreRead) {
     expect_all_read("tests/fuzz/seeds_needle", check_needle_file);
     expect_all_read("deploy/scenes", check_scene_file);
+    expect_all_read("tests/fuzz/seeds_recorded", check_recorded_file);
 }
 
 TEST(HostileFiles, NeedleFilesAreRefusedOrGood) {
     expect_no_flaw("tests/fuzz/seeds_needle", 20'000, check_needle_file);
+}
+
+TEST(HostileFiles, RecordedTrialsAreRefusedOrTheSameAgain) {
+    expect_no_flaw("tests/fuzz/seeds_recorded", 2'000, check_recorded_file);
 }
 
 TEST(HostileFiles, ScenesAreRefusedOrStayFinite) {

@@ -5,6 +5,7 @@
 
 #include "common/random.hpp"
 #include "tests/fuzz/security_check.hpp"
+#include "tests/fuzz/stop_check.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
 namespace thimble {
@@ -43,6 +44,20 @@ TEST(HostileSecurity, ChangedDatagramsAndWordsAboutKeys) {
         if (verdict.accepted) ++accepted;
     }
     EXPECT_GT(accepted, 1000);
+}
+
+TEST(HostileSecurity, RandomScriptsAtTheStopLine) {
+    RandomStream random({5, 0, 0, 0, Purpose::kInstance});
+    int stopped = 0;
+    for (int i = 0; i < 300; ++i) {
+        std::vector<std::uint8_t> script(random.below(100));
+        for (std::uint8_t& byte : script) byte = static_cast<std::uint8_t>(random());
+        const Verdict verdict = check_stop_script(script);
+        EXPECT_EQ(verdict.flaw, "") << i;
+        EXPECT_EQ(check_stop_bytes(script).flaw, "") << i;
+        if (verdict.accepted) ++stopped;
+    }
+    EXPECT_GT(stopped, 50);  // the scripts get somewhere
 }
 
 }  // namespace

@@ -23,9 +23,19 @@ std::filesystem::path log_of(const RealRun& run, const std::string& program) {
     return run.out() / "nodes" / (program + "_0ms.mcap");
 }
 
+// What the logs of both ends say is lost, and what the relay between them counted by name, are two books.
+void expect_the_relay_agrees(const std::vector<FlowFinding>& flows, const std::filesystem::path& report) {
+    const auto relayed = check_relay(flows, report);
+    EXPECT_EQ(relayed.size(), 4U);
+    for (const RelayFinding& flow : relayed) {
+        EXPECT_EQ(flow.problem, "") << flow.topic;
+        EXPECT_GT(flow.named, static_cast<std::uint64_t>(kMostUnderWay)) << flow.topic << ": too few to tell";
+    }
+}
+
 TEST(LogRun, EveryProgramsLogIsGoodAndTheyAddUp) {
     SessionFile session;
-    session.more = kLogAll;
+    session.more = std::string(kLogAll) + "[netem.needle]\nloss = 0.1\n[netem.force]\nloss = 0.1\n";
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words();
     std::vector<std::unique_ptr<LoggedFile>> files;
@@ -34,9 +44,10 @@ TEST(LogRun, EveryProgramsLogIsGoodAndTheyAddUp) {
         files.push_back(std::make_unique<LoggedFile>(log_of(run, program)));
     for (const auto& file : files) EXPECT_THAT(check_file(*file).problems, IsEmpty()) << file->path();
     std::size_t data_flows = 0;
-    for (const FlowFinding& flow : check_flows(files)) {
+    const auto flows = check_flows(files);
+    expect_the_relay_agrees(flows, run.out() / "nodes/thimble-netem_0ms.json");
+    for (const FlowFinding& flow : flows) {
         EXPECT_EQ(flow.foreign, 0U) << flow.topic;
-        EXPECT_EQ(flow.sent, flow.received + flow.lost) << flow.topic;
         const bool data =
             flow.topic == "/master/needle_command" || flow.topic.starts_with("/slave_sim/force_feedback/");
         if (!data) continue;
@@ -49,8 +60,9 @@ TEST(LogRun, EveryProgramsLogIsGoodAndTheyAddUp) {
     EXPECT_EQ(files.front()->value("trial", "modality"), "HF");
 }
 
-// kill -9: the file opens, nothing is missing in it, and little at its end. How little is measured elsewhere (docs/log.md): here
-// only that it is not the whole.
+// kill -9: the file opens, nothing is missing in it, and little at its end. The promise is 100 ms, which log_kills.py asks for on a
+// machine with room (docs/log.md). Here it is two seconds, because a busy machine may give neither the log's thread nor this one a
+// processor for that long: that a log is only written at the end, or each few seconds, would still show.
 TEST(LogRun, AKilledNodesLogHasAllButTheLastMoments) {
     SessionFile session;
     session.contact_hold_s = kEndlessHold_s;

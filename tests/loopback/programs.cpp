@@ -4,6 +4,7 @@
 #include <charconv>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 namespace thimble {
 namespace {
@@ -26,6 +27,33 @@ bool is_node(const std::vector<std::string>& words, std::uint16_t base_port, con
     }
     return std::any_of(words.begin(), flag,
                        [&](const std::string& word) { return fs::path(word).filename() == program; });
+}
+
+struct ProcessState {
+    char state = 'X';  // as proc(5) has it; X: there is none
+    pid_t parent = 0;
+};
+
+// Behind the name, which is in brackets and may hold anything.
+ProcessState state_of(const fs::path& process) {
+    std::ifstream file(process / "stat");
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    const auto name_end = text.rfind(')');
+    ProcessState found;
+    if (name_end == std::string::npos) return found;
+    std::istringstream(text.substr(name_end + 1)) >> found.state >> found.parent;
+    return found;
+}
+
+template <class Use>
+void each_process(const Use& use) {
+    std::error_code gone;  // processes come and go while we look
+    for (fs::directory_iterator it("/proc", gone), end; it != end; it.increment(gone)) {
+        const std::string name = it->path().filename();
+        pid_t pid = 0;
+        const auto parsed = std::from_chars(name.data(), name.data() + name.size(), pid);
+        if (parsed.ptr == name.data() + name.size()) use(pid, it->path());
+    }
 }
 
 }  // namespace
@@ -56,14 +84,9 @@ Outcome run_to_end(const fs::path& program, const std::vector<std::string>& argu
 
 std::vector<pid_t> node_pids(std::uint16_t base_port, const std::string& program) {
     std::vector<pid_t> found;
-    std::error_code gone;  // processes come and go while we look
-    for (fs::directory_iterator it("/proc", gone), end; it != end; it.increment(gone)) {
-        const std::string name = it->path().filename();
-        pid_t pid = 0;
-        const auto parsed = std::from_chars(name.data(), name.data() + name.size(), pid);
-        if (parsed.ptr != name.data() + name.size()) continue;
-        if (is_node(command_line(it->path()), base_port, program)) found.push_back(pid);
-    }
+    each_process([&](pid_t pid, const fs::path& process) {
+        if (is_node(command_line(process), base_port, program)) found.push_back(pid);
+    });
     return found;
 }
 
@@ -73,6 +96,20 @@ std::vector<std::string> nodes_alive(std::uint16_t base_port) {
         if (!node_pids(base_port, program).empty()) names.emplace_back(program);
     }
     return names;
+}
+
+std::vector<pid_t> zombies_of(pid_t parent) {
+    std::vector<pid_t> found;
+    each_process([&](pid_t pid, const fs::path& process) {
+        const ProcessState state = state_of(process);
+        if (state.parent == parent && state.state == 'Z') found.push_back(pid);
+    });
+    return found;
+}
+
+bool is_left_over(pid_t pid) {
+    const ProcessState state = state_of(fs::path("/proc") / std::to_string(pid));
+    return state.state != 'X' && !(state.state == 'Z' && state.parent == 1);
 }
 
 }  // namespace thimble

@@ -32,7 +32,11 @@ Outcome run_to_end(const std::filesystem::path& program, const std::vector<std::
 // Node programs that run with this base port, by the name of the program; several if `thimble run` and a test
 // both started one.
 std::vector<pid_t> node_pids(std::uint16_t base_port, const std::string& program);
-// Names of the nodes that run with this base port.
+// Names of the nodes that run with this base port. A zombie has no command line, and is not among them.
 std::vector<std::string> nodes_alive(std::uint16_t base_port);
+// Children of a living program that have ended and that it has not waited for.
+std::vector<pid_t> zombies_of(pid_t parent);
+// Whether there is anything left of a process, also as a zombie, unless only the system's own first process could bury it.
+bool is_left_over(pid_t pid);
 
 }  // namespace thimble

@@ -1,18 +1,27 @@
 // Real programs that are killed or stopped at random instants, and stopped on purpose. How many: THIMBLE_FAULT_TRIALS
 // (docs/reliability.md).
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <sys/resource.h>
 #include <thread>
+#include <variant>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/codec.hpp"
+#include "common/node_process.hpp"
 #include "common/random.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "experiment/log/logged_file.hpp"
+#include "master/master_node.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -35,18 +44,23 @@ using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+constexpr std::array kVictimPrograms{"thimble-netem",  "thimble-slave-sim", "thimble-cutaneous",
+                                     "thimble-visual", "thimble-master",    "thimble"};
+
 struct RealFault {
     const char* program;
     int signal;
     bool goes_on;  // SIGSTOP, and after 200 ms SIGCONT: less than the silence that ends a trial
     Duration after;
+
+    bool of_launcher() const { return program == kVictimPrograms.back(); }
 };
 
 RealFault draw_fault(std::uint32_t number) {
     RandomStream stream({815, 0, 0, number, Purpose::kInstance});
-    const auto program = static_cast<std::size_t>(stream.uniform() * kNodePrograms.size());
+    const auto program = static_cast<std::size_t>(stream.uniform() * kVictimPrograms.size());
     const double kind = stream.uniform();
-    return {kNodePrograms.at(std::min(program, kNodePrograms.size() - 1)), kind < 0.5 ? SIGKILL : SIGSTOP,
+    return {kVictimPrograms.at(std::min(program, kVictimPrograms.size() - 1)), kind < 0.5 ? SIGKILL : SIGSTOP,
             kind > 0.75, from_seconds(0.3 * stream.uniform())};
 }
 
@@ -58,6 +72,94 @@ void expect_clean_end(RealRun& run, bool lost) {
     EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
 
+// Its nodes end by themselves; the trial that ran has what was recorded until then.
+void expect_end_without_launcher(RealRun& run) {
+    EXPECT_EQ(run.end(), 128 + SIGKILL) << run.words();
+    EXPECT_TRUE(wait_until([&] { return nodes_alive(run.base_port()).empty(); }));
+    EXPECT_THAT(run.rows(), IsEmpty()) << "no trial was completed";
+    EXPECT_FALSE(run.first_trajectory().empty());
+}
+
+// It stands still for longer than the nodes wait for it: they give the trial up by themselves, and it finds out.
+void let_launcher_go_on(RealRun& run) {
+    std::this_thread::sleep_for(2 * kPeerTimeout);
+    kill(run.launcher().pid(), SIGCONT);
+}
+
+// What the master's log says that was at its handle, against what it had received. Its own clock counts, so that a machine
+// that gave it no processor for a while changes nothing.
+class HandleForces {
+  public:
+    void look(const LoggedTopic& topic, const McapMessage& logged) {
+        if (logged.data.size() > kMaxDatagramBytes) return;
+        alignas(16) std::array<std::uint8_t, kMaxDatagramBytes> aligned{};
+        std::copy(logged.data.begin(), logged.data.end(), aligned.begin());
+        const Decoded decoded = decode({aligned.data(), logged.data.size()});
+        if (!decoded.message) return;
+        const Header& header = decoded.message->header;
+        if (const auto* force = std::get_if<ForceFeedback>(&decoded.message->body)) {
+            received_N_.push_back(-force->force_total_N);
+            received_at_ = from_nanoseconds(static_cast<std::int64_t>(logged.log_time_ns));
+        } else if (const auto* said = std::get_if<NeedleCommand>(&decoded.message->body);
+                   said != nullptr && topic.sent) {
+            judge(header.send_time, said->force_hand_N);
+        }
+    }
+    std::size_t judged() const { return judged_; }
+
+  private:
+    // A sample says what the handle gave until then, so a tick that came late says what a standing program left there.
+    void judge(SessionTime now, double force_N) {
+        const bool in_time = now - last_tick_ < milliseconds{5};
+        last_tick_ = now;
+        ++judged_;
+        ASSERT_LE(std::abs(force_N), kStrongest_N);
+        if (force_N == 0 || !in_time) return;
+        const StalePolicy stale = MasterSettings{}.stale;
+        const Duration silence = now - received_at_;
+        ASSERT_LE(silence, stale.after + stale.ramp + milliseconds{10}) << force_N << " N beyond its time";
+        const std::size_t kept = std::min<std::size_t>(received_N_.size(), 64);
+        const bool came = std::find(received_N_.end() - static_cast<std::ptrdiff_t>(kept), received_N_.end(),
+                                    force_N) != received_N_.end();
+        ASSERT_TRUE(came || silence > stale.after - milliseconds{5}) << force_N << " N, which nobody sent";
+    }
+
+    static constexpr double kStrongest_N = 12;  // [guard] force_limit_N
+    std::vector<double> received_N_;
+    SessionTime received_at_{}, last_tick_{};
+    std::size_t judged_ = 0;
+};
+
+void expect_forces_that_were_sent(const RealRun& run) {
+    const LoggedFile log(run.out() / "nodes/thimble-master_0ms.mcap");
+    HandleForces forces;
+    log.for_each([&](const LoggedTopic& topic, const McapMessage& message) { forces.look(topic, message); });
+    EXPECT_GT(forces.judged(), 50U);
+}
+
+void expect_nothing_left(const std::vector<pid_t>& programs) {
+    for (const pid_t pid : programs)
+        EXPECT_TRUE(wait_until([pid] { return !is_left_over(pid); }))
+            << pid << " is still there, or a zombie";
+}
+
+// The fault, and what becomes of the run.
+void carry_out(const RealFault& fault, RealRun& run) {
+    const pid_t pid = fault.of_launcher() ? run.launcher().pid() : run.node(fault.program);
+    kill(pid, fault.signal);
+    if (fault.of_launcher() && fault.signal == SIGKILL) return expect_end_without_launcher(run);
+    if (fault.goes_on) {
+        std::this_thread::sleep_for(milliseconds{200});
+        kill(pid, SIGCONT);
+        EXPECT_THAT(zombies_of(run.launcher().pid()), IsEmpty());
+    } else if (fault.of_launcher()) {
+        let_launcher_go_on(run);
+    } else if (fault.signal == SIGKILL) {
+        EXPECT_TRUE(wait_until([&] { return !is_left_over(pid); })) << "its launcher does not wait for it";
+    }
+    expect_clean_end(run, !fault.goes_on);
+}
+
 TEST(RealFaults, AtRandomInstants) {
     const char* wanted = std::getenv("THIMBLE_FAULT_TRIALS");
     const auto trials = static_cast<std::uint32_t>(wanted == nullptr ? 1 : std::atoi(wanted));
@@ -66,17 +168,16 @@ TEST(RealFaults, AtRandomInstants) {
         SCOPED_TRACE(std::string(fault.program) + (fault.signal == SIGKILL ? " killed" : " stopped") +
                      (fault.goes_on ? " for 200 ms" : ""));
         SessionFile session;
+        session.more = "[log]\nmessages = \"all\"\n";
         if (!fault.goes_on) session.contact_hold_s = kEndlessHold_s;
         RealRun run(session);
         ASSERT_TRUE(run.reaches_trial()) << run.words();
+        std::vector<pid_t> programs;
+        for (const char* program : kNodePrograms) programs.push_back(run.node(program));
         std::this_thread::sleep_for(fault.after);
-        const pid_t pid = run.node(fault.program);
-        kill(pid, fault.signal);
-        if (fault.goes_on) {
-            std::this_thread::sleep_for(milliseconds{200});
-            kill(pid, SIGCONT);
-        }
-        expect_clean_end(run, !fault.goes_on);
+        carry_out(fault, run);
+        expect_nothing_left(programs);
+        expect_forces_that_were_sent(run);
         if (HasFailure()) return;
     }
 }

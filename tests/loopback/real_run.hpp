@@ -34,9 +34,10 @@ class RealRun {
     // What the node wrote at its end; null if it wrote nothing.
     nlohmann::json report(const std::string& program, int delay_ms = 0) const;
 
-  private:
+    // As far as it is written; empty before.
     std::string first_trajectory() const;
 
+  private:
     Folder folder_;
     PortBlock ports_;
     Child child_;

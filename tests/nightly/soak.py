@@ -2,9 +2,10 @@
 
 usage: soak.py PROGRAMS SECONDS [BASE_PORT]
 
-PROGRAMS: build/release/bin. Fails (exit code 1) unless every trial completes, no program's memory grows (once it is warm, by more than
-4 MiB; thimble itself, which keeps a row per trial, by more than 16 MiB an hour), and the counters add up:
-what a program sent, the network delivered, lost by name, or the receiver counted.
+PROGRAMS: build/release/bin. Under a lab key made for it. Fails (exit code 1) unless every trial completes, no program's memory grows
+(once it is warm, by more than 4 MiB; thimble itself, which keeps a row per trial, by more than 16 MiB an hour), and the counters add up,
+port by port from end to end: what a program sent reached the network, which delivered it or lost it by name; what was
+delivered, its receiver accepted or refused by name. What is missing at a socket is a finding that names the socket.
 """
 
 import json
@@ -23,6 +24,9 @@ experiments = [1]
 trials_per_modality = {trials}
 practice_trials = 0
 break_every = 0
+[security]
+mode = "lab-key"
+key_file = "{key}"
 [netem.needle]
 delay_s = 0.002
 jitter = "uniform"
@@ -35,6 +39,7 @@ jitter_spread_s = 0.001
 loss = 0.01
 """
 MODALITIES, TRIAL_S = 3, 13  # a trial of these lasts about so long
+PORTS = 60  # of a session, or a few more
 
 
 def resident_kib(pid):
@@ -49,11 +54,20 @@ def family(parent):
     return nodes | {parent: "thimble"}
 
 
-def watch(run, seconds):
-    """The memory of each program, KiB, once it is warm and at the end."""
+def dropped_at_sockets(first_port):
+    """What the kernel threw away because a socket was full: {port: datagrams}. Its last column; ports in hexadecimal."""
+    with open("/proc/net/udp") as file:
+        rows = [line.split() for line in file.readlines()[1:]]
+    ports = [(int(row[1].split(":")[1], 16), int(row[-1])) for row in rows]
+    return {port: drops for port, drops in ports if first_port <= port < first_port + PORTS and drops}
+
+
+def watch(run, seconds, port, dropped):
+    """The memory of each program, KiB, once it is warm and at the end. Notes in `dropped` what sockets lost."""
     begin, first, last = time.monotonic(), {}, {}
     while run.poll() is None:
         time.sleep(1)
+        dropped |= dropped_at_sockets(port)
         for pid, name in family(run.pid).items():
             try:
                 last[name] = resident_kib(pid)
@@ -81,26 +95,81 @@ def report_of(folder, node):
     raise SystemExit(f"soak: there is no report of thimble-{node}")
 
 
-def counter_findings(folder):
-    reports = {node: report_of(folder, node) for node in ("netem", "master", "slave-sim", "cutaneous", "visual")}
-    for node, report in reports.items():
-        counted = report["accepted"] + sum(report["refused"].values())
-        # The relay hands on what it does not read.
-        read = report["udp"]["received"] - sum(link["pushed"] for link in report.get("links", []))
-        print(f"{node:18} {report['udp']['received']} datagrams received, {counted} accepted or refused by name")
-        if read != counted:
-            yield f"{node} read {read} datagrams and counted {counted}"
-        if report["udp"]["send_failed"]:
-            yield f"{node}: {report['udp']['send_failed']} sends failed"
+LINKS = (("needle", "slave-sim"), ("force to the handle", "master"), ("force to the fingers", "cutaneous"),
+         ("force to the screen", "visual"))
+DROPPED = ("lost", "outage", "queue_full", "overflowed", "oversized")
+REFUSED = ("forged", "replayed", "wrong_role", "no_key", "unsealed")
+MOST_UNDER_WAY = 100  # of a link: what was in it, and in sockets, when the programs were told to end
+WORDS_ABOUT_KEYS = 100  # handshakes, grants and receipts of a program; each handshake more is as many again
+
+
+def own_words(reports):
+    """What each program sent and read beside the links: heartbeats, percepts, words about keys; orders, beeps."""
     links = reports["netem"]["links"]
-    for number, link in enumerate(links):
-        gone = sum(link[name] for name in ("lost", "outage", "queue_full", "overflowed", "oversized"))
+    pushed, delivered = [link["pushed"] for link in links], [link["delivered"] for link in links]
+    sent = {node: report["udp"]["sent"] for node, report in reports.items()}
+    sent["netem"] -= sum(delivered)
+    sent["master"] -= pushed[0]
+    sent["slave-sim"] -= sum(pushed[1:]) + pushed[1]  # a record for the session with each
+    read = {node: report["udp"]["received"] for node, report in reports.items()}
+    read["netem"] -= sum(pushed)  # the relay hands on what it does not read
+    for (_, receiver), packets in zip(LINKS, delivered):
+        read[receiver] -= packets
+    return sent, read
+
+
+def node_findings(node, report, read):
+    """What a program's sockets gave it, it opened or refused; what it opened, it accepted or refused, each by name."""
+    security = report["security"]
+    if security["mode"] != "lab-key":
+        yield f"{node} ran without the lab key"
+        return
+    opened, refused = security["opened"], sum(security[name] for name in REFUSED)
+    counted = report["accepted"] + sum(report["refused"].values())
+    print(f"{node:18} {read} datagrams read, {opened} opened, {counted} accepted or refused by name")
+    about_keys = WORDS_ABOUT_KEYS * (1 + security["handshakes"])
+    if not 0 <= read - opened - refused <= about_keys:
+        yield f"{node} read {read} datagrams, opened {opened} and refused {refused}"
+    if not 0 <= opened - counted <= about_keys:
+        yield f"{node} opened {opened} datagrams and counted {counted}"
+    if refused > about_keys:
+        yield f"{node} refused {refused} datagrams although nobody else is on the wire: {security}"
+    if report["udp"]["send_failed"]:
+        yield f"{node}: {report['udp']['send_failed']} sends failed"
+
+
+def link_findings(links):
+    for (name, _), link in zip(LINKS, links):
+        gone = sum(link[fate] for fate in DROPPED)
         under_way = link["pushed"] + link["duplicated"] - link["delivered"] - gone
-        print(f"link {number}             {link['pushed']} in, {link['delivered']} out, {link['lost']} lost")
-        if not 0 <= under_way <= 100:  # what was in it when it was told to end
-            yield f"link {number}: {under_way} packets are neither delivered nor lost by name"
-    if links[0]["pushed"] != reports["master"]["samples"]:
-        yield f"the master sent {reports['master']['samples']} needles, {links[0]['pushed']} reached the network"
+        print(f"{name:21} {link['pushed']} in, {link['delivered']} out, {gone} lost by name")
+        if not 0 <= under_way <= MOST_UNDER_WAY:
+            yield f"{name}: {under_way} packets are neither delivered nor lost by name"
+
+
+def end_to_end_findings(reports, trials):
+    """Before the network and behind it. Every program has as many words with the session, beside a few per trial (beeps)."""
+    sent, read = own_words(reports)
+    slack = MOST_UNDER_WAY + WORDS_ABOUT_KEYS + 10 * trials
+    if abs(sent["slave-sim"] - sent["netem"]) > slack:
+        yield f"slave-sim sent {sent['slave-sim'] - sent['netem']} datagrams more than reached the network"
+    if reports["netem"]["links"][0]["pushed"] != reports["master"]["samples"]:
+        yield f"the master sent {reports['master']['samples']} needles, another number reached the network"
+    percepts = {"master": sent["cutaneous"] + sent["visual"] - 2 * sent["netem"]}
+    for name, receiver in LINKS:
+        missing = read["netem"] + percepts.get(receiver, 0) - read[receiver]
+        if abs(missing) > slack:
+            yield f"{name}: {missing} datagrams were delivered to {receiver} and not received"
+
+
+def counter_findings(folder, trials):
+    reports = {node: report_of(folder, node) for node in ("netem", "master", "slave-sim", "cutaneous", "visual")}
+    links = reports["netem"]["links"]
+    for node, report in reports.items():
+        received = report["udp"]["received"]
+        yield from node_findings(node, report, received - sum(link["pushed"] for link in links) if node == "netem" else received)
+    yield from link_findings(links)
+    yield from end_to_end_findings(reports, trials)
 
 
 def main():
@@ -110,13 +179,16 @@ def main():
     port = int(sys.argv[3]) if len(sys.argv) == 4 else 29400
     with tempfile.TemporaryDirectory(prefix="thimble-soak-") as folder:
         session = os.path.join(folder, "session.toml")
+        key = os.path.join(folder, "lab.key")
+        subprocess.run([programs + "/thimble", "keygen", key], stdout=subprocess.DEVNULL, check=True)
         with open(session, "w") as file:
-            file.write(SESSION.format(port=port, trials=max(1, round(seconds / (MODALITIES * TRIAL_S)))))
+            file.write(SESSION.format(port=port, key=key, trials=max(1, round(seconds / (MODALITIES * TRIAL_S)))))
         with open(os.path.join(folder, "words"), "w+") as words:
             run = subprocess.Popen([programs + "/thimble", "run", session, "--out", folder + "/data"],
                                    stdin=subprocess.DEVNULL, stdout=words, stderr=words)
             begin = time.monotonic()
-            memory = watch(run, seconds)
+            dropped = {}
+            memory = watch(run, seconds, port, dropped)
             took = time.monotonic() - begin
             words.seek(0)
             said = words.read()
@@ -127,7 +199,8 @@ def main():
         bad = [line for line in trials if ": completed" not in line]
         findings += bad + ([] if trials else ["no trial was run"])
         findings += memory_findings(memory, took)
-        findings += counter_findings(folder)
+        findings += counter_findings(folder, len(trials))
+        findings += [f"the kernel dropped {count} datagrams at port {at}: its socket was full" for at, count in dropped.items()]
         print(f"{len(trials)} trials in {took:.0f} s")
         for finding in findings:
             print("soak:", finding)

@@ -1,6 +1,7 @@
 // What `thimble log` makes of files: checks, merging, tables, JSON, repair.
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <iterator>
 #include <set>
@@ -87,6 +88,39 @@ TEST_F(LogTools, WhatNobodySentIsForeign) {
     add("master", sent);
     add("slave", received);
     EXPECT_EQ(check_flows(files_)[0].foreign, 1U);
+}
+
+// 1000 sent, 700 received; `lost` is what the relay names of the 300.
+std::string needle_link_report(int lost, int delivered) {
+    nlohmann::json link{{"pushed", 1000}, {"delivered", delivered}, {"lost", lost},
+                        {"outage", 0},    {"queue_full", 10},       {"overflowed", 0},
+                        {"oversized", 0}, {"duplicated", 0},        {"corrupted", 0}};
+    return nlohmann::json{{"links", {link, link, link, link}}}.dump();
+}
+
+TEST_F(LogTools, WhatIsLostHasANameInTheRelaysReport) {
+    FlowFinding flow;
+    flow.topic = "/master/needle_command";
+    flow.sent = 1000;
+    flow.received = 700;
+    flow.lost = 300;
+    const auto report = folder_.path() / "thimble-netem_0ms.json";
+    const auto problem_with = [&](const std::string& text) {
+        std::ofstream(report) << text;
+        const auto findings = check_relay({flow}, report);
+        return findings.size() == 1 ? findings.front().problem : "not one finding";
+    };
+    EXPECT_EQ(problem_with(needle_link_report(290, 700)), "");
+    EXPECT_EQ(check_relay({flow}, report).front().names, "290 lost, 10 queue_full");
+    EXPECT_THAT(problem_with(needle_link_report(90, 700)),
+                HasSubstr("200 packets are neither delivered nor lost"));
+    EXPECT_THAT(problem_with(needle_link_report(90, 900)),
+                HasSubstr("200 packets were lost behind the relay"));
+    EXPECT_THAT(problem_with(needle_link_report(390, 700)), HasSubstr("-100 packets are neither"));
+    flow.sent = 1200;
+    EXPECT_THAT(problem_with(needle_link_report(290, 700)), HasSubstr("200 packets were lost before"));
+    EXPECT_THAT(check_relay({}, report), IsEmpty());
+    EXPECT_THROW(problem_with("{}"), Error);
 }
 
 TEST_F(LogTools, MergesOnTheSessionsClock) {
