@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
 namespace {
@@ -24,7 +25,7 @@ std::filesystem::path folder_of_stops() {
 }
 
 std::string time_in_words() {
-    const std::time_t seconds = std::time(nullptr);
+    const auto seconds = static_cast<std::time_t>(read_clock_pair().realtime_ns / 1'000'000'000);
     std::tm broken_down{};
     std::array<char, 64> text{};
     localtime_r(&seconds, &broken_down);
