@@ -84,6 +84,13 @@ std::filesystem::path relay_report_beside(const LogFiles& files) {
 bool check_with_relay(const std::vector<FlowFinding>& flows, const LogFiles& files) {
     const std::filesystem::path report = relay_report_beside(files);
     if (report.empty()) return true;
+    const bool whole = std::all_of(files.begin(), files.end(), [](const auto& file) {
+        return file->scan().finished && file->lost() == 0;
+    });
+    if (!whole) {
+        fmt::print("not compared with {}: a log lacks its end, or messages\n", report.string());
+        return true;
+    }
     bool good = true;
     for (const RelayFinding& f : check_relay(flows, report)) {
         fmt::print("{}: {} lost by the logs, {} by the relay{}; before it {}, within {}, behind {}{}\n",

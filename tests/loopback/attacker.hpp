@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <set>
 #include <vector>
 
@@ -42,6 +43,8 @@ struct AttackTarget {
     Port answers_arrive, answers_for;  // where the test hears its answers, and whose they are in a session
     Modality modality;
 };
+// What a test of it is called.
+inline void PrintTo(const AttackTarget& target, std::ostream* out) { *out << target.name; }
 // The needle's position, the handle's force, the finger's force: what each of them says it gave out.
 inline constexpr std::array kAttackTargets{
     AttackTarget{"slave_sim", "thimble-slave-sim", "", Role::kSlaveSim, Role::kMaster, Port::kSessionSlave,
