@@ -99,7 +99,7 @@ void MasterProcess::take_force(SessionTime now, const ForceFeedback& feedback) {
     age_.take(feedback.needle_held ? now
                                    : feedback.echo_time);  // a held needle answers nothing, and has no force
     if (!node_.control().active()) {
-        if (stood_still()) return;
+        if (stood_still() || age_.late(now) >= node_.settings().stale.after) return;  // as if it had not come
         asked_force_N_ = node_.handle_force_N(feedback);
         return apply(now, share(now) * asked_force_N_);
     }

@@ -22,7 +22,11 @@ ForceFeedback pushing(double force_N) {
 class PlayedSlave {
   public:
     PlayedSlave(LoneNode& node, Port to) : flow_(Role::kSlaveSim, kPeerInstance, {node.peers().outlet(to)}) {}
-    void push(SessionTime now) { flow_.send(now, kPlayedTrial, pushing(1.0)); }
+    void push(SessionTime now) {
+        ForceFeedback feedback = pushing(1.0);
+        feedback.echo_time = now;  // as if the master's command had just come: an old answer presses nobody
+        flow_.send(now, kPlayedTrial, feedback);
+    }
 
   private:
     OutboundFlow flow_;
