@@ -145,6 +145,7 @@ void OverheardSession::send_command(SessionTime now) {
     } else {
         ForceFeedback command;
         command.force_total_N = command.force_fixture_N = -value;
+        command.echo_time = now;  // answers what has just been said: an old force presses nobody
         commands_.send(now, trial_, command);
     }
 }
