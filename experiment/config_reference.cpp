@@ -1,8 +1,12 @@
 #include "experiment/config_reference.hpp"
 
+#include <algorithm>
 #include <array>
+#include <functional>
 #include <set>
+#include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,6 +15,8 @@
 
 #include "common/error.hpp"
 #include "experiment/system_settings.hpp"
+#include "netem/profiles/profiles.hpp"
+#include "slave_sim/scene_file.hpp"
 
 namespace thimble {
 namespace {
@@ -18,7 +24,7 @@ namespace {
 using Keys = std::map<std::string, KeyDeclaration>;
 
 // What some keys are read beside, where choosing alone does not lead to them.
-constexpr std::array<std::string_view, 8> kCompanions{
+constexpr std::array<std::string_view, 8> kSessionCompanions{
     "session = { subject = \"human\", participant = \"P01\" }",
     "netem.needle.timeline = [{ at_s = 1, loss = 0.1 }]",
     "netem.force.timeline = [{ at_s = 1, loss = 0.1 }]",
@@ -27,6 +33,44 @@ constexpr std::array<std::string_view, 8> kCompanions{
     "netem.needle = { loss = { model = \"gilbert\", share = 0.01 } }",
     "netem.force = { loss = { model = \"gilbert\", share = 0.01 } }",
     "cutaneous.device = \"drives\""};
+constexpr std::array<std::string_view, 2> kSceneCompanions{
+    "fixture = [{ event = [{ after_contact_s = 1, position_m = 0 }] }]",
+    "fixture = [{ event = [{ time_s = 1 }] }]"};
+constexpr std::array<std::string_view, 6> kProfileCompanions{
+    "up = { loss = 0.01 }",
+    "down = { loss = 0.01 }",
+    "change = [{ loss = 0.01 }]",
+    "up = { loss = { model = \"gilbert\", share = 0.01 } }",
+    "down = { loss = { model = \"gilbert\", share = 0.01 } }",
+    "change = [{ loss = { model = \"gilbert\", share = 0.01 } }]"};
+
+struct KeyUnit {
+    std::string_view ending, unit;
+};
+// The longer of two endings first: "_Ns_per_m" also ends in "_m".
+constexpr std::array<KeyUnit, 21> kUnits{{
+    {"_m2_per_s3", "m²/s³"},
+    {"_Ns_per_m", "N s/m"},
+    {"_N_per_m", "N/m"},
+    {"_N_per_s", "N/s"},
+    {"_m_per_s", "m/s"},
+    {"_m_per_count", "m/count"},
+    {"_bits_per_s", "bit/s"},
+    {"_per_Nm", "1/(N m)"},
+    {"counts_per_turn", "counts/turn"},
+    {"_exponent_per_m", "1/m"},
+    {"_Hz", "Hz"},
+    {"_kg", "kg"},
+    {"_rad", "rad"},
+    {"_Nm", "N m"},
+    {"_bytes", "byte"},
+    {"_bits", "bit"},
+    {"_packets", "packet"},
+    {"_N", "N"},
+    {"_J", "J"},
+    {"_m", "m"},
+    {"_s", "s"},
+}};
 
 std::string in_one_list(std::string path) {
     for (std::size_t open = path.find('['); open != std::string::npos; open = path.find('[', open + 1)) {
@@ -44,9 +88,14 @@ std::string file_with(const std::string& path, const std::string& value) {
 
 class Walk {
   public:
+    using Reader = std::function<void(const ConfigFile&)>;
+
+    Walk(Reader read, std::span<const std::string_view> companions)
+        : read_(std::move(read)), companions_(companions) {}
+
     Keys all() {
         ask("");
-        for (const std::string_view text : kCompanions) ask(std::string(text));
+        for (const std::string_view text : companions_) ask(std::string(text));
         // Files that follow from what was noted so far, until nothing new comes.
         while (!waiting_.empty()) {
             const std::string text = *waiting_.begin();
@@ -63,7 +112,7 @@ class Walk {
             ConfigFile file = ConfigFile::parse(text, "reference");
             file.note_declarations();
             try {
-                read_system_settings(file);
+                read_(file);
             } catch (const Error&) {
                 // A file that is incomplete: what was asked for until then counts.
             }
@@ -75,6 +124,7 @@ class Walk {
 
     void note(const std::string& path, const KeyDeclaration& declared) {
         const auto [at, is_new] = keys_.emplace(path, declared);
+        if (at->second.fallback == "nan") at->second.fallback.clear();  // a reader's "none"
         if (!is_new && at->second.type.find(declared.type) == std::string::npos) {
             at->second.type += " or " + declared.type;
         }
@@ -92,12 +142,18 @@ class Walk {
         if (asked_.count(text) == 0) waiting_.insert(text);
     }
 
+    Reader read_;
+    std::span<const std::string_view> companions_;
     Keys keys_;
     std::set<std::string> asked_;
     std::set<std::string> waiting_;
 };
 
-std::string table_of(const std::string& path) { return path.substr(0, path.rfind('.')); }
+// Empty for a key that stands in no table.
+std::string table_of(const std::string& path) {
+    const std::size_t dot = path.rfind('.');
+    return dot == std::string::npos ? "" : path.substr(0, dot);
+}
 
 std::string what_it_may_be(const KeyDeclaration& declared) {
     if (declared.choices.empty()) return declared.range;
@@ -105,20 +161,39 @@ std::string what_it_may_be(const KeyDeclaration& declared) {
 }
 
 std::string line_of(std::string_view key, const KeyDeclaration& declared) {
-    return fmt::format("| `{}` | {} | {} | {} |\n", key, declared.type,
+    return fmt::format("| `{}` | {} | {} | {} | {} |\n", key, declared.type, unit_of_key(key),
                        declared.fallback.empty() ? "" : fmt::format("`{}`", declared.fallback),
                        what_it_may_be(declared));
 }
 
 }  // namespace
 
-Keys session_file_keys() { return Walk().all(); }
+Keys session_file_keys() {
+    return Walk([](const ConfigFile& file) { read_system_settings(file); }, kSessionCompanions).all();
+}
+
+Keys scene_file_keys() {
+    return Walk([](const ConfigFile& file) { read_scene(file, "reference"); }, kSceneCompanions).all();
+}
+
+Keys profile_file_keys() {
+    const FileFinder none = [](std::string_view name) -> std::string {
+        throw Error(ExitCode::kUsage, fmt::format("{}: no file stands beside the reference", name));
+    };
+    return Walk([none](const ConfigFile& file) { read_profile(file, "reference", none); }, kProfileCompanions)
+        .all();
+}
+
+std::string unit_of_key(std::string_view key) {
+    const auto found = std::find_if(kUnits.begin(), kUnits.end(),
+                                    [key](const KeyUnit& unit) { return key.ends_with(unit.ending); });
+    return found == kUnits.end() ? "" : std::string(found->unit);
+}
 
 std::string keys_as_markdown(const Keys& keys) {
     std::map<std::string, std::string> tables;
     for (const auto& [path, declared] : keys) {
-        if (path.find('.') == std::string::npos || declared.type == "table" || declared.type == "tables")
-            continue;
+        if (declared.type == "table" || declared.type == "tables") continue;
         tables[table_of(path)] += line_of(path.substr(path.rfind('.') + 1), declared);
     }
     // Links and pages have the same keys several times over.
@@ -128,8 +203,10 @@ std::string keys_as_markdown(const Keys& keys) {
     for (const auto& [table, lines] : tables) {
         const std::vector<std::string>& together = same[lines];
         if (together.front() != table) continue;
-        text += fmt::format("## [{}]\n\n| key | type | default | range |\n| --- | --- | --- | --- |\n{}\n",
-                            fmt::join(together, "], ["), lines);
+        text += table.empty() ? "## Before the first table\n"
+                              : fmt::format("## [{}]\n", fmt::join(together, "], ["));
+        text += fmt::format(
+            "\n| key | type | unit | default | range |\n| --- | --- | --- | --- | --- |\n{}\n", lines);
     }
     return text;
 }

@@ -98,8 +98,7 @@ const std::vector<std::string_view>& profile_names() {
     return names;
 }
 
-LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find) {
-    const ConfigFile file = ConfigFile::parse(text, name);
+LinkProfile read_profile(const ConfigFile& file, std::string_view name, const FileFinder& find) {
     LinkProfile profile;
     profile.name = name;
     profile.about = file.root().text("about", "");
@@ -107,6 +106,12 @@ LinkProfile parse_profile(std::string_view text, std::string_view name, const Fi
     profile.up = read_link_settings(file.table("up"), {}, sources_of(find));
     profile.down = read_link_settings(file.table("down"), {}, sources_of(find));
     read_changes(file, find, profile);
+    return profile;
+}
+
+LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find) {
+    const ConfigFile file = ConfigFile::parse(text, name);
+    LinkProfile profile = read_profile(file, name, find);
     file.finish();
     return profile;
 }

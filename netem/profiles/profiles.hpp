@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/config.hpp"
 #include "netem/link_settings.hpp"
 #include "netem/profiles/profile_link.hpp"
 
@@ -42,6 +43,8 @@ const LinkProfile* built_in_profile(std::string_view name);
 // then hold both ways. Throws Error (usage), naming the profiles there are.
 LinkProfile load_profile(const std::string& given);
 LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find);
+// The tables of a profile; keys that it does not know are left to file.finish().
+LinkProfile read_profile(const ConfigFile& file, std::string_view name, const FileFinder& find);
 
 enum class Way : std::uint8_t { kUp, kDown };
 // For one direction of a session file in `folder`: tables and traces beside it, and `profile = ` anything that

@@ -1,4 +1,6 @@
 // [fixture]: a forbidden region. [[fixture.event]]: its sudden changes.
+#include <limits>
+
 #include "slave_sim/element_types.hpp"
 #include "slave_sim/elements/forbidden_region.hpp"
 
@@ -7,6 +9,8 @@ namespace thimble {
 namespace {
 
 constexpr double kLongestSeconds = 1e9;
+constexpr double kNone =
+    std::numeric_limits<double>::quiet_NaN();  // keys without a default: read only where given
 
 FixtureChange read_change(const ConfigTable& table) {
     FixtureChange change;
@@ -15,8 +19,8 @@ FixtureChange read_change(const ConfigTable& table) {
         table.fail("time_s", "is one of two: give either time_s or after_contact_s");
     }
     auto& trigger = timed ? change.time_s : change.after_contact_s;
-    trigger = table.number(timed ? "time_s" : "after_contact_s", 0, 0, kLongestSeconds);
-    if (table.has("position_m")) change.position_m = table.number("position_m", 0, -1, 1);
+    trigger = table.number(timed ? "time_s" : "after_contact_s", kNone, 0, kLongestSeconds);
+    if (table.has("position_m")) change.position_m = table.number("position_m", kNone, -1, 1);
     change.present = table.boolean("present", change.position_m.has_value());
     return change;
 }

@@ -2,7 +2,8 @@
 
 1. docs/session-files.md (and the page it sends to for a table) names every key that the readers know, and no other.
 2. Its defaults are the readers', where both are one number.
-3. Every string that a reader asks for by name is a key of the reference, so that none is hidden behind a condition.
+3. Every string that a reader asks for by name is a key of the reference, so that none is hidden behind a condition; the same
+   for scenes and network profiles, whose pages name every key, and whose examples in deploy/ have no other.
 4. Every figure of docs/figures and docs/pictures stands in docs/figures.md.
 5. No link inside the repository is dead."""
 import json
@@ -10,20 +11,27 @@ import pathlib
 import re
 import subprocess
 import sys
+import tomllib
 
 # Tables whose keys another page lists.
 ELSEWHERE = {'netem.needle': 'network.md', 'netem.force': 'network.md', 'handle.hid': 'hid.md',
              'handle.falcon': 'handles.md', 'handle.force_dimension': 'handles.md', 'cutaneous.board': 'board-protocol.md',
              'fixture.event[]': 'scenes.md', 'netem': 'network.md'}
+# Kind of file, where its readers are, the pages that name its keys, and its examples.
+KINDS = [('scene', ['slave_sim/elements', 'slave_sim/scene_file.cpp'], ['scenes.md'], 'scenes'),
+         ('profile', ['netem/profiles', 'netem/link_reader.cpp', 'netem/loss_reader.cpp'], ['network-profiles.md', 'network.md'], 'profiles')]
 # Read from files that are no session files: scenes, profiles, needles.
 NO_SESSION = ['slave_sim/elements', 'slave_sim/scene', 'netem/profiles', 'netem/formats', 'netem/relay', 'netem/commands', 'experiment/log']
 QUOTED = re.compile(r'`([A-Za-z]\w*)`')
 
 
-def key_reference(programs):
-    text = subprocess.run([programs / 'thimble', 'config', 'reference', '--json'], check=True, capture_output=True, text=True).stdout
-    return {path: key for path, key in json.loads(text).items()
-            if '.' in path and key['type'] not in ('table', 'tables')}
+ASKED = re.compile(r'\b(?:table|entry|own|link|trial|master|file|node|change|root\(\))\.'
+                   r'(?:number|integer|boolean|text|choice|seconds|numbers|texts)\(\s*"(\w+)"')
+
+
+def key_reference(programs, kind='session'):
+    text = subprocess.run([programs / 'thimble', 'config', 'reference', '--kind', kind, '--json'], check=True, capture_output=True, text=True).stdout
+    return {path: key for path, key in json.loads(text).items() if key['type'] not in ('table', 'tables')}
 
 
 def page_tables(page):
@@ -72,16 +80,44 @@ def check_keys(sources, keys):
 
 def check_readers(sources, keys):
     names = {path.rsplit('.', 1)[1] for path in keys}
-    asked = re.compile(r'\b(?:table|entry|own|link|trial|master|file|node)\.'
-                       r'(?:number|integer|boolean|text|choice|seconds|numbers|texts)\(\s*"(\w+)"')
     for room in ['common', 'netem', 'master', 'slave_sim', 'cutaneous_node', 'visual_node', 'experiment']:
         for file in (sources / room).rglob('*.cpp'):
             where = str(file.relative_to(sources))
             if any(where.startswith(prefix) for prefix in NO_SESSION):
                 continue
-            for name in asked.findall(file.read_text()):
+            for name in ASKED.findall(file.read_text()):
                 if name not in names:
                     yield f'{where}: reads {name}, which thimble config reference does not show'
+
+
+def dotted(table, above=''):
+    """Paths of the keys of a file, as the reference has them: entries of several tables, and what may be several, with []."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from dotted(value, f'{above}{key}.')
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            for entry in value:
+                yield from dotted(entry, f'{above}{key}[].')
+        else:
+            yield f'{above}{key}'
+
+
+def check_kind(sources, keys, kind, readers, pages, examples):
+    names = {path.rsplit('.', 1)[-1] for path in keys}
+    text = ''.join((sources / 'docs' / page).read_text() for page in pages)
+    for name in sorted(names):
+        if not re.search(rf'\b{name}\b', text):
+            yield f'docs/{pages[0]} does not name {name}'
+    files = [file for reader in readers for file in ([sources / reader] if reader.endswith('.cpp') else (sources / reader).glob('*.cpp'))]
+    for file in files:
+        for name in ASKED.findall(file.read_text()):
+            if name not in names:
+                yield f'{file.relative_to(sources)}: reads {name}, which thimble config reference --kind {kind} does not show'
+    listed = {path.replace('[]', '') for path in keys}
+    for file in (sources / 'deploy' / examples).glob('*.toml'):
+        for path in dotted(tomllib.loads(file.read_text())):
+            if path.replace('[]', '') not in listed:
+                yield f'{file.relative_to(sources)}: {path} is no key of thimble config reference --kind {kind}'
 
 
 def check_figures(sources):
@@ -108,8 +144,11 @@ def check_links(sources):
 def main():
     sources, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     keys = key_reference(programs)
+    kinds = [(key_reference(programs, kind[0]), *kind) for kind in KINDS]
     wrong = [*check_keys(sources, keys), *check_readers(sources, keys), *check_figures(sources), *check_links(sources)]
-    print('\n'.join(wrong) or f'{len(keys)} keys, all named')
+    for kind in kinds:
+        wrong += check_kind(sources, *kind)
+    print('\n'.join(wrong) or f'{", ".join(f"{len(of)} {kind}" for of, kind in [(keys, "session"), *[k[:2] for k in kinds]])} keys, all named')
     sys.exit(1 if wrong else 0)
 
 
