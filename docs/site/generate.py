@@ -11,8 +11,7 @@ import subprocess
 import sys
 import tomllib
 
-PROGRAMS = ['thimble', 'thimble-master', 'thimble-slave-sim', 'thimble-cutaneous', 'thimble-visual', 'thimble-netem',
-            'thimble-drive-emulator', 'thimble-drive-check']
+NOT_INSTALLED = {'thimble-bench', 'thimble-bench-window'}
 
 
 def said_by(words, cwd=None):
@@ -40,8 +39,9 @@ def write_commands(programs, out):
         for sub in subcommands(text):
             page([*words, sub])
 
-    for program in PROGRAMS:
-        page([program])
+    for program in sorted(path.name for path in programs.glob('thimble*')):
+        if program not in NOT_INSTALLED:
+            page([program])
     # thimble-netem lists only what it does alone.
     page(['thimble-netem', 'node'])
     listed = '\n'.join(f'- [{title}](commands/{name}.md)' for name, title in names.items())
