@@ -34,8 +34,8 @@ constexpr std::array<std::string_view, 8> kSessionCompanions{
     "netem.force = { loss = { model = \"gilbert\", share = 0.01 } }",
     "cutaneous.device = \"drives\""};
 constexpr std::array<std::string_view, 2> kSceneCompanions{
-    "fixture = [{ event = [{ after_contact_s = 1, position_m = 0 }] }]",
-    "fixture = [{ event = [{ time_s = 1 }] }]"};
+    "fixture = [{ event = [{ time_s = 1 }] }]",
+    "fixture = [{ event = [{ after_contact_s = 1, position_m = 0 }] }]"};
 constexpr std::array<std::string_view, 6> kProfileCompanions{
     "up = { loss = 0.01 }",
     "down = { loss = 0.01 }",

@@ -84,6 +84,7 @@ TEST(ConfigReference, AKeyWithoutADefaultShowsNone) {
     const ReferenceKeys keys = scene_file_keys();
     EXPECT_EQ(keys.at("fixture[].event[].position_m").fallback, "");
     EXPECT_EQ(keys.at("fixture[].event[].after_contact_s").range, "0 to 1000000000");
+    EXPECT_EQ(keys.at("fixture[].event[].present").fallback, "false");
     EXPECT_EQ(keys.at("vessel[].mass_kg").fallback, "0.01");
     EXPECT_EQ(profile_file_keys().at("change[].loss.mean_burst").type, "number");
 }
