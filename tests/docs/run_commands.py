@@ -5,7 +5,8 @@ Each page in a scratch folder of its own, in which deploy/ and docs/ are the pro
   ```sh     run by bash; it must end with exit code 0
   ```console  lines after "$ " are run; the output must hold the lines below in their order ("..." stands for anything), and
             "[exit N]" is the exit code (0 if absent)
-A line <!-- not run: WHY --> before a block keeps it from being run, and is printed."""
+A line <!-- not run: WHY --> before a block keeps it from being run, and is printed; <!-- not run if `COMMAND`: WHY --> does where
+COMMAND ends with 0."""
 import fcntl
 import os
 import pathlib
@@ -20,6 +21,7 @@ import time
 BLOCK = re.compile(r'^(?P<indent> *)```(?P<kind>toml|sh|console)\n(?P<text>.*?)^(?P=indent)```$', re.M | re.S)
 NOT_RUN = re.compile(r'<!-- not run: ((?:(?!-->).)*) -->\s*$', re.S)
 REAL_TIME = re.compile(r'thimble (run|up|play)\b')
+NOT_RUN_IF = re.compile(r'<!-- not run if `([^`]+)`: ((?:(?!-->).)*) -->\s*$', re.S)
 LIMIT_S = 60
 
 
@@ -90,6 +92,13 @@ def do_block(block, folder, environment):
     return None if done.returncode == 0 else f'{text}\nended with {done.returncode}:\n{done.stdout}'
 
 
+def reason_against(before, folder, environment):
+    always, sometimes = NOT_RUN.search(before), NOT_RUN_IF.search(before)
+    if always:
+        return always[1]
+    return sometimes[2] if sometimes and run(sometimes[1], folder, environment).returncode == 0 else None
+
+
 def do_page(page, sources, programs):
     text, count = page.read_text(), 0
     began = time.monotonic()
@@ -103,9 +112,9 @@ def do_page(page, sources, programs):
         environment.pop('DISPLAY', None)
         environment.pop('WAYLAND_DISPLAY', None)
         for block in BLOCK.finditer(text):
-            reason = NOT_RUN.search(text[:block.start()])
+            reason = reason_against(text[:block.start()], folder, environment)
             if reason:
-                print(f'{page.name}: not run: {" ".join(reason[1].split())}')
+                print(f'{page.name}: not run: {" ".join(reason.split())}')
                 continue
             wrong = do_block(block, folder, environment)
             if wrong:
