@@ -64,6 +64,18 @@ Finding judge_pauses(const LoopFigures& link, const LoopLimits& limits) {
     return {Fit::kFits, ""};
 }
 
+// Of the force at the handle alone: nobody else knows how old it is.
+Finding judge_age(const LoopFigures& link, const LoopLimits& limits) {
+    if (link.round_trip_p99_s <= limits.late_s) return {Fit::kFits, ""};
+    const bool mostly = link.round_trip_median_s > limits.late_s;
+    return {
+        mostly ? Fit::kDoesNotFit : Fit::kMarginal,
+        fmt::format(
+            "{} forces are more than {} late and count as none, unless [master] oldest_force_s says {:.2g}",
+            mostly ? "most" : "some", in_ms(limits.late_s),
+            limits.configured_s + 1.2 * link.round_trip_p99_s)};
+}
+
 Finding judge_loss(const LoopFigures& link) {
     const std::string words = fmt::format("{:.1f} % of the samples lost", 100 * link.loss);
     if (link.loss >= kLossTooMuch) return {Fit::kDoesNotFit, words};
@@ -122,6 +134,10 @@ LoopLimits loop_limits(const SystemSettings& s) {
     limits.needle_held_s = to_seconds(s.slave.stale_after);
     limits.released_s =
         to_seconds(std::min({s.master.stale.after, s.cutaneous.stale.after, s.visual.stale.after}));
+    limits.configured_s = to_seconds(session_settings(s).network_delay);
+    limits.late_s = to_seconds(s.master.stale.after);
+    if (s.master.oldest_force > Duration::zero())
+        limits.late_s += to_seconds(s.master.oldest_force) - limits.configured_s;
     return limits;
 }
 
@@ -129,7 +145,8 @@ ModalityVerdict judge(Modality modality, const LoopFigures& link, const LoopLimi
     const Finding delay =
         modality == Modality::kHF ? judge_stability(link, limits) : judge_depth(modality, link, limits);
     ModalityVerdict verdict{modality, delay.fit, delay.reason};
-    for (const Finding& finding : {judge_pauses(link, limits), judge_loss(link)}) {
+    const Finding age = modality == Modality::kHF ? judge_age(link, limits) : Finding{Fit::kFits, ""};
+    for (const Finding& finding : {age, judge_pauses(link, limits), judge_loss(link)}) {
         if (finding.fit == Fit::kFits) continue;
         verdict.fit = std::max(verdict.fit, finding.fit);
         verdict.reason += "; " + finding.reason;

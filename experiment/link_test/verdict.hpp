@@ -2,7 +2,7 @@
 //
 // HF. The loop hand - network - fixture - network - handle must be stable: round trip + half a sample below the critical
 //   delay (critical_delay.hpp) of the session's own handle, nominal hand and fixture. The 99th percentile below it: fits;
-//   only the median: marginal.
+//   only the median: marginal. A force that is later than [master] oldest_force_s and stale_after_s allow counts as none: the same.
 // CF, CCF, VF. The delayed force never reaches the handle, so no delay makes the loop unstable (spec: "CF/CCF/VF"); it makes
 //   the hand stop later, and the needle goes deeper by speed x delay. Without a network it already runs on for the
 //   modality's own latency, display and reaction. A round trip up to half of that fits, up to all of it (twice as deep) is
@@ -32,6 +32,8 @@ struct LoopLimits {
     std::array<double, kModalities.size()> latency_s{};  // own, of CF, CCF, VF; by Modality
     double needle_held_s = 0;                            // after so long a pause the needle is held
     double released_s = 0;                               // and the displays let go
+    double configured_s = 0;                             // of the session's own network, there and back
+    double late_s = 0;  // a force at the handle that needs so much longer counts as none
 };
 // Nominal operator, no co-contraction; the fixture's stiffness as the scene has it.
 LoopLimits loop_limits(const SystemSettings& settings);

@@ -58,6 +58,23 @@ TEST(LinkVerdict, HandleForceNeedsAShortLoop) {
     EXPECT_THAT(judge(Modality::kHF, link(0.05, 0.05), loop_limits(paper())).reason, HasSubstr("oscillates"));
 }
 
+TEST(LinkVerdict, AForceThatCountsAsTooOldIsToldWithTheKeyThatHelps) {
+    const auto judged = [](const char* text, double median_s, double p99_s) {
+        const auto settings = read_system_settings(ConfigFile::parse(text, "test"));
+        return judge(Modality::kHF, link(median_s, p99_s), loop_limits(settings));
+    };
+    const char* soft = "[fixture]\nstiffness_N_per_m = 0\n";
+    EXPECT_EQ(judged(soft, 0.08, 0.09).fit, Fit::kFits);
+    EXPECT_EQ(judged(soft, 0.08, 0.11).fit, Fit::kMarginal);
+    EXPECT_EQ(judged(soft, 0.11, 0.11).fit, Fit::kDoesNotFit);
+    EXPECT_THAT(judged(soft, 0.15, 0.2).reason, HasSubstr("oldest_force_s says 0.24"));
+    EXPECT_EQ(judged("[master]\noldest_force_s = 0.24\n[fixture]\nstiffness_N_per_m = 0\n", 0.15, 0.2).fit,
+              Fit::kFits);
+    // The session's own delay is not the link's.
+    EXPECT_EQ(judged("[netem.force]\ndelay_s = 0.3\n[fixture]\nstiffness_N_per_m = 0\n", 0.08, 0.09).fit,
+              Fit::kFits);
+}
+
 TEST(LinkVerdict, TheOthersBearPartOfTheirOwnLatency) {
     const LoopLimits limits = loop_limits(paper());
     for (const Modality modality : {Modality::kCF, Modality::kCCF, Modality::kVF}) {
