@@ -85,6 +85,8 @@ TEST(WindowProgram, ItsStopKeyStopsASessionUnderALabKey) {
                                               "[0.0]\n[trial]\ncontact_hold_s = 40\n[visual]\ndisplay = "
                                               "'window'\n[security]\nmode = 'lab-key'\nkey_file = '"
                                            << (folder / "lab.key").string() << "'\n";
+    // Where its stop outlives it: not where a user's do.
+    setenv("THIMBLE_STOP_DIR", folder.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): no other thread is here
     Child run(THIMBLE_BIN_DIR "/thimble",
               {"run", folder / "session.toml", "--out", folder / "out", "--base-port", "26190"},
               folder / "log");
@@ -93,6 +95,7 @@ TEST(WindowProgram, ItsStopKeyStopsASessionUnderALabKey) {
     ASSERT_TRUE(person({"search", "--onlyvisible", "--name", "Thimble", "windowfocus"}));
     ASSERT_TRUE(person({"key", "BackSpace"}));
     EXPECT_EQ(run.wait(seconds{40}), 1) << run.last_words();
+    unsetenv("THIMBLE_STOP_DIR");  // NOLINT(concurrency-mt-unsafe)
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("the stop key at the subject's screen"));
     EXPECT_THAT(read_text(folder / "out/trials.csv"), HasSubstr("emergency_stop"));
     const auto report = nlohmann::json::parse(read_text(folder / "out/nodes/thimble-visual_0ms.json"));
