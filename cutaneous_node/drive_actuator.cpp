@@ -21,7 +21,7 @@ DriveActuator::DriveActuator(const DriveSettings& settings, double force_limit_N
       pad_(settings.pad),
       master_(settings.master, bus) {
     cables_.assign(settings.master.nodes.size(),
-                   Cable{0, 0, 0, false, SlackDetector(settings.slack_margin_m, kSlackFor_s)});
+                   Cable{0, 0, 0, false, SlackDetector(settings.slack_margin_m, kSlackFor_s), {}});
     for (const double relaxing : settings.pad.shares) relaxed_share_ -= relaxing;
     fault_.reserve(std::tuple_size_v<decltype(DeviceFault::text)>);
 }
@@ -119,7 +119,7 @@ void DriveActuator::take_up(SessionTime now) {
     }
     const bool position = settings_.master.mode == DriveMode::kSyncPosition;
     if (position) {
-        draw_in(to_seconds(now - before_));
+        draw_in(to_seconds(std::min(now - before_, 2 * settings_.master.cycle)));  // no jump after a stall
     } else {
         for (std::size_t i = 0; i < cables_.size(); ++i) set_tension(i, settings_.pretension_N);
     }
@@ -128,6 +128,7 @@ void DriveActuator::take_up(SessionTime now) {
     taut_ = true;
     for (std::size_t i = 0; i < cables_.size(); ++i) {
         cables_[i].origin = master_.drive(i).feedback().position_counts;
+        cables_[i].measured = master_.drive(i).feedback().sample_time;
     }
 }
 
@@ -157,11 +158,17 @@ bool DriveActuator::look_for_rest(SessionTime now) {
     return loose == nullptr;
 }
 
-void DriveActuator::watch_slack(SessionTime now, double step_s) {
+// Time counts that was measured in: one sample of a cable that is let out, on a machine that stalls, is no slack cable.
+void DriveActuator::watch_slack(SessionTime now) {
     for (std::size_t i = 0; i < cables_.size(); ++i) {
-        const bool slack =
-            cables_[i].slack.slack(wound_m(i), drawn_in_m(tension_N(i), relaxed_share_), step_s);
-        if (slack) return fail(now, DriveFaultKind::kSlack, i);
+        Cable& cable = cables_[i];
+        const SessionTime measured = master_.drive(i).feedback().sample_time;
+        if (measured <= cable.measured) continue;
+        const Duration step = std::min(measured - cable.measured, 2 * settings_.master.cycle);
+        cable.measured = measured;
+        const double explained_m = drawn_in_m(tension_N(i), relaxed_share_);
+        if (cable.slack.slack(wound_m(i), explained_m, to_seconds(step)))
+            return fail(now, DriveFaultKind::kSlack, i);
     }
 }
 
@@ -174,10 +181,7 @@ void DriveActuator::tick(SessionTime now) {
         }
     }
     master_.tick(now);
-    if (taut_ && master_.operating()) {
-        watch_slack(now, to_seconds(now - before_));
-        before_ = now;
-    }
+    if (taut_ && master_.operating()) watch_slack(now);
     note_fault();
 }
 

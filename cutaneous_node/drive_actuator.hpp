@@ -42,6 +42,7 @@ class DriveActuator final : public FingertipActuator {
         double before_m = 0;      // of take-up by torque: where it stood at the last look
         bool taut = false;
         SlackDetector slack;
+        SessionTime measured{};  // the last sample that the detector has seen
     };
 
     void take_up(SessionTime now);
@@ -49,7 +50,7 @@ class DriveActuator final : public FingertipActuator {
     void draw_in(double step_s);
     void set_targets();
     void set_tension(std::size_t drive, double tension_N);
-    void watch_slack(SessionTime now, double step_s);
+    void watch_slack(SessionTime now);
     double tension_N(std::size_t drive) const;
     double wound_m(std::size_t drive) const;
     double rated_torque_Nm(std::size_t drive) const;

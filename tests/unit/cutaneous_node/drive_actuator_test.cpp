@@ -45,6 +45,11 @@ class DriveBench {
     void run(Duration time) {
         for (const SessionTime end = now + time; now < end;) tick();
     }
+    void stall(Duration time, bool drives_alone) {
+        for (const SessionTime end = now + time; drives_alone && now < end; now += milliseconds{1})
+            actuator.tick(now);
+        if (!drives_alone) now += time;
+    }
     bool come_up() {
         while (!actuator.ready() && actuator.fault().empty() && now < SessionTime{seconds{10}}) tick();
         return actuator.ready();
@@ -90,6 +95,22 @@ TEST(DriveActuator, PressesTheFingerThatIsAskedForAndSaysWhatIsMeasured) {
     bench.run(milliseconds{200});
     EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kNone);
     EXPECT_EQ(bench.actuator.fault(), "");
+}
+
+// A finger is let go of, and in each millisecond of that both processes, or the drives alone, stand still for 90 ms.
+TEST(DriveActuator, AStalledMachineIsNoSlackCable) {
+    for (int stalls_after_ms = 0; stalls_after_ms < 40; ++stalls_after_ms) {
+        for (const bool drives_alone : {false, true}) {
+            DriveBench bench("silent_after_s = 3");
+            ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+            bench.press(Finger::kIndex, 1.5, milliseconds{300});
+            bench.actuator.release(bench.now);
+            bench.run(milliseconds{stalls_after_ms});
+            bench.stall(milliseconds{90}, drives_alone);
+            bench.run(milliseconds{100});
+            EXPECT_EQ(bench.actuator.fault(), "") << stalls_after_ms << " ms, alone " << drives_alone;
+        }
+    }
 }
 
 TEST(DriveActuator, TheOtherHandWearsTheOtherSixDrives) {
