@@ -373,6 +373,7 @@ inline wire::StopOrder to_wire(const StopOrder& b) {
 inline StopOrder from_wire(const wire::StopOrder& w, Judge& judge) {
     StopOrder b;
     b.id = w.id();
+    b.held_ms = w.held_ms();
     b.kind = judge.choice(raw(w.kind()), StopKind::kAsk);
     b.reason = judge.choice(raw(w.reason()), kLastEndReason);
     judge.require(is_stop(b.reason));

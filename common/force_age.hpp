@@ -14,6 +14,7 @@ class ForceAge {
         allowed_ = allowed;
         made_ = now;
         least_ = Duration::max();
+        taken_ = now;
     }
     // The network has changed. What is under way comes by the old one: it never becomes less within a trial.
     void allow(Duration longest) { allowed_ = std::max(allowed_, longest); }
@@ -21,18 +22,22 @@ class ForceAge {
     // A force that answers what this program said at `made`.
     void take(SessionTime made) { made_ = made; }
     // One that another program made at `made` on its own clock: how old it is nobody knows here, but how much older than the
-    // youngest of this trial.
+    // youngest of this trial. Clocks of two machines drift apart, so what was the youngest may be a thousandth of the time since
+    // then older than it was: twice what NTP may slew a clock by.
     void take_from_elsewhere(SessionTime now, SessionTime made) {
+        if (least_ != Duration::max()) least_ += (now - taken_) / kDrift;
         least_ = std::min(least_, now - made);
         made_ = made + least_;
+        taken_ = now;
     }
 
     // Of the newest force; negative while it is as young as it may be.
     Duration late(SessionTime now) const { return now - made_ - allowed_; }
 
   private:
+    static constexpr int kDrift = 1000;
     Duration allowed_{}, least_ = Duration::max();
-    SessionTime made_{};
+    SessionTime made_{}, taken_{};
 };
 
 }  // namespace thimble

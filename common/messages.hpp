@@ -264,9 +264,11 @@ struct ForceWave {
 // Whoever stops everything -> everybody, or whoever releases it, or asks what is held (stop_line.hpp).
 struct StopOrder {
     std::uint64_t id = 0;  // of a stop: random; of a release: the stop's; of a question: nothing
+    std::uint32_t held_ms =
+        0;  // of an answer to a question: for how long it has been held there; otherwise 0
     StopKind kind = StopKind::kStop;
     EndReason reason = EndReason::kEmergencyStop;
-    std::array<char, 158> text{};  // who and why; UTF-8, zeros behind its end
+    std::array<char, 154> text{};  // who and why; UTF-8, zeros behind its end
 
     StopOrder() = default;
     StopOrder(std::uint64_t number, StopKind what, EndReason why, std::string_view words);

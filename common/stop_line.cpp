@@ -2,10 +2,18 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <variant>
 
 namespace thimble {
 namespace {
+
+// Years are as long as it needs to be.
+std::uint32_t whole_milliseconds(Duration time) {
+    constexpr std::int64_t kMost = std::numeric_limits<std::uint32_t>::max();
+    return static_cast<std::uint32_t>(
+        std::clamp<std::int64_t>(time / std::chrono::milliseconds{1}, 0, kMost));
+}
 
 bool may_release(Role role) { return role == Role::kSession || role == Role::kExperimenter; }
 
@@ -56,9 +64,12 @@ void StopLine::take(SessionTime now, Bytes datagram) {
 }
 
 void StopLine::obey(SessionTime now, Role sender, const StopOrder& order) {
-    if (order.kind == StopKind::kStop) return hold(now, sender, order);
-    if (order.kind == StopKind::kAsk) return answer(now);
-    if (may_release(sender)) return let_go(order.id);
+    if (order.kind == StopKind::kStop) hold(now, sender, order);
+    // Whoever stops from outside is told at once: a session that ends with it may not be there when he asks.
+    const bool from_outside = order.kind == StopKind::kStop && sender == Role::kExperimenter;
+    if (from_outside || order.kind == StopKind::kAsk) return answer(now);
+    if (order.kind == StopKind::kStop) return;
+    if (may_release(sender)) return let_go(now, order.id);
     --counters_.accepted;
     ++counters_.refused[static_cast<std::size_t>(Refusal::kUnexpectedKind)];
 }
@@ -68,7 +79,8 @@ void StopLine::hold(SessionTime now, Role sender, const StopOrder& order) {
     if (holds(order.id)) return;
     if (held_count_ == kHeld) make_room(now);
     if (held_count_ == 0) next_passed_on_ = now + kStopPassedOn;
-    held_[held_count_++] = {order, sender, now};
+    held_[held_count_] = {order, sender, now};
+    held_[held_count_++].order.held_ms = 0;
     next_ = std::min(next_, next_passed_on_);
 }
 
@@ -81,9 +93,16 @@ void StopLine::make_room(SessionTime now) {
     last.since = now;
 }
 
-void StopLine::let_go(std::uint64_t id) {
+// Whoever has pressed again here meanwhile has stopped once more: no release knew of that.
+void StopLine::let_go(SessionTime now, std::uint64_t id) {
     if (!released(id)) remember(id);
-    if (own_.id == id) saying_ = false;
+    drop(id);
+    if (!saying_ || own_.id != id) return;
+    saying_ = false;
+    if (now < pressed_until_) say(now, own_.reason, own_.words());
+}
+
+void StopLine::drop(std::uint64_t id) {
     const auto end = held_.begin() + static_cast<std::ptrdiff_t>(held_count_);
     const auto found =
         std::find_if(held_.begin(), end, [id](const Held& held) { return held.order.id == id; });
@@ -103,18 +122,27 @@ void StopLine::answer(SessionTime now) {
     if (now < next_answer_) return;
     next_answer_ = now + kAnswerEvery;
     for (std::size_t i = 0; i < held_count_; ++i) {
-        if (now - held_[i].since < kHeldAtLeast) continue;
-        in_->answer(encoder_.encode(Header{instance_, now, ++answers_, 0, role_}, held_[i].order));
+        StopOrder held = held_[i].order;
+        held.held_ms = whole_milliseconds(now - held_[i].since);
+        in_->answer(encoder_.encode(Header{instance_, now, ++answers_, 0, role_}, held));
     }
 }
 
 void StopLine::stop(SessionTime now, EndReason reason, std::string_view words) {
-    if (saying_) return;
+    if (saying_) {
+        if (reason == EndReason::kEmergencyStop) pressed_until_ = now + kPressedLately;
+        return;
+    }
+    say(now, reason, words);
+    tick(now);
+}
+
+void StopLine::say(SessionTime now, EndReason reason, std::string_view words) {
     own_ = StopOrder(new_id(), StopKind::kStop, reason, words);
     saying_ = true;
+    pressed_until_ = {};
     hold(now, role_, own_);
     next_ = now;
-    tick(now);
 }
 
 void StopLine::release(SessionTime now) {
@@ -122,7 +150,7 @@ void StopLine::release(SessionTime now) {
     for (std::size_t i = 0; i < held_count_; ++i) {
         if (now - held_[i].since >= kHeldAtLeast) releasing_[releasing_count_++] = held_[i].order.id;
     }
-    for (std::size_t i = 0; i < releasing_count_; ++i) let_go(releasing_[i]);
+    for (std::size_t i = 0; i < releasing_count_; ++i) let_go(now, releasing_[i]);
     releases_left_ = releasing_count_ == 0 ? 0 : kReleaseTimes;
     next_ = now;
     tick(now);
@@ -134,19 +162,19 @@ bool StopLine::holds(std::uint64_t id) const {
 }
 
 bool StopLine::released(std::uint64_t id) const {
-    return std::find(done_.begin(), done_.end(), id) != done_.end();
+    const auto end = done_.begin() + static_cast<std::ptrdiff_t>(done_count_);
+    return std::find(done_.begin(), end, id) != end;
 }
 
 void StopLine::remember(std::uint64_t id) {
     done_[done_next_] = id;
     done_next_ = (done_next_ + 1) % done_.size();
+    done_count_ = std::min(done_count_ + 1, done_.size());
 }
 
-// Different between programs by their instance, within one by the count; never the 0 of an empty place.
+// Different between programs by their instance, within one by the count.
 std::uint64_t StopLine::new_id() {
-    const std::uint64_t id =
-        (instance_ ^ (++made_ * 0x9E3779B97F4A7C15ULL)) + static_cast<std::uint64_t>(role_);
-    return id == 0 ? 1 : id;
+    return (instance_ ^ (++made_ * 0x9E3779B97F4A7C15ULL)) + static_cast<std::uint64_t>(role_);
 }
 
 }  // namespace thimble

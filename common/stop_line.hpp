@@ -3,9 +3,9 @@
 //
 // Each stop has a random number, and a release names that of the stop which it lets go of: what is said again, comes late or was
 // recorded, here or at another session, lets go of nothing else. Who holds a stop passes it on every kStopPassedOn, so that the
-// session knows them all and who is started anew is stopped too; and he answers a question with those he has held for kHeldAtLeast,
-// so that somebody who has just come can name them (stop_release.hpp), and a stop pressed meanwhile holds. Anybody may stop; only
-// the session and the experimenter may release. No clock: `now` is the caller's.
+// session knows them all and who is started anew is stopped too; and he answers a question, and a stop of the experimenter's, with what he holds and for how long, so
+// that somebody who has just come can name what was held before he came (stop_inquiry.hpp), and a stop pressed meanwhile holds.
+// Anybody may stop; only the session and the experimenter may release. No clock: `now` is the caller's.
 #pragma once
 
 #include <array>
@@ -25,6 +25,8 @@ inline constexpr Duration kStopPassedOn = std::chrono::milliseconds{500};
 inline constexpr Duration kAnswerEvery = std::chrono::milliseconds{10};
 // Shorter than anybody needs to find out why somebody stopped.
 inline constexpr Duration kHeldAtLeast = std::chrono::milliseconds{200};
+// Whoever presses again so late before a release arrives has not been let go of: longer than a release takes.
+inline constexpr Duration kPressedLately = std::chrono::seconds{1};
 // What every message about a stop ends with.
 inline constexpr std::string_view kHowToRelease = "release it with: thimble stop --release";
 
@@ -44,7 +46,8 @@ class StopLine {
     void tick(SessionTime now);
     SessionTime next() const { return next_; }
 
-    // Stops everything (is_stop(reason)); harmless where it holds already. `words`: who and why, without how to release.
+    // Stops everything (is_stop(reason)); harmless where it holds already, but that an emergency stop so said holds on when the one
+    // before it is released within kPressedLately. `words`: who and why, without how to release.
     void stop(SessionTime now, EndReason reason, std::string_view words);
     // Of what has been held for kHeldAtLeast.
     void release(SessionTime now);
@@ -57,7 +60,7 @@ class StopLine {
     const FlowCounters& counters() const { return counters_; }
 
   private:
-    static constexpr std::size_t kHeld = 8, kRemembered = 32;
+    static constexpr std::size_t kHeld = 32, kRemembered = 128;
     struct Held {
         StopOrder order;
         Role from = Role::kSession;
@@ -68,7 +71,9 @@ class StopLine {
     void obey(SessionTime now, Role sender, const StopOrder& order);
     void hold(SessionTime now, Role sender, const StopOrder& order);
     void make_room(SessionTime now);
-    void let_go(std::uint64_t id);
+    void say(SessionTime now, EndReason reason, std::string_view words);
+    void let_go(SessionTime now, std::uint64_t id);
+    void drop(std::uint64_t id);
     void remind(SessionTime now, std::uint64_t id);
     void answer(SessionTime now);
     void say_what_is_due(SessionTime now);
@@ -85,9 +90,10 @@ class StopLine {
     std::array<Held, kHeld> held_{};  // oldest first
     std::size_t held_count_ = 0;
     std::array<std::uint64_t, kRemembered> done_{};  // stops that were released; a ring
-    std::size_t done_next_ = 0;
+    std::size_t done_next_ = 0, done_count_ = 0;
     StopOrder own_;
     bool saying_ = false;                           // own_
+    SessionTime pressed_until_{};                   // again, while saying; plus kPressedLately
     std::array<std::uint64_t, kHeld> releasing_{};  // stops
     std::size_t releasing_count_ = 0;
     int releases_left_ = 0;

@@ -1,12 +1,8 @@
-// Lets go of the stops of a session, for somebody who has heard none of them: asks every program what it holds, and names it
-// (stop_line.hpp). Only what is heard in answer to the question is let go of, and only that is answered which had been held for
-// kHeldAtLeast: a stop that is pressed while the release is under way holds. No clock: `now` is the caller's.
+// Lets go of the stops of a session, for somebody who has heard none of them: asks every program what it holds (stop_inquiry.hpp),
+// and names it (stop_line.hpp). A stop that is pressed while the release is under way holds. No clock: `now` is the caller's.
 #pragma once
 
-#include <array>
-#include <vector>
-
-#include "common/stop_line.hpp"
+#include "common/stop_inquiry.hpp"
 
 namespace thimble {
 
@@ -15,24 +11,23 @@ class StopRelease {
     // Asked for kAskTimes rounds; a stop that is heard in the last of them is still released kReleaseTimes times.
     static constexpr int kAskTimes = 4, kRounds = kAskTimes + kReleaseTimes;
 
-    // `instance`: random per start. `at`: where the programs hear stops, and whence their answers come; outlives this.
-    StopRelease(std::uint64_t instance, const StopOutlets& at);
+    // `instance`: random per start. `at`: as StopInquiry has it.
+    StopRelease(std::uint64_t instance, const StopOutlets& at)
+        : out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}),
+          inquiry_(out_, at) {}
+    StopRelease(const StopRelease&) = delete;
+    StopRelease& operator=(const StopRelease&) = delete;
 
     // kRounds of them, every kStopRepeat.
     void round(SessionTime now);
-    // What was named so far.
+    // What was named so far, each stop once.
     const std::vector<StopOrder>& stops() const { return stops_; }
 
   private:
-    static constexpr std::size_t kMostStops = 64;
-    void hear(Channel& channel);
-    void note(const StopOrder& stop);
-
-    StopOutlets at_;
     OutboundFlow out_;
+    StopInquiry inquiry_;
     int rounds_ = 0;
     std::vector<StopOrder> stops_;
-    Message message_;
 };
 
 }  // namespace thimble

@@ -1,10 +1,13 @@
 #include "experiment/lane.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <cstdio>
 
 #include <fmt/format.h>
 
 #include "common/runtime/node_report.hpp"
+#include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 #include "experiment/csv_file.hpp"
@@ -30,6 +33,9 @@ const std::vector<Listener*>& listening(Sockets& sockets, SessionProcess& sessio
     session.join_stop_line(*sockets.inlet_for_all(Port::kSessionStop), sockets.stop_outlets());
     return sockets.listeners();
 }
+
+// Those that a lane of this process has carried out: one that comes between two lanes is the next one's.
+std::atomic<unsigned> emergencies_taken{0};
 
 // The session's own, as the nodes write theirs.
 nlohmann::ordered_json session_report(const Sockets& sockets, bool realtime) {
@@ -83,7 +89,7 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       company_(session_, plan.attend ? plan.attend(session_, sockets_, plan.name) : nullptr,
                sockets_.security()),
       loop_(listening(sockets_, session_)),
-      stops_heard_(emergency_stops()),
+      stops_heard_(emergencies_taken),
       stop_file_(plan.network.base_port) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
@@ -187,8 +193,13 @@ std::string Lane::who_stopped() const {
 
 std::string Lane::how_to_release() const {
     const int base = plan_.network.base_port;
-    const bool usual = base == NetworkSettings{}.base_port;
-    return usual ? std::string(kHowToRelease) : fmt::format("{} --base-port {}", kHowToRelease, base);
+    const auto& hosts = plan_.network.hosts;
+    const bool by_file = plan_.network.security.mode != SecurityMode::kNone ||
+                         std::any_of(hosts.begin(), hosts.end(), leaves_this_machine);
+    std::string how(kHowToRelease);
+    if (by_file && !plan_.session_file.empty()) how += " " + plan_.session_file.string();
+    if (base != NetworkSettings{}.base_port) how += fmt::format(" --base-port {}", base);
+    return how + stop_fault_;
 }
 
 std::string Lane::stop_words() const {
@@ -200,10 +211,19 @@ void Lane::keep_stop() {
     const bool held = session_.stop_line().stopped();
     if (!held && !stop_kept_) return;
     stop_kept_ = held;
-    attempt([&] {
-        if (held) return stop_file_.keep(who_stopped());
-        stop_file_.release();
-    });
+    try {
+        if (held) {
+            stop_file_.keep(who_stopped());
+        } else {
+            stop_file_.release(stop_file_.kept());
+        }
+        stop_fault_.clear();
+    } catch (const Error& error) {
+        if (stop_fault_.empty())
+            fmt::print(stderr, "a stop that is not kept ends with this program: {}\n", error.what());
+        stop_fault_ =
+            fmt::format("; it ends with this program, since it could not be kept: {}", error.what());
+    }
 }
 
 void Lane::emergency_stop(std::string_view words) { session_.emergency_stop(wall_now(), words); }
@@ -212,7 +232,7 @@ void Lane::release_stop() { session_.release_stop(wall_now()); }
 void Lane::hear_stop_key() {
     const unsigned asked = emergency_stops();
     if (asked == stops_heard_) return;
-    stops_heard_ = asked;
+    stops_heard_ = emergencies_taken = asked;
     emergency_stop("Ctrl-\\ at thimble's terminal");
 }
 
@@ -314,10 +334,21 @@ void Lane::idle(Duration limit) {
     }
 }
 
+// Whoever stops while nodes are being ended, or just before, has stopped the session and what comes after it.
+void Lane::take_last_stops() {
+    company_.tick(wall_now());
+    hear_stop_key();
+    keep_stop();
+    if (!session_.stop_line().stopped() || result_.code != ExitCode::kOk) return;
+    result_.code = ExitCode::kRunFailed;
+    result_.problem = stop_words();
+}
+
 LaneResult Lane::close() {
     keep_stop();
     close_clocks();
     if (plan_.starter) end_nodes();
+    take_last_stops();
     result_.reports.push_back(session_report(sockets_, realtime_.granted()));
     attempt([this] {
         CsvFile file(plan_.out / fmt::format("session_{:g}ms.json", 1000 * plan_.delay_s),

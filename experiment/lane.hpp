@@ -145,6 +145,7 @@ class Lane {
     std::string how_to_release() const;
     // The stop file says what the stop line holds.
     void keep_stop();
+    void take_last_stops();
     std::optional<std::size_t> dead_node();
     void throw_if_dead();
     void wait_for_machines();
@@ -170,9 +171,10 @@ class Lane {
     TrajectorySample last_;
     LaneResult result_;
     bool halted_ = false;       // by a stop: the result says so until the next trial
-    unsigned stops_heard_ = 0;  // emergency_stops()
+    unsigned stops_heard_ = 0;  // of emergency_stops()
     StopFile stop_file_;
     bool stop_kept_ = false;
+    std::string stop_fault_;  // why a stop could not be kept; empty: it could
     unsigned revivals_ = 0;
 };
 

@@ -55,6 +55,8 @@ bool Lane::revive() {
     for (SessionTime now = wall_now(); now < forgotten && session_.missing_peers(now, kPeerTimeout).empty();
          now = wall_now()) {
         loop_.step(company_, now + kPoll);
+        hear_stop_key();
+        keep_stop();
     }
     wait_for_nodes();
     return true;
@@ -112,6 +114,8 @@ void Lane::wait_for_nodes() {
     std::size_t passed = 0;
     for (SessionTime now = begin; !session_.missing_peers(now, kPeerTimeout).empty(); now = wall_now()) {
         loop_.step(company_, now + kPoll);
+        hear_stop_key();
+        keep_stop();
         throw_if_dead();
         if (events_.stop && events_.stop())
             throw Error(ExitCode::kRunFailed, "interrupted before the first trial");

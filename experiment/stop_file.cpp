@@ -6,8 +6,6 @@
 #include <cstring>
 #include <ctime>
 #include <fcntl.h>
-#include <fstream>
-#include <iterator>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -33,9 +31,13 @@ std::string time_in_words() {
     return text.data();
 }
 
-[[noreturn]] void fail_with(std::string_view what, const std::filesystem::path& path, int error) {
+[[noreturn]] void fail_with(std::string_view what, const std::filesystem::path& path, std::string_view why) {
     throw Error(ExitCode::kRunFailed, fmt::format("cannot {} {}: {}; a stop is kept there (docs/safety.md)",
-                                                  what, path.string(), std::strerror(error)));
+                                                  what, path.string(), why));
+}
+
+[[noreturn]] void fail_with(std::string_view what, const std::filesystem::path& path, int error) {
+    fail_with(what, path, std::strerror(error));
 }
 
 }  // namespace
@@ -44,27 +46,38 @@ StopFile::StopFile(std::uint16_t base_port)
     : base_port_(base_port),
       path_(folder_of_stops() / fmt::format("thimble-stop-{}-{}", geteuid(), base_port)) {}
 
-std::optional<std::string> StopFile::read() const {
+// A place that is taken by something else keeps no stop: that is said before anything begins, not when somebody stops.
+std::optional<StopFile::Kept> StopFile::kept() const {
+    const int file = open(path_.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0 && errno == ENOENT) return std::nullopt;
+    if (file < 0) fail_with("read", path_, errno);
     struct stat status {};
-    const bool ours =
-        lstat(path_.c_str(), &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid();
-    if (!ours) return std::nullopt;
-    std::ifstream file(path_);
-    return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    std::array<char, 1024> text{};
+    const bool known = fstat(file, &status) == 0;
+    const bool ours = known && S_ISREG(status.st_mode) && status.st_uid == geteuid();
+    const ssize_t size = ours ? ::read(file, text.data(), text.size()) : 0;
+    const int error = !known || size < 0 ? errno : 0;
+    close(file);
+    if (error != 0) fail_with("read", path_, error);
+    if (!ours)
+        fail_with("keep a stop in", path_, "it is no file of this user: remove it, or set THIMBLE_STOP_DIR");
+    const std::int64_t written_ns =
+        status.st_mtim.tv_sec * std::int64_t{1'000'000'000} + status.st_mtim.tv_nsec;
+    return Kept{{text.data(), static_cast<std::size_t>(size)}, written_ns, status.st_ino};
 }
 
 void StopFile::require_released() const {
-    const auto words = read();
-    if (!words) return;
+    const auto stop = kept();
+    if (!stop) return;
     throw Error(ExitCode::kRunFailed, fmt::format("a stop holds and nothing begins: {}; once it is safe: "
                                                   "thimble stop --release --base-port {}",
-                                                  *words, base_port_));
+                                                  stop->words, base_port_));
 }
 
 // Not through a link that somebody else has laid.
 void StopFile::keep(std::string_view words) const {
     const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
-    if (file < 0 && errno == EEXIST && read()) return;
+    if (file < 0 && errno == EEXIST && kept()) return;
     if (file < 0) fail_with("write", path_, errno);
     const std::string text = fmt::format("{}, at {}", words, time_in_words());
     const bool written = write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
@@ -73,10 +86,11 @@ void StopFile::keep(std::string_view words) const {
     if (!written) fail_with("write", path_, error);  // the empty file holds as well
 }
 
-std::optional<std::string> StopFile::release() const {
-    auto words = read();
-    if (words && unlink(path_.c_str()) != 0 && errno != ENOENT) fail_with("remove", path_, errno);
-    return words;
+bool StopFile::release(const std::optional<Kept>& then) const {
+    if (!then || kept() != then) return false;
+    if (unlink(path_.c_str()) == 0) return true;
+    if (errno != ENOENT) fail_with("remove", path_, errno);
+    return false;
 }
 
 }  // namespace thimble

@@ -1,7 +1,7 @@
 // A stop that outlives the program that ended with it: a file that thimble leaves on its machine while a stop holds, and for which
 // it begins nothing on the same ports until "thimble stop --release" takes it away. In THIMBLE_STOP_DIR, else /tmp:
 // the same for whoever runs and whoever releases, by ssh or as a service, which XDG_RUNTIME_DIR is not. One per user and base port,
-// mode 0600; one of another user counts for nothing.
+// mode 0600.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +16,24 @@ class StopFile {
   public:
     explicit StopFile(std::uint16_t base_port);
 
-    // Throws Error (run failed) with who stopped, why, when, and how to release it, if a stop is kept.
+    // Throws Error (run failed) with who stopped, why, when, and how to release it, if a stop is kept; also if none can be, because
+    // something else has its place or cannot be read.
     void require_released() const;
     // `words`: who and why. Of several the first is kept. Throws Error (run failed) if it cannot be written.
     void keep(std::string_view words) const;
-    // What was kept; none if there was nothing. Throws Error (run failed) if it cannot be taken away.
-    std::optional<std::string> release() const;
+    // What is kept now, and what tells it from a later one. Throws Error (run failed) if that cannot be read.
+    struct Kept {
+        std::string words;
+        std::int64_t written_ns = 0;
+        std::uint64_t file = 0;
+        bool operator==(const Kept&) const = default;
+    };
+    std::optional<Kept> kept() const;
+    // Takes away what was kept then, and nothing that came later. True if it did. Throws Error (run failed) if it cannot.
+    bool release(const std::optional<Kept>& then) const;
     const std::filesystem::path& path() const { return path_; }
 
   private:
-    std::optional<std::string> read() const;
-
     std::uint16_t base_port_;
     std::filesystem::path path_;
 };

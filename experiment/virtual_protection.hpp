@@ -36,8 +36,8 @@ class VirtualProtection {
     Channel* outlet(Role self, QueueChannel& wire, Port remote) const {
         return of(self) ? of(self)->outlet(wire, remote) : &wire;
     }
-    Channel* stop_end(Role self, QueueChannel& wire) const {
-        return of(self) ? of(self)->stop_end(wire, 0) : &wire;
+    Channel* stop_end(Role self, QueueChannel& wire, StopEnd end) const {
+        return of(self) ? of(self)->stop_end(wire, 0, end) : &wire;
     }
     SecurityCounters counters() const {
         SecurityCounters sum;

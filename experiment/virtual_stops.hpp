@@ -21,10 +21,12 @@ class VirtualStops {
     void join(Process& process, Role role, const VirtualProtection& protection, std::uint32_t* mask,
               std::uint32_t bit) {
         StopOutlets outlets{};
-        for (std::size_t i = 0; i < out_.size(); ++i) outlets[i] = protection.stop_end(role, out_[i]);
+        for (std::size_t i = 0; i < out_.size(); ++i) {
+            outlets[i] = protection.stop_end(role, out_[i], StopEnd::kSpeaks);
+        }
         QueueChannel& own = in_[place(role)];
         own.wake(mask, bit);
-        process.join_stop_line(*protection.stop_end(role, own), outlets);
+        process.join_stop_line(*protection.stop_end(role, own, StopEnd::kListens), outlets);
     }
 
   private:

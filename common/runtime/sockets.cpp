@@ -50,15 +50,17 @@ Channel* Sockets::device(const Endpoint& local, const Endpoint& remote) {
 Channel* Sockets::inlet_for_all(Port local) {
     UdpChannel* channel = open(settings_.at(local), {settings_.host(owner(local)), 0});
     channel->listen_also_to({settings_.hosts.begin(), settings_.hosts.end()});
-    return log_data(security_ ? security_->stop_end(*channel, settings_.at(local).port) : channel, local);
+    if (!security_) return log_data(channel, local);
+    return log_data(security_->stop_end(*channel, settings_.at(local).port, StopEnd::kListens), local);
 }
 
 std::array<Channel*, kStopPorts.size()> Sockets::stop_outlets() {
     std::array<Channel*, kStopPorts.size()> outlets{};
     for (std::size_t i = 0; i < outlets.size(); ++i) {
         const Endpoint there = settings_.at(kStopPorts[i]);
-        UdpChannel* channel = open(std::nullopt, there);
-        outlets[i] = log_data(security_ ? security_->stop_end(*channel, there.port) : channel, kStopPorts[i]);
+        Channel* channel = open(std::nullopt, there);
+        if (security_) channel = security_->stop_end(*channel, there.port, StopEnd::kSpeaks);
+        outlets[i] = log_data(channel, kStopPorts[i]);
     }
     return outlets;
 }

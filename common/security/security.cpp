@@ -45,8 +45,8 @@ Channel* Security::outlet(Channel& wire, Port remote) {
     return outlets_.back().get();
 }
 
-Channel* Security::stop_end(Channel& wire, std::uint16_t port) {
-    stop_ends_.push_back(std::make_unique<StopSeal>(wire, lab_, port));
+Channel* Security::stop_end(Channel& wire, std::uint16_t port, StopEnd end) {
+    stop_ends_.push_back(std::make_unique<StopSeal>(wire, lab_, port, end));
     return stop_ends_.back().get();
 }
 

@@ -23,8 +23,8 @@ class Security {
     Channel* pair(Channel& wire, Port local, Port remote);
     Channel* inlet(Channel& wire, Port local);
     Channel* outlet(Channel& wire, Port remote);
-    // `port`: as StopSeal has it.
-    Channel* stop_end(Channel& wire, std::uint16_t port);
+    // `port` and `end`: as StopSeal has them.
+    Channel* stop_end(Channel& wire, std::uint16_t port, StopEnd end);
 
     // Before and after whatever sends and receives through it, at the same `now`.
     void tick(SessionTime now);

@@ -59,6 +59,8 @@ class Play {
             }
         }
         lane.close();
+        if (const std::string stopped = lane.stop_words(); !stopped.empty() && stopped != stop_said_)
+            say(stopped);
         return {trials_};
     }
 
@@ -74,6 +76,7 @@ class Play {
         plan_.session.trial_timeout = kPlayTimeout;
         plan_.delay_s = options_.delay_s;
         plan_.runtime = settings.runtime;
+        plan_.session_file = settings.file;
         plan_.attend = [this](SessionProcess& session, Sockets& sockets, const std::string&) {
             desk_.serve(session);
             session_ = &session;

@@ -34,8 +34,9 @@ RealTrials::RealTrials(LanePlan plan, const std::atomic<bool>* stop)
 void RealTrials::prepare() {
     if (lane_ && !lane_->broken()) return;
     if (lane_ && plan_.starter && lane_->revive()) return;
+    if (lane_) lane_->close();
     const std::string stopped = stop_words();
-    close();
+    lane_.reset();
     plan_.out = next_start(nodes_);
     plan_.holds_stop = !stopped.empty();
     lane_.emplace(plan_, events_);

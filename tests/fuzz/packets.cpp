@@ -79,7 +79,7 @@ auto fields(const WaveBurst& m) {
 }
 auto fields(const NeedleWave& m) { return std::tuple_cat(fields(m.command), fields(m.waves)); }
 auto fields(const ForceWave& m) { return std::tuple_cat(fields(m.feedback), fields(m.waves)); }
-auto fields(const StopOrder& m) { return std::tie(m.id, m.kind, m.reason, m.text); }
+auto fields(const StopOrder& m) { return std::tie(m.id, m.held_ms, m.kind, m.reason, m.text); }
 
 // A NaN fails every comparison.
 bool within(double value, double low, double high) { return value >= low && value <= high; }

@@ -13,7 +13,7 @@ namespace thimble {
 namespace {
 
 constexpr std::uint16_t kStopPort = 27028;
-// Fewer than make the line forget a number (it remembers 32): of a release that it has forgotten nothing is known.
+// Fewer than make the line forget a number (it remembers 128): of a release that it has forgotten nothing is known.
 constexpr std::size_t kMostStopMoves = 24;
 
 // One for all runs: a key has memory of its own with guard pages, which takes longer than a run.
@@ -87,8 +87,8 @@ class StopCheck {
     SessionTime now_{std::chrono::hours{1}};
     TestPipe wire_;  // a: the program's end, b: the experimenter's
     TestWire sink_;
-    StopSeal seal_here_{wire_.a, stop_lab_key(), kStopPort};
-    StopSeal seal_there_{wire_.b, stop_lab_key(), kStopPort};
+    StopSeal seal_here_{wire_.a, stop_lab_key(), kStopPort, StopEnd::kListens};
+    StopSeal seal_there_{wire_.b, stop_lab_key(), kStopPort, StopEnd::kSpeaks};
     StopLine here_{Role::kMaster, 1}, there_{Role::kExperimenter, 2};
     bool said_stop_ = false, said_release_ = false;
     bool released_ = false;  // in this move

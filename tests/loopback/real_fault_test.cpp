@@ -245,51 +245,5 @@ TEST(Guard, TripsInTheRealProgramAsTheSessionFileSays) {
     EXPECT_EQ(rows.front().reason, EndReason::kSafetyStop);
 }
 
-TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    RealRun run(session);
-    ASSERT_TRUE(run.reaches_trial()) << run.words();
-    const Outcome stop =
-        run_to_end(built_programs() / "thimble", {"stop", "--base-port", std::to_string(run.base_port()),
-                                                  "--lanes", "1", "--reason", "a cable came loose"});
-    EXPECT_EQ(stop.code, 0) << stop.words;
-    EXPECT_THAT(stop.words, HasSubstr("thimble stop --release"));
-    EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("a cable came loose"));
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows.front().reason, EndReason::kEmergencyStop);
-    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
-    // It holds for the next session on these ports, until it is released on purpose.
-    const std::string port = std::to_string(run.base_port());
-    const Outcome refused = run_to_end(built_programs() / "thimble",
-                                       {"run", (run.out().parent_path() / "session.toml").string(),
-                                        "--base-port", port, "--out", (run.out() / "again").string()});
-    EXPECT_EQ(refused.code, 1) << refused.words;
-    EXPECT_THAT(refused.words, HasSubstr("a cable came loose"));
-    EXPECT_THAT(refused.words, HasSubstr("thimble stop --release --base-port " + port));
-    const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
-    EXPECT_FALSE(std::filesystem::is_empty(stops));
-    const Outcome released =
-        run_to_end(built_programs() / "thimble", {"stop", "--release", "--base-port", port, "--lanes", "1"});
-    EXPECT_EQ(released.code, 0) << released.words;
-    EXPECT_THAT(released.words, HasSubstr("a cable came loose"));
-    EXPECT_TRUE(std::filesystem::is_empty(stops));
-}
-
-// Ctrl-\ in thimble's terminal; to a node as well, which then tells the others.
-TEST(EmergencyStop, BySignalToANode) {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    RealRun run(session);
-    ASSERT_TRUE(run.reaches_trial()) << run.words();
-    kill(run.node("thimble-cutaneous"), SIGQUIT);
-    EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("SIGQUIT"));
-    ASSERT_EQ(run.rows().size(), 1U);
-    EXPECT_EQ(run.rows().front().reason, EndReason::kEmergencyStop);
-}
-
 }  // namespace
 }  // namespace thimble

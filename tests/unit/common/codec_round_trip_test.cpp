@@ -109,6 +109,14 @@ ReplayState draw_replay() {
     return state;
 }
 
+StopOrder draw_stop() {
+    StopOrder stop(draw_bits<std::uint64_t>(), draw_enum(StopKind::kAsk),
+                   draw_bool() ? EndReason::kSafetyStop : EndReason::kEmergencyStop,
+                   std::string(*rc::gen::inRange<std::size_t>(0, 200), 'x'));
+    stop.held_ms = draw_bits<std::uint32_t>();
+    return stop;
+}
+
 WaveBurst draw_waves() {
     WaveBurst waves;
     for (double& wave_root_W : waves.wave_root_W) wave_root_W = draw(1e6);
@@ -178,9 +186,7 @@ Body draw_body() {
         case 13:
             return ForceWave{ForceFeedback{}, draw_waves()};
         case 14:
-            return StopOrder(draw_bits<std::uint64_t>(), draw_enum(StopKind::kAsk),
-                             draw_bool() ? EndReason::kSafetyStop : EndReason::kEmergencyStop,
-                             std::string(*rc::gen::inRange<std::size_t>(0, 200), 'x'));
+            return draw_stop();
         default:
             return Heartbeat{draw_bits<std::uint64_t>(),
                              draw_bits<std::uint64_t>(),

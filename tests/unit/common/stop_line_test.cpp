@@ -104,6 +104,39 @@ TEST(StopLine, NodesMayNotReleaseAndAReleaseIsOfTheStopThatItNames) {
     EXPECT_EQ(party.stopped(), 0);
 }
 
+TEST(StopLine, AStopWithoutANumberHoldsUntilReleasedToo) {
+    Party party;
+    party.send(2, StopOrder(0, StopKind::kStop, EndReason::kEmergencyStop, "no number"));
+    for (int ms = 1; ms < 1000; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 6);
+    party.of(0).release(party.now);
+    for (int ms = 1000; ms < 2000; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 0);
+}
+
+// Somebody presses again, at the same program, while a release of his first stop is on its way.
+TEST(StopLine, WhoeverPressesAgainBeforeTheReleaseComesHasStoppedOnceMore) {
+    Party party;
+    party.of(3).stop(party.now, EndReason::kEmergencyStop, "a button");
+    for (int ms = 1; ms < 1000; ++ms) party.tick(milliseconds{ms});
+    party.of(3).stop(party.now, EndReason::kEmergencyStop, "a button");
+    party.tick(milliseconds{1500});
+    party.of(0).release(party.now);
+    for (int ms = 1501; ms < 3000; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 6);
+    party.of(0).release(party.now);
+    for (int ms = 3000; ms < 4000; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 0) << "pressed twice, released twice";
+    // A press long before is what was released; and a guard that still complains is no press.
+    party.of(3).stop(party.now, EndReason::kSafetyStop, "the guard");
+    party.of(3).stop(party.now, EndReason::kEmergencyStop, "a button");
+    for (int ms = 4000; ms < 6000; ++ms) party.tick(milliseconds{ms});
+    party.of(3).stop(party.now, EndReason::kSafetyStop, "the guard");
+    party.of(0).release(party.now);
+    for (int ms = 6000; ms < 7000; ++ms) party.tick(milliseconds{ms});
+    EXPECT_EQ(party.stopped(), 0);
+}
+
 // Whoever is started anew, or was not told, hears of it from those who hold; whoever missed the release, from the session.
 TEST(StopLine, WhatOneHoldsAllHoldAndLetGo) {
     Party party;
@@ -135,12 +168,12 @@ TEST(StopLine, WhatIsNoStopIsCounted) {
 // More at once than have a place: all hold, and who asks until nothing is held has let go of all.
 TEST(StopLine, ManyStopsAtOnce) {
     Party party;
-    for (std::uint64_t id = 1; id <= 12; ++id) {
+    for (std::uint64_t id = 1; id <= 40; ++id) {
         party.send(1, StopOrder(1000 + id, StopKind::kStop, EndReason::kEmergencyStop, "many"));
         party.tick(milliseconds{id});
     }
     EXPECT_TRUE(party.of(1).stopped());
-    for (int ms = 13; ms < 2000; ++ms) party.tick(milliseconds{ms});
+    for (int ms = 41; ms < 2000; ++ms) party.tick(milliseconds{ms});
     EXPECT_EQ(party.stopped(), 6);
     party.of(0).release(party.now);
     for (int ms = 2000; ms < 4000; ++ms) party.tick(milliseconds{ms});

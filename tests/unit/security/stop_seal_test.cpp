@@ -15,8 +15,8 @@ constexpr std::uint16_t kStopPort = 27028;
 // Two programs on a stop line, under one lab key.
 struct StopRig {
     TestPipe pipe;
-    StopSeal here{pipe.a, test_lab_key(), kStopPort};
-    StopSeal there{pipe.b, test_lab_key(), kStopPort};
+    StopSeal here{pipe.a, test_lab_key(), kStopPort, StopEnd::kSpeaks};
+    StopSeal there{pipe.b, test_lab_key(), kStopPort, StopEnd::kListens};
     Encoder encoder;
 
     Datagram order(StopKind kind) {
@@ -59,7 +59,7 @@ TEST(StopSeal, EveryFlippedBitIsRefused) {
 
 TEST(StopSeal, AnotherLabsStopIsNone) {
     StopRig rig;
-    StopSeal stranger(rig.pipe.a, test_lab_key(8), kStopPort);
+    StopSeal stranger(rig.pipe.a, test_lab_key(8), kStopPort, StopEnd::kSpeaks);
     stranger.send(rig.order(StopKind::kStop));
     EXPECT_TRUE(rig.there.receive().empty());
     rig.pipe.b.deliver(rig.order(StopKind::kStop));  // in the clear
@@ -70,7 +70,7 @@ TEST(StopSeal, AnotherLabsStopIsNone) {
 
 TEST(StopSeal, AnotherPortsOrderIsNone) {
     StopRig rig;
-    StopSeal beside(rig.pipe.a, test_lab_key(), kStopPort + 33);
+    StopSeal beside(rig.pipe.a, test_lab_key(), kStopPort + 33, StopEnd::kSpeaks);
     beside.send(rig.order(StopKind::kRelease));
     EXPECT_TRUE(rig.there.receive().empty());
     EXPECT_EQ(rig.there.counters().forged, 1U);
@@ -79,8 +79,8 @@ TEST(StopSeal, AnotherPortsOrderIsNone) {
 // A program on a stop line under a lab key, and the end at which others reach it.
 struct SealedProgram {
     explicit SealedProgram(std::uint64_t instance, std::uint16_t port = kStopPort)
-        : inlet(wire.b, test_lab_key(), port),
-          outlet(wire.a, test_lab_key(), port),
+        : inlet(wire.b, test_lab_key(), port, StopEnd::kListens),
+          outlet(wire.a, test_lab_key(), port, StopEnd::kSpeaks),
           line(Role::kMaster, instance) {
         line.connect(inlet, {&nobody, &nobody, &nobody, &nobody, &nobody, &nobody});
     }
@@ -113,7 +113,7 @@ std::vector<Datagram> recorded_stop_and_release(SealedProgram& program) {
                                        StopOrder(5, StopKind::kStop, EndReason::kEmergencyStop, "smoke")));
     program.tick(1);
     EXPECT_TRUE(program.line.stopped());
-    EXPECT_EQ(program.release_from(100), 1U) << "answered from 200 ms on";
+    EXPECT_EQ(program.release_from(100), 1U) << "once it has been held for 200 ms";
     EXPECT_FALSE(program.line.stopped());
     return program.wire.a.said;
 }
@@ -160,21 +160,67 @@ TEST(StopSeal, RecordedStopsDoNotCrowdOutAnother) {
     EXPECT_FALSE(program.line.stopped());
 }
 
-TEST(StopSeal, AStopThatIsPressedDuringTheReleaseHolds) {
-    SealedProgram program(1);
-    program.line.stop(SessionTime{}, EndReason::kEmergencyStop, "first");
-    StopRelease release(77, {&program.outlet, &program.nobody, &program.nobody, &program.nobody,
-                             &program.nobody, &program.nobody});
-    Encoder encoder;
-    for (int i = 0; i < StopRelease::kRounds; ++i) {
-        const SessionTime now{std::chrono::milliseconds{1000 + 50 * i}};
-        release.round(now);
-        if (i == 0)
-            program.outlet.send(
-                encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
-                               StopOrder(6, StopKind::kStop, EndReason::kEmergencyStop, "second")));
-        program.line.tick(now);
+// A program that holds "first", whom somebody releases at 1 s while "second" is pressed, in rounds that take `round`.
+struct ReleasedWhilePressed : SealedProgram {
+    explicit ReleasedWhilePressed(std::chrono::milliseconds round) : SealedProgram(1), round_(round) {
+        line.stop(SessionTime{}, EndReason::kEmergencyStop, "first");
     }
+    // `meanwhile`: what is done to the program's wire after each round.
+    template <class Meanwhile>
+    void run(Meanwhile&& meanwhile) {
+        for (int i = 0; i < StopRelease::kRounds; ++i) {
+            const SessionTime now{std::chrono::milliseconds{1000} + i * round_};
+            release.round(now);
+            if (i == 0) press();
+            meanwhile();
+            line.tick(now + round_ / 2);
+        }
+    }
+    void press() {
+        Encoder encoder;
+        outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
+                                   StopOrder(6, StopKind::kStop, EndReason::kEmergencyStop, "second")));
+    }
+    StopRelease release{77, {&outlet, &nobody, &nobody, &nobody, &nobody, &nobody}};
+
+  private:
+    std::chrono::milliseconds round_;
+};
+
+TEST(StopSeal, AStopThatIsPressedDuringTheReleaseHolds) {
+    for (const int round_ms : {50, 150, 400}) {  // the later, on a machine that is busy
+        ReleasedWhilePressed program(std::chrono::milliseconds{round_ms});
+        program.run([] {});
+        EXPECT_TRUE(program.line.stopped()) << round_ms;
+        EXPECT_EQ(program.line.words(), "second") << round_ms;
+        EXPECT_EQ(program.release.stops().size(), 1U) << round_ms;
+    }
+}
+
+// By a program that ends with it, and may not be there for a question.
+TEST(StopSeal, AStopFromOutsideIsAnsweredAtOnceAndOneOfAProgramIsNot) {
+    for (const Role sender : {Role::kExperimenter, Role::kVisual}) {
+        SealedProgram program(1);
+        OutboundFlow flow(sender, 3, {&program.outlet});
+        StopInquiry inquiry(flow, {&program.outlet, &program.nobody, &program.nobody, &program.nobody,
+                                   &program.nobody, &program.nobody});
+        flow.send(SessionTime{}, 0, StopOrder(6, StopKind::kStop, EndReason::kEmergencyStop, "smoke"));
+        program.tick(1);
+        inquiry.hear(SessionTime{});
+        EXPECT_EQ(inquiry.held().size(), sender == Role::kExperimenter ? 1U : 0U);
+    }
+}
+
+// Questions and stops that were overheard are played on, to the program and to whoever releases.
+TEST(StopSeal, WhatIsOverheardNamesNoStopThatIsPressedDuringTheRelease) {
+    ReleasedWhilePressed program(std::chrono::milliseconds{100});
+    program.run([&] {
+        const std::vector<Datagram> said = program.wire.a.said;
+        for (const Datagram& datagram : said) {
+            program.wire.a.deliver(datagram);
+            program.wire.b.deliver(datagram);
+        }
+    });
     EXPECT_TRUE(program.line.stopped());
     EXPECT_EQ(program.line.words(), "second");
 }

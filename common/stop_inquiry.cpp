@@ -1,0 +1,42 @@
+#include "common/stop_inquiry.hpp"
+
+#include <algorithm>
+#include <variant>
+
+namespace thimble {
+
+void StopInquiry::ask(SessionTime now) {
+    if (begun_ == kNever) begun_ = now;
+    out_->send(now, 0, StopOrder(0, StopKind::kAsk, EndReason::kEmergencyStop, {}));
+}
+
+void StopInquiry::hear(SessionTime now) {
+    if (begun_ == kNever) begun_ = now;
+    for (Channel* channel : at_) hear(now, *channel);
+}
+
+void StopInquiry::hear(SessionTime now, Channel& channel) {
+    for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
+        const Bytes in = channel.receive();
+        if (in.empty()) return;
+        if (decode_into(in, message_) != Refusal::kCount) continue;
+        const auto* order = std::get_if<StopOrder>(&message_.body);
+        if (order == nullptr || order->kind != StopKind::kStop) continue;
+        // It had been held for so long when it was answered, which was before now.
+        const Duration held = std::chrono::milliseconds{order->held_ms};
+        note({message_.header.sender, *order, held >= std::max<Duration>(kHeldAtLeast, now - begun_)});
+    }
+}
+
+void StopInquiry::note(const HeldStop& answer) {
+    const auto known = std::find_if(held_.begin(), held_.end(), [&answer](const HeldStop& other) {
+        return other.by == answer.by && other.stop.id == answer.stop.id;
+    });
+    if (known != held_.end()) {
+        known->since_before = known->since_before || answer.since_before;
+    } else if (held_.size() < kMostAnswers) {
+        held_.push_back(answer);
+    }
+}
+
+}  // namespace thimble

@@ -1,0 +1,148 @@
+// Emergency stops of real sessions: by command, signal and under a lab key, in a trial and before it, heard by nobody, and kept.
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/security/lab_key_file.hpp"
+#include "tests/loopback/real_run.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Outcome thimble_stop(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"stop", "--lanes", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_to_end(built_programs() / "thimble", arguments);
+}
+
+SessionFile endless() {
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    return session;
+}
+
+TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    RealRun run(session);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    const Outcome stop =
+        run_to_end(built_programs() / "thimble", {"stop", "--base-port", std::to_string(run.base_port()),
+                                                  "--lanes", "1", "--reason", "a cable came loose"});
+    EXPECT_EQ(stop.code, 0) << stop.words;
+    EXPECT_THAT(stop.words, HasSubstr("held by "));
+    EXPECT_THAT(stop.words,
+                HasSubstr("thimble stop --release --base-port " + std::to_string(run.base_port())));
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("a cable came loose"));
+    const auto rows = run.rows();
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().reason, EndReason::kEmergencyStop);
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+    // It holds for the next session on these ports, until it is released on purpose.
+    const std::string port = std::to_string(run.base_port());
+    const Outcome refused = run_to_end(built_programs() / "thimble",
+                                       {"run", (run.out().parent_path() / "session.toml").string(),
+                                        "--base-port", port, "--out", (run.out() / "again").string()});
+    EXPECT_EQ(refused.code, 1) << refused.words;
+    EXPECT_THAT(refused.words, HasSubstr("a cable came loose"));
+    EXPECT_THAT(refused.words, HasSubstr("thimble stop --release --base-port " + port));
+    const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
+    EXPECT_FALSE(std::filesystem::is_empty(stops));
+    const Outcome released =
+        run_to_end(built_programs() / "thimble", {"stop", "--release", "--base-port", port, "--lanes", "1"});
+    EXPECT_EQ(released.code, 0) << released.words;
+    EXPECT_THAT(released.words, HasSubstr("a cable came loose"));
+    EXPECT_THAT(released.words, HasSubstr("no running program answered"));
+    EXPECT_TRUE(std::filesystem::is_empty(stops));
+}
+
+// Ctrl-\ in thimble's terminal; to a node as well, which then tells the others.
+TEST(EmergencyStop, BySignalToANode) {
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    RealRun run(session);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    kill(run.node("thimble-cutaneous"), SIGQUIT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("SIGQUIT"));
+    ASSERT_EQ(run.rows().size(), 1U);
+    EXPECT_EQ(run.rows().front().reason, EndReason::kEmergencyStop);
+}
+
+TEST(EmergencyStop, WhoeverIsHeardByNobodyIsToldSo) {
+    const PortBlock ports;
+    const Outcome stop = thimble_stop({"--base-port", std::to_string(ports.base())});
+    EXPECT_EQ(stop.code, 3) << stop.words;
+    EXPECT_THAT(stop.words, HasSubstr("NOT been stopped"));
+    const Outcome release = thimble_stop({"--release", "--base-port", std::to_string(ports.base())});
+    EXPECT_EQ(release.code, 0) << release.words;
+    EXPECT_THAT(release.words, HasSubstr("nothing was stopped here"));
+}
+
+// Without the session file there is no key, and nobody hears.
+TEST(EmergencyStop, UnderALabKeyTheSessionFileIsNamedAndWithoutItNobodyClaimsToHaveStopped) {
+    const Folder folder;
+    const auto key = folder / "lab.key";
+    create_lab_key(key, system_random_bytes());
+    SessionFile session = endless();
+    session.more = "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
+    RealRun run(session);
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    const std::string port = std::to_string(run.base_port());
+    EXPECT_EQ(thimble_stop({"--base-port", port}).code, 3);
+    EXPECT_FALSE(run.launcher().poll()) << "it runs on";
+    const std::string file = (run.out().parent_path() / "session.toml").string();
+    const Outcome stop = thimble_stop({file, "--base-port", port});
+    EXPECT_EQ(stop.code, 0) << stop.words;
+    EXPECT_THAT(stop.words, HasSubstr("--release " + file + " --base-port " + port));
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("--release " + file + " --base-port " + port));
+}
+
+// While the programs are started: no trial begins.
+TEST(EmergencyStop, BeforeTheFirstTrial) {
+    RealRun run(endless());
+    wait_until([&] { return run.words().find("round trip") != std::string::npos || run.launcher().poll(); });
+    run.launcher().signal(SIGQUIT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("Ctrl-\\"));
+    for (const TrialRow& row : run.rows()) EXPECT_EQ(row.reason, EndReason::kEmergencyStop);
+    EXPECT_FALSE(std::filesystem::is_empty(std::getenv("THIMBLE_STOP_DIR")));
+}
+
+// Where a stop cannot be kept, it stops all the same, and the words say what of it ends with the program.
+TEST(EmergencyStop, AStopThatCannotBeKeptIsSaid) {
+    RealRun run(endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
+    std::filesystem::remove(stops);
+    run.launcher().signal(SIGQUIT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("could not be kept"));
+    EXPECT_EQ(run.rows().at(0).reason, EndReason::kEmergencyStop);
+}
+
+// What else has the place of the file is a reason not to begin: a stop could not be kept there.
+TEST(EmergencyStop, NothingBeginsWhereNoStopCouldBeKept) {
+    const Folder folder;
+    const PortBlock ports;
+    const std::string port = std::to_string(ports.base());
+    const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
+    std::filesystem::create_directory(stops / ("thimble-stop-" + std::to_string(geteuid()) + "-" + port));
+    const auto file = folder.write("session.toml", endless().text());
+    const Outcome run = run_to_end(built_programs() / "thimble", {"run", file.string(), "--base-port", port,
+                                                                  "--out", (folder / "out").string()});
+    EXPECT_EQ(run.code, 1) << run.words;
+    EXPECT_THAT(run.words, HasSubstr("is no file of this user"));
+    EXPECT_EQ(thimble_stop({"--release", "--base-port", port}).code, 1);
+}
+
+}  // namespace
+}  // namespace thimble
