@@ -4,8 +4,10 @@
 2. Its defaults are the readers', where both are one number.
 3. Every string that a reader asks for by name is a key of the reference, so that none is hidden behind a condition; the same
    for scenes and network profiles, whose pages name every key, and whose examples in deploy/ have no other.
-4. Every figure of docs/figures and docs/pictures stands in docs/figures.md.
-5. No link inside the repository is dead."""
+4. Every figure of docs/figures and docs/pictures stands in docs/figures.md, and each that it names is there.
+5. No link inside the repository is dead, nor the heading that it goes to.
+6. docs/first-ten-minutes.md shows every step that deploy/quickstart says.
+7. docs/programs.md has a row for every program, and every command of thimble."""
 import json
 import pathlib
 import re
@@ -122,30 +124,60 @@ def check_kind(sources, keys, kind, readers, pages, examples):
 
 def check_figures(sources):
     page = (sources / 'docs/figures.md').read_text()
-    for folder in ['figures', 'pictures']:
-        for file in (sources / 'docs' / folder).iterdir():
-            if file.suffix in ('.svg', '.png') and file.name not in page:
-                yield f'docs/figures.md does not say which command makes {folder}/{file.name}'
+    files = {file.name: folder for folder in ['figures', 'pictures'] for file in (sources / 'docs' / folder).iterdir()
+             if file.suffix in ('.svg', '.png')}
+    rows = re.findall(r'^\| (`.*?) \|', page, re.M)
+    named = {pathlib.Path(name).name for row in rows for name in re.findall(r'`([\w./-]+)`', row)}
+    for name in sorted(files.keys() - named):
+        yield f'docs/figures.md does not say which command makes {files[name]}/{name}'
+    for name in sorted(named - files.keys()):
+        yield f'docs/figures.md names {name}, which is in neither folder'
+
+
+def anchors(page):
+    """The headings' names in a link, as the site's builder and forges make them."""
+    text = re.sub(r'^( *)```.*?^\1```', '', page.read_text(), flags=re.M | re.S)
+    plain = (re.sub(r'\[([^]]*)\]\([^)]*\)', r'\1', title) for title in re.findall(r'^#+ (.*)$', text, re.M))
+    return {re.sub(r'[^\w\- ]', '', title.strip().lower()).replace(' ', '-') for title in plain}
 
 
 def check_links(sources):
-    pages = [*sources.glob('*.md'), *(sources / 'docs').rglob('*.md')]
-    for page in pages:
+    for page in [*sources.glob('*.md'), *(sources / 'docs').rglob('*.md')]:
         text = re.sub(r'^( *)```.*?^\1```', '', page.read_text(), flags=re.M | re.S)
         for target in re.findall(r'\]\(([^)\s]+)\)', text):
-            name = target.split('#')[0]
+            name, _, heading = target.partition('#')
             # docs/reference/ is written when the site is built.
-            if '://' in target or not name or 'reference/' in name or target.startswith('mailto:'):
+            if '://' in target or 'reference/' in name or target.startswith('mailto:'):
                 continue
-            if not (page.parent / name).exists():
+            there = page.parent / name if name else page
+            if not there.exists():
                 yield f'{page.relative_to(sources)}: dead link {target}'
+            elif heading and there.suffix == '.md' and heading not in anchors(there):
+                yield f'{page.relative_to(sources)}: no heading for {target}'
+
+
+def check_walk(sources):
+    page = (sources / 'docs/first-ten-minutes.md').read_text()
+    for step in re.findall(r'^say "(.*)"$', (sources / 'deploy/quickstart').read_text(), re.M):
+        if step.replace('$PWD/', '') not in page:
+            yield f'docs/first-ten-minutes.md lacks the step "{step}" of deploy/quickstart'
+
+
+def check_programs(sources, programs):
+    rows = ''.join(re.findall(r'^\| (`.*?) \|', (sources / 'docs/programs.md').read_text(), re.M))
+    text = subprocess.run([programs / 'thimble', '--help'], check=True, capture_output=True, text=True).stdout
+    commands = re.findall(r'^  ([a-z][\w-]*) ', text.partition('\nSubcommands:')[2].partition('\n\n')[0], re.M)
+    for name in [*(f'thimble {command}' for command in commands), *(file.name for file in programs.glob('thimble-*'))]:
+        if not re.search(rf'`{name}[ `]', rows):
+            yield f'docs/programs.md has no row for {name}'
 
 
 def main():
     sources, programs = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     keys = key_reference(programs)
     kinds = [(key_reference(programs, kind[0]), *kind) for kind in KINDS]
-    wrong = [*check_keys(sources, keys), *check_readers(sources, keys), *check_figures(sources), *check_links(sources)]
+    wrong = [*check_keys(sources, keys), *check_readers(sources, keys), *check_figures(sources), *check_links(sources),
+             *check_walk(sources), *check_programs(sources, programs)]
     for kind in kinds:
         wrong += check_kind(sources, *kind)
     print('\n'.join(wrong) or f'{", ".join(f"{len(of)} {kind}" for of, kind in [(keys, "session"), *[k[:2] for k in kinds]])} keys, all named')
