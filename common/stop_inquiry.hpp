@@ -29,7 +29,7 @@ class StopInquiry {
     const std::vector<HeldStop>& held() const { return held_; }
 
   private:
-    static constexpr std::size_t kMostAnswers = 6 * 32;  // what six programs can hold
+    static constexpr std::size_t kMostAnswers = 192;  // what six programs can hold
     void hear(SessionTime now, Channel& channel);
     void note(const HeldStop& answer);
 

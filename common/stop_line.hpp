@@ -3,8 +3,9 @@
 //
 // Each stop has a random number, and a release names that of the stop which it lets go of: what is said again, comes late or was
 // recorded, here or at another session, lets go of nothing else. Who holds a stop passes it on every kStopPassedOn, so that the
-// session knows them all and who is started anew is stopped too; and he answers a question, and a stop of the experimenter's, with what he holds and for how long, so
-// that somebody who has just come can name what was held before he came (stop_inquiry.hpp), and a stop pressed meanwhile holds.
+// session knows them all and who is started anew is stopped too; and he answers a question, and a stop of the experimenter's, with what
+// he holds and for how long, so that somebody who has just come can name what was held before he came (stop_inquiry.hpp), and a stop
+// pressed meanwhile holds.
 // Anybody may stop; only the session and the experimenter may release. No clock: `now` is the caller's.
 #pragma once
 
