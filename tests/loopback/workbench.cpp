@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <thread>
 #include <unistd.h>
@@ -43,11 +42,6 @@ bool wait_until(const std::function<bool()>& condition, Duration limit) {
         std::this_thread::sleep_for(std::chrono::milliseconds{5});
     }
     return true;
-}
-
-std::string read_text(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
 Folder::Folder() {

@@ -9,6 +9,7 @@
 
 #include "common/runtime/udp_channel.hpp"
 #include "common/time.hpp"
+#include "tests/read_text.hpp"
 
 namespace thimble {
 
@@ -16,8 +17,6 @@ inline constexpr Duration kPatience = std::chrono::seconds{20};
 
 // Polls; false if `limit` passed first.
 bool wait_until(const std::function<bool()>& condition, Duration limit = kPatience);
-
-std::string read_text(const std::filesystem::path& path);
 
 // Removed, with all that is in it, when this object goes.
 class Folder {

@@ -143,7 +143,8 @@ TEST(PlayWithoutAScreen, IsRefusedWithTheReason) {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
     const Folder folder;
-    Child play(kThimble, {"play", "--base-port", "26190"}, folder / "words");
+    const PortBlock ports;
+    Child play(kThimble, {"play", "--base-port", std::to_string(ports.base())}, folder / "words");
     EXPECT_EQ(play.wait(kPatience), 2);
     EXPECT_THAT(read_text(folder / "words"), testing::HasSubstr("screen"));
 }

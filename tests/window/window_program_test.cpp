@@ -9,7 +9,7 @@
 #include "common/runtime/protection.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
-#include "tests/read_text.hpp"
+#include "tests/loopback/workbench.hpp"
 #include "tests/window/x_server.hpp"
 
 namespace thimble {
@@ -32,18 +32,20 @@ bool wait_for_words(const std::filesystem::path& log, const std::string& words) 
 TEST(WindowProgram, RefusesToStartWithoutScreen) {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
-    const std::filesystem::path log = std::filesystem::path(testing::TempDir()) / "window_program_test.log";
-    Child visual(kProgram, {"--window", "--base-port", "26100"}, log);
+    const Folder folder;
+    const PortBlock ports;
+    Child visual(kProgram, {"--window", "--base-port", std::to_string(ports.base())}, folder / "log");
     EXPECT_EQ(visual.wait(seconds{20}), 2);
-    EXPECT_THAT(read_text(log), HasSubstr("no screen: DISPLAY and WAYLAND_DISPLAY are not set"));
-    std::filesystem::remove(log);
+    EXPECT_THAT(read_text(folder / "log"), HasSubstr("no screen: DISPLAY and WAYLAND_DISPLAY are not set"));
 }
 
 TEST(WindowProgram, ReportsItsFramesAndEndsBySignal) {
     XServer server;
     if (!server.missing().empty()) GTEST_SKIP() << server.missing();
     const auto report = server.folder() / "report.json";
-    Child visual(kProgram, {"--view", "player", "--base-port", "26130", "--report", report},
+    const PortBlock ports;
+    Child visual(kProgram,
+                 {"--view", "player", "--base-port", std::to_string(ports.base()), "--report", report},
                  server.folder() / "log");
     ASSERT_TRUE(wait_for_words(server.folder() / "log", "ready"));
     wall_sleep(milliseconds{500});
@@ -59,7 +61,9 @@ TEST(WindowProgram, OutlivesItsScreen) {
     XServer server;
     if (!server.missing().empty()) GTEST_SKIP() << server.missing();
     const auto report = server.folder() / "report.json";
-    Child visual(kProgram, {"--window", "--base-port", "26160", "--report", report}, server.folder() / "log");
+    const PortBlock ports;
+    Child visual(kProgram, {"--window", "--base-port", std::to_string(ports.base()), "--report", report},
+                 server.folder() / "log");
     ASSERT_TRUE(wait_for_words(server.folder() / "log", "ready"));
     wall_sleep(milliseconds{300});
     server.kill();
@@ -85,17 +89,16 @@ TEST(WindowProgram, ItsStopKeyStopsASessionUnderALabKey) {
                                               "[0.0]\n[trial]\ncontact_hold_s = 40\n[visual]\ndisplay = "
                                               "'window'\n[security]\nmode = 'lab-key'\nkey_file = '"
                                            << (folder / "lab.key").string() << "'\n";
-    // Where its stop outlives it: not where a user's do.
-    setenv("THIMBLE_STOP_DIR", folder.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): no other thread is here
+    const PortBlock ports;
     Child run(THIMBLE_BIN_DIR "/thimble",
-              {"run", folder / "session.toml", "--out", folder / "out", "--base-port", "26190"},
+              {"run", folder / "session.toml", "--out", folder / "out", "--base-port",
+               std::to_string(ports.base())},
               folder / "log");
     const auto trajectory = folder / "out/trajectories/trial01_HF_0ms.csv";
     ASSERT_TRUE(wait_for_words(trajectory, "\n0.2")) << run.last_words();
     ASSERT_TRUE(person({"search", "--onlyvisible", "--name", "Thimble", "windowfocus"}));
     ASSERT_TRUE(person({"key", "BackSpace"}));
     EXPECT_EQ(run.wait(seconds{40}), 1) << run.last_words();
-    unsetenv("THIMBLE_STOP_DIR");  // NOLINT(concurrency-mt-unsafe)
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("the stop key at the subject's screen"));
     EXPECT_THAT(read_text(folder / "out/trials.csv"), HasSubstr("emergency_stop"));
     const auto report = nlohmann::json::parse(read_text(folder / "out/nodes/thimble-visual_0ms.json"));
