@@ -13,7 +13,7 @@ constexpr Duration kResetAgain = milliseconds{1500};
 constexpr Duration kSettleTime = milliseconds{50};
 constexpr int kDoubtfulResets = 3;
 // What a program that stood still for 0.1 s finds at once, at 1 kHz: late answers are no second device.
-constexpr int kMostOwed = 128;
+constexpr std::int64_t kMostOwed = 128;
 constexpr std::uint32_t kNotValid = 0x80000000U;  // bit 31 of a PDO's identifier
 
 std::uint32_t milliseconds_of(Duration duration) {
@@ -252,7 +252,8 @@ void DriveLink::on_sync(SessionTime now) {
     sync_ = now;
     unanswered_ = !answered_;
     answered_ = false;
-    owed_ = std::min(owed_ + 1, kMostOwed);
+    // Nor are those that come at once after a silence that is none yet.
+    owed_ = std::min(owed_ + 1, std::max(kMostOwed, 2 * settings_->silent_after / settings_->cycle));
 }
 
 }  // namespace thimble

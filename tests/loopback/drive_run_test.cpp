@@ -51,7 +51,7 @@ SessionFile on_the_fingers(const EmulatorRun& emulator, const std::string& modal
 TEST(DriveRun, ATrialIsFeltThroughTwelveDrives) {
     EmulatorRun emulator;
     SessionFile session = on_the_fingers(emulator, "CF");
-    session.contact_hold_s = 0.2;
+    session.contact_hold_s = 2;  // a machine that stalls for a second in it still presses
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words() << emulator.end();
     EXPECT_EQ(run.rows().at(0).reason, EndReason::kCompleted);
