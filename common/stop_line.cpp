@@ -64,11 +64,13 @@ void StopLine::take(SessionTime now, Bytes datagram) {
 }
 
 void StopLine::obey(SessionTime now, Role sender, const StopOrder& order) {
-    if (order.kind == StopKind::kStop) hold(now, sender, order);
-    // Whoever stops from outside is told at once: a session that ends with it may not be there when he asks.
-    const bool from_outside = order.kind == StopKind::kStop && sender == Role::kExperimenter;
-    if (from_outside || order.kind == StopKind::kAsk) return answer(now);
-    if (order.kind == StopKind::kStop) return;
+    if (order.kind == StopKind::kStop) {
+        hold(now, sender, order);
+        // Whoever stops from outside is told at once: a session that ends with it may not be there when he asks.
+        if (sender == Role::kExperimenter) answer(now);
+        return;
+    }
+    if (order.kind == StopKind::kAsk) return answer(now);
     if (may_release(sender)) return let_go(now, order.id);
     --counters_.accepted;
     ++counters_.refused[static_cast<std::size_t>(Refusal::kUnexpectedKind)];

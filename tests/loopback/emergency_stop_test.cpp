@@ -28,17 +28,13 @@ SessionFile endless() {
 }
 
 TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    RealRun run(session);
+    RealRun run(endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
-    const Outcome stop =
-        run_to_end(built_programs() / "thimble", {"stop", "--base-port", std::to_string(run.base_port()),
-                                                  "--lanes", "1", "--reason", "a cable came loose"});
+    const std::string port = std::to_string(run.base_port());
+    const Outcome stop = thimble_stop({"--base-port", port, "--reason", "a cable came loose"});
     EXPECT_EQ(stop.code, 0) << stop.words;
     EXPECT_THAT(stop.words, HasSubstr("held by "));
-    EXPECT_THAT(stop.words,
-                HasSubstr("thimble stop --release --base-port " + std::to_string(run.base_port())));
+    EXPECT_THAT(stop.words, HasSubstr("thimble stop --release --base-port " + port));
     EXPECT_EQ(run.end(), 1) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("a cable came loose"));
     const auto rows = run.rows();
@@ -46,7 +42,6 @@ TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
     EXPECT_EQ(rows.front().reason, EndReason::kEmergencyStop);
     EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
     // It holds for the next session on these ports, until it is released on purpose.
-    const std::string port = std::to_string(run.base_port());
     const Outcome refused = run_to_end(built_programs() / "thimble",
                                        {"run", (run.out().parent_path() / "session.toml").string(),
                                         "--base-port", port, "--out", (run.out() / "again").string()});
@@ -55,8 +50,7 @@ TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
     EXPECT_THAT(refused.words, HasSubstr("thimble stop --release --base-port " + port));
     const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
     EXPECT_FALSE(std::filesystem::is_empty(stops));
-    const Outcome released =
-        run_to_end(built_programs() / "thimble", {"stop", "--release", "--base-port", port, "--lanes", "1"});
+    const Outcome released = thimble_stop({"--release", "--base-port", port});
     EXPECT_EQ(released.code, 0) << released.words;
     EXPECT_THAT(released.words, HasSubstr("a cable came loose"));
     EXPECT_THAT(released.words, HasSubstr("no running program answered"));
@@ -65,9 +59,7 @@ TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
 
 // Ctrl-\ in thimble's terminal; to a node as well, which then tells the others.
 TEST(EmergencyStop, BySignalToANode) {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    RealRun run(session);
+    RealRun run(endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     kill(run.node("thimble-cutaneous"), SIGQUIT);
     EXPECT_EQ(run.end(), 1) << run.words();

@@ -22,11 +22,7 @@ using testing::HasSubstr;
 constexpr const char* kProgram = THIMBLE_BIN_DIR "/thimble-visual";
 
 bool wait_for_words(const std::filesystem::path& log, const std::string& words) {
-    for (int i = 0; i < 500; ++i) {
-        if (std::filesystem::exists(log) && read_text(log).find(words) != std::string::npos) return true;
-        wall_sleep(milliseconds{20});
-    }
-    return false;
+    return wait_until([&] { return read_text(log).find(words) != std::string::npos; }, seconds{10});
 }
 
 TEST(WindowProgram, RefusesToStartWithoutScreen) {
