@@ -146,11 +146,11 @@ void LinkModel::push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagr
 
 void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate,
                       bool copy) {
-    const bool waits = transmitter_.active();
-    if (waits) {
-        run_until(now);
-        if (!make_room(datagram.size(), now)) return drop(packet, now, DropReason::kQueueFull);
-    }
+    if (transmitter_.active()) run_until(now);
+    // More than a smaller capacity allows: no packet that waits has to make room for one that overflows.
+    if (in_flight_ > capacity_) return drop(packet, now, DropReason::kOverflowed);
+    const bool waits = transmitter_.active();  // a removed rate ends with the last packet that it held up
+    if (waits && !make_room(datagram.size(), now)) return drop(packet, now, DropReason::kQueueFull);
     if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
     Packet* block = store(packet, now, datagram);
     block->copy = copy;
