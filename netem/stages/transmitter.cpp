@@ -13,7 +13,7 @@ void Transmitter::configure(const LinkSettings& settings, Duration now) {
     const bool has_rate = settings.trace != nullptr && settings.trace->layout().has_rate;
     trace_ = has_rate ? settings.trace.get() : nullptr;
     slots_.configure(settings.slot, now);
-    deliveries_.configure(settings.deliveries);
+    deliveries_.configure(settings.deliveries, sending_ != nullptr ? done_ : now);
     active_ = rate_.bits_per_s > 0 || trace_ != nullptr || slots_.active() || deliveries_.active();
     earliest_ = now;
     if (sending_ == nullptr && !waiting_.empty()) plan_next();

@@ -1,6 +1,7 @@
 // Settings that change on the way: by a timeline, by command.
 #include <gtest/gtest.h>
 
+#include "netem/delivery_trace.hpp"
 #include "tests/unit/netem/link_test_tools.hpp"
 
 namespace thimble::test {
@@ -167,6 +168,42 @@ TEST(LinkChange, ASmallerCapacityLetsNobodyLeaveEarly) {
     drain(link, at(seconds{1}), arrivals);
     const std::vector<Arrival> expected{{0, at(milliseconds{20})}, {1, at(milliseconds{30})}};
     EXPECT_EQ(arrivals, expected);
+}
+
+// 200 bytes take 10 ms. Opportunities that pass while a packet is still being sent are lost.
+TEST(LinkChange, DeliveriesBeginWhenTheTransmitterIsFree) {
+    LinkSettings recorded = delayed(milliseconds{1});
+    recorded.deliveries =
+        std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{2, 4, 6, 8, 10, 12, 14, 16});
+    recorded.rate.overhead_bytes = 1300;
+    LinkModel link(limited(1.6e5), kKey, 0);
+    for (std::uint32_t i = 0; i < 4; ++i) link.push(at({}), NumberedPacket(i).bytes());
+    link.change(at(milliseconds{1}), recorded);
+    std::vector<SessionTime> due;
+    while (link.next_due() != kNever) {
+        if (const Departure out = link.pop_departure(link.next_due()); !out.bytes.empty())
+            due.push_back(out.due);
+    }
+    const std::vector<SessionTime> expected{at(milliseconds{10}), at(milliseconds{12}), at(milliseconds{14}),
+                                            at(milliseconds{16})};
+    EXPECT_EQ(due, expected);
+}
+
+// Another trace, while a large packet still takes its opportunities of the first.
+TEST(LinkChange, AnotherTraceOfDeliveriesBeginsWhenTheFirstIsDone) {
+    LinkSettings slow = delayed({}), quick = delayed({});
+    slow.deliveries = std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{10});
+    quick.deliveries = std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{1});
+    LinkModel link(slow, kKey, 0);
+    link.push(at({}), std::vector<std::uint8_t>(3000));
+    link.push(at({}), NumberedPacket(1).bytes());
+    link.change(at(milliseconds{12}), quick);
+    std::vector<SessionTime> due;
+    while (link.next_due() != kNever) {
+        if (const Departure out = link.pop_departure(link.next_due()); !out.bytes.empty())
+            due.push_back(out.due);
+    }
+    EXPECT_EQ(due, (std::vector<SessionTime>{at(milliseconds{20}), at(milliseconds{21})}));
 }
 
 TEST(LinkChange, CommandOutlivesARestartAndTheTimelineComesAgain) {
