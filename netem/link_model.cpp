@@ -26,8 +26,8 @@ LinkModel::Plan::Plan(Duration from, const LinkSettings& what)
 }
 
 LinkModel::LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction,
-                     const Timeline& timeline, SessionTime start)
-    : direction_(direction), fates_(key, direction), transmitter_(key, direction, start) {
+                     const Timeline& timeline, SessionTime start, SessionTime opened)
+    : opened_(opened), direction_(direction), fates_(key, direction), transmitter_(key, direction, start) {
     assert(std::is_sorted(timeline.begin(), timeline.end(),
                           [](const LinkChange& a, const LinkChange& b) { return a.at < b.at; }));
     plans_.reserve(timeline.size() + 1);
@@ -65,7 +65,7 @@ void LinkModel::use(std::size_t plan, Duration time) {
     capacity_ = now_valid.capacity;
     plain_ = plans_[plan].plain && transmitter_.empty();
     fates_.configure(plans_[plan].settings, plans_[plan].shape);
-    transmitter_.configure(plans_[plan].settings, time);
+    transmitter_.configure(plans_[plan].settings, std::max(time, opened_ - start_));
 }
 
 void LinkModel::follow_timeline() {
