@@ -150,7 +150,7 @@ void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, con
     // More than a smaller capacity allows: no packet that waits has to make room for one that overflows.
     if (in_flight_ > capacity_) return drop(packet, now, DropReason::kOverflowed);
     const bool waits = transmitter_.active();  // a removed rate ends with the last packet that it held up
-    if (waits && !make_room(datagram.size(), now)) return drop(packet, now, DropReason::kQueueFull);
+    if (waits && !make_room(datagram.size())) return drop(packet, now, DropReason::kQueueFull);
     if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
     Packet* block = store(packet, now, datagram);
     block->copy = copy;
@@ -167,19 +167,19 @@ void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, con
 }
 
 // False: there is none for a packet of `bytes`.
-bool LinkModel::make_room(std::size_t bytes, SessionTime now) {
+bool LinkModel::make_room(std::size_t bytes) {
     if (!transmitter_.could_hold(bytes)) return false;  // then nobody needs to go for it
     while (!transmitter_.has_room(bytes)) {
         Packet* oldest = settings().rate.drop == Drop::kHead ? transmitter_.drop_oldest() : nullptr;
         if (oldest == nullptr) return false;
         --in_flight_;
-        drop(oldest->number, now, DropReason::kQueueFull);
+        drop(oldest->number, from_nanoseconds(oldest->received_ns), DropReason::kQueueFull);
         store_.give_back(oldest);
     }
     return true;
 }
 
-void LinkModel::drop(std::uint64_t packet, SessionTime now, DropReason reason) {
+void LinkModel::drop(std::uint64_t packet, SessionTime received, DropReason reason) {
     switch (reason) {
         case DropReason::kLost:
             ++counters_.lost;
@@ -197,7 +197,7 @@ void LinkModel::drop(std::uint64_t packet, SessionTime now, DropReason reason) {
             ++counters_.overflowed;
             break;
     }
-    if (observer_ != nullptr) observer_->on_drop(packet, now, reason);
+    if (observer_ != nullptr) observer_->on_drop(packet, received, reason);
 }
 
 Packet* LinkModel::take_first(SessionTime now) {

@@ -102,8 +102,8 @@ class LinkModel {
     void push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagram);
     void admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate, bool copy);
     Packet* store(std::uint64_t packet, SessionTime now, Bytes datagram);
-    bool make_room(std::size_t bytes, SessionTime now);
-    void drop(std::uint64_t packet, SessionTime now, DropReason reason);
+    bool make_room(std::size_t bytes);
+    void drop(std::uint64_t packet, SessionTime received, DropReason reason);
     void forget_all();
     void update_next_due() {
         next_due_ = line_.next_due();
