@@ -4,14 +4,6 @@
 #include <cmath>
 
 namespace thimble {
-namespace {
-
-TraceRow traced(const PacketTrace& trace, std::uint64_t packet, Duration time) {
-    const bool by_packet = trace.layout().by == TraceBy::kPacket;
-    return trace.at(by_packet ? static_cast<std::int64_t>(packet) : std::max<std::int64_t>(0, time.count()));
-}
-
-}  // namespace
 
 LinkFates::LinkFates(const StreamKey& key, std::uint32_t direction)
     : loss_(key, direction),
@@ -34,7 +26,7 @@ void LinkFates::configure(const LinkSettings& settings, const std::shared_ptr<co
 PacketFate LinkFates::decide(std::uint64_t packet, Duration time) {
     PacketFate fate;
     const PacketTrace* trace = settings_->trace.get();
-    const TraceRow row = trace == nullptr ? TraceRow{} : traced(*trace, packet, time);
+    const TraceRow row = trace == nullptr ? TraceRow{} : trace->of(packet, time);
     const bool has_jitter = settings_->jitter.shape != JitterShape::kNone;
     double deviate = 0;
     if (has_jitter && jitter_.correlated()) deviate = jitter_.deviate(packet);  // also of a lost packet

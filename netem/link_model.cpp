@@ -26,8 +26,8 @@ LinkModel::Plan::Plan(Duration from, const LinkSettings& what)
 }
 
 LinkModel::LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction,
-                     const Timeline& timeline, SessionTime start)
-    : direction_(direction), fates_(key, direction), transmitter_(key, direction, start) {
+                     const Timeline& timeline, SessionTime start, SessionTime opened)
+    : opened_(opened), direction_(direction), fates_(key, direction), transmitter_(key, direction, start) {
     assert(std::is_sorted(timeline.begin(), timeline.end(),
                           [](const LinkChange& a, const LinkChange& b) { return a.at < b.at; }));
     plans_.reserve(timeline.size() + 1);
@@ -65,7 +65,7 @@ void LinkModel::use(std::size_t plan, Duration time) {
     capacity_ = now_valid.capacity;
     plain_ = plans_[plan].plain && transmitter_.empty();
     fates_.configure(plans_[plan].settings, plans_[plan].shape);
-    transmitter_.configure(plans_[plan].settings, time);
+    transmitter_.configure(plans_[plan].settings, std::max(time, opened_ - start_));
 }
 
 void LinkModel::follow_timeline() {
@@ -146,11 +146,11 @@ void LinkModel::push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagr
 
 void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate,
                       bool copy) {
-    const bool waits = transmitter_.active();
-    if (waits) {
-        run_until(now);
-        if (!make_room(datagram.size(), now)) return drop(packet, now, DropReason::kQueueFull);
-    }
+    if (transmitter_.active()) run_until(now);
+    // More than a smaller capacity allows: no packet that waits has to make room for one that overflows.
+    if (in_flight_ > capacity_) return drop(packet, now, DropReason::kOverflowed);
+    const bool waits = transmitter_.active();  // a removed rate ends with the last packet that it held up
+    if (waits && !make_room(datagram.size())) return drop(packet, now, DropReason::kQueueFull);
     if (in_flight_ >= capacity_) return drop(packet, now, DropReason::kOverflowed);
     Packet* block = store(packet, now, datagram);
     block->copy = copy;
@@ -167,19 +167,19 @@ void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, con
 }
 
 // False: there is none for a packet of `bytes`.
-bool LinkModel::make_room(std::size_t bytes, SessionTime now) {
+bool LinkModel::make_room(std::size_t bytes) {
     if (!transmitter_.could_hold(bytes)) return false;  // then nobody needs to go for it
     while (!transmitter_.has_room(bytes)) {
         Packet* oldest = settings().rate.drop == Drop::kHead ? transmitter_.drop_oldest() : nullptr;
         if (oldest == nullptr) return false;
         --in_flight_;
-        drop(oldest->number, now, DropReason::kQueueFull);
+        drop(oldest->number, from_nanoseconds(oldest->received_ns), DropReason::kQueueFull);
         store_.give_back(oldest);
     }
     return true;
 }
 
-void LinkModel::drop(std::uint64_t packet, SessionTime now, DropReason reason) {
+void LinkModel::drop(std::uint64_t packet, SessionTime received, DropReason reason) {
     switch (reason) {
         case DropReason::kLost:
             ++counters_.lost;
@@ -197,7 +197,7 @@ void LinkModel::drop(std::uint64_t packet, SessionTime now, DropReason reason) {
             ++counters_.overflowed;
             break;
     }
-    if (observer_ != nullptr) observer_->on_drop(packet, now, reason);
+    if (observer_ != nullptr) observer_->on_drop(packet, received, reason);
 }
 
 Packet* LinkModel::take_first(SessionTime now) {

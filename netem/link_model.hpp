@@ -51,9 +51,10 @@ class LinkModel {
   public:
     // `key` names the study, experiment, subject and trial; `direction` tells the links of a session apart. What chance
     // does to packet n depends on (key, direction, n) only. The timeline counts from `start`, as do outages, slots and
-    // traces by time.
+    // traces by time; but slots do not begin before `opened`, when the first packet can come.
     LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction,
-              const Timeline& timeline = {}, SessionTime start = SessionTime{});
+              const Timeline& timeline = {}, SessionTime start = SessionTime{},
+              SessionTime opened = SessionTime{});
 
     // Forgets what is in flight and starts again at packet 0, with another key and the settings of the beginning (or
     // of the last change()): start of a trial.
@@ -101,8 +102,8 @@ class LinkModel {
     void push_by_fate(std::uint64_t packet, SessionTime now, Bytes datagram);
     void admit(std::uint64_t packet, SessionTime now, Bytes datagram, const PacketFate& fate, bool copy);
     Packet* store(std::uint64_t packet, SessionTime now, Bytes datagram);
-    bool make_room(std::size_t bytes, SessionTime now);
-    void drop(std::uint64_t packet, SessionTime now, DropReason reason);
+    bool make_room(std::size_t bytes);
+    void drop(std::uint64_t packet, SessionTime received, DropReason reason);
     void forget_all();
     void update_next_due() {
         next_due_ = line_.next_due();
@@ -115,7 +116,7 @@ class LinkModel {
     std::size_t current_ = 0;
     std::size_t next_plan_ = 1;
     SessionTime next_change_ = kNever;
-    SessionTime start_{};
+    SessionTime start_{}, opened_{};
     std::uint32_t direction_;
     // Of the settings that hold now, for packets that meet nothing but a constant delay.
     bool plain_ = true;

@@ -20,9 +20,9 @@ enum class DropReason : std::uint8_t {
 class LinkObserver {
   public:
     virtual ~LinkObserver() = default;
-    // `packet`: its number since the last restart. `now`: of the push that decided it. A packet of which both
-    // copies are dropped is told twice.
-    virtual void on_drop(std::uint64_t packet, SessionTime now, DropReason reason) = 0;
+    // `packet`: its number since the last restart. `received`: when it was pushed, which with head drop was before the
+    // push that decided it. A packet of which both copies are dropped is told twice.
+    virtual void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) = 0;
 };
 
 // A packet that leaves. Late by (time of the pop) - due.

@@ -7,8 +7,6 @@
 namespace thimble {
 namespace {
 
-constexpr double kLongestBurst = 1e6;
-
 // In bursts of `burst` packets on average; keys for what to say if that cannot be.
 LossSettings in_bursts(const ConfigTable& table, double share, double burst, std::string_view share_key) {
     const double most = burst / (1 + burst);

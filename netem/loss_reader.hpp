@@ -11,6 +11,9 @@
 
 namespace thimble {
 
+// Packets in the mean, that a file may ask for.
+inline constexpr double kLongestBurst = 1e6;
+
 // Where the key is absent, `base`. Throws Error (usage).
 LossSettings read_loss(const ConfigTable& link, const LossSettings& base);
 

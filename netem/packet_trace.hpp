@@ -2,6 +2,7 @@
 // packet_trace_file.hpp).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -43,6 +44,11 @@ class PacketTrace {
 
     // What holds at `position` (of the same unit as TraceRow::at, not negative); before the first row the first.
     TraceRow at(std::int64_t position) const;
+    // What holds for this packet, which came at `time` since the start of the trial.
+    TraceRow of(std::uint64_t packet, Duration time) const {
+        return at(layout_.by == TraceBy::kPacket ? static_cast<std::int64_t>(packet)
+                                                 : std::max<std::int64_t>(0, time.count()));
+    }
     // After which a trace that wraps begins again: the last row lasts as long as the one before it (a single row:
     // one packet, one second).
     std::int64_t period() const { return period_; }

@@ -10,6 +10,7 @@
 
 #include "common/error.hpp"
 #include "netem/formats/normal_score.hpp"
+#include "netem/loss_reader.hpp"
 #include "netem/stages/delay_shape.hpp"
 
 namespace thimble {
@@ -197,12 +198,18 @@ void fit_loss(const MeasuredPath& path, PathFit& fit) {
     const Transitions t = count_losses(path, fit);
     if (fit.lost == 0) return;
     fit.loss_g = likelihood_ratio(t);
-    const bool in_bursts =
-        fit.loss_g > kMemoryG && t.stay_lost / (t.to_received + t.stay_lost) >
-                                     static_cast<double>(fit.lost) / static_cast<double>(fit.packets);
+    const double share = static_cast<double>(fit.lost) / static_cast<double>(fit.packets);
+    const bool in_bursts = fit.loss_g > kMemoryG && t.stay_lost / (t.to_received + t.stay_lost) > share;
     LossSettings& loss = fit.link.loss;
     if (!in_bursts) {
-        loss = LossSettings::independent(static_cast<double>(fit.lost) / static_cast<double>(fit.packets));
+        loss = LossSettings::independent(share);
+        return;
+    }
+    // The only burst has no beginning or no end here: a chain that never enters or leaves it would lose none or all.
+    if (t.to_lost == 0) fit.burst_cut_at = "beginning";
+    if (t.to_received == 0) fit.burst_cut_at = "end";
+    if (!fit.burst_cut_at.empty() || fit.mean_burst > kLongestBurst) {
+        loss = LossSettings::gilbert(share, std::min(fit.mean_burst, kLongestBurst));
         return;
     }
     loss.shape = LossShape::kGilbertElliott;
@@ -269,6 +276,14 @@ void describe_loss(PathFit& fit) {
             fmt::format("They are independent of one another as far as they tell (G = {:.1f}; above {} "
                         "they would not be).",
                         fit.loss_g, kMemoryG));
+        return;
+    }
+    if (!fit.burst_cut_at.empty()) {
+        fit.in_words.push_back(
+            fmt::format("They are one burst that the path cuts off at its {} (G = {:.1f}, chance ends at "
+                        "{}): Gilbert model with "
+                        "its share and a mean burst of {}, which is a lower bound; measure for longer.",
+                        fit.burst_cut_at, fit.loss_g, kMemoryG, fit.lost));
         return;
     }
     const double bursts = static_cast<double>(fit.lost) / fit.mean_burst;

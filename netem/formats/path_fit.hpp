@@ -4,11 +4,13 @@
 // theirs by the Kolmogorov-Smirnov distance; lag-1 correlation of normal scores, which is the coefficient of the
 // link's AR(1) Gaussian. Loss: share p, or where the likelihood ratio of a chain that remembers the packet before
 // against one that does not exceeds chance (G test, 1 degree of freedom, 0.1 %), the Gilbert model's p = n01 / n0 and
-// r = n10 / n1, its maximum likelihood.
+// r = n10 / n1, its maximum likelihood. Where the path cuts off its only burst one of them would be 0: then the share
+// and the length that was seen.
 #pragma once
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "netem/formats/measured_path.hpp"
@@ -32,6 +34,8 @@ struct PathFit {
     double loss_g = 0;             // likelihood ratio G of memory against none
     double mean_burst = 0;         // lost packets in a row
     std::size_t longest_burst = 0;
+    std::string_view
+        burst_cut_at{};  // "beginning" or "end" of the path, where the only burst was not seen whole
     std::vector<std::string> in_words;  // a sentence each, for people
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <map>
 
 #include <fmt/format.h>
@@ -101,25 +102,47 @@ class PingParser {
         const std::int64_t first = std::min<std::int64_t>(replies_.begin()->first, 1);
         const std::int64_t end =
             std::max(last_ + 1, sent_ > 0 && sent_ < last_ + kLongestGap ? first + sent_ : 0);
-        stamped_ = replies_.begin()->second.stamp_s > 0;
-        const Reply& origin = replies_.begin()->second;
-        origin_s_ = stamped_ ? origin.stamp_s - origin.round_trip_s -
-                                   static_cast<double>(origin.number - first) * interval_s_
-                             : 0;
+        read_stamps(first);
         for (std::int64_t number = first; number < end; ++number) append(number, first);
         remark();
+    }
+
+    // When packets were sent, from the stamps of their replies. Without any they stand at the interval.
+    void read_stamps(std::int64_t first) {
+        for (const auto& [number, reply] : replies_) {
+            if (reply.stamp_s > 0)
+                sent_s_.emplace_hint(sent_s_.end(), number, reply.stamp_s - reply.round_trip_s);
+        }
+        stamped_ = !sent_s_.empty();
+        if (!stamped_) sent_s_.emplace(first, 0);
+        const auto& [first_number, first_s] = *sent_s_.begin();
+        const auto& [last_number, last_s] = *sent_s_.rbegin();
+        if (last_number > first_number && last_s > first_s)
+            interval_s_ = (last_s - first_s) / static_cast<double>(last_number - first_number);
+    }
+
+    // A packet without a stamp stands on the straight line between its neighbours, or at the mean interval beyond them.
+    double sent_s(std::int64_t number) const {
+        const auto after = sent_s_.lower_bound(number);
+        if (after == sent_s_.end())
+            return sent_s_.rbegin()->second +
+                   static_cast<double>(number - sent_s_.rbegin()->first) * interval_s_;
+        if (after->first == number) return after->second;
+        if (after == sent_s_.begin())
+            return after->second - static_cast<double>(after->first - number) * interval_s_;
+        const auto before = std::prev(after);
+        return before->second + (after->second - before->second) *
+                                    static_cast<double>(number - before->first) /
+                                    static_cast<double>(after->first - before->first);
     }
 
     void append(std::int64_t number, std::int64_t first) {
         const auto reply = replies_.find(number);
         const bool received = reply != replies_.end();
         MeasuredPacket packet;
-        double sent_s = static_cast<double>(number - first) * interval_s_;
-        if (stamped_ && received && reply->second.stamp_s > 0) {
-            sent_s = reply->second.stamp_s - reply->second.round_trip_s - origin_s_;
-        }
-        packet.at = std::llround(std::max(0.0, std::min(sent_s, 3.6e6)) * 1e9);
-        // A lost packet was sent at some time between its neighbours; stamps may jitter by more than the interval.
+        const double since_first_s = sent_s(number) - sent_s(first);
+        packet.at = std::llround(std::max(0.0, std::min(since_first_s, 3.6e6)) * 1e9);
+        // Stamps may jitter by more than the interval.
         if (!path_.packets.empty()) packet.at = std::max(packet.at, path_.packets.back().at + 1);
         packet.loss = received ? 0 : 1;
         if (received) packet.delay = from_seconds(reply->second.round_trip_s / 2);
@@ -143,8 +166,9 @@ class PingParser {
 
     LineReader lines_;
     std::string_view name_;
-    double interval_s_, origin_s_ = 0;
+    double interval_s_;
     std::map<std::int64_t, Reply> replies_;
+    std::map<std::int64_t, double> sent_s_;  // of those with a stamp
     std::int64_t last_ = 0, sent_ = 0;
     std::size_t duplicates_ = 0, late_ = 0;
     bool stamped_ = false;

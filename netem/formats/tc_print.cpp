@@ -114,6 +114,9 @@ class TcPrinter {
         if (link_.reorder <= 0) return;
         say("reorder {}", print_tc_share(link_.reorder));
         if (link_.reorder_gap != 1) say("gap {}", link_.reorder_gap);
+        if (link_.rate.bits_per_s > 0) {
+            cannot("reorder: a packet that skips the delay skips tc's rate, too; here it takes its turn");
+        }
     }
 
     void print_rate() {

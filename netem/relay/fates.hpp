@@ -45,9 +45,9 @@ class RelayEngine::DropLog final : public LinkObserver {
         record_ = record;
         record_.bytes = static_cast<std::uint32_t>(bytes);
     }
-    void on_drop(std::uint64_t packet, SessionTime now, DropReason reason) override {
+    void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) override {
         record_.packet = packet;
-        record_.received_ns = to_nanoseconds(now);
+        record_.received_ns = to_nanoseconds(received);
         record_.fate = fate_of(reason);
         log_->add(record_);
     }

@@ -166,8 +166,9 @@ void RelayEngine::receive_from_clients(std::uint32_t inlet) {
         wall_now();  // after the call: a stamp cannot be later, and none is cut down to an earlier time
     for (std::size_t i = 0; i < count; ++i) {
         const ReceiveBatch::Datagram datagram = arrivals_[i];
-        if (const auto place = flow_of(inlet, datagram.from, now)) {
-            push(2 * *place + static_cast<std::uint32_t>(RelayDirection::kUp), datagram, now);
+        const SessionTime received = stamps_.to_session(datagram.stamp_realtime_ns, now);
+        if (const auto place = flow_of({inlet, datagram.from}, received, now)) {
+            push(2 * *place + static_cast<std::uint32_t>(RelayDirection::kUp), datagram.bytes, received);
         } else {
             ++totals_.flows_refused;
         }
@@ -180,38 +181,39 @@ void RelayEngine::receive_from_server(std::uint32_t place) {
     const SessionTime now = wall_now();
     if (count > 0) table_.alive(place, now);
     for (std::size_t i = 0; i < count; ++i) {
-        push(2 * place + static_cast<std::uint32_t>(RelayDirection::kDown), arrivals_[i], now);
+        push(2 * place + static_cast<std::uint32_t>(RelayDirection::kDown), arrivals_[i].bytes,
+             stamps_.to_session(arrivals_[i].stamp_realtime_ns, now));
     }
 }
 
 // A link's packets never go back in time: where a stamp could not be trusted, the one before it may be later.
-void RelayEngine::push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime now) {
+void RelayEngine::push(std::uint32_t link, Bytes datagram, SessionTime received) {
     SessionTime& last = flows_[link / 2]->last_received[link % 2];
-    last = std::max(last, stamps_.to_session(datagram.stamp_realtime_ns, now));
-    if (drops_) drops_->expect(record_of(link), datagram.bytes.size());
-    model(link).push(last, datagram.bytes);
+    last = std::max(last, received);
+    if (drops_) drops_->expect(record_of(link), datagram.size());
+    model(link).push(last, datagram);
     due_.set(link, model(link).next_due());
 }
 
-std::optional<std::uint32_t> RelayEngine::flow_of(std::uint32_t inlet, const UdpAddress& client,
+std::optional<std::uint32_t> RelayEngine::flow_of(const FlowName& name, SessionTime received,
                                                   SessionTime now) {
-    const auto found = table_.find({inlet, client}, now);
+    const auto found = table_.find(name, now);
     if (!found) return std::nullopt;
-    if (found->fresh && !open_flow(found->place)) {
+    if (found->fresh && !open_flow(found->place, received)) {
         table_.close(found->place);
         return std::nullopt;
     }
     return found->place;
 }
 
-bool RelayEngine::open_flow(std::uint32_t place) {
+bool RelayEngine::open_flow(std::uint32_t place, SessionTime received) {
     const FlowName& name = table_.name(place);
     const StreamKey key = flow_key(settings_.seed, name.inlet, table_.number(place));
     try {
-        auto flow = std::make_unique<Flow>(
-            Flow{UdpSocket::connected(settings_.inlets[name.inlet].to),
-                 {LinkModel(settings_.links.up, key, kRelayUp, settings_.timelines.up, start_),
-                  LinkModel(settings_.links.down, key, kRelayDown, settings_.timelines.down, start_)}});
+        auto flow = std::make_unique<Flow>(Flow{
+            UdpSocket::connected(settings_.inlets[name.inlet].to),
+            {LinkModel(settings_.links.up, key, kRelayUp, settings_.timelines.up, start_, received),
+             LinkModel(settings_.links.down, key, kRelayDown, settings_.timelines.down, start_, received)}});
         if (!waiter_.add(flow->server.descriptor(), place)) return false;
         for (LinkModel& link : flow->links) link.observe(drops_.get());
         flows_[place] = std::move(flow);

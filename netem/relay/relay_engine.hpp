@@ -45,7 +45,7 @@ class RelayEngine {
 
     RelayTotals totals(SessionTime now) const;
     UdpAddress inlet_address(std::size_t inlet) const { return inlets_[inlet].local(); }
-    // From when on outages, slots and traces by time count.
+    // From when on outages, timelines and traces by time count. Slots begin with their flow.
     SessionTime start() const { return start_; }
     const EventWaiter& waiter() const { return waiter_; }
     // How long before its due time a packet is taken in hand.
@@ -75,9 +75,9 @@ class RelayEngine {
     std::size_t receive_turn(int descriptor, ReceiveTurn& turn);
     void receive_from_clients(std::uint32_t inlet);
     void receive_from_server(std::uint32_t place);
-    void push(std::uint32_t link, const ReceiveBatch::Datagram& datagram, SessionTime now);
-    std::optional<std::uint32_t> flow_of(std::uint32_t inlet, const UdpAddress& client, SessionTime now);
-    bool open_flow(std::uint32_t place);
+    void push(std::uint32_t link, Bytes datagram, SessionTime received);
+    std::optional<std::uint32_t> flow_of(const FlowName& name, SessionTime received, SessionTime now);
+    bool open_flow(std::uint32_t place, SessionTime received);
     void close_flow(std::uint32_t place);
     void expire_flows(SessionTime now);
     void housekeep(SessionTime now);

@@ -7,6 +7,7 @@
 #include "common/runtime/timer_probe.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/fates.hpp"
+#include "netem/relay/loss_law.hpp"
 #include "netem/relay/relay_engine.hpp"
 #include "netem/relay/relay_service.hpp"
 #include "netem/relay/selftest_traffic.hpp"
@@ -65,13 +66,10 @@ RelaySettings relay_settings(const SelftestSettings& settings, const UdpAddress&
     return relay;
 }
 
-// A packet that head drop throws out is told of when that happens, after others have come: it came before them.
 std::vector<SessionTime> receptions(const std::vector<PacketRecord>& records) {
     std::vector<SessionTime> received;
     received.reserve(records.size());
     for (const PacketRecord& record : records) received.push_back(from_nanoseconds(record.received_ns));
-    for (std::size_t i = received.size(); i > 1; --i)
-        received[i - 2] = std::min(received[i - 2], received[i - 1]);
     return received;
 }
 
@@ -82,6 +80,7 @@ void count_records(const std::vector<PacketRecord>& records, const std::vector<b
         const bool dropped = !sent && record.fate != LoggedFate::kRefused;
         d.sent += sent ? 1U : 0U;
         d.dropped += dropped ? 1U : 0U;
+        d.lost += record.fate == LoggedFate::kLost ? 1U : 0U;
         d.early += sent && record.sent_ns < record.due_ns ? 1U : 0U;
         d.other_fates += record.packet >= foretold.size() || foretold[record.packet] != dropped ? 1U : 0U;
     }
@@ -96,11 +95,12 @@ SelftestDirection examine(const TwinLink& link, std::size_t bytes, const Traffic
     d.received = records.size();
     d.arrived = d.delays_s.size();
     count_records(records, replay(link, received, bytes).dropped_packet, d);
-    // When exactly the oldest was thrown out is not known well enough to foretell the next.
-    if (link.settings.rate.drop == Drop::kHead) d.other_fates = 0;
     const std::uint64_t accounted = d.arrived + d.dropped + way.strangers;
     d.lost_by_machine = d.offered - std::min(d.offered, accounted);
     d.comparison = compare(link, received, bytes, d.delays_s);
+    const LossLaw law(link, received);
+    d.lost_mean = law.mean();
+    d.lost_chance = law.chance_of(d.lost);
     std::sort(d.delays_s.begin(), d.delays_s.end());
     return d;
 }
@@ -125,11 +125,12 @@ SelftestResult run_selftest(const SelftestSettings& settings) {
     result.state = {engine.links(), engine.totals(end), engine.waiter().counters(), engine.waiter().margin(),
                     precise,        engine.send_lead()};
     const StreamKey key = flow_key(settings.seed, 0, 0);
-    result.direction[0] =
-        examine({settings.links.up, settings.timelines.up, key, kRelayUp, engine.start()}, kUpBytes,
-                traffic.way(RelayDirection::kUp), records.of(RelayDirection::kUp));
+    const std::vector<PacketRecord> up = records.of(RelayDirection::kUp);
+    const SessionTime start = engine.start(), opened = up.empty() ? start : receptions(up).front();
+    result.direction[0] = examine({settings.links.up, settings.timelines.up, key, kRelayUp, start, opened},
+                                  kUpBytes, traffic.way(RelayDirection::kUp), up);
     result.direction[1] =
-        examine({settings.links.down, settings.timelines.down, key, kRelayDown, engine.start()}, kDownBytes,
+        examine({settings.links.down, settings.timelines.down, key, kRelayDown, start, opened}, kDownBytes,
                 traffic.way(RelayDirection::kDown), records.of(RelayDirection::kDown));
     judge(result);
     return result;

@@ -33,10 +33,13 @@ struct SelftestDirection {
     std::uint64_t sent = 0;         // by the relay
     std::uint64_t arrived = 0;      // first copies, unharmed, at the other end
     std::uint64_t dropped = 0;      // by the link, as asked
+    std::uint64_t lost = 0;         // of these by its loss model, or a trace
     std::uint64_t early = 0;        // sent before they were due
     std::uint64_t other_fates = 0;  // dropped where virtual time with this seed does not, or the reverse
     // Neither asked nor explained: lost on the way to the relay, in it, or behind it.
     std::uint64_t lost_by_machine = 0;
+    double lost_mean = 0;    // over all seeds
+    double lost_chance = 1;  // share of seeds that lose a number as far out (LossLaw::chance_of)
     Comparison comparison;
     std::vector<double> delays_s;  // achieved, from send to the kernel's stamp at the other end, sorted
 };

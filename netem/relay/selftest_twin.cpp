@@ -11,18 +11,13 @@ namespace {
 constexpr std::size_t kTwins = 20;  // to compare with, and as many to be compared
 constexpr double kLeastSpread_s = 50e-6;
 
-struct Tally final : LinkObserver {
-    std::uint64_t dropped = 0;
-    std::vector<bool> packets;
-    void on_drop(std::uint64_t packet, SessionTime /*now*/, DropReason /*reason*/) override {
-        ++dropped;
-        if (packet < packets.size()) packets[packet] = true;
-    }
-};
-
-void take_due(LinkModel& model, SessionTime now, std::vector<double>& delays_s) {
+// The traffic, too, takes the first copy that arrives.
+void take_due(LinkModel& model, SessionTime now, std::vector<bool>& left, TwinOutcome& outcome) {
     for (auto out = model.pop_departure(now); !out.bytes.empty(); out = model.pop_departure(now)) {
-        delays_s.push_back(to_seconds(out.due - out.received));
+        if (!out.copy) outcome.dropped_packet[out.packet] = false;
+        if (left[out.packet]) continue;
+        left[out.packet] = true;
+        outcome.delays_s.push_back(to_seconds(out.due - out.received));
     }
 }
 
@@ -32,37 +27,21 @@ bool is_spread(std::vector<double> delays_s) {
     return delays_s[delays_s.size() * 99 / 100] - delays_s[delays_s.size() / 100] > kLeastSpread_s;
 }
 
-struct Moments {
-    double sum = 0, squares = 0;
-    std::size_t count = 0;
-    void add(double x) {
-        sum += x;
-        squares += x * x;
-        ++count;
-    }
-    double mean() const { return sum / static_cast<double>(count); }
-    double deviation() const {
-        const auto n = static_cast<double>(count);
-        return std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)));
-    }
-};
-
 }  // namespace
 
 TwinOutcome replay(const TwinLink& link, std::span<const SessionTime> received, std::size_t bytes) {
-    LinkModel model(link.settings, link.key, link.direction, link.timeline, link.start);
-    Tally tally;
-    tally.packets.resize(received.size());
-    model.observe(&tally);
+    LinkModel model(link.settings, link.key, link.direction, link.timeline, link.start, link.opened);
     TwinOutcome outcome;
+    outcome.dropped_packet.resize(received.size(), true);
+    std::vector<bool> left(received.size());
     const std::vector<std::uint8_t> datagram(bytes);
     for (const SessionTime now : received) {
-        take_due(model, now, outcome.delays_s);
+        take_due(model, now, left, outcome);
         model.push(now, datagram);
     }
-    while (model.next_due() != kNever) take_due(model, model.next_due(), outcome.delays_s);
-    outcome.dropped = tally.dropped;
-    outcome.dropped_packet = std::move(tally.packets);
+    while (model.next_due() != kNever) take_due(model, model.next_due(), left, outcome);
+    const auto dropped = std::count(outcome.dropped_packet.begin(), outcome.dropped_packet.end(), true);
+    outcome.dropped = static_cast<std::uint64_t>(dropped);
     return outcome;
 }
 
@@ -81,21 +60,15 @@ double ks_distance(std::vector<double>& a, std::vector<double>& b) {
     return worst;
 }
 
-double Comparison::drop_score(std::uint64_t dropped) const {
-    const double difference = static_cast<double>(dropped) - dropped_mean;
-    if (dropped_deviation > 0) return difference / dropped_deviation;
-    return difference == 0 ? 0 : HUGE_VAL;
-}
-
 Comparison compare(const TwinLink& link, std::span<const SessionTime> received, std::size_t bytes,
                    std::vector<double> achieved_s) {
     Comparison result;
-    Moments dropped;
+    double dropped = 0;
     const auto twin = [&](std::size_t i) {
         TwinLink other = link;
         other.key.study += 1 + i;
         TwinOutcome outcome = replay(other, received, bytes);
-        dropped.add(static_cast<double>(outcome.dropped));
+        dropped += static_cast<double>(outcome.dropped);
         return std::move(outcome.delays_s);
     };
     std::vector<double> pool;
@@ -112,8 +85,7 @@ Comparison compare(const TwinLink& link, std::span<const SessionTime> received, 
     std::sort(distances.begin(), distances.end());
     result.by_chance = distances[kTwins * 95 / 100 - 1];
     result.distance = ks_distance(achieved_s, pool);
-    result.dropped_mean = dropped.mean();
-    result.dropped_deviation = dropped.deviation();
+    result.dropped_mean = dropped / (2 * kTwins);
     return result;
 }
 

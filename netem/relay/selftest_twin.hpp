@@ -18,12 +18,12 @@ struct TwinLink {
     Timeline timeline{};
     StreamKey key;
     std::uint32_t direction = 0;
-    SessionTime start{};
+    SessionTime start{}, opened{};  // of the relay and of the flow
 };
 
 struct TwinOutcome {
-    std::vector<double> delays_s;  // of those that left
-    std::uint64_t dropped = 0;     // never left
+    std::vector<double> delays_s;  // of packets that left, of the first copy that did
+    std::uint64_t dropped = 0;     // packets of which no first copy left
     std::vector<bool> dropped_packet;
 };
 
@@ -36,13 +36,11 @@ double ks_distance(std::vector<double>& a, std::vector<double>& b);
 struct Comparison {
     bool spread =
         false;  // delays differ enough among themselves (50 us) for their distribution to say anything
-    double distance = 0;                             // KS of the achieved delays to twins
-    double by_chance = 0;                            // 95 % of twins are nearer to other twins than this
-    double dropped_mean = 0, dropped_deviation = 0;  // of twins
+    double distance = 0;      // KS of the achieved delays to twins
+    double by_chance = 0;     // 95 % of twins are nearer to other twins than this
+    double dropped_mean = 0;  // of twins
 
     double distance_ratio() const { return by_chance > 0 ? distance / by_chance : 0; }
-    // Standard deviations between what was dropped and what twins drop; 0 if both always drop the same.
-    double drop_score(std::uint64_t dropped) const;
 };
 
 // Against twins with 40 other seeds.

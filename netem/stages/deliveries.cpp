@@ -1,12 +1,14 @@
 #include "netem/stages/deliveries.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace thimble {
 
-void Deliveries::configure(std::shared_ptr<const DeliveryTrace> trace) {
+void Deliveries::configure(std::shared_ptr<const DeliveryTrace> trace, Duration begin) {
     if (trace == trace_) return;
     trace_ = std::move(trace);
+    begin_ = begin;
     opportunity_ = 0;
     room_bytes_ = DeliveryTrace::kBytesPerOpportunity;
 }
@@ -16,7 +18,7 @@ Duration Deliveries::opening(Duration arrival) {
         ++opportunity_;
         room_bytes_ = DeliveryTrace::kBytesPerOpportunity;
     }
-    const std::uint64_t first = trace_->first_after(arrival);
+    const std::uint64_t first = trace_->first_after(std::max(arrival, begin_));
     if (first > opportunity_) {
         opportunity_ = first;
         room_bytes_ = DeliveryTrace::kBytesPerOpportunity;

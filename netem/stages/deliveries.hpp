@@ -11,8 +11,8 @@ namespace thimble {
 
 class Deliveries {
   public:
-    // Times count from the start of the trial.
-    void configure(std::shared_ptr<const DeliveryTrace> trace);
+    // Times count from the start of the trial. Another trace gives its first opportunity after `begin`.
+    void configure(std::shared_ptr<const DeliveryTrace> trace, Duration begin = {});
     bool active() const { return trace_ != nullptr; }
 
     // When a packet that came at `arrival` begins to go. Never goes back; asking twice changes nothing.
@@ -24,6 +24,7 @@ class Deliveries {
     std::shared_ptr<const DeliveryTrace> trace_;
     std::uint64_t opportunity_ = 0;
     std::size_t room_bytes_ = 0;
+    Duration begin_{};
 };
 
 }  // namespace thimble

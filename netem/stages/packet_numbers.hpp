@@ -16,7 +16,7 @@ inline StreamKey link_key(const StreamKey& key, std::uint32_t direction, Purpose
     return mixed;
 }
 
-// One uniform number per packet; cheapest if no packet is left out.
+// One number per packet; cheapest if no packet is left out.
 class PacketNumbers {
   public:
     explicit PacketNumbers(const StreamKey& key) : stream_(key) {}
@@ -25,6 +25,12 @@ class PacketNumbers {
         if (packet != next_) stream_.seek(packet);
         next_ = packet + 1;
         return stream_.uniform();
+    }
+    // Standard normal. Takes a few numbers of the packets that follow.
+    double normal(std::uint64_t packet) {
+        stream_.seek(packet);
+        next_ = UINT64_MAX;
+        return stream_.normal();
     }
 
   private:

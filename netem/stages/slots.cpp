@@ -21,12 +21,35 @@ void Slots::advance() {
     packets_ = bytes_ = 0;
 }
 
-// Slots at equal distances need not be counted one by one.
-void Slots::jump_to(Duration arrival) {
-    if (settings_.least != settings_.most || arrival <= next_opens_) return;
-    const std::int64_t missed = (arrival - next_opens_) / settings_.least;
-    slot_ += static_cast<std::uint64_t>(missed);
-    next_opens_ += missed * settings_.least;
+// Slots that have passed need not all be counted one by one. Never goes to a slot after `time`.
+void Slots::jump_towards(Duration time) {
+    if (time <= next_opens_) return;
+    if (settings_.least == settings_.most) {
+        const std::int64_t missed = (time - next_opens_) / settings_.least;
+        slot_ += static_cast<std::uint64_t>(missed);
+        next_opens_ += missed * settings_.least;
+    } else {
+        while (jump_over_many(time)) {
+        }
+    }
+}
+
+// The sum of n thousand uniform gaps is normal. n is so small that even eight standard deviations end before `time`.
+bool Slots::jump_over_many(Duration time) {
+    const auto least_ns = static_cast<double>(settings_.least.count());
+    const double width_ns = static_cast<double>(settings_.most.count()) - least_ns;
+    const double mean_ns = least_ns + width_ns / 2;
+    const double deviation_ns = width_ns / std::sqrt(12.0);
+    const auto left_ns = static_cast<double>((time - next_opens_).count());
+    if (left_ns <= static_cast<double>(kMostSteps) * mean_ns) return false;
+    // n mean + 8 deviation sqrt(n) = left, solved for sqrt(n).
+    const double half = 4 * deviation_ns / mean_ns;
+    const double root = std::sqrt(half * half + left_ns / mean_ns) - half;
+    const double n = std::floor(root * root);
+    const double sum_ns = n * mean_ns + std::sqrt(n) * deviation_ns * numbers_.normal(slot_);
+    slot_ += static_cast<std::uint64_t>(n);
+    next_opens_ += Duration{std::llround(std::clamp(sum_ns, n * least_ns, left_ns))};
+    return true;
 }
 
 bool Slots::is_full(std::size_t bytes) const {
@@ -35,7 +58,7 @@ bool Slots::is_full(std::size_t bytes) const {
 }
 
 Duration Slots::opening(Duration arrival, Duration free_at, std::size_t bytes) {
-    jump_to(arrival);
+    jump_towards(std::max(arrival, free_at));
     while (opens_ < arrival || is_full(bytes) || next_opens_ <= free_at) advance();
     return std::max(opens_, free_at);
 }

@@ -1,6 +1,7 @@
 // A medium that sends in bursts: slots open at instants, and each takes what waits then, up to its limits. The first
 // opens at the start of the trial (or when slots are switched on), and the time from slot k to the next is drawn by
-// k: the grid does not depend on the traffic. (netem draws it when a packet finds the last slot over.)
+// k: the grid does not depend on the traffic. (netem draws it when a packet finds the last slot over.) Beyond a pause
+// of kMostSteps slots the law of the grid is the same, but its instants depend on when the pause ended.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +14,9 @@ namespace thimble {
 
 class Slots {
   public:
+    // Slots that nobody uses are counted one by one up to so many, so that no packet has to wait for more of them.
+    static constexpr std::int64_t kMostSteps = 8192;
+
     Slots(const StreamKey& key, std::uint32_t direction)
         : numbers_(link_key(key, direction, Purpose::kLinkSlot)) {}
 
@@ -28,7 +32,8 @@ class Slots {
   private:
     bool is_full(std::size_t bytes) const;
     void advance();
-    void jump_to(Duration arrival);
+    void jump_towards(Duration time);
+    bool jump_over_many(Duration time);
 
     PacketNumbers numbers_;
     SlotSettings settings_{};

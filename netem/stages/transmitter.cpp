@@ -13,7 +13,7 @@ void Transmitter::configure(const LinkSettings& settings, Duration now) {
     const bool has_rate = settings.trace != nullptr && settings.trace->layout().has_rate;
     trace_ = has_rate ? settings.trace.get() : nullptr;
     slots_.configure(settings.slot, now);
-    deliveries_.configure(settings.deliveries);
+    deliveries_.configure(settings.deliveries, sending_ != nullptr ? done_ : now);
     active_ = rate_.bits_per_s > 0 || trace_ != nullptr || slots_.active() || deliveries_.active();
     earliest_ = now;
     if (sending_ == nullptr && !waiting_.empty()) plan_next();
@@ -83,11 +83,7 @@ void Transmitter::begin() {
 
 Duration Transmitter::time_on_air(const Packet& packet) {
     double bits_per_s = rate_.bits_per_s;
-    if (trace_ != nullptr) {
-        const bool by_packet = trace_->layout().by == TraceBy::kPacket;
-        const auto number = static_cast<std::int64_t>(packet.number);
-        bits_per_s = trace_->at(by_packet ? number : std::max<std::int64_t>(0, start_.count())).bits_per_s;
-    }
+    if (trace_ != nullptr) bits_per_s = trace_->of(packet.number, start_).bits_per_s;
     if (bits_per_s <= 0) return {};
     if (start_ != free_at_) behind_ns_ = 0;
     const double exact_ns = 8e9 * static_cast<double>(bytes_on_air(packet)) / bits_per_s + behind_ns_;

@@ -123,6 +123,35 @@ TEST(Jitter, AchievesTheCorrelationAsked) {
     }
 }
 
+// z(n) = r z(n-1) + sqrt(1 - r^2) e(n), with e(n) what a chain that begins at n draws.
+TEST(Jitter, ChainFollowsThePacketBefore) {
+    Sampler chain(JitterShape::kNormal, 0.6);
+    double z = chain.jitter.deviate(0);
+    for (std::uint64_t packet = 1; packet < 50; ++packet) {
+        const double fresh = Sampler(JitterShape::kNormal, 0.6).jitter.deviate(packet);
+        z = 0.6 * z + 0.8 * fresh;
+        ASSERT_NEAR(chain.jitter.deviate(packet), z, 1e-9) << packet;
+    }
+}
+
+// A chain that was left, for lack of correlation or of a packet, is stale: it begins anew where it is taken up again.
+TEST(Jitter, AStaleChainBeginsAnew) {
+    const auto begins_at = [](std::uint64_t packet) {
+        return Sampler(JitterShape::kNormal, 0.9).jitter.deviate(packet);
+    };
+    Sampler chain(JitterShape::kNormal, 0.9);
+    for (std::uint64_t packet = 0; packet < 10; ++packet) chain.jitter.deviate(packet);
+    chain.jitter.configure(chain.deviates, 0);
+    for (std::uint64_t packet = 10; packet < 20; ++packet) chain.jitter.deviate(packet);
+    chain.jitter.configure(chain.deviates, 0.9);
+    EXPECT_EQ(chain.jitter.deviate(20), begins_at(20));
+    EXPECT_NE(chain.jitter.deviate(21), begins_at(21));
+    EXPECT_EQ(chain.jitter.deviate(23), begins_at(23));
+    EXPECT_EQ(chain.jitter.deviate(23), begins_at(23));
+    EXPECT_EQ(chain.jitter.deviate(0), begins_at(0));
+    EXPECT_NE(chain.jitter.deviate(1), begins_at(1));
+}
+
 TEST(Jitter, ChainStartsStationary) {
     std::vector<double> firsts;
     for (std::uint32_t trial = 0; trial < 4000; ++trial) {

@@ -1,6 +1,7 @@
 // Settings that change on the way: by a timeline, by command.
 #include <gtest/gtest.h>
 
+#include "netem/delivery_trace.hpp"
 #include "tests/unit/netem/link_test_tools.hpp"
 
 namespace thimble::test {
@@ -91,6 +92,118 @@ TEST(LinkChange, WhatWaitsGoesAtTheNewRate) {
         EXPECT_EQ(arrivals[3].time, at(milliseconds{3} + each));
         EXPECT_EQ(arrivals[4].time, at(milliseconds{3} + 2 * each));
     }
+}
+
+// The same by command, on a link that did not start at 0; nothing but next_due() asks it afterwards.
+TEST(LinkChange, CommandChangesAQueueInTheMiddle) {
+    const SessionTime start = at(seconds{7});
+    const Duration change = milliseconds{2} + Duration{500'000};
+    for (const double after : {16e6, 1.6e5, 0.0}) {
+        LinkModel link(limited(1.6e6), kKey, 0, {}, start);
+        for (std::uint32_t i = 0; i < 5; ++i) link.push(start, NumberedPacket(i).bytes());
+        link.change(start + change, limited(after));
+        EXPECT_EQ(link.next_due(), start + milliseconds{1});  // sent before, and not yet fetched
+        std::vector<Arrival> arrivals;
+        drain(link, start + seconds{1}, arrivals);
+        const Duration each = after > 0 ? from_seconds(1600 / after) : Duration::zero();
+        const std::vector<Arrival> expected{{0, start + milliseconds{1}},
+                                            {1, start + milliseconds{2}},
+                                            {2, start + milliseconds{3}},
+                                            {3, start + milliseconds{3} + each},
+                                            {4, start + milliseconds{3} + 2 * each}};
+        EXPECT_EQ(arrivals, expected);
+    }
+}
+
+// What waits for a slot or an opportunity that no longer exists goes at once, and not before the command came.
+TEST(LinkChange, WhatWaitsForASlotGoesWhenSlotsEnd) {
+    LinkSettings slots{.delay = milliseconds{1}};
+    slots.slot = {.least = milliseconds{10}, .most = milliseconds{10}};
+    LinkModel link(slots, kKey, 0);
+    link.push(at(milliseconds{1}), NumberedPacket(0).bytes());
+    link.push(at(milliseconds{2}), NumberedPacket(1).bytes());
+    EXPECT_EQ(link.next_due(), at(milliseconds{11}));
+    link.change(at(milliseconds{4}), delayed(milliseconds{1}));
+    EXPECT_EQ(link.next_due(), at(milliseconds{5}));
+    std::vector<Arrival> arrivals;
+    drain(link, at(seconds{1}), arrivals);
+    const std::vector<Arrival> expected{{0, at(milliseconds{5})}, {1, at(milliseconds{5})}};
+    EXPECT_EQ(arrivals, expected);
+}
+
+// A link whose last waiting packet has just gone is a link without a transmitter.
+TEST(LinkChange, NoPacketIsStuckWhereARateWasRemoved) {
+    for (const bool by_command : {true, false}) {
+        const SessionTime change = at(Duration{500'000});
+        LinkModel link(limited(1.6e6), kKey, 0,
+                       by_command ? Timeline{} : Timeline{{Duration{500'000}, delayed(milliseconds{5})}});
+        link.push(at({}), NumberedPacket(0).bytes());
+        if (by_command) link.change(change, delayed(milliseconds{5}));
+        std::vector<Arrival> arrivals;
+        link.push(at(milliseconds{2}), NumberedPacket(1).bytes());
+        link.push(at(milliseconds{3}), NumberedPacket(2).bytes());
+        drain(link, at(seconds{1}), arrivals);
+        EXPECT_EQ(link.in_flight(), 0U);
+        const std::vector<Arrival> expected{
+            {0, at(milliseconds{1})}, {1, at(milliseconds{7})}, {2, at(milliseconds{8})}};
+        EXPECT_EQ(arrivals, expected);
+    }
+}
+
+// Nobody is thrown out for a packet that finds no place all the same, and nobody leaves early.
+TEST(LinkChange, ASmallerCapacityLetsNobodyLeaveEarly) {
+    LinkSettings settings{.delay = milliseconds{20}, .in_order = false};
+    settings.slot = {.least = milliseconds{10}, .most = milliseconds{10}};
+    settings.rate.queue_packets = 1;
+    settings.rate.drop = Drop::kHead;
+    LinkModel link(settings, kKey, 0);
+    link.push(at({}), NumberedPacket(0).bytes());               // with the slot at 0
+    link.push(at(milliseconds{1}), NumberedPacket(1).bytes());  // waits for the next
+    settings.capacity = 1;
+    link.change(at(milliseconds{2}), settings);
+    link.push(at(milliseconds{3}), NumberedPacket(2).bytes());
+    EXPECT_EQ(link.counters().overflowed, 1U);
+    EXPECT_EQ(link.counters().queue_full, 0U);
+    std::vector<Arrival> arrivals;
+    drain(link, at(seconds{1}), arrivals);
+    const std::vector<Arrival> expected{{0, at(milliseconds{20})}, {1, at(milliseconds{30})}};
+    EXPECT_EQ(arrivals, expected);
+}
+
+// 200 bytes take 10 ms. Opportunities that pass while a packet is still being sent are lost.
+TEST(LinkChange, DeliveriesBeginWhenTheTransmitterIsFree) {
+    LinkSettings recorded = delayed(milliseconds{1});
+    recorded.deliveries =
+        std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{2, 4, 6, 8, 10, 12, 14, 16});
+    recorded.rate.overhead_bytes = 1300;
+    LinkModel link(limited(1.6e5), kKey, 0);
+    for (std::uint32_t i = 0; i < 4; ++i) link.push(at({}), NumberedPacket(i).bytes());
+    link.change(at(milliseconds{1}), recorded);
+    std::vector<SessionTime> due;
+    while (link.next_due() != kNever) {
+        if (const Departure out = link.pop_departure(link.next_due()); !out.bytes.empty())
+            due.push_back(out.due);
+    }
+    const std::vector<SessionTime> expected{at(milliseconds{10}), at(milliseconds{12}), at(milliseconds{14}),
+                                            at(milliseconds{16})};
+    EXPECT_EQ(due, expected);
+}
+
+// Another trace, while a large packet still takes its opportunities of the first.
+TEST(LinkChange, AnotherTraceOfDeliveriesBeginsWhenTheFirstIsDone) {
+    LinkSettings slow = delayed({}), quick = delayed({});
+    slow.deliveries = std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{10});
+    quick.deliveries = std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{1});
+    LinkModel link(slow, kKey, 0);
+    link.push(at({}), std::vector<std::uint8_t>(3000));
+    link.push(at({}), NumberedPacket(1).bytes());
+    link.change(at(milliseconds{12}), quick);
+    std::vector<SessionTime> due;
+    while (link.next_due() != kNever) {
+        if (const Departure out = link.pop_departure(link.next_due()); !out.bytes.empty())
+            due.push_back(out.due);
+    }
+    EXPECT_EQ(due, (std::vector<SessionTime>{at(milliseconds{20}), at(milliseconds{21})}));
 }
 
 TEST(LinkChange, CommandOutlivesARestartAndTheTimelineComesAgain) {

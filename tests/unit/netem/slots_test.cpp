@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/netem/link_test_tools.hpp"
+#include "tests/unit/netem/statistics_tools.hpp"
 
 namespace thimble::test {
 namespace {
@@ -40,6 +41,16 @@ TEST(Slots, TakeNoMoreThanTheirLimits) {
     EXPECT_EQ(by_bytes.opening({}, {}, 9000), milliseconds{30});  // larger than any slot: one for itself
     by_bytes.take(9000);
     EXPECT_EQ(by_bytes.opening({}, {}, 1), milliseconds{40});
+}
+
+TEST(Slots, AreFullAtExactlyTheirBytes) {
+    Slots slots = slots_of({.least = milliseconds{10}, .most = milliseconds{10}, .bytes = 500});
+    const std::pair<std::size_t, int> expected[]{{250, 0},  {250, 0}, {1, 10},  {499, 10},
+                                                 {500, 20}, {1, 30},  {500, 40}};
+    for (const auto& [bytes, slot_ms] : expected) {
+        EXPECT_EQ(slots.opening({}, {}, bytes), milliseconds{slot_ms});
+        slots.take(bytes);
+    }
 }
 
 // The burst of a slot goes on while the medium is busy with it, until the next slot opens.
@@ -78,6 +89,65 @@ TEST(Slots, DoNotDependOnTheTraffic) {
         Slots fresh = slots_of(settings);
         ASSERT_EQ(busy.opening(i * milliseconds{1}, {}, 1), fresh.opening(i * milliseconds{1}, {}, 1));
         if (i % 50 != 0) i += 49;
+    }
+}
+
+// A pause of a year costs a few draws, and of time, too, there is always the right slot: the next.
+TEST(Slots, APauseCostsAFewSteps) {
+    for (const SlotSettings& settings :
+         {SlotSettings{.least = milliseconds{1}, .most = milliseconds{9}},
+          SlotSettings{.least = Duration{0}, .most = microseconds{2}},
+          SlotSettings{.least = milliseconds{1}, .most = milliseconds{1} + Duration{1}}}) {
+        for (const bool busy : {false, true}) {  // the pause of the packets, or one while the medium is taken
+            Slots slots = slots_of(settings);
+            slots.take(1);
+            const Duration end = std::chrono::hours{24 * 365};
+            const Duration opens = busy ? slots.opening({}, end, 1) : slots.opening(end, {}, 1);
+            EXPECT_GE(opens, end);
+            EXPECT_LE(opens, end + settings.most);
+        }
+    }
+}
+
+// Waiting times after a pause against those of slots that are counted one by one: the same distribution.
+TEST(Slots, APauseChangesNoDistribution) {
+    for (const SlotSettings& settings : {SlotSettings{.least = milliseconds{1}, .most = milliseconds{9}},
+                                         SlotSettings{.least = milliseconds{9}, .most = milliseconds{10}}}) {
+        std::vector<double> jumped, counted;
+        const Duration mean = (settings.least + settings.most) / 2;
+        const Duration pause = 3 * Slots::kMostSteps * mean;
+        for (std::uint32_t trial = 0; trial < 400; ++trial) {
+            StreamKey key = kKey;
+            key.trial = trial;
+            Slots once(key, 0), often(key, 1);
+            for (Slots* slots : {&once, &often}) slots->configure(settings, {});
+            jumped.push_back(to_seconds(once.opening(pause, {}, 1) - pause));
+            for (int part = 1; part < 6; ++part) often.opening(part * pause / 6, {}, 1);
+            counted.push_back(to_seconds(often.opening(pause, {}, 1) - pause));
+        }
+        // The forward recurrence time of a renewal process: density P(gap > x) / mean.
+        const double least_s = to_seconds(settings.least), most_s = to_seconds(settings.most);
+        const auto below = [&](double x) {
+            const double beyond = std::clamp(x, least_s, most_s) - least_s;
+            return (std::min(x, least_s) + beyond - beyond * beyond / (2 * (most_s - least_s))) /
+                   to_seconds(mean);
+        };
+        EXPECT_LT(ks_distance(jumped, below), ks_limit(400));
+        EXPECT_LT(ks_distance(counted, below), ks_limit(400));
+    }
+}
+
+TEST(Slots, BeginWithTheirFlow) {
+    LinkSettings settings;
+    settings.slot = {.least = milliseconds{10}, .most = milliseconds{10}};
+    for (const Timeline& timeline : {Timeline{}, Timeline{{milliseconds{50}, settings}}}) {
+        const SessionTime start = at(milliseconds{100}), opened = at(milliseconds{203});
+        LinkModel link(timeline.empty() ? settings : LinkSettings{}, kKey, 0, timeline, start, opened);
+        link.push(opened, NumberedPacket(0).bytes());
+        link.push(opened + milliseconds{1}, NumberedPacket(1).bytes());
+        std::vector<Arrival> arrivals;
+        drain(link, at(milliseconds{900}), arrivals);
+        EXPECT_EQ(arrivals, (std::vector<Arrival>{{0, opened}, {1, opened + milliseconds{10}}}));
     }
 }
 

@@ -100,6 +100,32 @@ TEST_F(Bench, DelaysEachDirectionByItself) {
     EXPECT_EQ(records_.all.at(1).direction, RelayDirection::kDown);
 }
 
+// Of the relay the next slot opens in a minute.
+TEST_F(Bench, SlotsBeginWithTheirClient) {
+    settings_.links.up.slot = settings_.links.down.slot = {.least = seconds{60}, .most = seconds{60}};
+    start();
+    wall_sleep(milliseconds{5});
+    const UdpSocket a = client();
+    say(a, "x");
+    ASSERT_EQ(hear(server_, 1).size(), 1U);
+    EXPECT_EQ(records_.all.at(0).due_ns, records_.all.at(0).received_ns);
+}
+
+// Who is thrown out for a later one has come before that, and the log says when.
+TEST_F(Bench, LogsWhenADroppedPacketCame) {
+    settings_.links.up.rate = {.bits_per_s = 40, .queue_packets = 1, .drop = Drop::kHead};
+    start();
+    const UdpSocket a = client();
+    for (const char* word : {"0", "1", "2"}) say(a, word);
+    ASSERT_EQ(hear(server_, 2).size(), 2U);
+    ASSERT_EQ(records_.all.size(), 3U);
+    const PacketRecord& dropped = records_.all[0];
+    EXPECT_EQ(dropped.packet, 1U);
+    EXPECT_EQ(dropped.fate, LoggedFate::kQueueFull);
+    EXPECT_GT(dropped.received_ns, records_.all[1].received_ns);
+    EXPECT_LT(dropped.received_ns, records_.all[2].received_ns);
+}
+
 TEST_F(Bench, NothingLeavesEarlyAlsoWhenItSpins) {
     settings_.precise = true;
     settings_.links.up.delay = milliseconds{2};

@@ -113,6 +113,33 @@ TEST(Ping, LinuxWithStampsGapsAndDuplicates) {
     EXPECT_THAT(path.remarks, Contains(HasSubstr("cannot tell the directions apart")));
 }
 
+// Sent each 100 ms, and `import` was not told so: stamps decide.
+TEST(Ping, ALostPacketStandsBetweenItsNeighbours) {
+    std::string text;
+    for (const int number : {3, 4, 7, 8})
+        text += "[" + std::to_string(100 + number / 10) + "." + std::to_string(number % 10) +
+                "100] 64 bytes from a: icmp_seq=" + std::to_string(number) + " ttl=64 time=10.0 ms\n";
+    text += "10 packets transmitted, 4 received, 60% packet loss, time 900ms\n";
+    const MeasuredPath path = parse_ping(text, "ping.txt", seconds{1});
+    EXPECT_EQ(losses(path), (std::vector<double>{1, 1, 0, 0, 1, 1, 0, 0, 1, 1}));
+    for (std::size_t i = 0; i < path.packets.size(); ++i)
+        EXPECT_NEAR(static_cast<double>(path.packets[i].at), 0.1e9 * static_cast<double>(i), 1e3) << i;
+}
+
+// A pause of ping's own (its machine slept): nobody is pushed off his stamp.
+TEST(Ping, StampsThatAreNotAtTheIntervalStand) {
+    const MeasuredPath path = parse_ping(
+        "[100.01] 64 bytes from a: icmp_seq=1 ttl=64 time=10 ms\n"
+        "[100.51] 64 bytes from a: icmp_seq=2 ttl=64 time=10 ms\n"
+        "[103.51] 64 bytes from a: icmp_seq=5 ttl=64 time=10 ms\n"
+        "[103.71] 64 bytes from a: icmp_seq=6 ttl=64 time=10 ms\n",
+        "ping.txt", seconds{1});
+    const double expected_s[]{0, 0.5, 1.5, 2.5, 3.5, 3.7};
+    ASSERT_EQ(path.packets.size(), 6U);
+    for (std::size_t i = 0; i < 6; ++i)
+        EXPECT_NEAR(static_cast<double>(path.packets[i].at), 1e9 * expected_s[i], 1e3) << i;
+}
+
 TEST(Ping, MacWithoutStampsStandsAtTheInterval) {
     const MeasuredPath path = parse_ping(
         "64 bytes from 1.1.1.1: icmp_seq=0 ttl=49 time=12.9 ms\r\nRequest timeout for icmp_seq 1\r\n"

@@ -127,6 +127,61 @@ TEST(PathFit, IndependentLossIsNotMistakenForBursts) {
     EXPECT_LE(bursts, 1);  // one in a thousand by chance
 }
 
+// "received" and "lost" so many times, in turn.
+MeasuredPath runs_of(std::initializer_list<int> runs) {
+    MeasuredPath path;
+    path.has_loss = true;
+    bool lost = false;
+    for (const int run : runs) {
+        for (int i = 0; i < run; ++i)
+            path.packets.push_back({static_cast<std::int64_t>(path.packets.size()), {}, lost ? 1.0 : 0.0, 0});
+        lost = !lost;
+    }
+    return path;
+}
+
+// Such a burst was not seen whole: its share and its length stand, nothing is infinite and nothing is lost.
+TEST(PathFit, ABurstAtAnEndOfThePathIsKept) {
+    for (const auto& [path, where] :
+         {std::pair{runs_of({0, 5, 100}), "at its beginning"}, std::pair{runs_of({100, 5}), "at its end"}}) {
+        const PathFit fit = fit_path(path);
+        ASSERT_EQ(fit.link.loss.shape, LossShape::kGilbertElliott);
+        EXPECT_NEAR(stationary_loss(fit.link.loss), 5.0 / 105, 1e-12);
+        EXPECT_NEAR(mean_loss_burst(fit.link.loss), 5, 1e-9);
+        EXPECT_THAT(fit.in_words, Contains(HasSubstr(where)));
+        for (const std::string& sentence : fit.in_words) {
+            EXPECT_THAT(sentence, testing::Not(testing::ContainsRegex("nan|inf|-0"))) << sentence;
+        }
+        const auto no_files = [](std::string_view) { return std::string(); };
+        const LinkProfile profile{"", "", {}, fit.link, fit.link, {}, {}};
+        const LossSettings read = parse_profile(print_profile(profile), "lab.toml", no_files).up.loss;
+        EXPECT_NEAR(stationary_loss(read), 5.0 / 105, 1e-12);
+        EXPECT_NEAR(mean_loss_burst(read), 5, 1e-9);
+    }
+}
+
+// Whatever runs a path consists of, the program reads what it has fitted.
+TEST(PathFit, WhatItFitsCanBeRead) {
+    const auto no_files = [](std::string_view) { return std::string(); };
+    for (const int received : {0, 1, 40}) {
+        for (const int lost : {1, 2, 30}) {
+            for (const int again : {0, 1, 50}) {
+                for (const int end : {0, 1, 20}) {
+                    const MeasuredPath path = runs_of({received, lost, again, end});
+                    if (path.packets.size() < 2) continue;
+                    const PathFit fit = fit_path(path);
+                    const LinkProfile profile{"", "", {}, fit.link, fit.link, {}, {}};
+                    const LinkSettings read = parse_profile(print_profile(profile), "lab.toml", no_files).up;
+                    const double share = static_cast<double>(fit.lost) / static_cast<double>(fit.packets);
+                    const double factor = share > 0 ? stationary_loss(read.loss) / share : 1;
+                    EXPECT_TRUE(factor > 0.5 && factor < 2)
+                        << factor << ": " << received << ' ' << lost << ' ' << again << ' ' << end;
+                }
+            }
+        }
+    }
+}
+
 TEST(PathFit, NoLossIsABoundAndTooLittleIsRefused) {
     MeasuredPath path;
     path.has_loss = true;

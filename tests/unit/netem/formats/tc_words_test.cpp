@@ -293,6 +293,11 @@ TEST(TcPrint, WhatTcCannotDoIsNamed) {
     }
     link.jitter.shape = JitterShape::kGamma;
     EXPECT_THAT(print_tc(link, "eth0").cannot, Contains(HasSubstr("no gamma")));
+    const LinkSettings overtaking = parsed_words("delay 50ms reorder 25% gap 5");
+    EXPECT_THAT(print_tc(overtaking, "eth0").cannot, IsEmpty());
+    link = overtaking;
+    link.rate.bits_per_s = 1e6;
+    EXPECT_THAT(print_tc(link, "eth0").cannot, Contains(HasSubstr("skips tc's rate")));
 }
 
 }  // namespace

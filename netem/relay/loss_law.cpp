@@ -1,0 +1,126 @@
+#include "netem/relay/loss_law.hpp"
+
+#include <algorithm>
+
+#include "netem/packet_trace.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr double kNextToImpossible = 1e-25;
+
+}  // namespace
+
+LossLaw::Chain::Chain(const LossSettings& settings) {
+    switch (settings.shape) {
+        case LossShape::kNone:
+            return;
+        case LossShape::kIndependent:
+            lost = {settings.probability};
+            return;
+        case LossShape::kGilbertElliott: {
+            states = 2;
+            const double bad = share_in_bad(settings);
+            stationary = {1 - bad, bad};
+            lost = {settings.loss_in_good, settings.loss_in_bad};
+            move[0] = {1 - settings.good_to_bad, settings.good_to_bad};
+            move[1] = {settings.bad_to_good, 1 - settings.bad_to_good};
+            return;
+        }
+        case LossShape::kFourState:
+            states = 4;
+            stationary = four_state_shares(settings);
+            lost = {0, 0, 1, 1};
+            move[0] = {1 - settings.p13 - settings.p14, 0, settings.p13, settings.p14};
+            move[1] = {0, 1 - settings.p23, settings.p23, 0};
+            move[2] = {settings.p31, settings.p32, 1 - settings.p31 - settings.p32, 0};
+            move[3] = {1, 0, 0, 0};
+            return;
+    }
+}
+
+LossLaw::LossLaw(const TwinLink& link, std::span<const SessionTime> received) : share_(received.size() + 1) {
+    share_[0] = {1};
+    const LinkSettings* settings = &link.settings;
+    Chain chain(settings->loss);
+    bool begun = false;
+    std::size_t next_change = 0;
+    for (std::size_t packet = 0; packet < received.size(); ++packet) {
+        const Duration time = received[packet] - link.start;
+        for (; next_change < link.timeline.size() && time >= link.timeline[next_change].at; ++next_change) {
+            const LinkSettings& later = link.timeline[next_change].settings;
+            if (later.loss != settings->loss) {
+                chain = Chain(later.loss);
+                begun = false;
+            }
+            settings = &later;
+        }
+        if (settings->trace != nullptr && settings->trace->layout().has_loss) {
+            States same;
+            same.fill(settings->trace->of(packet, time).loss);
+            lose(same, kMostStates);
+        } else {
+            begun ? move(chain) : begin(chain);
+            begun = true;
+            lose(chain.lost, chain.states);
+        }
+        trim();
+    }
+}
+
+void LossLaw::begin(const Chain& chain) {
+    for (std::size_t lost = low_; lost <= high_; ++lost) {
+        const double all = at(lost);
+        share_[lost] = {};
+        for (std::size_t s = 0; s < chain.states; ++s) share_[lost][s] = all * chain.stationary[s];
+    }
+}
+
+void LossLaw::move(const Chain& chain) {
+    if (chain.states == 1) return;
+    for (std::size_t lost = low_; lost <= high_; ++lost) {
+        const States before = share_[lost];
+        for (std::size_t to = 0; to < chain.states; ++to) {
+            double sum = 0;
+            for (std::size_t from = 0; from < chain.states; ++from)
+                sum += before[from] * chain.move[from][to];
+            share_[lost][to] = sum;
+        }
+    }
+}
+
+void LossLaw::lose(const States& probability, std::size_t states) {
+    ++high_;
+    for (std::size_t lost = high_; lost > low_; --lost) {
+        for (std::size_t s = 0; s < states; ++s)
+            share_[lost][s] = share_[lost][s] * (1 - probability[s]) + share_[lost - 1][s] * probability[s];
+    }
+    for (std::size_t s = 0; s < states; ++s) share_[low_][s] *= 1 - probability[s];
+}
+
+void LossLaw::trim() {
+    for (; high_ > low_ && at(high_) < kNextToImpossible; --high_) share_[high_] = {};
+    for (; low_ < high_ && at(low_) < kNextToImpossible; ++low_) share_[low_] = {};
+}
+
+double LossLaw::at(std::size_t lost) const {
+    const States& share = share_[lost];
+    return share[0] + share[1] + share[2] + share[3];
+}
+
+double LossLaw::mean() const {
+    double sum = 0;
+    for (std::size_t lost = low_; lost <= high_; ++lost) sum += static_cast<double>(lost) * at(lost);
+    return sum;
+}
+
+double LossLaw::chance_of(std::uint64_t lost) const {
+    double so_few = 0, so_many = 0;
+    for (std::size_t other = low_; other <= high_; ++other) {
+        so_few += other <= lost ? at(other) : 0;
+        so_many += other >= lost ? at(other) : 0;
+    }
+    return std::min(1.0, 2 * std::min(so_few, so_many));
+}
+
+}  // namespace thimble
