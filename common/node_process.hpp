@@ -84,7 +84,7 @@ class NodeProcess : public Process {
     // A button of the device, the subject's key, a guard before the device: everything is to stop. Asked after each work(),
     // also between trials.
     virtual StopWish wants_stop(SessionTime /*now*/) { return {}; }
-    // Outputs at rest until the next input, the trial goes on: the node is late (OverrunPolicy::kRest).
+    // Outputs at rest until the next input, the trial goes on: the node is resting(). Called after work().
     virtual void rest(SessionTime /*now*/) {}
     // Empty while the node's device works; else which one, why, and what to do. It ends the trial.
     virtual std::string_view device_fault() const { return {}; }
@@ -94,6 +94,8 @@ class NodeProcess : public Process {
     // Since the tick before this one: a program that was stopped, or got no time, finds old messages waiting that look new.
     Duration since_last_tick() const { return since_last_tick_; }
     bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
+    // The node is late (OverrunPolicy::kRest): work() gives no output, not for an instant.
+    bool resting() const { return late_ && overrun_ == OverrunPolicy::kRest && running(); }
     std::uint32_t trial() const { return trial_; }
     std::uint64_t instance() const { return instance_; }
     void set_state(NodeState state, EndReason reason = EndReason::kNone);

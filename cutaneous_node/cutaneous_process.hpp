@@ -45,7 +45,6 @@ class CutaneousProcess final : public NodeProcess {
         if (!running() || !actuator_.tripped()) return {};
         return {EndReason::kSafetyStop, GuardedActuator::kWords};
     }
-    void rest(SessionTime now) override { actuator_.release(now); }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 

@@ -9,7 +9,7 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
     : NodeProcess(Role::kMaster, instance, *channels.control),
       channels_(channels),
       node_(settings),
-      guard_(settings.guard),
+      guard_(settings.guard, settings.sample_period),
       device_(&device),
       person_(&person),
       needle_flow_(Role::kMaster, instance, {channels.needle_out}) {}
@@ -139,7 +139,7 @@ void MasterProcess::fade(SessionTime now) {
 
 // Nothing reaches the handle but through the guard; what lets go of it (end_trial) needs none.
 void MasterProcess::apply(SessionTime now, double force_hand_N) {
-    device_->command_force(now, guard_.pass(now, force_hand_N));
+    device_->command_force(now, guard_.pass(now, resting() ? 0 : force_hand_N));
 }
 
 StopWish MasterProcess::wants_stop(SessionTime /*now*/) {
