@@ -16,8 +16,7 @@ void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& contro
     actuator_.clear();
     node_.start_trial(now, control);
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
-    network_delay_ = first_answer_within(control);
-    age_.begin(now, network_delay_);
+    age_.begin(now, first_answer_within(control));
     fresh_ = force_flow_.last_accepted();
 }
 

@@ -27,9 +27,7 @@ void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) 
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
     device_->enable_force(now, control.modality == Modality::kHF);
     force_flow_.expect_from(now + first_answer_within(control));
-    network_delay_ = first_answer_within(control);
-    const Duration oldest = node_.settings().oldest_force;
-    age_.begin(now, oldest > Duration::zero() ? oldest : network_delay_);
+    age_.begin(now, longest_age(first_answer_within(control)));
     round_trip_.clear();
     newest_age_ = {};
     energy_.clear();
@@ -107,12 +105,9 @@ void MasterProcess::take_force(SessionTime now, const ForceFeedback& feedback) {
     if (now == sampled_) apply(now, share(now) * node_.control().force_N());
 }
 
-// Without a profile the order names the new delay of the force path alone, and the needle's is a part of the one at the start.
-Duration MasterProcess::longest_age(const SessionControl& control) const {
+Duration MasterProcess::longest_age(Duration network_delay) const {
     const Duration oldest = node_.settings().oldest_force;
-    if (oldest > Duration::zero()) return oldest;
-    if (!control.network.empty()) return silence_of_change(control);
-    return network_delay_ + from_seconds(control.network_delay_s);
+    return oldest > Duration::zero() ? oldest : network_delay;
 }
 
 Duration MasterProcess::silence(SessionTime now) const {
