@@ -176,6 +176,8 @@ void DriveLink::on_data(SessionTime now, const CanFrame& frame) {
         return;
     }
     --owed_;
+    if (frame.order < data_order_) return;  // an older measurement than the one that is known
+    data_order_ = frame.order;
     answered_ = true;
     unanswered_ = false;
     data_ = now;

@@ -74,6 +74,7 @@ class DriveLink {
     Stage stage_ = Stage::kBoot;
     SessionTime since_{}, asked_{}, heartbeat_{}, data_{}, sync_{};
     int boot_ups_ = 0, resets_ = 0;
+    std::uint64_t data_order_ = 0;  // of the newest measurement
     std::int64_t owed_ = 0;  // SYNCs without an answer, counted up to 128, or to what is silence
     bool answered_ = false;  // since the last one
     bool unanswered_ = false;
