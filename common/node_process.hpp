@@ -19,7 +19,7 @@ inline constexpr Duration kPeerTimeout = std::chrono::milliseconds{500};
 inline Duration first_answer_within(const SessionControl& control) {
     return from_seconds(control.network_delay_s);
 }
-// Of a NetworkChange: both ways together, jitter included. For so long its making the network slower may silence an input.
+// Of a NetworkChange: the new delay of both ways together, jitter included. An input may be silent for so long.
 inline Duration silence_of_change(const SessionControl& control) { return from_seconds(control.silence_s); }
 
 // What a node does that misses its deadlines again and again: say so; also have its outputs at rest until it is in time again;

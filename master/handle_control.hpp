@@ -32,8 +32,8 @@ class HandleControl {
 
     // network_delay: there and back, of a link that is to be expected.
     void start(bool kinesthetic, Duration network_delay);
-    // There and back, this is how long it takes now. Waves wait for it from now on, or, where it is shorter, once those under way
-    // have come.
+    // The network takes so long now, there and back. Waves wait for it from now on, or, where it is shorter, once those under
+    // way have come.
     void network_changed(Duration network_delay);
     void end() { active_ = false; }
 

@@ -62,8 +62,8 @@ class WaveReceiver {
     // play_out_samples: kPlayOut; from the sample at which a wave was made to that at which it is played.
     explicit WaveReceiver(const WaveChannelSettings& settings, std::uint32_t play_out_samples = 0);
     void reset(std::uint32_t play_out_samples);
-    // While it runs. A longer time holds at once, a shorter one when what was made before has come, after the time that held until
-    // now. What was played is not played again, and what is then overdue is left out: both are passive.
+    // While it runs. A longer time holds at once. A shorter one holds once the waves made before have come, which takes the old
+    // time. A wave that was played is not played again, and one that is then overdue is left out: both are passive.
     void play_out_after(std::uint32_t samples);
 
     // In any order, any number of times. Not a number, or a count beyond kMost: refused.

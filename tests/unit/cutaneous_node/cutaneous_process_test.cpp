@@ -1,4 +1,4 @@
-// What reaches the fingers when the program stood still, or is told to keep its outputs at rest.
+// The fingers after the program stood still, and while it is told to keep its outputs at rest.
 #include "cutaneous_node/cutaneous_process.hpp"
 
 #include <gtest/gtest.h>

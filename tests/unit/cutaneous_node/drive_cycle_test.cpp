@@ -1,4 +1,4 @@
-// What drives are told of the cycle in which their targets come.
+// Drives are told the cycle in which their targets come.
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
@@ -23,7 +23,7 @@ DriveSettings drives_of(const std::string& text) {
 struct StartedDrives {
     explicit StartedDrives(const std::string& text, const std::string& fault = "")
         : settings(drives_of(text)), drives(settings.master.nodes, PlantParameters{}, far) {
-        if (!fault.empty()) EXPECT_EQ(drives.obey({}, fault), "");
+        EXPECT_EQ(drives.obey({}, fault), "");
         DriveActuator actuator(settings, 1.5, near);
         for (SessionTime now{}; !actuator.ready() && actuator.fault().empty() && now < at(seconds{10});) {
             now += milliseconds{1};

@@ -21,7 +21,7 @@ using std::chrono::seconds;
 
 using Datagram = std::vector<std::uint8_t>;
 
-// What a node receives from a gateway, after a network.
+// A node's end of a network that a gateway sends through.
 class UnrulyNetwork final : public Channel {
   public:
     explicit UnrulyNetwork(Channel& inner) : inner_(&inner) {}
@@ -101,7 +101,7 @@ TEST_F(Gateway, ARepeatedDatagramIsTakenOnceAcrossEveryWrap) {
 }
 
 TEST_F(Gateway, ALateDatagramComesWithItsPlaceInTheOrder) {
-    for (const std::uint8_t sequence : {253, 255, 254, 1, 0, 0, 254, 4, 130, 3, 2})
+    for (const std::uint8_t sequence : Datagram{253, 255, 254, 1, 0, 0, 254, 4, 130, 3, 2})
         network.put(numbered(sequence, sequence));
     EXPECT_EQ(heard(at({})), (Ids{253, 255, 254, 1, 0, 4, 130, 3, 2}));
     const std::uint64_t first = orders.front();

@@ -161,7 +161,7 @@ TEST(ForceGuard, EnergyGivenOutTrips) {
     EXPECT_FALSE(passive.tripped()) << "a spring gives back what it got: 20 mJ";
 }
 
-// Who reads the report looks for the cause, not for what followed from it.
+// A report is read for the cause, not for what followed from it.
 TEST(ForceGuard, TheFirstReasonOfATripStaysUntilTheNextTrial) {
     ForceGuard guard(guard_settings("energy_limit_J = 0.1"), kSample);
     guard.clear({});

@@ -1,4 +1,4 @@
-// What the handle is told while the master is to keep its outputs at rest, and afterwards.
+// The handle while the master is to keep its outputs at rest, and afterwards.
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
