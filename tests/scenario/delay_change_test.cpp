@@ -217,7 +217,7 @@ class WavesInATrial : public testing::Test {
 };
 
 TEST_F(WavesInATrial, KeepTheWallUnderANetworkWithTwoSlowWaysAndJitter) {
-    for (const char* name : {"4g", "geo"}) {
+    for (const char* name : {"lte", "geo"}) {
         begin({});
         const double before_N = settled_N();
         EXPECT_GT(before_N, 0.5);
