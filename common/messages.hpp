@@ -145,7 +145,7 @@ struct SessionControl {
     Modality modality = Modality::kHF;
     bool fixture_present = true;
     EndReason reason = EndReason::kNone;
-    double silence_s = 0;   // NetworkChange: for so long an input may now be silent
+    double silence_s = 0;   // NetworkChange: both ways, jitter included; so long an input may be silent
     NetworkName network{};  // NetworkChange: the profile that holds, with network_delay_s on the force path
 };
 

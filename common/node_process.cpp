@@ -23,7 +23,7 @@ void NodeProcess::tick(SessionTime now) {
     take_orders(now);
     work(now);
     listen_to_wishes(now);
-    if (late_ && overrun_ == OverrunPolicy::kRest && running()) rest(now);
+    if (resting()) rest(now);
     give_up_if_alone(now);
     report(now);
 }

@@ -19,7 +19,7 @@ inline constexpr Duration kPeerTimeout = std::chrono::milliseconds{500};
 inline Duration first_answer_within(const SessionControl& control) {
     return from_seconds(control.network_delay_s);
 }
-// Of a NetworkChange: for so long its making the network slower may silence an input.
+// Of a NetworkChange: the new delay of both ways together, jitter included. An input may be silent for so long.
 inline Duration silence_of_change(const SessionControl& control) { return from_seconds(control.silence_s); }
 
 // What a node does that misses its deadlines again and again: say so; also have its outputs at rest until it is in time again;
@@ -84,7 +84,7 @@ class NodeProcess : public Process {
     // A button of the device, the subject's key, a guard before the device: everything is to stop. Asked after each work(),
     // also between trials.
     virtual StopWish wants_stop(SessionTime /*now*/) { return {}; }
-    // Outputs at rest until the next input, the trial goes on: the node is late (OverrunPolicy::kRest).
+    // Outputs at rest until the next input, the trial goes on: the node is resting(). Called after work().
     virtual void rest(SessionTime /*now*/) {}
     // Empty while the node's device works; else which one, why, and what to do. It ends the trial.
     virtual std::string_view device_fault() const { return {}; }
@@ -94,6 +94,8 @@ class NodeProcess : public Process {
     // Since the tick before this one: a program that was stopped, or got no time, finds old messages waiting that look new.
     Duration since_last_tick() const { return since_last_tick_; }
     bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
+    // The node is late (OverrunPolicy::kRest): work() gives no output, not for an instant.
+    bool resting() const { return late_ && overrun_ == OverrunPolicy::kRest && running(); }
     std::uint32_t trial() const { return trial_; }
     std::uint64_t instance() const { return instance_; }
     void set_state(NodeState state, EndReason reason = EndReason::kNone);

@@ -28,10 +28,7 @@ void CutaneousNode::end_trial(SessionTime now) {
 void CutaneousNode::on_feedback(SessionTime now, const ForceFeedback& feedback) {
     if (!active()) return;
     last_feedback_ = now;
-    if (feedback.needle_held) {
-        if (!released_) release(now);
-        return;
-    }
+    if (feedback.needle_held) return let_go(now);
     double force_N = feedback.force_total_N;
     if (modality_ == Modality::kHF) force_N = ScaledForce{settings_.hand_share}.skin_N(force_N);
     Finger finger = Finger::kNone;

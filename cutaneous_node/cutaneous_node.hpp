@@ -23,6 +23,11 @@ class CutaneousNode {
     // Feedback of this trial, in order (the caller's sequence tracking sees to both).
     void on_feedback(SessionTime now, const ForceFeedback& feedback);
 
+    // The fingers are slack until the next feedback.
+    void let_go(SessionTime now) {
+        if (!released_) release(now);
+    }
+
     // What the skin feels, once per period while active; nothing before next_percept(). Also lets go of the
     // fingers when the feedback has stopped.
     std::optional<Percept> percept(SessionTime now);

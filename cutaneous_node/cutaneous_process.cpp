@@ -16,12 +16,12 @@ void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& contro
     actuator_.clear();
     node_.start_trial(now, control);
     force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
-    network_delay_ = first_answer_within(control);
-    age_.begin(now, network_delay_);
+    age_.begin(now, first_answer_within(control));
     fresh_ = force_flow_.last_accepted();
 }
 
-// Late forces, and those that waited while this program stood still, count as if they had not come.
+// Late forces, and those that waited while this program stood still, count as if they had not come. The node lets go, and not
+// the actuator alone: it would go on from the last force otherwise.
 void CutaneousProcess::work(SessionTime now) {
     const bool stood_still = since_last_tick() > stale_after_;
     force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
@@ -29,9 +29,9 @@ void CutaneousProcess::work(SessionTime now) {
                                          age_.take_from_elsewhere(now, header.send_time);
                                          if (stood_still || age_.late(now) >= stale_after_) return;
                                          fresh_ = now;
-                                         node_.on_feedback(now, feedback);
+                                         if (!resting()) node_.on_feedback(now, feedback);
                                      });
-    if (running() && stood_still) actuator_.release(now);
+    if ((running() && stood_still) || resting()) node_.let_go(now);
     if (running() && needed_) stale_record_.watch(now, trial(), stood_still || now - fresh_ > stale_after_);
     actuator_.tick(now);
     if (const auto percept = node_.percept(now)) percept_flow_.send(now, trial(), *percept);

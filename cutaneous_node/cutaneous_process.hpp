@@ -33,7 +33,7 @@ class CutaneousProcess final : public NodeProcess {
     }
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
-        age_.allow(network_delay_ + silence_of_change(control));
+        age_.allow(silence_of_change(control));
     }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return std::min(node_.next_percept(), actuator_.next_wakeup()); }
@@ -45,7 +45,6 @@ class CutaneousProcess final : public NodeProcess {
         if (!running() || !actuator_.tripped()) return {};
         return {EndReason::kSafetyStop, GuardedActuator::kWords};
     }
-    void rest(SessionTime now) override { actuator_.release(now); }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 
@@ -55,8 +54,7 @@ class CutaneousProcess final : public NodeProcess {
     CutaneousNode node_;
     Duration stale_after_;
     StaleRecord stale_record_;
-    ForceAge age_;  // of the newest force, beside the youngest of the trial
-    Duration network_delay_{};
+    ForceAge age_;         // of the newest force, beside the youngest of the trial
     SessionTime fresh_{};  // the newest force that was not late
     bool needed_ = false;  // CF, CCF: since the newest trial's beginning
     InboundFlow force_flow_{Role::kSlaveSim};

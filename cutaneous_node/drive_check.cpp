@@ -22,6 +22,18 @@ struct CheckOptions {
     double force_N = 0.5, press_s = 1;
 };
 
+// However the check ends, no drive is left with voltage: it would keep it until it misses the heartbeat.
+class SlackAtEnd {
+  public:
+    explicit SlackAtEnd(DriveActuator& actuator) : actuator_(&actuator) {}
+    ~SlackAtEnd() { actuator_->stop(); }
+    SlackAtEnd(const SlackAtEnd&) = delete;
+    SlackAtEnd& operator=(const SlackAtEnd&) = delete;
+
+  private:
+    DriveActuator* actuator_;
+};
+
 // What is measured at the end of the time. Throws Error (run failed) if a drive fails.
 double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOptions& options) {
     actuator.use_hand(wall_now(), finger.hand);
@@ -33,6 +45,18 @@ double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOpt
         wall_sleep(std::chrono::milliseconds{1});
     }
     return actuator.output(wall_now()).force_N;
+}
+
+void press_each(DriveActuator& actuator, const DriveSettings& settings, const CheckOptions& options) {
+    const SlackAtEnd slack(actuator);
+    bring_up_drives(actuator);
+    fmt::print("{} drives in operation, every cable taut\n", actuator.master().drives());
+    for (const FingerDevice& finger : settings.fingers) {
+        const double felt_N = press(actuator, finger, options);
+        fmt::print("{} hand, {}: asked {:.3f} N, measured {:.3f} N\n",
+                   finger.hand == Hand::kActing ? "acting" : "other",
+                   finger.finger == Finger::kIndex ? "index" : "thumb", options.force_N, felt_N);
+    }
 }
 
 int check(const CheckOptions& options) {
@@ -48,16 +72,7 @@ int check(const CheckOptions& options) {
     const auto bus = open_bus(settings.drives, sockets);
     DriveActuator actuator(settings.drives, settings.force_limit_N, *bus);
     install_stop_signals();
-    bring_up_drives(actuator);
-    fmt::print("{} drives in operation, every cable taut\n", actuator.master().drives());
-    for (std::size_t i = 0; i < settings.drives.fingers.size(); ++i) {
-        const FingerDevice& finger = settings.drives.fingers[i];
-        const double felt_N = press(actuator, finger, options);
-        fmt::print("{} hand, {}: asked {:.3f} N, measured {:.3f} N\n",
-                   finger.hand == Hand::kActing ? "acting" : "other",
-                   finger.finger == Finger::kIndex ? "index" : "thumb", options.force_N, felt_N);
-    }
-    actuator.stop();
+    press_each(actuator, settings.drives, options);
     fmt::print("{}\n", describe_drives(actuator).dump());
     return 0;
 }

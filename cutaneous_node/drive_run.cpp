@@ -27,6 +27,8 @@ nlohmann::ordered_json describe_drives(const DriveActuator& actuator) {
             {"frames_received", frames.received},
             {"frames_send_failed", frames.send_failed},
             {"datagrams_malformed", frames.malformed},
+            {"datagrams_repeated", frames.repeated},
+            {"datagrams_late", frames.late},
             {"error_passive", master.passive_reports()},
             {"fault", actuator.fault()}};
 }

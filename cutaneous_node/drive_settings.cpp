@@ -89,6 +89,9 @@ DriveSettings read_drive_settings(const ConfigTable& table) {
     const bool position = table.choice("mode", 0, {"torque", "position"}) == 1;
     master.mode = position ? DriveMode::kSyncPosition : DriveMode::kSyncTorque;
     master.cycle = table.seconds("cycle_s", master.cycle, microseconds{500}, milliseconds{100});
+    if (position && !interpolation_time(master.cycle))
+        table.fail("cycle_s",
+                   "must with mode = \"position\" be what object 0x60C2 can say, e.g. 0.004 or 0.0025");
     master.silent_after = table.seconds("silent_after_s", master.silent_after, milliseconds{4}, seconds{10});
     if (master.silent_after < 4 * master.cycle)
         table.fail("silent_after_s", "must be four times cycle_s at least");

@@ -59,8 +59,7 @@ SessionControl SessionProcess::network_order() const {
     change.kind = ControlKind::kNetworkChange;
     change.network = network_;
     change.network_delay_s = delay_s_;
-    // A profile may have made the needle's way slower, too, and an answer then waits for both.
-    change.silence_s = network_.empty() ? delay_s_ : to_seconds(settings_.network_delay);
+    change.silence_s = to_seconds(settings_.network_delay);  // an answer waits for both ways
     return change;
 }
 

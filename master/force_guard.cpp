@@ -28,7 +28,10 @@ GuardSettings read_guard_settings(const ConfigTable& table) {
     return s;
 }
 
-ForceGuard::ForceGuard(const GuardSettings& settings) : settings_(settings) { clear({}); }
+ForceGuard::ForceGuard(const GuardSettings& settings, Duration sample_period)
+    : settings_(settings), sample_period_(sample_period) {
+    clear({});
+}
 
 void ForceGuard::clear(SessionTime now) {
     words_.clear();
@@ -94,7 +97,7 @@ double ForceGuard::pass(SessionTime now, double wanted_N) {
 // From one sign to the other it starts at zero.
 double ForceGuard::limited_rate(SessionTime now, double force_N) const {
     const double before_N = given_N_ * force_N > 0 ? std::abs(given_N_) : 0;
-    const double elapsed_s = std::max(0.0, to_seconds(now - given_at_));
+    const double elapsed_s = to_seconds(std::clamp(now - given_at_, Duration{}, sample_period_));
     const double most_N = before_N + settings_.force_rate_limit_N_per_s * elapsed_s;
     return std::copysign(std::min(std::abs(force_N), most_N), force_N);
 }

@@ -2,8 +2,9 @@
 // else: no message, no network, no session, so that no input from outside can talk it round.
 //
 // What it gives out is never larger than what was asked, never of the other sign, never beyond force_limit_N, and never grows
-// faster than force_rate_limit_N_per_s; falling, and falling to zero, it may as fast as it likes. It trips, that is gives out
-// zero from then on until clear(), when
+// faster than force_rate_limit_N_per_s, where the time since the force before counts as one sample period at most. So neither
+// a silence nor a new trial allows a jump. Falling, and falling to zero, it may as fast as it likes. It trips, that is gives
+// out zero from then on until clear(), when
 //   - a force, or what the handle measures, is no number;
 //   - the handle has given out more than energy_limit_J to the hand since any moment of the last energy_window (passivity
 //     observer, Hannaford and Ryu 2002; PortEnergy).
@@ -34,7 +35,8 @@ GuardSettings read_guard_settings(const ConfigTable& table);
 
 class ForceGuard {
   public:
-    explicit ForceGuard(const GuardSettings& settings);
+    // sample_period: of the handle.
+    ForceGuard(const GuardSettings& settings, Duration sample_period);
 
     // A trial begins: no force, no energy counted yet, not tripped.
     void clear(SessionTime now);
@@ -59,6 +61,7 @@ class ForceGuard {
     double limited_rate(SessionTime now, double force_N) const;
 
     GuardSettings settings_;
+    Duration sample_period_;
     PortEnergy energy_;
     std::array<double, kSlots> highest_J_{};  // energy taken in, its highest within each part of the window
     std::size_t slot_ = 0;

@@ -56,7 +56,6 @@ void HandleControl::start(bool kinesthetic, Duration network_delay) {
     active_ = kinesthetic && settings_.remedy != Remedy::kNone && settings_.remedy != Remedy::kScaled;
     if (port_) port_->reset();
     local_.reset();
-    expected_delay_ = network_delay;
     sampled_before_ = false;
     wish_N_ = 0;
     burst_ = {};
@@ -69,8 +68,8 @@ void HandleControl::start(bool kinesthetic, Duration network_delay) {
     waves_->in_root_W = 0;
 }
 
-void HandleControl::network_changed(Duration force_delay) {
-    if (waves_) waves_->receiver.play_out_after(play_out_samples(expected_delay_ + force_delay));
+void HandleControl::network_changed(Duration network_delay) {
+    if (waves_) waves_->receiver.play_out_after(play_out_samples(network_delay));
 }
 
 // The answer to a sample cannot count for that sample: at least one.

@@ -32,8 +32,9 @@ class HandleControl {
 
     // network_delay: there and back, of a link that is to be expected.
     void start(bool kinesthetic, Duration network_delay);
-    // The force path takes this long now. Waves then wait for it on top of what they waited for, which is always enough.
-    void network_changed(Duration force_delay);
+    // The network takes so long now, there and back. Waves wait for it from now on, or, where it is shorter, once those under
+    // way have come.
+    void network_changed(Duration network_delay);
     void end() { active_ = false; }
 
     // A remedy that works at samples is in the loop of this trial.
@@ -70,7 +71,6 @@ class HandleControl {
     std::optional<TwoPortMaster> two_port_;  // with kTwoPort
     WaveBurst burst_{};
     double energy_heard_J_ = 0;
-    Duration expected_delay_{};
     SessionTime sampled_{};
     bool sampled_before_ = false;
     double position_hand_m_ = 0;

@@ -9,7 +9,7 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
     : NodeProcess(Role::kMaster, instance, *channels.control),
       channels_(channels),
       node_(settings),
-      guard_(settings.guard),
+      guard_(settings.guard, settings.sample_period),
       device_(&device),
       person_(&person),
       needle_flow_(Role::kMaster, instance, {channels.needle_out}) {}
@@ -27,9 +27,7 @@ void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) 
         now, {control.study_seed, control.experiment, control.subject, trial(), control.modality});
     device_->enable_force(now, control.modality == Modality::kHF);
     force_flow_.expect_from(now + first_answer_within(control));
-    network_delay_ = first_answer_within(control);
-    const Duration oldest = node_.settings().oldest_force;
-    age_.begin(now, oldest > Duration::zero() ? oldest : network_delay_);
+    age_.begin(now, longest_age(first_answer_within(control)));
     round_trip_.clear();
     newest_age_ = {};
     energy_.clear();
@@ -107,12 +105,9 @@ void MasterProcess::take_force(SessionTime now, const ForceFeedback& feedback) {
     if (now == sampled_) apply(now, share(now) * node_.control().force_N());
 }
 
-// Without a profile the order names the new delay of the force path alone, and the needle's is a part of the one at the start.
-Duration MasterProcess::longest_age(const SessionControl& control) const {
+Duration MasterProcess::longest_age(Duration network_delay) const {
     const Duration oldest = node_.settings().oldest_force;
-    if (oldest > Duration::zero()) return oldest;
-    if (!control.network.empty()) return silence_of_change(control);
-    return network_delay_ + from_seconds(control.network_delay_s);
+    return oldest > Duration::zero() ? oldest : network_delay;
 }
 
 Duration MasterProcess::silence(SessionTime now) const {
@@ -139,7 +134,7 @@ void MasterProcess::fade(SessionTime now) {
 
 // Nothing reaches the handle but through the guard; what lets go of it (end_trial) needs none.
 void MasterProcess::apply(SessionTime now, double force_hand_N) {
-    device_->command_force(now, guard_.pass(now, force_hand_N));
+    device_->command_force(now, guard_.pass(now, resting() ? 0 : force_hand_N));
 }
 
 StopWish MasterProcess::wants_stop(SessionTime /*now*/) {

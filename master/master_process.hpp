@@ -45,15 +45,15 @@ class MasterProcess final : public NodeProcess {
     void end_trial(SessionTime now) override;
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
-        age_.allow(longest_age(control));
-        node_.control().network_changed(from_seconds(control.network_delay_s));
+        age_.allow(longest_age(silence_of_change(control)));
+        node_.control().network_changed(silence_of_change(control));
     }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return running() ? next_sample_ : kNever; }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     std::string_view device_fault() const override { return device_->fault(); }
     StopWish wants_stop(SessionTime now) override;
-    void rest(SessionTime now) override { device_->command_force(now, 0); }
+    void rest(SessionTime now) override { apply(now, 0); }
     void add_counters(FlowCounters& sum) const override;
     void describe(Heartbeat& heartbeat) const override;
 
@@ -65,8 +65,8 @@ class MasterProcess final : public NodeProcess {
     void sample(SessionTime now);
     void send_needle(SessionTime now, const NeedleCommand& command);
     void apply(SessionTime now, double force_hand_N);
-    // So old may a force become under the network that the session tells of.
-    Duration longest_age(const SessionControl& control) const;
+    // So old may a force become under a network that takes so long there and back.
+    Duration longest_age(Duration network_delay) const;
     // What has waited while this program stood still says nothing about now.
     bool stood_still() const { return since_last_tick() > node_.settings().stale.after; }
     // Without news: silent, or with forces that are too late.
@@ -79,7 +79,6 @@ class MasterProcess final : public NodeProcess {
     ForceGuard guard_;
     StaleRecord stale_record_;
     ForceAge age_;              // of the newest force
-    Duration network_delay_{};  // there and back, of the trial's start
     double asked_force_N_ = 0;  // by the newest feedback
     HapticDevice* device_;
     OperatorPort* person_;

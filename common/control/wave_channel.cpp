@@ -22,18 +22,25 @@ const WaveBurst& WaveSender::add(double wave_root_W) {
 }
 
 WaveReceiver::WaveReceiver(const WaveChannelSettings& settings, std::uint32_t play_out_samples)
-    : settings_(settings), play_out_(play_out_samples) {
+    : settings_(settings), play_out_(play_out_samples), next_play_out_(play_out_samples) {
     if (settings.reconstruction == WaveReconstruction::kPlayOut) slots_.resize(kSlots);
 }
 
 void WaveReceiver::reset(std::uint32_t play_out_samples) {
     std::fill(slots_.begin(), slots_.end(), Slot{});
-    play_out_ = play_out_samples;
-    played_ = newest_ = -1;
+    play_out_ = next_play_out_ = play_out_samples;
+    next_from_ = 0;
+    asked_ = played_ = newest_ = -1;
     fresh_ = false;
     latest_ = {};
     sum_out_root_W_s_ = energy_out_J_ = 0;
     missing_ = 0;
+}
+
+void WaveReceiver::play_out_after(std::uint32_t samples) {
+    if (samples == next_play_out_) return;
+    next_play_out_ = samples;
+    next_from_ = samples < play_out_ ? asked_ + play_out_ + 1 : asked_;
 }
 
 void WaveReceiver::receive(const WaveBurst& burst) {
@@ -54,6 +61,8 @@ void WaveReceiver::receive(const WaveBurst& burst) {
 }
 
 double WaveReceiver::play(std::uint32_t number) {
+    asked_ = number;
+    if (asked_ >= next_from_) play_out_ = next_play_out_;
     const double wave_root_W = next(number);
     const double h_s = settings_.sample_period_s;
     sum_out_root_W_s_ += wave_root_W * h_s;

@@ -62,8 +62,9 @@ class WaveReceiver {
     // play_out_samples: kPlayOut; from the sample at which a wave was made to that at which it is played.
     explicit WaveReceiver(const WaveChannelSettings& settings, std::uint32_t play_out_samples = 0);
     void reset(std::uint32_t play_out_samples);
-    // While it runs. What was played is not played again, and what is then overdue is left out: both are passive.
-    void play_out_after(std::uint32_t samples) { play_out_ = samples; }
+    // While it runs. A longer time holds at once. A shorter one holds once the waves made before have come, which takes the old
+    // time. A wave that was played is not played again, and one that is then overdue is left out: both are passive.
+    void play_out_after(std::uint32_t samples);
 
     // In any order, any number of times. Not a number, or a count beyond kMost: refused.
     void receive(const WaveBurst& burst);
@@ -86,8 +87,9 @@ class WaveReceiver {
 
     WaveChannelSettings settings_;
     std::int64_t play_out_;
+    std::int64_t next_play_out_, next_from_ = 0;  // holds from sample next_from_ on
     std::vector<Slot> slots_;
-    std::int64_t played_ = -1, newest_ = -1;
+    std::int64_t asked_ = -1, played_ = -1, newest_ = -1;
     bool fresh_ = false;
     WaveBurst latest_;
     double sum_out_root_W_s_ = 0, energy_out_J_ = 0;

@@ -64,6 +64,7 @@ void KeyRing::take(const KeyGrant& grant) {
     if (!other_session && grant.epoch < grant_.epoch) return;
     const bool fresh = other_session || grant.epoch > grant_.epoch;
     if (other_session) ends_->forget_all();
+    if (fresh) forget_at_ = kNever;  // the keys before are now those in use
     for (std::size_t i = 0; i < grant.count; ++i) {
         const FlowKey& one = grant.keys[i];
         if (fresh) ends_->expect(one.port, one.key);
@@ -125,6 +126,7 @@ void KeyDesk::look_for_handshakes() {
 void KeyDesk::begin_epoch() {
     wanted_ = false;
     in_use_ = false;
+    forget_at_ = kNever;  // the keys before are now those in use
     ++epoch_;
     random_(secret_.bytes);
     for (const Port port : kKeyedFlows) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "common/time.hpp"
 #include "cutaneous_node/can/can_frame.hpp"
 
 namespace thimble {
@@ -14,6 +15,8 @@ struct CanCounters {
     std::uint64_t sent = 0, received = 0;
     std::uint64_t send_failed = 0;  // buffer full, interface down
     std::uint64_t malformed = 0;    // datagrams that are no frames
+    std::uint64_t repeated = 0;     // datagrams that came before, and are ignored
+    std::uint64_t late = 0;         // datagrams that came after a later one
 };
 
 class CanBus {
@@ -27,7 +30,7 @@ class CanBus {
     virtual void send(const CanFrame& frame) = 0;
     virtual void flush() {}
     // False: none is there. Error frames come too, with kCanError.
-    virtual bool receive(CanFrame& frame) = 0;
+    virtual bool receive(SessionTime now, CanFrame& frame) = 0;
     // The interface itself is gone; what is wrong on the wire comes as error frames.
     virtual bool down() const { return false; }
     const CanCounters& counters() const { return counters_; }

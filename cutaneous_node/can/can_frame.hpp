@@ -15,8 +15,12 @@ struct CanFrame {
     std::uint32_t id = 0;
     std::uint8_t length = 0;
     std::array<std::uint8_t, 8> data{};
+    // A bus that may bring a frame after a later one counts up here; on a wire all are equal.
+    std::uint64_t order = 0;
 
-    bool operator==(const CanFrame&) const = default;
+    bool operator==(const CanFrame& other) const {
+        return id == other.id && length == other.length && data == other.data;
+    }
 };
 
 // CANopen is little-endian. `at + bytes` <= 8.

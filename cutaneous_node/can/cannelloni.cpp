@@ -7,6 +7,9 @@ namespace {
 
 constexpr std::uint8_t kCannelloniVersion = 2;
 constexpr std::uint8_t kCannelloniData = 0;
+constexpr std::uint8_t kMostAhead = 127;
+// A gateway that has said nothing new for so long may have been started anew, and counts from 0 again.
+constexpr Duration kSequenceForgotten = std::chrono::milliseconds{100};
 
 bool is_remote(Bytes datagram, std::size_t at) { return (datagram[at] & (kCanRemote >> 24U)) != 0; }
 
@@ -63,22 +66,40 @@ void CannelloniBus::flush() {
     out_frames_ = 0;
 }
 
-bool CannelloniBus::next_datagram() {
+bool CannelloniBus::take_sequence(SessionTime arrived, std::uint8_t sequence) {
+    const auto ahead = static_cast<std::uint8_t>(sequence - newest_);
+    const bool older = ahead == 0 || ahead > kMostAhead;
+    if (older && newest_at_ != kNever && arrived - newest_at_ <= kSequenceForgotten) {
+        in_order_ = newest_ - static_cast<std::uint8_t>(newest_ - sequence);
+        const bool fresh = seen_.is_fresh(in_order_);
+        ++(fresh ? counters_.late : counters_.repeated);
+        if (fresh) seen_.accept(in_order_);
+        return fresh;
+    }
+    in_order_ = newest_ += ahead == 0 ? 256U : ahead;
+    newest_at_ = arrived;
+    seen_.accept(newest_);
+    return true;
+}
+
+bool CannelloniBus::next_datagram(SessionTime now) {
     for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {
         in_ = channel_->receive();
         if (in_.empty()) return false;
         const auto frames = count_frames(in_);
         in_at_ = kCannelloniHeaderBytes;
-        in_frames_ = frames.value_or(0);
         if (!frames) ++counters_.malformed;
+        const bool taken = frames && take_sequence(channel_->arrival().value_or(now), in_[2]);
+        in_frames_ = taken ? *frames : 0;
         if (in_frames_ > 0) return true;
     }
     return false;
 }
 
-bool CannelloniBus::receive(CanFrame& frame) {
-    if (in_frames_ == 0 && !next_datagram()) return false;
+bool CannelloniBus::receive(SessionTime now, CanFrame& frame) {
+    if (in_frames_ == 0 && !next_datagram(now)) return false;
     frame = take_frame(in_, in_at_);
+    frame.order = in_order_;
     --in_frames_;
     ++counters_.received;
     return true;

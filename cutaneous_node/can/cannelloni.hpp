@@ -1,11 +1,15 @@
 // A CAN bus in UDP datagrams, as cannelloni version 2 writes them (its doc/udp_format.md), big-endian:
 //   u8 version = 2, u8 operation (0: data), u8 sequence, u16 frames; each: u32 identifier with flags, u8 length, data
 // (none in a remote frame). Frames of CAN FD (bit 7 of the length) are refused: no drive here speaks it.
+//
+// A network may repeat datagrams and change their order. The sequence byte shows both, as far as 128 datagrams back: a repeated one is
+// ignored, a late one's frames come with a smaller CanFrame::order than those before.
 #pragma once
 
 #include <optional>
 
 #include "common/channel.hpp"
+#include "common/security/replay_window.hpp"
 #include "cutaneous_node/can/can_bus.hpp"
 
 namespace thimble {
@@ -28,10 +32,12 @@ class CannelloniBus final : public CanBus {
 
     void send(const CanFrame& frame) override;
     void flush() override;
-    bool receive(CanFrame& frame) override;
+    bool receive(SessionTime now, CanFrame& frame) override;
 
   private:
-    bool next_datagram();
+    bool next_datagram(SessionTime now);
+    // False: this datagram has been here before.
+    bool take_sequence(SessionTime arrived, std::uint8_t sequence);
 
     Channel* channel_;
     alignas(16) std::array<std::uint8_t, kMaxDatagramBytes> out_{};
@@ -39,6 +45,10 @@ class CannelloniBus final : public CanBus {
     std::uint8_t sequence_ = 0;
     Bytes in_;
     std::size_t in_at_ = 0, in_frames_ = 0;
+    // Sequence bytes, counted on across each wrap.
+    std::uint64_t in_order_ = 0, newest_ = 256;
+    SessionTime newest_at_ = kNever;
+    ReplayWindow seen_;
 };
 
 }  // namespace thimble

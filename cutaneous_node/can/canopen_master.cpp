@@ -53,7 +53,7 @@ void CanopenMaster::tick(SessionTime now) {
 
 void CanopenMaster::take_frames(SessionTime now) {
     CanFrame frame;
-    while (bus_->receive(frame)) take(now, frame);
+    while (bus_->receive(now, frame)) take(now, frame);
 }
 
 void CanopenMaster::take(SessionTime now, const CanFrame& frame) {

@@ -53,6 +53,17 @@ std::uint16_t control_towards_operation(DriveState state) {
     }
 }
 
+std::optional<InterpolationTime> interpolation_time(Duration cycle) {
+    Duration unit = std::chrono::milliseconds{1};
+    for (std::int8_t exponent = -3; exponent >= -9; --exponent, unit /= 10) {
+        if (cycle % unit != Duration::zero()) continue;
+        const std::int64_t count = cycle / unit;
+        if (count < 1 || count > 255) return std::nullopt;
+        return InterpolationTime{static_cast<std::uint8_t>(count), exponent};
+    }
+    return std::nullopt;
+}
+
 std::uint16_t DriveAutomaton::statusword() const {
     constexpr std::uint16_t kVoltage = 1U << 4U, kRemote = 1U << 9U, kFollows = 1U << 12U;
     switch (state_) {

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+
+#include "common/time.hpp"
 
 namespace thimble {
 
@@ -27,6 +30,14 @@ inline constexpr std::uint16_t kControlDisableVoltage = 0x00, kControlQuickStop 
 DriveState state_of(std::uint16_t statusword);
 // The next step from `state` towards operation; a fault is reset by an edge, so the word before must not have had that bit.
 std::uint16_t control_towards_operation(DriveState state);
+
+// A time as object 0x60C2 has it: count x 10^exponent seconds. Between two targets a drive interpolates for so long.
+struct InterpolationTime {
+    std::uint8_t count = 0;
+    std::int8_t exponent = 0;
+};
+// Nothing: 0x60C2 has no such time. Whole milliseconds are said in milliseconds, which every drive takes.
+std::optional<InterpolationTime> interpolation_time(Duration cycle);
 
 // The drive's side.
 class DriveAutomaton {

@@ -46,6 +46,7 @@ void DriveLink::plan() {
     write("abort connection 0x6007", {0x6007, 0}, 2, 2);  // disable voltage
     write("fault reaction 0x605E", {0x605e, 0}, 0, 2);    // the same
     plan_mapping();
+    if (settings_->mode == DriveMode::kSyncPosition) plan_cycle();
     write("torque 0x6071", {0x6071, 0}, 0, 2);
     write("mode 0x6060", {0x6060, 0}, mode, 1);
     steps_.push_back({"mode shown 0x6061", {SdoKind::kRead, {0x6061, 0}}, Check::kMode});
@@ -70,6 +71,18 @@ void DriveLink::plan_mapping() {
     write("TPDO1 mapped", {0x1a00, 0}, 3, 1);
     write("TPDO1 by SYNC", {0x1800, 2}, 1, 1);
     write("TPDO1 on", {0x1800, 1}, transmit, 4);
+}
+
+// A drive interpolates between two positions, by itself for 1 ms as a rule: it would go and stand still within each cycle.
+void DriveLink::plan_cycle() {
+    const auto time = interpolation_time(settings_->cycle);
+    if (!time) return;  // the settings refuse it
+    const std::size_t first = steps_.size();
+    const auto cycle_us = static_cast<std::uint32_t>(settings_->cycle / std::chrono::microseconds{1});
+    write("cycle 0x1006", {0x1006, 0}, cycle_us, 4);
+    write("interpolation unit 0x60C2", {0x60c2, 2}, static_cast<std::uint8_t>(time->exponent), 1);
+    write("interpolation time 0x60C2", {0x60c2, 1}, time->count, 1);
+    for (std::size_t i = first; i < steps_.size(); ++i) steps_[i].optional = true;
 }
 
 void DriveLink::enter(SessionTime now, Stage stage) {
@@ -128,8 +141,7 @@ void DriveLink::on_reply(SessionTime now, const CanFrame& frame, CanBus& bus) {
     const auto reply = read_sdo_reply(frame);
     const Step& step = steps_[step_];
     if (!reply || reply->key != step.sdo.key) return;  // late, of a request that was asked twice
-    if (reply->kind == SdoKind::kAbort) return fail(DriveFaultKind::kAborted, reply->value, step.name);
-    if (reply->kind != step.sdo.kind || !accepted(step, reply->value)) return;
+    if (!accepted(step, *reply)) return;
     if (++step_ == steps_.size()) {
         enter(now, Stage::kStart);
         bus.send(network_frame(NetworkCommand::kStart, node_));
@@ -139,7 +151,15 @@ void DriveLink::on_reply(SessionTime now, const CanFrame& frame, CanBus& bus) {
     ask(now, bus);
 }
 
-bool DriveLink::accepted(const Step& step, std::uint32_t value) {
+bool DriveLink::accepted(const Step& step, const Sdo& reply) {
+    if (reply.kind != SdoKind::kAbort) return reply.kind == step.sdo.kind && checked(step, reply.value);
+    const auto why = static_cast<SdoAbort>(reply.value);
+    if (step.optional && (why == SdoAbort::kNoObject || why == SdoAbort::kNoSubIndex)) return true;
+    fail(DriveFaultKind::kAborted, reply.value, step.name);
+    return false;
+}
+
+bool DriveLink::checked(const Step& step, std::uint32_t value) {
     const auto mode = static_cast<std::uint8_t>(settings_->mode);
     switch (step.check) {
         case Check::kNone:
@@ -176,6 +196,8 @@ void DriveLink::on_data(SessionTime now, const CanFrame& frame) {
         return;
     }
     --owed_;
+    if (frame.order < data_order_) return;  // an older measurement than the one that is known
+    data_order_ = frame.order;
     answered_ = true;
     unanswered_ = false;
     data_ = now;

@@ -51,15 +51,18 @@ class DriveLink {
         const char* name = "";
         Sdo sdo{};
         Check check = Check::kNone;
+        bool optional = false;  // a drive without this object goes on without it
     };
 
     void plan();
     void plan_mapping();
+    void plan_cycle();
     void write(const char* name, ObjectKey key, std::uint32_t value, std::uint8_t bytes);
     void enter(SessionTime now, Stage stage);
     void ask(SessionTime now, CanBus& bus);
     void on_reply(SessionTime now, const CanFrame& frame, CanBus& bus);
-    bool accepted(const Step& step, std::uint32_t value);
+    bool accepted(const Step& step, const Sdo& reply);
+    bool checked(const Step& step, std::uint32_t value);
     void on_heartbeat(SessionTime now, const CanFrame& frame);
     void on_data(SessionTime now, const CanFrame& frame);
     void on_emergency(const CanFrame& frame);
@@ -74,8 +77,9 @@ class DriveLink {
     Stage stage_ = Stage::kBoot;
     SessionTime since_{}, asked_{}, heartbeat_{}, data_{}, sync_{};
     int boot_ups_ = 0, resets_ = 0;
-    std::int64_t owed_ = 0;  // SYNCs without an answer, counted up to 128, or to what is silence
-    bool answered_ = false;  // since the last one
+    std::uint64_t data_order_ = 0;  // of the newest measurement
+    std::int64_t owed_ = 0;         // SYNCs without an answer, counted up to 128, or to what is silence
+    bool answered_ = false;         // since the last one
     bool unanswered_ = false;
     std::uint16_t control_ = kControlDisableVoltage;
     std::int32_t target_ = 0;

@@ -78,7 +78,7 @@ void SocketCanBus::send(const CanFrame& frame) {
     ++(sent == sizeof raw ? counters_.sent : counters_.send_failed);
 }
 
-bool SocketCanBus::receive(CanFrame& frame) {
+bool SocketCanBus::receive(SessionTime /*now*/, CanFrame& frame) {
     can_frame raw{};
     const auto size = read(socket_, &raw, sizeof raw);
     if (size < 0 && interface_lost(errno)) down_ = true;

@@ -25,6 +25,7 @@ class DriveEmulator {
 
     const CablePlant& plant() const { return plant_; }
     DriveState state() const { return automaton_.state(); }
+    std::uint32_t object(ObjectKey key) const { return dictionary_.get(key); }
 
     // Faults. They stay until the next reset, except a cut cable.
     void emergency(std::uint16_t code, CanBus& bus);  // and the power stage is off

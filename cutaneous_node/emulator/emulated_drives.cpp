@@ -57,7 +57,7 @@ void EmulatedDrives::tick(SessionTime now) {
         for (DriveEmulator& drive : drives_) drive.reset(now, *bus_);
     }
     CanFrame frame;
-    while (bus_->receive(frame)) {
+    while (bus_->receive(now, frame)) {
         if (off_ || (frame.id & (kCanError | kCanExtended | kCanRemote)) != 0) continue;
         ++frames_;
         for (DriveEmulator& drive : drives_) drive.on_frame(now, frame, *bus_);

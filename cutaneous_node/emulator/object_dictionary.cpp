@@ -44,6 +44,7 @@ ObjectDictionary::ObjectDictionary(std::uint8_t node) {
     };
     constant({0x1000, 0}, 0x00020192);  // servo drive, CiA 402
     constant({0x1001, 0}, 0, 1);
+    variable({0x1006, 0}, 0, 4);
     variable({0x1016, 1}, 0, 4);
     variable({0x1017, 0}, 0, 2);
     constant({0x1018, 1}, 0);
@@ -61,6 +62,8 @@ ObjectDictionary::ObjectDictionary(std::uint8_t node) {
     constant({0x6076, 0}, 150);  // uNm
     constant({0x6077, 0}, 0, 2);
     variable({0x607a, 0}, 0, 4);
+    variable({0x60c2, 1}, 1, 1);  // 1 x 10^-3 s
+    variable({0x60c2, 2}, 0xfd, 1);
     constant({0x6502, 0}, 1U << 7U | 1U << 9U);  // synchronous position and torque
 }
 

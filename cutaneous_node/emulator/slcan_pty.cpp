@@ -98,7 +98,7 @@ void SlcanPty::send(const CanFrame& frame) {
     say(line);
 }
 
-bool SlcanPty::receive(CanFrame& frame) {
+bool SlcanPty::receive(SessionTime /*now*/, CanFrame& frame) {
     for (;;) {
         const auto end = heard_.find('\r');
         if (end == std::string::npos) {

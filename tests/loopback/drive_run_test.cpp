@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/runtime/wall_clock.hpp"
+#include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/emulator/emulated_drives.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -84,6 +87,38 @@ TEST(DriveRun, ADriveThatRefusesKeepsTheSessionFromStarting) {
     EXPECT_EQ(run.end(), 3) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("drive 3 (acting hand, index, cable 2): refused 'mode 0x6060'"));
     EXPECT_TRUE(run.rows().empty());
+}
+
+// The drives are here, so that what the program leaves behind shows before any drive misses a heartbeat.
+TEST(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
+    Folder folder;
+    PortBlock ports;
+    UdpChannel channel(Endpoint{"127.0.0.1", ports.base()},
+                       Endpoint{"127.0.0.1", static_cast<std::uint16_t>(ports.base() + 1)});
+    CannelloniBus bus(channel);
+    PlantParameters endless;
+    endless.loose_m = 100;  // no cable gets taut
+    EmulatedDrives drives({1, 2, 3}, endless, bus);
+    const auto each = [&](auto holds) {
+        drives.tick(wall_now());
+        return holds(drives.drive(0)) && holds(drives.drive(1)) && holds(drives.drive(2));
+    };
+    const auto file = folder.write(
+        "device.toml", "[cutaneous.drives]\nbus = \"cannelloni:127.0.0.1:" + std::to_string(ports.base()) +
+                           "\"\nlisten_port = " + std::to_string(ports.base() + 1) +
+                           "\nsilent_after_s = 10\ntake_up_limit_s = 60\nacting_thumb = []\n" +
+                           "other_index = []\nother_thumb = []\n");
+    Child check(built_programs() / "thimble-drive-check", {"--config", file}, folder / "words");
+    const auto enabled = [](const DriveEmulator& drive) {
+        return drive.state() == DriveState::kOperationEnabled;
+    };
+    ASSERT_TRUE(wait_until([&] { return each(enabled); })) << check.last_words();
+    check.signal(SIGINT);
+    ASSERT_TRUE(
+        wait_until([&] { return !each(enabled) && check.poll().has_value(); }, std::chrono::seconds{5}));
+    EXPECT_EQ(check.poll(), 1);
+    EXPECT_TRUE(
+        each([](const DriveEmulator& drive) { return drive.state() == DriveState::kSwitchOnDisabled; }));
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 // The delay changes while a trial runs: nobody is lost, forces get older and younger, and the record says when.
+#include <memory>
+
 #include <gtest/gtest.h>
 
 #include "experiment/virtual_session.hpp"
+#include "experiment/with_remedy.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -185,6 +188,53 @@ TEST_F(LiveDelay, AnUnknownNetworkIsRefusedAndNothingChanges) {
     EXPECT_TRUE(rig.session().network().empty());
     rig.session().abort(EndReason::kInterrupted);
     EXPECT_TRUE(rig.finish().network_events.empty());
+}
+
+// A person leans on the fixture by waves while the network changes; the force at the handle, once all have settled.
+class WavesInATrial : public testing::Test {
+  protected:
+    static SystemSettings with_waves(Duration force_delay) {
+        SystemSettings s = paper_with_delays({}, force_delay);
+        s.slave.contact_hold = s.session.contact_hold = seconds{100};
+        return with_control(s, control_for(s, Remedy::kWave));
+    }
+    void begin(Duration force_delay) {
+        rig = std::make_unique<Rig>(with_waves(force_delay));
+        rig->start(trial_of(Modality::kHF));
+        ASSERT_TRUE(rig->run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 2; }));
+    }
+    // The mean over a second, after three.
+    double settled_N() {
+        rig->run_until(rig->now() + seconds{3});
+        const SessionTime end = rig->now() + seconds{1};
+        double sum_N = 0;
+        int samples = 0;
+        for (; rig->now() < end && rig->step(); ++samples) sum_N += rig->force_at_handle_N();
+        EXPECT_TRUE(rig->session().running()) << to_string(rig->session().record().reason);
+        return sum_N / samples;
+    }
+    std::unique_ptr<Rig> rig;
+};
+
+TEST_F(WavesInATrial, KeepTheWallUnderANetworkWithTwoSlowWaysAndJitter) {
+    for (const char* name : {"lte", "geo"}) {
+        begin({});
+        const double before_N = settled_N();
+        EXPECT_GT(before_N, 0.5);
+        ASSERT_TRUE(rig->session().change_network(*NetworkName::of(name)));
+        EXPECT_GT(settled_N(), 0.3) << name;
+        ASSERT_TRUE(rig->session().change_network(*NetworkName::of("ideal")));
+        EXPECT_GT(settled_N(), 0.5) << "after " << name;
+    }
+}
+
+TEST_F(WavesInATrial, AChangeThereAndBackLeavesTheForceAsItWas) {
+    begin(milliseconds{50});
+    const double before_N = settled_N();
+    rig->session().change_delay(milliseconds{60});
+    rig->run_until(rig->now() + seconds{1});
+    rig->session().change_delay(milliseconds{50});
+    EXPECT_NEAR(settled_N(), before_N, 0.1 * before_N);
 }
 
 TEST(DelayChangeBetweenTrials, ANetworkIsTheNextTrialsFromItsStartAndItsRecordSaysSo) {

@@ -183,6 +183,41 @@ TEST(Guard, ATripEndsTheTrialInItsOwnWordsAndHolds) {
     EXPECT_LT(calm.master().guard().most_given_out_J(), 0.02);
 }
 
+// Loses everything while it is cut.
+class CutForce final : public Tap {
+  public:
+    CutForce(Channel& inner, const bool& cut) : Tap(inner), cut_(&cut) {}
+    void send(Bytes datagram) override {
+        if (!*cut_) Tap::send(datagram);
+    }
+
+  private:
+    const bool* cut_;
+};
+
+// 90 ms of forces are lost while the needle goes into the fixture.
+TEST(Guard, NoSilenceSavesUpAJumpOfTheForce) {
+    SystemSettings settings = paper();
+    settings.master.guard.force_rate_limit_N_per_s = 10;  // 0.01 N in a sample
+    bool cut = false;
+    Rig rig(settings, [&cut](Wire wire, Channel& inner) -> std::unique_ptr<Tap> {
+        if (wire != Wire::kForceMaster) return nullptr;
+        return std::make_unique<CutForce>(inner, cut);
+    });
+    rig.start(trial_of(Modality::kHF));
+    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.force_fixture_N < 0; }));
+    const SessionTime begun = rig.now();
+    double before_N = rig.force_at_handle_N();
+    while (rig.now() < begun + milliseconds{300}) {
+        cut = rig.now() < begun + milliseconds{90};
+        ASSERT_TRUE(rig.step());
+        const double force_N = rig.force_at_handle_N();
+        ASSERT_LE(std::abs(force_N), std::abs(before_N) + 0.01 + 1e-12);
+        before_N = force_N;
+    }
+    EXPECT_GT(rig.master().guard().cut(), 0U);
+}
+
 TEST(StaleInput, TheHandleFollowsThePolicy) {
     for (const StaleMode mode : {StaleMode::kHold, StaleMode::kRamp, StaleMode::kZero}) {
         SCOPED_TRACE(to_string(mode));

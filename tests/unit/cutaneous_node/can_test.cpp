@@ -48,10 +48,10 @@ TEST(Cannelloni, FramesComeBackAlsoMoreThanADatagramHolds) {
     near.flush();
     CanFrame frame;
     for (const CanFrame& expected : sent) {
-        ASSERT_TRUE(far.receive(frame));
+        ASSERT_TRUE(far.receive({}, frame));
         EXPECT_EQ(frame, expected);
     }
-    EXPECT_FALSE(far.receive(frame));
+    EXPECT_FALSE(far.receive({}, frame));
     EXPECT_EQ(far.counters().received, sent.size());
     EXPECT_EQ(far.counters().malformed, 0U);
 }
@@ -78,7 +78,7 @@ TEST(Cannelloni, RefusesWhatIsNotExactlyThat) {
     pipe.a.send({good.data(), 7});
     pipe.a.send(good);
     CanFrame frame;
-    EXPECT_TRUE(bus.receive(frame)) << "a good one behind a bad one";
+    EXPECT_TRUE(bus.receive({}, frame)) << "a good one behind a bad one";
     EXPECT_EQ(bus.counters().malformed, 1U);
 }
 

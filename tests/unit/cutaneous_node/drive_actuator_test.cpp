@@ -213,7 +213,7 @@ class WatchedBus final : public CanBus {
         if (!lost) bus_->send(frame);
     }
     void flush() override { bus_->flush(); }
-    bool receive(CanFrame& frame) override { return bus_->receive(frame); }
+    bool receive(SessionTime at, CanFrame& frame) override { return bus_->receive(at, frame); }
 
     bool full = false;
     int target_per_mille = 0;

@@ -17,6 +17,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
+constexpr Duration kSample = milliseconds{1};
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -48,7 +49,7 @@ GuardSettings any_settings() {
 TEST(ForceGuard, NeverGivesMoreThanItMayWhateverComes) {
     EXPECT_TRUE(rc::check([] {
         const GuardSettings settings = any_settings();
-        ForceGuard guard(settings);
+        ForceGuard guard(settings, kSample);
         SessionTime now{};
         guard.clear(now);
         double before_N = 0;
@@ -66,7 +67,8 @@ TEST(ForceGuard, NeverGivesMoreThanItMayWhateverComes) {
             RC_ASSERT(given_N * (std::isfinite(wanted_N) ? wanted_N : 0) >= 0);
             RC_ASSERT(!(tripped && given_N != 0));
             const double rate = settings.force_rate_limit_N_per_s;
-            const double most_N = std::abs(before_N) + rate * std::max(0.0, to_seconds(step));
+            const double counted_s = to_seconds(std::clamp(step, Duration{}, Duration{kSample}));
+            const double most_N = std::abs(before_N) + rate * counted_s;
             if (rate > 0 && step > Duration{}) RC_ASSERT(std::abs(given_N) <= most_N * (1 + 1e-12) + 1e-12);
             tripped = guard.tripped();
             RC_ASSERT(tripped == !guard.words().empty());
@@ -77,7 +79,7 @@ TEST(ForceGuard, NeverGivesMoreThanItMayWhateverComes) {
 
 TEST(ForceGuard, ChangesNoBitOfWhatIsAllowed) {
     EXPECT_TRUE(rc::check([] {
-        ForceGuard guard{GuardSettings{}};
+        ForceGuard guard{GuardSettings{}, kSample};
         guard.clear({});
         for (int i = 0; i < 50; ++i) {
             const double wanted_N = 12e-6 * *rc::gen::inRange(-1'000'000, 1'000'001);
@@ -90,7 +92,7 @@ TEST(ForceGuard, ChangesNoBitOfWhatIsAllowed) {
 
 TEST(ForceGuard, WhatIsNoNumberTripsUntilCleared) {
     for (const double wanted_N : {kNan, kInfinity, -kInfinity}) {
-        ForceGuard guard{GuardSettings{}};
+        ForceGuard guard{GuardSettings{}, kSample};
         guard.clear({});
         EXPECT_EQ(guard.pass({}, 3), 3);
         EXPECT_EQ(guard.pass({}, wanted_N), 0);
@@ -99,7 +101,7 @@ TEST(ForceGuard, WhatIsNoNumberTripsUntilCleared) {
         guard.clear({});
         EXPECT_EQ(guard.pass({}, 3), 3);
     }
-    ForceGuard guard{GuardSettings{}};
+    ForceGuard guard{GuardSettings{}, kSample};
     guard.clear({});
     guard.observe({}, {kNan, 0, false});
     EXPECT_FALSE(guard.tripped()) << "a failed device says so itself";
@@ -108,13 +110,29 @@ TEST(ForceGuard, WhatIsNoNumberTripsUntilCleared) {
 }
 
 TEST(ForceGuard, AForceGrowsNoFasterThanAllowedAndFallsAtOnce) {
-    ForceGuard guard(guard_settings("force_rate_limit_N_per_s = 1000"));
+    ForceGuard guard(guard_settings("force_rate_limit_N_per_s = 1000"), kSample);
     guard.clear({});
     for (int ms = 1; ms <= 8; ++ms) EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{ms}}, 8), ms);
     EXPECT_EQ(guard.pass(SessionTime{milliseconds{8}}, 0.5), 0.5);
     EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{9}}, -8), -1)
         << "through zero, not from the other side";
     EXPECT_GT(guard.cut(), 0U);
+}
+
+// Neither a silence nor a new trial saves up time for a jump.
+TEST(ForceGuard, AForceGrowsByOneSampleAtMostHoweverLongTheGuardWasSilent) {
+    ForceGuard guard(guard_settings("force_rate_limit_N_per_s = 100"), kSample);
+    guard.clear({});
+    EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{120}}, 12), 0.1) << "a trial's first force";
+    EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{121}}, 12), 0.2);
+    EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{211}}, 12), 0.3) << "after 90 ms of silence";
+    EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{301}}, -12), -0.1) << "in the other direction";
+    guard.clear(SessionTime{milliseconds{302}});
+    EXPECT_DOUBLE_EQ(guard.pass(SessionTime{milliseconds{500}}, 12), 0.1) << "of the next trial";
+    ForceGuard slow(guard_settings("force_rate_limit_N_per_s = 100"), milliseconds{5});
+    slow.clear({});
+    EXPECT_DOUBLE_EQ(slow.pass(SessionTime{milliseconds{4}}, 12), 0.4) << "time that has not passed";
+    EXPECT_DOUBLE_EQ(slow.pass(SessionTime{milliseconds{95}}, 12), 0.9);
 }
 
 // A spring that pushes out harder than it was pressed in: 2 N in over 10 mm, 6 N out, again and again.
@@ -127,7 +145,7 @@ void pump(ForceGuard& guard, int cycles, double out_N, Duration step) {
 }
 
 TEST(ForceGuard, EnergyGivenOutTrips) {
-    ForceGuard guard(guard_settings("energy_limit_J = 0.1\nenergy_window_s = 1"));
+    ForceGuard guard(guard_settings("energy_limit_J = 0.1\nenergy_window_s = 1"), kSample);
     guard.clear({});
     pump(guard, 1, 6, milliseconds{1});  // 20 mJ in, 60 mJ out
     EXPECT_FALSE(guard.tripped());
@@ -137,18 +155,36 @@ TEST(ForceGuard, EnergyGivenOutTrips) {
     EXPECT_NE(guard.words().find("energy_limit_J"), std::string::npos) << guard.words();
     EXPECT_EQ(guard.pass({}, 1), 0);
 
-    ForceGuard passive(guard_settings("energy_limit_J = 0.1"));
+    ForceGuard passive(guard_settings("energy_limit_J = 0.1"), kSample);
     passive.clear({});
     pump(passive, 1000, 2, milliseconds{1});
     EXPECT_FALSE(passive.tripped()) << "a spring gives back what it got: 20 mJ";
 }
 
+// A report is read for the cause, not for what followed from it.
+TEST(ForceGuard, TheFirstReasonOfATripStaysUntilTheNextTrial) {
+    ForceGuard guard(guard_settings("energy_limit_J = 0.1"), kSample);
+    guard.clear({});
+    pump(guard, 10, 6, milliseconds{1});
+    ASSERT_TRUE(guard.tripped());
+    const std::string first(guard.words());
+    EXPECT_NE(first.find("energy_limit_J"), std::string::npos) << first;
+    guard.pass({}, kNan);
+    guard.observe({}, {kNan, kNan});
+    EXPECT_EQ(guard.words(), first);
+    guard.clear({});
+    guard.observe({}, {kNan, 0});
+    EXPECT_EQ(guard.words(), "the handle's own measurement is no number");
+    guard.pass({}, kNan);
+    EXPECT_EQ(guard.words(), "the handle's own measurement is no number");
+}
+
 TEST(ForceGuard, WhatWasGivenOutLongAgoDoesNotCount) {
-    ForceGuard guard(guard_settings("energy_limit_J = 0.1\nenergy_window_s = 0.5"));
+    ForceGuard guard(guard_settings("energy_limit_J = 0.1\nenergy_window_s = 0.5"), kSample);
     guard.clear({});
     pump(guard, 100, 3, milliseconds{20});  // 10 mJ net in each 0.44 s
     EXPECT_FALSE(guard.tripped());
-    ForceGuard longer(guard_settings("energy_limit_J = 0.1\nenergy_window_s = 20"));
+    ForceGuard longer(guard_settings("energy_limit_J = 0.1\nenergy_window_s = 20"), kSample);
     longer.clear({});
     pump(longer, 100, 3, milliseconds{20});
     EXPECT_TRUE(longer.tripped());

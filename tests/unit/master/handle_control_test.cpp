@@ -2,6 +2,7 @@
 #include "master/handle_control.hpp"
 
 #include <algorithm>
+#include <deque>
 
 #include <gtest/gtest.h>
 
@@ -90,6 +91,71 @@ TEST(HandleControl, WavesArePlayedWhenTheNetworkWasExpectedToBringThem) {
             control.take(burst);
         }
         EXPECT_GT(control.force_N(), 0) << "waves that come back negative push the hand out";
+    }
+}
+
+// Waves come back as they were sent for, over a network in order, of which the handle is told as the session tells it.
+class WavesOverANetwork {
+  public:
+    explicit WavesOverANetwork(Duration delay) : delay_(delay) { control_.start(true, delay); }
+    // From the next sample on.
+    void change(Duration delay) {
+        delay_ = delay;
+        tell(delay);
+    }
+    void tell(Duration delay) { control_.network_changed(delay); }
+    // The force of the next sample. `wave_root_W` is what the slave answers to it.
+    double sample(double wave_root_W) {
+        const SessionTime now{milliseconds{samples_++}};
+        control_.sample(now, {0, 0});
+        WaveBurst burst;
+        burst.count = 1;
+        burst.number = control_.burst().number;
+        burst.wave_root_W[0] = wave_root_W;
+        newest_ = std::max(newest_, now + delay_);
+        under_way_.push_back({newest_, burst});
+        for (; !under_way_.empty() && under_way_.front().comes <= now; under_way_.pop_front())
+            control_.take(under_way_.front().burst);
+        return control_.force_N();
+    }
+
+  private:
+    struct UnderWay {
+        SessionTime comes;
+        WaveBurst burst;
+    };
+    HandleControl control_{of(Remedy::kWave), kPaperScale};
+    Duration delay_;
+    SessionTime newest_{};
+    std::deque<UnderWay> under_way_;
+    int samples_ = 0;
+};
+
+TEST(HandleControl, WavesWaitForAChangedNetworkAndNoLonger) {
+    WavesOverANetwork waves(milliseconds{10});
+    const auto run = [&](int samples) {
+        int without_force = 0;
+        for (int i = 0; i < samples; ++i) without_force += waves.sample(-0.1) > 0 ? 0 : 1;
+        return without_force;
+    };
+    const int wait = 10 + 2 + 3;  // samples: the network, wave_jitter_s, wave_repeats
+    EXPECT_EQ(run(300), wait);
+    waves.change(milliseconds{200});
+    EXPECT_EQ(run(1000), 190) << "nothing is under way that could be played meanwhile";
+    waves.change(milliseconds{30});
+    EXPECT_EQ(run(1000), 0) << "what was under way is still waited for";
+    const double before_N = waves.sample(-0.2);
+    int samples = 1;
+    while (waves.sample(-0.2) == before_N) ++samples;
+    EXPECT_EQ(samples, 30 + 2 + 3);
+}
+
+TEST(HandleControl, TheSameNetworkToldAgainChangesNothing) {
+    WavesOverANetwork told(milliseconds{50}), untold(milliseconds{50});
+    for (int n = 0; n < 1000; ++n) {
+        if (n % 100 == 99) told.tell(milliseconds{50});
+        const double wave_root_W = -1e-3 * (n % 83);
+        ASSERT_EQ(told.sample(wave_root_W), untold.sample(wave_root_W)) << n;
     }
 }
 

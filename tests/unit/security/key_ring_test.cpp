@@ -198,6 +198,26 @@ TEST(FlowKeys, AreRenewedWithoutLoss) {
     EXPECT_EQ(received(*rig.needle_in), "");
 }
 
+// A handshake within the grace of the epoch before, and a node whose receipt is late.
+TEST(FlowKeys, ThoseInUseAreNotForgottenWhileTheNextAreAgreedOn) {
+    Rig rig;
+    rig.turn();
+    for (int ms = 1; ms <= 2500; ++ms) {
+        if (ms == 800) rig.start_visual();
+        rig.control[1].b.cut = ms >= 800 && ms < 1060;
+        if (ms % 100 == 99) {
+            for (Channel* channel : rig.session) channel->send(bytes_of("alive"));
+            for (Program* node : {rig.master.get(), rig.slave.get(), rig.visual.get()})
+                node->channel->send(bytes_of("alive"));
+        }
+        rig.turn(milliseconds{1});
+        ASSERT_EQ(rig.across("needle"), "needle") << ms;
+        rig.record_out->send(bytes_of("sample"));
+        ASSERT_EQ(received(*rig.record_in), "sample") << ms;
+    }
+    EXPECT_TRUE(rig.desk->complete());
+}
+
 TEST(FlowKeys, AreRenewedAfterSoManyDatagrams) {
     SecurityTimes times;
     times.renew_packets = 1000;
