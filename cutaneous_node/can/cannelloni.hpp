@@ -29,6 +29,7 @@ class CannelloniBus final : public CanBus {
     void send(const CanFrame& frame) override;
     void flush() override;
     bool receive(CanFrame& frame) override;
+    bool down() const override { return false; }  // the interface is another machine's
 
   private:
     bool next_datagram();

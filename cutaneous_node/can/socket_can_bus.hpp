@@ -15,6 +15,7 @@ class SocketCanBus final : public CanBus, public Listener {
     ~SocketCanBus() override;
 
     void send(const CanFrame& frame) override;
+    void flush() override {}  // nothing waits
     bool receive(CanFrame& frame) override;
     bool down() const override { return down_; }
     int file_descriptor() const override { return socket_; }

@@ -17,7 +17,9 @@ class SlcanPty final : public CanBus {
 
     // A data frame, or an error frame: bus-off and error-passive are told as an adapter tells them.
     void send(const CanFrame& frame) override;
+    void flush() override {}  // nothing waits
     bool receive(CanFrame& frame) override;
+    bool down() const override { return false; }
 
     int file_descriptor() const { return adapter_; }
     const std::string& interface() const { return interface_; }

@@ -120,7 +120,7 @@ bool FalconHandle::fail(const std::string& what) {
 
 bool FalconHandle::stop_pressed() const {
     const FalconExchange::Latest latest = exchange_->latest();
-    return latest.any && latest.report.buttons != 0;
+    return latest.any && (latest.report.buttons & settings_.stop_buttons) != 0;
 }
 
 void FalconHandle::describe(nlohmann::ordered_json& report) const {

@@ -29,7 +29,7 @@ class FalconHandle final : public RealHandle {
     void command_force(SessionTime now, double force_hand_N) override;
     void enable_force(SessionTime now, bool enabled) override;
     std::string_view fault() const override;
-    // Any of the four buttons at the grip.
+    // One of the grip's buttons that the settings name.
     bool stop_pressed() const override;
 
     std::string name() const override { return name_; }

@@ -178,6 +178,7 @@ class OpenedFalcon final : public RealHandle {
         handle_->command_force(now, force_hand_N);
     }
     void enable_force(SessionTime now, bool enabled) override { handle_->enable_force(now, enabled); }
+    bool stop_pressed() const override { return handle_->stop_pressed(); }
     std::string_view fault() const override { return handle_->fault(); }
     std::string name() const override { return handle_->name(); }
     std::string awaits() override { return handle_->awaits(); }

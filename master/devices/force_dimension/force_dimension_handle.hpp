@@ -39,6 +39,7 @@ class ForceDimensionHandle final : public RealHandle {
     bool stop_pressed() const override;
 
     std::string name() const override { return name_; }
+    std::string awaits() override { return {}; }  // calibrated, or not opened
     void describe(nlohmann::ordered_json& report) const override;
 
     std::uint64_t saturated() const { return saturated_; }  // forces that the motors could not give whole

@@ -67,7 +67,10 @@ class HidHandle final : public HapticDevice, public OperatorPort {
     void command_force(SessionTime now, double force_hand_N) override {
         pointer_.command_force(now, force_hand_N);
     }
+    void enable_force(SessionTime now, bool enabled) override { pointer_.enable_force(now, enabled); }
     bool stop_pressed() const override { return hand_.stop_pressed(); }
+    // A device that is gone lets go, and may come back: no fault.
+    std::string_view fault() const override { return pointer_.fault(); }
     void start_trial(SessionTime now, const OperatorTask& task) override;
     void perceive(SessionTime /*now*/, const Percept& /*percept*/) override {}
     bool finished() const override { return false; }  // as PointerHandle
