@@ -30,8 +30,10 @@ class HapticDevice {
     // in its motors and is an encoder only, as in the paper.
     virtual void enable_force(SessionTime now, bool enabled) = 0;
 
-    // A button of the device that means "stop everything" is down.
-    virtual bool stop_pressed() const = 0;
+    // A button of the device that means "stop everything" is down, or has been since the last call.
+    virtual bool take_stop(SessionTime now) = 0;
+    // When a button has to be looked at by take_stop(), lest a short press is missed; kNever: the device notes presses by itself.
+    virtual SessionTime next_look() const = 0;
 
     // Empty while the device works. Then: which device, what happened, what to do; it applies no force and read() is not
     // valid from the moment at which this is not empty.

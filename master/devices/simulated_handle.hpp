@@ -23,7 +23,8 @@ class SimulatedHandle final : public HapticDevice, public OperatorPort {
     void command_force(SessionTime now, double force_hand_N) override;
     // No motors to switch off, no button, and nothing that fails.
     void enable_force(SessionTime /*now*/, bool /*enabled*/) override {}
-    bool stop_pressed() const override { return false; }
+    bool take_stop(SessionTime /*now*/) override { return false; }
+    SessionTime next_look() const override { return kNever; }
     std::string_view fault() const override { return {}; }
 
     void start_trial(SessionTime now, const OperatorTask& task) override;

@@ -30,7 +30,8 @@ class FalconHandle final : public RealHandle {
     void enable_force(SessionTime now, bool enabled) override;
     std::string_view fault() const override;
     // One of the grip's buttons that the settings name.
-    bool stop_pressed() const override;
+    bool take_stop(SessionTime now) override;
+    SessionTime next_look() const override { return kNever; }
 
     std::string name() const override { return name_; }
     std::string awaits() override;

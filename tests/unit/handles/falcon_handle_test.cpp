@@ -194,12 +194,12 @@ TEST_F(FalconHandleTest, OnlyTheButtonsThatTheSettingsNameStop) {
     named.stop_buttons = 0;
     FalconHandle none(named, 8, "none", exchange);
     for (const std::uint8_t button : {kFalconPlus, kFalconForward, kFalconCentre, kFalconMinus}) {
-        EXPECT_FALSE(handle.stop_pressed());
+        EXPECT_FALSE(handle.take_stop(now));
         device.report.buttons = button;
         exchange.turn();
-        EXPECT_TRUE(handle.stop_pressed()) << int{button};
-        EXPECT_EQ(one.stop_pressed(), button == kFalconCentre) << int{button};
-        EXPECT_FALSE(none.stop_pressed());
+        EXPECT_TRUE(handle.take_stop(now)) << int{button};
+        EXPECT_EQ(one.take_stop(now), button == kFalconCentre) << int{button};
+        EXPECT_FALSE(none.take_stop(now));
         device.report.buttons = 0;
         exchange.turn();
     }

@@ -75,9 +75,9 @@ TEST_F(FalconUsb, AButtonOfTheGripIsAStop) {
     falcon.with(make_ready);
     const auto handle = open_falcon(settings, kLimit_N);
     ASSERT_TRUE(comes([&] { return handle->fault().empty(); }));
-    EXPECT_FALSE(handle->stop_pressed());
+    EXPECT_FALSE(handle->take_stop(now));
     falcon.with([](FalconEmulator& device) { device.report.buttons = 4; });
-    EXPECT_TRUE(comes([&] { return handle->stop_pressed(); }));
+    EXPECT_TRUE(comes([&] { return handle->take_stop(now); }));
 }
 
 TEST_F(FalconUsb, GetsItsFirmware) {
