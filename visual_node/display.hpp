@@ -1,6 +1,7 @@
 // The fourth seam: something that shows a Scene. Scene holds only what the operator may see.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "common/messages.hpp"
@@ -27,6 +28,7 @@ struct Scene {
     bool stale = false;         // nothing has come for a while: what is shown may be wrong by now
     SessionTime hand_time{};    // when the handle was read, on the master's clock
     SessionTime answer_time{};  // when slave_sim answered, on its clock
+    std::uint32_t trial = 0;
 };
 
 struct ShownScene {
