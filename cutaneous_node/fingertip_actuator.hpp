@@ -18,6 +18,7 @@ struct FingertipForce {
     SessionTime sample_time{};
 };
 
+// Every call is pure: what a wrapper forgot to pass on would vanish in it.
 class FingertipActuator {
   public:
     virtual ~FingertipActuator() = default;
@@ -33,12 +34,12 @@ class FingertipActuator {
     // Both cables slack and nothing in flight (start of a trial, stop).
     virtual void release(SessionTime now) = 0;
     // Whose fingers commands are for from now on; the other hand's are released. A device that is worn on one hand stays there.
-    virtual void use_hand(SessionTime /*now*/, Hand /*hand*/) {}
+    virtual void use_hand(SessionTime now, Hand hand) = 0;
     // A device with a life of its own: takes what has arrived from it, sends what is due. Never blocks.
-    virtual void tick(SessionTime /*now*/) {}
-    virtual SessionTime next_wakeup() const { return kNever; }
+    virtual void tick(SessionTime now) = 0;
+    virtual SessionTime next_wakeup() const = 0;
     // It cannot go on, presses nobody any more, and says which part, why and what to do; empty: all is well.
-    virtual std::string_view fault() const { return {}; }
+    virtual std::string_view fault() const = 0;
 };
 
 }  // namespace thimble

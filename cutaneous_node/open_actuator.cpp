@@ -18,6 +18,8 @@ class OpenSimulated final : public OpenActuator {
   public:
     explicit OpenSimulated(const CutaneousSettings& settings) : actuator_(settings) {}
     FingertipActuator& actuator() override { return actuator_; }
+    void bring_up() override {}
+    void describe(nlohmann::ordered_json& /*report*/) const override {}
 
   private:
     SimulatedActuator actuator_;

@@ -22,9 +22,9 @@ class OpenActuator {
     virtual FingertipActuator& actuator() = 0;
     // Before the node says that it is ready, with time limits of its own. Throws Error with which device, which step, why and what
     // to do.
-    virtual void bring_up() {}
+    virtual void bring_up() = 0;
     // Adds its part, if it has one, to the node's report.
-    virtual void describe(nlohmann::ordered_json& /*report*/) const {}
+    virtual void describe(nlohmann::ordered_json& report) const = 0;
 };
 
 // A driver with a thread is scheduled as `runtime` says; one that talks over UDP takes its sockets from `sockets`. Throws Error with

@@ -20,6 +20,11 @@ class SimulatedActuator final : public FingertipActuator {
     FingertipForce output(SessionTime now) override;
     // At once, without dead time: a real device cuts its motor current.
     void release(SessionTime now) override;
+    // One hand's, without a life of its own, and nothing that fails.
+    void use_hand(SessionTime /*now*/, Hand /*hand*/) override {}
+    void tick(SessionTime /*now*/) override {}
+    SessionTime next_wakeup() const override { return kNever; }
+    std::string_view fault() const override { return {}; }
 
     // Commands replaced by a later one because too many came within one dead time.
     std::uint64_t coalesced() const { return coalesced_; }

@@ -137,8 +137,8 @@ void MasterProcess::apply(SessionTime now, double force_hand_N) {
     device_->command_force(now, guard_.pass(now, resting() ? 0 : force_hand_N));
 }
 
-StopWish MasterProcess::wants_stop(SessionTime /*now*/) {
-    if (device_->stop_pressed()) return {EndReason::kEmergencyStop, "the stop button at the handle"};
+StopWish MasterProcess::wants_stop(SessionTime now) {
+    if (device_->take_stop(now)) return {EndReason::kEmergencyStop, "the stop button at the handle"};
     if (running() && guard_.tripped()) return {EndReason::kSafetyStop, guard_.words()};
     return {};
 }

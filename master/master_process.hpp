@@ -2,6 +2,8 @@
 // and passes on what skin and eyes get to whoever holds the handle.
 #pragma once
 
+#include <algorithm>
+
 #include "common/force_age.hpp"
 #include "common/node_process.hpp"
 #include "common/round_trip.hpp"
@@ -49,7 +51,9 @@ class MasterProcess final : public NodeProcess {
         node_.control().network_changed(silence_of_change(control));
     }
     void work(SessionTime now) override;
-    SessionTime next_work() const override { return running() ? next_sample_ : kNever; }
+    SessionTime next_work() const override {
+        return std::min(running() ? next_sample_ : kNever, device_->next_look());
+    }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     std::string_view device_fault() const override { return device_->fault(); }
     StopWish wants_stop(SessionTime now) override;

@@ -1,6 +1,7 @@
 // The fourth seam: something that shows a Scene. Scene holds only what the operator may see.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "common/messages.hpp"
@@ -27,6 +28,7 @@ struct Scene {
     bool stale = false;         // nothing has come for a while: what is shown may be wrong by now
     SessionTime hand_time{};    // when the handle was read, on the master's clock
     SessionTime answer_time{};  // when slave_sim answered, on its clock
+    std::uint32_t trial = 0;
 };
 
 struct ShownScene {
@@ -34,6 +36,7 @@ struct ShownScene {
     SessionTime shown_at{};  // when light left the screen
 };
 
+// Every call is pure: what a wrapper forgot to pass on would vanish in it.
 class Display {
   public:
     virtual ~Display() = default;
@@ -48,12 +51,12 @@ class Display {
     // When the next frame becomes visible; kNever if none is on its way.
     virtual SessionTime next_shown() const = 0;
     // What to read between trials; kNone: nothing.
-    virtual void turn_page(SessionTime /*now*/, const Page& /*page*/) {}
-    virtual void beep(SessionTime /*now*/) {}
+    virtual void turn_page(SessionTime now, const Page& page) = 0;
+    virtual void beep(SessionTime now) = 0;
     // Whether the subject has asked to go on since the last call.
-    virtual bool take_go_on() { return false; }
+    virtual bool take_go_on() = 0;
     // Whether somebody at the screen has pressed stop since the last call.
-    virtual bool take_stop() { return false; }
+    virtual bool take_stop() = 0;
 };
 
 }  // namespace thimble

@@ -18,6 +18,11 @@ class RecordingDisplay final : public Display {
     void draw(SessionTime now, const Scene& scene) override;
     std::optional<ShownScene> shown(SessionTime now) override;
     SessionTime next_shown() const override { return next_shown_; }
+    // Nobody reads, hears or presses.
+    void turn_page(SessionTime /*now*/, const Page& /*page*/) override {}
+    void beep(SessionTime /*now*/) override {}
+    bool take_go_on() override { return false; }
+    bool take_stop() override { return false; }
 
     std::uint64_t shown_total() const { return shown_; }
     std::uint64_t dropped_total() const { return dropped_; }

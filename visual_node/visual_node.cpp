@@ -21,6 +21,7 @@ void VisualNode::start_trial(SessionTime now, const SessionControl& control, std
     newest_ = {};
     seen_ = {};
     seen_sample_time_ = now;
+    trial_ = trial;
     modality_ = control.modality;
     running_ = true;
 }
@@ -69,6 +70,7 @@ void VisualNode::add_what_pictures_need(SessionTime now, Scene& scene) const {
     scene.thumb_N = scene.fingertip_shown ? share * newest_.force_drawing_N : 0;
     scene.hand_time = newest_.hand_time;
     scene.answer_time = newest_.answered;
+    scene.trial = trial_;
 }
 
 // Counted from the first frame: 1/60 s is no whole number of nanoseconds, and the error must not add up.

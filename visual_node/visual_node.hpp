@@ -58,6 +58,7 @@ class VisualNode {
     Sample newest_;
     Percept seen_;
     SessionTime seen_sample_time_{};
+    std::uint32_t trial_ = 0;
     Modality modality_ = Modality::kHF;
     bool running_ = false;
 };

@@ -26,6 +26,10 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     void command(SessionTime now, Finger finger, double force_N) override;
     FingertipForce output(SessionTime now) override;
     void release(SessionTime now) override;
+    // It stays on the hand that wears it; its life is the thread's.
+    void use_hand(SessionTime /*now*/, Hand /*hand*/) override {}
+    void tick(SessionTime /*now*/) override {}
+    SessionTime next_wakeup() const override { return kNever; }
     std::string_view fault() const override;
 
     // The device's thread.

@@ -26,13 +26,13 @@ class CanBus {
     CanBus(const CanBus&) = delete;
     CanBus& operator=(const CanBus&) = delete;
 
-    // May wait for flush(). What cannot be sent is lost and counted.
+    // May wait for flush(), which sends what waits. What cannot be sent is lost and counted.
     virtual void send(const CanFrame& frame) = 0;
-    virtual void flush() {}
+    virtual void flush() = 0;
     // False: none is there. Error frames come too, with kCanError.
     virtual bool receive(SessionTime now, CanFrame& frame) = 0;
     // The interface itself is gone; what is wrong on the wire comes as error frames.
-    virtual bool down() const { return false; }
+    virtual bool down() const = 0;
     const CanCounters& counters() const { return counters_; }
 
   protected:

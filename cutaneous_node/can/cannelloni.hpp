@@ -33,6 +33,7 @@ class CannelloniBus final : public CanBus {
     void send(const CanFrame& frame) override;
     void flush() override;
     bool receive(SessionTime now, CanFrame& frame) override;
+    bool down() const override { return false; }  // the interface is another machine's
 
   private:
     bool next_datagram(SessionTime now);

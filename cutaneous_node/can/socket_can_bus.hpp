@@ -16,6 +16,7 @@ class SocketCanBus final : public CanBus, public Listener {
 
     void send(const CanFrame& frame) override;
     bool receive(SessionTime now, CanFrame& frame) override;
+    void flush() override {}  // nothing waits
     bool down() const override { return down_; }
     int file_descriptor() const override { return socket_; }
 

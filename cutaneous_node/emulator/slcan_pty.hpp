@@ -18,6 +18,8 @@ class SlcanPty final : public CanBus {
     // A data frame, or an error frame: bus-off and error-passive are told as an adapter tells them.
     void send(const CanFrame& frame) override;
     bool receive(SessionTime now, CanFrame& frame) override;
+    void flush() override {}  // nothing waits
+    bool down() const override { return false; }
 
     int file_descriptor() const { return adapter_; }
     const std::string& interface() const { return interface_; }

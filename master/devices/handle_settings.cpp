@@ -1,5 +1,6 @@
 #include "master/devices/handle_settings.hpp"
 
+#include <array>
 #include <string_view>
 
 namespace thimble {
@@ -35,6 +36,13 @@ ForceDimensionSettings read_force_dimension(const ConfigTable& table) {
     return settings;
 }
 
+// As libnifalcon names the grip's buttons.
+std::uint8_t read_falcon_stop(const ConfigTable& table) {
+    static constexpr std::array<std::uint8_t, 6> kButtons{
+        kFalconAnyButton, 0, kFalconPlus, kFalconForward, kFalconCentre, kFalconMinus};
+    return kButtons[table.choice("stop_button", 0, {"any", "none", "plus", "forward", "centre", "minus"})];
+}
+
 FalconSettings read_falcon(const ConfigTable& table) {
     FalconSettings settings;
     read_axis(table, settings.axis, 3000);
@@ -42,6 +50,7 @@ FalconSettings read_falcon(const ConfigTable& table) {
     settings.firmware = table.text("firmware", "");
     settings.firmware_sha256 = table.text("firmware_sha256", "");
     read_number(table, "motor_gain_per_Nm", settings.motor_gain_per_Nm, 1, 1e5);
+    settings.stop_buttons = read_falcon_stop(table);
     settings.homing_limit = table.seconds("homing_limit_s", settings.homing_limit,
                                           std::chrono::milliseconds{100}, std::chrono::minutes{10});
     const std::string_view digits = settings.firmware_sha256;

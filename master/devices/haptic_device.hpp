@@ -13,6 +13,7 @@ struct HandleSample {
     bool valid = true;           // false: the device has failed, and these are no measurements
 };
 
+// Every call is pure: a wrapper that forgot to pass one on would compile, and a button or a fault would vanish in it.
 class HapticDevice {
   public:
     virtual ~HapticDevice() = default;
@@ -27,14 +28,16 @@ class HapticDevice {
 
     // Whether a force may be commanded in what follows. Where it may not (CF, CCF, VF, between trials) a real device has no current
     // in its motors and is an encoder only, as in the paper.
-    virtual void enable_force(SessionTime /*now*/, bool /*enabled*/) {}
+    virtual void enable_force(SessionTime now, bool enabled) = 0;
 
-    // A button of the device that means "stop everything" is down.
-    virtual bool stop_pressed() const { return false; }
+    // A button of the device that means "stop everything" is down, or has been since the last call.
+    virtual bool take_stop(SessionTime now) = 0;
+    // When a button has to be looked at by take_stop(), lest a short press is missed; kNever: the device notes presses by itself.
+    virtual SessionTime next_look() const = 0;
 
     // Empty while the device works. Then: which device, what happened, what to do; it applies no force and read() is not
     // valid from the moment at which this is not empty.
-    virtual std::string_view fault() const { return {}; }
+    virtual std::string_view fault() const = 0;
 };
 
 }  // namespace thimble

@@ -16,7 +16,16 @@
 namespace thimble {
 namespace {
 
-class OpenSimulated final : public OpenHandle {
+// No device with a name, nothing to wait for.
+class OpenWithoutDevice : public OpenHandle {
+  public:
+    HandFollower* follower() override { return nullptr; }
+    std::string name() const override { return {}; }
+    std::string awaits() override { return {}; }
+    void describe(nlohmann::ordered_json& /*report*/) const override {}
+};
+
+class OpenSimulated final : public OpenWithoutDevice {
   public:
     OpenSimulated(const HandleSettings& settings, const OperatorParameters& person)
         : handle_(settings, person) {}
@@ -27,7 +36,7 @@ class OpenSimulated final : public OpenHandle {
     SimulatedHandle handle_;
 };
 
-class OpenPointer final : public OpenHandle {
+class OpenPointer final : public OpenWithoutDevice {
   public:
     explicit OpenPointer(const HandleSettings& settings) : handle_(settings) {}
     HapticDevice& device() override { return handle_; }
@@ -39,7 +48,7 @@ class OpenPointer final : public OpenHandle {
 };
 
 // A person's SpaceMouse or gamepad, and the thread that talks to it.
-class OpenHid final : public OpenHandle {
+class OpenHid final : public OpenWithoutDevice {
   public:
     OpenHid(const HandleSettings& settings, const RuntimeSettings& runtime)
         : hand_(settings.hid), handle_(settings, settings.hid, hand_), thread_(hand_, runtime) {}
@@ -60,6 +69,7 @@ class OpenReal final : public OpenHandle {
     explicit OpenReal(std::unique_ptr<RealHandle> handle) : handle_(std::move(handle)) {}
     HapticDevice& device() override { return *handle_; }
     OperatorPort& person() override { return *handle_; }
+    HandFollower* follower() override { return nullptr; }
     std::string name() const override { return handle_->name(); }
     std::string awaits() override { return handle_->awaits(); }
     void describe(nlohmann::ordered_json& report) const override { handle_->describe(report["handle"]); }

@@ -25,12 +25,12 @@ class OpenHandle {
     virtual HapticDevice& device() = 0;
     virtual OperatorPort& person() = 0;
     // Whoever wants to know where a person's pointer is; null: nobody.
-    virtual HandFollower* follower() { return nullptr; }
+    virtual HandFollower* follower() = 0;
     // Of a real one: as RealHandle.
-    virtual std::string name() const { return {}; }
-    virtual std::string awaits() { return {}; }
+    virtual std::string name() const = 0;
+    virtual std::string awaits() = 0;
     // Adds its part, if it has one, to the node's report.
-    virtual void describe(nlohmann::ordered_json& /*report*/) const {}
+    virtual void describe(nlohmann::ordered_json& report) const = 0;
 };
 
 // A driver with a thread is scheduled as `runtime` says. Throws Error with what is missing and what to do about it; usage, if this

@@ -28,6 +28,11 @@ class PointerHandle final : public HapticDevice, public OperatorPort, public Han
     HandleSample read(SessionTime now) override;
     // A force that is not a number counts as zero.
     void command_force(SessionTime now, double force_hand_N) override;
+    // No motors to switch off, no button, and nothing that fails.
+    void enable_force(SessionTime /*now*/, bool /*enabled*/) override {}
+    bool take_stop(SessionTime /*now*/) override { return false; }
+    SessionTime next_look() const override { return kNever; }
+    std::string_view fault() const override { return {}; }
 
     // At rest at z = 0, let go.
     void start_trial(SessionTime now, const OperatorTask& task) override;

@@ -21,7 +21,7 @@ class RealHandle : public HapticDevice, public OperatorPort {
     virtual std::string name() const = 0;
     // What its user has to do before it can be used, and how far that is; empty: nothing. Asked before the node says that it is
     // ready, over and over.
-    virtual std::string awaits() { return {}; }
+    virtual std::string awaits() = 0;
     // Its part of the node's report.
     virtual void describe(nlohmann::ordered_json& report) const = 0;
 };

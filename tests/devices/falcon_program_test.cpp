@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/runtime/wall_clock.hpp"
 #include "tests/devices/mock_falcon.hpp"
 #include "tests/loopback/lone_node.hpp"
 #include "tests/loopback/real_run.hpp"
@@ -44,6 +45,29 @@ TEST_F(FalconProgram, WaitsForItsUserToHomeIt) {
     ASSERT_TRUE(says("1 of 3 legs homed")) << node.words();
     home(7);
     ASSERT_TRUE(says("ready, ports from")) << node.words();
+    EXPECT_EQ(node.terminate(), 0) << node.words();
+}
+
+// Between trials, when thimble-master ticks on heartbeats only; each stop is released, which says who had stopped.
+TEST_F(FalconProgram, HearsEveryShortPressOfAButtonBetweenTrials) {
+    home(7);
+    LoneNode node("thimble-master", tables(""));
+    ASSERT_TRUE(node.ready()) << node.words();
+    const std::string port = std::to_string(node.base_port());
+    const auto press = [&](std::uint8_t buttons) {
+        falcon_->with([buttons](FalconEmulator& device) { device.report.buttons = buttons; });
+    };
+    for (int i = 0; i < 8; ++i) {
+        wall_sleep(std::chrono::milliseconds{13 * i});
+        press(kFalconPlus);
+        wall_sleep(std::chrono::milliseconds{20});
+        press(0);
+        wall_sleep(std::chrono::milliseconds{
+            350});  // heard within a heartbeat, and held as long as a release asks for
+        const Outcome released = run_to_end(built_programs() / "thimble",
+                                            {"stop", "--release", "--lanes", "1", "--base-port", port});
+        EXPECT_THAT(released.words, HasSubstr("the stop button at the handle")) << "press " << i;
+    }
     EXPECT_EQ(node.terminate(), 0) << node.words();
 }
 

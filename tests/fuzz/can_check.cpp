@@ -20,6 +20,8 @@ class HostileBus final : public CanBus {
         if (target && (load(frame, 0, 2) & 0x0fU) == kControlEnable)
             pressed = pressed || load(frame, 2, 2) > 1000;
     }
+    void flush() override {}
+    bool down() const override { return false; }
     bool receive(SessionTime, CanFrame& frame) override {
         if (frames.empty()) return false;
         frame = frames.back();

@@ -25,6 +25,7 @@ class LoneNode {
     nlohmann::json report() const { return nlohmann::json::parse(read_text(folder_ / "report.json")); }
     // The peers' ends of its ports.
     Sockets& peers() { return peers_; }
+    std::uint16_t base_port() const { return network_.base_port; }
     Endpoint at(Port port) const { return network_.at(port); }
 
   private:

@@ -24,7 +24,9 @@ class ReadDisplay final : public Display {
     std::optional<ShownScene> shown(SessionTime now) override { return frames.shown(now); }
     SessionTime next_shown() const override { return frames.next_shown(); }
     void turn_page(SessionTime, const Page& turned) override { page = turned; }
+    void beep(SessionTime now) override { frames.beep(now); }
     bool take_go_on() override { return std::exchange(pressed, false); }
+    bool take_stop() override { return frames.take_stop(); }
 
     RecordingDisplay frames;
     Page page;

@@ -67,8 +67,10 @@ class BreakableHandle final : public HapticDevice {
         largest_N = std::max(largest_N, std::abs(commanded_N));
         inner_->command_force(now, commanded_N);
     }
+    void enable_force(SessionTime now, bool enabled) override { inner_->enable_force(now, enabled); }
     std::string_view fault() const override { return words; }
-    bool stop_pressed() const override { return pressed; }
+    bool take_stop(SessionTime /*now*/) override { return pressed; }
+    SessionTime next_look() const override { return inner_->next_look(); }
     std::string words;
     bool pressed = false;
     double commanded_N = 0;

@@ -23,21 +23,32 @@ Playout::Playout(Duration smoothing, std::size_t capacity) : smoothing_(smoothin
 }
 
 void Playout::add(const Scene& scene) {
+    if (added_ > 0 && scene.trial != recent(0).trial) added_ = 0;
     if (added_ > 0 && scene.hand_time == recent(0).hand_time) {
         ring_[(added_ - 1) % ring_.size()] = scene;  // the same sample once more: its bar may have fallen
         return;
     }
     if (added_ > 0 && scene.hand_time < recent(0).hand_time) added_ = 0;
-    const Duration took = scene.sample_time - scene.hand_time;
-    quickest_ = added_ == 0 ? took : std::min(quickest_, took);
+    learn_delay(scene);
     ring_[added_ % ring_.size()] = scene;
     ++added_;
+}
+
+// A delay that was once less says nothing about the network of now.
+void Playout::learn_delay(const Scene& scene) {
+    const Duration took = scene.sample_time - scene.hand_time;
+    if (added_ == 0 || scene.hand_time - span_began_ >= kRemembered) {
+        quickest_before_ = added_ == 0 ? took : quickest_;
+        quickest_ = took;
+        span_began_ = scene.hand_time;
+    }
+    quickest_ = std::min(quickest_, took);
 }
 
 std::optional<Scene> Playout::at(SessionTime now) {
     if (added_ == 0) return std::nullopt;
     const std::size_t kept = std::min(added_, ring_.size());
-    const SessionTime stamp = now - smoothing_ - quickest_;
+    const SessionTime stamp = now - smoothing_ - std::min(quickest_, quickest_before_);
     std::size_t older = 0;
     while (smoothing_ > Duration::zero() && older + 1 < kept && recent(older).hand_time > stamp) ++older;
     const Scene& from = recent(older);

@@ -13,10 +13,13 @@ namespace thimble {
 
 class Playout {
   public:
+    // How long the least delay is remembered: for so long at least, and for twice as long at most.
+    static constexpr Duration kRemembered = std::chrono::seconds{1};
+
     // `smoothing`: how far back; zero shows the newest scene as it is. At least as many scenes as come in that time are kept.
     explicit Playout(Duration smoothing, std::size_t capacity = 512);
 
-    // A scene of which nothing has been seen yet. One with an older stamp than the last begins a new trial: what was is gone.
+    // A scene of which nothing has been seen yet. One of another trial, or with an older stamp than the last, begins anew: what was is gone.
     void add(const Scene& scene);
     // What to show at `now`; nothing before the first scene. Interpolated are needle and surface; force, contact and
     // stamps are those of the older neighbour. Past the newest sample the newest stands still.
@@ -25,12 +28,15 @@ class Playout {
     Duration age(SessionTime now) const { return now - shown_arrival_; }
 
   private:
+    void learn_delay(const Scene& scene);
     const Scene& recent(std::size_t i) const { return ring_[(added_ - 1 - i) % ring_.size()]; }
 
     Duration smoothing_;
     std::vector<Scene> ring_;
     std::size_t added_ = 0;
-    Duration quickest_{};  // arrival minus stamp, the least in this trial: where jitter begins
+    // Arrival minus stamp, the least of this and the last span of kRemembered: where jitter begins.
+    Duration quickest_{}, quickest_before_{};
+    SessionTime span_began_{};
     SessionTime shown_arrival_{};
 };
 

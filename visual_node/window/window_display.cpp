@@ -26,6 +26,7 @@ void WindowDisplay::draw(SessionTime, const Scene& scene) {
 }
 
 std::optional<ShownScene> WindowDisplay::shown(SessionTime now) {
+    offer_page();
     if (now < next_shown()) return std::nullopt;
     return take_from(shown_);
 }
@@ -35,8 +36,17 @@ SessionTime WindowDisplay::next_shown() const {
     return oldest == nullptr ? kNever : oldest->shown_at;
 }
 
+void WindowDisplay::turn_page(SessionTime, const Page& page) {
+    newest_page_ = page;
+    offer_page();
+}
+
+// The newest page is the one that is to be read: while a window hangs and the ring is full, it waits here.
+void WindowDisplay::offer_page() {
+    if (newest_page_ && pages_.push(*newest_page_)) newest_page_.reset();
+}
+
 // A full ring has sixty-four of them waiting for a window that hangs: one more says nothing new.
-void WindowDisplay::turn_page(SessionTime, const Page& page) { static_cast<void>(pages_.push(page)); }
 void WindowDisplay::beep(SessionTime now) { static_cast<void>(beeps_.push(now)); }
 
 std::optional<Scene> WindowDisplay::take_scene() { return take_from(scenes_); }

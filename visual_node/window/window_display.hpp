@@ -42,9 +42,12 @@ class WindowDisplay final : public Display {
     std::uint64_t unseen() const { return unseen_; }
 
   private:
+    void offer_page();
+
     Duration pipeline_;
     SpscRing<Scene> scenes_;
     SpscRing<Page> pages_;
+    std::optional<Page> newest_page_;  // the node's thread: did not fit
     SpscRing<SessionTime> beeps_;
     SpscRing<ShownScene> shown_;
     std::atomic<bool> open_{true};

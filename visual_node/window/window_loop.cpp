@@ -192,8 +192,7 @@ void WindowLoop::read_gamepad(SessionTime now) {
                           : JoystickIdentity{};
         parts_.vibration->plugged(joystick_);
     }
-    if (!there) return;
-    const bool held = state.buttons[GLFW_GAMEPAD_BUTTON_A] == GLFW_PRESS;
+    const bool held = there && state.buttons[GLFW_GAMEPAD_BUTTON_A] == GLFW_PRESS;
     if (held != stick_held_) held ? parts_.hand->take_hold() : parts_.hand->let_go();
     if (held && !stick_held_) ask_to_go_on();
     stick_held_ = held;

@@ -48,6 +48,8 @@ FalconExchange::Latest FalconExchange::latest() const {
             true};
 }
 
+std::uint8_t FalconExchange::take_buttons() { return pressed_.exchange(0) | latest().report.buttons; }
+
 bool FalconExchange::turn() {
     const std::uint64_t word = command_.load(std::memory_order_acquire);
     unattended_ = word == carried_ ? unattended_ + 1 : 0;
@@ -71,6 +73,7 @@ std::optional<FalconReport> FalconExchange::listen() {
 }
 
 void FalconExchange::publish(const FalconReport& report) {
+    pressed_ |= report.buttons;  // first: whoever asks in between hears of it
     const auto flags = static_cast<std::uint8_t>(report.buttons | (report.homed_legs << 4));
     report_.store(pack(report.encoders, flags, ++reports_), std::memory_order_release);
     any_.store(true, std::memory_order_release);

@@ -44,6 +44,8 @@ class FalconExchange {
         bool any = false;
     };
     Latest latest() const;
+    // All buttons that are down, or have been since the last call: FalconButton, together.
+    std::uint8_t take_buttons();
     // The newest command was not answered: what is sent now has no force.
     bool silent() const { return silent_.load(std::memory_order_acquire); }
     bool lost() const { return lost_.load(std::memory_order_acquire); }
@@ -55,6 +57,7 @@ class FalconExchange {
     FalconLink* link_;
     FalconReportReader reader_;
     std::atomic<std::uint64_t> command_{0}, report_{0};
+    std::atomic<std::uint8_t> pressed_{0};  // since somebody asked
     std::atomic<bool> any_{false}, silent_{false}, lost_{false}, stop_{false};
     std::uint8_t commands_ = 0, reports_ = 0;
     std::uint64_t carried_ = 0;  // command that the last turn sent

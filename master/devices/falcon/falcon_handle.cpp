@@ -118,9 +118,8 @@ bool FalconHandle::fail(const std::string& what) {
     return false;
 }
 
-bool FalconHandle::stop_pressed() const {
-    const FalconExchange::Latest latest = exchange_->latest();
-    return latest.any && latest.report.buttons != 0;
+bool FalconHandle::take_stop(SessionTime /*now*/) {
+    return (exchange_->take_buttons() & settings_.stop_buttons) != 0;
 }
 
 void FalconHandle::describe(nlohmann::ordered_json& report) const {

@@ -29,8 +29,9 @@ class FalconHandle final : public RealHandle {
     void command_force(SessionTime now, double force_hand_N) override;
     void enable_force(SessionTime now, bool enabled) override;
     std::string_view fault() const override;
-    // Any of the four buttons at the grip.
-    bool stop_pressed() const override;
+    // One of the grip's buttons that the settings name.
+    bool take_stop(SessionTime now) override;
+    SessionTime next_look() const override { return kNever; }
 
     std::string name() const override { return name_; }
     std::string awaits() override;

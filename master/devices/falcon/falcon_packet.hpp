@@ -18,6 +18,13 @@ inline constexpr std::int16_t kFalconMotorLimit = 4095;
 using FalconPacket = std::array<std::uint8_t, kFalconPacketBytes>;
 using FalconTriple = std::array<std::int16_t, 3>;  // of the legs: top, right, left, seen from the front
 
+enum FalconButton : std::uint8_t {
+    kFalconPlus = 1,
+    kFalconForward = 2,
+    kFalconCentre = 4,
+    kFalconMinus = 8,
+    kFalconAnyButton = 15
+};
 enum FalconLight : std::uint8_t { kFalconGreen = 2, kFalconBlue = 4, kFalconRed = 8 };
 
 struct FalconCommand {
@@ -28,7 +35,7 @@ struct FalconCommand {
 
 struct FalconReport {
     FalconTriple encoders{};      // counts from where the leg was homed
-    std::uint8_t buttons = 0;     // 1 plus, 2 forward, 4 centre, 8 minus
+    std::uint8_t buttons = 0;     // FalconButton, together
     std::uint8_t homed_legs = 0;  // a bit each
     bool homed() const { return homed_legs == 7; }
 };

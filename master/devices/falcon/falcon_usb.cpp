@@ -178,6 +178,8 @@ class OpenedFalcon final : public RealHandle {
         handle_->command_force(now, force_hand_N);
     }
     void enable_force(SessionTime now, bool enabled) override { handle_->enable_force(now, enabled); }
+    bool take_stop(SessionTime now) override { return handle_->take_stop(now); }
+    SessionTime next_look() const override { return handle_->next_look(); }
     std::string_view fault() const override { return handle_->fault(); }
     std::string name() const override { return handle_->name(); }
     std::string awaits() override { return handle_->awaits(); }

@@ -264,7 +264,8 @@ void ForceDimensionHandle::enable_force(SessionTime now, bool enabled) {
     apply();
 }
 
-bool ForceDimensionHandle::stop_pressed() const {
+bool ForceDimensionHandle::take_stop(SessionTime now) {
+    looked_ = now;
     return settings_.stop_button >= 0 && dhd_.button(settings_.stop_button, id_) > 0;
 }
 

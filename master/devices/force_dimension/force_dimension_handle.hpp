@@ -23,6 +23,8 @@ class ForceDimensionHandle final : public RealHandle {
     // device counts as stalled.
     static constexpr Duration kHeldAfter = std::chrono::microseconds{1500};
     static constexpr Duration kStalledAfter = std::chrono::milliseconds{20};
+    // Often enough to see the shortest press of a button.
+    static constexpr Duration kLookAgain = std::chrono::milliseconds{5};
     static constexpr unsigned kReadsPerStatus = 2;  // motors off within two ticks
 
     // Opens the device: the one with this serial number, else the only one. Throws Error: usage, if the library or the device is
@@ -36,9 +38,13 @@ class ForceDimensionHandle final : public RealHandle {
     void enable_force(SessionTime now, bool enabled) override;
     std::string_view fault() const override { return fault_; }
     // Of the button that the settings name; asks the device, between trials too.
-    bool stop_pressed() const override;
+    bool take_stop(SessionTime now) override;
+    SessionTime next_look() const override {
+        return settings_.stop_button < 0 ? kNever : looked_ + kLookAgain;
+    }
 
     std::string name() const override { return name_; }
+    std::string awaits() override { return {}; }  // calibrated, or not opened
     void describe(nlohmann::ordered_json& report) const override;
 
     std::uint64_t saturated() const { return saturated_; }  // forces that the motors could not give whole
@@ -67,7 +73,8 @@ class ForceDimensionHandle final : public RealHandle {
     std::string name_, fault_;
     bool forced_ = false;  // force is enabled
     double force_hand_N_ = 0;
-    SessionTime fresh_{};  // newest position that was not the last one again
+    SessionTime fresh_{};   // newest position that was not the last one again
+    SessionTime looked_{};  // at the button
     bool heard_ = false;
     bool held_ = false;  // the position is too old to push for
     unsigned reads_until_status_ = kReadsPerStatus;

@@ -98,7 +98,7 @@ bool HidHand::turn(SessionTime /*now*/, HidLink& link) {
     if (size < 0) return false;
     if (size == 0) return true;
     const ReportVerdict verdict = axes_.take(std::span(report).first(static_cast<std::size_t>(size)));
-    stop_pressed_.store(axes_.pressed(settings_.stop_button), std::memory_order_release);
+    note_stop(axes_.pressed(settings_.stop_button));
     switch (verdict) {
         case ReportVerdict::kBad:
             bad_reports_.fetch_add(1, std::memory_order_relaxed);
@@ -116,7 +116,13 @@ bool HidHand::turn(SessionTime /*now*/, HidLink& link) {
 
 void HidHand::detach() {
     deflection_.store(kAbsent, std::memory_order_release);
-    stop_pressed_.store(false, std::memory_order_release);
+    note_stop(false);
+}
+
+// The press comes first: whoever asks in between hears of it.
+void HidHand::note_stop(bool down) {
+    if (down) stop_pressed_ = true;
+    stop_down_ = down;
 }
 
 void HidMapping::start(SessionTime now) {
@@ -149,7 +155,7 @@ HandInput HidMapping::hand(SessionTime now, std::optional<double> deflection, do
     return {wanted_m_, true};
 }
 
-HidHandle::HidHandle(const HandleSettings& handle, const HidHandSettings& settings, const HidHand& hand)
+HidHandle::HidHandle(const HandleSettings& handle, const HidHandSettings& settings, HidHand& hand)
     : pointer_(handle),
       mapping_(settings),
       hand_(hand),

@@ -18,8 +18,8 @@ class HidHand final : public HidUser {
     // Of the chosen axis, -1 to 1, positive into the tissue; none while no device is there. Any thread. A device that says
     // nothing is one that does not move: SpaceMouses report changes only.
     std::optional<double> deflection() const;
-    // The button that the settings name is down. Any thread.
-    bool stop_pressed() const { return stop_pressed_.load(std::memory_order_acquire); }
+    // The button that the settings name is down, or has been since the last call. The node's thread.
+    bool take_stop() { return stop_pressed_.exchange(false) || stop_down_; }
     std::uint64_t bad_reports() const { return bad_reports_.load(std::memory_order_relaxed); }
     std::uint64_t attachments() const { return attachments_.load(std::memory_order_relaxed); }
 
@@ -30,10 +30,13 @@ class HidHand final : public HidUser {
     void detach() override;
 
   private:
+    void note_stop(bool down);
+
     HidHandSettings settings_;
     HidAxes axes_ = HidAxes::of_spacemouse();
     std::atomic<double> deflection_{kAbsent};
-    std::atomic<bool> stop_pressed_{false};
+    std::atomic<bool> stop_down_{false};     // now
+    std::atomic<bool> stop_pressed_{false};  // since somebody asked
     std::atomic<std::uint64_t> bad_reports_{0}, attachments_{0};
 
     static constexpr double kAbsent = 2;  // no deflection
@@ -61,13 +64,17 @@ class HidMapping {
 class HidHandle final : public HapticDevice, public OperatorPort {
   public:
     // `hand` outlives it.
-    HidHandle(const HandleSettings& handle, const HidHandSettings& settings, const HidHand& hand);
+    HidHandle(const HandleSettings& handle, const HidHandSettings& settings, HidHand& hand);
 
     HandleSample read(SessionTime now) override;
     void command_force(SessionTime now, double force_hand_N) override {
         pointer_.command_force(now, force_hand_N);
     }
-    bool stop_pressed() const override { return hand_.stop_pressed(); }
+    void enable_force(SessionTime now, bool enabled) override { pointer_.enable_force(now, enabled); }
+    bool take_stop(SessionTime /*now*/) override { return hand_.take_stop(); }
+    SessionTime next_look() const override { return kNever; }
+    // A device that is gone lets go, and may come back: no fault.
+    std::string_view fault() const override { return pointer_.fault(); }
     void start_trial(SessionTime now, const OperatorTask& task) override;
     void perceive(SessionTime /*now*/, const Percept& /*percept*/) override {}
     bool finished() const override { return false; }  // as PointerHandle
@@ -75,7 +82,7 @@ class HidHandle final : public HapticDevice, public OperatorPort {
   private:
     PointerHandle pointer_;
     HidMapping mapping_;
-    const HidHand& hand_;
+    HidHand& hand_;
     double reach_m_;
 };
 

@@ -31,6 +31,12 @@ struct Globals {
     std::uint8_t report = 0;
 };
 
+// Of the page that holds at its main item (6.2.2.8), unless it brings one along.
+struct LocalUsage {
+    std::optional<std::uint16_t> page;
+    std::uint16_t usage = 0;
+};
+
 class DescriptorReader {
   public:
     bool read(std::span<const std::uint8_t> bytes) {
@@ -77,7 +83,7 @@ class DescriptorReader {
             if (depth_++ == 0 && item.data == kApplication && !usages_.empty()) {
                 if (layout.applications.size() == kMostApplications) return false;
                 application_ = layout.applications.size();
-                layout.applications.push_back(usages_.front());
+                layout.applications.push_back(complete(usages_.front()));
             }
         }
         if (item.tag == 12) {
@@ -127,16 +133,20 @@ class DescriptorReader {
     }
 
     // A usage of four bytes brings its page along.
-    HidUsage usage_of(const Item& item) const {
-        const auto page = item.size == 4 ? static_cast<std::uint16_t>(item.data >> 16) : globals_.usage_page;
-        return {page, static_cast<std::uint16_t>(item.data)};
+    static LocalUsage usage_of(const Item& item) {
+        LocalUsage usage{std::nullopt, static_cast<std::uint16_t>(item.data)};
+        if (item.size == 4) usage.page = static_cast<std::uint16_t>(item.data >> 16);
+        return usage;
+    }
+    HidUsage complete(const LocalUsage& usage) const {
+        return {usage.page.value_or(globals_.usage_page), usage.usage};
     }
 
     void take_local(const Item& item) {
         if (item.tag == 0 && usages_.size() < kMostUsages) usages_.push_back(usage_of(item));
         if (item.tag == 1) first_ = usage_of(item);
         if (item.tag != 2) return;
-        const HidUsage last = usage_of(item);
+        const LocalUsage last = usage_of(item);
         for (std::uint32_t usage = first_.usage; usage <= last.usage && usages_.size() < kMostUsages; ++usage)
             usages_.push_back({first_.page, static_cast<std::uint16_t>(usage)});
     }
@@ -148,7 +158,7 @@ class DescriptorReader {
         const bool constant = (flags & 1U) != 0, variable = (flags & 2U) != 0;
         for (std::uint32_t i = 0; i < count; ++i, offset += size) {
             if (constant || !variable || size > 32 || size == 0 || usages_.empty()) continue;
-            const HidUsage usage = usages_[std::min<std::size_t>(i, usages_.size() - 1)];
+            const HidUsage usage = complete(usages_[std::min<std::size_t>(i, usages_.size() - 1)]);
             HidField field{usage.page, usage.usage, application_,     globals_.report,
                            offset,     size,        globals_.minimum, maximum()};
             if (field.minimum < field.maximum && layout.fields.size() < kMostFields)
@@ -165,8 +175,8 @@ class DescriptorReader {
 
     Globals globals_;
     std::vector<Globals> pushed_;
-    std::vector<HidUsage> usages_;
-    HidUsage first_;
+    std::vector<LocalUsage> usages_;
+    LocalUsage first_;
     std::uint32_t offsets_[256]{};
     int depth_ = 0;
     std::size_t application_ = kNoApplication;

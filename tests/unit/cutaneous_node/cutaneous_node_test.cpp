@@ -43,6 +43,9 @@ class NotingActuator final : public FingertipActuator {
     }
 
     void use_hand(SessionTime, Hand which) override { hand = which; }
+    void tick(SessionTime) override {}
+    SessionTime next_wakeup() const override { return kNever; }
+    std::string_view fault() const override { return {}; }
 
     Hand hand = Hand::kActing;
     FingertipForce current;

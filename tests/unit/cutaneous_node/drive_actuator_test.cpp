@@ -214,6 +214,7 @@ class WatchedBus final : public CanBus {
     }
     void flush() override { bus_->flush(); }
     bool receive(SessionTime at, CanFrame& frame) override { return bus_->receive(at, frame); }
+    bool down() const override { return bus_->down(); }
 
     bool full = false;
     int target_per_mille = 0;

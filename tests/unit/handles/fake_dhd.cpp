@@ -1,6 +1,6 @@
 // A libdhd.so.3 of our own with a scripted device behind it, which the real dlopen finds. The environment variable
 // THIMBLE_FAKE_DHD names its script: lines "key value", read when somebody asks how many devices there are. Keys ending in _after
-// count calls of dhdGetPosition; positions in metres. It writes what it was told to the file `log` names.
+// count calls of dhdGetPosition; positions in metres. A button is down while the file `button_file` names exists. It writes what it was told to the file `log` names.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -155,7 +155,9 @@ const char* dhdErrorGetStr(int code) {
 int dhdGetButton(int index, char /*id*/) {
     const Device& d = device();
     if (index >= d.number("buttons", 1)) return -1;
-    return d.after("pressed_after") ? 1 : 0;
+    const auto file = d.script.find("button_file");
+    const bool down = file != d.script.end() && std::ifstream(file->second).good();
+    return down || d.after("pressed_after") ? 1 : 0;
 }
 int dhdEnableExpertMode() { return 0; }
 int dhdDisableExpertMode() { return 0; }

@@ -187,6 +187,24 @@ TEST_F(FalconHandleTest, SaysWhatItWaitsForUntilItIsHomed) {
     EXPECT_THAT(std::string(waiting.fault()), HasSubstr("unplugged"));
 }
 
+TEST_F(FalconHandleTest, OnlyTheButtonsThatTheSettingsNameStop) {
+    FalconSettings named;
+    named.stop_buttons = kFalconCentre;
+    FalconHandle one(named, 8, "one", exchange);
+    named.stop_buttons = 0;
+    FalconHandle none(named, 8, "none", exchange);
+    for (const std::uint8_t button : {kFalconPlus, kFalconForward, kFalconCentre, kFalconMinus}) {
+        EXPECT_FALSE(handle.take_stop(now));
+        device.report.buttons = button;
+        exchange.turn();
+        EXPECT_TRUE(handle.take_stop(now)) << int{button};
+        EXPECT_EQ(one.take_stop(now), button == kFalconCentre) << int{button};
+        EXPECT_FALSE(none.take_stop(now));
+        device.report.buttons = 0;
+        exchange.turn();
+    }
+}
+
 TEST_F(FalconHandleTest, AStalledDeviceEndsTheTrial) {
     EXPECT_LE(good_reads_after([this] { device.silent = true; }), 22);
     expect_gone_for_good("no report for 20 ms");

@@ -70,6 +70,16 @@ TEST_F(FalconUsb, IsReadAndPushed) {
     }));
 }
 
+TEST_F(FalconUsb, AButtonOfTheGripIsAStop) {
+    MockFalcon falcon(bus, 2, "F1");
+    falcon.with(make_ready);
+    const auto handle = open_falcon(settings, kLimit_N);
+    ASSERT_TRUE(comes([&] { return handle->fault().empty(); }));
+    EXPECT_FALSE(handle->take_stop(now));
+    falcon.with([](FalconEmulator& device) { device.report.buttons = 4; });
+    EXPECT_TRUE(comes([&] { return handle->take_stop(now); }));
+}
+
 TEST_F(FalconUsb, GetsItsFirmware) {
     std::vector<char> image(500);
     std::iota(image.begin(), image.end(), char{0});

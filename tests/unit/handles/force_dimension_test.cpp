@@ -230,13 +230,13 @@ TEST_F(ForceDimension, AButtonThatTheFileNamesIsAnEmergencyStop) {
     script("pressed_after 10\n");
     const auto deaf = open();
     EXPECT_TRUE(reads(*deaf, 20));
-    EXPECT_FALSE(deaf->stop_pressed()) << "no button is named";
+    EXPECT_FALSE(deaf->take_stop(now_)) << "no button is named";
     settings_.stop_button = 0;
     const auto handle = open();
     EXPECT_TRUE(reads(*handle, 5));
-    EXPECT_FALSE(handle->stop_pressed());
+    EXPECT_FALSE(handle->take_stop(now_));
     EXPECT_TRUE(reads(*handle, 6));
-    EXPECT_TRUE(handle->stop_pressed());
+    EXPECT_TRUE(handle->take_stop(now_));
     settings_.stop_button = 3;
     EXPECT_THAT(refusal(), HasSubstr("has no button 3"));
 }

@@ -1,7 +1,10 @@
 // Which handle, which axis, which firmware: what a session file may say.
 #include "master/devices/handle_settings.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "common/error.hpp"
 
 namespace thimble {
 namespace {
@@ -54,6 +57,26 @@ TEST(RealHandleSettings, OnlyAFalconsUserIsWaitedFor) {
     EXPECT_EQ(user_limit(handle_from("[handle]\ndevice = \"falcon\"\n")), std::chrono::seconds{60});
     EXPECT_EQ(user_limit(handle_from("[handle]\ndevice = \"falcon\"\nfalcon.homing_limit_s = 5\n")),
               std::chrono::seconds{5});
+}
+
+TEST(RealHandleSettings, WhichFalconButtonStops) {
+    const auto buttons = [](const std::string& word) {
+        return handle_from("[handle.falcon]\nstop_button = \"" + word + "\"\n").falcon.stop_buttons;
+    };
+    EXPECT_EQ(handle_from("").falcon.stop_buttons, kFalconAnyButton);
+    EXPECT_EQ(buttons("any"), kFalconAnyButton);
+    EXPECT_EQ(buttons("none"), 0);
+    EXPECT_EQ(buttons("plus"), kFalconPlus);
+    EXPECT_EQ(buttons("forward"), kFalconForward);
+    EXPECT_EQ(buttons("centre"), kFalconCentre);
+    EXPECT_EQ(buttons("minus"), kFalconMinus);
+    try {
+        buttons("middle");
+        FAIL() << "no such button";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("handle.falcon.stop_button"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("centre"));
+    }
 }
 
 TEST(RealHandleSettings, FirmwareNeedsItsSum) {

@@ -127,7 +127,7 @@ TEST_F(HidHandleTest, TheNamedButtonIsAnEmergencyStop) {
     HidHandSettings settings;
     settings.stop_button = 1;
     HidHand careful{settings};
-    const HidHandle stoppable{HandleSettings{}, settings, careful};
+    HidHandle stoppable{HandleSettings{}, settings, careful};
     ASSERT_TRUE(careful.attach(compact_cap(), {}, trouble)) << trouble;
     const auto buttons = [&](std::uint8_t bits) {
         cable.said.push_back({3, bits, 0});
@@ -135,12 +135,12 @@ TEST_F(HidHandleTest, TheNamedButtonIsAnEmergencyStop) {
         hand.turn(now, link);
     };
     buttons(2);
-    EXPECT_FALSE(stoppable.stop_pressed());
+    EXPECT_FALSE(stoppable.take_stop(now));
     buttons(1);
-    EXPECT_TRUE(stoppable.stop_pressed());
-    EXPECT_FALSE(handle.stop_pressed()) << "no button is named";
+    EXPECT_TRUE(stoppable.take_stop(now));
+    EXPECT_FALSE(handle.take_stop(now)) << "no button is named";
     careful.detach();
-    EXPECT_FALSE(stoppable.stop_pressed());
+    EXPECT_FALSE(stoppable.take_stop(now));
     // A pad with eight has no ninth.
     settings.stop_button = 9;
     HidHand wrong{settings};

@@ -67,6 +67,23 @@ TEST(ReportDescriptor, OfAReceiverHasAllItsApplications) {
     EXPECT_EQ(in(2), 6 + 2);
 }
 
+// HID 1.11, 6.2.2.8: a main item takes the usage page that was declared last, also behind its usages.
+TEST(ReportDescriptor, TheUsagePageIsTheOneThatTheMainItemMeets) {
+    const auto layout = parse_report_descriptor(
+        Report{0x05, 0x09, 0x09, 0x04, 0x05, 0x01, 0xa1, 0x01,  // page 9, usage 4, page 1: a joystick
+               0x05, 0x09, 0x09, 0x30, 0x09, 0x31, 0x05, 0x01,  // X and Y, named on the buttons' page
+               0x0b, 0x02, 0x00, 0x09, 0x00,                    // button 2, which brings its page along
+               0x15, 0x00, 0x25, 0x7f, 0x75, 0x08, 0x95, 0x03, 0x81, 0x02,  //
+               0x19, 0x01, 0x29, 0x02, 0x05, 0x09, 0x95, 0x02, 0x81, 0x02,  // buttons 1 and 2
+               0x09, 0x32, 0xa4, 0x05, 0x01, 0xb4, 0x95, 0x01, 0x81, 0x02,  // pushed and popped: still page 9
+               0xc0});
+    ASSERT_TRUE(layout);
+    EXPECT_EQ(layout->applications, (std::vector<HidUsage>{{kGenericDesktop, kJoystickUsage}}));
+    std::vector<HidUsage> usages;
+    for (const HidField& field : layout->fields) usages.push_back({field.usage_page, field.usage});
+    EXPECT_EQ(usages, (std::vector<HidUsage>{{1, 0x30}, {1, 0x31}, {9, 2}, {9, 1}, {9, 2}, {9, 0x32}}));
+}
+
 TEST(ReportDescriptor, OfAHundredApplicationsIsNone) {
     Report many{0x05, 0x01};
     for (int i = 0; i < 100; ++i) many.insert(many.end(), {0x09, 0x04, 0xa1, 0x01, 0xc0});

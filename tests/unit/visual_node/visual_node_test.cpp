@@ -179,11 +179,97 @@ TEST(VisualNode, FingersAreForThosePeopleWhoHaveNoDevices) {
     }
 }
 
+TEST(VisualNode, FeedbackIsStaleFromItsLimitOn) {
+    VisualSettings settings;
+    settings.fingertip = true;
+    settings.stale = {StaleMode::kRamp, milliseconds{100}, milliseconds{20}};
+    const auto after = [&](Modality modality, Duration silence) {
+        VisualNode node(settings);
+        node.start_trial(at(seconds{1}), trial(modality), 1);
+        const SessionTime now = node.next_frame();
+        node.on_feedback(now - silence, feedback(0.05, 0.1, -2));
+        return node.frame(now).value();
+    };
+    EXPECT_FALSE(after(Modality::kVF, milliseconds{100} - Duration{1}).stale);
+    EXPECT_TRUE(after(Modality::kVF, milliseconds{100}).stale);
+    EXPECT_EQ(after(Modality::kCF, milliseconds{100}).fingertip_N, 2);
+    EXPECT_DOUBLE_EQ(after(Modality::kCF, milliseconds{110}).fingertip_N, 1);
+    EXPECT_DOUBLE_EQ(after(Modality::kVF, milliseconds{110}).bar_N, 0.99);  // whole pixels of 0.03 N
+    EXPECT_EQ(after(Modality::kVF, milliseconds{120}).bar_N, 0);
+}
+
+TEST(VisualNode, TheBarHasTheSettingsScaleAndPixels) {
+    VisualSettings settings;
+    settings.bar_full_scale_N = 6;
+    settings.bar_resolution = 12;
+    VisualNode node(settings);
+    node.start_trial(at({}), trial(Modality::kVF), 1);
+    const auto scene_with = [&](double force_N) {
+        const SessionTime now = node.next_frame();
+        node.on_feedback(now, feedback(0.05, 0.1, force_N));
+        return node.frame(now).value();
+    };
+    EXPECT_EQ(scene_with(-1.2).bar_N, 1);
+    EXPECT_EQ(scene_with(-5.99).bar_N, 5.5);
+    EXPECT_EQ(scene_with(0).bar_full_scale_N, 6);
+    EXPECT_EQ(scene_with(std::nan("")).bar_N, 0) << "what is no number is no force";
+}
+
+TEST(VisualNode, EachModalityShowsItsOwn) {
+    for (const bool fingertip : {false, true}) {
+        VisualSettings settings;
+        settings.fingertip = fingertip;
+        for (const Modality modality : kModalities) {
+            VisualNode node(settings);
+            node.start_trial(at({}), trial(modality), 1);
+            const SessionTime now = node.next_frame();
+            node.on_feedback(now, feedback(0.05, 0.1, std::nan("")));
+            const Scene scene = node.frame(now).value();
+            const bool pressed = modality == Modality::kCF || modality == Modality::kCCF;
+            EXPECT_EQ(scene.bar_shown, modality == Modality::kVF) << to_string(modality);
+            EXPECT_EQ(scene.fingertip_shown, fingertip && pressed) << to_string(modality);
+            EXPECT_EQ(scene.fingertip_N + scene.thumb_N, 0) << to_string(modality);
+        }
+    }
+}
+
+TEST(VisualNode, ASceneKnowsItsTrialItsStampsAndTheSurfaceAtRest) {
+    VisualNode node{VisualSettings{}};
+    for (const std::uint32_t number : {4U, 5U}) {
+        node.start_trial(at(seconds{number}), trial(Modality::kHF), number);
+        const double rest_m = 0.01 * number;
+        node.on_feedback(at(seconds{number}), feedback(0, rest_m));
+        ForceFeedback second = feedback(0.2, rest_m + 0.005);
+        second.echo_time = at(milliseconds{17});
+        node.on_feedback(at(seconds{number}), second, at(milliseconds{19}));
+        const SessionTime drawn = node.next_frame();
+        const Scene scene = node.frame(drawn).value();
+        EXPECT_LT(node.next_frame() - drawn, milliseconds{17});
+        EXPECT_EQ(scene.trial, number);
+        EXPECT_EQ(scene.position_surface_rest_m, rest_m);
+        EXPECT_EQ(scene.position_surface_m, rest_m + 0.005);
+        EXPECT_EQ(scene.hand_time, at(milliseconds{17}));
+        EXPECT_EQ(scene.answer_time, at(milliseconds{19}));
+    }
+}
+
+TEST(VisualNode, TheFirstInstantBelongsToTheTrial) {
+    VisualNode node{VisualSettings{}};
+    node.start_trial(at(seconds{3}), trial(Modality::kVF), 1);
+    EXPECT_DOUBLE_EQ(node.beep(at(seconds{3} + milliseconds{40})).sample_age_s, 0.040) << "nothing seen yet";
+    Scene scene;
+    scene.sample_time = at(seconds{3}) - Duration{1};
+    EXPECT_FALSE(node.to_percept({scene, at(seconds{4})}));
+    scene.sample_time = at(seconds{3});
+    EXPECT_TRUE(node.to_percept({scene, at(seconds{4})}));
+}
+
 TEST(VisualNode, TouchingIsSeen) {
     EXPECT_FALSE(scene_of(feedback(0.09, 0.1), Modality::kHF).touching);
     EXPECT_TRUE(scene_of(feedback(0.1, 0.1), Modality::kHF).touching);
     EXPECT_TRUE(scene_of(feedback(0.11, 0.11, 0, TissuePhase::kContact), Modality::kHF).touching);
-    EXPECT_TRUE(scene_of(feedback(0.099, 0.1, 0, TissuePhase::kPenetrated), Modality::kHF).touching);
+    for (const TissuePhase phase : {TissuePhase::kContact, TissuePhase::kPenetrated})
+        EXPECT_TRUE(scene_of(feedback(0.099, 0.1, 0, phase), Modality::kHF).touching);
 }
 
 TEST(VisualNode, ShowsTheNewestFeedback) {
@@ -221,6 +307,8 @@ TEST(VisualNode, ALateFrameKeepsThePhase) {
     const SessionTime first = node.next_frame();
     node.frame(first + milliseconds{990});
     EXPECT_EQ(node.next_frame(), first + seconds{1});
+    node.frame(first + seconds{2});  // as late as to be on the next one's time
+    EXPECT_GT(node.next_frame(), first + seconds{2});
 }
 
 TEST(VisualNode, PhaseIsDrawnPerTrialAndRepeats) {
@@ -244,15 +332,16 @@ TEST(VisualNode, PhaseIsDrawnPerTrialAndRepeats) {
 }
 
 TEST(VisualNode, EndsWithOneFrameWithoutABar) {
-    VisualNode node{VisualSettings{}};
+    VisualNode node{{.stale = {StaleMode::kHold}}};
     EXPECT_EQ(node.next_frame(), kNever);
     node.start_trial(at({}), trial(Modality::kVF), 1);
     node.on_feedback(at({}), feedback(0.05, 0.1, -6));
     node.end_trial(at(milliseconds{1}));
     node.on_feedback(at(milliseconds{1}), feedback(0.2, 0.3, -6));
-    const auto last = node.frame(node.next_frame());
+    const auto last = node.frame(at(seconds{1}));
     ASSERT_TRUE(last.has_value());
     EXPECT_EQ(last->bar_N, 0);
+    EXPECT_FALSE(last->stale) << "what is over is not late";
     EXPECT_EQ(last->position_needle_m, 0.05);
     EXPECT_EQ(node.next_frame(), kNever);
 }

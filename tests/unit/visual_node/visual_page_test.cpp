@@ -37,6 +37,9 @@ struct PageDisplay final : Display {
     std::optional<ShownScene> shown(SessionTime) override { return std::nullopt; }
     SessionTime next_shown() const override { return kNever; }
     void turn_page(SessionTime, const Page& page) override { pages.push_back(page.kind); }
+    void beep(SessionTime) override {}
+    bool take_go_on() override { return false; }
+    bool take_stop() override { return false; }
     std::vector<PageKind> pages;
 };
 

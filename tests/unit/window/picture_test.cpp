@@ -72,6 +72,97 @@ TEST(Picture, DimpleIsDeepestAtTheNeedleAndFlatFarAway) {
     }
 }
 
+// Each edge of the picture, and what lies beyond it.
+TEST(Picture, WhatCannotBeDrawnStaysAtTheEdges) {
+    const PictureSize size{800, 600, 1};
+    const auto tip = [&](double needle_m) { return picture_of(scene_with(needle_m, 1), size).needle_tip_y; };
+    EXPECT_EQ(tip(kTop_m), 0);
+    EXPECT_EQ(tip(-1), 0);
+    EXPECT_EQ(tip(std::numeric_limits<double>::quiet_NaN()), 0);
+    EXPECT_DOUBLE_EQ(tip(kBottom_m), 600 - 92);
+    EXPECT_DOUBLE_EQ(tip(1), 600 - 92);
+    EXPECT_DOUBLE_EQ(tip(0.5 * (kTop_m + kBottom_m)), (600 - 92) / 2.0);
+    EXPECT_DOUBLE_EQ(picture_of(scene_with(0.05, 0.03), size).needle_tip_y,
+                     picture_of(scene_with(0.03, 0.03), size).needle_tip_y)
+        << "nothing beneath the surface";
+}
+
+TEST(Picture, PlacesEverythingInItsWindow) {
+    const Picture picture = picture_of(scene_with(0, 0.02), {801, 642, 1});
+    EXPECT_DOUBLE_EQ(picture.pixels_per_m, 5000);  // 550 pixels above the strip show 110 mm
+    EXPECT_DOUBLE_EQ(picture.block_bottom, 550);
+    EXPECT_DOUBLE_EQ(picture.surface_y, 250);
+    EXPECT_EQ(picture.dimple_depth, 0);
+    EXPECT_DOUBLE_EQ(picture.dimple_radius, 30);
+    EXPECT_EQ(picture.needle_x, 400);
+    EXPECT_EQ(picture.needle_width, 7);
+    EXPECT_DOUBLE_EQ(picture.block_half_width, 375);
+    EXPECT_DOUBLE_EQ(picture.block_half_depth, 150);
+    const Picture narrow = picture_of(scene_with(0, 0.02), {400, 50, 0.25});
+    EXPECT_DOUBLE_EQ(narrow.block_bottom, 27);
+    EXPECT_EQ(narrow.needle_width, 3) << "never thinner";
+    EXPECT_DOUBLE_EQ(picture_of(scene_with(0, 0.02), {400, 642, 1}).block_half_width, 188);
+    EXPECT_DOUBLE_EQ(picture_of(scene_with(0, 0.02), {400, 50, 1}).block_bottom, 1) << "no room at all";
+    EXPECT_EQ(picture_of(scene_with(0, 0.02), {800, 600, 3}).needle_width, 21);
+    EXPECT_EQ(picture_of(scene_with(0, 0.02), {800, 600, 1.25}).needle_width, 9) << "whole pixels";
+}
+
+TEST(Picture, TheBarFitsItsWindow) {
+    const auto bar = [](int width, double scale = 1, double full_N = 12) {
+        Scene scene = scene_with(0, 0.02, 12);
+        scene.bar_full_scale_N = full_N;
+        return picture_of(scene, {width, 600, scale}).bar;
+    };
+    const Picture::Bar plain = bar(801).value();
+    EXPECT_EQ(plain.left, 200);
+    EXPECT_EQ(plain.top, 520);
+    EXPECT_EQ(plain.height, 26);
+    EXPECT_EQ(plain.full_N, 12);
+    EXPECT_EQ(bar(448)->full_length, 400);
+    EXPECT_EQ(bar(447)->full_length, 399);
+    EXPECT_EQ(bar(447)->length, 399);
+    EXPECT_EQ(bar(447, 2)->full_length, 351);
+    EXPECT_EQ(bar(10)->full_length, 1) << "never none";
+    EXPECT_EQ(bar(2000, 2.5)->full_length, 1000);
+    EXPECT_EQ(bar(2000, 2.5)->top, 600 - 200);
+    EXPECT_FALSE(bar(800, 1, -1));
+    EXPECT_FALSE(bar(800, 1, 0));
+    EXPECT_EQ(picture_of(scene_with(0, 0.02, -3), {}).bar->length, 0);
+}
+
+TEST(Picture, MarksAreOneTwoOrFiveOfADecade) {
+    const auto mark_N = [](double full_N) {
+        Scene scene = scene_with(0, 0.02);
+        scene.bar_full_scale_N = full_N;
+        return picture_of(scene, {}).bar->tick_N;
+    };
+    EXPECT_EQ(mark_N(5), 1);
+    EXPECT_EQ(mark_N(9.9), 1);
+    EXPECT_EQ(mark_N(10), 2);
+    EXPECT_EQ(mark_N(24.9), 2);
+    EXPECT_EQ(mark_N(25), 5);
+    EXPECT_EQ(mark_N(49.9), 5);
+    EXPECT_EQ(mark_N(50), 10);
+    EXPECT_DOUBLE_EQ(mark_N(0.75), 0.1);
+}
+
+TEST(Picture, AFingertipIsNoPalerThanPale) {
+    const auto fingertip = [](double force_N) {
+        Scene scene;
+        scene.fingertip_shown = true;
+        scene.fingertip_N = force_N;
+        return picture_of(scene, {800, 600, 2}).fingertip.value();
+    };
+    EXPECT_EQ(fingertip(1).blanching, 0.25);
+    EXPECT_EQ(fingertip(kBlanched_N).blanching, 1);
+    EXPECT_EQ(fingertip(5 * kBlanched_N).blanching, 1);
+    EXPECT_EQ(fingertip(-1).blanching, 0);
+    EXPECT_EQ(fingertip(std::numeric_limits<double>::quiet_NaN()).blanching, 0);
+    EXPECT_EQ(fingertip(0).radius, 88);
+    EXPECT_EQ(fingertip(0).x, 800 - 176);
+    EXPECT_DOUBLE_EQ(fingertip(0).y, 193.6);
+}
+
 TEST(Picture, NothingWithoutItsModality) {
     Scene scene;
     scene.bar_N = 5;

@@ -1,5 +1,8 @@
 #include "visual_node/window/playout.hpp"
 
+#include <optional>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/session_time.hpp"
@@ -58,6 +61,41 @@ TEST(Playout, TakesJitterOutOfTheMotion) {
     };
     EXPECT_GT(jerk(Duration::zero()), 0.8e-3);
     EXPECT_LT(jerk(milliseconds{15}), 1e-6);
+}
+
+// Needles at 20 moments of a trial with this delay; `first`: that of a trial before it.
+std::vector<double> shown_with(Duration delay, std::optional<Duration> first) {
+    Playout playout(milliseconds{10});
+    for (int i = 0; first && i < 100; ++i) playout.add(moving(milliseconds{i}, *first));
+    std::vector<double> shown;
+    for (int i = 0; i < 100; ++i) {
+        Scene scene = moving(milliseconds{5000 + i}, delay);
+        scene.trial = 1;
+        playout.add(scene);
+        if (i % 5 == 0) shown.push_back(playout.at(scene.sample_time).value().position_needle_m);
+    }
+    return shown;
+}
+
+TEST(Playout, TheOrderOfTrialsMakesNoDifference) {
+    for (const Duration delay : {milliseconds{1}, milliseconds{50}}) {
+        const auto alone = shown_with(delay, {});
+        EXPECT_EQ(shown_with(delay, milliseconds{1}), alone);
+        EXPECT_EQ(shown_with(delay, milliseconds{50}), alone);
+    }
+}
+
+TEST(Playout, AQuickerNetworkOfBeforeIsForgotten) {
+    Playout playout(milliseconds{10});
+    const auto lag_m = [&](int i, Duration delay) {
+        playout.add(moving(milliseconds{i}, delay));
+        return 0.001 * i - playout.at(at(milliseconds{i} + delay)).value().position_needle_m;
+    };
+    double before_m = 0, after_m = 0;
+    for (int i = 0; i < 1000; ++i) before_m = lag_m(i, milliseconds{1});
+    for (int i = 1000; i < 3000; ++i) after_m = lag_m(i, milliseconds{50});
+    EXPECT_NEAR(before_m, 0.010, 1e-9);
+    EXPECT_NEAR(after_m, 0.010, 1e-9) << "smoothed again";
 }
 
 TEST(Playout, StandsStillPastTheNewest) {

@@ -87,5 +87,24 @@ TEST(WindowDisplay, PassesPagesAndBeepsOn) {
     EXPECT_FALSE(display.take_beep());
 }
 
+// A window that hangs while many pages are turned shows the newest one when it looks again.
+TEST(WindowDisplay, TheNewestPageIsNeverLost) {
+    WindowDisplay display(Duration::zero());
+    Page page;
+    page.kind = PageKind::kBreak;
+    for (int i = 0; i < 1000; ++i) display.turn_page({}, page);
+    display.turn_page({}, Page{});  // a trial begins
+    const auto newest = [&] {
+        PageKind kind = PageKind::kWait;
+        while (const auto taken = display.take_page()) kind = taken->kind;
+        return kind;
+    };
+    EXPECT_EQ(newest(), PageKind::kBreak);
+    display.shown({});  // the node's next tick
+    EXPECT_EQ(newest(), PageKind::kNone);
+    display.shown({});
+    EXPECT_FALSE(display.take_page()) << "and only once";
+}
+
 }  // namespace
 }  // namespace thimble

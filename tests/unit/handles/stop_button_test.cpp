@@ -1,0 +1,126 @@
+// Short presses of a handle's stop button between trials, when the master has nothing to do but heartbeats. A press may begin anywhere
+// between two of them.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "common/queue_channel.hpp"
+#include "master/devices/force_dimension/force_dimension_handle.hpp"
+#include "master/devices/hid/hid_hand.hpp"
+#include "master/master_process.hpp"
+#include "tests/unit/hid/fake_hid.hpp"
+#include "tests/unit/session_time.hpp"
+#ifdef THIMBLE_DEVICES
+#include "master/devices/falcon/falcon_handle.hpp"
+#include "tests/unit/handles/falcon_emulator.hpp"
+#endif
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr int kPresses = 20;
+
+// What the device does in a millisecond in which its button is down or not.
+using Turn = std::function<void(bool down)>;
+
+// Whether a master without a session, which ticks only when it wants to, has stopped after a press.
+template <class Handle>
+bool is_heard(Handle& handle, const Turn& turn, Duration begin, Duration press) {
+    QueuePipe control, needle, force, skin, eyes;
+    MasterProcess master(1, MasterSettings{}, {&control.b, &needle.a, &force.b, &skin.b, &eyes.b}, handle,
+                         handle);
+    for (Duration time{}; time < milliseconds{400}; time += milliseconds{1}) {
+        turn(time >= begin && time < begin + press);
+        if (at(time) >= master.next_wakeup()) master.tick(at(time));
+    }
+    return master.stop_line().stopped();
+}
+
+template <class Handle>
+int heard_of(Handle& handle, const Turn& turn, Duration press) {
+    int heard = 0;
+    for (int i = 0; i < kPresses; ++i)
+        heard += is_heard(handle, turn, milliseconds{101 + 5 * i}, press) ? 1 : 0;
+    return heard;
+}
+
+template <class Handle>
+void expect_all_heard(Handle& handle, const Turn& turn) {
+    EXPECT_EQ(heard_of(handle, turn, Duration::zero()), 0) << "nobody presses";
+    for (const int press_ms : {20, 40, 60, 80})
+        EXPECT_EQ(heard_of(handle, turn, milliseconds{press_ms}), kPresses) << press_ms << " ms";
+}
+
+TEST(StopButton, NoShortPressOfAHidDeviceIsMissed) {
+    HidHandSettings settings;
+    settings.stop_button = 1;
+    test::FakeCable cable;
+    test::FakeLink link(cable);
+    HidHand hand(settings);
+    HidHandle handle(HandleSettings{}, settings, hand);
+    std::string trouble;
+    ASSERT_TRUE(hand.attach(test::compact_cap(), {}, trouble)) << trouble;
+    bool was_down = false;
+    expect_all_heard(handle, [&](bool down) {
+        if (down != was_down) cable.said.push_back({3, static_cast<std::uint8_t>(down ? 1 : 0), 0});
+        was_down = down;
+        hand.turn({}, link);
+    });
+}
+
+TEST(StopButton, APressBeforeTheHidDeviceIsPulledOutCounts) {
+    HidHandSettings settings;
+    settings.stop_button = 1;
+    test::FakeCable cable;
+    test::FakeLink link(cable);
+    HidHand hand(settings);
+    std::string trouble;
+    ASSERT_TRUE(hand.attach(test::compact_cap(), {}, trouble)) << trouble;
+    cable.said.push_back({3, 1, 0});
+    hand.turn({}, link);
+    hand.detach();
+    EXPECT_TRUE(hand.take_stop());
+    EXPECT_FALSE(hand.take_stop());
+}
+
+TEST(StopButton, NoShortPressOfAForceDimensionHandleIsMissed) {
+    namespace fs = std::filesystem;
+    std::string name = (fs::temp_directory_path() / "thimble-button-XXXXXX").string();
+    const fs::path folder = ::mkdtemp(name.data());
+    std::ofstream(folder / "script") << "button_file " << (folder / "down").string() << '\n';
+    setenv("THIMBLE_FAKE_DHD", (folder / "script").c_str(), 1);
+    ForceDimensionSettings settings;
+    settings.stop_button = 0;
+    ForceDimensionHandle handle(settings, 12.0, DhdLibrary(THIMBLE_FAKE_DHD_FILE));
+    bool was_down = false;
+    expect_all_heard(handle, [&](bool down) {
+        if (down && !was_down) std::ofstream(folder / "down") << "";
+        if (!down && was_down) fs::remove(folder / "down");
+        was_down = down;
+    });
+    fs::remove_all(folder);
+}
+
+#ifdef THIMBLE_DEVICES
+TEST(StopButton, NoShortPressOfAFalconIsMissed) {
+    FalconEmulator device;
+    EmulatedFalconLink link(device);
+    FalconExchange exchange(link);
+    device.running = true;
+    link.control(3, 0x0002);
+    device.put_hand_at({0, 0, 0.115});
+    FalconHandle handle(FalconSettings{}, 8, "Falcon", exchange);
+    expect_all_heard(handle, [&](bool down) {
+        device.report.buttons = down ? kFalconForward : 0;
+        exchange.turn();
+    });
+}
+#endif
+
+}  // namespace
+}  // namespace thimble
