@@ -7,6 +7,7 @@ import sys
 import element_example
 import file_sizes
 import include_directions
+import property_verdicts
 import purity
 import type_names
 from sources import ROOMS, report
@@ -75,6 +76,14 @@ CASES = (
     (purity, "master/hand.cpp", "long double x = 0;\n", "differ between libraries"),
     (file_sizes, "master/long.cpp", "\n" * 401, "401 lines"),
     (file_sizes, "master/long.cpp", "\n" * 400, None),
+    (property_verdicts, "tests/b.cpp", "rc::check([] {});\n", "b.cpp:1: the result is not asserted"),
+    (property_verdicts, "tests/b.cpp", "{\n    ::rc::check([] {});\n}\n", "b.cpp:2: the result is not"),
+    (property_verdicts, "tests/b.cpp", "(void)rc::check([] {});\n", "is not asserted"),
+    (property_verdicts, "tests/b.cpp", "using rc::check;\n", "is not asserted"),
+    (property_verdicts, "tests/b.cpp", "EXPECT_TRUE(true);\nrc::check([] {});\n", "b.cpp:2: the result is not"),
+    (property_verdicts, "tests/b.cpp", "EXPECT_TRUE(rc::check([] {}));\n", None),
+    (property_verdicts, "tests/b.cpp", "ASSERT_TRUE(\n    ::rc::check([] {}));\n", None),
+    (property_verdicts, "tests/b.cpp", "RC_GTEST_PROP(A, B, ()) {}\n// rc::check([] {});\n", None),
     (type_names, "common/b.hpp", "struct Grip {};\nclass Hand;\nstruct Hand {\n", None),
     (type_names, "netem/b.hpp", "struct Shared {\n", "Shared is also a type of common/shared.hpp"),
     (type_names, "netem/b.hpp", "class Shared final : public Other {\n", "Shared is also"),

@@ -31,6 +31,7 @@ TEST(DelayExperiment, At50msOnlyTheHandleOscillates) {
         tally.losses += static_cast<int>(metrics.contacts_lost);
     });
     ASSERT_EQ(trials.size(), 240U);
+    ASSERT_EQ(tallies.size(), kModalities.size());
     for (const auto& [modality, tally] : tallies) {
         EXPECT_EQ(tally.trials, 60) << to_string(modality);
         EXPECT_EQ(tally.completed, 60) << to_string(modality);

@@ -165,6 +165,28 @@ TEST(StopLine, WhatIsNoStopIsCounted) {
     EXPECT_EQ(line.counters().refused_total(), 2U);
 }
 
+// Two stops that become one begin anew at that instant: a release that was made before does not let go of them.
+TEST(StopLine, AMergedStopIsAsYoungAsTheMerge) {
+    Party party;
+    StopLine& session = party.of(0);
+    const auto send = [&](std::uint64_t id, StopKind kind) {
+        party.send(0, StopOrder(id, kind, EndReason::kEmergencyStop, "many"));
+    };
+    for (std::uint64_t id = 1; id <= 33; ++id) {
+        party.tick(milliseconds{id <= 32 ? 1 : 500});
+        send(id, StopKind::kStop);
+        session.tick(party.now);
+    }
+    for (const std::uint64_t id : {31, 32, 33}) send(id, StopKind::kRelease);
+    session.tick(party.now + milliseconds{100});
+    session.release(party.now + milliseconds{100});
+    EXPECT_TRUE(session.stopped()) << "31 and 32, which are one since 500 ms";
+    session.release(party.now + milliseconds{199});
+    EXPECT_TRUE(session.stopped());
+    session.release(party.now + milliseconds{200});
+    EXPECT_FALSE(session.stopped());
+}
+
 // More at once than have a place: all hold, and who asks until nothing is held has let go of all.
 TEST(StopLine, ManyStopsAtOnce) {
     Party party;

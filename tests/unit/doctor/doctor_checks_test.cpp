@@ -241,6 +241,7 @@ TEST(DoctorReport, JsonHasWhatTheTextHas) {
     const auto json = to_json(findings);
     EXPECT_EQ(json["can_run"], true);
     ASSERT_EQ(json["findings"].size(), findings.size());
+    std::size_t values = 0;
     for (std::size_t i = 0; i < findings.size(); ++i) {
         const auto& entry = json["findings"][i];
         EXPECT_EQ(entry["name"], findings[i].name);
@@ -251,7 +252,9 @@ TEST(DoctorReport, JsonHasWhatTheTextHas) {
             EXPECT_THAT(findings[i].remedy, Not(IsEmpty()));
         }
         for (const auto& [name, value] : findings[i].values) EXPECT_EQ(entry[name], value);
+        values += findings[i].values.size();
     }
+    EXPECT_GT(values, 0U);
 }
 
 }  // namespace

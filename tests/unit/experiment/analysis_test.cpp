@@ -64,6 +64,7 @@ TEST(Analysis, ThePapersHoldsNothingElse) {
         const MeasureAnalysis m = analyse(rows_of(columns), AnalysisKind::kPaper);
         EXPECT_NE(m.repeated_anova.has_value(), m.friedman.has_value());
         EXPECT_FALSE(m.eta_squared_interval);
+        ASSERT_EQ(m.pairs.size(), 6U);
         for (const PairAnalysis& pair : m.pairs) {
             EXPECT_NE(pair.pooled.has_value(), pair.dunn.has_value());
             EXPECT_FALSE(pair.paired || pair.d_z);
@@ -83,6 +84,7 @@ TEST(Analysis, TheFullOneHasAllBesideTheSameChoice) {
         EXPECT_EQ(full.chosen, paper.chosen);
         EXPECT_EQ(full.p(), paper.p());
         EXPECT_TRUE(full.repeated_anova && full.friedman && full.eta_squared_interval);
+        ASSERT_EQ(full.pairs.size(), 6U);
         for (const PairAnalysis& pair : full.pairs) {
             EXPECT_TRUE(pair.pooled && pair.dunn && pair.paired && pair.d_z);
         }

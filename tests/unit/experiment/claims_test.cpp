@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "experiment/statistics/friedman.hpp"
+#include "experiment/statistics/pairwise.hpp"
 #include "experiment/study_columns.hpp"
 #include "tests/unit/experiment/records.hpp"
 
@@ -169,6 +171,84 @@ TEST(Claims, StabilityNeedsAllOthersToHold) {
     Table table = the_papers();
     table.rows.back().metrics.oscillates = true;  // VF at 50 ms
     EXPECT_EQ(claim_of(judge_claims(table.rows), "E3.stable").reproduced, false);
+}
+
+TEST(Claims, StabilityNeedsMoreThanHalfOfTheHandlesTrialsToOscillate) {
+    Table table = the_papers();
+    const auto oscillating = [&](std::uint32_t subjects) {
+        for (TrialRow& row : table.rows) {
+            if (row.conditions.experiment != 3 || row.conditions.modality != Modality::kHF) continue;
+            row.metrics.oscillates = row.conditions.subject <= subjects;
+        }
+        return claim_of(judge_claims(table.rows), "E3.stable");
+    };
+    EXPECT_NE(oscillating(5).ours.find("HF 5 of 10"), std::string::npos) << oscillating(5).ours;
+    EXPECT_EQ(oscillating(5).reproduced, false);
+    EXPECT_EQ(oscillating(6).reproduced, true);
+}
+
+// A pair with .001 < P < .05 after Bonferroni, and P < .001 before: enough for CF - CCF of the maximum only.
+TEST(Claims, EachPairHasItsOwnLimit) {
+    const auto pair_of = [](const Table& table, Metric metric, std::size_t pair) {
+        return pairs_after_repeated_anova(StudyColumns(table.rows, 1).table(metric).table).at(pair);
+    };
+    Table near_cf, near_ccf;
+    near_cf.add(1, 16, {0.001, 0.004, 0.004029, 0.008}, {11, 11, 11, 11});
+    near_ccf.add(1, 16, {0.001, 0.004, 0.007971, 0.008}, {11, 11, 11, 11});
+    for (const Metric metric : {Metric::kPenetrationMean, Metric::kPenetrationMax}) {
+        for (const MeanPair& pair : {pair_of(near_cf, metric, 3), pair_of(near_ccf, metric, 5)}) {
+            ASSERT_LT(pair.p, 1e-3);
+            ASSERT_GT(pair.p_bonferroni, 1e-3);
+            ASSERT_LT(pair.p_bonferroni, 0.05);
+        }
+    }
+    const std::vector<Claim> cf = judge_claims(near_cf.rows), ccf = judge_claims(near_ccf.rows);
+    EXPECT_EQ(claim_of(cf, "E1.max.pairs").reproduced, true) << claim_of(cf, "E1.max.pairs").ours;
+    EXPECT_EQ(claim_of(cf, "E1.mean.pairs").reproduced, false);
+    EXPECT_EQ(claim_of(ccf, "E1.max.pairs").reproduced, false);
+    EXPECT_EQ(claim_of(ccf, "E1.mean.pairs").reproduced, false);
+    for (const auto& claims : {cf, ccf}) EXPECT_EQ(claim_of(claims, "E1.mean.pairs").direction, true);
+}
+
+// HF outranks each of the others with .001 < P < .05: the verdict is that of the claim's own level.
+TEST(Claims, EachComparisonOfRanksHasItsOwnLevel) {
+    constexpr std::array<PerModality, 10> kRanks{{{4, 1, 2, 3},
+                                                  {4, 2, 3, 1},
+                                                  {4, 3, 1, 2},
+                                                  {4, 1, 2, 3},
+                                                  {4, 2, 3, 1},
+                                                  {4, 3, 1, 2},
+                                                  {4, 1, 2, 3},
+                                                  {4, 3, 2, 1},
+                                                  {3, 1, 2, 4},
+                                                  {3, 4, 2, 1}}};
+    Table table;
+    table.add(3, 10, {}, {}, 0.05);
+    for (TrialRow& row : table.rows) {
+        const double rank = kRanks.at(row.conditions.subject - 1)
+                                .at(static_cast<std::size_t>(std::find(kModalities.begin(), kModalities.end(),
+                                                                       row.conditions.modality) -
+                                                             kModalities.begin()));
+        row.metrics.penetration_max_m = 0.001 * rank;
+        row.metrics.completion_time_s = 10 + rank;
+    }
+    for (const DunnPair& pair :
+         dunn_after_friedman(StudyColumns(table.rows, 3).table(Metric::kCompletionTime).table)) {
+        if (pair.first != 0) continue;
+        ASSERT_GT(pair.p_adjusted, 0.01);
+        ASSERT_LT(pair.p_adjusted, 0.05);
+    }
+    const std::vector<Claim> claims = judge_claims(table.rows);
+    for (const char* id : {"E3.time.hf_cf", "E3.max.hf_ccf"}) {
+        EXPECT_EQ(claim_of(claims, id).reproduced, true) << id << ": " << claim_of(claims, id).ours;
+    }
+    for (const char* id : {"E3.time.hf_vf", "E3.time.hf_ccf", "E3.max.hf_cf"}) {
+        EXPECT_EQ(claim_of(claims, id).reproduced, false) << id << ": " << claim_of(claims, id).ours;
+        EXPECT_EQ(claim_of(claims, id).direction, true) << id;
+    }
+    for (const char* id : {"E3.max.differs", "E3.time.differs"}) {
+        EXPECT_EQ(claim_of(claims, id).reproduced, false) << id << ": " << claim_of(claims, id).ours;
+    }
 }
 
 TEST(Claims, DataThatATestRefusesAreNotJudgedAndSayWhy) {

@@ -88,6 +88,41 @@ TEST(ClockFilter, DriftIsNoStep) {
     EXPECT_EQ(filter.steps(), 0U);
 }
 
+// The clocks may move apart during an exchange: the bound that the request gives is as old as the whole exchange.
+TEST(ClockFilter, ALongExchangeKeepsRoomForItsDrift) {
+    const seconds trip{10}, later{2};
+    for (const bool slow_reply : {true, false}) {
+        for (const int ppm : {900, -900}) {
+            const FarClock clock{seconds{3}, ppm};
+            const ClockExchange e = exchange(clock, SessionTime{seconds{100}}, slow_reply ? seconds{0} : trip,
+                                             slow_reply ? trip : seconds{0});
+            ClockFilter filter;
+            EXPECT_TRUE(filter.add(e));
+            const OffsetInterval then = filter.at(e.answered).value();
+            EXPECT_TRUE(contains(then, clock.offset_s(e.answered))) << slow_reply << " " << ppm;
+            EXPECT_NEAR(then.low_s, to_seconds(e.low()), 1e-12);
+            EXPECT_NEAR(then.high_s, to_seconds(e.high()) + kClockRateLimit * 10, 1e-12);
+            const OffsetInterval now = filter.at(e.answered + later).value();
+            EXPECT_TRUE(contains(now, clock.offset_s(e.answered + later))) << slow_reply << " " << ppm;
+            EXPECT_NEAR(now.low_s, to_seconds(e.low()) - kClockRateLimit * 2, 1e-12);
+            EXPECT_NEAR(now.high_s, to_seconds(e.high()) + kClockRateLimit * 12, 1e-12);
+        }
+    }
+}
+
+// The clock drifts by 9 ms during the slow exchange, and the quick one after it shows that.
+TEST(ClockFilter, DriftDuringALongExchangeIsNoStep) {
+    for (const int ppm : {900, -900}) {
+        const FarClock clock{seconds{3}, ppm};
+        ClockFilter filter;
+        filter.add(exchange(clock, SessionTime{seconds{100}}, seconds{0}, seconds{10}));
+        EXPECT_TRUE(filter.add(exchange(clock, SessionTime{seconds{110}}, microseconds{1}, microseconds{1})));
+        filter.add(exchange(clock, SessionTime{seconds{120}}, seconds{10}, seconds{0}));
+        EXPECT_TRUE(filter.add(exchange(clock, SessionTime{seconds{130}}, microseconds{1}, microseconds{1})));
+        EXPECT_EQ(filter.steps(), 0U);
+    }
+}
+
 std::vector<ClockExchange> draw_exchanges(const FarClock& clock) {
     std::vector<ClockExchange> exchanges;
     const int count = *rc::gen::inRange(1, 60);

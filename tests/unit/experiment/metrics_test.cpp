@@ -77,9 +77,15 @@ TEST(Metrics, ArrivalAndWithdrawalAreNoOscillation) {
 TEST(Metrics, RippleOnALargeOscillationIsNotCounted) {
     const TrialMetrics metrics = measure(make_record([](double time_s) {
         const double turn = 2 * std::numbers::pi * time_s;
-        return 0.02 + 0.01 * std::cos(2 * turn) + 0.0005 * std::cos(90 * turn);
+        // Large enough to cross the mean several times in each period of the oscillation.
+        return 0.02 + 0.01 * std::cos(2 * turn) + 0.002 * std::cos(90 * turn);
     }));
     EXPECT_NEAR(metrics.oscillation_frequency_Hz, 2, 0.05);
+}
+
+TEST(Metrics, AFewEncoderStepsHaveNoFrequency) {
+    EXPECT_TRUE(std::isnan(measure(sine_record(0.004, 0.08e-3, 5)).oscillation_frequency_Hz));
+    EXPECT_NEAR(measure(sine_record(0.004, 0.1e-3, 5)).oscillation_frequency_Hz, 5, 0.02);
 }
 
 TEST(Metrics, WithoutBeepToTheEnd) {

@@ -82,6 +82,46 @@ TEST(Protocol, ASubjectsRemovalsDifferInModality) {
     }
 }
 
+std::vector<Modality> modalities_of(const Protocol& protocol, std::uint32_t subject) {
+    std::vector<Modality> list;
+    for (const TrialConditions& trial : subject_trials(protocol, subject)) list.push_back(trial.modality);
+    return list;
+}
+
+// The first removals of a group's subjects spell the group's letters; each second removal is the letter `shift` further on.
+TEST(Protocol, EachGroupPairsItsRemovalsAtAnotherDistance) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        const Protocol protocol = experiment_2(settings(), 16, seed);
+        std::set<std::vector<Modality>> letters_of_groups;
+        for (std::uint32_t group = 0; group < 4; ++group) {
+            std::vector<Modality> letters;
+            for (std::uint32_t i = 0; i < 4; ++i)
+                letters.push_back(modalities_of(protocol, 4 * group + i + 1)[0]);
+            EXPECT_EQ(std::set<Modality>(letters.begin(), letters.end()).size(), 4U);
+            letters_of_groups.insert(letters);
+            const std::uint32_t shift = 1 + group % 3;
+            for (std::uint32_t i = 0; i < 4; ++i) {
+                EXPECT_EQ(modalities_of(protocol, 4 * group + i + 1)[1], letters[(i + shift) % 4])
+                    << "seed " << seed << ", group " << group << ", subject " << i;
+            }
+        }
+        EXPECT_GE(letters_of_groups.size(), 2U);
+    }
+}
+
+TEST(Protocol, RemovalsGoThroughAllModalitiesBeforeOneComesAgain) {
+    Protocol protocol = experiment_2(settings(), 16, 1);
+    protocol.removals_per_subject = 5;
+    for (std::uint32_t subject = 1; subject <= 16; ++subject) {
+        const std::vector<Modality> order = modalities_of(protocol, subject);
+        ASSERT_EQ(order.size(), 5U);
+        EXPECT_EQ(std::set<Modality>(order.begin(), order.begin() + 4).size(), 4U) << subject;
+        EXPECT_EQ(order[4], order[0]) << subject;
+    }
+    protocol.modalities = {Modality::kCF};
+    EXPECT_EQ(modalities_of(protocol, 2), std::vector<Modality>(5, Modality::kCF));
+}
+
 TEST(Protocol, FixturesAreDrawnWithinTheJitter) {
     for (const TrialConditions& trial : all_trials({experiment_1(settings(), 16, 3)})) {
         EXPECT_GE(trial.fixture_position_m, 0.108);
@@ -122,6 +162,25 @@ TEST(Williams, OrdersHaveEveryModalityInEachBlock) {
         }
     }
     for (const auto& [modality, times] : first) EXPECT_EQ(times, 4);
+}
+
+// A subject begins with the row after the one of the subject before, and goes on row by row.
+TEST(Williams, BlocksRotateThroughTheRows) {
+    Protocol protocol = experiment_1(settings(), 16, 1);
+    protocol.order = TrialOrder::kWilliams;
+    const auto blocks_of = [&](std::uint32_t subject) {
+        const std::vector<Modality> order = modalities_of(protocol, subject);
+        std::vector<std::vector<Modality>> blocks;
+        for (auto at = order.begin(); at != order.end(); at += 4) blocks.emplace_back(at, at + 4);
+        return blocks;
+    };
+    for (std::uint32_t subject = 1; subject < 16; ++subject) {
+        const auto own = blocks_of(subject), next = blocks_of(subject + 1);
+        ASSERT_EQ(own.size(), 6U);
+        EXPECT_EQ(std::set<std::vector<Modality>>(own.begin(), own.begin() + 4).size(), 4U) << subject;
+        EXPECT_EQ(own[4], own[0]) << subject;
+        for (std::size_t block = 0; block < 5; ++block) EXPECT_EQ(next[block], own[block + 1]) << subject;
+    }
 }
 
 TEST(TrialOrder, HasNames) {

@@ -20,28 +20,29 @@ std::vector<std::uint8_t> numbered(std::size_t size, std::uint8_t first) {
 }
 
 TEST(ByteQueue, GivesWhatItGotInOrder) {
-    rc::check("entries of any length, drained now and then", [](const std::vector<std::uint16_t>& sizes) {
-        ByteQueue queue(4096);
-        std::vector<std::uint16_t> pushed, drained;
-        const auto drain = [&] {
-            queue.drain([&](const ByteQueue::Entry& entry, Bytes bytes) {
-                RC_ASSERT(bytes.size() == entry.size);
-                RC_ASSERT(entry.time_ns == -entry.tag);
-                RC_ASSERT(std::vector(bytes.begin(), bytes.end()) ==
-                          numbered(bytes.size(), static_cast<std::uint8_t>(entry.tag)));
-                drained.push_back(entry.tag);
-            });
-        };
-        for (std::size_t i = 0; i < sizes.size(); ++i) {
-            const auto tag = static_cast<std::uint16_t>(i);
-            const auto bytes = numbered(sizes[i] % 513, static_cast<std::uint8_t>(tag));
-            if (queue.push(tag, -tag, bytes)) pushed.push_back(tag);
-            if (sizes[i] % 3 == 0) drain();
-        }
-        drain();
-        RC_ASSERT(pushed == drained);
-        RC_ASSERT(pushed.size() + queue.lost() == sizes.size());
-    });
+    EXPECT_TRUE(
+        rc::check("entries of any length, drained now and then", [](const std::vector<std::uint16_t>& sizes) {
+            ByteQueue queue(4096);
+            std::vector<std::uint16_t> pushed, drained;
+            const auto drain = [&] {
+                queue.drain([&](const ByteQueue::Entry& entry, Bytes bytes) {
+                    RC_ASSERT(bytes.size() == entry.size);
+                    RC_ASSERT(entry.time_ns == -entry.tag);
+                    RC_ASSERT(std::vector(bytes.begin(), bytes.end()) ==
+                              numbered(bytes.size(), static_cast<std::uint8_t>(entry.tag)));
+                    drained.push_back(entry.tag);
+                });
+            };
+            for (std::size_t i = 0; i < sizes.size(); ++i) {
+                const auto tag = static_cast<std::uint16_t>(i);
+                const auto bytes = numbered(sizes[i] % 513, static_cast<std::uint8_t>(tag));
+                if (queue.push(tag, -tag, bytes)) pushed.push_back(tag);
+                if (sizes[i] % 3 == 0) drain();
+            }
+            drain();
+            RC_ASSERT(pushed == drained);
+            RC_ASSERT(pushed.size() + queue.lost() == sizes.size());
+        }));
 }
 
 TEST(ByteQueue, CountsWhatDoesNotFit) {

@@ -137,6 +137,7 @@ TEST_F(Bench, NothingLeavesEarlyAlsoWhenItSpins) {
         engine_->step(wall_now());
     }
     EXPECT_EQ(hear(server_, 200).size(), 200U);
+    EXPECT_EQ(records_.all.size(), 200U);
     for (const PacketRecord& r : records_.all) {
         EXPECT_GE(r.sent_ns, r.due_ns);
         EXPECT_GE(r.due_ns, r.received_ns);

@@ -1,7 +1,10 @@
 // One named problem for each way a hybrid stepper goes wrong.
 #include "slave_sim/exact_tissue.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -244,6 +247,80 @@ TEST(ExactTissue, ChatterIsBoundedAndTheStepEnds) {
     EXPECT_LE(std::abs(s.tissue.state().position_surface_m), 1.1e-3);
 }
 
+// As Swinging, but 100 N pierce: beyond its rest position the surface is touched and pierced in each swing.
+struct GivenUp {
+    static constexpr double kStiffness_N_per_m = 1e6, kPuncture_N = 100;
+
+    ExactTissue tissue{TissueParameters{1e-6, kStiffness_N_per_m, 0, 0, kPuncture_N, 0}};
+    Transitions events{Transitions::kUnlimited};
+    std::string before;  // the phase when the step was given up
+    std::string after;   // what it entered then
+    std::size_t found = 0;
+
+    // The needle pierces a fast surface, waits while that swings, and goes to `from_m` at once; then the long step.
+    GivenUp(double wait_s, double from_m, double to_m, double duration_s) {
+        tissue.reset(-1e-3);
+        tissue.advance(2e-6, 1e-3, events);
+        tissue.advance(wait_s, 1e-3, events);
+        tissue.advance(1e-9, from_m, events);
+        events.clear();
+        tissue.advance(duration_s, to_m, events);
+        const auto word = std::find_if(events.begin(), events.end(),
+                                       [](const Transition& e) { return e.phase == "unresolved"; });
+        if (word == events.begin() || word == events.end()) return;
+        before = (word - 1)->phase;
+        found = static_cast<std::size_t>(word - events.begin());
+        for (auto e = word + 1; e != events.end(); ++e) {
+            EXPECT_EQ(e->offset_s, duration_s);
+            after += " " + std::string(e->phase);
+        }
+    }
+    // What the guards ask at the end of the step.
+    std::string asked(double needle_m) const {
+        const double gap_m = needle_m - tissue.state().position_surface_m;
+        if (before == "free") return gap_m > 0 ? " contact penetrated" : "";
+        if (before == "penetrated") return gap_m < 0 ? " free" : "";
+        const double force_N = kStiffness_N_per_m * needle_m;
+        if (force_N < 0) return " free";
+        return force_N > kPuncture_N ? " penetrated" : "";
+    }
+};
+
+TEST(ExactTissue, AStepThatWasGivenUpEndsInThePhaseThatItsGuardsAsk) {
+    std::set<std::string> seen;
+    for (const double duration_s : {0.05, 1e4}) {
+        for (const auto& [from_m, to_m] :
+             {std::pair{0.3e-3, 0.2e-3}, {0.3e-3, 0.05e-3}, {-0.25e-3, -0.2e-3}}) {
+            for (int i = 0; i < 60; i += 2) {
+                const GivenUp step(0.5e-6 + 0.1e-6 * i, from_m, to_m, duration_s);
+                ASSERT_EQ(step.tissue.unresolved_steps(), 1U) << from_m << " " << i;
+                ASSERT_NE(step.before, "") << from_m << " " << i;
+                ASSERT_EQ(step.after, step.asked(to_m)) << step.before << " " << from_m << " " << i;
+                // All of them within a millionth of the long step.
+                if (duration_s == 1e4) {
+                    ASSERT_EQ(step.found, 64U);
+                }
+                seen.insert(step.before + step.after);
+            }
+        }
+    }
+    EXPECT_EQ(seen, (std::set<std::string>{"free", "free contact penetrated", "penetrated", "penetrated free",
+                                           "contact", "contact free", "contact penetrated"}));
+}
+
+// The needle leaves the reach of the swings, and comes back into it late in the step.
+TEST(ExactTissue, ChatterLateInAStepIsGivenUpAsSoon) {
+    Swinging s;
+    s.tissue.advance(1e-3, -0.25e-3, s.events);
+    s.tissue.advance(1e-9, -0.5e-3, s.events);
+    Transitions events(Transitions::kUnlimited);
+    s.tissue.advance(1e4, -0.2e-3, events);
+    EXPECT_EQ(s.tissue.unresolved_steps(), 1U);
+    ASSERT_GT(events.size(), 64U);
+    EXPECT_GT(events[0].offset_s, 6000);
+    EXPECT_EQ(events[64].phase, "unresolved");
+}
+
 // Found by fuzz_scene: each swing comes back to just where the needle released it, and all of them were looked at.
 TEST(ExactTissue, SwingsUpToARestingNeedleAreNotCountedOneByOne) {
     Swinging s;
@@ -264,6 +341,9 @@ TEST(ExactTissue, AStepCostsNoMoreThanItMay) {
     EXPECT_EQ(s.tissue.unresolved_steps(), 1u);
     EXPECT_EQ(s.tissue.state().phase, TissuePhase::kFree);
     EXPECT_LE(std::abs(s.tissue.state().position_surface_m), 1.1e-3);
+    // The next one may cost as much again: here some 200 swings.
+    s.tissue.advance(1e-3, -0.1e-3, s.events);
+    EXPECT_EQ(s.tissue.unresolved_steps(), 1u);
 }
 
 TEST(Transitions, AFullListCountsWhatItDrops) {

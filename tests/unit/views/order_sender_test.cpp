@@ -135,7 +135,9 @@ TEST(OrderSender, OppositesCallEachOtherOff) {
     bench.ask(milliseconds{0}, order_of(OrderKind::kPause));
     bench.ask(milliseconds{1}, order_of(OrderKind::kResume));
     bench.run(1, 200);
-    for (const HeardOrder& heard : bench.heard()) {
+    const auto all = bench.heard();
+    ASSERT_EQ(all.size(), 2U);
+    for (const HeardOrder& heard : all) {
         EXPECT_EQ(heard.order.kind, heard.at == at({}) ? OrderKind::kPause : OrderKind::kResume);
     }
     EXPECT_EQ(bench.sender.progress(OrderKind::kPause), OrderProgress::kNone);
@@ -146,7 +148,9 @@ TEST(OrderSender, RepeatsKeepTheTrialForWhichTheyWereAsked) {
     bench.view.monitor.state = NodeState::kRunning;
     bench.ask(milliseconds{0}, order_of(OrderKind::kEndTrial));
     bench.run(0, 60);
-    for (const HeardOrder& heard : bench.heard()) EXPECT_EQ(heard.trial, 3U);
+    const auto all = bench.heard();
+    ASSERT_EQ(all.size(), 2U);
+    for (const HeardOrder& heard : all) EXPECT_EQ(heard.trial, 3U);
     bench.view.trial = 4;  // the next one runs already
     bench.run(61, 300);
     EXPECT_TRUE(bench.heard().empty());

@@ -20,7 +20,7 @@ Scene scene_with(double needle_m, double surface_m, double bar_N = 0) {
 }
 
 TEST(Picture, NeedleNeverEndsBeneathTheSurface) {
-    rc::check([] {
+    EXPECT_TRUE(rc::check([] {
         const double needle_m = 1e-3 * *rc::gen::inRange(-500, 500);
         const double surface_m = 1e-3 * *rc::gen::inRange(-500, 500);
         const PictureSize size{*rc::gen::inRange(1, 4000), *rc::gen::inRange(1, 3000),
@@ -28,7 +28,7 @@ TEST(Picture, NeedleNeverEndsBeneathTheSurface) {
         const Picture picture = picture_of(scene_with(needle_m, surface_m), size);
         RC_ASSERT(picture.needle_tip_y <= picture.surface_y + picture.dimple_depth + 1e-9);
         RC_ASSERT(picture.needle_tip_y >= 0);
-    });
+    }));
 }
 
 TEST(Picture, BarIsProportionalAndEndsAtFullScale) {

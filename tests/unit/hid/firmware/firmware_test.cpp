@@ -108,6 +108,7 @@ TEST_F(Firmware, LetsGoFiftyMillisecondsAfterTheLastCommand) {
 TEST_F(Firmware, AGarbledCommandIsNoSignOfLife) {
     actuator.command(now, Finger::kIndex, 1);
     run(3);
+    ASSERT_EQ(played::pressed_mN[0], 1000);
     BoardReport bad = encode(BoardCommand{9, true, 1400, 0});
     bad[4] ^= 1U;
     for (int i = 0; i < 60; ++i) {
@@ -120,6 +121,7 @@ TEST_F(Firmware, AGarbledCommandIsNoSignOfLife) {
 TEST_F(Firmware, AFaultLetsGoAndIsTold) {
     actuator.command(now, Finger::kIndex, 1);
     run(3);
+    ASSERT_EQ(played::pressed_mN[0], 1000);
     board_fault = 1;
     run(20);
     EXPECT_EQ(played::pressed_mN[0], 0);
