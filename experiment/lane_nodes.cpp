@@ -1,10 +1,10 @@
 // The programs of a lane: started, waited for, started anew, ended.
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 
 #include <fmt/format.h>
 
+#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "experiment/lane.hpp"
 #include "experiment/launch/node_kinds.hpp"
@@ -103,7 +103,7 @@ void Lane::pass_on_words(std::size_t& passed) const {
     std::ifstream file(log_path(kNodes.size() - 1));
     std::size_t lines = 0;
     for (std::string line; std::getline(file, line);)
-        if (++lines > passed) fmt::print(stderr, "{}\n", line);
+        if (++lines > passed) say_words(line + "\n");
     passed = std::max(passed, lines);
 }
 

@@ -12,7 +12,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
@@ -25,6 +24,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/service_notice.hpp"
+#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 
@@ -37,6 +37,9 @@ struct Options {
     bool strict_rt = false;
     pid_t launcher = 0;  // as stop_with_parent() has it; 0: nobody's end ends this program
 };
+
+// The last words get so long; nobody may be there to read them.
+constexpr Duration kFarewell = std::chrono::seconds{1};
 
 double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
@@ -278,6 +281,18 @@ int run(const NodeProgram& program, const Options& options) {
     return check_deadlines(options, runtime, loop.statistics());
 }
 
+int run_guarded(const std::function<int()>& body) {
+    try {
+        return body();
+    } catch (const Error& error) {
+        spdlog::error(error.what());
+        return static_cast<int>(error.code());
+    } catch (const std::exception& error) {
+        spdlog::error("unexpected: {}", error.what());
+        return static_cast<int>(ExitCode::kRunFailed);
+    }
+}
+
 }  // namespace
 
 nlohmann::ordered_json quantiles(const Histogram& h) {
@@ -288,17 +303,11 @@ nlohmann::ordered_json quantiles(const Histogram& h) {
 }
 
 int guarded_main(const std::string& name, const std::function<int()>& body) {
-    spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-    spdlog::set_pattern("%n: %^%l%$: %v");
-    try {
-        return body();
-    } catch (const Error& error) {
-        spdlog::error(error.what());
-        return static_cast<int>(error.code());
-    } catch (const std::exception& error) {
-        spdlog::error("unexpected: {}", error.what());
-        return static_cast<int>(ExitCode::kRunFailed);
-    }
+    open_standard_descriptors();
+    log_by_words(name);
+    const int code = run_guarded(body);
+    words_written_within(kFarewell);
+    return code;
 }
 
 int run_node_program(const NodeProgram& program, int argc, char** argv) {
