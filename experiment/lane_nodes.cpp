@@ -94,7 +94,9 @@ void Lane::wait_for_machines() {
                             plan_.starter->machine(node.role), node.program,
                             to_seconds(plan_.starter->reach()), plan_.out.string()));
         }
-        wall_sleep(kPoll);
+        loop_.step(company_, wall_now() + kPoll);
+        hear_stop_key();
+        keep_stop();
     }
 }
 
