@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -99,12 +100,14 @@ TEST_F(StandardStreams, APipeThatNobodyReadsHoldsUpNoRun) {
 
 // As cron, daemons and `2>&-` start programs.
 TEST_F(StandardStreams, WhereTheyAreClosedNoTableGetsTheWords) {
-    const std::string out = (folder_ / "out").string();
-    const std::string study = "exec '" + (built_programs() / "thimble").string() +
-                              "' study --experiment 2 --subjects 2 --out '" + out + "'";
-    EXPECT_EQ(run_to_end("/bin/sh", {"-c", study + " <&- >&- 2>&-"}).code, 0);
-    EXPECT_EQ(read_trial_table(folder_ / "out" / "trials.csv").size(), 4U);
-    EXPECT_THAT(read_text(folder_ / "out" / "trials.csv"), Not(HasSubstr("trials in")));
+    for (const std::string& closed : std::vector<std::string>{"2>&-", "<&- >&- 2>&-"}) {
+        const auto out = folder_ / ("out" + std::to_string(closed.size()));
+        const std::string study = "exec '" + (built_programs() / "thimble").string() +
+                                  "' study --experiment 2 --subjects 2 --out '" + out.string() + "' ";
+        EXPECT_EQ(run_to_end("/bin/sh", {"-c", study + closed}).code, 0);
+        EXPECT_THAT(read_text(out / "trials.csv"), Not(HasSubstr("trials in"))) << closed;
+        EXPECT_EQ(read_trial_table(out / "trials.csv").size(), 4U) << closed;
+    }
 }
 
 TEST_F(StandardStreams, WhereTheyAreClosedNoSocketOfANodeTakesTheirNumbers) {
