@@ -62,7 +62,7 @@ class StandardStreams : public testing::Test {
   protected:
     // `thimble` with these redirections.
     std::filesystem::path programs(const std::string& redirections) const {
-        const auto place = folder_ / "bin";
+        auto place = folder_ / "bin";
         install_programs(place);
         replace_program(place / "thimble",
                         "exec " + (built_programs() / "thimble").string() + " \"$@\" " + redirections);

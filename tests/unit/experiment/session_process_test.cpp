@@ -27,7 +27,7 @@ std::size_t place(Role role) {
 // A node obeys each order at once, unless the test has it do something else.
 class PlayedNode {
   public:
-    explicit PlayedNode(Role role) : role_(role), flow_(role, 7, {&pipe.b}) {}
+    explicit PlayedNode(Role role) : flow_(role, 7, {&pipe.b}) {}
 
     void tick(SessionTime now) {
         while (const Message* message = orders_.receive(now, pipe.b)) {
@@ -61,7 +61,6 @@ class PlayedNode {
         if (order.kind == ControlKind::kTrialEnd && number == trial) state = NodeState::kIdle;
     }
 
-    Role role_;
     OutboundFlow flow_;
     InboundFlow orders_{Role::kSession};
 };
@@ -76,71 +75,71 @@ SessionSettings patient_settings() {
 class SessionProcessTest : public testing::Test {
   protected:
     explicit SessionProcessTest(const SessionSettings& settings = patient_settings())
-        : session(1, settings,
-                  {{&netem.pipe.a, &slave.pipe.a, &cutaneous.pipe.a, &visual.pipe.a, &master.pipe.a},
-                   &record_.a}) {}
+        : session_(1, settings,
+                   {{&netem_.pipe.a, &slave_.pipe.a, &cutaneous_.pipe.a, &visual_.pipe.a, &master_.pipe.a},
+                    &record_.a}) {}
 
-    std::array<PlayedNode*, 5> nodes() { return {&netem, &slave, &cutaneous, &visual, &master}; }
+    std::array<PlayedNode*, 5> nodes() { return {&netem_, &slave_, &cutaneous_, &visual_, &master_}; }
     PlayedNode& node(Role role) { return *nodes().at(place(role)); }
 
     // Nodes speak every 50 ms, and slave_sim answers, until so much time has passed or the trial is over.
     void run_for(Duration time) {
-        const SessionTime end = now + time;
-        while (now < end && !session.finished()) beat();
+        const SessionTime end = now_ + time;
+        while (now_ < end && !session_.finished()) beat();
     }
     void beat() {
-        now += kBeat;
-        if (records) answer();
-        for (PlayedNode* one : nodes()) one->tick(now);
-        session.tick(now);
+        now_ += kBeat;
+        if (records_) answer();
+        for (PlayedNode* one : nodes()) one->tick(now_);
+        session_.tick(now_);
     }
     void answer() {
         ForceFeedback feedback;
-        feedback.echo_time = now;
-        feedback.phase = phase;
-        feedback.contact_time_s = contact_s;
-        slave_record_.send(now, session.number(), feedback);
+        feedback.echo_time = now_;
+        feedback.phase = phase_;
+        feedback.contact_time_s = contact_s_;
+        slave_record_.send(now_, session_.number(), feedback);
     }
     void start(std::uint32_t number = 1) {
-        session.start(TrialConditions{}, number);
-        session.tick(now);
+        session_.start(TrialConditions{}, number);
+        session_.tick(now_);
     }
     void reach_running() {
-        start(session.number() + 1);
+        start(session_.number() + 1);
         run_for(milliseconds{500});
-        ASSERT_TRUE(session.running());
+        ASSERT_TRUE(session_.running());
     }
     void stop_at(Role role, NodeState state, EndReason reason) {
         node(role).obeys = false;
         node(role).state = state;
         node(role).reason = reason;
     }
-    const TrialRecord& record() const { return session.record(); }
+    const TrialRecord& record() const { return session_.record(); }
 
-    PlayedNode netem{Role::kNetem}, slave{Role::kSlaveSim}, cutaneous{Role::kCutaneous},
-        visual{Role::kVisual}, master{Role::kMaster};
-    SessionTime now{seconds{100}};
-    TissuePhase phase = TissuePhase::kContact;
-    double contact_s = 0;
-    bool records = true;
+    PlayedNode netem_{Role::kNetem}, slave_{Role::kSlaveSim}, cutaneous_{Role::kCutaneous},
+        visual_{Role::kVisual}, master_{Role::kMaster};
+    SessionTime now_{seconds{100}};
+    TissuePhase phase_ = TissuePhase::kContact;
+    double contact_s_ = 0;
+    bool records_ = true;
 
   private:
     QueuePipe record_;
     OutboundFlow slave_record_{Role::kSlaveSim, 9, {&record_.b}};
 
   protected:
-    SessionProcess session;
+    SessionProcess session_;
 };
 
 // Nobody who was told to begin is left running.
 TEST_F(SessionProcessTest, AnAbortBeforeTheFirstAcknowledgementEndsTheTrialWhereItWasBegun) {
     beat();
     start();
-    session.abort(EndReason::kInterrupted);
-    session.tick(now += milliseconds{1});
-    EXPECT_FALSE(session.finished()) << "nobody has said that it has stopped";
+    session_.abort(EndReason::kInterrupted);
+    session_.tick(now_ += milliseconds{1});
+    EXPECT_FALSE(session_.finished()) << "nobody has said that it has stopped";
     run_for(seconds{1});
-    EXPECT_TRUE(session.finished());
+    EXPECT_TRUE(session_.finished());
     for (const Role role : {Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual}) {
         EXPECT_EQ(node(role).count(ControlKind::kTrialStart), 1) << to_string(role);
         EXPECT_GE(node(role).count(ControlKind::kTrialEnd), 1) << to_string(role);
@@ -153,67 +152,67 @@ TEST_F(SessionProcessTest, AnAbortBeforeTheFirstAcknowledgementEndsTheTrialWhere
 TEST_F(SessionProcessTest, WhoeverWasNotToldToBeginIsNotWaitedFor) {
     beat();
     start();
-    session.abort(EndReason::kInterrupted);
-    const SessionTime asked = now;
+    session_.abort(EndReason::kInterrupted);
+    const SessionTime asked = now_;
     run_for(seconds{10});
-    EXPECT_TRUE(session.finished());
-    EXPECT_LT(now - asked, milliseconds{300});
-    EXPECT_EQ(master.count(ControlKind::kTrialStart), 0);
+    EXPECT_TRUE(session_.finished());
+    EXPECT_LT(now_ - asked, milliseconds{300});
+    EXPECT_EQ(master_.count(ControlKind::kTrialStart), 0);
 }
 
 // Silence is not death: a program may have stalled.
 TEST_F(SessionProcessTest, NodesThatAreSilentHearOfAnAbortAtLeastOnce) {
     reach_running();
     for (PlayedNode* one : nodes()) one->speaks = false;
-    now += milliseconds{600};
-    session.abort(EndReason::kInterrupted);
-    session.tick(now);
-    EXPECT_TRUE(session.finished());
+    now_ += milliseconds{600};
+    session_.abort(EndReason::kInterrupted);
+    session_.tick(now_);
+    EXPECT_TRUE(session_.finished());
     for (PlayedNode* one : nodes()) {
-        one->tick(now);
+        one->tick(now_);
         EXPECT_EQ(one->count(ControlKind::kTrialEnd), 1);
     }
 }
 
 TEST_F(SessionProcessTest, ATrialIsOverOnceEachNodeHasAcknowledgedItsEnd) {
     reach_running();
-    cutaneous.obeys = false;
-    session.abort(EndReason::kInterrupted);
+    cutaneous_.obeys = false;
+    session_.abort(EndReason::kInterrupted);
     run_for(seconds{1});
-    EXPECT_FALSE(session.finished());
-    cutaneous.obeys = true;
+    EXPECT_FALSE(session_.finished());
+    cutaneous_.obeys = true;
     run_for(milliseconds{200});
-    EXPECT_TRUE(session.finished());
+    EXPECT_TRUE(session_.finished());
 }
 
 // Its control channel lives on, but it never acknowledges: that would take peer_wait.
 TEST_F(SessionProcessTest, ALostPeerIsNotWaitedFor) {
     reach_running();
-    slave.obeys = false;
-    records = false;
-    const SessionTime silent = now;
+    slave_.obeys = false;
+    records_ = false;
+    const SessionTime silent = now_;
     run_for(seconds{10});
-    ASSERT_TRUE(session.finished());
+    ASSERT_TRUE(session_.finished());
     EXPECT_EQ(record().reason, EndReason::kPeerLost);
     EXPECT_EQ(record().lost_peer, Role::kSlaveSim);
-    EXPECT_LT(now - silent, seconds{1});
-    EXPECT_EQ(slave.state, NodeState::kRunning);
+    EXPECT_LT(now_ - silent, seconds{1});
+    EXPECT_EQ(slave_.state, NodeState::kRunning);
 }
 
 // The others have to acknowledge all the same.
 TEST_F(SessionProcessTest, WhoeverIsNotTheLostOneIsWaitedFor) {
     reach_running();
-    slave.obeys = visual.obeys = false;
-    records = false;
+    slave_.obeys = visual_.obeys = false;
+    records_ = false;
     run_for(seconds{2});
-    EXPECT_FALSE(session.finished());
+    EXPECT_FALSE(session_.finished());
 }
 
 TEST_F(SessionProcessTest, ANodeThatMissesAPeerIsRightIfAnotherIsSilent) {
     reach_running();
-    netem.speaks = false;
+    netem_.speaks = false;
     run_for(milliseconds{300});
-    ASSERT_TRUE(session.running()) << "it is not silent for long enough to be lost";
+    ASSERT_TRUE(session_.running()) << "it is not silent for long enough to be lost";
     stop_at(Role::kMaster, NodeState::kFailed, EndReason::kPeerLost);
     beat();
     EXPECT_EQ(record().reason, EndReason::kPeerLost);
@@ -222,7 +221,7 @@ TEST_F(SessionProcessTest, ANodeThatMissesAPeerIsRightIfAnotherIsSilent) {
 
 TEST_F(SessionProcessTest, ANodeThatMissesAPeerIsBlamedItselfIfNobodyIsSilent) {
     reach_running();
-    netem.speaks = false;
+    netem_.speaks = false;
     run_for(milliseconds{150});  // as when two heartbeats were lost
     stop_at(Role::kMaster, NodeState::kFailed, EndReason::kPeerLost);
     beat();
@@ -232,33 +231,33 @@ TEST_F(SessionProcessTest, ANodeThatMissesAPeerIsBlamedItselfIfNobodyIsSilent) {
 
 TEST_F(SessionProcessTest, WhoeverIsSilentForLongIsLost) {
     reach_running();
-    visual.speaks = false;
+    visual_.speaks = false;
     run_for(milliseconds{450});
-    EXPECT_TRUE(session.running());
+    EXPECT_TRUE(session_.running());
     run_for(milliseconds{200});
     EXPECT_EQ(record().reason, EndReason::kPeerLost);
     EXPECT_EQ(record().lost_peer, Role::kVisual);
 }
 
 TEST_F(SessionProcessTest, ANodeThatDoesNotBeginIsNamed) {
-    visual.obeys = false;
+    visual_.obeys = false;
     start();
     run_for(seconds{20});
     EXPECT_EQ(record().reason, EndReason::kPeerLost);
     EXPECT_EQ(record().lost_peer, Role::kVisual);
-    EXPECT_EQ(master.count(ControlKind::kTrialStart), 0);
+    EXPECT_EQ(master_.count(ControlKind::kTrialStart), 0);
 }
 
 TEST_F(SessionProcessTest, ANodeThatIsSilentIsNamedBeforeOneThatDoesNotBegin) {
-    netem.obeys = false;
-    visual.speaks = false;
+    netem_.obeys = false;
+    visual_.speaks = false;
     start();
     run_for(seconds{20});
     EXPECT_EQ(record().lost_peer, Role::kVisual);
 }
 
 TEST_F(SessionProcessTest, TheMasterIsNotBlamedForWhatItWasNotToldYet) {
-    visual.trial = 1;  // it has given up at once
+    visual_.trial = 1;  // it has given up at once
     stop_at(Role::kVisual, NodeState::kFailed, EndReason::kPeerLost);
     start();
     run_for(seconds{20});
@@ -266,11 +265,11 @@ TEST_F(SessionProcessTest, TheMasterIsNotBlamedForWhatItWasNotToldYet) {
 }
 
 TEST_F(SessionProcessTest, NumbersGoOnFromTheHighestThatANodeHasSeen) {
-    slave.trial = 4;
-    visual.trial = 12;
-    master.trial = 7;
+    slave_.trial = 4;
+    visual_.trial = 12;
+    master_.trial = 7;
     beat();
-    EXPECT_EQ(session.last_number(), 12U);
+    EXPECT_EQ(session_.last_number(), 12U);
 }
 
 class PersonsSession : public SessionProcessTest {
@@ -283,29 +282,29 @@ class PersonsSession : public SessionProcessTest {
         return settings;
     }
     void beep() {
-        contact_s = 1;
+        contact_s_ = 1;
         beat();
         ASSERT_FALSE(std::isnan(record().beep_time_s));
-        contact_s = 0;
+        contact_s_ = 0;
     }
 };
 
 // An instant in touch with the tissue, and the time begins anew.
 TEST_F(PersonsSession, ATrialEndsOnceTheNeedleWasFreeWithoutAPause) {
     reach_running();
-    phase = TissuePhase::kFree;
+    phase_ = TissuePhase::kFree;
     run_for(seconds{1});
-    ASSERT_TRUE(session.running()) << "before the beep";
-    phase = TissuePhase::kContact;
+    ASSERT_TRUE(session_.running()) << "before the beep";
+    phase_ = TissuePhase::kContact;
     beep();
     for (int i = 0; i < 3; ++i) {
-        phase = TissuePhase::kFree;
+        phase_ = TissuePhase::kFree;
         run_for(milliseconds{250});
-        phase = TissuePhase::kContact;
+        phase_ = TissuePhase::kContact;
         beat();
-        ASSERT_TRUE(session.running()) << i;
+        ASSERT_TRUE(session_.running()) << i;
     }
-    phase = TissuePhase::kFree;
+    phase_ = TissuePhase::kFree;
     run_for(kWithdrawnFor + 2 * kBeat);
     EXPECT_EQ(record().reason, EndReason::kCompleted);
 }
@@ -313,34 +312,34 @@ TEST_F(PersonsSession, ATrialEndsOnceTheNeedleWasFreeWithoutAPause) {
 TEST_F(PersonsSession, TheNextTrialDoesNotEndByTheWithdrawalOfTheLastOne) {
     reach_running();
     beep();
-    phase = TissuePhase::kFree;
+    phase_ = TissuePhase::kFree;
     run_for(seconds{2});
-    ASSERT_TRUE(session.finished());
+    ASSERT_TRUE(session_.finished());
     reach_running();
-    phase = TissuePhase::kContact;
+    phase_ = TissuePhase::kContact;
     beep();
-    phase = TissuePhase::kFree;
+    phase_ = TissuePhase::kFree;
     run_for(milliseconds{250});
-    EXPECT_TRUE(session.running());
+    EXPECT_TRUE(session_.running());
 }
 
 // A wish from before a page's trial was known here: a node that has seen a higher number counts.
 TEST_F(PersonsSession, AWishIsForThePageOfTheHighestNumberSeen) {
-    visual.trial = master.trial = 12;
+    visual_.trial = master_.trial = 12;
     beat();
     Page page;
     page.kind = PageKind::kReady;
-    session.show(page);
+    session_.show(page);
     Order wish;
     wish.kind = OrderKind::kResume;
-    visual.trial = 11;
-    visual.say(now, wish);
-    visual.trial = 12;
-    session.tick(now);
-    EXPECT_FALSE(session.take_go_on());
-    visual.say(now, wish);
-    session.tick(now);
-    EXPECT_TRUE(session.take_go_on());
+    visual_.trial = 11;
+    visual_.say(now_, wish);
+    visual_.trial = 12;
+    session_.tick(now_);
+    EXPECT_FALSE(session_.take_go_on());
+    visual_.say(now_, wish);
+    session_.tick(now_);
+    EXPECT_TRUE(session_.take_go_on());
 }
 
 class QuickSession : public SessionProcessTest {
