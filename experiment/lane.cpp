@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
 
 #include <fmt/format.h>
 
 #include "common/runtime/node_report.hpp"
+#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
@@ -220,7 +220,7 @@ void Lane::keep_stop() {
         stop_fault_.clear();
     } catch (const Error& error) {
         if (stop_fault_.empty())
-            fmt::print(stderr, "a stop that is not kept ends with this program: {}\n", error.what());
+            say_words(fmt::format("a stop that is not kept ends with this program: {}\n", error.what()));
         stop_fault_ =
             fmt::format("; it ends with this program, since it could not be kept: {}", error.what());
     }

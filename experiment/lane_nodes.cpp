@@ -1,10 +1,10 @@
 // The programs of a lane: started, waited for, started anew, ended.
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 
 #include <fmt/format.h>
 
+#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "experiment/lane.hpp"
 #include "experiment/launch/node_kinds.hpp"
@@ -94,7 +94,9 @@ void Lane::wait_for_machines() {
                             plan_.starter->machine(node.role), node.program,
                             to_seconds(plan_.starter->reach()), plan_.out.string()));
         }
-        wall_sleep(kPoll);
+        loop_.step(company_, wall_now() + kPoll);
+        hear_stop_key();
+        keep_stop();
     }
 }
 
@@ -103,7 +105,7 @@ void Lane::pass_on_words(std::size_t& passed) const {
     std::ifstream file(log_path(kNodes.size() - 1));
     std::size_t lines = 0;
     for (std::string line; std::getline(file, line);)
-        if (++lines > passed) fmt::print(stderr, "{}\n", line);
+        if (++lines > passed) say_words(line + "\n");
     passed = std::max(passed, lines);
 }
 

@@ -1,26 +1,33 @@
 #include "experiment/progress.hpp"
 
-#include <cstdio>
 #include <unistd.h>
 
+#include "common/runtime/standard_streams.hpp"
+
 namespace thimble {
+namespace {
+
+constexpr const char* kOverTheLine = "\r\033[K";
+constexpr Duration kBeforeResults = std::chrono::milliseconds{500};
+
+}  // namespace
 
 Progress::Progress() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
+Progress::~Progress() { words_written_within(kBeforeResults); }
+
 void Progress::show(const std::string& line, bool milestone) {
     if (terminal_) {
-        std::fprintf(stderr, "\r\033[K%s", line.c_str());
-        std::fflush(stderr);
+        say_words(kOverTheLine + line);
         open_ = true;
     } else if (milestone) {
-        std::fprintf(stderr, "%s\n", line.c_str());
+        say_words(line + "\n");
     }
 }
 
 void Progress::say(const std::string& line) {
-    if (open_) std::fputs("\r\033[K", stderr);
+    say_words((open_ ? kOverTheLine : "") + line + "\n");
     open_ = false;
-    std::fprintf(stderr, "%s\n", line.c_str());
 }
 
 }  // namespace thimble

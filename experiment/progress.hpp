@@ -1,5 +1,5 @@
 // Progress of long work on stderr: one line that rewrites itself on a terminal, a plain line now and then
-// elsewhere.
+// elsewhere. Whoever shows it never waits for the terminal (standard_streams.hpp).
 #pragma once
 
 #include <string>
@@ -9,6 +9,9 @@ namespace thimble {
 class Progress {
   public:
     Progress();
+    ~Progress();  // gives the terminal a moment: what the program says next, on stdout perhaps, stands behind
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
     // Shown at once on a terminal; elsewhere only if `milestone`.
     void show(const std::string& line, bool milestone);
     // A line that stays.

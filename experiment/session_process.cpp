@@ -9,6 +9,8 @@ namespace thimble {
 namespace {
 
 constexpr Duration kResend = std::chrono::milliseconds{50};
+// Samples still come until all nodes have heard of the end.
+constexpr Duration kAfterTimeout = std::chrono::seconds{1};
 // A node that says "my peer is silent" is right about the silence; the culprit is whoever the session has not
 // heard for longer than a few heartbeats.
 constexpr Duration kSuspicious = std::chrono::milliseconds{250};
@@ -38,6 +40,7 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
                                         Heartbeat{},
                                         std::nullopt,
                                         0,
+                                        false,
                                         ClockProber{},
                                         ClockFilter{}};
                         })),
@@ -49,12 +52,16 @@ void SessionProcess::start(const TrialConditions& conditions, std::uint32_t numb
     record_.samples.clear();
     record_.network_events.clear();
     if (!network_.empty()) note_network(0, true);
-    record_.samples.reserve(static_cast<std::size_t>(to_seconds(settings_.trial_timeout) * 1000) + 1000);
+    record_.samples.reserve(static_cast<std::size_t>((settings_.trial_timeout + kAfterTimeout) /
+                                                     std::max(settings_.sample_period, Duration{1})));
     record_.beep_time_s = record_.round_trip_s = record_.achieved_delay_s = std::nan("");
     record_.reason = EndReason::kNone;
     record_.lost_peer = Role::kSession;
     record_.fault.clear();
-    for (Peer& peer : peers_) peer.fault.reset();
+    for (Peer& peer : peers_) {
+        peer.fault.reset();
+        peer.told = false;
+    }
     order_ = {};
     order_.study_seed = conditions.study_seed;
     order_.experiment = conditions.experiment;
@@ -228,9 +235,10 @@ bool SessionProcess::all_stopped(SessionTime now) const {
     const bool cut_off = lost || is_stop(record_.reason) || record_.reason == EndReason::kInterrupted ||
                          record_.reason == EndReason::kDeviceFault;
     return std::all_of(peers_.begin(), peers_.end(), [&](const Peer& peer) {
-        // The dead do not acknowledge.
-        if (lost && peer.role == record_.lost_peer) return true;
+        // The dead do not acknowledge, nor do those that have nothing to end.
+        if (!peer.told || (lost && peer.role == record_.lost_peer)) return true;
         if (cut_off && peer.flow.silent_for(now, kPeerTimeout)) return true;
+        if (peer.trial != trial_) return false;
         return peer.last.state == NodeState::kIdle || peer.last.state == NodeState::kFailed;
     });
 }
@@ -332,6 +340,7 @@ void SessionProcess::end(SessionTime now, EndReason reason, Role lost_peer) {
     order_.kind = ControlKind::kTrialEnd;
     order_.reason = reason;
     enter(now, Stage::kEnding);
+    send_orders(now);  // at least once: whoever is silent now may hear it
 }
 
 void SessionProcess::finish() {
@@ -352,6 +361,7 @@ void SessionProcess::send_orders(SessionTime now) {
         const bool its_turn = stage_ == Stage::kEnding || stage_ == Stage::kStartingMaster ||
                               (stage_ == Stage::kStartingOthers && peer.role != Role::kMaster);
         if (its_turn) {
+            peer.told = peer.told || starting;
             peer.out.send(now, trial_, order_);
         } else if (stage_ == Stage::kRunning && fixture_changed_ && peer.role == Role::kSlaveSim) {
             SessionControl change = order_;

@@ -20,8 +20,10 @@ namespace thimble {
 struct SessionSettings {
     Duration trial_timeout = std::chrono::seconds{60};
     Duration contact_hold = std::chrono::seconds{5};  // as slave_sim's; tells when the beep was due
-    Duration network_delay{};                         // needle and force path together, jitter included
-    Duration force_delay{};  // the part of it that change_delay() replaces: the force path's mean
+    Duration sample_period =
+        std::chrono::milliseconds{1};  // as the master's; the record has a sample of each
+    Duration network_delay{};          // needle and force path together, jitter included
+    Duration force_delay{};            // the part of it that change_delay() replaces: the force path's mean
     Duration peer_wait = std::chrono::seconds{5};  // for a node to answer a start or an end
     // What is added to that before the first trial, for somebody to make the handle ready (handle_settings.hpp).
     Duration user_limit{};
@@ -122,6 +124,7 @@ class SessionProcess final : public Process {
         Heartbeat last;
         std::optional<DeviceFault> fault;  // said in this trial, of a device or a stop
         std::uint32_t trial = 0;
+        bool told = false;  // to begin this trial
         ClockProber prober{};
         ClockFilter clock{};
     };

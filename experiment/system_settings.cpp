@@ -137,6 +137,7 @@ SessionSettings session_settings(const SystemSettings& settings) {
         return delay;
     };
     session.user_limit = user_limit(settings.handle);
+    session.sample_period = settings.master.sample_period;
     session.force_delay = settings.netem.force.delay;
     session.remedy = settings.master.control.remedy;
     session.network_delay += longest(settings.netem.needle, settings.netem.needle_timeline) +

@@ -134,7 +134,8 @@ void relay(std::span<const Hop> hops, Events& events) {
 // A process that relays until this object goes.
 class Relaying {
   public:
-    Relaying(const RuntimeSettings& settings, std::span<const Hop> hops) : process_(fork()) {
+    Relaying(const RuntimeSettings& settings, std::span<const Hop> hops)
+        : launcher_(getpid()), process_(fork()) {
         if (process_ < 0) fail("fork");
         if (process_ == 0) work(settings, hops);
     }
@@ -147,8 +148,9 @@ class Relaying {
 
   private:
     // Nothing may be thrown past a fork: the caller's caller would run twice.
-    [[noreturn]] static void work(const RuntimeSettings& settings, std::span<const Hop> hops) noexcept {
+    [[noreturn]] void work(const RuntimeSettings& settings, std::span<const Hop> hops) const noexcept {
         prctl(PR_SET_PDEATHSIG, SIGKILL, 0UL, 0UL, 0UL);
+        if (getppid() != launcher_) _exit(0);  // it had died before
         ask_for_realtime(settings);
         Events events;
         for (const Hop& hop : hops) events.add(hop.from->descriptor());
@@ -156,7 +158,7 @@ class Relaying {
         _exit(0);
     }
 
-    pid_t process_;
+    pid_t launcher_, process_;
 };
 
 // What the master does, without handle, codec and operator.

@@ -12,7 +12,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
@@ -25,6 +24,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/service_notice.hpp"
+#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 
@@ -35,8 +35,11 @@ struct Options {
     std::string config, report, log;
     int base_port = 0;
     bool strict_rt = false;
-    bool die_with_parent = false;
+    pid_t launcher = 0;  // as stop_with_parent() has it; 0: nobody's end ends this program
 };
+
+// The last words get so long; nobody may be there to read them.
+constexpr Duration kFarewell = std::chrono::seconds{1};
 
 double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
@@ -166,7 +169,7 @@ class LoopWatch {
 
   private:
     NodeProcess* process_;
-    unsigned emergencies_ = emergency_stops();
+    unsigned emergencies_ = 0;  // carried out
     bool said_ = false;
 };
 
@@ -176,6 +179,7 @@ void run_process(NodeInstance& instance, Process& process, const RuntimeSettings
     if (const std::string warning = ask_for_realtime(runtime); !warning.empty()) spdlog::warn(warning);
     notice.ready();
     LoopWatch watch(instance.process(), runtime);
+    watch.turned(wall_now(), loop.statistics());  // a stop that came before the loop comes before every order
     loop.run(process, [&](SessionTime now) {
         notice.turns(now);
         watch.turned(now, loop.statistics());
@@ -235,7 +239,7 @@ class Guarded final : public Process {
 };
 
 int run(const NodeProgram& program, const Options& options) {
-    if (options.die_with_parent) stop_with_parent();
+    if (options.launcher != 0) stop_with_parent(options.launcher);
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
     NetworkSettings network = read_network_settings(file);
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
@@ -245,10 +249,10 @@ int run(const NodeProgram& program, const Options& options) {
     const auto log = log_file.empty() ? nullptr : std::make_unique<MessageLog>();
     Sockets sockets(network);
     if (log) sockets.record_to(*log, logging.messages == LoggedMessages::kAll && !program.relays);
-    if (!options.die_with_parent) warn_if_unprotected(network);  // whoever started it has said so
+    if (options.launcher == 0) warn_if_unprotected(network);  // whoever started it has said so
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);
-    install_stop_signals();
+    install_stop_signals(QuitSignal::kStopsEverything);
     if (log) {
         log->start(log_file, log_origin(program, options, file), logging);
         instance->process().record_with(*log);
@@ -277,6 +281,18 @@ int run(const NodeProgram& program, const Options& options) {
     return check_deadlines(options, runtime, loop.statistics());
 }
 
+int run_guarded(const std::function<int()>& body) {
+    try {
+        return body();
+    } catch (const Error& error) {
+        spdlog::error(error.what());
+        return static_cast<int>(error.code());
+    } catch (const std::exception& error) {
+        spdlog::error("unexpected: {}", error.what());
+        return static_cast<int>(ExitCode::kRunFailed);
+    }
+}
+
 }  // namespace
 
 nlohmann::ordered_json quantiles(const Histogram& h) {
@@ -287,17 +303,11 @@ nlohmann::ordered_json quantiles(const Histogram& h) {
 }
 
 int guarded_main(const std::string& name, const std::function<int()>& body) {
-    spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-    spdlog::set_pattern("%n: %^%l%$: %v");
-    try {
-        return body();
-    } catch (const Error& error) {
-        spdlog::error(error.what());
-        return static_cast<int>(error.code());
-    } catch (const std::exception& error) {
-        spdlog::error("unexpected: {}", error.what());
-        return static_cast<int>(ExitCode::kRunFailed);
-    }
+    open_standard_descriptors();
+    log_by_words(name);
+    const int code = run_guarded(body);
+    words_written_within(kFarewell);
+    return code;
 }
 
 int run_node_program(const NodeProgram& program, int argc, char** argv) {
@@ -313,8 +323,7 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
         app.add_option("--log", options.log,
                        "write the messages that [log] names to this new MCAP file (docs/log.md)");
         app.add_flag("--strict-rt", options.strict_rt, "exit with 4 if too many deadlines were missed");
-        app.add_flag("--die-with-parent", options.die_with_parent,
-                     "stop when the launcher dies (thimble run sets it)");
+        app.add_flag("--die-with-parent", options.launcher, kDieWithParentHelp);
         for (const NumberOption& option : program.options) {
             app.add_option(option.flag, *option.target, option.help)
                 ->check(CLI::Range(option.low, option.high));

@@ -5,9 +5,11 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <poll.h>
 #include <sched.h>
 #include <sys/epoll.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
@@ -26,6 +28,18 @@ std::atomic<unsigned> emergencies{0};
 extern "C" void request_stop(int /*signal*/) { stop = true; }
 extern "C" void request_emergency_stop(int /*signal*/) { ++emergencies; }
 
+// The system hands a dead parent's children on a moment before it reports the death.
+constexpr int kDeathIsKnownWithin_ms = 50;
+
+bool has_ended(pid_t process) {
+    const auto watch = static_cast<int>(syscall(SYS_pidfd_open, process, 0U));
+    if (watch < 0) return errno == ESRCH;
+    pollfd end{watch, POLLIN, 0};
+    const bool ended = poll(&end, 1, kDeathIsKnownWithin_ms) > 0;
+    close(watch);
+    return ended;
+}
+
 // How long a stop request may wait for a sleeping loop.
 constexpr Duration kStopLatency = std::chrono::milliseconds{100};
 
@@ -33,12 +47,12 @@ constexpr Duration kStopLatency = std::chrono::milliseconds{100};
 
 const std::atomic<bool>& stop_requested() { return stop; }
 
-void install_stop_signals() {
+void install_stop_signals(QuitSignal quit) {
     struct sigaction action {};
     action.sa_handler = request_stop;
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
-    action.sa_handler = request_emergency_stop;
+    if (quit == QuitSignal::kStopsEverything) action.sa_handler = request_emergency_stop;
     sigaction(SIGQUIT, &action, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of whoever writes it
@@ -46,7 +60,12 @@ void install_stop_signals() {
 
 unsigned emergency_stops() { return emergencies; }
 
-void stop_with_parent() { prctl(PR_SET_PDEATHSIG, SIGTERM, 0UL, 0UL, 0UL); }
+// A launcher that died before the first line sends no signal. A parent that is not the launcher may be a wrapper between
+// the two, such as xvfb-run.
+void stop_with_parent(pid_t launcher) {
+    prctl(PR_SET_PDEATHSIG, SIGTERM, 0UL, 0UL, 0UL);
+    if (getppid() != launcher && has_ended(launcher)) std::raise(SIGTERM);
+}
 
 std::string ask_for_realtime(const RuntimeSettings& settings) {
     // The default slack of 50 us would be added to every wake-up.

@@ -6,6 +6,7 @@
 #include <functional>
 #include <sched.h>
 #include <span>
+#include <sys/types.h>
 #include <vector>
 
 #include "common/histogram.hpp"
@@ -27,13 +28,21 @@ struct LoopStatistics {
 // A tick that starts a whole sample late has missed its sample.
 inline constexpr Duration kDeadlineSlack = std::chrono::milliseconds{1};
 
+// SIGQUIT (Ctrl-\ in a terminal) ends the program as Ctrl-C does, or is an emergency stop of everything: that is for
+// programs that ask emergency_stops().
+enum class QuitSignal { kEnds, kStopsEverything };
+
 // Set by SIGINT and SIGTERM once install_stop_signals() was called.
 const std::atomic<bool>& stop_requested();
-void install_stop_signals();
-// How often SIGQUIT (Ctrl-\ in a terminal) has come since install_stop_signals(): an emergency stop each.
+void install_stop_signals(QuitSignal quit = QuitSignal::kEnds);
+// How many emergency stops SIGQUIT has asked for since the program began. A loop that obeys them counts from 0: one that
+// came while devices were made ready still holds.
 unsigned emergency_stops();
-// SIGTERM to this process when the thread that started it ends, however it ends.
-void stop_with_parent();
+// SIGTERM to this process when the thread that started it ends, however it ends; also if the process `launcher` has ended
+// already. 1, as the flag alone gives it: the launcher has not said its number.
+void stop_with_parent(pid_t launcher);
+inline constexpr const char* kDieWithParentHelp =
+    "stop when the launcher dies; =PID: also if that process has died already (thimble run sets it)";
 
 // Real-time scheduling and a 1 ns timer slack for this process. Returns "" or what to tell the user (said
 // once).

@@ -28,6 +28,18 @@ void add_film_options(CLI::App& play, CLI::Option* replay, FilmArguments& a) {
         ->group(group);
 }
 
+namespace {
+
+FilmResult make_film_and_show_progress(const RecordedTrial& trial, FilmPlan& plan) {
+    Progress progress;
+    plan.progress = [&](std::size_t done, std::size_t all) {
+        progress.show(fmt::format("frame {} of {}", done, all), done % 100 == 0);
+    };
+    return make_film(trial, plan);
+}
+
+}  // namespace
+
 int film_and_say(const RecordedTrial& trial, const VisualSettings& visual, const FilmArguments& arguments,
                  const std::atomic<bool>* stop) {
     FilmPlan plan;
@@ -37,11 +49,7 @@ int film_and_say(const RecordedTrial& trial, const VisualSettings& visual, const
     plan.overwrite = arguments.overwrite;
     plan.visual = visual;
     plan.stop = stop;
-    Progress progress;
-    plan.progress = [&](std::size_t done, std::size_t all) {
-        progress.show(fmt::format("frame {} of {}", done, all), done % 100 == 0);
-    };
-    const FilmResult result = make_film(trial, plan);
+    const FilmResult result = make_film_and_show_progress(trial, plan);
     fmt::print("{} frames: {}{}\n", result.frames, plan.frames.string(),
                plan.video && result.complete ? ", " + plan.video->string() : "");
     if (!result.complete) spdlog::error("interrupted; the {} frames done are kept", result.frames);

@@ -77,9 +77,10 @@ int run_play(const PlayArguments& arguments) {
     options.starter =
         std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command),
                                       settings.handle.kind != HandleKind::kHid);
-    install_stop_signals();
+    const bool replays = !arguments.replay.empty();
+    install_stop_signals(replays ? QuitSignal::kEnds : QuitSignal::kStopsEverything);
     warn_if_unprotected(options.network);
-    if (!arguments.replay.empty()) return run_recorded(arguments, settings, options);
+    if (replays) return run_recorded(arguments, settings, options);
     const PlayResult result = play(settings, options);
     fmt::print("{} trials{}\n", result.trials, arguments.record.empty() ? "" : ": " + arguments.record);
     return static_cast<int>(ExitCode::kOk);

@@ -99,7 +99,7 @@ NetworkSettings network_of(const RealRunArguments& arguments) {
 
 int run_for_real(const RealRunArguments& arguments, const SystemSettings& settings,
                  const std::shared_ptr<NodeStarter>& starter) {
-    install_stop_signals();
+    install_stop_signals(QuitSignal::kStopsEverything);
     if (starter) check_build(settings);
     const NetworkSettings network = network_of(arguments);
     require_protection(network);

@@ -1,6 +1,7 @@
 #include "experiment/launch/local_starter.hpp"
 
 #include <csignal>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -37,7 +38,8 @@ std::unique_ptr<RunningNode> LocalStarter::start(const NodeOrder& order) const {
         std::filesystem::remove(order.messages);
         arguments.insert(arguments.end(), {"--log", order.messages.string()});
     }
-    arguments.insert(arguments.end(), {"--report", order.report.string(), "--die-with-parent"});
+    arguments.insert(arguments.end(),
+                     {"--report", order.report.string(), fmt::format("--die-with-parent={}", ::getpid())});
     if (!config_.empty()) arguments.insert(arguments.end(), {"--config", config_.string()});
     return std::make_unique<LocalNode>(order.program, Child(programs_ / order.program, arguments, order.log));
 }

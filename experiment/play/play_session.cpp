@@ -1,6 +1,7 @@
 #include "experiment/play/play_session.hpp"
 
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -37,6 +38,19 @@ class Play {
     }
 
     PlayResult run() {
+        try {
+            return run_trials();
+        } catch (const Error& error) {
+            // Logs that the words name are there to be read.
+            const bool named = scratch_ && std::string_view(error.what()).find(scratch_->path().string()) !=
+                                               std::string_view::npos;
+            if (named) scratch_->keep();
+            throw;
+        }
+    }
+
+  private:
+    PlayResult run_trials() {
         Lane lane(plan_, events_);
         lane.open();
         end_ = options_.longest == Duration::max() ? kNever : wall_now() + options_.longest;
@@ -64,7 +78,6 @@ class Play {
         return {trials_};
     }
 
-  private:
     void fill_in_plan(const SystemSettings& settings) {
         SystemSettings with_delay = settings;
         set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(options_.delay_s));

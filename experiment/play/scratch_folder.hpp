@@ -1,4 +1,4 @@
-// A folder for logs that nobody keeps: gone with this object.
+// A folder for logs: gone with this object, unless they are kept.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,11 @@ class ScratchFolder {
     ScratchFolder(const ScratchFolder&) = delete;
     ScratchFolder& operator=(const ScratchFolder&) = delete;
     const std::filesystem::path& path() const { return path_; }
+    void keep() { kept_ = true; }
 
   private:
     std::filesystem::path path_;
+    bool kept_ = false;
 };
 
 }  // namespace thimble

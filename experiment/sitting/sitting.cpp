@@ -40,7 +40,8 @@ SittingResult Sitting::run() {
     if (agenda_.next(options_.protocol)) runner_.prepare();  // before anybody is asked for anything
     for (;;) {
         const std::optional<Step> step = agenda_.next(options_.protocol);
-        const Answer answer = step && !await_release(step) ? Answer::kStop : before(step);
+        Answer answer = step ? await_release(step) : Answer::kGo;
+        if (answer == Answer::kGo) answer = before(step);
         if (answer == Answer::kAskAgain) continue;
         if (answer == Answer::kGo && step && !runner_.stop_words().empty())
             continue;  // pressed while we asked
@@ -62,23 +63,35 @@ SittingResult Sitting::run() {
     }
 }
 
-// After a stop nothing begins until somebody releases it on purpose. False: the sitting is to end here.
-bool Sitting::await_release(const std::optional<Step>& step) {
+// After a stop nothing begins until somebody releases it on purpose. kAskAgain: somebody has, and may have marked the last
+// trial, so that another one is next.
+Sitting::Answer Sitting::await_release(const std::optional<Step>& step) {
     std::string said;
     for (std::string words = runner_.stop_words(); !words.empty(); words = runner_.stop_words()) {
         if (words != said) options_.say(words + ", or type 'release'");
         said = words;
-        if (stopped()) return false;
+        if (stopped()) return Answer::kStop;
         const auto line = take_line();
-        if (line && *line == "release") runner_.release_stop();
-        if (line && *line == "q") return false;
+        if (line && obey_in_stop(*line) == Answer::kStop) return Answer::kStop;
         Page paused = page(step);
         paused.kind = PageKind::kPaused;
         runner_.show(paused);
         runner_.idle(kLook);
     }
-    if (!said.empty()) options_.say("released");
-    return true;
+    if (said.empty()) return Answer::kGo;
+    options_.say("released");
+    return Answer::kAskAgain;
+}
+
+Sitting::Answer Sitting::obey_in_stop(const std::string& line) {
+    if (line == "release") {
+        runner_.release_stop();
+    } else if (line.empty()) {
+        options_.say("nothing begins before the stop is released");
+    } else {
+        return obey(line);
+    }
+    return Answer::kAskAgain;
 }
 
 bool Sitting::rest_is_due(const std::optional<Step>& step) const {

@@ -77,7 +77,8 @@ class Sitting {
   private:
     enum class Answer { kGo, kAskAgain, kStop };
 
-    bool await_release(const std::optional<Step>& step);
+    Answer await_release(const std::optional<Step>& step);
+    Answer obey_in_stop(const std::string& line);
     Answer before(const std::optional<Step>& step);
     Answer ask(const std::string& prompt, const std::optional<Step>& step);
     Page page(const std::optional<Step>& step) const;

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <stdexcept>
 #include <thread>
+#include <unistd.h>
 
 #include "common/runtime/wall_clock.hpp"
 
@@ -20,11 +21,13 @@ NetworkSettings network_from(std::uint16_t base_port) {
 
 std::vector<std::string> node_arguments(const Folder& folder, const PortBlock& ports,
                                         const std::string& config, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{
-        "--base-port",      std::to_string(ports.base()),
-        "--config",         folder.write("node.toml", "# a test's\n" + config).string(),
-        "--report",         (folder / "report.json").string(),
-        "--die-with-parent"};
+    std::vector<std::string> arguments{"--base-port",
+                                       std::to_string(ports.base()),
+                                       "--config",
+                                       folder.write("node.toml", "# a test's\n" + config).string(),
+                                       "--report",
+                                       (folder / "report.json").string(),
+                                       "--die-with-parent=" + std::to_string(getpid())};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
 }

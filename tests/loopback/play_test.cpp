@@ -81,6 +81,30 @@ TEST(WholeRunOfPlay, AtFiftyMillisecondsTheHandleOscillatesUntilItIsLetGo) {
     EXPECT_GE(rows[0].metrics.contacts_lost, 2U);
 }
 
+TEST(Play, LogsThatAnErrorNamesAreThereToBeRead) {
+    const Folder folder;
+    const PortBlock ports;
+    const auto window = folder / "window";
+    std::ofstream(window) << "#!/bin/sh\necho still looking for the screen\nexec sleep 60\n";
+    std::filesystem::permissions(window, std::filesystem::perms::owner_all);
+    const auto session = folder.write("session.toml", "[trial]\npeer_wait_s = 1.0\n");
+    const Outcome play = run_to_end(built_programs() / "thimble",
+                                    {"play", session.string(), "--visual-command", window.string(),
+                                     "--base-port", std::to_string(ports.base())});
+    EXPECT_EQ(play.code, 3) << play.words;
+    const std::string before = "see the logs in ";
+    const auto found = play.words.find(before);
+    ASSERT_NE(found, std::string::npos) << play.words;
+    const auto begin = found + before.size();
+    const std::filesystem::path logs = play.words.substr(begin, play.words.find('\n', begin) - begin);
+    bool quoted = false;
+    std::error_code absent;
+    for (const auto& file : std::filesystem::directory_iterator(logs, absent))
+        quoted = quoted || read_text(file.path()) == "still looking for the screen\n";
+    EXPECT_TRUE(quoted) << logs;
+    std::filesystem::remove_all(logs.parent_path(), absent);
+}
+
 TEST(Play, TheDelayMovesInMidTrial) {
     PlayedHand hand({"--modality", "VF", "--delay-s", "0"});
     ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();

@@ -53,6 +53,23 @@ TEST(Signals, AKilledLauncherTakesItsNodesAlong) {
     EXPECT_TRUE(wait_until([&] { return nodes_alive(run.base_port()).empty(); }));
 }
 
+// Some nodes have not yet asked the system for the signal that ends them with the launcher.
+TEST(Signals, ALauncherThatIsKilledWhileItStartsItsNodesLeavesNoneBehind) {
+    for (int i = 0; i < 6; ++i) {
+        SessionFile session;
+        session.contact_hold_s = kEndlessHold_s;
+        RealRun run(session);
+        while (nodes_alive(run.base_port()).empty() && !run.launcher().poll()) std::this_thread::yield();
+        run.launcher().signal(SIGKILL);
+        EXPECT_EQ(run.end(), 128 + SIGKILL);
+        EXPECT_TRUE(
+            wait_until([&] { return nodes_alive(run.base_port()).empty(); }, std::chrono::seconds{5}));
+        for (const char* program : kNodePrograms) {
+            for (const pid_t left : node_pids(run.base_port(), program)) kill(left, SIGKILL);
+        }
+    }
+}
+
 TEST(Signals, TerminatedNodesLeaveInOrder) {
     for (const char* program : kNodePrograms) {
         LoneNode node(program);

@@ -1,6 +1,7 @@
 // `thimble up` with real processes on "machines" that are shells of this one, reached as ssh would reach them
 // (fake_ssh.sh). Whatever ends a session, nothing is left running and nothing is left lying about.
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -192,6 +193,14 @@ TEST_F(UpFails, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
 TEST_F(UpFails, AMachineThatDoesNotAnswerIsNotWaitedForForEver) {
     RealRun run = start(session("[launch]\nshares_loopback = true\nreach_s = 1\nmachine_slave_sim = 'mute'"));
     expect_end(run, 3, "'mute' does not answer");
+}
+
+TEST_F(UpFails, AStopThatComesWhileAMachineIsAwaitedIsKept) {
+    RealRun run = start(session("[launch]\nshares_loopback = true\nreach_s = 2\nmachine_slave_sim = 'mute'"));
+    wait_until([&] { return run.words().find("round trip") != std::string::npos || run.launcher().poll(); });
+    run.launcher().signal(SIGQUIT);
+    expect_end(run, 3, "'mute' does not answer");
+    EXPECT_FALSE(fs::is_empty(std::getenv("THIMBLE_STOP_DIR")));
 }
 
 TEST_F(UpFails, AProgramThatIsNotThereIsNamed) {

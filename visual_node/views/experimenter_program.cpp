@@ -39,7 +39,7 @@ struct ViewOptions {
     double scale = 0;    // 0: the monitor's
     int width = 1000, height = 720;
     bool frame_times = false;
-    bool die_with_parent = false;
+    pid_t launcher = 0;  // as stop_with_parent() has it; 0: nobody's end ends this program
 };
 
 WindowSettings window_settings(const ViewOptions& options) {
@@ -88,6 +88,7 @@ class ExperimenterView {
     void draw_empty();
     void finish();
     void hear_stop_key(SessionTime now, std::span<const WindowEvent> events);
+    void stop_everything(SessionTime now, std::string_view words);
     void say_stop(SessionTime now);
 
     ViewOptions options_;
@@ -97,7 +98,8 @@ class ExperimenterView {
     StopOrder stop_;
     int stops_left_ = 0;  // to be said
     SessionTime next_stop_{};
-    bool complained_ = false;  // of another lab key
+    unsigned stops_heard_ = 0;  // of emergency_stops()
+    bool complained_ = false;   // of another lab key
     ExperimenterPanels panels_;
     GlWindow window_;
     GuiLayer gui_;
@@ -111,13 +113,20 @@ class ExperimenterView {
 void ExperimenterView::hear_stop_key(SessionTime now, std::span<const WindowEvent> events) {
     for (const WindowEvent& event : events) {
         const bool pressed = event.kind == WindowEvent::Kind::kKey && event.pressed && !event.repeated;
-        if (!pressed || event.key != GLFW_KEY_BACKSPACE) continue;
-        stop_ = StopOrder(system_entropy(), StopKind::kStop, EndReason::kEmergencyStop,
-                          "the stop key at the experimenter's view");
-        stops_left_ = kReleaseTimes;
-        next_stop_ = now;
+        if (pressed && event.key == GLFW_KEY_BACKSPACE)
+            stop_everything(now, "the stop key at the experimenter's view");
+    }
+    if (emergency_stops() != stops_heard_) {
+        stops_heard_ = emergency_stops();
+        stop_everything(now, "SIGQUIT at the experimenter's view");
     }
     say_stop(now);
+}
+
+void ExperimenterView::stop_everything(SessionTime now, std::string_view words) {
+    stop_ = StopOrder(system_entropy(), StopKind::kStop, EndReason::kEmergencyStop, words);
+    stops_left_ = kReleaseTimes;
+    next_stop_ = now;
 }
 
 void ExperimenterView::say_stop(SessionTime now) {
@@ -174,7 +183,7 @@ void ExperimenterView::finish() {
 }
 
 int ExperimenterView::run() {
-    install_stop_signals();
+    install_stop_signals(QuitSignal::kStopsEverything);
     spdlog::info("ready");
     const SessionTime started = wall_now();
     due_ = started;
@@ -202,7 +211,7 @@ void add_options(CLI::App& app, ViewOptions& options) {
         ->check(CLI::Range(0.5, 8.0));
     app.add_flag("--frame-times", options.frame_times,
                  "print how long the view and an empty window take to draw, as JSON, at the end");
-    app.add_flag("--die-with-parent", options.die_with_parent, "stop when the launcher dies");
+    app.add_flag("--die-with-parent", options.launcher, kDieWithParentHelp);
     app.set_version_flag("--version", std::string(kVersion));
     app.footer(
         "Example:\n  thimble-visual --view experimenter --config deploy/sessions/delay50.toml\n\n"
@@ -231,7 +240,7 @@ int run_experimenter_view(int argc, char** argv) {
         ViewOptions options;
         add_options(app, options);
         if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
-        if (options.die_with_parent) stop_with_parent();
+        if (options.launcher != 0) stop_with_parent(options.launcher);
         return ExperimenterView(options).run();
     });
 }

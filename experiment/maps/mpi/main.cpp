@@ -9,6 +9,7 @@
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/standard_streams.hpp"
 #include "common/version.hpp"
 #include "experiment/maps/map_options.hpp"
 #include "experiment/maps/mpi/rank_crew.hpp"
@@ -54,6 +55,7 @@ int run_rank(int argc, char** argv, int rank, bool& together) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    open_standard_descriptors();  // before MPI opens anything
     int threads = 0, rank = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &threads);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);

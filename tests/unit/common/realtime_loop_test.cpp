@@ -5,7 +5,9 @@
 #include <csignal>
 #include <cstdlib>
 #include <sched.h>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -206,6 +208,47 @@ TEST(RealtimeLoop, AStoppedProcessIsNotTicked) {
     EXPECT_TRUE(ticker.ticks.empty());
 }
 
+enum class Dead { kUnburied, kBuried };
+
+// Whether a program lives on that asks to stop with its parent when that has died already.
+bool lives_on(Dead parent_is) {
+    std::array<int, 2> ends{};
+    if (pipe(ends.data()) != 0) return true;
+    const pid_t parent = fork();
+    if (parent == 0) {
+        const pid_t launcher = getpid();
+        if (fork() != 0) _exit(0);
+        const auto is_there = [&] {
+            return parent_is == Dead::kBuried ? kill(launcher, 0) == 0 : getppid() == launcher;
+        };
+        while (is_there()) usleep(100);
+        stop_with_parent(launcher);
+        _exit(write(ends[1], "x", 1) == 1 ? 0 : 1);
+    }
+    close(ends[1]);
+    if (parent_is == Dead::kBuried) waitpid(parent, nullptr, 0);
+    char byte = 0;
+    const bool lives = read(ends[0], &byte, 1) == 1;
+    if (parent_is == Dead::kUnburied) waitpid(parent, nullptr, 0);
+    close(ends[0]);
+    return lives;
+}
+
+TEST(StopWithParent, AParentThatHasDiedBeforeEndsTheProgramToo) {
+    EXPECT_FALSE(lives_on(Dead::kUnburied));
+    EXPECT_FALSE(lives_on(Dead::kBuried));
+}
+
+// Such as xvfb-run: the launcher lives, and is not the parent.
+TEST(StopWithParentDeathTest, AWrapperBetweenIsNoDeadParent) {
+    EXPECT_EXIT(
+        {
+            stop_with_parent(1);
+            std::exit(0);
+        },
+        testing::ExitedWithCode(0), "");
+}
+
 // In a process of its own: the request stays for good.
 TEST(RealtimeLoopDeathTest, ATermSignalEndsTheLoop) {
     EXPECT_EXIT(
@@ -216,6 +259,24 @@ TEST(RealtimeLoopDeathTest, ATermSignalEndsTheLoop) {
             std::raise(SIGTERM);
             loop.run(ticker);
             std::exit(stop_requested() ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "");
+}
+
+// Of programs that hear no emergency stop, Ctrl-\ is no key without an effect.
+TEST(RealtimeLoopDeathTest, AQuitSignalEndsTheLoopOrIsAnEmergencyStop) {
+    EXPECT_EXIT(
+        {
+            install_stop_signals();
+            std::raise(SIGQUIT);
+            std::exit(stop_requested() && emergency_stops() == 0 ? 0 : 1);
+        },
+        testing::ExitedWithCode(0), "");
+    EXPECT_EXIT(
+        {
+            install_stop_signals(QuitSignal::kStopsEverything);
+            std::raise(SIGQUIT);
+            std::exit(!stop_requested() && emergency_stops() == 1 ? 0 : 1);
         },
         testing::ExitedWithCode(0), "");
 }

@@ -354,5 +354,43 @@ TEST_F(SittingTest, AfterAStopNothingBeginsUntilItIsReleased) {
     }));
 }
 
+// Of the trial that was stopped, and of no other.
+TEST_F(SittingTest, WhileAStopHoldsTheLastTrialIsRejectedOrExcluded) {
+    settings_.break_every = 0;
+    for (const bool rejected : {true, false}) {
+        std::filesystem::remove(dataset_.records(2));
+        std::filesystem::remove(dataset_.exclusions());
+        said_.clear();
+        trials_.seen = 0;
+        trials_.outcomes = {EndReason::kCompleted, EndReason::kEmergencyStop};
+        const std::string mark = rejected ? "r a cable" : "x felt unwell";
+        WrittenLines lines({"", "", mark, "", "nonsense", "release", "", "", "", "", "", ""});
+        const SittingResult result = sit(&lines);
+        EXPECT_EQ(result.code, ExitCode::kOk) << result.problem;
+        const auto marks = read_exclusions(dataset_.exclusions());
+        ASSERT_EQ(marks.size(), 1U);
+        EXPECT_EQ(marks[0].record, 2U);
+        EXPECT_EQ(marks[0].kind, rejected ? ExclusionKind::kRejected : ExclusionKind::kExcluded);
+        EXPECT_EQ(marks[0].reason, mark.substr(2));
+        EXPECT_THAT(said_, Contains("nothing begins before the stop is released"));
+        EXPECT_THAT(said_, Contains("'nonsense' is no command"));
+        EXPECT_EQ(result.records, rejected ? 6U : 5U) << "who excludes a trial wants it no more";
+    }
+}
+
+// Where nobody types, at the experimenter's view.
+TEST_F(SittingTest, WhileAStopHoldsAWatcherMayHaveTheTrialLeftOut) {
+    rests_ = false;
+    settings_.break_every = 0;
+    trials_.outcomes = {EndReason::kEmergencyStop};
+    WishAfter exclude(trials_, 1, "x asked for at the experimenter's view");
+    WishAfter release(trials_, 1, "release");
+    TwoLineSources wishes(exclude, release);
+    wishes_ = &wishes;
+    EXPECT_EQ(sit().code, ExitCode::kOk);
+    ASSERT_EQ(read_exclusions(dataset_.exclusions()).size(), 1U);
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));
+}
+
 }  // namespace
 }  // namespace thimble
