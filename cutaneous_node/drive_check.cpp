@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -58,7 +59,7 @@ int check(const CheckOptions& options) {
                    finger.finger == Finger::kIndex ? "index" : "thumb", options.force_N, felt_N);
     }
     actuator.stop();
-    fmt::print("{}\n", describe_drives(actuator).dump());
+    fmt::print("{}\n", json_text(describe_drives(actuator)));
     return 0;
 }
 
