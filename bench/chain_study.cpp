@@ -13,6 +13,7 @@
 #include "bench/network/study_place.hpp"
 #include "bench/studies.hpp"
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -72,7 +73,7 @@ int run_chain_study(const ChainOptions& options) {
         if (!options.json) fmt::print("{}\n", figures.table());
         all.push_back(figures.json());
     }
-    if (options.json) fmt::print("{}\n", all.dump(2));
+    if (options.json) fmt::print("{}\n", json_text(all, 2));
     return 0;
 }
 

@@ -19,6 +19,7 @@
 #include "bench/network/wire_ear.hpp"
 #include "bench/studies.hpp"
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -278,7 +279,7 @@ int run_flood_study(const FloodOptions& options) {
         good = good && all.back().at("problems").empty();
         if (!options.json) say_table(all.back());
     }
-    if (options.json) fmt::print("{}\n", all.dump(2));
+    if (options.json) fmt::print("{}\n", json_text(all, 2));
     return static_cast<int>(good ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 

@@ -13,6 +13,7 @@
 #include "bench/network/flow_fairness.hpp"
 #include "bench/network/relay_rounds.hpp"
 #include "bench/studies.hpp"
+#include "common/json_text.hpp"
 #include "common/runtime/command_line.hpp"
 #include "netem/relay/relay_service.hpp"
 
@@ -146,7 +147,7 @@ void print(const std::vector<Row>& rows, bool granted, bool json) {
                        r.bare, r.unit, r.ratio(), r.goal, 100 * r.stalled);
         }
     }
-    if (json) fmt::print("{}\n", Json{{"realtime", granted}, {"rows", all}}.dump(2));
+    if (json) fmt::print("{}\n", json_text(Json{{"realtime", granted}, {"rows", all}}, 2));
 }
 
 // Not beside something bare: the flows are weighed against each other.
@@ -171,7 +172,7 @@ int run_fairness(const Options& options) {
                        {"dropped_by_kernel", r.dropped_by_kernel}});
     }
     if (options.json) {
-        fmt::print("{}\n", Json{{"realtime", granted}, {"rows", all}}.dump(2));
+        fmt::print("{}\n", json_text(Json{{"realtime", granted}, {"rows", all}}, 2));
         return 0;
     }
     fmt::print(

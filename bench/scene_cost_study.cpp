@@ -15,6 +15,7 @@
 #include "bench/studies.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/gnuplot.hpp"
 #include "slave_sim/elements/tissue_table.hpp"
@@ -173,7 +174,7 @@ int scene_cost_study(int argc, char** argv) {
     app.add_flag("--quick", quick, "few steps: shows that it runs, the figures mean little");
     app.footer("Example:\n  thimble-bench scene-cost --out out/scene-cost");
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
-    std::filesystem::create_directories(out);
+    make_folder(out);
     std::vector<Case> cases = make_cases();
     measure(cases, quick ? 1 : 15, quick ? kStroke : 200 * kStroke);
     write_csv(std::filesystem::path(out) / "scene_cost.csv", cases);

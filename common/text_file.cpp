@@ -1,6 +1,7 @@
 #include "common/text_file.hpp"
 
 #include <fstream>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -15,6 +16,16 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
     if (!out) {
         throw Error(ExitCode::kRunFailed,
                     fmt::format("{}: cannot be written; check directory and free space", path.string()));
+    }
+}
+
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code failure;
+    if (!folder.empty()) std::filesystem::create_directories(folder, failure);
+    if (failure) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: cannot be made: {}; name another folder, or change its permissions",
+                                folder.string(), failure.message()));
     }
 }
 

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -73,7 +74,7 @@ int check(const CheckOptions& options) {
     DriveActuator actuator(settings.drives, settings.force_limit_N, *bus);
     install_stop_signals();
     press_each(actuator, settings.drives, options);
-    fmt::print("{}\n", describe_drives(actuator).dump());
+    fmt::print("{}\n", json_text(describe_drives(actuator)));
     return 0;
 }
 

@@ -89,11 +89,18 @@ class Analyst {
         }
     }
 
-    // The statistics list pairs in the same order as make_pairs().
+    // The statistics list pairs in the same order as make_pairs(), but may leave some out.
+    template <class Pair>
+    void keep(const std::vector<Pair>& pairs, std::optional<Pair> PairAnalysis::*where) {
+        auto to = result_.pairs.begin();
+        for (const Pair& pair : pairs) {
+            while (to->first != pair.first || to->second != pair.second) ++to;
+            (*to).*where = pair;
+        }
+    }
     template <class Pair>
     void keep(const std::optional<std::vector<Pair>>& pairs, std::optional<Pair> PairAnalysis::*where) {
-        if (!pairs) return;
-        for (std::size_t i = 0; i < pairs->size(); ++i) result_.pairs[i].*where = (*pairs)[i];
+        if (pairs) keep(*pairs, where);
     }
 
     void analyse_within() {
@@ -126,8 +133,11 @@ class Analyst {
     }
 
     void by_differences(const SampleTable& table) {
-        keep(attempt("paired", [&] { return paired_t_tests(table, 1 - kAnalysisLevel); }),
-             &PairAnalysis::paired);
+        if (const auto paired =
+                attempt("paired", [&] { return paired_t_tests(table, 1 - kAnalysisLevel); })) {
+            keep(paired->pairs, &PairAnalysis::paired);
+            for (const std::string& refused : paired->refused) note(refused);
+        }
         for (PairAnalysis& pair : result_.pairs) {
             pair.d_z = attempt("d_z", [&] {
                 return cohens_dz(table.column(pair.first), table.column(pair.second), 1 - kAnalysisLevel);
@@ -196,6 +206,12 @@ std::optional<double> MeasureAnalysis::p_of(const PairAnalysis& pair) const {
         return pair.dunn ? std::optional(pair.dunn->p_adjusted) : std::nullopt;
     }
     return pair.pooled ? std::optional(pair.pooled->p_bonferroni) : std::nullopt;
+}
+
+const std::optional<MeanPair>& MeasureAnalysis::by_means(const PairAnalysis& pair) const {
+    const bool are_paired = std::any_of(pairs.begin(), pairs.end(),
+                                        [](const PairAnalysis& any) { return any.paired.has_value(); });
+    return are_paired ? pair.paired : pair.pooled;
 }
 
 MeasureAnalysis analyse_measure(const StudyColumns& columns, Metric metric, AnalysisKind kind) {

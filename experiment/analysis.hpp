@@ -73,6 +73,8 @@ struct MeasureAnalysis {
     // Of the chosen test, and of a pair by the comparison that belongs to it; nothing where it was refused.
     std::optional<double> p() const;
     std::optional<double> p_of(const PairAnalysis& pair) const;
+    // By the subjects' own differences where the measure has any, else by the error of the analysis of variance.
+    const std::optional<MeanPair>& by_means(const PairAnalysis& pair) const;
     bool differs() const { return p().value_or(1) < kAnalysisLevel; }
 };
 

@@ -126,7 +126,7 @@ Row pair_row(const MeasureAnalysis& m, const PairAnalysis& pair, bool full) {
             shown_text(first.mean - second.mean, m.metric),
             m.chosen == ChosenTest::kFriedman ? "Dunn" : "Bonferroni", cell(m.p_of(pair), p_cell)};
     if (!full) return row;
-    const std::optional<MeanPair>& by_means = pair.paired ? pair.paired : pair.pooled;
+    const std::optional<MeanPair>& by_means = m.by_means(pair);
     row.push_back(cell(by_means, [&](const MeanPair& p) { return range(p.interval, m.metric); }));
     row.push_back(
         cell(by_means, [&](const MeanPair& p) { return range(p.interval_simultaneous, m.metric); }));

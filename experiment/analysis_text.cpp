@@ -158,7 +158,7 @@ class Narrator {
                 fmt::format("mean ranks {:.2f} and {:.2f}, {}", ranks[pair.first], ranks[pair.second], text);
         }
         if (!full_) return text;
-        if (const auto& of = pair.paired ? pair.paired : pair.pooled) {
+        if (const auto& of = m_.by_means(pair)) {
             const auto [low, high] = of->interval;
             text = interval(sign > 0 ? ConfidenceInterval{low, high} : ConfidenceInterval{-high, -low}) +
                    ", " + text;
@@ -225,7 +225,7 @@ class Narrator {
         if (!full_) return "";
         double widest = 0;
         for (const PairAnalysis& pair : m_.pairs) {
-            const auto& of = pair.paired ? pair.paired : pair.pooled;
+            const auto& of = m_.by_means(pair);
             if (!of) return "";
             widest = std::max({widest, std::abs(of->interval.low), std::abs(of->interval.high)});
         }
@@ -257,7 +257,7 @@ class Narrator {
         if (!m_.differs()) return "";
         std::string disagreeing;
         for (const PairAnalysis& pair : m_.pairs) {
-            const auto& by_means = pair.paired ? pair.paired : pair.pooled;
+            const auto& by_means = m_.by_means(pair);
             const auto p = m_.p_of(pair);
             if (!by_means || !p) return "";
             if ((by_means->p_holm < kAnalysisLevel) == (*p < kAnalysisLevel)) continue;

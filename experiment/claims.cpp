@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "experiment/claim_list.hpp"
 #include "experiment/statistics/descriptive.hpp"
@@ -39,7 +40,7 @@ nlohmann::ordered_json to_json(const Claim& claim) {
 void write_claims(const std::vector<Claim>& claims, const std::filesystem::path& json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Claim& claim : claims) list.push_back(to_json(claim));
-    write_text_file(json, list.dump(2) + "\n");
+    write_text_file(json, json_text(list, 2) + "\n");
 }
 
 void add_claim(std::vector<Claim>& claims, const StudyColumns& columns, Claim claim,

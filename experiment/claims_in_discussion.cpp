@@ -53,7 +53,8 @@ Finding lag_finding(const StudyColumns& one, const StudyColumns& no_lag) {
     without.name = "CF without lag";
     const SampleTable table = complete_rows({one.column(metric, Modality::kHF), with, without}).table;
     const double cost_m = sample_mean(table.column(1)) - sample_mean(table.column(0));
-    const MeanPair lag = paired_t_tests(table).back();  // CF with and without
+    const MeanPair lag =
+        paired_t_tests(SampleTable::from_columns({table.column(1), table.column(2)})).pairs.front();
     const bool costs = lag.difference > 0;
     return {fmt::format(
                 "{}; of the {:.2f} mm from HF to CF the lag costs {:.2f} mm ({:.2f} to {:.2f}), {:.0f} %, {}",

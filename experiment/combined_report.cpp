@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/gnuplot.hpp"
 #include "experiment/report.hpp"
@@ -98,7 +99,7 @@ void write_combined_report(const std::filesystem::path& run, const std::filesyst
     add_folder(report, run, "run");
     report.provenance.emplace_back("command", command);
     report.provenance.emplace_back("version", kVersion);
-    if (html.has_parent_path()) std::filesystem::create_directories(html.parent_path());
+    make_folder(html.parent_path());
     write_report(report, html);
 }
 

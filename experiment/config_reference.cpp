@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "experiment/system_settings.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "slave_sim/scene_file.hpp"
@@ -219,7 +220,7 @@ std::string keys_as_json(const Keys& keys) {
                      {"range", declared.range},
                      {"choices", declared.choices}};
     }
-    return all.dump(2) + "\n";
+    return json_text(all, 2) + "\n";
 }
 
 }  // namespace thimble

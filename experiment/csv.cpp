@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include <fmt/ranges.h>
+
 #include "common/error.hpp"
 
 namespace thimble {
@@ -61,8 +63,15 @@ void CsvField::fail(std::string_view why) const {
 }
 
 CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator,
-                     std::size_t later)
+                     std::size_t later, LastLine last)
     : file_(std::move(file)), columns_(columns), separator_(separator), text_(read_whole(file_)) {
+    if (last == LastLine::kMayBeTorn) {
+        if (ends_within_header()) {
+            text_.clear();
+            return;
+        }
+        if (const std::size_t end = text_.rfind('\n'); end != std::string::npos) text_.resize(end + 1);
+    }
     split(take_line());
     there_ = fields_.size();
     if (there_ != columns_.size() && there_ + later != columns_.size()) {
@@ -73,6 +82,10 @@ CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_vie
     for (std::size_t i = 0; i < there_; ++i) {
         if (fields_[i] != columns_[i]) field(i).fail("is not the name of this column");
     }
+}
+
+bool CsvReader::ends_within_header() const {
+    return fmt::format("{}", fmt::join(columns_, std::string_view(&separator_, 1))).starts_with(text_);
 }
 
 bool CsvReader::next() {

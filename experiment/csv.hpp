@@ -29,13 +29,16 @@ struct CsvField {
     [[noreturn]] void fail(std::string_view why) const;
 };
 
+// A program that is killed while it writes leaves part of a line behind the last newline. kMayBeTorn leaves that part out.
+enum class LastLine { kWhole, kMayBeTorn };
+
 class CsvReader {
   public:
     // Throws Error (data) if the file cannot be read or its header is not exactly `columns` (which must
     // outlive the reader). The last `later` columns may be missing, all together: files of earlier versions. Their fields are
-    // empty.
+    // empty. With kMayBeTorn a file may also be empty or end within its header.
     CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator = ',',
-              std::size_t later = 0);
+              std::size_t later = 0, LastLine last = LastLine::kWhole);
     CsvReader(const CsvReader&) = delete;
     CsvReader& operator=(const CsvReader&) = delete;
 
@@ -47,6 +50,7 @@ class CsvReader {
     const std::vector<std::string>& comments() const { return comments_; }
 
   private:
+    bool ends_within_header() const;
     std::string_view take_line();
     void split(std::string_view line);
     [[noreturn]] void fail(std::string_view why) const;

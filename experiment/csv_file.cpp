@@ -51,10 +51,12 @@ CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists) : path_(
 }
 
 void CsvFile::write(std::string_view text) {
+    require_open();
     if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) fail("written");
 }
 
 void CsvFile::flush() {
+    require_open();
     if (std::fflush(file_.get()) != 0) fail("written");
 }
 
@@ -64,9 +66,19 @@ void CsvFile::sync() {
     if (::fsync(::fileno(file_.get())) != 0 && errno != EINVAL && errno != EROFS) fail("synchronised");
 }
 
-void CsvFile::fail(const char* doing) const {
-    throw Error(ExitCode::kRunFailed, fmt::format("{}: cannot be {}: {}; check the disk's free space",
-                                                  path_.string(), doing, reason()));
+void CsvFile::require_open() const {
+    if (file_) return;
+    throw Error(ExitCode::kRunFailed,
+                fmt::format("{}: is no longer written, because a part of it could not be; check the disk's "
+                            "free space",
+                            path_.string()));
+}
+
+void CsvFile::fail(const char* doing) {
+    const std::string why = reason();
+    file_.reset();
+    throw Error(ExitCode::kRunFailed,
+                fmt::format("{}: cannot be {}: {}; check the disk's free space", path_.string(), doing, why));
 }
 
 void keep_lines(const std::filesystem::path& path, std::size_t lines) {

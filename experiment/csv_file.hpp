@@ -16,7 +16,8 @@ class CsvFile {
     CsvFile(const std::filesystem::path& path, IfExists if_exists);
 
     bool is_new() const { return is_new_; }  // nothing in it yet: it needs a header
-    // These throw Error (run failed), e.g. on a full disk.
+    // These throw Error (run failed), e.g. on a full disk, and from then on always: how much of the last text is in the file is
+    // unknown, and more of it would stand behind half a line, or twice.
     void write(std::string_view text);
     void flush();  // hands the bytes to the kernel
     void sync();   // returns when the bytes are on the disk
@@ -25,10 +26,11 @@ class CsvFile {
     struct Close {
         void operator()(std::FILE* file) const { std::fclose(file); }
     };
-    [[noreturn]] void fail(const char* doing) const;
+    void require_open() const;
+    [[noreturn]] void fail(const char* doing);
 
     std::filesystem::path path_;
-    std::unique_ptr<std::FILE, Close> file_;
+    std::unique_ptr<std::FILE, Close> file_;  // none after a failure
     bool is_new_ = true;
 };
 

@@ -79,9 +79,9 @@ void CurveFile::append(const TrialCurve& trial) {
     file_.flush();
 }
 
-void read_curves(const std::filesystem::path& path, const TakeCurve& take) {
+void read_curves(const std::filesystem::path& path, const TakeCurve& take, LastLine last) {
     const std::vector<std::string_view> names(column_names().begin(), column_names().end());
-    CsvReader reader(path, names);
+    CsvReader reader(path, names, ',', 0, last);
     while (reader.next()) take(read_line(reader));
 }
 

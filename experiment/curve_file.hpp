@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "experiment/csv.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/mean_trajectory.hpp"
 
@@ -27,6 +28,6 @@ class CurveFile {
 using TakeCurve = std::function<void(const TrialCurve&)>;
 // Hands over one curve after the other, in order: a curve is forty times a row, and nobody needs them together.
 // Throws Error (data) naming line and column of what cannot be read.
-void read_curves(const std::filesystem::path& path, const TakeCurve& take);
+void read_curves(const std::filesystem::path& path, const TakeCurve& take, LastLine last = LastLine::kWhole);
 
 }  // namespace thimble

@@ -31,7 +31,7 @@ std::optional<Differences> differences_of(const StudyColumns& columns, Metric me
         if (columns.experiment() == 2)
             return Differences{metric, pairs_after_one_way_anova(columns.groups(metric)), {}};
         const SampleTable table = columns.table(metric).table;
-        Differences differences{metric, paired_t_tests(table), {}};
+        Differences differences{metric, paired_t_tests(table).pairs, {}};
         for (std::size_t i = 0; i < table.conditions(); ++i) differences.columns.push_back(table.column(i));
         return differences;
     } catch (const Error&) {
@@ -54,6 +54,7 @@ void write_means(std::string& data, const Differences& of, std::size_t half) {
             write_shown(data, value, of.metric);
         data.back() = '\n';
     }
+    if (y == 0) data += "NaN NaN NaN NaN NaN NaN\n";  // gnuplot does not count a block without numbers
 }
 
 void write_subjects(std::string& data, const Differences& of, std::size_t half) {

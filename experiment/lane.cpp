@@ -5,10 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "common/json_text.hpp"
 #include "common/runtime/node_report.hpp"
 #include "common/runtime/standard_streams.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/event_file.hpp"
@@ -107,7 +109,7 @@ Lane::~Lane() {
 
 void Lane::open() {
     if (!plan_.holds_stop) stop_file_.require_released();
-    std::filesystem::create_directories(plan_.out);
+    make_folder(plan_.out);
     clock_writer_.emplace(clock_path());
     if (log_) open_log();
     if (plan_.starter) launch();
@@ -240,7 +242,7 @@ const TrialRecord& Lane::run_trial(const TrialConditions& trial, std::uint32_t n
                                    const std::filesystem::path& trajectory) {
     trajectory_ = trajectory;
     if (!trajectory.empty()) {
-        std::filesystem::create_directories(trajectory.parent_path());
+        make_folder(trajectory.parent_path());
         writer_.emplace(trajectory, plan_.if_exists);
     }
     note_trial(trial, number);
@@ -353,7 +355,7 @@ LaneResult Lane::close() {
     attempt([this] {
         CsvFile file(plan_.out / fmt::format("session_{:g}ms.json", 1000 * plan_.delay_s),
                      IfExists::kReplace);
-        file.write(result_.reports.back().dump(2) + "\n");
+        file.write(json_text(result_.reports.back(), 2) + "\n");
         file.flush();
     });
     admit_write_fault(write_fault_);

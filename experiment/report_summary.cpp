@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "experiment/report.hpp"
 
@@ -64,7 +65,7 @@ void write_summary(const ReportInput& report, const std::filesystem::path& json_
     for (const auto& [key, value] : report.provenance) json["provenance"][key] = value;
     json["sections"] = Json::array();
     for (const ReportSection& section : report.sections) json["sections"].push_back(to_json(section));
-    write_text_file(json_path, json.dump(2) + "\n");
+    write_text_file(json_path, json_text(json, 2) + "\n");
 }
 
 }  // namespace thimble

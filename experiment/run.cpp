@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/clocks/chrony.hpp"
 #include "experiment/lane.hpp"
@@ -38,7 +39,7 @@ class Run {
     }
 
     RunResult run() {
-        std::filesystem::create_directories(options_.out);
+        make_folder(options_.out);
         TrialTable table(options_.out / "trials.csv", if_exists_);
         table_ = &table;
         progress_.say("measuring a bare round trip between two processes");

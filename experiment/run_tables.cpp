@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/json_text.hpp"
 #include "experiment/condition_summary.hpp"
 #include "experiment/launch/node_kinds.hpp"
 
@@ -52,7 +53,7 @@ ReportTable refusal_table(const std::vector<NodeReport>& reports) {
         const auto refused = node.report.value("refused", nlohmann::ordered_json::object());
         for (const auto& [reason, count] : refused.items()) {
             if (count.get<std::uint64_t>() == 0) continue;
-            table.rows.push_back({delay_text(node.delay_s), program(node), reason, count.dump()});
+            table.rows.push_back({delay_text(node.delay_s), program(node), reason, json_text(count)});
         }
     }
     return table;
@@ -92,7 +93,7 @@ ReportTable stale_table(const std::vector<NodeReport>& reports) {
         const auto acted = node.report.value("stale_acted", nlohmann::ordered_json::array());
         for (const auto& one : acted) {
             table.rows.push_back({delay_text(node.delay_s), program(node), node.report.value("stale", ""),
-                                  one.at("trial").dump(), one.at("times").dump(),
+                                  json_text(one.at("trial")), json_text(one.at("times")),
                                   fmt::format("{:.1f}", 1e3 * one.value("acted_s", 0.0)),
                                   fmt::format("{:.1f}", 1e3 * one.value("longest_s", 0.0))});
         }

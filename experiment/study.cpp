@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/no_lag.hpp"
 #include "experiment/progress.hpp"
@@ -26,7 +27,7 @@ class Study {
         : settings_(settings), options_(options), jobs_(thread_count(options.jobs)) {}
 
     StudyResult run() {
-        std::filesystem::create_directories(options_.out);
+        make_folder(options_.out);
         if (options_.if_exists == IfExists::kReplace) remove_side_tables();
         run_table(all_trials(options_.protocols), "trials");
         if (wants_control() && result_.complete) {
@@ -119,7 +120,7 @@ class Study {
     void save_trajectory(const TrialRecord& record, const std::string& table) const {
         const TrialConditions& c = record.conditions;
         const auto folder = options_.out / "trajectories";
-        std::filesystem::create_directories(folder);
+        make_folder(folder);
         const bool again = options_.if_exists != IfExists::kRefuse;
         TrajectoryWriter writer(folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms{}.csv",
                                                      c.experiment, c.subject, c.trial, to_string(c.modality),

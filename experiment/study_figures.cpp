@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {
@@ -90,7 +91,7 @@ void add_analysis(ReportSection& section, const std::vector<TrialRow>& rows, std
 
 void write_analysis(const std::vector<MeasureAnalysis>& measures, AnalysisKind kind,
                     const std::filesystem::path& json) {
-    write_text_file(json, to_json(measures, kind).dump(2) + "\n");
+    write_text_file(json, json_text(to_json(measures, kind), 2) + "\n");
 }
 
 }  // namespace thimble

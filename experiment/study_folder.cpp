@@ -1,7 +1,5 @@
 #include "experiment/study_folder.hpp"
 
-#include <limits>
-
 #include <fmt/format.h>
 
 #include "common/error.hpp"
@@ -10,13 +8,15 @@
 namespace thimble {
 namespace {
 
-constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max() - 1;
+// As far as a curve says it.
+bool same_trial(const TrialConditions& a, const TrialConditions& b) {
+    return a.experiment == b.experiment && a.subject == b.subject && a.trial == b.trial &&
+           a.modality == b.modality && same_delay(a.delay_s, b.delay_s);
+}
 
 bool same(const TrialConditions& a, const TrialConditions& b) {
-    return a.study_seed == b.study_seed && a.experiment == b.experiment && a.subject == b.subject &&
-           a.trial == b.trial && a.modality == b.modality && same_delay(a.delay_s, b.delay_s) &&
-           a.fixture_position_m == b.fixture_position_m && a.removes_fixture == b.removes_fixture &&
-           a.remedy == b.remedy;
+    return same_trial(a, b) && a.study_seed == b.study_seed && a.fixture_position_m == b.fixture_position_m &&
+           a.removes_fixture == b.removes_fixture && a.remedy == b.remedy;
 }
 
 void check_plan(const std::filesystem::path& table, const std::vector<TrialRow>& rows,
@@ -35,21 +35,40 @@ bool is_there(const std::filesystem::path& file) {
     return std::filesystem::exists(file, ignored);
 }
 
-// Without power the curves, which are not forced to the disk, can be behind the table: what has no curve is
-// run again.
-std::vector<TrialRow> recover(const std::filesystem::path& table, const std::filesystem::path& curves,
-                              const TakeCurve& take_curve) {
-    keep_lines(table, kAll);
-    std::vector<TrialRow> rows;
-    if (is_there(table) && std::filesystem::file_size(table) > 0) rows = read_trial_table(table);
-    keep_lines(curves, rows.size());
+// How many of the rows have their curve. Each of those curves goes to `take_curve`.
+std::size_t take_curves(const std::filesystem::path& curves, const std::vector<TrialRow>& rows,
+                        const TakeCurve& take_curve) {
+    if (!is_there(curves)) return 0;
     std::size_t both = 0;
-    if (is_there(curves) && std::filesystem::file_size(curves) > 0) {
-        read_curves(curves, [&](const TrialCurve& curve) {
-            take_curve(curve);
-            ++both;
-        });
-    }
+    const auto take = [&](const TrialCurve& curve) {
+        if (both == rows.size()) return;  // its row was never written
+        if (!same_trial(rows[both].conditions, curve.conditions))
+            throw Error(ExitCode::kData,
+                        fmt::format("{}:{}: this curve is not of the trial that the table has there; nothing "
+                                    "was changed: name another folder with --out",
+                                    curves.string(), both + 2));
+        take_curve(curve);
+        ++both;
+    };
+    read_curves(curves, take, LastLine::kMayBeTorn);
+    return both;
+}
+
+// All files are read and judged before one is cut. The curves are not forced to the disk: after a power cut they can be
+// behind the table. A trial without its curve is run again, unless no trial has one: then the table is no study's.
+std::vector<TrialRow> recover(const std::filesystem::path& table, const std::filesystem::path& curves,
+                              const std::vector<TrialConditions>& planned, const TakeCurve& take_curve) {
+    std::vector<TrialRow> rows;
+    if (is_there(table)) rows = read_unfinished_trial_table(table);
+    check_plan(table, rows, planned);
+    const std::size_t both = take_curves(curves, rows, take_curve);
+    if (both == 0 && !rows.empty())
+        throw Error(ExitCode::kData,
+                    fmt::format("{}: has {} trials, and {} has no curve of any. A study writes both; thimble "
+                                "run and thimble play write no curves. Nothing was changed: name another "
+                                "folder with --out, or put the curves back",
+                                table.string(), rows.size(), curves.string()));
+    keep_lines(curves, both);
     keep_lines(table, both);
     rows.resize(both);
     return rows;
@@ -60,12 +79,10 @@ std::vector<TrialRow> recover(const std::filesystem::path& table, const std::fil
 StudyTables::StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
                          const std::vector<TrialConditions>& planned, const TakeCurve& take_curve)
     : earlier_(if_exists == IfExists::kContinue
-                   ? recover(folder / (name + ".csv"), folder / (name + "_curves.csv"), take_curve)
+                   ? recover(folder / (name + ".csv"), folder / (name + "_curves.csv"), planned, take_curve)
                    : std::vector<TrialRow>{}),
       table_(folder / (name + ".csv"), if_exists),
-      curves_(folder / (name + "_curves.csv"), if_exists) {
-    check_plan(folder / (name + ".csv"), earlier_, planned);
-}
+      curves_(folder / (name + "_curves.csv"), if_exists) {}
 
 void StudyTables::append(const TrialRow& row, const TrialCurve& curve) {
     curves_.append(curve);

@@ -14,8 +14,8 @@ namespace thimble {
 class StudyTables {
   public:
     // With IfExists::kContinue the trials that are there are read, and the curve of each goes to `take_curve`;
-    // half-written lines are cut off. Throws Error: usage, if they are not the first of `planned` (another study,
-    // seed or version); data, if a table is damaged.
+    // half-written lines are cut off. Throws Error, and then every file has all its bytes: usage, if the trials are
+    // not the first of `planned` (another study, seed or version); data, if a table is damaged or has no curves.
     StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
                 const std::vector<TrialConditions>& planned, const TakeCurve& take_curve);
 

@@ -126,6 +126,16 @@ constexpr auto kColumnNames = [] {
     return names;
 }();
 
+std::vector<TrialRow> read_rows(CsvReader reader) {
+    std::vector<TrialRow> rows;
+    while (reader.next()) {
+        TrialRow row;
+        for (std::size_t i = 0; i < kColumns.size(); ++i) kColumns[i].read(reader.field(i), row);
+        rows.push_back(row);
+    }
+    return rows;
+}
+
 }  // namespace
 
 TrialRow make_row(const TrialRecord& record) {
@@ -201,14 +211,11 @@ void TrialTable::append(const TrialRow& row) {
 }
 
 std::vector<TrialRow> read_trial_table(const std::filesystem::path& path) {
-    CsvReader reader(path, kColumnNames, ',', kLaterColumns);
-    std::vector<TrialRow> rows;
-    while (reader.next()) {
-        TrialRow row;
-        for (std::size_t i = 0; i < kColumns.size(); ++i) kColumns[i].read(reader.field(i), row);
-        rows.push_back(row);
-    }
-    return rows;
+    return read_rows(CsvReader(path, kColumnNames, ',', kLaterColumns));
+}
+
+std::vector<TrialRow> read_unfinished_trial_table(const std::filesystem::path& path) {
+    return read_rows(CsvReader(path, kColumnNames, ',', 0, LastLine::kMayBeTorn));
 }
 
 }  // namespace thimble

@@ -68,5 +68,7 @@ class TrialTable {
 
 // Throws Error (data) naming line and column of what cannot be read.
 std::vector<TrialRow> read_trial_table(const std::filesystem::path& path);
+// Of a table to be continued: its last line may be torn. Throws, too, if the table is of an earlier version.
+std::vector<TrialRow> read_unfinished_trial_table(const std::filesystem::path& path);
 
 }  // namespace thimble

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <thread>
@@ -15,6 +17,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/log/log_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/core_choice.hpp"
@@ -22,6 +25,7 @@
 #include "common/runtime/node_report.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/result_output.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/service_notice.hpp"
 #include "common/runtime/standard_streams.hpp"
@@ -83,7 +87,7 @@ void save(const std::string& path, const nlohmann::ordered_json& report) {
     if (path.empty()) return;
     errno = 0;
     std::ofstream file(path);
-    if (file << report.dump(2) << '\n') return;
+    if (file << json_text(report, 2) << '\n') return;
     if (errno == EMFILE || errno == ENFILE)
         throw Error(ExitCode::kRunFailed, fmt::format("cannot write the report '{}': {}; raise 'ulimit -n'",
                                                       path, std::strerror(errno)));
@@ -121,10 +125,10 @@ LogOrigin log_origin(const NodeProgram& program, const Options& options, const C
 void note_stale(MessageLog& log, const nlohmann::ordered_json& report) {
     for (const auto& one : report.value("stale_acted", nlohmann::ordered_json::array())) {
         log.note("stale", {{"policy", report.value("stale", "")},
-                           {"number_on_the_wire", one.at("trial").dump()},
-                           {"times", one.at("times").dump()},
-                           {"acted_s", one.at("acted_s").dump()},
-                           {"longest_s", one.at("longest_s").dump()}});
+                           {"number_on_the_wire", json_text(one.at("trial"))},
+                           {"times", json_text(one.at("times"))},
+                           {"acted_s", json_text(one.at("acted_s"))},
+                           {"longest_s", json_text(one.at("longest_s"))}});
     }
 }
 
@@ -238,6 +242,26 @@ class Guarded final : public Process {
     bool complained_ = false;
 };
 
+// The exit code of `body`, or of what it throws.
+int run_guarded(const std::function<int()>& body) {
+    try {
+        return body();
+    } catch (const ResultsLost& lost) {
+        return static_cast<int>(lost.code());
+    } catch (const Error& error) {
+        spdlog::error(error.what());
+        return static_cast<int>(error.code());
+    } catch (const std::filesystem::filesystem_error& error) {
+        spdlog::error("{}: {}; check that the folder exists and its permissions", error.path1().string(),
+                      error.code().message());
+        return static_cast<int>(ExitCode::kUsage);
+    } catch (const std::exception& error) {
+        // fmt::print() throws when a print to standard output fails.
+        if (std::ferror(stdout) == 0) spdlog::error("unexpected: {}", error.what());
+        return static_cast<int>(ExitCode::kRunFailed);
+    }
+}
+
 int run(const NodeProgram& program, const Options& options) {
     if (options.launcher != 0) stop_with_parent(options.launcher);
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
@@ -281,18 +305,6 @@ int run(const NodeProgram& program, const Options& options) {
     return check_deadlines(options, runtime, loop.statistics());
 }
 
-int run_guarded(const std::function<int()>& body) {
-    try {
-        return body();
-    } catch (const Error& error) {
-        spdlog::error(error.what());
-        return static_cast<int>(error.code());
-    } catch (const std::exception& error) {
-        spdlog::error("unexpected: {}", error.what());
-        return static_cast<int>(ExitCode::kRunFailed);
-    }
-}
-
 }  // namespace
 
 nlohmann::ordered_json quantiles(const Histogram& h) {
@@ -305,7 +317,8 @@ nlohmann::ordered_json quantiles(const Histogram& h) {
 int guarded_main(const std::string& name, const std::function<int()>& body) {
     open_standard_descriptors();
     log_by_words(name);
-    const int code = run_guarded(body);
+    std::signal(SIGPIPE, SIG_IGN);  // a reader that leaves ends no trial; lost results are noticed at the end
+    const int code = settle_results(run_guarded(body));
     words_written_within(kFarewell);
     return code;
 }

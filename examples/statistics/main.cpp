@@ -21,7 +21,7 @@ int main() {
         const auto friedman = thimble::friedman(table);
         std::printf("Friedman: chi-squared = %.2f, exact P = %.2g, W = %.2f\n", friedman.chi_squared,
                     friedman.p(), friedman.kendalls_w);
-        for (const auto& pair : thimble::paired_t_tests(table)) {
+        for (const auto& pair : thimble::paired_t_tests(table).pairs) {
             std::printf("%s - %s: %+.2f mm, P = %.2g (Holm)\n", table.name(pair.first).c_str(),
                         table.name(pair.second).c_str(), pair.difference, pair.p_holm);
         }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "experiment/analysis.hpp"
 #include "experiment/claims.hpp"
 #include "experiment/commands/analysis_option.hpp"
@@ -77,7 +78,7 @@ int analyse_table(const AnalyseArguments& arguments) {
         json["claims"] = nlohmann::ordered_json::array();
         for (const Claim& claim : claims) json["claims"].push_back(to_json(claim));
         json["analysis"] = to_json(measures, kind);
-        fmt::print("{}\n", json.dump(2));
+        fmt::print("{}\n", json_text(json, 2));
     } else {
         for (const std::string& line : counted) fmt::print("{}\n", line);
         say_claims(claims);

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/json_text.hpp"
 #include "common/network_settings.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/commands/real_run.hpp"
@@ -73,7 +74,7 @@ int examine_machine(const DoctorArguments& arguments) {
     facts.screen = gather_screen();
     facts.sound = gather_sound();
     const std::vector<Diagnosis> findings = examine(facts);
-    fmt::print("{}", arguments.json ? to_json(findings).dump(2) + "\n" : to_text(findings));
+    fmt::print("{}", arguments.json ? json_text(to_json(findings), 2) + "\n" : to_text(findings));
     return static_cast<int>(exit_code(findings));
 }
 

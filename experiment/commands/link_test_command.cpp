@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
@@ -78,7 +79,7 @@ int test(const LinkTestArguments& arguments, const ConfigFile& file) {
     report.link = LinkTester(plan).run();
     if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted: nothing is judged by half a test");
     report.verdicts = judge_all(settings.plan.modalities, report.link, loop_limits(settings));
-    fmt::print("{}", arguments.json ? to_json(report).dump(2) + "\n" : to_text(report));
+    fmt::print("{}", arguments.json ? json_text(to_json(report), 2) + "\n" : to_text(report));
     return static_cast<int>(exit_code(report));
 }
 

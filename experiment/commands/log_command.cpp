@@ -14,6 +14,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/runtime/result_output.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/log/log_check.hpp"
 #include "experiment/log/log_export.hpp"
@@ -31,21 +32,12 @@ struct LogArguments {
 
 using LogFiles = std::vector<std::unique_ptr<LoggedFile>>;
 
-LogFiles open_logs(const LogArguments& a) {
-    LogFiles files;
-    files.reserve(a.files.size());
-    for (const std::string& path : a.files) files.push_back(std::make_unique<LoggedFile>(path));
-    return files;
-}
-
-void put(std::FILE* out, const std::string& line, const std::string& where) {
-    if (std::fwrite(line.data(), 1, line.size(), out) == line.size()) return;
-    throw Error(ExitCode::kRunFailed,
-                fmt::format("{}: cannot be written: is the disk full, or its reader gone?", where));
+void put(const std::string& line) {
+    if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) throw ResultsLost();
 }
 
 int show_info(const LogArguments& a) {
-    for (const auto& file : open_logs(a)) fmt::print("{}", describe_log(*file));
+    for (const auto& file : open_logs(a.files)) fmt::print("{}", describe_log(*file));
     return 0;
 }
 
@@ -57,12 +49,12 @@ void each_merged(const LogArguments& a, const LogFiles& files,
 }
 
 int show_messages(const LogArguments& a) {
-    const LogFiles files = open_logs(a);
+    const LogFiles files = open_logs(a.files);
     const PacketFields fields;
     std::int64_t zero_ns = INT64_MIN;
     each_merged(a, files, [&](const MergedMessage& message) {
         if (zero_ns == INT64_MIN) zero_ns = message.session_time_ns;
-        put(stdout, to_line(message, fields, zero_ns) + '\n', "standard output");
+        put(to_line(message, fields, zero_ns) + '\n');
     });
     return 0;
 }
@@ -70,7 +62,7 @@ int show_messages(const LogArguments& a) {
 // Of the session whose logs these are; none if they are of several, or it is not beside them.
 std::filesystem::path relay_report_beside(const LogFiles& files) {
     const auto report_of = [](const LoggedFile& file) {
-        const std::string name = file.name();
+        const std::string name = file.path().stem().string();
         const auto condition = name.rfind('_');
         if (condition == std::string::npos) return std::filesystem::path{};
         return file.path().parent_path() / ("thimble-netem" + name.substr(condition) + ".json");
@@ -102,7 +94,7 @@ bool check_with_relay(const std::vector<FlowFinding>& flows, const LogFiles& fil
 }
 
 int check_logs(const LogArguments& a) {
-    const LogFiles files = open_logs(a);
+    const LogFiles files = open_logs(a.files);
     bool good = true;
     for (const auto& file : files) {
         const FileFinding finding = check_file(*file);
@@ -142,7 +134,7 @@ void export_json(const LogArguments& a, const LogFiles& files) {
         if (file) {
             file->write(line);
         } else {
-            put(stdout, line, "standard output");
+            put(line);
         }
     });
     if (file) file->flush();
@@ -166,7 +158,7 @@ void share_ros2(const LogArguments& a, const LogFiles& files) {
 int share(const LogArguments& a) {
     if (a.csv.empty() && a.json.empty() && a.hdf5.empty() && a.ros2.empty())
         throw Error(ExitCode::kUsage, "say where to: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
-    const LogFiles files = open_logs(a);
+    const LogFiles files = open_logs(a.files);
     if (!a.csv.empty()) fmt::print("{}: {} tables\n", a.csv, export_csv(files, a.csv, a.topic));
     if (!a.hdf5.empty()) fmt::print("{}: {} tables\n", a.hdf5, export_hdf5(files, a.hdf5, a.topic));
     if (!a.json.empty()) export_json(a, files);

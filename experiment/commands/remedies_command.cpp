@@ -67,7 +67,7 @@ std::string plan_text(const RemediesArguments& a) {
 // Goes on where the same comparison was interrupted; refuses another one's folder.
 IfExists prepare_folder(const RemediesArguments& a) {
     const std::filesystem::path folder(a.out), plan = folder / "remedies.txt";
-    std::filesystem::create_directories(folder);
+    make_folder(folder);
     const bool begun = std::filesystem::exists(folder / "remedy_trials.csv");
     if (begun && !a.overwrite) {
         std::ifstream file(plan, std::ios::binary);

@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/replay.hpp"
@@ -35,7 +36,7 @@ int run_replay(ReplayArguments& arguments) {
             {"transitions", result.transitions}, {"force_peak_N", result.force_peak_N},
             {"out", options.out.string()},       {"events", result.events.string()},
             {"complete", result.complete}};
-        fmt::print("{}\n", summary.dump(2));
+        fmt::print("{}\n", json_text(summary, 2));
     } else {
         fmt::print(
             "{} samples over {:g} s, {} transitions, greatest force {:.4g} N\nforces: {}\nevents: {}\n",

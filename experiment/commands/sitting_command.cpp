@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 
 namespace thimble {
 
@@ -61,7 +62,7 @@ int sit_and_say(const SystemSettings& settings, const SittingArguments& argument
             {"records", result.records},
             {"repeats", result.repeats},
             {"dataset", run.out.string()}};
-        fmt::print("{}\n", summary.dump(2));
+        fmt::print("{}\n", json_text(summary, 2));
     } else {
         fmt::print("{}: {} of {} trials, {} records of which {} repeat another: {}\n",
                    participant_id(result.participant), result.trials_begun, result.trials_planned,

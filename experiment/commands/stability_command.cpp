@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "experiment/commands/commands.hpp"
 #include "experiment/stability/limit_cycle.hpp"
 #include "experiment/stability/sampled_loop.hpp"
@@ -160,7 +161,7 @@ std::string shown(const Json& value) {
     if (value.is_null()) return "-";
     if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
     if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-    return value.is_string() ? value.get<std::string>() : value.dump();
+    return value.is_string() ? value.get<std::string>() : json_text(value);
 }
 
 void print_rows(const Json& table, const std::string& indent) {
@@ -198,7 +199,7 @@ int run_stability(const StabilityArguments& a) {
     add_press(a, all);
     add_perception(a, all);
     if (a.json) {
-        fmt::print("{}\n", all.dump(2));
+        fmt::print("{}\n", json_text(all, 2));
     } else {
         print_rows(all, "");
     }

@@ -1,5 +1,4 @@
 // thimble up: what `thimble run` does, with each node on the machine where it belongs.
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/text_file.hpp"
 #include "experiment/commands/commands.hpp"
@@ -49,7 +49,7 @@ int print_units(const UpArguments& arguments, const LaunchSettings& launch) {
         }
         const auto folder = std::filesystem::path(arguments.out) /
                             (unit.machine.empty() ? std::string("this machine") : unit.machine);
-        std::filesystem::create_directories(folder);
+        make_folder(folder);
         write_text_file(folder / unit.name, unit.text);
         fmt::print("{}\n", (folder / unit.name).string());
     }
@@ -65,9 +65,8 @@ MachineVerdict check_here(const std::string& program) {
 
 // A line per node; as JSON one object of machine and problem per node.
 int check_machines(const UpArguments& arguments, const LaunchSettings& launch) {
-    std::signal(SIGPIPE, SIG_IGN);  // a machine may hang up while it is spoken to
     const auto folder = std::filesystem::path(arguments.out) / "check";
-    std::filesystem::create_directories(folder);
+    make_folder(folder);
     ExitCode worst = ExitCode::kOk;
     nlohmann::ordered_json all;
     for (const NodeKind& node : kNodes) {
@@ -82,7 +81,7 @@ int check_machines(const UpArguments& arguments, const LaunchSettings& launch) {
         fmt::print("{} on {}: {}\n", node.program, machine.empty() ? "this machine" : machine,
                    verdict.code == ExitCode::kOk ? "good" : verdict.problem);
     }
-    if (arguments.json) fmt::print("{}\n", all.dump(2));
+    if (arguments.json) fmt::print("{}\n", json_text(all, 2));
     return static_cast<int>(worst);
 }
 

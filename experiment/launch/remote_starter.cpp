@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
@@ -149,7 +150,7 @@ void RemoteNode::save_report() {
         report["log"]["file"] = order_.messages.string();
         if (const std::string fault = log_fault(); !fault.empty()) report["log"]["fault"] = fault;
     }
-    write_text_file(order_.report, report.dump(2) + '\n');
+    write_text_file(order_.report, json_text(report, 2) + '\n');
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 
+#include "common/text_file.hpp"
 #include "experiment/log/log_export.hpp"
 
 namespace thimble {
@@ -36,18 +38,18 @@ class CsvExport {
         table(file, topic, *kind).write(line + '\n');
     }
     std::size_t finish() {
-        for (auto& [name, table] : tables_) table.flush();
+        for (auto& [key, table] : tables_) table.flush();
         return tables_.size();
     }
 
   private:
     CsvFile& table(const LoggedFile& file, const LoggedTopic& topic, const PacketPart& kind) {
+        const std::tuple key(&file, topic.topic, &kind);
+        const auto found = tables_.find(key);
+        if (found != tables_.end()) return found->second;
         std::string name = file.name() + topic.topic + '.' + kind.name;
         std::replace(name.begin(), name.end(), '/', '.');
-        const auto found = tables_.find(name);
-        if (found != tables_.end()) return found->second;
-        CsvFile& table =
-            tables_.try_emplace(name, folder_ / (name + ".csv"), IfExists::kRefuse).first->second;
+        CsvFile& table = tables_.try_emplace(key, folder_ / (name + ".csv"), IfExists::kRefuse).first->second;
         std::string columns = "log_time_ns,publish_time_ns,direction";
         for (const PacketField& field : fields_.header().fields) columns += ",header_" + field.name;
         for (const PacketField& field : kind.fields) columns += ',' + field.name;
@@ -57,7 +59,7 @@ class CsvExport {
 
     const PacketFields& fields_;
     std::filesystem::path folder_;
-    std::map<std::string, CsvFile> tables_;
+    std::map<std::tuple<const LoggedFile*, std::string, const PacketPart*>, CsvFile> tables_;
     std::vector<std::uint64_t> aligned_;
 };
 
@@ -65,7 +67,7 @@ class CsvExport {
 
 std::size_t export_csv(const std::vector<std::unique_ptr<LoggedFile>>& files,
                        const std::filesystem::path& folder, const std::string& topic) {
-    std::filesystem::create_directories(folder);
+    make_folder(folder);
     const PacketFields fields;
     CsvExport tables(fields, folder);
     for (const auto& file : files) {

@@ -51,6 +51,7 @@ HdfColumn column_of(const std::string& folder, const PacketField& field) {
 }
 
 struct HdfTable {
+    const LoggedFile* file = nullptr;
     std::vector<HdfColumn> columns;
     std::size_t rows = 0;
 };
@@ -80,7 +81,10 @@ class Hdf5Export {
         const PacketPart* kind = fields_.kind_of(packet);
         if (kind == nullptr) return;
         HdfTable& table = tables_[file.name() + topic.topic + '/' + kind->name];
-        if (table.columns.empty()) start(table, *kind);
+        if (table.columns.empty()) start(table, file, *kind);
+        if (table.file != &file)
+            throw Error(ExitCode::kUsage, fmt::format("{}: two logs would share the group {}", path_.string(),
+                                                      file.name() + topic.topic));
         ++table.rows;
         std::size_t next = 0;
         for (const std::uint64_t number : {message.log_time_ns, message.publish_time_ns})
@@ -101,7 +105,8 @@ class Hdf5Export {
     }
 
   private:
-    void start(HdfTable& table, const PacketPart& kind) const {
+    void start(HdfTable& table, const LoggedFile& file, const PacketPart& kind) const {
+        table.file = &file;
         table.columns = {
             {"log_time_ns", "ns", ""}, {"publish_time_ns", "ns", ""}, {"sent", "", "0 received, 1 sent"}};
         for (const PacketField& field : fields_.header().fields)

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "experiment/log/log_export.hpp"
 
 namespace thimble {
@@ -44,7 +45,7 @@ std::string to_json(const MergedMessage& m, const PacketFields& fields) {
         line[kind->name] = part_of(packet, *kind, fields);
     }
     // What is no UTF-8 came from outside and is told as it can be.
-    return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return json_text(line);
 }
 
 std::string to_line(const MergedMessage& m, const PacketFields& fields, std::int64_t zero_ns) {

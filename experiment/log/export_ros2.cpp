@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -78,7 +79,7 @@ class Ros2Export {
         if (const auto* wave = std::get_if<ForceWave>(&message.body)) add_force(wave->feedback, topic);
         if (const auto* percept = std::get_if<Percept>(&message.body)) add_percept(*percept, topic);
         if (const auto* control = std::get_if<SessionControl>(&message.body))
-            add_event(file, message.header, *control);
+            add_event(file, topic, message.header, *control);
         if (writer_.chunk_bytes() > kRos2ChunkBytes) writer_.flush();
     }
     Ros2Written finish(const std::string& asked_for) {
@@ -151,14 +152,34 @@ class Ros2Export {
             put("/cutaneous/measured_cf", Ros2Type::kWrenchStamped, {0, kFingerFrame, p.force_N});
     }
 
-    // Orders are said to each node, and again until it answers: each is an event once.
-    void add_event(const LoggedFile* file, const Header& header, const SessionControl& control) {
-        if (!events_.insert({file, header.trial, control.kind}).second) return;
+    // Orders are said to each node, and again until it answers: each is an event once. A network is said until the session
+    // ends: it is an event where it differs from the one before.
+    bool is_news(const LoggedFile* file, const LoggedTopic& topic, const Header& header,
+                 const SessionControl& control) {
+        if (control.kind != ControlKind::kNetworkChange)
+            return events_.insert({file, header.trial, control.kind}).second;
+        // An order that another has overtaken says an old network.
+        const auto [last, first] =
+            last_orders_.try_emplace({file, topic.topic, header.instance}, header.sequence);
+        if (!first && static_cast<std::int32_t>(header.sequence - last->second) < 0) return false;
+        last->second = header.sequence;
+        const std::pair network(control.network_delay_s, std::string(control.network.view()));
+        const auto [known, is_new] = networks_.try_emplace({file, header.trial}, network);
+        return is_new || std::exchange(known->second, network) != network;
+    }
+
+    void add_event(const LoggedFile* file, const LoggedTopic& topic, const Header& header,
+                   const SessionControl& control) {
+        if (!is_news(file, topic, header, control)) return;
         constexpr std::array kNames{"trial start", "beep",     "fixture change",
                                     "trial end",   "shutdown", "network change"};
         std::string text =
             fmt::format("{} {}", kNames.at(static_cast<std::size_t>(control.kind)), header.trial);
         if (control.kind == ControlKind::kTrialStart) text += fmt::format(" {}", to_string(control.modality));
+        if (control.kind == ControlKind::kNetworkChange) {
+            if (!control.network.empty()) text += fmt::format(" {}", control.network.view());
+            text += fmt::format(" {} s", control.network_delay_s);
+        }
         Ros2Value value;
         value.text = text;
         put(kEventTopic, Ros2Type::kString, value);
@@ -171,6 +192,9 @@ class Ros2Export {
     std::array<std::uint16_t, static_cast<std::size_t>(Ros2Type::kCount)> schemas_{};
     std::map<std::string, Line> channels_;
     std::set<std::tuple<const LoggedFile*, std::uint32_t, ControlKind>> events_;
+    std::map<std::pair<const LoggedFile*, std::uint32_t>, std::pair<double, std::string>>
+        networks_;  // by trial
+    std::map<std::tuple<const LoggedFile*, std::string, std::uint64_t>, std::uint32_t> last_orders_;
 };
 
 // A message may stand in two logs. What arrives somewhere is that end's; of all else the sender's copy counts, or, without it, the other's.

@@ -13,7 +13,7 @@
 namespace thimble {
 
 // One table per file, topic and kind of message in the folder, which is made: FILE.TOPIC.KIND.csv, of topics that begin with `topic`. Returns how
-// many.
+// many. FILE is the name that open_logs() gave.
 // Throws Error: usage, if one exists; run failed, if one cannot be written.
 std::size_t export_csv(const std::vector<std::unique_ptr<LoggedFile>>& files,
                        const std::filesystem::path& folder, const std::string& topic);

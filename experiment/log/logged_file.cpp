@@ -8,12 +8,43 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
 
 namespace thimble {
+namespace {
+
+// The last folders of a path and its own name: "a/nodes/session_50ms" with two.
+std::string end_of(const std::filesystem::path& path, std::size_t folders, bool with_extension) {
+    const std::filesystem::path parent = path.parent_path();
+    std::filesystem::path end = with_extension ? path.filename() : path.stem();
+    for (auto part = parent.end(); folders > 0 && part != parent.begin(); --folders)
+        if (*--part != parent.root_path()) end = *part / end;
+    return end.string();
+}
+
+// A name that none of the others has.
+std::string name_among(const std::vector<std::filesystem::path>& all, std::size_t own) {
+    std::size_t folders = 0;
+    bool with_extension = false;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (i == own || all[i].stem() != all[own].stem()) continue;
+        if (all[i] == all[own])
+            throw Error(ExitCode::kUsage,
+                        fmt::format("{}: is given twice; name each log once", all[i].string()));
+        if (all[i].parent_path() == all[own].parent_path()) {
+            with_extension = true;
+            continue;
+        }
+        while (end_of(all[i], folders, false) == end_of(all[own], folders, false)) ++folders;
+    }
+    return end_of(all[own], folders, with_extension);
+}
+
+}  // namespace
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
     const auto fail = [&](const char* why) {
@@ -62,7 +93,8 @@ class LoggedFile::Reading final : public McapVisitor {
     bool first_ = true;
 };
 
-LoggedFile::LoggedFile(const std::filesystem::path& path) : path_(path), file_(path) {
+LoggedFile::LoggedFile(const std::filesystem::path& path, std::string name)
+    : path_(path), name_(std::move(name)), file_(path) {
     Reading reading(*this);
     scan_ = scan_mcap(file_.bytes(), reading);
     if (scan_.begins) return;
@@ -101,6 +133,17 @@ void LoggedFile::for_each(const Use& use) const {
     };
     Passing passing(*this, use);
     scan_mcap(bytes(), passing);
+}
+
+std::vector<std::unique_ptr<LoggedFile>> open_logs(const std::vector<std::string>& paths) {
+    std::vector<std::filesystem::path> all;
+    all.reserve(paths.size());
+    for (const std::string& path : paths) all.push_back(std::filesystem::absolute(path).lexically_normal());
+    std::vector<std::unique_ptr<LoggedFile>> files;
+    files.reserve(paths.size());
+    for (std::size_t i = 0; i < paths.size(); ++i)
+        files.push_back(std::make_unique<LoggedFile>(paths[i], name_among(all, i)));
+    return files;
 }
 
 }  // namespace thimble

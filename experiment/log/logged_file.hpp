@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -47,11 +48,12 @@ struct LogMetadata {
 class LoggedFile {
   public:
     // Reads all of it once. Throws Error (data) if it is no MCAP file; one that is cut or damaged says so in scan().
-    explicit LoggedFile(const std::filesystem::path& path);
+    explicit LoggedFile(const std::filesystem::path& path) : LoggedFile(path, path.stem().string()) {}
+    LoggedFile(const std::filesystem::path& path, std::string name);
 
     const std::filesystem::path& path() const { return path_; }
-    // "thimble-master_50ms" of "nodes/thimble-master_50ms.mcap".
-    std::string name() const { return path_.stem().string(); }
+    // "thimble-master_50ms" of "nodes/thimble-master_50ms.mcap"; open_logs() puts folders before it.
+    const std::string& name() const { return name_; }
     Bytes bytes() const { return file_.bytes(); }
     const McapScan& scan() const { return scan_; }
     const std::map<std::uint16_t, LoggedTopic>& topics() const { return topics_; }
@@ -71,6 +73,7 @@ class LoggedFile {
   private:
     class Reading;
     std::filesystem::path path_;
+    std::string name_;
     MappedFile file_;
     McapScan scan_;
     std::string library_;
@@ -79,5 +82,9 @@ class LoggedFile {
     std::vector<LogAttachment> attachments_;
     std::uint64_t first_ns_ = 0, last_ns_ = 0;
 };
+
+// Files of one name get as many of their folders before it as tell them apart: "a/nodes/session_50ms". Throws Error: data, as
+// LoggedFile; usage, if a file is there twice.
+std::vector<std::unique_ptr<LoggedFile>> open_logs(const std::vector<std::string>& paths);
 
 }  // namespace thimble

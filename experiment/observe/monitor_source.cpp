@@ -70,9 +70,7 @@ class LoggedMonitor::Reading {
 };
 
 LoggedMonitor::LoggedMonitor(const std::vector<std::string>& logs, double speed) : speed_(speed) {
-    std::vector<std::unique_ptr<LoggedFile>> files;
-    files.reserve(logs.size());
-    for (const std::string& log : logs) files.push_back(std::make_unique<LoggedFile>(log));
+    const std::vector<std::unique_ptr<LoggedFile>> files = open_logs(logs);
     Reading reading(moments_);
     std::vector<std::uint64_t> aligned;
     for (const MergedMessage& m : merge_logs(files)) {

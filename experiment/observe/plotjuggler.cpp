@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "experiment/observe/observers.hpp"
 #include "experiment/play/monitor_feed.hpp"
@@ -57,7 +58,7 @@ std::string plotjuggler_json(double date_s, const std::string& lane, std::uint32
     if (m.one_way_s >= 0) values["one_way_s"] = m.one_way_s;
     if (m.one_way_s >= 0) values["one_way_bound_s"] = m.one_way_bound_s;
     if (!lane.empty()) values = nlohmann::ordered_json{{lane, std::move(values)}};
-    return nlohmann::ordered_json{{"timestamp", date_s}, {"thimble", std::move(values)}}.dump();
+    return json_text(nlohmann::ordered_json{{"timestamp", date_s}, {"thimble", std::move(values)}});
 }
 
 Endpoint plotjuggler_at(const std::string& text, const NetworkSettings& network) {

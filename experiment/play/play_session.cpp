@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "experiment/condition_summary.hpp"
 #include "experiment/lane.hpp"
 #include "experiment/play/attendant.hpp"
@@ -28,7 +29,7 @@ class Play {
           subject_(std::max(1U, settings.plan.subject)),
           desk_(options.modality) {
         if (!options.record.empty()) {
-            std::filesystem::create_directories(options.record);
+            make_folder(options.record);
             table_.emplace(options.record / "trials.csv");
         } else {
             scratch_.emplace();

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/remedies/loop_sections.hpp"
@@ -96,7 +97,7 @@ void write_remedy_report(const SystemSettings& settings, const RemedyStudyOption
                                 {"trials", options.trials}};
     json["findings"] = findings;
     json["rows"] = remedy_rows_json(rows);
-    write_text_file(out / "remedies.json", json.dump(2) + '\n');
+    write_text_file(out / "remedies.json", json_text(json, 2) + '\n');
     ReportInput report;
     report.title = "Thimble: remedies against delay";
     report.sections.push_back(comparison_section(rows, findings, options, out));

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -83,14 +82,12 @@ std::vector<std::string> names_of(const std::vector<RemedyCondition>& conditions
     return names;
 }
 
-// How many lines are there; what a program that was killed left of its last one goes.
+// How many lines are there; what a program that was killed left of its last one is cut off once the others are read.
 std::size_t recover(const std::filesystem::path& path, IfExists if_exists,
                     const std::vector<std::string>& names, std::vector<RemedyTrial>& plan) {
     std::error_code none;
     if (if_exists != IfExists::kContinue || !std::filesystem::exists(path, none)) return 0;
-    keep_lines(path, std::numeric_limits<std::size_t>::max() - 1);
-    if (std::filesystem::file_size(path, none) == 0) return 0;
-    CsvReader reader(path, kTrialColumns);
+    CsvReader reader(path, kTrialColumns, ',', 0, LastLine::kMayBeTorn);
     std::size_t done = 0;
     for (; reader.next(); ++done) {
         if (done >= plan.size() ||
@@ -101,6 +98,7 @@ std::size_t recover(const std::filesystem::path& path, IfExists if_exists,
                                     path.string(), done + 2));
         read_outcome(reader, plan[done]);
     }
+    keep_lines(path, done);
     return done;
 }
 

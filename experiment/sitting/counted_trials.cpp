@@ -43,6 +43,8 @@ CountedTrials counted_trials(const Dataset& dataset) {
     const std::vector<Exclusion> exclusions = read_exclusions(dataset.exclusions());
     for (const std::uint32_t participant : read_participants(dataset)) {
         const std::vector<SittingRecord> records = read_records(dataset.records(participant));
+        // A crash came before the first trial: there is nothing to count.
+        if (records.empty() && !is_table(dataset.order(participant))) continue;
         ++trials.participants;
         trials.records += records.size();
         const std::size_t before = trials.rows.size();

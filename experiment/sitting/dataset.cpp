@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/sitting/sidecars.hpp"
 #include "experiment/sitting/tsv.hpp"
@@ -25,16 +28,28 @@ std::string description_text(SubjectKind kind, const DatasetSettings& settings) 
     if (!settings.ethics_approvals.empty()) json["EthicsApprovals"] = settings.ethics_approvals;
     json["GeneratedBy"] = Json::array({Json{{"Name", "Thimble"}, {"Version", kVersion}}});
     json[kKindKey] = to_string(kind);
-    return json.dump(2) + '\n';
+    return json_text(json, 2) + '\n';
 }
 
-// Also the file that a crash left half written.
-bool holds_nothing(const std::filesystem::path& folder, const std::filesystem::path& description) {
+bool has_text(const std::filesystem::path& path, const std::string& text) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {}) == text;
+}
+
+// But for what a crash left of open(): whole sidecars, and a file half written.
+bool holds_nothing(const std::filesystem::path& folder, const std::filesystem::path& description,
+                   const std::vector<Sidecar>& sidecars) {
+    const auto ours = [&](const std::filesystem::directory_entry& entry) {
+        return entry.path() == description.string() + ".new" ||
+               std::any_of(sidecars.begin(), sidecars.end(), [&](const Sidecar& sidecar) {
+                   const auto file = folder / sidecar.file;
+                   return entry.path() == file.string() + ".new" ||
+                          (entry.path() == file && has_text(file, sidecar.text));
+               });
+    };
     std::error_code absent;
     const std::filesystem::directory_iterator entries(folder, absent);
-    return std::all_of(begin(entries), end(entries), [&](const std::filesystem::directory_entry& entry) {
-        return entry.path() == description.string() + ".new";
-    });
+    return std::all_of(begin(entries), end(entries), ours);
 }
 
 }  // namespace
@@ -76,15 +91,17 @@ void Dataset::open(SubjectKind wanted, const DatasetSettings& settings) const {
                                                   "with --out",
                                                   folder_.string(), to_string(*found)));
     }
-    if (!holds_nothing(folder_, description())) {
+    const std::vector<Sidecar> sidecars = sidecars_of(wanted, settings.name);
+    if (!holds_nothing(folder_, description(), sidecars)) {
         throw Error(ExitCode::kUsage,
                     fmt::format("{}: holds something that is no dataset of participants; name a new or an "
                                 "empty folder with --out",
                                 folder_.string()));
     }
-    std::filesystem::create_directories(folder_);
+    make_folder(folder_);
+    for (const Sidecar& sidecar : sidecars) write_whole(folder_ / sidecar.file, sidecar.text);
+    // Last: it makes the folder a dataset, and a crash may come before it.
     write_whole(description(), description_text(wanted, settings));
-    write_sidecars(folder_, wanted, settings.name);
 }
 
 void refuse_dataset(const std::filesystem::path& folder) {

@@ -1,5 +1,6 @@
 #include "experiment/sitting/motion_export.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -12,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/csv_file.hpp"
 #include "experiment/sitting/participants_table.hpp"
@@ -75,6 +78,16 @@ std::string channels_text() {
     return text;
 }
 
+// Of the samples as they were planned: the middle one of their intervals, to the microsecond. Lost ones leave gaps.
+long sampling_frequency_Hz(const std::vector<TrajectorySample>& samples) {
+    std::vector<double> intervals_s;
+    for (std::size_t i = 1; i < samples.size(); ++i)
+        intervals_s.push_back(samples[i].time_s - samples[i - 1].time_s);
+    const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
+    std::nth_element(intervals_s.begin(), middle, intervals_s.end());
+    return std::lround(1e6 / std::max(1.0, std::round(1e6 * *middle)));
+}
+
 std::string motion_json(const MotionTrial& trial, const std::vector<TrajectorySample>& samples) {
     const double seconds = samples.back().time_s - samples.front().time_s;
     MotionJson json{{"TaskName", trial.task},
@@ -82,7 +95,7 @@ std::string motion_json(const MotionTrial& trial, const std::vector<TrajectorySa
                      "Insert a needle into simulated tissue until a virtual fixture is felt or seen, hold "
                      "the contact until "
                      "the beep, withdraw."},
-                    {"SamplingFrequency", 1000},
+                    {"SamplingFrequency", sampling_frequency_Hz(samples)},
                     {"TrackingSystemName", "slave"},
                     {"Manufacturer", "Thimble"},
                     {"SoftwareVersions", kVersion},
@@ -94,7 +107,7 @@ std::string motion_json(const MotionTrial& trial, const std::vector<TrajectorySa
                     {"MissingValues", "n/a"},
                     {"RecordingDuration", seconds}};
     if (seconds > 0) json["SamplingFrequencyEffective"] = static_cast<double>(samples.size() - 1) / seconds;
-    return json.dump(2) + '\n';
+    return json_text(json, 2) + '\n';
 }
 
 // Instants, so without a duration; the first one says what the trial was. `zero_s`: of the first sample, from which onsets count.
@@ -132,11 +145,11 @@ std::string events_json() {
         {"delay_s", {{"Description", "One-way delay of the force path that was asked for"}, {"Units", "s"}}},
         {"fixture_position_m", {{"Description", "Depth of the virtual fixture"}, {"Units", "m"}}},
         {"outcome", {{"Description", "How the trial ended; completed: after the beep"}}}};
-    return json.dump(2) + '\n';
+    return json_text(json, 2) + '\n';
 }
 
 void write_motion_text(const fs::path& path, const std::string& text) {
-    fs::create_directories(path.parent_path());
+    make_folder(path.parent_path());
     CsvFile file(path, IfExists::kRefuse);
     file.write(text);
     file.flush();
@@ -150,7 +163,7 @@ class MotionDataset {
         std::error_code absent;
         const Trajectory trajectory =
             fs::exists(trial.trajectory, absent) ? read_trajectory(trial.trajectory) : Trajectory{};
-        if (trajectory.samples.empty()) {
+        if (trajectory.samples.size() < 2) {  // one alone is no movement
             ++done_.without_trajectory;
             return;
         }
@@ -170,7 +183,7 @@ class MotionDataset {
     void copy(const fs::path& name) const {
         std::error_code absent;
         if (!fs::exists(from_ / name, absent)) return;
-        fs::create_directories((to_ / name).parent_path());
+        make_folder((to_ / name).parent_path());
         fs::copy_file(from_ / name, to_ / name);
     }
     const std::set<std::uint32_t>& subjects() const { return subjects_; }
@@ -200,7 +213,7 @@ MotionJson read_description(const fs::path& path) {
 // BIDS knows movements since 1.9.
 void write_motion_description(const fs::path& to, MotionJson json) {
     json["BIDSVersion"] = "1.9.0";
-    write_motion_text(to / "dataset_description.json", json.dump(2) + '\n');
+    write_motion_text(to / "dataset_description.json", json_text(json, 2) + '\n');
 }
 
 std::string motion_condition(const TrialConditions& c) {
@@ -240,11 +253,11 @@ void export_study(const fs::path& from, const fs::path& to, MotionDataset& out) 
         participants += participant_id(subject) + "\tn/a\tvirtual\n";
     write_motion_text(to / "participants.tsv", participants);
     write_motion_text(to / "participants.json",
-                      MotionJson{{"species", {{"Description", "n/a for a virtual subject"}}},
-                                 {"subject_kind",
-                                  {{"Description", "Who held the handle"},
-                                   {"Levels", {{"virtual", "a simulated operator"}}}}}}
-                              .dump(2) +
+                      json_text(MotionJson{{"species", {{"Description", "n/a for a virtual subject"}}},
+                                           {"subject_kind",
+                                            {{"Description", "Who held the handle"},
+                                             {"Levels", {{"virtual", "a simulated operator"}}}}}},
+                                2) +
                           '\n');
     write_motion_text(to / "README.md",
                       "# Virtual subjects inserting a needle\n\nTrajectories of `thimble study`: a simulated "

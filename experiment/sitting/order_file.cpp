@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "experiment/protocol.hpp"
 #include "experiment/sitting/tsv.hpp"
 
@@ -102,7 +103,7 @@ std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t
 void write_order(const std::filesystem::path& file, const std::vector<OrderEntry>& order) {
     std::string text = fmt::format("{}\n", fmt::join(kOrderColumns, "\t"));
     for (const OrderEntry& entry : order) text += fmt::format("{}\n", fmt::join(fields_of(entry), "\t"));
-    std::filesystem::create_directories(file.parent_path());
+    make_folder(file.parent_path());
     write_whole(file, text);
 }
 

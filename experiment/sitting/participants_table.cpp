@@ -44,17 +44,15 @@ std::string age_text(const std::string& years) {
 std::string add_participant(const Dataset& dataset, std::uint32_t participant, SubjectKind kind,
                             const PersonDescription& person) {
     const std::vector<std::string> ours = line_of(participant, kind, person);
-    if (is_table(dataset.participants())) {
-        keep_whole_lines(dataset.participants());
-        CsvReader reader(dataset.participants(), kPersonColumns, '\t');
-        while (reader.next()) {
-            if (parse_participant(reader.field(0).text) != participant) continue;
-            std::vector<std::string> there;
-            for (std::size_t i = 0; i < kPersonColumns.size(); ++i) there.emplace_back(reader.field(i).text);
-            return there == ours ? std::string() : fmt::format("{}", fmt::join(there, ", "));
-        }
+    TsvFile table(dataset.participants(), kPersonColumns);
+    CsvReader reader(dataset.participants(), kPersonColumns, '\t');
+    while (reader.next()) {
+        if (parse_participant(reader.field(0).text) != participant) continue;
+        std::vector<std::string> there;
+        for (std::size_t i = 0; i < kPersonColumns.size(); ++i) there.emplace_back(reader.field(i).text);
+        return there == ours ? std::string() : fmt::format("{}", fmt::join(there, ", "));
     }
-    TsvFile(dataset.participants(), kPersonColumns).append(ours);
+    table.append(ours);
     return {};
 }
 

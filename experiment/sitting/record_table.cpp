@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "common/text_file.hpp"
+
 namespace thimble {
 namespace {
 
@@ -9,7 +11,7 @@ constexpr std::array<std::string_view, 7> kOwnColumns{
     "record", "position", "block", "practice", "repeat_of", "repeat_reason", "number_on_wire"};
 
 std::filesystem::path in_its_folder(const std::filesystem::path& file) {
-    std::filesystem::create_directories(file.parent_path());
+    make_folder(file.parent_path());
     return file;
 }
 

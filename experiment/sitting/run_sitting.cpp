@@ -158,9 +158,10 @@ SittingResult run_sitting(const SystemSettings& settings, const SittingRun& run)
     if (run.view) run.view->planned(order.size());
     RealTrials trials(lane_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
                       run.stop);
+    // The order first: an analysis asks for the order of every participant that is in the table.
+    if (!written) write_order(dataset.order(participant), order);
     const std::string line = add_participant(dataset, participant, kind, run.person);
     if (!line.empty()) trials.say(fmt::format("participants.tsv keeps what it says: {}", line));
-    if (!written) write_order(dataset.order(participant), order);
     const std::string other = written ? what_differs(settings, participant, order) : "";
     if (!other.empty()) {
         trials.say(

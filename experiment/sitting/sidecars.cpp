@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "experiment/sitting/tsv.hpp"
 
 namespace thimble {
@@ -72,7 +73,7 @@ std::string behaviour_json() {
         json[column.name] = Json{{"Description", column.description}};
         if (column.units != nullptr) json[column.name]["Units"] = column.units;
     }
-    return json.dump(2) + '\n';
+    return json_text(json, 2) + '\n';
 }
 
 std::string participants_json() {
@@ -96,7 +97,7 @@ std::string participants_json() {
          {{"Description",
            "yes: the experimenter stated before the first trial that informed consent was given"},
           {"Levels", {{"yes", "given"}}}}}};
-    return json.dump(2) + '\n';
+    return json_text(json, 2) + '\n';
 }
 
 std::string readme(SubjectKind kind, const std::string& name) {
@@ -116,11 +117,11 @@ std::string readme(SubjectKind kind, const std::string& name) {
 
 }  // namespace
 
-void write_sidecars(const std::filesystem::path& folder, SubjectKind kind, const std::string& name) {
-    write_whole(folder / "participants.json", participants_json());
-    write_whole(folder / "task-needle_beh.json", behaviour_json());
-    write_whole(folder / "README.md", readme(kind, name));
-    write_whole(folder / ".bidsignore", "orders/\nexclusions.tsv\n");
+std::vector<Sidecar> sidecars_of(SubjectKind kind, const std::string& name) {
+    return {{"participants.json", participants_json()},
+            {"task-needle_beh.json", behaviour_json()},
+            {"README.md", readme(kind, name)},
+            {".bidsignore", "orders/\nexclusions.tsv\n"}};
 }
 
 }  // namespace thimble

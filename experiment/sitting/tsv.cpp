@@ -14,8 +14,8 @@ constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max() - 1;
 
 const std::filesystem::path& with_whole_lines(const std::filesystem::path& path,
                                               std::span<const std::string_view> columns) {
-    keep_whole_lines(path);
-    if (is_table(path)) CsvReader(path, columns, '\t');  // its header, or Error
+    if (is_table(path)) CsvReader(path, columns, '\t', 0, LastLine::kMayBeTorn);  // its header, or Error
+    keep_lines(path, kAll);
     return path;
 }
 
@@ -39,8 +39,6 @@ CsvField without_na(CsvField field) {
     if (field.text == kNotAvailable) field.text = {};
     return field;
 }
-
-void keep_whole_lines(const std::filesystem::path& path) { keep_lines(path, kAll); }
 
 TsvFile::TsvFile(const std::filesystem::path& path, std::span<const std::string_view> columns)
     : file_(with_whole_lines(path, columns), IfExists::kContinue) {

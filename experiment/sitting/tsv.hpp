@@ -20,9 +20,6 @@ std::string tsv_text(std::string_view words);
 // A field that is not there, as CsvField's conversions expect it: empty.
 CsvField without_na(CsvField field);
 
-// Cuts off the line that a program which was killed left half written. Harmless where there is no file.
-void keep_whole_lines(const std::filesystem::path& path);
-
 // Of whole lines only.
 class TsvFile {
   public:

@@ -1,7 +1,9 @@
 #include "experiment/statistics/pairwise.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "common/error.hpp"
 #include "experiment/statistics/adjustment.hpp"
 #include "experiment/statistics/anova.hpp"
 #include "experiment/statistics/distributions.hpp"
@@ -22,10 +24,10 @@ ConfidenceInterval around(const Difference& difference, double confidence) {
     return {difference.mean - half, difference.mean + half};
 }
 
-void adjust(std::vector<MeanPair>& pairs) {
-    std::vector<double> p;
-    p.reserve(pairs.size());
-    for (const MeanPair& pair : pairs) p.push_back(pair.p);
+// Of `family` pairs, of which some could not be tested.
+void adjust(std::vector<MeanPair>& pairs, std::size_t family) {
+    std::vector<double> p(family, 1);
+    std::transform(pairs.begin(), pairs.end(), p.begin(), [](const MeanPair& pair) { return pair.p; });
     const std::vector<double> by_bonferroni = bonferroni(p);
     const std::vector<double> by_holm = holm(p);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -34,29 +36,40 @@ void adjust(std::vector<MeanPair>& pairs) {
     }
 }
 
+MeanPair pair_of(std::size_t first, std::size_t second, const Difference& difference, double confidence,
+                 std::size_t family) {
+    MeanPair pair;
+    pair.first = first;
+    pair.second = second;
+    pair.difference = difference.mean;
+    pair.interval = around(difference, confidence);
+    pair.interval_simultaneous = around(difference, 1 - (1 - confidence) / static_cast<double>(family));
+    pair.t = difference.mean / difference.standard_error;
+    pair.df = difference.df;
+    pair.p = t_two_sided(pair.t, pair.df);
+    return pair;
+}
+
+std::size_t pairs_of(std::size_t conditions) { return conditions * (conditions - 1) / 2; }
+
+// each(first, second) for each of the pairs of `conditions`.
+template <class Each>
+void for_all_pairs(std::size_t conditions, const Each& each) {
+    for (std::size_t first = 0; first + 1 < conditions; ++first) {
+        for (std::size_t second = first + 1; second < conditions; ++second) each(first, second);
+    }
+}
+
 // difference(first, second) of each of the pairs of `conditions`.
 template <class DifferenceOf>
 std::vector<MeanPair> all_pairs(std::size_t conditions, double confidence,
                                 const DifferenceOf& difference_of) {
-    const std::size_t count = conditions * (conditions - 1) / 2;
-    const auto family = static_cast<double>(count);
+    const std::size_t family = pairs_of(conditions);
     std::vector<MeanPair> pairs;
-    for (std::size_t first = 0; first + 1 < conditions; ++first) {
-        for (std::size_t second = first + 1; second < conditions; ++second) {
-            const Difference difference = difference_of(first, second);
-            MeanPair pair;
-            pair.first = first;
-            pair.second = second;
-            pair.difference = difference.mean;
-            pair.interval = around(difference, confidence);
-            pair.interval_simultaneous = around(difference, 1 - (1 - confidence) / family);
-            pair.t = difference.mean / difference.standard_error;
-            pair.df = difference.df;
-            pair.p = t_two_sided(pair.t, pair.df);
-            pairs.push_back(pair);
-        }
-    }
-    adjust(pairs);
+    for_all_pairs(conditions, [&](std::size_t first, std::size_t second) {
+        pairs.push_back(pair_of(first, second, difference_of(first, second), confidence, family));
+    });
+    adjust(pairs, family);
     return pairs;
 }
 
@@ -72,15 +85,25 @@ std::vector<MeanPair> pairs_after_repeated_anova(const SampleTable& table, doubl
     });
 }
 
-std::vector<MeanPair> paired_t_tests(const SampleTable& table, double confidence) {
+PairedTests paired_t_tests(const SampleTable& table, double confidence) {
     constexpr const char* kWhat = "paired t tests";
     require_confidence(confidence, kWhat);
     table.require_shape(2, 2, kWhat);
-    return all_pairs(table.conditions(), confidence, [&](std::size_t first, std::size_t second) {
-        const Moments m = spread_differences(table.column(first), table.column(second), kWhat);
-        const auto n = static_cast<double>(m.n);
-        return Difference{m.mean, std::sqrt(m.variance() / n), n - 1};
+    const std::size_t family = pairs_of(table.conditions());
+    PairedTests tests;
+    for_all_pairs(table.conditions(), [&](std::size_t first, std::size_t second) {
+        try {
+            const Moments m = spread_differences(table.column(first), table.column(second), kWhat);
+            const auto n = static_cast<double>(m.n);
+            const Difference difference{m.mean, std::sqrt(m.variance() / n), n - 1};
+            tests.pairs.push_back(pair_of(first, second, difference, confidence, family));
+        } catch (const Error& refused) {
+            tests.refused.emplace_back(refused.what());
+        }
     });
+    if (tests.pairs.empty()) throw Error(ExitCode::kData, tests.refused.front());
+    adjust(tests.pairs, family);
+    return tests;
 }
 
 std::vector<MeanPair> pairs_after_one_way_anova(const std::vector<NamedValues>& groups, double confidence) {

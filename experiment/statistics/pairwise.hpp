@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "experiment/statistics/confidence_interval.hpp"
@@ -29,9 +30,15 @@ struct MeanPair {
 // right only under sphericity. Errors as repeated_anova's.
 std::vector<MeanPair> pairs_after_repeated_anova(const SampleTable& table, double confidence = 0.95);
 
+struct PairedTests {
+    std::vector<MeanPair> pairs;       // those that can be tested, in their order
+    std::vector<std::string> refused;  // of each other pair: why
+};
+
 // Paired t test of each pair by its own differences, df = n - 1: needs no sphericity. At least 2 subjects and
-// 2 conditions; throws Error (kData) where two columns differ by the same amount in every subject.
-std::vector<MeanPair> paired_t_tests(const SampleTable& table, double confidence = 0.95);
+// 2 conditions. A pair that differs by the same amount in every subject has no t; the corrections of the others
+// count it, with P = 1. Throws Error (kData) where no pair can be tested.
+PairedTests paired_t_tests(const SampleTable& table, double confidence = 0.95);
 
 // t with the mean square within groups: t = difference / sqrt(ms_within (1 / n_1 + 1 / n_2)), df = df_within.
 // Errors as one_way_anova's.

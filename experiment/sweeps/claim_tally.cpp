@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "experiment/statistics/wilson.hpp"
 
@@ -115,7 +116,7 @@ nlohmann::ordered_json to_json(const ClaimCount& count) {
 void write_tally(const ClaimTally& tally, const std::filesystem::path& json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const ClaimCount& c : tally.counts()) list.push_back(to_json(c));
-    write_text_file(json, list.dump(2) + "\n");
+    write_text_file(json, json_text(list, 2) + "\n");
 }
 
 }  // namespace thimble

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/no_lag.hpp"
 #include "experiment/study.hpp"
@@ -26,7 +27,7 @@ void claim_folder(const SweepOptions& options) {
             ExitCode::kUsage,
             fmt::format("{}: exists; --overwrite replaces it, --out names another folder", report.string()));
     }
-    std::filesystem::create_directories(options.out);
+    make_folder(options.out);
     for (const char* name : {"report.html", "claims.json", "vary.json"}) {
         std::filesystem::remove(options.out / name);
     }

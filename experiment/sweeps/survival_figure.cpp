@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 #include "experiment/gnuplot.hpp"
 
 namespace thimble {
@@ -63,7 +64,7 @@ DrawnFigures draw_survival(const Variation& variation, const std::filesystem::pa
     try {
         const std::vector<std::size_t> indices = shown_claims(variation);
         const auto directory = output / "figures";
-        std::filesystem::create_directories(directory);
+        make_folder(directory);
         figure.svg = run_gnuplot(directory, figure.name, cells(variation, indices),
                                  script(variation, indices, figure.name));
         drawn.figures.push_back(std::move(figure));

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "experiment/progress.hpp"
 #include "experiment/report.hpp"
@@ -104,7 +105,7 @@ class Sweep {
     void write() const {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
         for (const Variation& variation : result_.variations) list.push_back(to_json(variation));
-        write_text_file(options_.out / "vary.json", list.dump(2) + "\n");
+        write_text_file(options_.out / "vary.json", json_text(list, 2) + "\n");
         ReportInput report;
         report.title = "Thimble: which claims survive";
         for (const Variation& variation : result_.variations) report.sections.push_back(section(variation));

@@ -6,7 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "common/json_text.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/result_output.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/commands/commands.hpp"
 #include "netem/relay/control_socket.hpp"
@@ -38,17 +40,17 @@ int set(const ControlOptions& options) {
     for (const std::string& assignment : options.assignments) request += "\n" + assignment;
     const Json answer = ask_relay(options.control, request);
     if (options.json) {
-        fmt::print("{}\n", answer.dump(2));
+        fmt::print("{}\n", json_text(answer, 2));
     } else {
-        fmt::print("up   {}\ndown {}\n", answer.at("up").at("asked").dump(),
-                   answer.at("down").at("asked").dump());
+        fmt::print("up   {}\ndown {}\n", json_text(answer.at("up").at("asked")),
+                   json_text(answer.at("down").at("asked")));
     }
     return 0;
 }
 
 int show(const ControlOptions& options) {
     const Json answer = ask_relay(options.control, "show");
-    fmt::print("{}", options.json ? answer.dump(2) + "\n" : in_words(answer));
+    fmt::print("{}", options.json ? json_text(answer, 2) + "\n" : in_words(answer));
     return 0;
 }
 
@@ -81,8 +83,8 @@ int watch(const ControlOptions& options) {
         wall_sleep(std::chrono::seconds{1});
         if (stop_requested()) break;
         Json now = ask_relay(options.control, "show");
-        fmt::print("{}\n", options.json ? now.dump() : line(before, now));
-        std::fflush(stdout);
+        fmt::print("{}\n", options.json ? json_text(now) : line(before, now));
+        flush_results();
         before = std::move(now);
     }
     return 0;

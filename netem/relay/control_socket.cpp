@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/control_words.hpp"
 #include "netem/relay/relay_engine.hpp"
@@ -147,7 +148,7 @@ std::string ControlServer::answer(std::string_view request) {
         json = {{"ok", false}, {"error", error.what()}};
     }
     // Text from outside may stand in the error: what is not UTF-8 is replaced.
-    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    return json_text(json);
 }
 
 nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::string& request) {

@@ -229,5 +229,16 @@ TEST(SittingProgram, FoldersOfTheWrongKindAreRefused) {
     EXPECT_THAT(refused.words, HasSubstr("empty folder"));
 }
 
+// A crash between the two leaves an order without a participant, which --resume takes up.
+TEST(SittingProgram, TheOrderIsWrittenBeforeTheParticipant) {
+    const Sittings sittings(kPerson);
+    sittings.dataset().open(SubjectKind::kHuman, {});
+    sittings.folder().write("data/orders", "a file in the folder's place\n");
+    const Outcome failed = sittings.run({"--attach", "--consent"});
+    EXPECT_EQ(failed.code, 2) << failed.words;
+    EXPECT_THAT(failed.words, HasSubstr("data/orders"));
+    EXPECT_FALSE(std::filesystem::exists(sittings.dataset().participants())) << failed.words;
+}
+
 }  // namespace
 }  // namespace thimble

@@ -38,8 +38,13 @@ TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
     EXPECT_EQ(again.code, 0) << again.words;
     EXPECT_THAT(again.words, HasSubstr("8 trials were there already"));
     EXPECT_EQ(read_text(folder / "out" / "trials.csv"), table);
+    std::filesystem::remove(folder / "out" / "trials_curves.csv");
+    const Outcome without_curves = thimble_with(resume);
+    EXPECT_EQ(without_curves.code, 5) << without_curves.words;
+    EXPECT_THAT(without_curves.words, AllOf(HasSubstr("trials_curves.csv"), HasSubstr("--out")));
     resume.insert(resume.end(), {"--seed", "2"});
     EXPECT_EQ(thimble_with(resume).code, 2);
+    EXPECT_EQ(read_text(folder / "out" / "trials.csv"), table);
 
     const Outcome analysed = thimble_with({"analyse", out, "--out", (folder / "claims.json").string()});
     EXPECT_EQ(analysed.code, 0) << analysed.words;

@@ -131,7 +131,9 @@ TEST(Remedies, TheTableOfTrialsIsGoneOnWith) {
               remedy_rows_csv(condense(paper(), options, trials)));
     options.networks = plain_networks({0.02});
     std::vector<RemedyTrial> other = plan_remedy_trials(paper(), options);
+    std::ofstream(path, std::ios::binary | std::ios::app) << "wave,";
     EXPECT_THROW(RemedyTrialTable(path, IfExists::kContinue, conditions, other), Error);
+    EXPECT_EQ(read_text(path), whole + "wave,");
     std::filesystem::remove(path);
 }
 

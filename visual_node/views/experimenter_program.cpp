@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
@@ -178,7 +179,7 @@ bool ExperimenterView::turn(SessionTime started) {
 void ExperimenterView::finish() {
     if (last_.width > 0) write_png(options_.screenshot, last_);
     if (options_.frame_times) {
-        std::printf("%s\n", cost_.report(window_.width(), window_.height()).dump(2).c_str());
+        std::printf("%s\n", json_text(cost_.report(window_.width(), window_.height()), 2).c_str());
     }
 }
 

@@ -157,6 +157,26 @@ TEST(Analysis, WithFewSubjectsItSaysWhatCannotBeComputed) {
     }
 }
 
+TEST(Analysis, APairWithEqualDifferencesDoesNotCostTheOthersTheirTests) {
+    Columns columns = normal_columns(kSubjects, kAscending);
+    columns[2] = columns[1];
+    const MeasureAnalysis m = analyse(rows_of(columns));
+    std::size_t tested = 0;
+    for (const PairAnalysis& pair : m.pairs) {
+        const bool equal = pair.first == 1 && pair.second == 2;
+        EXPECT_EQ(pair.paired.has_value(), !equal) << pair.first << pair.second;
+        if (!pair.paired) continue;
+        EXPECT_EQ(pair.paired->first, pair.first);
+        EXPECT_EQ(pair.paired->second, pair.second);
+        ++tested;
+    }
+    EXPECT_EQ(tested, 5U);
+    // Its place is empty: the error of the ANOVA would be another test.
+    EXPECT_FALSE(m.by_means(m.pairs[3]).has_value());
+    EXPECT_THAT(m.problems,
+                testing::Contains(AllOf(HasSubstr("CF"), HasSubstr("CCF"), HasSubstr("same amount"))));
+}
+
 TEST(Analysis, AMissingModalityIsNamed) {
     Columns columns = normal_columns(kSubjects, kAscending);
     columns[2].assign(kSubjects, std::nan(""));

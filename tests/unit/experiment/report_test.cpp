@@ -170,6 +170,14 @@ TEST(Report, SummaryHasTheNumbersOfTheTables) {
     EXPECT_TRUE(condition["metrics"]["peak_displacement_m"]["mean"].is_null());
 }
 
+TEST(Report, SummaryHoldsAPathThatIsNoUtf8AsFarAsItGoes) {
+    const TemporaryDirectory directory;
+    ReportInput report{"Study", {}, {{"command", "thimble study --out caf\xe9"}, {"\xff", "1"}}};
+    write_summary(report, directory / "summary.json");
+    const auto summary = nlohmann::json::parse(read_text(directory / "summary.json"));
+    EXPECT_EQ(summary["provenance"]["command"], "thimble study --out caf\xef\xbf\xbd");
+}
+
 TEST(Report, AgreementComparesTheSameTrials) {
     const Study study = small_study();
     std::vector<TrialRow> real = study.rows;

@@ -63,7 +63,7 @@ TEST(DistributionFigure, HasEveryTrialAndItsModalitysBox) {
 TEST(DifferenceFigure, ShowsTheIntervalsOfThePairedTests) {
     const StudyColumns columns(rows_of(normal_columns(9, kMeans)), 1);
     const FigureSource figure = difference_figure(columns, kOne, "d");
-    const MeanPair pair = paired_t_tests(columns.table(kOne[0]).table)[0];
+    const MeanPair pair = paired_t_tests(columns.table(kOne[0]).table).pairs[0];
     EXPECT_EQ(lines_of(figure.data)[0],
               fmt::format("0\t{:.6g}\t{:.6g}\t{:.6g}\t{:.6g}\t{:.6g}", 1e3 * pair.difference,
                           1e3 * pair.interval.low, 1e3 * pair.interval.high,

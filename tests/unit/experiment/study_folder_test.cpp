@@ -1,6 +1,9 @@
 // What a killed study leaves behind is taken up again, and nothing else is.
 #include "experiment/study_folder.hpp"
 
+#include <fstream>
+#include <sstream>
+
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
@@ -32,6 +35,17 @@ class StudyFolder : public testing::Test {
                 }};
     }
     StudyTables resume() { return open(IfExists::kContinue); }
+    // It is not gone on with, and the table has all its bytes.
+    void expect_kept(ExitCode code, const std::string& words, const std::string& table_text) {
+        try {
+            resume();
+            ADD_FAILURE() << "was gone on with: " << words;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), code) << error.what();
+            EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+        }
+        EXPECT_EQ(table(), table_text);
+    }
     std::string table() const { return read_text(directory_ / "trials.csv"); }
     std::string curves() const { return read_text(directory_ / "trials_curves.csv"); }
     void append_text(const std::string& file, const std::string& text) const {
@@ -110,6 +124,76 @@ TEST_F(StudyFolder, AnotherStudyIsNotGoneOnWith) {
     }
     planned_.resize(1);
     EXPECT_THROW(resume(), Error);
+}
+
+TEST_F(StudyFolder, AStudyOfAnotherSeedKeepsEveryByteWhateverItsCurvesAre) {
+    {
+        StudyTables tables = open(IfExists::kRefuse);
+        run(tables, 0, 3);
+    }
+    append_text("trials.csv", "3,1,");  // and it was killed while it wrote
+    const std::string table_text = table();
+    const std::string curve_text = curves();
+    for (TrialConditions& conditions : planned_) conditions.study_seed = 99;
+    for (const std::size_t left : {curve_text.size(), curve_text.size() - 5, curve_text.find('\n') + 1,
+                                   std::size_t{7}, std::size_t{0}}) {
+        std::ofstream(directory_ / "trials_curves.csv", std::ios::binary) << curve_text.substr(0, left);
+        expect_kept(ExitCode::kUsage, "trials.csv:2", table_text);
+        EXPECT_EQ(curves(), curve_text.substr(0, left));
+    }
+    std::filesystem::remove(directory_ / "trials_curves.csv");
+    expect_kept(ExitCode::kUsage, "trials.csv:2", table_text);
+}
+
+// As `thimble run` and `thimble play --record` leave it: real trials, perhaps under the same conditions.
+TEST_F(StudyFolder, TrialsWithoutCurvesAreRefusedAndKept) {
+    {
+        StudyTables tables = open(IfExists::kRefuse);
+        run(tables, 0, 3);
+    }
+    const std::string table_text = table();
+    const std::string header = curves().substr(0, curves().find('\n') + 1);
+    for (const std::string& left : {header, header.substr(0, 7), std::string()}) {
+        std::ofstream(directory_ / "trials_curves.csv", std::ios::binary) << left;
+        expect_kept(ExitCode::kData, "trials_curves.csv", table_text);
+    }
+    std::filesystem::remove(directory_ / "trials_curves.csv");
+    expect_kept(ExitCode::kData, "--out", table_text);
+    EXPECT_FALSE(std::filesystem::exists(directory_ / "trials_curves.csv"));
+}
+
+TEST_F(StudyFolder, CurvesOfOtherTrialsAreRefusedAndNothingIsCut) {
+    {
+        StudyTables tables = open(IfExists::kRefuse);
+        tables.append(make_row(records_[0]), trial_curve(records_[0]));
+        tables.append(make_row(records_[1]), trial_curve(records_[3]));
+        tables.append(make_row(records_[2]), trial_curve(records_[2]));
+    }
+    append_text("trials_curves.csv", "3,1,");
+    const std::string curve_text = curves();
+    expect_kept(ExitCode::kData, "trials_curves.csv:3", table());
+    EXPECT_EQ(curves(), curve_text);
+}
+
+TEST_F(StudyFolder, ATableOfAnEarlierVersionIsRefusedAndKept) {
+    {
+        StudyTables tables = open(IfExists::kRefuse);
+        run(tables, 0, 2);
+    }
+    std::string text;
+    std::istringstream lines(table());
+    for (std::string line; std::getline(lines, line);) text += line.substr(0, line.rfind(',')) + '\n';
+    text += "3,1";
+    std::ofstream(directory_ / "trials.csv", std::ios::binary) << text;
+    expect_kept(ExitCode::kData, "trials.csv:1", text);
+}
+
+// A text that is no table has no line that could be half written.
+TEST_F(StudyFolder, SomethingElseOfThatNameIsKept) {
+    for (const char* text : {"notes", "notes\nmore notes"}) {
+        std::ofstream(directory_ / "trials.csv", std::ios::binary) << text;
+        expect_kept(ExitCode::kData, "trials.csv:1", text);
+    }
 }
 
 TEST_F(StudyFolder, DamageInTheMiddleIsNamedNotCutOff) {

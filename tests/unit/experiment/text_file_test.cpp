@@ -46,5 +46,26 @@ TEST(TextFile, FullDiskIsAnError) {
     expect_refused("/dev/full");
 }
 
+TEST(Folder, IsMadeWithThoseOnTheWay) {
+    const TemporaryDirectory directory;
+    for (int twice = 0; twice < 2; ++twice) make_folder(directory / "a/b");
+    EXPECT_TRUE(std::filesystem::is_directory(directory / "a/b"));
+    make_folder("");
+}
+
+TEST(Folder, ThatCannotBeMadeIsNamed) {
+    const TemporaryDirectory directory;
+    write_text_file(directory / "file", "");
+    for (const std::filesystem::path& folder : {directory / "file", directory / "file/in it"}) {
+        try {
+            make_folder(folder);
+            ADD_FAILURE() << "was made: " << folder;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::kUsage);
+            EXPECT_THAT(error.what(), testing::HasSubstr(folder.string()));
+        }
+    }
+}
+
 }  // namespace
 }  // namespace thimble

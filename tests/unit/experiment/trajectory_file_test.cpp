@@ -1,8 +1,11 @@
 #include "experiment/trajectory_file.hpp"
 
+#include <functional>
+
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "tests/full_disk.hpp"
 #include "tests/unit/experiment/records.hpp"
 
 namespace thimble {
@@ -52,6 +55,47 @@ TEST(TrajectoryFile, FlushMakesSamplesVisibleAndAFileWithoutEndIsTold) {
     const Trajectory trajectory = read_trajectory(directory / "t.csv");
     EXPECT_EQ(trajectory.samples.size(), 1U);
     EXPECT_EQ(trajectory.reason, EndReason::kNone);
+}
+
+bool throws(const std::function<void()>& what) {
+    try {
+        what();
+        return false;
+    } catch (const Error&) {
+        return true;
+    }
+}
+
+// What is in the file if the disk has so much room until the trial ends, and any amount then.
+std::string with_room(std::size_t samples, rlim_t room_bytes, bool fails) {
+    const TemporaryDirectory directory;
+    {
+        TrajectoryWriter writer(directory / "t.csv");
+        {
+            const FullDisk disk(room_bytes);
+            TrajectorySample sample;
+            for (std::size_t i = 0; i < samples; ++i) {
+                sample.time_s = 1e-3 * static_cast<double>(i);
+                throws([&] { writer.append(sample); });
+            }
+            EXPECT_EQ(throws([&] { writer.flush(); }), fails);
+        }
+        EXPECT_EQ(throws([&] { writer.end(EndReason::kCompleted); }), fails);
+    }
+    return read_text(directory / "t.csv");
+}
+
+// No sample stands there twice, and no end behind a gap.
+TEST(TrajectoryFile, WhatAFullDiskCutOffIsNotWrittenAgain) {
+    for (const std::size_t samples : {std::size_t{50}, std::size_t{6000}}) {
+        const std::string whole = with_room(samples, 1'000'000'000, false);
+        for (const rlim_t room_bytes : {rlim_t{0}, rlim_t{700}, rlim_t{5000}, rlim_t{70'000}}) {
+            if (room_bytes > whole.size()) continue;
+            const std::string cut = with_room(samples, room_bytes, true);
+            EXPECT_LT(cut.size(), whole.size());
+            EXPECT_TRUE(whole.starts_with(cut)) << samples << " in " << room_bytes;
+        }
+    }
 }
 
 TEST(TrajectoryFile, DamageIsNamedWithLineAndColumn) {

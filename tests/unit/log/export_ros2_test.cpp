@@ -202,6 +202,41 @@ TEST_F(Ros2Logs, EachThingOnce) {
     EXPECT_THROW(export_ros2(files_, folder_.path() / "ros2.mcap", ""), Error);
 }
 
+// The session says a network to each node again and again. One of these orders has been overtaken on its way.
+TEST_F(Ros2Logs, EveryChangeOfTheNetworkWithItsValue) {
+    files_.clear();
+    WrittenLog orders;
+    orders.direction = "received";
+    orders.topic = "/session/orders/master";
+    orders.body_by_body = true;
+    orders.bodies.clear();
+    const auto say = [&](std::uint32_t sequence, std::uint32_t trial, const char* name, double delay_s) {
+        SessionControl change;
+        change.kind = ControlKind::kNetworkChange;
+        change.network = *NetworkName::of(name);
+        change.network_delay_s = delay_s;
+        orders.bodies.push_back(Message{{7, {}, 0, trial, Role::kSession}, change});
+        orders.messages.push_back({sequence, static_cast<std::int64_t>(10 * orders.bodies.size())});
+    };
+    say(1, 4, "", 0.05);
+    say(2, 4, "", 0.05);
+    say(4, 4, "lte", 0.0205);
+    say(3, 4, "", 0.05);
+    say(5, 4, "lte", 0.1);
+    say(6, 4, "", 0.05);
+    say(7, 5, "", 0.05);
+    say(8, 5, "", 0.05);
+    add("orders", orders);
+    export_ros2(files_, folder_.path() / "ros2.mcap", "");
+    std::vector<std::string> events;
+    LoggedFile(folder_.path() / "ros2.mcap").for_each([&](const LoggedTopic&, const McapMessage& m) {
+        events.emplace_back(m.data.begin() + 8, m.data.end() - 1);  // behind CDR's head and the length
+    });
+    EXPECT_THAT(events, ElementsAre("network change 4 0.05 s", "network change 4 lte 0.0205 s",
+                                    "network change 4 lte 0.1 s", "network change 4 0.05 s",
+                                    "network change 5 0.05 s"));
+}
+
 TEST_F(Ros2Logs, OnlyTheTopicsAskedFor) {
     EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "/slave_sim").topics, 7U);
 }

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <set>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -176,6 +177,51 @@ TEST_F(LogTools, EveryKindIsExported) {
         HasSubstr("log_time_ns,publish_time_ns,direction,header_instance,header_send_time_ns,header_sequence,"
                   "header_trial,header_sender,position_needle_m,velocity_needle_m_per_s"));
     EXPECT_EQ(file.topics().size(), 1U);
+}
+
+// As the sessions of two runs leave them.
+class LogsOfOneName : public LogTools {
+  protected:
+    LogsOfOneName() {
+        for (const char* run : {"a", "b"}) {
+            std::filesystem::create_directories(folder_.path() / run / "nodes");
+            paths_.push_back((folder_.path() / run / "nodes/master_50ms.mcap").string());
+            WrittenLog log;
+            log.messages = {{1, run[0] == 'a' ? 10 : 20}};
+            log.write(paths_.back());
+        }
+    }
+    std::vector<std::string> paths_;
+};
+
+TEST_F(LogsOfOneName, HaveTablesOfTheirOwn) {
+    const auto tables = folder_.path() / "tables";
+    EXPECT_EQ(export_csv(open_logs(paths_), tables, ""), 2U);
+    for (const auto& [run, time] : {std::pair{"a", "\n10,"}, std::pair{"b", "\n20,"}}) {
+        const std::string text = read_text(
+            tables / fmt::format("{}.nodes.master_50ms.master.needle_command.needle_command.csv", run));
+        EXPECT_THAT(text, HasSubstr(time));
+        EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
+    }
+}
+
+TEST_F(LogsOfOneName, AreToldApartByNoMoreThanItTakes) {
+    WrittenLog{}.write(folder_.path() / "a/nodes/session.mcap");
+    WrittenLog{}.write(folder_.path() / "a/nodes/master_50ms.repaired");
+    paths_.push_back((folder_.path() / "a/nodes/session.mcap").string());
+    paths_.push_back((folder_.path() / "a/../a/nodes/master_50ms.repaired").string());
+    std::vector<std::string> names;
+    for (const auto& file : open_logs(paths_)) names.push_back(file->name());
+    EXPECT_THAT(names, ElementsAre("a/nodes/master_50ms.mcap", "b/nodes/master_50ms", "session",
+                                   "a/nodes/master_50ms.repaired"));
+    paths_.push_back(folder_.path() / "b/./nodes/master_50ms.mcap");
+    EXPECT_THROW(open_logs(paths_), Error);
+}
+
+TEST_F(LogsOfOneName, AreNeverMerged) {
+    for (const std::string& path : paths_) files_.push_back(std::make_unique<LoggedFile>(path));
+    EXPECT_THROW(export_csv(files_, folder_.path() / "tables", ""), Error);
+    EXPECT_THROW(export_hdf5(files_, folder_.path() / "all.h5", ""), Error);  // or without the library
 }
 
 TEST_F(LogTools, ValuesAreThoseThatWereSent) {

@@ -2,9 +2,7 @@
 #include "common/runtime/log/message_log.hpp"
 
 #include <array>
-#include <csignal>
 #include <cstdlib>
-#include <sys/resource.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,6 +13,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "experiment/log/logged_file.hpp"
+#include "tests/full_disk.hpp"
 #include "tests/read_text.hpp"
 #include "tests/unit/log/log_folder.hpp"
 #include "tests/unit/master/allocation_count.hpp"
@@ -179,26 +178,6 @@ TEST(IndependentReader, OpensOurLogs) {
     EXPECT_EQ(found["attachments"], nlohmann::json::parse(R"(["session.toml"])"));
     EXPECT_EQ(found["metadata"], nlohmann::json::parse(R"(["thimble", "end"])"));
 }
-
-// A limit of files' size for as long as this lives: the disk that is full is nobody else's.
-class FullDisk {
-  public:
-    explicit FullDisk(rlim_t room) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-        getrlimit(RLIMIT_FSIZE, &before_);
-        const rlimit limit{room, before_.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    ~FullDisk() {
-        setrlimit(RLIMIT_FSIZE, &before_);
-        std::signal(SIGXFSZ, handler_);
-    }
-    FullDisk(const FullDisk&) = delete;
-    FullDisk& operator=(const FullDisk&) = delete;
-
-  private:
-    rlimit before_{};
-    void (*handler_)(int);
-};
 
 TEST(MessageLog, AFullDiskIsToldAndKeepsWhatWasWritten) {
     TappedMaster master;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct WrittenLog {
     std::vector<WrittenMessage> messages;
     std::function<void(McapWriter&)> more{};
     std::vector<Message> bodies{Message{{7, {}, 0, 1, Role::kMaster}, NeedleCommand{}}};
+    bool body_by_body = false;  // message i has body i; else each has all of them
 
     void write(const std::filesystem::path& path) const {
         LogFile file(path);
@@ -39,8 +41,9 @@ struct WrittenLog {
         const std::uint16_t channel =
             writer.add_channel(schema, topic, "flatbuffer", {{"direction", direction}});
         Encoder encoder;
-        for (const WrittenMessage& m : messages) {
-            for (Message body : bodies) {
+        for (std::size_t i = 0; i < messages.size(); ++i) {
+            const WrittenMessage& m = messages[i];
+            for (Message body : body_by_body ? std::span(bodies).subspan(i, 1) : std::span(bodies)) {
                 body.header.sequence = m.sequence;
                 body.header.send_time = from_nanoseconds(1000 * static_cast<std::int64_t>(m.sequence));
                 writer.add_message({channel, m.sequence, static_cast<std::uint64_t>(m.log_time_ns), 0,

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.hpp"
 #include "experiment/sitting/participants_table.hpp"
 #include "tests/unit/sitting/sittings.hpp"
 
@@ -36,6 +37,17 @@ class CountedTrialsTest : public testing::Test {
     Dataset dataset_;
     std::vector<OrderEntry> order_;
 };
+
+// As a power cut leaves it where a file system forgets the order and not the participant.
+TEST_F(CountedTrialsTest, WhoeverHasNoOrderYetHasNotBegun) {
+    did(2);
+    add_participant(dataset_, 3, SubjectKind::kVirtual, {});
+    const CountedTrials counted = counted_trials(dataset_);
+    EXPECT_EQ(counted.participants, 1U);
+    EXPECT_EQ(counted.rows.size(), 1U);
+    RecordTable(dataset_.records(3)).append(record_of(order_[1], 1));
+    EXPECT_THROW(counted_trials(dataset_), Error);  // trials without an order are damage
+}
 
 TEST_F(CountedTrialsTest, EveryReason) {
     did(1);                            // 1: practice

@@ -56,6 +56,30 @@ TEST(Dataset, ACrashWhileItWasMadeDoesNoHarm) {
     EXPECT_EQ(dataset.kind(), SubjectKind::kHuman);
 }
 
+// The description comes last: a folder that is a dataset has all its sidecars, and one that is none yet can become one.
+TEST(Dataset, ACrashBeforeTheDescriptionDoesNoHarm) {
+    const TemporaryDirectory folder;
+    const Dataset dataset(folder.path());
+    const std::filesystem::path in_the_way = dataset.description().string() + ".new";
+    std::filesystem::create_directory(in_the_way);
+    EXPECT_THROW(dataset.open(SubjectKind::kHuman, {}), Error);
+    for (const char* file : {"participants.json", "task-needle_beh.json", "README.md", ".bidsignore"})
+        EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
+    EXPECT_FALSE(dataset.kind().has_value());
+    std::filesystem::remove(in_the_way);
+    std::ofstream(folder / "README.md.new") << "half";
+    dataset.open(SubjectKind::kHuman, {});
+    EXPECT_EQ(dataset.kind(), SubjectKind::kHuman);
+}
+
+TEST(Dataset, AnotherReadmeIsNotReplaced) {
+    const TemporaryDirectory folder;
+    std::ofstream(folder / "README.md") << "of somebody else\n";
+    expect_refused([&] { Dataset(folder.path()).open(SubjectKind::kHuman, {}); }, ExitCode::kUsage,
+                   "empty folder");
+    EXPECT_EQ(read_text(folder / "README.md"), "of somebody else\n");
+}
+
 TEST(Dataset, ADescriptionThatDoesNotSayWhoseDataIsNotTrusted) {
     const TemporaryDirectory folder;
     const Dataset dataset(folder.path());

@@ -1,7 +1,9 @@
 // Movements for others, in the layout of Motion-BIDS, judged by BIDS' own validator.
 #include "experiment/sitting/motion_export.hpp"
 
+#include <cmath>
 #include <cstdlib>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -37,8 +39,14 @@ class MotionBids : public testing::Test {
             row.metrics.beeped = true;
             table.append(row);
         }
-        TrajectoryWriter writer(study() / "trajectories" / "experiment3_subject01_trial01_CF_50ms.csv");
-        for (int i = 0; i < 10; ++i) writer.append({0.001 * i, 0.01 * i, 0.02, -0.25, -0.5, -0.75, 0});
+        std::vector<double> times_s;
+        for (int i = 0; i < 10; ++i) times_s.push_back(0.001 * i);
+        write_trajectory(times_s);
+    }
+    void write_trajectory(const std::vector<double>& times_s) const {
+        TrajectoryWriter writer(study() / "trajectories" / "experiment3_subject01_trial01_CF_50ms.csv",
+                                IfExists::kReplace);
+        for (const double time_s : times_s) writer.append({time_s, 10 * time_s, 0.02, -0.25, -0.5, -0.75, 0});
         writer.end(EndReason::kCompleted);
     }
     ~MotionBids() override { std::filesystem::remove_all(folder_); }
@@ -65,7 +73,25 @@ TEST_F(MotionBids, HoldsTheSamplesWithTheirUnits) {
     EXPECT_THROW(export_motion(study(), bids()), Error);  // never into what is there
 }
 
+TEST_F(MotionBids, TheSamplingFrequencyIsThatOfTheTrial) {
+    for (const double period_s : {1e-3, 1e-4, 2.5e-4}) {
+        std::filesystem::remove_all(bids());
+        std::vector<double> times_s;
+        for (int i = 0; i < 100; ++i) {
+            if (i % 20 == 7) continue;                                 // lost
+            times_s.push_back(period_s * i + 1e-7 * (i * 7 % 5 - 2));  // a wake-up that is late or early
+        }
+        write_trajectory(times_s);
+        export_motion(study(), bids());
+        const auto motion = nlohmann::json::parse(written("motion.json"));
+        EXPECT_EQ(motion["SamplingFrequency"], std::lround(1 / period_s));
+        EXPECT_NEAR(motion["SamplingFrequencyEffective"].get<double>(), 1 / period_s, 0.2 / period_s);
+    }
+}
+
 TEST_F(MotionBids, WhatHoldsNothingIsRefused) {
+    write_trajectory({0.5});
+    EXPECT_THROW(export_motion(study(), bids()), Error);
     std::filesystem::remove_all(study() / "trajectories");
     EXPECT_THROW(export_motion(study(), bids()), Error);
     EXPECT_THROW(export_motion(folder_ / "none", bids()), Error);

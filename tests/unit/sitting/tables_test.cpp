@@ -70,6 +70,16 @@ TEST(RecordTable, HalfALineIsCutOffAndItsTrialRunAgain) {
     EXPECT_THROW(read_records(file), Error);
 }
 
+TEST(RecordTable, AnotherTableKeepsEveryByte) {
+    const TemporaryDirectory folder;
+    const auto file = folder / "table.tsv";
+    for (const std::string& text : {std::string("a note"), std::string("name\tnote\nsub-01\tkept as it")}) {
+        std::ofstream(file, std::ios::binary) << text;
+        EXPECT_THROW(RecordTable{file}, Error);
+        EXPECT_EQ(read_text(file), text);
+    }
+}
+
 TEST(Exclusions, ComeBackWithTheirReason) {
     const TemporaryDirectory folder;
     const auto file = folder / "exclusions.tsv";
