@@ -1,0 +1,47 @@
+"""The table of a campaign, its score, and whether it is worse than the lists say."""
+
+from mutant_list import CLASSES
+
+AIM = {"ordinary": 90, "rare": 75}  # per cent
+
+
+def verdict(mutant, result):
+    if result.get("killer"):
+        return f"killed by {result['killer']}"
+    if mutant.equivalent:
+        return f"equivalent: {mutant.equivalent}"
+    never = "" if result.get("passed") else ", never reached"
+    return f"survived{never}" + (f" (known: {mutant.survives})" if mutant.survives else "")
+
+
+def complaints(mutants, results):
+    """Mutants that the lists take for killed and that survive; and words in the lists that have become untrue."""
+    worse, outdated = [], []
+    for mutant in mutants:
+        killed = results.get(mutant.number, {}).get("killer")
+        if not killed and not mutant.equivalent and not mutant.survives:
+            worse.append(f"{mutant.room}: {mutant} survives, and the list does not say so")
+        if killed and (mutant.equivalent or mutant.survives):
+            outdated.append(f"{mutant.room}: {mutant} is killed by {killed}; the list says it survives")
+    return worse, outdated
+
+
+def score_lines(mutants, results):
+    lines = ["| class | mutants | equivalent | killed | score | aim |", "| --- | --- | --- | --- | --- | --- |"]
+    for kind in CLASSES:
+        ones = [mutant for mutant in mutants if mutant.kind == kind]
+        killed = sum(bool(results.get(mutant.number, {}).get("killer")) for mutant in ones)
+        equivalent = sum(bool(mutant.equivalent) and not results.get(mutant.number, {}).get("killer") for mutant in ones)
+        counted = len(ones) - equivalent
+        share = f"{100 * killed / counted:.1f} %" if counted else "-"
+        lines.append(f"| {kind} | {len(ones)} | {equivalent} | {killed} of {counted} | {share} | {AIM[kind]} % |")
+    return lines
+
+
+def table(mutants, results):
+    """Markdown: the score, then a row per mutant, survivors first within a room."""
+    lines = [*score_lines(mutants, results), "", "| room | class | mutant | result |", "| --- | --- | --- | --- |"]
+    for mutant in sorted(mutants, key=lambda one: (one.room, bool(results.get(one.number, {}).get("killer")))):
+        change = str(mutant).replace("|", "\\|")
+        lines.append(f"| {mutant.room} | {mutant.kind} | `{change}` | {verdict(mutant, results.get(mutant.number, {}))} |")
+    return "\n".join(lines) + "\n"
