@@ -25,6 +25,8 @@ def changes(text):
         number = match["number"]
         yield *match.span(), f"{2 * float(number):g}" if "." in number else str(int(number) + 1)
     for match in STATEMENT.finditer(code):
+        if match["text"].lstrip().startswith("assert(") or ".reserve(" in match["text"]:
+            continue  # no test can fail for want of them
         begin = match.start() + len(match["text"]) - len(match["text"].lstrip())
         yield begin, match.end(), ""
 
