@@ -7,7 +7,7 @@ import sys
 import threading
 
 from mutant_list import ListError
-from test_runs import confirmed, reached_numbers
+from test_runs import confirmed, reached_numbers, stop_all
 
 SLACK_S = 30  # for a machine that is busy; a mutant that needs longer than this and four times the usual hangs
 
@@ -33,6 +33,9 @@ class Campaign:
         try:
             for done, future in enumerate(concurrent.futures.as_completed([pool.submit(work, item) for item in items]), 1):
                 print(f"[{done}/{len(items)}] {future.result()}", file=sys.stderr, flush=True)
+        except BaseException:
+            stop_all()
+            raise
         finally:
             pool.shutdown(cancel_futures=True)
 

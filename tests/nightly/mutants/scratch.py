@@ -59,7 +59,14 @@ def copy_tree(mutants, tree, root=ROOT):
 
 def _must(command):
     print(" ".join(map(str, command)), file=sys.stderr)
-    if subprocess.run(command, stdout=sys.stderr, check=False).returncode:
+    with subprocess.Popen(command, stdout=sys.stderr) as child:
+        try:
+            code = child.wait()
+        except BaseException:
+            child.terminate()  # ninja then ends its compilers; one that is left over would write into the next build
+            child.wait()
+            raise
+    if code:
         raise ListError("the scratch build failed; a compiler's message that names a mutant's line is about its entry")
 
 

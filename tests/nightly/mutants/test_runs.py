@@ -3,8 +3,10 @@
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import tempfile
+import threading
 import time
 from typing import NamedTuple
 
@@ -13,10 +15,34 @@ FAILED = re.compile(r"^\[  FAILED  \] ([\w./]+)", re.MULTILINE)
 BEGUN = re.compile(r"^\[ RUN      \] ([\w./]+)", re.MULTILINE)
 
 
+_running, _stopping = set(), threading.Event()
+
+
 class Run(NamedTuple):
     failed: str  # the first failed test; empty: all passed
     seconds: float
     output: str
+
+
+def stop_all():
+    """Ends what runs, from another thread; no run after that has a result."""
+    _stopping.set()
+    for child in list(_running):
+        os.killpg(child.pid, signal.SIGKILL)
+
+
+def _wait(child, timeout_s):
+    """The output, and whether the child was still running at the end of the time."""
+    _running.add(child)
+    try:
+        return child.communicate(timeout=0 if _stopping.is_set() else timeout_s)[0], False
+    except subprocess.TimeoutExpired:
+        os.killpg(child.pid, signal.SIGKILL)
+        return child.communicate()[0], True
+    finally:
+        _running.discard(child)
+        if _stopping.is_set():
+            raise InterruptedError("stopped")
 
 
 def run_program(program, timeout_s, environment, only=""):
@@ -27,23 +53,20 @@ def run_program(program, timeout_s, environment, only=""):
         command = [str(program), "--gtest_fail_fast", *([f"--gtest_filter={only}"] if only else [])]
         with subprocess.Popen(command, cwd=folder, env=surroundings, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True) as child:
-            try:
-                output, _ = child.communicate(timeout=timeout_s)
-            except BaseException as error:
-                os.killpg(child.pid, 9)
-                output, _ = child.communicate()
-                if not isinstance(error, subprocess.TimeoutExpired):
-                    raise
-                return Run(f"{(BEGUN.findall(output) or ['start'])[-1]} (timeout)", time.monotonic() - begin, output)
-    return Run(first_failure(output, child.returncode), time.monotonic() - begin, output)
+            output, late = _wait(child, timeout_s)
+    failed = last_test(output, "timeout") if late else first_failure(output, child.returncode)
+    return Run(failed, time.monotonic() - begin, output)
+
+
+def last_test(output, why):
+    return f"{(BEGUN.findall(output) or ['start'])[-1]} ({why})"
 
 
 def first_failure(output, code):
     if code == 0:
         return ""
-    if failed := FAILED.search(output):
-        return failed[1]
-    return f"{(BEGUN.findall(output) or ['start'])[-1]} (exit code {code})"
+    failed = FAILED.search(output)
+    return failed[1] if failed else last_test(output, f"exit code {code}")
 
 
 def confirmed(program, timeout_s, environment, **options):
