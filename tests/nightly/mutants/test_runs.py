@@ -10,6 +10,8 @@ import threading
 import time
 from typing import NamedTuple
 
+# What ctest sets for these programs too (tests/devices/preload.cmake).
+SURROUNDINGS = {"unit_falcon_usb": {"LD_PRELOAD": "libumockdev-preload.so.0"}}
 BYTES = 1 << 24  # one for each number that a mutant can have
 FAILED = re.compile(r"^\[  FAILED  \] ([\w./]+)", re.MULTILINE)
 BEGUN = re.compile(r"^\[ RUN      \] ([\w./]+)", re.MULTILINE)
@@ -49,7 +51,7 @@ def run_program(program, timeout_s, environment, only=""):
     """A folder of its own for each run: two runs of one program at a time do not share files."""
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="mutant_") as folder:
-        surroundings = {**os.environ, "RC_PARAMS": "seed=1", "TMPDIR": folder, **environment}
+        surroundings = {**os.environ, "RC_PARAMS": "seed=1", "TMPDIR": folder, **SURROUNDINGS.get(program.name, {}), **environment}
         command = [str(program), "--gtest_fail_fast", *([f"--gtest_filter={only}"] if only else [])]
         with subprocess.Popen(command, cwd=folder, env=surroundings, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True) as child:
