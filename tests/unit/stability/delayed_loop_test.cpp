@@ -124,6 +124,13 @@ TEST(DelayedLoop, WithoutDampingTheLeastDelayIsTooMuch) {
     EXPECT_EQ(unstable_roots({loop.hand, braked * 1.001, 0}, 1.5 * half_turn_s), 2);
 }
 
+// From b^2 = 2 m k on a contact no stiffer than the hand is stable at any delay.
+TEST(DelayedLoop, AWellDampedHandHoldsItsOwnStiffnessAtAnyDelay) {
+    EXPECT_EQ(delay_independent_stiffness_N_per_m({1, 40, 500}), 500);
+    EXPECT_NEAR(delay_independent_stiffness_N_per_m({1, 20, 500}), 400, 1e-9);
+    EXPECT_EQ(unstable_roots({{1, 40, 500}, 499, 0}, 0.1), 0);
+}
+
 TEST(DelayedLoop, RefusesWhatIsNoLoop) {
     const std::vector<DelayedLoop> bad{{{0, 1, 1}, 1, 0},  {{-1, 1, 1}, 1, 0}, {{1, -1, 1}, 1, 0},
                                        {{1, 1, -1}, 1, 0}, {{1, 1, 1}, 0, 0},  {{1, 1, 1}, std::nan(""), 0},
