@@ -12,6 +12,7 @@ in_constexpr = true                 optional: the mark is inside a constexpr fun
 
 import dataclasses
 import hashlib
+import json
 import pathlib
 import re
 import tomllib
@@ -92,6 +93,16 @@ def read_lists(folder=HERE):
             if other is not mutant:
                 raise ListError(f"{mutant}: the same number as {other}; change the context in `old`")
     return mutants, tests
+
+
+def with_survivors(name, text, numbers, why):
+    """The list's text, in which each of these mutants has `survives = why`. Entries stand apart by blank lines."""
+    blocks = text.split("\n\n")
+    for i, block in enumerate(blocks):
+        mutants, _ = read_list(name, block)
+        if mutants and mutants[0].number in numbers:
+            blocks[i] = f"{block.rstrip()}\nsurvives = {json.dumps(why)}" + ("\n" if block.endswith("\n") else "")
+    return "\n\n".join(blocks)
 
 
 def path_of(mutant, paths):

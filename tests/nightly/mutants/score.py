@@ -19,15 +19,10 @@ def verdict(mutant, result):
 
 
 def complaints(mutants, results):
-    """Mutants that the lists take for killed and that survive; and words in the lists that have become untrue."""
-    worse, outdated = [], []
-    for mutant in mutants:
-        killed = results.get(mutant.number, {}).get("killer")
-        if not killed and not mutant.equivalent and not mutant.survives:
-            worse.append(f"{mutant.room}: {mutant} survives, and the list does not say so")
-        if killed and (mutant.equivalent or mutant.survives):
-            outdated.append(f"{mutant.room}: {mutant} is killed by {killed}; the list says it survives")
-    return worse, outdated
+    """Mutants that the lists take for killed and that survive; and those of which the lists say wrongly that they survive."""
+    known = [mutant for mutant in mutants if mutant.equivalent or mutant.survives]
+    worse = [mutant for mutant in mutants if mutant not in known and not is_killed(mutant, results)]
+    return worse, [mutant for mutant in known if is_killed(mutant, results)]
 
 
 def counts(mutants, results, kind):
