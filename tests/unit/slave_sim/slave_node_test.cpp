@@ -102,6 +102,18 @@ TEST(SlaveNode, BeepsExactlyOnceAfterFiveSecondsOfContact) {
     EXPECT_FALSE(bench.node.take_beep());
 }
 
+TEST(SlaveNode, EachTrialHasABeep) {
+    Bench bench;
+    bench.stay(0.124, 5001);
+    EXPECT_TRUE(bench.node.take_beep());
+    bench.node.end_trial();
+    bench.node.start_trial(trial());
+    bench.stay(0.124, 5000);
+    EXPECT_FALSE(bench.node.take_beep());
+    bench.stay(0.124, 1);
+    EXPECT_TRUE(bench.node.take_beep());
+}
+
 TEST(SlaveNode, HoldZeroesForcesAndBreaksContact) {
     Bench bench;
     bench.stay(0.124, 3000);
@@ -179,6 +191,12 @@ TEST(SlaveNode, RefusesPositionsThatAreNone) {
     bench.node.on_needle(SessionTime{Duration::min()}, 1, needle(0.1));
     EXPECT_EQ(bench.node.refused(), 11u);
     EXPECT_EQ(bench.stay(0.06, 1).position_needle_m, 0.06);
+}
+
+TEST(SlaveNode, ARefusedCommandIsAnsweredWithItsOwnStamp) {
+    Bench bench;
+    bench.stay(0.05, 10);
+    EXPECT_EQ(bench.send(needle(std::nan(""))).echo_time, bench.time);
 }
 
 TEST(SlaveNode, ARefusedFirstCommandCarriesNoForce) {

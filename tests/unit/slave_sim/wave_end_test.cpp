@@ -76,6 +76,19 @@ TEST(WaveEnd, AfterALongGapItStepsNoMoreThanItsMostAndSaysNothingTwice) {
     EXPECT_EQ(end.burst().number, 501 - samples + 1);
 }
 
+TEST(WaveEnd, AGapOfAsManyAsItTakesAtOnceIsNoneYet) {
+    for (const std::uint32_t missing : {WaveEnd::kMostAtOnce - 1, WaveEnd::kMostAtOnce}) {
+        WaveEnd end(wave_settings());
+        MovingMaster master;
+        end.receive(master.next());
+        end.step(1, 0, 0);
+        for (std::uint32_t n = 0; n < missing; ++n) master.next();
+        EXPECT_EQ(end.receive(master.next()), WaveEnd::kMostAtOnce);
+        end.step(1, 0, 0);
+        EXPECT_EQ(end.burst().count, missing < WaveEnd::kMostAtOnce ? 2U : 1U);
+    }
+}
+
 // Lost for good: the needle stays behind, and goes back to the hand before the plane.
 TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
     for (const double plane_m : {1.0, -1.0}) {  // before it, or beyond
@@ -120,6 +133,20 @@ TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
     order.modality = Modality::kCF;
     node.start_trial(order);
     EXPECT_FALSE(node.waves());
+}
+
+// The oldest of the samples that a message brings would lie before the clock's origin.
+TEST(WaveEnd, InASlaveSamplesFromBeforeTheOriginAreRefused) {
+    SlaveSettings settings;
+    settings.wave = wave_settings();
+    SlaveNode node(settings);
+    node.start_trial({});
+    MovingMaster master;
+    node.on_wave(SessionTime{std::chrono::milliseconds{5}}, 0, master.next());
+    EXPECT_EQ(node.refused(), 0U);
+    for (int n = 0; n < 10; ++n) master.next();
+    node.on_wave(SessionTime{std::chrono::milliseconds{10}}, 1, master.next());
+    EXPECT_EQ(node.refused(), 1U);
 }
 
 }  // namespace
