@@ -1,7 +1,6 @@
 // Two that share a lab key, and those who do not, or come from the past.
 #include <algorithm>
 #include <deque>
-#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -58,15 +57,6 @@ TEST(HandshakeMessages, KeysDependOnEverythingSaid) {
     EXPECT_NE(key(*lab, said), key(*test_lab_key(8), said));
     EXPECT_FALSE(
         agree(*lab, said, a.secret, PublicKey{}));  // a key that gives the same secret with everybody
-}
-
-TEST(HandshakeMessages, AreForOnePort) {
-    const auto lab = test_lab_key();
-    const OneTimeKey key = make_one_time_key(seeded_bytes(1));
-    const HandshakeBytes hello =
-        write_handshake(*lab, {PacketKind::kHello, Port::kSessionMaster, key.open, {}});
-    EXPECT_TRUE(read_handshake(*lab, Port::kSessionMaster, hello));
-    EXPECT_FALSE(read_handshake(*lab, Port::kSessionVisual, hello));
 }
 
 TEST(Handshake, BothSpeakAfterOneExchange) {
@@ -137,37 +127,6 @@ TEST(Handshake, WorksOverASlowNetwork) {
     EXPECT_TRUE(rig.node->established());
     EXPECT_EQ(rig.node->trouble(), PairTrouble::kNone);
     EXPECT_EQ(rig.node->generation(), 1U);
-}
-
-// The offer may be of a session that is gone.
-TEST(Handshake, AfterThreeAcceptsInVainANodeSaysHelloAgain) {
-    PairRig rig;
-    rig.node->tick(rig.now);
-    received(*rig.session);  // it offers
-    rig.wire.b.cut = true;
-    received(*rig.node);
-    for (int i = 0; i < 3; ++i) {
-        rig.now += kMoment;
-        rig.node->tick(rig.now);
-    }
-    std::vector<PacketKind> said;
-    for (const Datagram& datagram : rig.wire.b.said) said.push_back(static_cast<PacketKind>(datagram[2]));
-    EXPECT_EQ(said, (std::vector{PacketKind::kHello, PacketKind::kAccept, PacketKind::kAccept,
-                                 PacketKind::kAccept, PacketKind::kHello}));
-}
-
-TEST(Handshake, AFloodUnderAnotherLabKeyIsAnsweredFourTimesASecond) {
-    PairRig rig;
-    rig.restart_node(test_lab_key(8));
-    rig.node->tick(rig.now);
-    const Datagram foreign = rig.wire.b.said.back();
-    for (int i = 0; i < 100; ++i) {
-        rig.now += milliseconds{10};
-        rig.wire.a.deliver(foreign);
-        rig.session->tick(rig.now);
-        received(*rig.session);
-    }
-    EXPECT_EQ(rig.wire.a.said.size(), 4U);
 }
 
 TEST(Handshake, AWrongLabKeyIsTwoSidesTroubleAndSilenceIsAnother) {
