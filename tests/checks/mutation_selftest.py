@@ -28,8 +28,8 @@ N, M = LESS.number, DROP.number
 SWITCHED = (
     ("if (a < b) f();", [LESS], f"if ((MUTATED({N}) ? (a <= b) : (a < b))) f();"),
     ("if (a  <\n b)\n    f();", [LESS], f"if ((MUTATED({N}) ? (a <= b) : (a  <\n b)))\n    f();"),
-    ("if (a < b) f();", [LESS, DROP], f"if ((MUTATED({N}) ? (a <= b) : (a < b))) if (!MUTATED({M})) {{ f(); }}"),
-    ("x = 1;", [m := mutant("«x = 1;»", "x = 2;")], f"if (MUTATED({m.number})) {{ x = 2; }} else {{ x = 1; }}"),
+    ("if (a < b) f();", [LESS, DROP], f"if ((MUTATED({N}) ? (a <= b) : (a < b))) {{ if (!MUTATED({M})) {{ f(); }} }}"),
+    ("x = 1;", [m := mutant("«x = 1;»", "x = 2;")], f"{{ if (MUTATED({m.number})) {{ x = 2; }} else {{ x = 1; }} }}"),
     ("g(-x, y);", [m := mutant("g(«-x», y)", "x")], f"g((MUTATED({m.number}) ? (x) : (-x)), y);"),
     ("g(h(a, b) * y);", [m := mutant("«h(a, b)» * y", "1")], f"g((MUTATED({m.number}) ? (1) : (h(a, b))) * y);"),
     ("T a = T{};", [m := mutant("a = «T{}»", "t")], f"T a = (MUTATED({m.number}) ? (t) : (T{{}}));"),

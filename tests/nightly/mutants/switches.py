@@ -83,7 +83,8 @@ def _switched(mutant, old):
         if not mutant.new:
             raise ListError(f"{mutant}: without `new` only a statement can be dropped")
         return f"({on} ? ({mutant.new}) : ({old}))"
-    return f"if ({on}) {{ {mutant.new} }} else {{ {old} }}" if mutant.new else f"if (!{on}) {{ {old} }}"
+    inner = f"if ({on}) {{ {mutant.new} }} else {{ {old} }}" if mutant.new else f"if (!{on}) {{ {old} }}"
+    return f"{{ {inner} }}"  # an `else` behind the statement stays that of the source
 
 
 def _variable(words):
