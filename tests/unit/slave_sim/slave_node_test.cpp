@@ -174,6 +174,33 @@ TEST(SlaveNode, AfterAHoldAnEarlierClockIsAccepted) {
     EXPECT_EQ(bench.node.on_needle(SessionTime{milliseconds(4)}, 2, needle(0.053)).position_needle_m, 0.053);
 }
 
+// The same stamp once more is no time that has passed, but nobody knows how much has.
+TEST(SlaveNode, AfterAHoldTheSameStampIsAcceptedOnce) {
+    Bench bench;
+    bench.stay(0.05, 10);
+    bench.node.hold();
+    EXPECT_EQ(bench.node.on_needle(bench.time, 1, needle(0.052)).position_needle_m, 0.052);
+    EXPECT_EQ(bench.node.on_needle(bench.time, 2, needle(0.053)).position_needle_m, 0.052);
+}
+
+TEST(SlaveNode, ATrialsFirstCommandMayHaveAnEarlierClock) {
+    Bench bench;
+    bench.stay(0.05, 10);
+    bench.node.start_trial(trial());
+    const ForceFeedback f = bench.node.on_needle(SessionTime{milliseconds(3)}, 1, needle(0.06));
+    EXPECT_EQ(f.position_needle_m, 0.06);
+    EXPECT_EQ(f.force_tissue_N, 0) << "it was placed there";
+}
+
+TEST(SlaveNode, AnEstimateThatIsNoPositionIsRefusedToo) {
+    Bench bench;
+    bench.stay(0.05, 10);
+    NeedleCommand command = needle(0.06);
+    command.position_needle_estimate_m = std::nan("");
+    EXPECT_EQ(bench.send(command).position_needle_m, 0.05);
+    EXPECT_EQ(bench.node.refused(), 1U);
+}
+
 TEST(SlaveNode, RefusesPositionsThatAreNone) {
     Bench bench;
     bench.stay(0.05, 10);
