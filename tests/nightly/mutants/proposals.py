@@ -11,7 +11,10 @@ from sources import HIDDEN  # noqa: E402
 
 OPERAND = r"[\w.\]\[]+(?:->\w+|\(\))*"
 CHANGED = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "+": "-", "-": "+", "&&": "||", "||": "&&"}
-BINARY = re.compile(rf"(?:(?<=[(,;] )|(?<=[({{!])|(?<== )|(?<=return )|(?<=&& )|(?<=\|\| ))(?P<left>{OPERAND}) (?P<sign><=|>=|==|!=|&&|\|\||[<>+-]) (?P<right>{OPERAND})(?=[;,)]| &&| \|\|| \?)")
+# Where an expression of two operands begins, so that no stronger operator takes one of them away.
+BEGIN = r"(?:(?<=[(,;] )|(?<=[({!])|(?<== )|(?<=return )|(?<=&& )|(?<=\|\| ))"
+SIGN = r"(?P<sign><=|>=|==|!=|&&|\|\||[<>+-])"
+BINARY = re.compile(rf"{BEGIN}(?P<left>{OPERAND}) {SIGN} (?P<right>{OPERAND})(?=[;,)]| &&| \|\|| \?)")
 CONSTANT = re.compile(r"(?<=[ ({])(?P<number>\d+(?:\.\d+)?)(?=[;,)} ])")
 STATEMENT = re.compile(r"(?m)(?<=^ {4})(?P<text> *(?:[\w.>-]+\([^;{}\n]*\)|[\w.>-]+ [+-]?= [^;{}\n]+|\+\+[\w.>-]+);)$")
 
