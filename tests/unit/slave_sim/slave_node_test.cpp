@@ -151,6 +151,13 @@ TEST(SlaveNode, NeedleWaitsThroughALongGap) {
     EXPECT_NEAR(bench.send(needle(0.06), seconds(60)).force_tissue_N, -0.7 * 0.1, 0.005);
 }
 
+TEST(SlaveNode, TissueGoesBackToRestInALongGap) {
+    Bench bench;
+    bench.stay(0.05, 1);
+    EXPECT_GT(bench.send(needle(0.08), milliseconds(50)).position_surface_m, 0.0201);
+    EXPECT_NEAR(bench.send(needle(0.08), seconds(60)).position_surface_m, 0.02, 1e-12);
+}
+
 TEST(SlaveNode, ASampleThatIsNotNewerMovesNothing) {
     Bench bench;
     bench.stay(0.05, 10);

@@ -135,6 +135,26 @@ TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
     EXPECT_FALSE(node.waves());
 }
 
+// A hand that presses takes energy out of the network at this end, and brings none into it.
+TEST(WaveEnd, InASlaveOfTwoPortsPressingTakesEnergyOut) {
+    SlaveSettings settings;
+    settings.wave.two_port = true;
+    SlaveNode node(settings);
+    SessionControl order;
+    order.fixture_position_m = 0.003;
+    node.start_trial(order);
+    NeedleWave message;
+    message.waves.energy_J = 10;  // more than enough was told
+    ForceFeedback feedback;
+    for (int n = 0; n < 500; ++n) {
+        message.command.position_hand_m = 5e-6 * n;
+        feedback = node.on_two_port(SessionTime{std::chrono::milliseconds{n + 1000}},
+                                    static_cast<std::uint32_t>(n), message);
+    }
+    EXPECT_LT(feedback.force_fixture_N, -0.05);
+    EXPECT_EQ(node.wave_burst().energy_J, 0);
+}
+
 // The oldest of the samples that a message brings would lie before the clock's origin.
 TEST(WaveEnd, InASlaveSamplesFromBeforeTheOriginAreRefused) {
     SlaveSettings settings;
