@@ -1,6 +1,8 @@
 // The slave's end of wave variables: each of the master's samples once, in order, whatever the network does.
 #include "slave_sim/wave_end.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "slave_sim/slave_node.hpp"
@@ -108,6 +110,23 @@ TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
             EXPECT_LT(needle_m, 3 * hand_m - 5e-4 * 0.3);
         }
     }
+}
+
+// A steady wave u presses with sqrt(2 b) u at the hand: the needle is then that far beyond the plane, as its stiffness says.
+TEST(WaveEnd, ASteadyWaveLeansOnThePlanesStiffness) {
+    constexpr double kPlane_m = 0.01, kStiffness_N_per_m = 1000, kWave_root_W = 0.5;
+    const WaveEndSettings settings = wave_settings();
+    WaveEnd end(settings);
+    WaveSender sender{{}};
+    double needle_m = 0;
+    for (int n = 0; n < 2000; ++n) {
+        NeedleWave message;
+        message.waves = sender.add(kWave_root_W);
+        end.receive(message);
+        needle_m = end.step(kPlane_m, kStiffness_N_per_m, 0);
+    }
+    const double force_N = std::sqrt(2 * settings.impedance_Ns_per_m) * kWave_root_W;
+    EXPECT_NEAR(needle_m - kPlane_m, force_N / kStiffness_N_per_m, 1e-9);
 }
 
 TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
