@@ -25,7 +25,7 @@ def room_of(path):
 
 
 # In this order: what opens first hides the others. A quote after a digit separates digits.
-_HIDDEN = re.compile(
+HIDDEN = re.compile(
     r"""(?P<line_comment>//[^\n]*)
       | (?P<block_comment>/\*.*?\*/)
       | (?P<raw_string>R"(?P<fence>[^(\s]*)\(.*?\)(?P=fence)")
@@ -41,12 +41,12 @@ def _blank(match):
 
 def without_comments(text):
     """Comments blanked, strings kept (an #include is one), line numbers unchanged."""
-    return _HIDDEN.sub(lambda m: _blank(m) if m.lastgroup.endswith("comment") else m.group(), text)
+    return HIDDEN.sub(lambda m: _blank(m) if m.lastgroup.endswith("comment") else m.group(), text)
 
 
 def code_only(text):
     """Comments, strings and characters blanked, line numbers unchanged."""
-    return _HIDDEN.sub(_blank, text)
+    return HIDDEN.sub(_blank, text)
 
 
 def report(findings, looked_at, rule, of="files"):

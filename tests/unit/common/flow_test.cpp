@@ -217,6 +217,13 @@ TEST_F(Drain, OtherTrialsAreCountedNotUsed) {
     EXPECT_EQ(flow.counters().accepted, 1U);
 }
 
+TEST_F(Drain, ALaterTrialIsNotTheRunningOneEither) {
+    master.header.trial = 4;
+    sender.send(master.numbered(1));
+    EXPECT_EQ(drain(true, 3), Sequences{});
+    EXPECT_EQ(refused(Refusal::kWrongTrial), 1U);
+}
+
 // What is left of an earlier trial must neither take the seat nor spoil the numbers of the one that runs.
 TEST_F(Drain, AnEarlierTrialLocksNobodyOut) {
     Speaker left_over;

@@ -63,6 +63,11 @@ TEST(NetworkSettings, RefusesWhatDoesNotFit) {
     }
 }
 
+TEST(NetworkSettings, AnObserversPortIsTheSessionsUnlessItIsGiven) {
+    EXPECT_EQ(observed_network("", 0).base_port, NetworkSettings{}.base_port);
+    EXPECT_EQ(observed_network("", 30000).base_port, 30000);
+}
+
 TEST(NetworkSettings, SessionTablesAreNamedOnce) {
     const auto tables = session_tables();
     EXPECT_EQ(std::set<std::string_view>(tables.begin(), tables.end()).size(), tables.size());

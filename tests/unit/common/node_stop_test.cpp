@@ -97,6 +97,7 @@ TEST_F(StoppedNode, StopsTheOthersFromHere) {
     ASSERT_TRUE(decoded.message);
     EXPECT_EQ(std::get<StopOrder>(decoded.message->body).words(), "the guard");
     EXPECT_EQ(std::get<StopOrder>(decoded.message->body).reason, EndReason::kSafetyStop);
+    EXPECT_EQ(process.next_wakeup(), now + kStopRepeat) << "it is said again before the next heartbeat";
 }
 
 TEST_F(StoppedNode, DeadlinesMissedInARow) {

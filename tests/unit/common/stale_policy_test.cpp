@@ -47,8 +47,9 @@ TEST(StalePolicy, IsReadAndSaidInWords) {
 }
 
 TEST(StalePolicy, RefusesWhatMakesNoSense) {
-    for (const char* text : {"stale = 'stop'", "stale = 1", "stale_after_s = 0", "stale_ramp_s = -1",
-                             "stale = 'zero'\nstale_ramp_s = 0.1", "stale_s = 1"}) {
+    for (const char* text :
+         {"stale = 'stop'", "stale = 1", "stale_after_s = 0", "stale_ramp_s = -1",
+          "stale = 'zero'\nstale_ramp_s = 0.1", "stale = 'hold'\nstale_ramp_s = 0.1", "stale_s = 1"}) {
         EXPECT_THROW(stale_policy(text), Error) << text;
     }
 }

@@ -128,6 +128,13 @@ TEST_P(Foaw, FindsTheSlopesThatBruteForceFinds) {
     }));
 }
 
+TEST_P(Foaw, TheNewestTwoSamplesCountHoweverFarApart) {
+    FoawVelocity foaw(GetParam(), milliseconds{20}, kQuantum_m);
+    foaw.reset(0);
+    foaw.advance(milliseconds{50}, 0.001);
+    EXPECT_NEAR(foaw.slope_m_per_s(), 0.02, 1e-12);
+}
+
 TEST_P(Foaw, UsesTheWholeWindowOnAQuantisedLine) {
     FoawVelocity foaw(GetParam(), milliseconds{20}, kQuantum_m);
     foaw.reset(0);

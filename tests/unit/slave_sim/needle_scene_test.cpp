@@ -153,6 +153,8 @@ TEST(NeedleScene, FixturesFollowTheReadingAndTissueTheEstimate) {
     scene.step(0, kStep_s, {0.019, 0.124});
     EXPECT_EQ(scene.surface()->state().phase, TissuePhase::kFree);
     EXPECT_NEAR(scene.force_fixture_N(), -3, 1e-9);
+    scene.reset({0.019, 0.125});
+    EXPECT_NEAR(scene.force_fixture_N(), -6, 1e-9) << "from the first instant on";
 }
 
 TEST(NeedleScene, WithoutTimeNothingMoves) {

@@ -102,6 +102,18 @@ TEST(SlaveNode, BeepsExactlyOnceAfterFiveSecondsOfContact) {
     EXPECT_FALSE(bench.node.take_beep());
 }
 
+TEST(SlaveNode, EachTrialHasABeep) {
+    Bench bench;
+    bench.stay(0.124, 5001);
+    EXPECT_TRUE(bench.node.take_beep());
+    bench.node.end_trial();
+    bench.node.start_trial(trial());
+    bench.stay(0.124, 5000);
+    EXPECT_FALSE(bench.node.take_beep());
+    bench.stay(0.124, 1);
+    EXPECT_TRUE(bench.node.take_beep());
+}
+
 TEST(SlaveNode, HoldZeroesForcesAndBreaksContact) {
     Bench bench;
     bench.stay(0.124, 3000);
@@ -139,6 +151,13 @@ TEST(SlaveNode, NeedleWaitsThroughALongGap) {
     EXPECT_NEAR(bench.send(needle(0.06), seconds(60)).force_tissue_N, -0.7 * 0.1, 0.005);
 }
 
+TEST(SlaveNode, TissueGoesBackToRestInALongGap) {
+    Bench bench;
+    bench.stay(0.05, 1);
+    EXPECT_GT(bench.send(needle(0.08), milliseconds(50)).position_surface_m, 0.0201);
+    EXPECT_NEAR(bench.send(needle(0.08), seconds(60)).position_surface_m, 0.02, 1e-12);
+}
+
 TEST(SlaveNode, ASampleThatIsNotNewerMovesNothing) {
     Bench bench;
     bench.stay(0.05, 10);
@@ -162,6 +181,33 @@ TEST(SlaveNode, AfterAHoldAnEarlierClockIsAccepted) {
     EXPECT_EQ(bench.node.on_needle(SessionTime{milliseconds(4)}, 2, needle(0.053)).position_needle_m, 0.053);
 }
 
+// The same stamp once more is no time that has passed, but nobody knows how much has.
+TEST(SlaveNode, AfterAHoldTheSameStampIsAcceptedOnce) {
+    Bench bench;
+    bench.stay(0.05, 10);
+    bench.node.hold();
+    EXPECT_EQ(bench.node.on_needle(bench.time, 1, needle(0.052)).position_needle_m, 0.052);
+    EXPECT_EQ(bench.node.on_needle(bench.time, 2, needle(0.053)).position_needle_m, 0.052);
+}
+
+TEST(SlaveNode, ATrialsFirstCommandMayHaveAnEarlierClock) {
+    Bench bench;
+    bench.stay(0.05, 10);
+    bench.node.start_trial(trial());
+    const ForceFeedback f = bench.node.on_needle(SessionTime{milliseconds(3)}, 1, needle(0.06));
+    EXPECT_EQ(f.position_needle_m, 0.06);
+    EXPECT_EQ(f.force_tissue_N, 0) << "it was placed there";
+}
+
+TEST(SlaveNode, AnEstimateThatIsNoPositionIsRefusedToo) {
+    Bench bench;
+    bench.stay(0.05, 10);
+    NeedleCommand command = needle(0.06);
+    command.position_needle_estimate_m = std::nan("");
+    EXPECT_EQ(bench.send(command).position_needle_m, 0.05);
+    EXPECT_EQ(bench.node.refused(), 1U);
+}
+
 TEST(SlaveNode, RefusesPositionsThatAreNone) {
     Bench bench;
     bench.stay(0.05, 10);
@@ -179,6 +225,12 @@ TEST(SlaveNode, RefusesPositionsThatAreNone) {
     bench.node.on_needle(SessionTime{Duration::min()}, 1, needle(0.1));
     EXPECT_EQ(bench.node.refused(), 11u);
     EXPECT_EQ(bench.stay(0.06, 1).position_needle_m, 0.06);
+}
+
+TEST(SlaveNode, ARefusedCommandIsAnsweredWithItsOwnStamp) {
+    Bench bench;
+    bench.stay(0.05, 10);
+    EXPECT_EQ(bench.send(needle(std::nan(""))).echo_time, bench.time);
 }
 
 TEST(SlaveNode, ARefusedFirstCommandCarriesNoForce) {

@@ -1,6 +1,8 @@
 // The slave's end of wave variables: each of the master's samples once, in order, whatever the network does.
 #include "slave_sim/wave_end.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "slave_sim/slave_node.hpp"
@@ -76,6 +78,19 @@ TEST(WaveEnd, AfterALongGapItStepsNoMoreThanItsMostAndSaysNothingTwice) {
     EXPECT_EQ(end.burst().number, 501 - samples + 1);
 }
 
+TEST(WaveEnd, AGapOfAsManyAsItTakesAtOnceIsNoneYet) {
+    for (const std::uint32_t missing : {WaveEnd::kMostAtOnce - 1, WaveEnd::kMostAtOnce}) {
+        WaveEnd end(wave_settings());
+        MovingMaster master;
+        end.receive(master.next());
+        end.step(1, 0, 0);
+        for (std::uint32_t n = 0; n < missing; ++n) master.next();
+        EXPECT_EQ(end.receive(master.next()), WaveEnd::kMostAtOnce);
+        end.step(1, 0, 0);
+        EXPECT_EQ(end.burst().count, missing < WaveEnd::kMostAtOnce ? 2U : 1U);
+    }
+}
+
 // Lost for good: the needle stays behind, and goes back to the hand before the plane.
 TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
     for (const double plane_m : {1.0, -1.0}) {  // before it, or beyond
@@ -95,6 +110,23 @@ TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
             EXPECT_LT(needle_m, 3 * hand_m - 5e-4 * 0.3);
         }
     }
+}
+
+// A steady wave u presses with sqrt(2 b) u at the hand: the needle is then that far beyond the plane, as its stiffness says.
+TEST(WaveEnd, ASteadyWaveLeansOnThePlanesStiffness) {
+    constexpr double kPlane_m = 0.01, kStiffness_N_per_m = 1000, kWave_root_W = 0.5;
+    const WaveEndSettings settings = wave_settings();
+    WaveEnd end(settings);
+    WaveSender sender{{}};
+    double needle_m = 0;
+    for (int n = 0; n < 2000; ++n) {
+        NeedleWave message;
+        message.waves = sender.add(kWave_root_W);
+        end.receive(message);
+        needle_m = end.step(kPlane_m, kStiffness_N_per_m, 0);
+    }
+    const double force_N = std::sqrt(2 * settings.impedance_Ns_per_m) * kWave_root_W;
+    EXPECT_NEAR(needle_m - kPlane_m, force_N / kStiffness_N_per_m, 1e-9);
 }
 
 TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
@@ -120,6 +152,40 @@ TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
     order.modality = Modality::kCF;
     node.start_trial(order);
     EXPECT_FALSE(node.waves());
+}
+
+// A hand that presses takes energy out of the network at this end, and brings none into it.
+TEST(WaveEnd, InASlaveOfTwoPortsPressingTakesEnergyOut) {
+    SlaveSettings settings;
+    settings.wave.two_port = true;
+    SlaveNode node(settings);
+    SessionControl order;
+    order.fixture_position_m = 0.003;
+    node.start_trial(order);
+    NeedleWave message;
+    message.waves.energy_J = 10;  // more than enough was told
+    ForceFeedback feedback;
+    for (int n = 0; n < 500; ++n) {
+        message.command.position_hand_m = 5e-6 * n;
+        feedback = node.on_two_port(SessionTime{std::chrono::milliseconds{n + 1000}},
+                                    static_cast<std::uint32_t>(n), message);
+    }
+    EXPECT_LT(feedback.force_fixture_N, -0.05);
+    EXPECT_EQ(node.wave_burst().energy_J, 0);
+}
+
+// The oldest of the samples that a message brings would lie before the clock's origin.
+TEST(WaveEnd, InASlaveSamplesFromBeforeTheOriginAreRefused) {
+    SlaveSettings settings;
+    settings.wave = wave_settings();
+    SlaveNode node(settings);
+    node.start_trial({});
+    MovingMaster master;
+    node.on_wave(SessionTime{std::chrono::milliseconds{5}}, 0, master.next());
+    EXPECT_EQ(node.refused(), 0U);
+    for (int n = 0; n < 10; ++n) master.next();
+    node.on_wave(SessionTime{std::chrono::milliseconds{10}}, 1, master.next());
+    EXPECT_EQ(node.refused(), 1U);
 }
 
 }  // namespace

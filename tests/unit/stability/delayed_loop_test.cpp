@@ -110,6 +110,11 @@ TEST(DelayedLoop, WithoutDampingTheLeastDelayIsTooMuch) {
     EXPECT_EQ(rightmost_root(loop, 0).real_per_s, 0);
     EXPECT_EQ(unstable_roots(loop, 1e-6), 2);
     EXPECT_GT(rightmost_root(loop, 1e-6).real_per_s, 0);
+    // The delay 0 alone is no window; the first one lies between half a turn of the lower crossing and a whole one of the upper.
+    const auto windows = stable_delays(loop, 1);
+    ASSERT_EQ(windows.size(), 1U);
+    EXPECT_NEAR(windows.front().from_s, std::numbers::pi / std::sqrt(300.0), 1e-12);
+    EXPECT_NEAR(windows.front().to_s, 2 * std::numbers::pi / std::sqrt(700.0), 1e-12);
     // Between one and two half turns of the hand's resonance the force brakes.
     const double half_turn_s = std::numbers::pi / std::sqrt(500.0);
     EXPECT_EQ(critical_stiffness(loop.hand, 0.5 * half_turn_s).stiffness_N_per_m, 0);
@@ -117,6 +122,13 @@ TEST(DelayedLoop, WithoutDampingTheLeastDelayIsTooMuch) {
     EXPECT_GT(braked, 100);
     EXPECT_EQ(unstable_roots({loop.hand, braked * 0.999, 0}, 1.5 * half_turn_s), 0);
     EXPECT_EQ(unstable_roots({loop.hand, braked * 1.001, 0}, 1.5 * half_turn_s), 2);
+}
+
+// From b^2 = 2 m k on a contact no stiffer than the hand is stable at any delay.
+TEST(DelayedLoop, AWellDampedHandHoldsItsOwnStiffnessAtAnyDelay) {
+    EXPECT_EQ(delay_independent_stiffness_N_per_m({1, 40, 500}), 500);
+    EXPECT_NEAR(delay_independent_stiffness_N_per_m({1, 20, 500}), 400, 1e-9);
+    EXPECT_EQ(unstable_roots({{1, 40, 500}, 499, 0}, 0.1), 0);
 }
 
 TEST(DelayedLoop, RefusesWhatIsNoLoop) {

@@ -93,6 +93,12 @@ TEST(LimitCycle, AHandThatPressesHarderThanTheHandlePushesThrough) {
     EXPECT_TRUE(forecast_press({{1, 20, 500}, 9000, 0.05, 12, 13}).cycle);
 }
 
+// The hand's own spring takes a part of the press: 12 N at the handle hold 12 (1 + 500 / 9000) = 12.67 N.
+TEST(LimitCycle, TheHandsSpringTakesItsPartOfThePress) {
+    EXPECT_FALSE(forecast_press({{1, 20, 500}, 9000, 0.05, 12, 12.6}).pushed_through);
+    EXPECT_TRUE(forecast_press({{1, 20, 500}, 9000, 0.05, 12, 12.7}).pushed_through);
+}
+
 // D at 50 ms with 0.05 N of friction: below the threshold simulations decay, above they grow.
 TEST(LimitCycle, FrictionHidesSmallOscillations) {
     const HeldMass hand{1, 20, 500};

@@ -65,6 +65,34 @@ TEST(LoopSimulator, AFractionOfAStepGrowsAsTheTheorySays) {
     }
 }
 
+// Two modes that change sign with each sample: their roots are real, and the slower one decides.
+TEST(LoopMeasures, GrowthOfRealRoots) {
+    std::vector<double> trace;
+    for (int n = 0; n < 20; ++n) trace.push_back(std::pow(-0.9, n) + std::pow(-0.5, n));
+    EXPECT_NEAR(growth_per_sample(trace), 0.9, 1e-9);
+}
+
+// Half a step of the measuring loop is a delay of its own, 50 us here.
+TEST(LoopMeasures, CriticalDelayIsThatOfTheTheory) {
+    for (const auto& [name, hand] : kHands) {
+        const double theory_s = critical_point({hand, 9000, 0}).delay_s;
+        EXPECT_NEAR(measured_critical_delay_s(hand, 9000), theory_s, 5e-6) << name;
+    }
+}
+
+// Contact that is lost once a second oscillates, however small the swing.
+TEST(LoopMeasures, HowOftenContactIsLostDecides) {
+    for (const int losses : {2, 3}) {
+        HoldWatch watch({}, 1e-3);
+        for (int i = 0; !watch.over(); ++i) {
+            const bool lost = i >= 10000 && i < 10000 + losses;
+            watch.add(1e-6, lost ? -1e-6 : 1e-6, 0, 0);
+        }
+        EXPECT_EQ(watch.outcome().losses_per_s, losses / 3.0);
+        EXPECT_EQ(watch.outcome().label, losses == 3 ? HoldClass::kOscillates : HoldClass::kMarginal);
+    }
+}
+
 // Every hand and delay of the study: within 0.5 % without and 1 % with the encoder of 10 um.
 TEST(LoopMeasures, CriticalStiffnessOfEveryHandAndDelay) {
     for (const auto& [name, hand] : kHands) {

@@ -119,6 +119,12 @@ double log_range(double low, double high) {
     return low * std::pow(high / low, *rc::gen::inRange(0, kSteps) / static_cast<double>(kSteps));
 }
 
+// Without delay it is Colgate's 2 b / T.
+TEST(SampledLoop, HalfASampleCountsAsDelayForPassivity) {
+    EXPECT_DOUBLE_EQ(passive_stiffness_N_per_m({{1, 20, 500}, 0, 0, 1e-3}), 40'000);
+    EXPECT_DOUBLE_EQ(passive_stiffness_N_per_m({{1, 20, 500}, 0, 0.0005, 1e-3}), 20'000);
+}
+
 TEST(SampledLoop, CountsWhatTheContourCounts) {
     const auto agrees = [] {
         const SampledLoop loop{{log_range(0.05, 5), log_range(0.1, 50), log_range(10, 2000)},

@@ -1,5 +1,10 @@
 #include "experiment/statistics/anova.hpp"
 
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/statistics/golden.hpp"
@@ -47,6 +52,8 @@ TEST(OneWayAnova, Refuses) {
     expect_refused([] { one_way_anova(columns({{1}, {2}})); }, {"single value"});
     expect_refused([] { one_way_anova(columns({{1, 1}, {2, 2, 2}})); }, {"column 0", "constant"});
     expect_refused([] { one_way_anova(columns({{0.1, 0.1, 0.1}, {0.3, 0.3, 0.3}})); }, {"constant"});
+    const double above_1 = std::nextafter(1.0, 2.0);
+    expect_refused([=] { one_way_anova(columns({{1, above_1}, {above_1, 1, 1}})); }, {"constant"});
     expect_refused([] { one_way_anova(columns({{1, 2}, {2, kMissing}})); }, {"column 1", "row 2"});
     expect_refused([] { one_way_anova(columns({{kInfinite, 2}, {2, 3}})); }, {"column 0", "row 1"});
 }
@@ -90,6 +97,24 @@ TEST(RepeatedAnova, OneResidualDirectionHasTheLeastEpsilon) {
     const RepeatedAnova anova =
         repeated_anova(table({{1, 2, 3, 4}, {1, 2, 3, 4}, {1, 2, 3, 4}, {1, 5, 2, 9}}));
     EXPECT_TRUE(close(anova.epsilon_greenhouse_geisser, 1.0 / 3, 1e-14));
+}
+
+// Three subjects leave two directions of residuals, which share them equally here: no departure from sphericity can be seen,
+// whichever way rounding goes.
+TEST(RepeatedAnova, EqualSharesOfTheResidualDirectionsNeedNoCorrection) {
+    constexpr double kThird_rad = 2 * std::numbers::pi / 3;
+    for (int turn = 0; turn < 100; ++turn) {
+        std::vector<std::vector<double>> conditions(5);
+        for (int s = 0; s < 3; ++s) {
+            const double c = std::cos(0.1 * turn + s * kThird_rad), d = std::sin(0.1 * turn + s * kThird_rad);
+            const double u = 1 / std::sqrt(2.0), v = 1 / std::sqrt(6.0);
+            const std::array<double, 5> row{u * c + v * d, v * d - u * c, -2 * v * d, 1, 2};
+            for (std::size_t i = 0; i < row.size(); ++i) conditions[i].push_back(row[i]);
+        }
+        const RepeatedAnova anova = repeated_anova(table(conditions));
+        EXPECT_TRUE(close(anova.epsilon_greenhouse_geisser, 0.5, 1e-14));
+        EXPECT_EQ(anova.epsilon_huynh_feldt, 1) << turn;
+    }
 }
 
 TEST(RepeatedAnova, Refuses) {
