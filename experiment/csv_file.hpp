@@ -16,8 +16,8 @@ class CsvFile {
     CsvFile(const std::filesystem::path& path, IfExists if_exists);
 
     bool is_new() const { return is_new_; }  // nothing in it yet: it needs a header
-    // These throw Error (run failed), e.g. on a full disk, and from then on always: how much of the last text is in the file is
-    // unknown, and more of it would stand behind half a line, or twice.
+    // These throw Error (run failed), e.g. on a full disk. Later calls throw too: the file may end in half a line, and another
+    // write could repeat text.
     void write(std::string_view text);
     void flush();  // hands the bytes to the kernel
     void sync();   // returns when the bytes are on the disk

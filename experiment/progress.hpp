@@ -1,5 +1,5 @@
 // Progress of long work on stderr: one line that rewrites itself on a terminal, a plain line now and then
-// elsewhere. Whoever shows it never waits for the terminal (standard_streams.hpp).
+// elsewhere. The caller never waits for the terminal (standard_streams.hpp).
 #pragma once
 
 #include <string>

@@ -340,7 +340,7 @@ void SessionProcess::end(SessionTime now, EndReason reason, Role lost_peer) {
     order_.kind = ControlKind::kTrialEnd;
     order_.reason = reason;
     enter(now, Stage::kEnding);
-    send_orders(now);  // at least once: whoever is silent now may hear it
+    send_orders(now);  // at least once: a silent node may still hear it
 }
 
 void SessionProcess::finish() {

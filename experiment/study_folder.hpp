@@ -13,9 +13,9 @@ namespace thimble {
 // One table of trials with its curves: NAME.csv and NAME_curves.csv.
 class StudyTables {
   public:
-    // With IfExists::kContinue the trials that are there are read, and the curve of each goes to `take_curve`;
-    // half-written lines are cut off. Throws Error, and then every file has all its bytes: usage, if the trials are
-    // not the first of `planned` (another study, seed or version); data, if a table is damaged or has no curves.
+    // IfExists::kContinue reads the earlier trials, passes the curve of each to `take_curve`, and cuts off half-written lines.
+    // Throws Error before it changes a byte: usage, if the trials are not the first of `planned` (another study, seed or
+    // version); data, if a table is damaged or has no curves.
     StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
                 const std::vector<TrialConditions>& planned, const TakeCurve& take_curve);
 

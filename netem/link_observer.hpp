@@ -21,7 +21,7 @@ class LinkObserver {
   public:
     virtual ~LinkObserver() = default;
     // `packet`: its number since the last restart. `received`: when it was pushed, which with head drop was before the
-    // push that decided it. A packet of which both copies are dropped is told twice.
+    // push that decided it. Called twice for a packet if both copies are dropped.
     virtual void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) = 0;
 };
 

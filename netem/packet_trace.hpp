@@ -42,9 +42,9 @@ class PacketTrace {
     // above 0 if there are any.
     PacketTrace(std::vector<TraceRow> rows, const TraceLayout& layout);
 
-    // What holds at `position` (of the same unit as TraceRow::at, not negative); before the first row the first.
+    // The row at `position` (same unit as TraceRow::at, not negative); the first row before the first position.
     TraceRow at(std::int64_t position) const;
-    // What holds for this packet, which came at `time` since the start of the trial.
+    // The row for this packet. `time`: its arrival since the start of the trial.
     TraceRow of(std::uint64_t packet, Duration time) const {
         return at(layout_.by == TraceBy::kPacket ? static_cast<std::int64_t>(packet)
                                                  : std::max<std::int64_t>(0, time.count()));

@@ -39,10 +39,10 @@ struct Options {
     std::string config, report, log;
     int base_port = 0;
     bool strict_rt = false;
-    pid_t launcher = 0;  // as stop_with_parent() has it; 0: nobody's end ends this program
+    pid_t launcher = 0;  // for stop_with_parent(); 0: this program outlives its launcher
 };
 
-// The last words get so long; nobody may be there to read them.
+// Time to write the last messages; the reader of a pipe may be gone.
 constexpr Duration kFarewell = std::chrono::seconds{1};
 
 double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
@@ -273,7 +273,7 @@ int run(const NodeProgram& program, const Options& options) {
     const auto log = log_file.empty() ? nullptr : std::make_unique<MessageLog>();
     Sockets sockets(network);
     if (log) sockets.record_to(*log, logging.messages == LoggedMessages::kAll && !program.relays);
-    if (options.launcher == 0) warn_if_unprotected(network);  // whoever started it has said so
+    if (options.launcher == 0) warn_if_unprotected(network);  // the launcher has warned already
     const auto instance = program.build(file, sockets, system_entropy());
     finish_config(program, file);
     install_stop_signals(QuitSignal::kStopsEverything);

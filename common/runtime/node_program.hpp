@@ -67,8 +67,8 @@ int run_node_program(const NodeProgram& program, int argc, char** argv);
 // Median, 99 % and worst in microseconds, and the count.
 nlohmann::ordered_json quantiles(const Histogram& histogram);
 
-// What every main() calls: opens the standard descriptors, calls `body` and turns Error and other exceptions into a message on
-// stderr and an exit code.
+// Every main() calls this. It opens the standard descriptors and calls `body`. It turns Error and other exceptions into a message
+// on stderr and an exit code.
 int guarded_main(const std::string& name, const std::function<int()>& body);
 
 }  // namespace thimble

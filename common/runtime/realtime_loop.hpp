@@ -38,8 +38,8 @@ void install_stop_signals(QuitSignal quit = QuitSignal::kEnds);
 // How many emergency stops SIGQUIT has asked for since the program began. A loop that obeys them counts from 0: one that
 // came while devices were made ready still holds.
 unsigned emergency_stops();
-// SIGTERM to this process when the thread that started it ends, however it ends; also if the process `launcher` has ended
-// already. 1, as the flag alone gives it: the launcher has not said its number.
+// The kernel sends SIGTERM to this process when the thread that started it ends, or at once if the process `launcher` has
+// ended already. 1 (the flag alone): the number of the launcher is unknown.
 void stop_with_parent(pid_t launcher);
 inline constexpr const char* kDieWithParentHelp =
     "stop when the launcher dies; =PID: also if that process has died already (thimble run sets it)";

@@ -27,7 +27,7 @@ void flush_results() {
 int settle_results(int exit_code) {
     errno = 0;
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
-    // Of what an earlier print was refused for, stdio keeps only that it was.
+    // stdio remembers that an earlier print failed, but not why.
     const std::string reason = errno != 0 ? fmt::format(": {}", std::strerror(errno)) : std::string();
     if (!reader_has_left()) {
         spdlog::error(

@@ -1,21 +1,21 @@
-// Results go to standard output. Whoever asked for them hears of it if they did not get there.
+// Results go to standard output. A program whose results get lost there says so and fails.
 #pragma once
 
 #include "common/error.hpp"
 
 namespace thimble {
 
-// The program ends because nobody can be told more; settle_results() says why.
+// Ends the program: no reader is left. settle_results() reports the reason.
 class ResultsLost : public Error {
   public:
     ResultsLost() : Error(ExitCode::kRunFailed, "standard output cannot be written") {}
 };
 
-// For a loop that prints as long as somebody reads: hands the results on. Throws ResultsLost.
+// Writes the buffered results, for a loop that prints while there is a reader. Throws ResultsLost.
 void flush_results();
 
-// At the end of a program with this exit code: hands the results on. If some are lost, 0 becomes 1, and the reason is said
-// on standard error. A reader that has closed its pipe (`| head`) has what it wanted: then nothing is said.
+// Writes the buffered results at the end of a program. If results are lost, exit code 0 becomes 1, and standard error names the
+// reason. There is no message if the reader has closed its pipe (`| head`).
 int settle_results(int exit_code);
 
 }  // namespace thimble

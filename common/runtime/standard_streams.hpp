@@ -1,5 +1,4 @@
-// The three descriptors that every program is given: none of them is missing, and nobody who reads words for people can hold
-// up the program that says them.
+// The three standard descriptors: none of them stays closed, and a slow reader of stderr never blocks the program.
 #pragma once
 
 #include <string>
@@ -12,8 +11,8 @@ namespace thimble {
 // Opens /dev/null in the place of each one that is closed, or the next file would take its number. Comes first in every program.
 void open_standard_descriptors();
 
-// A thread of its own writes these words to stderr; the caller never waits. A terminal that is held (Ctrl-S) and a pipe that
-// nobody reads so hold up no loop. Words that find the queue full are dropped, and their number is written when there is room.
+// A separate thread writes these words to stderr, so that a held terminal (Ctrl-S) or a full pipe blocks no loop. A full queue
+// drops messages. The thread writes their number when there is room again.
 void say_words(std::string_view words);
 // Waits until all words are written, at most `limit`. False: some are not.
 bool words_written_within(Duration limit);

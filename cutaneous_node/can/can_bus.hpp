@@ -26,7 +26,7 @@ class CanBus {
     CanBus(const CanBus&) = delete;
     CanBus& operator=(const CanBus&) = delete;
 
-    // May wait for flush(), which sends what waits. What cannot be sent is lost and counted.
+    // May wait for flush(), which sends what waits. A frame that cannot be sent is lost and counted.
     virtual void send(const CanFrame& frame) = 0;
     virtual void flush() = 0;
     // False: none is there. Error frames come too, with kCanError.

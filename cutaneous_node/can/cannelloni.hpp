@@ -2,8 +2,8 @@
 //   u8 version = 2, u8 operation (0: data), u8 sequence, u16 frames; each: u32 identifier with flags, u8 length, data
 // (none in a remote frame). Frames of CAN FD (bit 7 of the length) are refused: no drive here speaks it.
 //
-// A network may repeat datagrams and change their order. The sequence byte shows both, as far as 128 datagrams back: a repeated one is
-// ignored, a late one's frames come with a smaller CanFrame::order than those before.
+// A network may repeat datagrams and change their order. The sequence byte shows both, as far as 128 datagrams back. The bus
+// ignores a repeated datagram. The frames of a late one get a smaller CanFrame::order than the frames before.
 #pragma once
 
 #include <optional>

@@ -63,8 +63,8 @@ SittingResult Sitting::run() {
     }
 }
 
-// After a stop nothing begins until somebody releases it on purpose. kAskAgain: somebody has, and may have marked the last
-// trial, so that another one is next.
+// After a stop no trial begins until the experimenter releases it. kAskAgain: the stop is released. The experimenter may have
+// marked the last trial, so another one may be next.
 Sitting::Answer Sitting::await_release(const std::optional<Step>& step) {
     std::string said;
     for (std::string words = runner_.stop_words(); !words.empty(); words = runner_.stop_words()) {

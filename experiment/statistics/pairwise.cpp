@@ -24,7 +24,7 @@ ConfidenceInterval around(const Difference& difference, double confidence) {
     return {difference.mean - half, difference.mean + half};
 }
 
-// Of `family` pairs, of which some could not be tested.
+// `family`: all pairs, also those that could not be tested.
 void adjust(std::vector<MeanPair>& pairs, std::size_t family) {
     std::vector<double> p(family, 1);
     std::transform(pairs.begin(), pairs.end(), p.begin(), [](const MeanPair& pair) { return pair.p; });

@@ -23,7 +23,7 @@ struct TwinLink {
 
 struct TwinOutcome {
     std::vector<double> delays_s;  // of packets that left, of the first copy that did
-    std::uint64_t dropped = 0;     // packets of which no first copy left
+    std::uint64_t dropped = 0;     // packets whose first copy did not leave
     std::vector<bool> dropped_packet;
 };
 

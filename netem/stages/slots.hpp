@@ -1,7 +1,7 @@
 // A medium that sends in bursts: slots open at instants, and each takes what waits then, up to its limits. The first
 // opens at the start of the trial (or when slots are switched on), and the time from slot k to the next is drawn by
-// k: the grid does not depend on the traffic. (netem draws it when a packet finds the last slot over.) Beyond a pause
-// of kMostSteps slots the law of the grid is the same, but its instants depend on when the pause ended.
+// k: the grid does not depend on the traffic. (netem draws it when a packet finds the last slot over.) A pause of more
+// than kMostSteps slots keeps the distribution of the grid. Its instants then depend on when the pause ended.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace thimble {
 
 class Slots {
   public:
-    // Slots that nobody uses are counted one by one up to so many, so that no packet has to wait for more of them.
+    // The model counts at most this many unused slots one by one, so that one packet never takes long.
     static constexpr std::int64_t kMostSteps = 8192;
 
     Slots(const StreamKey& key, std::uint32_t direction)

@@ -1,4 +1,4 @@
-// The programs where nobody reads what they say: a terminal that is held, a full pipe, closed descriptors.
+// The real programs with a held terminal, a full pipe and closed descriptors.
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
@@ -37,7 +37,7 @@ class HeldTerminal {
     int window_;
 };
 
-// In both ways in which it has no room: nobody has read, nobody will.
+// A pipe without room: its reader never reads.
 class FullPipe {
   public:
     explicit FullPipe(const std::filesystem::path& file)
@@ -72,7 +72,7 @@ class StandardStreams : public testing::Test {
     Folder folder_;
 };
 
-// Ctrl-S: the trial goes on, and Ctrl-C is heard. (In a terminal Ctrl-C also lets go of it; here it is held to the end.)
+// Ctrl-S: the trial goes on, and Ctrl-C is heard. (In a real terminal Ctrl-C also ends Ctrl-S. Here the terminal is held to the end.)
 TEST_F(StandardStreams, AHeldTerminalHoldsUpNoTrial) {
     const HeldTerminal terminal;
     SessionFile session;

@@ -73,7 +73,7 @@ std::optional<FalconReport> FalconExchange::listen() {
 }
 
 void FalconExchange::publish(const FalconReport& report) {
-    pressed_ |= report.buttons;  // first: whoever asks in between hears of it
+    pressed_ |= report.buttons;  // first, so that no reader misses it
     const auto flags = static_cast<std::uint8_t>(report.buttons | (report.homed_legs << 4));
     report_.store(pack(report.encoders, flags, ++reports_), std::memory_order_release);
     any_.store(true, std::memory_order_release);

@@ -119,7 +119,7 @@ void HidHand::detach() {
     note_stop(false);
 }
 
-// The press comes first: whoever asks in between hears of it.
+// Stores the press first, so that no reader misses it.
 void HidHand::note_stop(bool down) {
     if (down) stop_pressed_ = true;
     stop_down_ = down;

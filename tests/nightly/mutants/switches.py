@@ -44,7 +44,7 @@ class Span(NamedTuple):
     mutant: object  # None: a constexpr that must become const
 
 
-# What may stand around a mark of several operands, so that the switch's parentheses change nothing.
+# Text that may surround a mark of several operands, so that the parentheses of the switch change nothing.
 BEFORE = re.compile(r"(?:^|[(\[{,;=?:<>]|&&|\|\||return)\s*$")
 CALL = re.compile(r"-?[\w:.<>]+\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)")
 AFTER = re.compile(r"\s*(?:[)\]},;?:<>=]|!=|&&|\|\|)")

@@ -10,7 +10,7 @@ import threading
 import time
 from typing import NamedTuple
 
-# What ctest sets for these programs too (tests/devices/preload.cmake).
+# ctest sets the same for these programs (tests/devices/preload.cmake).
 SURROUNDINGS = {"unit_falcon_usb": {"LD_PRELOAD": "libumockdev-preload.so.0"}}
 BYTES = 1 << 24  # one for each number that a mutant can have
 FAILED = re.compile(r"^\[  FAILED  \] ([\w./]+)", re.MULTILINE)

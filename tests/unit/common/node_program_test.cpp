@@ -1,4 +1,4 @@
-// What the program of a node does around the node. In processes of their own: signals are the whole program's.
+// The program around a node. Each test forks: signals belong to a whole process.
 #include "common/runtime/node_program.hpp"
 
 #include <array>

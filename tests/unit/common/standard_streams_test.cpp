@@ -1,4 +1,4 @@
-// Words that nobody reads. In processes of their own: the descriptors are the whole program's.
+// Messages without a reader. Each test forks: descriptors belong to a whole process.
 #include "common/runtime/standard_streams.hpp"
 
 #include <array>
@@ -22,7 +22,7 @@ using std::chrono::seconds;
 
 // In the place of stderr: a pipe with no room left. Returns the end to read from.
 int fill_stderr() {
-    alarm(20);  // whoever waits for a reader waits for ever
+    alarm(20);  // a write that blocks would never return
     std::array<int, 2> ends{};
     if (pipe(ends.data()) != 0) std::exit(99);
     fcntl(ends[1], F_SETFL, O_NONBLOCK);

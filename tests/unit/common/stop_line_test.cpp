@@ -165,7 +165,7 @@ TEST(StopLine, WhatIsNoStopIsCounted) {
     EXPECT_EQ(line.counters().refused_total(), 2U);
 }
 
-// Two stops that become one begin anew at that instant: a release that was made before does not let go of them.
+// Two stops that merge begin anew at that instant: an earlier release does not release them.
 TEST(StopLine, AMergedStopIsAsYoungAsTheMerge) {
     Party party;
     StopLine& session = party.of(0);

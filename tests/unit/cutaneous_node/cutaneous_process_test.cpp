@@ -1,4 +1,4 @@
-// The fingers after the program stood still, and while it is told to keep its outputs at rest.
+// The fingers after a stall of the program, and while the policy keeps its outputs at rest.
 #include "cutaneous_node/cutaneous_process.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A device that does at once what it is told.
+// A device without lag.
 class ObedientActuator final : public FingertipActuator {
   public:
     void command(SessionTime now, Finger finger, double force_N) override {

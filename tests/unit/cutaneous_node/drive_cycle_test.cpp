@@ -1,4 +1,4 @@
-// Drives are told the cycle in which their targets come.
+// The master writes the cycle time into each drive.
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"

@@ -28,9 +28,8 @@ class UnrulyNetwork final : public Channel {
     void send(Bytes datagram) override { inner_->send(datagram); }
     void put(const Datagram& datagram) { waiting_.push_back(datagram); }
 
-    bool repeats = false;  // each datagram, and once more ten datagrams later
-    bool swaps = false;    // each pair: the first one when somebody looks again
-                           // after the second
+    bool repeats = false;  // sends each datagram again, ten datagrams later
+    bool swaps = false;    // swaps each pair
 
   private:
     Bytes take() override {

@@ -131,7 +131,7 @@ class SessionProcessTest : public testing::Test {
     SessionProcess session_;
 };
 
-// Nobody who was told to begin is left running.
+// Every node that got the start order gets the end order.
 TEST_F(SessionProcessTest, AnAbortBeforeTheFirstAcknowledgementEndsTheTrialWhereItWasBegun) {
     beat();
     start();
@@ -199,7 +199,7 @@ TEST_F(SessionProcessTest, ALostPeerIsNotWaitedFor) {
     EXPECT_EQ(slave_.state, NodeState::kRunning);
 }
 
-// The others have to acknowledge all the same.
+// The other nodes must still acknowledge.
 TEST_F(SessionProcessTest, WhoeverIsNotTheLostOneIsWaitedFor) {
     reach_running();
     slave_.obeys = visual_.obeys = false;

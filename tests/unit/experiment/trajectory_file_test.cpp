@@ -66,7 +66,7 @@ bool throws(const std::function<void()>& what) {
     }
 }
 
-// What is in the file if the disk has so much room until the trial ends, and any amount then.
+// The file's text, if the disk has `room_bytes` until the trial ends and enough room after that.
 std::string with_room(std::size_t samples, rlim_t room_bytes, bool fails) {
     const TemporaryDirectory directory;
     {

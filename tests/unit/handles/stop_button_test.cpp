@@ -25,7 +25,7 @@ using std::chrono::milliseconds;
 
 constexpr int kPresses = 20;
 
-// What the device does in a millisecond in which its button is down or not.
+// One millisecond of the device, with the button down or up.
 using Turn = std::function<void(bool down)>;
 
 // Whether a master without a session, which ticks only when it wants to, has stopped after a press.

@@ -119,7 +119,7 @@ TEST(ForceGuard, AForceGrowsNoFasterThanAllowedAndFallsAtOnce) {
     EXPECT_GT(guard.cut(), 0U);
 }
 
-// Neither a silence nor a new trial saves up time for a jump.
+// The rate limit counts one sample at most after a silence or at a new trial.
 TEST(ForceGuard, AForceGrowsByOneSampleAtMostHoweverLongTheGuardWasSilent) {
     ForceGuard guard(guard_settings("force_rate_limit_N_per_s = 100"), kSample);
     guard.clear({});

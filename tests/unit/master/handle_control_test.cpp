@@ -94,7 +94,7 @@ TEST(HandleControl, WavesArePlayedWhenTheNetworkWasExpectedToBringThem) {
     }
 }
 
-// Waves come back as they were sent for, over a network in order, of which the handle is told as the session tells it.
+// Returns waves over a network that keeps their order. The session tells the handle about each change of that network.
 class WavesOverANetwork {
   public:
     explicit WavesOverANetwork(Duration delay) : delay_(delay) { control_.start(true, delay); }

@@ -115,7 +115,7 @@ TEST(LinkChange, CommandChangesAQueueInTheMiddle) {
     }
 }
 
-// What waits for a slot or an opportunity that no longer exists goes at once, and not before the command came.
+// A packet that waits for a removed slot or opportunity leaves at once, but not before the command.
 TEST(LinkChange, WhatWaitsForASlotGoesWhenSlotsEnd) {
     LinkSettings slots{.delay = milliseconds{1}};
     slots.slot = {.least = milliseconds{10}, .most = milliseconds{10}};
@@ -150,7 +150,7 @@ TEST(LinkChange, NoPacketIsStuckWhereARateWasRemoved) {
     }
 }
 
-// Nobody is thrown out for a packet that finds no place all the same, and nobody leaves early.
+// A packet that overflows drops no waiting packet, and no packet leaves early.
 TEST(LinkChange, ASmallerCapacityLetsNobodyLeaveEarly) {
     LinkSettings settings{.delay = milliseconds{20}, .in_order = false};
     settings.slot = {.least = milliseconds{10}, .most = milliseconds{10}};

@@ -111,7 +111,7 @@ TEST_F(Bench, SlotsBeginWithTheirClient) {
     EXPECT_EQ(records_.all.at(0).due_ns, records_.all.at(0).received_ns);
 }
 
-// Who is thrown out for a later one has come before that, and the log says when.
+// The log holds the arrival time of a packet that head drop removes.
 TEST_F(Bench, LogsWhenADroppedPacketCame) {
     settings_.links.up.rate = {.bits_per_s = 40, .queue_packets = 1, .drop = Drop::kHead};
     start();

@@ -1,4 +1,4 @@
-// What the desk of keys says when nobody answers, and to whom; what a ring takes.
+// Handshakes without an answer, and the grants that a key ring accepts.
 #include <cstdint>
 #include <vector>
 

@@ -378,7 +378,7 @@ TEST_F(SittingTest, WhileAStopHoldsTheLastTrialIsRejectedOrExcluded) {
     }
 }
 
-// Where nobody types, at the experimenter's view.
+// The same from the experimenter's view.
 TEST_F(SittingTest, WhileAStopHoldsAWatcherMayHaveTheTrialLeftOut) {
     rests_ = false;
     settings_.break_every = 0;

@@ -275,7 +275,7 @@ struct GivenUp {
             after += " " + std::string(e->phase);
         }
     }
-    // What the guards ask at the end of the step.
+    // The phase that the guards require at the end of the step.
     std::string asked(double needle_m) const {
         const double gap_m = needle_m - tissue.state().position_surface_m;
         if (before == "free") return gap_m > 0 ? " contact penetrated" : "";

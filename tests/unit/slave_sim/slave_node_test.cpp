@@ -181,7 +181,7 @@ TEST(SlaveNode, AfterAHoldAnEarlierClockIsAccepted) {
     EXPECT_EQ(bench.node.on_needle(SessionTime{milliseconds(4)}, 2, needle(0.053)).position_needle_m, 0.053);
 }
 
-// The same stamp once more is no time that has passed, but nobody knows how much has.
+// A repeated stamp means that no time has passed; after a hold the node accepts it once.
 TEST(SlaveNode, AfterAHoldTheSameStampIsAcceptedOnce) {
     Bench bench;
     bench.stay(0.05, 10);

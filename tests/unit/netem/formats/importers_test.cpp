@@ -126,7 +126,7 @@ TEST(Ping, ALostPacketStandsBetweenItsNeighbours) {
         EXPECT_NEAR(static_cast<double>(path.packets[i].at), 0.1e9 * static_cast<double>(i), 1e3) << i;
 }
 
-// A pause of ping's own (its machine slept): nobody is pushed off his stamp.
+// After a pause of ping itself (its machine slept) each packet keeps its own stamp.
 TEST(Ping, StampsThatAreNotAtTheIntervalStand) {
     const MeasuredPath path = parse_ping(
         "[100.01] 64 bytes from a: icmp_seq=1 ttl=64 time=10 ms\n"

@@ -140,7 +140,7 @@ MeasuredPath runs_of(std::initializer_list<int> runs) {
     return path;
 }
 
-// Such a burst was not seen whole: its share and its length stand, nothing is infinite and nothing is lost.
+// The path cuts off such a burst. The fit keeps its share and its length.
 TEST(PathFit, ABurstAtAnEndOfThePathIsKept) {
     for (const auto& [path, where] :
          {std::pair{runs_of({0, 5, 100}), "at its beginning"}, std::pair{runs_of({100, 5}), "at its end"}}) {
@@ -160,7 +160,7 @@ TEST(PathFit, ABurstAtAnEndOfThePathIsKept) {
     }
 }
 
-// Whatever runs a path consists of, the program reads what it has fitted.
+// The program can read every profile that it has fitted.
 TEST(PathFit, WhatItFitsCanBeRead) {
     const auto no_files = [](std::string_view) { return std::string(); };
     for (const int received : {0, 1, 40}) {
