@@ -18,7 +18,7 @@ class RecordingDisplay final : public Display {
     void draw(SessionTime now, const Scene& scene) override;
     std::optional<ShownScene> shown(SessionTime now) override;
     SessionTime next_shown() const override { return next_shown_; }
-    // Nobody reads, hears or presses.
+    // No person is there.
     void turn_page(SessionTime /*now*/, const Page& /*page*/) override {}
     void beep(SessionTime /*now*/) override {}
     bool take_go_on() override { return false; }

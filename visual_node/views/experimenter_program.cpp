@@ -40,7 +40,7 @@ struct ViewOptions {
     double scale = 0;    // 0: the monitor's
     int width = 1000, height = 720;
     bool frame_times = false;
-    pid_t launcher = 0;  // as stop_with_parent() has it; 0: nobody's end ends this program
+    pid_t launcher = 0;  // for stop_with_parent(); 0: this program outlives its launcher
 };
 
 WindowSettings window_settings(const ViewOptions& options) {

@@ -19,7 +19,7 @@ class Playout {
     // `smoothing`: how far back; zero shows the newest scene as it is. At least as many scenes as come in that time are kept.
     explicit Playout(Duration smoothing, std::size_t capacity = 512);
 
-    // A scene of which nothing has been seen yet. One of another trial, or with an older stamp than the last, begins anew: what was is gone.
+    // A scene that was never seen. One of another trial, or with an older stamp than the last, begins anew: what was is gone.
     void add(const Scene& scene);
     // What to show at `now`; nothing before the first scene. Interpolated are needle and surface; force, contact and
     // stamps are those of the older neighbour. Past the newest sample the newest stands still.
