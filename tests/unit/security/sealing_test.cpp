@@ -93,6 +93,11 @@ TEST(Sealing, TheLongestTextIsSealedAndALongerOneIsNot) {
     EXPECT_TRUE(ends.seal("x").empty());
 }
 
+TEST(ReplayWindow, KnowsNoCounterBeforeTheFirst) {
+    EXPECT_FALSE(ReplayWindow{}.is_fresh(0));
+    EXPECT_TRUE(ReplayWindow{}.is_fresh(1));
+}
+
 TEST(ReplayWindow, EndsWhereItSays) {
     constexpr std::uint64_t kNewest = 100'000;
     ReplayWindow window;

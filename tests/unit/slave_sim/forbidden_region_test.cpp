@@ -73,6 +73,30 @@ FixtureParameters with_change(const FixtureChange& change) {
     return p;
 }
 
+TEST(ForbiddenRegion, AChangeAtAStepsEndBelongsToTheNextStep) {
+    FixtureChange removal;
+    removal.time_s = 0.001;
+    FixtureWalker w(with_change(removal), 0.501);
+    w.to(0.501, 0.001);
+    EXPECT_TRUE(w.fixture.present());
+    EXPECT_NEAR(w.fixture.touch(0.501).force_N, -3, 1e-9);
+    w.to(0.501, 0.001);
+    EXPECT_FALSE(w.fixture.present());
+}
+
+TEST(ForbiddenRegion, EachTrialHasItsChanges) {
+    FixtureChange removal;
+    removal.time_s = 0.0005;
+    FixtureWalker w(with_change(removal), 0.501);
+    for (int trial = 0; trial < 2; ++trial) {
+        w.fixture.reset(0.501);
+        w.time_s = 0;
+        EXPECT_TRUE(w.fixture.present());
+        w.to(0.501, 0.001);
+        EXPECT_FALSE(w.fixture.present()) << trial;
+    }
+}
+
 TEST(ForbiddenRegion, TouchedAndLeftWhereTheLineCrosses) {
     FixtureWalker w({1000, 0, 0.5, {}}, 0.25);
     w.to(0.75, 2);
