@@ -22,6 +22,8 @@ class ObedientActuator final : public FingertipActuator {
     void release(SessionTime now) override { pressed = {Finger::kNone, 0, now}; }
     void use_hand(SessionTime, Hand) override {}
     void tick(SessionTime) override { ticked_N = pressed.force_N; }
+    SessionTime next_wakeup() const override { return kNever; }
+    std::string_view fault() const override { return {}; }
 
     FingertipForce pressed;
     double ticked_N = 0;  // that its own cycle, within a tick of the program, would send to motors

@@ -17,7 +17,8 @@ class NotingHandle final : public HapticDevice {
         largest_N = std::max(largest_N, force_hand_N);
     }
     void enable_force(SessionTime, bool) override {}
-    bool stop_pressed() const override { return false; }
+    bool take_stop(SessionTime) override { return false; }
+    SessionTime next_look() const override { return kNever; }
     std::string_view fault() const override { return {}; }
 
     double commanded_N = 0;
