@@ -318,7 +318,9 @@ int guarded_main(const std::string& name, const std::function<int()>& body) {
     open_standard_descriptors();
     log_by_words(name);
     std::signal(SIGPIPE, SIG_IGN);  // a reader that leaves ends no trial; lost results are noticed at the end
-    const int code = settle_results(run_guarded(body));
+    const int ended = run_guarded(body);
+    words_written_within(kFarewell);  // before the results that wait in stdout's buffer
+    const int code = settle_results(ended);
     words_written_within(kFarewell);
     return code;
 }
