@@ -94,7 +94,7 @@ class NodeProcess : public Process {
     // Since the tick before this one: a program that was stopped, or got no time, finds old messages waiting that look new.
     Duration since_last_tick() const { return since_last_tick_; }
     bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
-    // The node is late (OverrunPolicy::kRest): work() must not give any output.
+    // True while the node is late under OverrunPolicy::kRest. Then work() must not give any output.
     bool resting() const { return late_ && overrun_ == OverrunPolicy::kRest && running(); }
     std::uint32_t trial() const { return trial_; }
     std::uint64_t instance() const { return instance_; }

@@ -38,8 +38,8 @@ void install_stop_signals(QuitSignal quit = QuitSignal::kEnds);
 // How many emergency stops SIGQUIT has asked for since the program began. A loop that obeys them counts from 0: one that
 // came while devices were made ready still holds.
 unsigned emergency_stops();
-// The kernel sends SIGTERM to this process when the thread that started it ends, or at once if the process `launcher` has
-// ended already. 1 (the flag alone): the number of the launcher is unknown.
+// The kernel sends SIGTERM to this process when the thread that started it ends. If the process `launcher` has ended already,
+// SIGTERM comes at once. A `launcher` of 1 (the flag alone) means that its number is unknown.
 void stop_with_parent(pid_t launcher);
 inline constexpr const char* kDieWithParentHelp =
     "stop when the launcher dies; =PID: also if that process has died already (thimble run sets it)";

@@ -1,4 +1,4 @@
-// Results go to standard output. A program whose results get lost there says so and fails.
+// Results go to standard output. If they get lost there, the program reports it and fails.
 #pragma once
 
 #include "common/error.hpp"
