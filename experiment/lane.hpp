@@ -18,7 +18,7 @@
 #include "common/runtime/log/message_log.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
-#include "experiment/clocks/clock_table.hpp"
+#include "experiment/clocks/clock_summary.hpp"
 #include "experiment/launch/node_starter.hpp"
 #include "experiment/session_process.hpp"
 #include "experiment/stop_file.hpp"

@@ -15,7 +15,7 @@
 #include "experiment/launch/launch_settings.hpp"
 #include "experiment/participant.hpp"
 #include "experiment/protocol_settings.hpp"
-#include "experiment/session_process.hpp"
+#include "experiment/session_settings.hpp"
 #include "master/devices/simulated_handle.hpp"
 #include "master/master_node.hpp"
 #include "netem/link_settings.hpp"

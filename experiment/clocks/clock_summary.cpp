@@ -64,4 +64,16 @@ ClockSummary summarize_clock(std::span<const ClockExchange> exchanges) {
     return summary;
 }
 
+std::vector<NodeClock> clocks_of(double delay_s, const std::vector<ClockRecord>& records) {
+    std::vector<NodeClock> clocks;
+    for (const Role role : {Role::kMaster, Role::kSlaveSim, Role::kCutaneous, Role::kVisual, Role::kNetem}) {
+        std::vector<ClockExchange> exchanges;
+        for (const ClockRecord& record : records) {
+            if (record.node == role) exchanges.push_back(record.exchange);
+        }
+        if (!exchanges.empty()) clocks.push_back({delay_s, role, summarize_clock(exchanges)});
+    }
+    return clocks;
+}
+
 }  // namespace thimble

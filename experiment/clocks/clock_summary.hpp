@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "experiment/clocks/clock_exchange.hpp"
+#include "experiment/clocks/clock_file.hpp"
 
 namespace thimble {
 
@@ -30,5 +32,14 @@ struct ClockSummary {
 
 // In the order in which they were answered.
 ClockSummary summarize_clock(std::span<const ClockExchange> exchanges);
+
+struct NodeClock {
+    double delay_s = 0;  // of the condition
+    Role node = Role::kMaster;
+    ClockSummary summary;
+};
+
+// A summary per node that has exchanges, in the order of their roles.
+std::vector<NodeClock> clocks_of(double delay_s, const std::vector<ClockRecord>& records);
 
 }  // namespace thimble

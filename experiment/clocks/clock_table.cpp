@@ -8,18 +8,6 @@
 
 namespace thimble {
 
-std::vector<NodeClock> clocks_of(double delay_s, const std::vector<ClockRecord>& records) {
-    std::vector<NodeClock> clocks;
-    for (const Role role : {Role::kMaster, Role::kSlaveSim, Role::kCutaneous, Role::kVisual, Role::kNetem}) {
-        std::vector<ClockExchange> exchanges;
-        for (const ClockRecord& record : records) {
-            if (record.node == role) exchanges.push_back(record.exchange);
-        }
-        if (!exchanges.empty()) clocks.push_back({delay_s, role, summarize_clock(exchanges)});
-    }
-    return clocks;
-}
-
 std::string one_way_text_us(const std::optional<OneWayDelay>& delay) {
     if (!delay) return "not known";
     const double bound_us = 1e6 * delay->bound_s;

@@ -4,20 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "experiment/clocks/clock_file.hpp"
 #include "experiment/clocks/clock_summary.hpp"
 #include "experiment/html.hpp"
 
 namespace thimble {
 
-struct NodeClock {
-    double delay_s = 0;  // of the condition
-    Role node = Role::kMaster;
-    ClockSummary summary;
-};
-
-// A summary per node that has exchanges, in the order of their roles.
-std::vector<NodeClock> clocks_of(double delay_s, const std::vector<ClockRecord>& records);
 ReportTable clock_table(const std::vector<NodeClock>& clocks);
 
 // "12.3", or "not known: +-40.1", in microseconds.

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "experiment/link_test/verdict.hpp"
+#include "experiment/loop_limits.hpp"
 #include "experiment/maps/cells.hpp"
 #include "experiment/remedies/remedy_study.hpp"
 

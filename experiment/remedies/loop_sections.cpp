@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "experiment/gnuplot.hpp"
-#include "experiment/link_test/verdict.hpp"
+#include "experiment/loop_limits.hpp"
 #include "experiment/stability/loop_measures.hpp"
 #include "experiment/stability/perceptual_loop.hpp"
 #include "experiment/stability/stability_map.hpp"

@@ -13,7 +13,7 @@
 
 #include "common/error.hpp"
 #include "experiment/condition_summary.hpp"
-#include "experiment/link_test/verdict.hpp"
+#include "experiment/loop_limits.hpp"
 #include "experiment/metrics.hpp"
 #include "experiment/protocol.hpp"
 #include "experiment/study.hpp"
