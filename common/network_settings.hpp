@@ -86,7 +86,8 @@ struct Endpoint {
 struct NetworkSettings {
     SecuritySettings security;  // table [security]
     // Below 32768, where Linux starts to hand out ports to sockets that ask for none.
-    std::uint16_t base_port = 27000;
+    static constexpr std::uint16_t kDefaultBasePort = 27000;
+    std::uint16_t base_port = kDefaultBasePort;
     std::array<std::string, kRoleCount> hosts = every_role_here();  // by Role
 
     const std::string& host(Role role) const { return hosts[static_cast<std::size_t>(role)]; }

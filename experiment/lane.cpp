@@ -200,7 +200,7 @@ std::string Lane::how_to_release() const {
                          std::any_of(hosts.begin(), hosts.end(), leaves_this_machine);
     std::string how(kHowToRelease);
     if (by_file && !plan_.session_file.empty()) how += " " + plan_.session_file.string();
-    if (base != NetworkSettings{}.base_port) how += fmt::format(" --base-port {}", base);
+    if (base != NetworkSettings::kDefaultBasePort) how += fmt::format(" --base-port {}", base);
     return how + stop_fault_;
 }
 

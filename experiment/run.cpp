@@ -11,6 +11,7 @@
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "experiment/clocks/chrony.hpp"
+#include "experiment/clocks/clock_table.hpp"
 #include "experiment/lane.hpp"
 #include "experiment/ping_pong.hpp"
 #include "experiment/progress.hpp"

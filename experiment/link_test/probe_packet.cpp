@@ -8,7 +8,7 @@ namespace thimble {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic{'T', 'H', 'L', 'T'};
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kProbeVersion = 1;
 constexpr std::int64_t kMostStamp_ns = std::int64_t{1} << 62;
 
 class Writer {
@@ -52,7 +52,7 @@ void write_probe(const ProbePacket& p, std::span<std::uint8_t> room) {
     assert(room.size() >= kProbeHeaderBytes && room.size() <= kLargestProbeBytes);
     Writer out(room);
     for (const std::uint8_t letter : kMagic) out.put(letter, 1);
-    out.put(kVersion, 1);
+    out.put(kProbeVersion, 1);
     out.put(static_cast<std::uint8_t>(p.kind), 1);
     out.put(p.port, 2);
     out.put(p.nonce, 8);
@@ -69,7 +69,7 @@ std::optional<ProbePacket> read_probe(Bytes datagram) {
     if (datagram.size() < kProbeHeaderBytes || datagram.size() > kLargestProbeBytes) return std::nullopt;
     if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) return std::nullopt;
     Reader in(datagram.subspan(kMagic.size()));
-    if (in.get<std::uint8_t>() != kVersion) return std::nullopt;
+    if (in.get<std::uint8_t>() != kProbeVersion) return std::nullopt;
     ProbePacket p;
     const auto kind = in.get<std::uint8_t>();
     p.kind = static_cast<ProbeKind>(kind);
