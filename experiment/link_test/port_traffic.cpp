@@ -16,39 +16,39 @@ constexpr double kMonitor_Hz = 250;
 // A heartbeat ten times a second, and a clock probe or its reply five times.
 constexpr double kControl_Hz = 1e9 / static_cast<double>(kHeartbeatPeriod.count()) + 5;
 
-constexpr std::array<const char*, kPortCount> kNames{"session_master",
-                                                     "session_slave_sim",
-                                                     "session_cutaneous",
-                                                     "session_visual",
-                                                     "session_netem",
-                                                     "session_record",
-                                                     "master_control",
-                                                     "slave_sim_control",
-                                                     "cutaneous_control",
-                                                     "visual_control",
-                                                     "netem_control",
-                                                     "master_force",
-                                                     "master_percept_cutaneous",
-                                                     "master_percept_visual",
-                                                     "slave_sim_needle",
-                                                     "cutaneous_force",
-                                                     "visual_force",
-                                                     "visual_beep",
-                                                     "netem_needle",
-                                                     "netem_force_master",
-                                                     "netem_force_cutaneous",
-                                                     "netem_force_visual",
-                                                     "master_hand",
-                                                     "session_orders",
-                                                     "experimenter_monitor",
-                                                     "session_player_orders",
-                                                     "player_monitor",
-                                                     "session_stop",
-                                                     "master_stop",
-                                                     "slave_sim_stop",
-                                                     "cutaneous_stop",
-                                                     "visual_stop",
-                                                     "netem_stop"};
+constexpr std::array<const char*, kPortCount> kPortNames{"session_master",
+                                                         "session_slave_sim",
+                                                         "session_cutaneous",
+                                                         "session_visual",
+                                                         "session_netem",
+                                                         "session_record",
+                                                         "master_control",
+                                                         "slave_sim_control",
+                                                         "cutaneous_control",
+                                                         "visual_control",
+                                                         "netem_control",
+                                                         "master_force",
+                                                         "master_percept_cutaneous",
+                                                         "master_percept_visual",
+                                                         "slave_sim_needle",
+                                                         "cutaneous_force",
+                                                         "visual_force",
+                                                         "visual_beep",
+                                                         "netem_needle",
+                                                         "netem_force_master",
+                                                         "netem_force_cutaneous",
+                                                         "netem_force_visual",
+                                                         "master_hand",
+                                                         "session_orders",
+                                                         "experimenter_monitor",
+                                                         "session_player_orders",
+                                                         "player_monitor",
+                                                         "session_stop",
+                                                         "master_stop",
+                                                         "slave_sim_stop",
+                                                         "cutaneous_stop",
+                                                         "visual_stop",
+                                                         "netem_stop"};
 
 PortTraffic traffic_of(Port port, Encoder& encoder) {
     const Header header;
@@ -114,7 +114,7 @@ std::vector<Port> ports_on(const NetworkSettings& network, const std::string& ho
 
 const char* to_string(Port port) {
     const auto index = static_cast<std::size_t>(port);
-    return index < kNames.size() ? kNames[index] : "none";
+    return index < kPortNames.size() ? kPortNames[index] : "none";
 }
 
 }  // namespace thimble

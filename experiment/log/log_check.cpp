@@ -42,7 +42,7 @@ struct Course {
     SessionTime stamp{};
 };
 
-using FlowKey = std::pair<std::string, std::uint64_t>;  // topic, instance
+using FlowOfFile = std::pair<std::string, std::uint64_t>;  // topic, instance
 
 class FileCheck {
   public:
@@ -98,7 +98,7 @@ class FileCheck {
     const LoggedFile& file_;
     HeaderReader headers_;
     FileFinding finding_;
-    std::map<FlowKey, Course> courses_;
+    std::map<FlowOfFile, Course> courses_;
     std::uint64_t last_ns_ = 0;
 };
 
@@ -181,7 +181,7 @@ FileFinding check_file(const LoggedFile& file) { return FileCheck(file).check();
 
 // Several instances of a sender (a program started anew) are one line. Sequences that wrap, after 49 days, are not followed.
 std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFile>>& files) {
-    std::map<FlowKey, BothEnds> flows;
+    std::map<FlowOfFile, BothEnds> flows;
     HeaderReader headers;
     for (const auto& file : files) {
         file->for_each([&](const LoggedTopic& topic, const McapMessage& message) {
