@@ -17,7 +17,7 @@
 #include "common/network_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "experiment/ping_pong.hpp"
+#include "session/virtual/ping_pong.hpp"
 
 namespace thimble {
 namespace {

@@ -12,12 +12,12 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "analysis/text/gnuplot.hpp"
 #include "bench/studies.hpp"
+#include "common/csv/csv_file.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
-#include "experiment/csv_file.hpp"
-#include "experiment/gnuplot.hpp"
 #include "slave_sim/elements/tissue_table.hpp"
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/scene_file.hpp"

@@ -6,10 +6,10 @@
 
 #include "bench/studies.hpp"
 #include "bench/velocity/velocity_report.hpp"
+#include "common/csv/csv_file.hpp"
 #include "common/error.hpp"
+#include "common/process/progress.hpp"
 #include "common/runtime/command_line.hpp"
-#include "experiment/csv_file.hpp"
-#include "experiment/progress.hpp"
 
 namespace thimble {
 namespace {

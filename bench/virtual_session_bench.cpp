@@ -3,8 +3,8 @@
 //   build/release/bin/thimble-bench --benchmark_filter=virtual_trial
 #include <benchmark/benchmark.h>
 
-#include "experiment/protocol.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/virtual/virtual_session.hpp"
 
 namespace {
 

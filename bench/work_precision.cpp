@@ -12,8 +12,8 @@
 #include "bench/work_precision/figure.hpp"
 #include "bench/work_precision/real_time.hpp"
 #include "bench/work_precision/tables.hpp"
+#include "common/process/progress.hpp"
 #include "common/runtime/command_line.hpp"
-#include "experiment/progress.hpp"
 
 namespace thimble {
 

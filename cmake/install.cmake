@@ -20,8 +20,8 @@ endfunction()
 thimble_export(thimble_common common common)
 thimble_export(thimble_netem netem netem)
 thimble_export(thimble_slave_sim tissue slave_sim)
-thimble_export(thimble_statistics statistics experiment/statistics)
-thimble_export(thimble_stability stability experiment/stability)
+thimble_export(thimble_statistics statistics analysis/statistics)
+thimble_export(thimble_stability stability stability)
 
 # The wire schema: as text for other languages, and as the header that flatc made of it. That one insists on the FlatBuffers
 # version it was made with.

@@ -1,5 +1,5 @@
 // A node with its channels and devices, still without a clock: the two loops (runtime/realtime_loop.hpp and
-// experiment/virtual_loop.hpp) drive these same objects.
+// session/virtual/virtual_loop.hpp) drive these same objects.
 #pragma once
 
 #include "common/messages.hpp"

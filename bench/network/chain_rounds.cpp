@@ -9,10 +9,10 @@
 
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "experiment/lane.hpp"
-#include "experiment/launch/local_starter.hpp"
-#include "experiment/run.hpp"
-#include "experiment/system_settings.hpp"
+#include "session/launch/local_starter.hpp"
+#include "session/run/lane.hpp"
+#include "session/settings/system_settings.hpp"
+#include "thimble/commands/run.hpp"
 
 namespace thimble {
 namespace {

@@ -12,7 +12,7 @@
 #include "common/error.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/time.hpp"
-#include "experiment/trial_record.hpp"
+#include "session/records/trial_record.hpp"
 
 namespace thimble {
 

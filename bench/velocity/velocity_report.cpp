@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "experiment/csv.hpp"
-#include "experiment/gnuplot.hpp"
+#include "analysis/text/gnuplot.hpp"
+#include "common/csv/csv.hpp"
 
 namespace thimble {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/text/gnuplot.hpp"
 #include "bench/work_precision/tables.hpp"
-#include "experiment/gnuplot.hpp"
 
 namespace thimble {
 

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "experiment/csv.hpp"
-#include "experiment/csv_file.hpp"
+#include "common/csv/csv.hpp"
+#include "common/csv/csv_file.hpp"
 
 namespace thimble {
 

@@ -8,7 +8,7 @@
 
 #include "common/control/passivity_controller.hpp"
 #include "common/error.hpp"
-#include "experiment/stability/critical_delay.hpp"
+#include "stability/critical_delay.hpp"
 
 namespace {
 

@@ -2,10 +2,10 @@
 // which pairs differ.
 #include <cstdio>
 
+#include "analysis/statistics/anova.hpp"
+#include "analysis/statistics/friedman.hpp"
+#include "analysis/statistics/pairwise.hpp"
 #include "common/error.hpp"
-#include "experiment/statistics/anova.hpp"
-#include "experiment/statistics/friedman.hpp"
-#include "experiment/statistics/pairwise.hpp"
 
 int main() {
     try {

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/subprocess.hpp"
+#include "common/process/subprocess.hpp"
 
 namespace thimble::test {
 

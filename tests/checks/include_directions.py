@@ -1,4 +1,4 @@
-"""Includes point one way: common <- {netem, nodes} <- experiment <- bench <- tests; no node knows another node.
+"""Includes point down, between rooms and inside a room between its sub-rooms. The tables below are the ranks.
 
 usage: include_directions.py PROJECT_ROOT
 """
@@ -6,14 +6,22 @@ usage: include_directions.py PROJECT_ROOT
 import re
 import sys
 
-from sources import NODE_ROOMS, ROOMS, ROOTS, read_tree, report, room_of, without_comments
+from sources import RANKS, ROOTS, read_tree, report, room_of, without_comments
 
-ALLOWED = {
-    "common": {"common"},
-    **{room: {"common", room} for room in NODE_ROOMS},
-    "experiment": set(ROOMS),
-    "bench": {*ROOMS, "bench"},
-    "tests": {*ROOMS, "bench", "tests"},
+RANK = {room: rank for rank, rooms in enumerate(RANKS) for room in rooms}
+# Sub-rooms, lowest first. "." is the room's own folder; where it is absent, that folder and its sub-rooms share a rank.
+SUB_ROOMS = {
+    "common": ("control", "velocity", "security", "hid", "log", "csv", "runtime", "process"),
+    "netem": ("stages", "formats", "profiles", "relay", "commands"),
+    "master": ("operator", "devices"),
+    "slave_sim": ("elements",),
+    "cutaneous_node": ("fingertip", "can", "board", "emulator"),
+    "visual_node": ("gamepad", "window", "views"),
+    "stability": (".",),
+    "session": ("records", "clocks", "log", "settings", "launch", "run", "virtual", "sitting", "play", "film", "observe"),
+    "analysis": ("statistics", "text", "tables", "claims", "figures", ".", "report"),
+    "study": (".", "remedies", "maps", "sweeps"),
+    "thimble": ("doctor", "link_test", "log", "commands", "."),
 }
 # Made by flatc from common/messages.fbs. The wire structs end at the codec.
 GENERATED = {"messages_generated.h": ("common",), "messages_bfbs_generated.h": ("common",)}
@@ -21,18 +29,33 @@ GENERATED = {"messages_generated.h": ("common",), "messages_bfbs_generated.h": (
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">\n]+)[">]', re.MULTILINE)
 
 
+def sub_room_of(path):
+    return path.split("/")[1] if path.count("/") > 1 else "."
+
+
+def wrong_way(path, target):
+    """What is wrong with the direction, or None."""
+    room, target_room = room_of(path), room_of(target)
+    if room != target_room:
+        return f"{room}/ must not know {target_room}/" if RANK[target_room] >= RANK[room] else None
+    order, here, there = SUB_ROOMS.get(room, ()), sub_room_of(path), sub_room_of(target)
+    if here == there or ("." in (here, there) and "." not in order) or room not in SUB_ROOMS:
+        return None
+    if missing := [name for name in (here, there) if name not in order]:
+        return f"{room}/{missing[0]} has no rank in SUB_ROOMS"
+    return f"{room}/{here} must not know {room}/{there}" if order.index(there) > order.index(here) else None
+
+
 def complaint(path, quoted, target, tree):
     """What is wrong with one #include of one file, or None."""
-    room, target_room = room_of(path), room_of(target)
     if target in GENERATED:
-        return None if room in GENERATED[target] else f"{target} belongs to {', '.join(GENERATED[target])}"
+        return None if room_of(path) in GENERATED[target] else f"{target} belongs to {', '.join(GENERATED[target])}"
     if not quoted:
         return f'a project header in <>: write "{target}"' if target in tree else None
-    if target_room not in ROOTS or target not in tree:
+    if room_of(target) not in ROOTS or target not in tree:
         return f'"{target}" is not written from the project\'s root, or does not exist'
-    if target_room not in ALLOWED[room]:
-        return f"{room}/ must not know {target_room}/ (\"{target}\")"
-    return None
+    why = wrong_way(path, target)
+    return f'{why} ("{target}")' if why else None
 
 
 def check(tree):

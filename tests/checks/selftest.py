@@ -13,27 +13,37 @@ import type_names
 from sources import ROOMS, report
 
 HEADERS = {f"{room}/a.hpp": "#pragma once\n" for room in (*ROOMS, "bench", "tests")}
+HEADERS |= {"session/records/a.hpp": "#pragma once\n", "session/run/a.hpp": "#pragma once\n"}
 HEADERS["common/shared.hpp"] = "struct Shared {\n"
 
 # (check, file, its text, part of the finding it must make, or None where it must make none)
 CASES = (
     (include_directions, "common/b.cpp", '#include "common/a.hpp"\n', None),
     (include_directions, "common/b.cpp", '#include "netem/a.hpp"\n', "common/ must not know netem/"),
-    (include_directions, "common/b.cpp", '#include "experiment/a.hpp"\n', "common/ must not know experiment/"),
+    (include_directions, "common/b.cpp", '#include "session/a.hpp"\n', "common/ must not know session/"),
     (include_directions, "netem/b.cpp", '#include "common/a.hpp"\n#include "netem/a.hpp"\n', None),
     (include_directions, "netem/b.cpp", '#include "master/a.hpp"\n', "netem/ must not know master/"),
     (include_directions, "master/devices/b.hpp", '#include "master/a.hpp"\n', None),
     (include_directions, "master/devices/b.hpp", '\n#include "slave_sim/a.hpp"\n', "b.hpp:2: master/ must not"),
     (include_directions, "slave_sim/b.cpp", '#  include "visual_node/a.hpp"\n', "slave_sim/ must not know visual"),
     (include_directions, "visual_node/b.cpp", '#include "cutaneous_node/a.hpp"\n', "must not know cutaneous_node/"),
-    (include_directions, "cutaneous_node/b.cpp", '#include "experiment/a.hpp"\n', "must not know experiment/"),
-    (include_directions, "experiment/b.cpp", "".join(f'#include "{room}/a.hpp"\n' for room in ROOMS), None),
-    (include_directions, "experiment/b.cpp", '#include "tests/a.hpp"\n', "experiment/ must not know tests/"),
-    (include_directions, "bench/b.cpp", '#include "experiment/a.hpp"\n', None),
+    (include_directions, "cutaneous_node/b.cpp", '#include "session/a.hpp"\n', "must not know session/"),
+    (include_directions, "thimble/b.cpp", "".join(f'#include "{room}/a.hpp"\n' for room in ROOMS), None),
+    (include_directions, "session/b.cpp", '#include "stability/a.hpp"\n', None),
+    (include_directions, "stability/b.cpp", '#include "session/a.hpp"\n', "stability/ must not know session/"),
+    (include_directions, "session/b.cpp", '#include "analysis/a.hpp"\n', "session/ must not know analysis/"),
+    (include_directions, "session/run/b.cpp", '#include "session/records/a.hpp"\n', None),
+    (include_directions, "session/records/b.cpp", '#include "session/run/a.hpp"\n', "session/records must not know session/run"),
+    (include_directions, "session/records/c/b.cpp", '#include "session/run/a.hpp"\n', "session/records must not know session/run"),
+    (include_directions, "session/new/b.cpp", '#include "session/run/a.hpp"\n', "session/new has no rank"),
+    (include_directions, "analysis/claims/b.cpp", '#include "analysis/a.hpp"\n', "analysis/claims must not know analysis/."),
+    (include_directions, "netem/stages/b.cpp", '#include "netem/a.hpp"\n', None),
+    (include_directions, "thimble/b.cpp", '#include "tests/a.hpp"\n', "thimble/ must not know tests/"),
+    (include_directions, "bench/b.cpp", '#include "study/a.hpp"\n', None),
     (include_directions, "bench/b.cpp", '#include "tests/a.hpp"\n', "bench/ must not know tests/"),
-    (include_directions, "tests/b.cpp", '#include "experiment/a.hpp"\n', None),
+    (include_directions, "tests/b.cpp", '#include "study/a.hpp"\n', None),
     (include_directions, "tests/b.cpp", '#include "bench/a.hpp"\n', None),
-    (include_directions, "experiment/b.cpp", '#include "bench/a.hpp"\n', "experiment/ must not know bench/"),
+    (include_directions, "thimble/b.cpp", '#include "bench/a.hpp"\n', "thimble/ must not know bench/"),
     (include_directions, "tests/b.cpp", '#include "a.hpp"\n', "not written from the project's root"),
     (include_directions, "netem/b.cpp", '#include "../common/a.hpp"\n', "not written from the project's root"),
     (include_directions, "netem/b.cpp", '#include "common/gone.hpp"\n', "does not exist"),
@@ -70,7 +80,7 @@ CASES = (
     (purity, "visual_node/visual_node.cpp", "std::ofstream out(path);\n", "is a file"),
     (purity, "visual_node/visual_node.cpp", "#include <filesystem>\n", "is a file"),
     (purity, "visual_node/visual_node.cpp", 'FILE* f = fopen("x", "r");\n', "is a file"),
-    (purity, "experiment/results.cpp", "std::ofstream out(path);\n", None),
+    (purity, "session/results.cpp", "std::ofstream out(path);\n", None),
     (purity, "common/random.cpp", "std::random_device device;\n", "is the machine's random numbers"),
     (purity, "common/random.cpp", "int x = std::rand();\n", "is the machine's random numbers"),
     (purity, "common/random.cpp", "int x = operand(1);\n", None),

@@ -4,8 +4,10 @@ import pathlib
 import re
 
 NODE_ROOMS = ("netem", "master", "slave_sim", "cutaneous_node", "visual_node")
-ROOMS = ("common", *NODE_ROOMS, "experiment")
-ROOTS = (*ROOMS, "bench", "tests")
+# Lowest first: each knows the ranks before its own. No node knows another node.
+RANKS = (("common",), NODE_ROOMS, ("stability",), ("session",), ("analysis",), ("study",), ("thimble",), ("bench",), ("tests",))
+ROOTS = tuple(room for rank in RANKS for room in rank)
+ROOMS = ROOTS[:-2]
 SUFFIXES = (".hpp", ".h", ".cpp")
 
 

@@ -23,7 +23,7 @@ ELSEWHERE = {'netem.needle': 'network.md', 'netem.force': 'network.md', 'handle.
 KINDS = [('scene', ['slave_sim/elements', 'slave_sim/scene_file.cpp'], ['scenes.md'], 'scenes'),
          ('profile', ['netem/profiles', 'netem/link_reader.cpp', 'netem/loss_reader.cpp'], ['network-profiles.md', 'network.md'], 'profiles')]
 # Read from files that are no session files: scenes, profiles, needles.
-NO_SESSION = ['slave_sim/elements', 'slave_sim/scene', 'netem/profiles', 'netem/formats', 'netem/relay', 'netem/commands', 'experiment/log']
+NO_SESSION = ['slave_sim/elements', 'slave_sim/scene', 'netem/profiles', 'netem/formats', 'netem/relay', 'netem/commands', 'thimble/log']
 QUOTED = re.compile(r'`([A-Za-z]\w*)`')
 
 
@@ -82,7 +82,7 @@ def check_keys(sources, keys):
 
 def check_readers(sources, keys):
     names = {path.rsplit('.', 1)[1] for path in keys}
-    for room in ['common', 'netem', 'master', 'slave_sim', 'cutaneous_node', 'visual_node', 'experiment']:
+    for room in ['common', 'netem', 'master', 'slave_sim', 'cutaneous_node', 'visual_node', 'stability', 'session', 'analysis', 'study', 'thimble']:
         for file in (sources / room).rglob('*.cpp'):
             where = str(file.relative_to(sources))
             if any(where.startswith(prefix) for prefix in NO_SESSION):

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "experiment/link_test/echo_desk.hpp"
+#include "thimble/link_test/echo_desk.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/error.hpp"
-#include "experiment/system_settings.hpp"
+#include "session/settings/system_settings.hpp"
 
 namespace {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "experiment/log/log_repair.hpp"
-#include "experiment/log/packet_fields.hpp"
+#include "session/log/packet_fields.hpp"
+#include "thimble/log/log_repair.hpp"
 
 namespace thimble {
 namespace {

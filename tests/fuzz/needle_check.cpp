@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "experiment/needle_file.hpp"
+#include "session/records/needle_file.hpp"
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"

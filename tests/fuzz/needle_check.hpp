@@ -1,4 +1,4 @@
-// Any text as a needle file: refused with file and line, or samples as experiment/needle_file.hpp promises
+// Any text as a needle file: refused with file and line, or samples as session/records/needle_file.hpp promises
 // them, that a scene can be stepped along. One check for the fuzzer and for the test of every build.
 #pragma once
 

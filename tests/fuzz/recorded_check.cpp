@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "experiment/event_file.hpp"
-#include "experiment/trajectory_file.hpp"
-#include "experiment/trial_table.hpp"
+#include "session/records/event_file.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
 
 namespace thimble {
 namespace {

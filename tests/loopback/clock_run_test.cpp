@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/clocks/clock_file.hpp"
-#include "experiment/session_process.hpp"
+#include "session/clocks/clock_file.hpp"
+#include "session/run/session_process.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
-#include "experiment/log/log_check.hpp"
 #include "tests/loopback/real_run.hpp"
+#include "thimble/log/log_check.hpp"
 
 namespace thimble {
 namespace {

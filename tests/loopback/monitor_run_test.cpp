@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
-#include "experiment/sitting/dataset.hpp"
-#include "experiment/sitting/record_table.hpp"
+#include "session/sitting/dataset.hpp"
+#include "session/sitting/record_table.hpp"
 #include "tests/loopback/played_view.hpp"
 #include "tests/loopback/real_run.hpp"
 

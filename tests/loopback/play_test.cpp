@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/event_file.hpp"
-#include "experiment/metrics.hpp"
+#include "session/records/event_file.hpp"
+#include "session/records/metrics.hpp"
 #include "tests/loopback/played_hand.hpp"
 
 namespace thimble {

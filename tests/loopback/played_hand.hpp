@@ -6,8 +6,8 @@
 
 #include "common/flow.hpp"
 #include "common/runtime/sockets.hpp"
-#include "experiment/trajectory_file.hpp"
-#include "experiment/trial_table.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
 #include "tests/loopback/played_view.hpp"
 #include "tests/loopback/programs.hpp"
 

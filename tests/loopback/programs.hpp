@@ -7,7 +7,7 @@
 #include <sys/types.h>
 #include <vector>
 
-#include "experiment/child.hpp"
+#include "common/process/child.hpp"
 #include "tests/loopback/workbench.hpp"
 
 namespace thimble {

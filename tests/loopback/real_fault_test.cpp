@@ -20,8 +20,8 @@
 #include "common/node_process.hpp"
 #include "common/random.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "experiment/log/logged_file.hpp"
 #include "master/master_node.hpp"
+#include "session/log/logged_file.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {

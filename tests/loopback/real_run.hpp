@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "experiment/trajectory_file.hpp"
-#include "experiment/trial_table.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
 #include "tests/loopback/programs.hpp"
 
 namespace thimble {

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/sitting/dataset.hpp"
-#include "experiment/sitting/record_table.hpp"
+#include "session/sitting/dataset.hpp"
+#include "session/sitting/record_table.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 

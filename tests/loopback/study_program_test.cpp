@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
-#include "experiment/subprocess.hpp"
+#include "common/process/subprocess.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 

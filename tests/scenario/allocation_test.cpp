@@ -1,7 +1,7 @@
 // Nothing in the loop allocates, in any node, once the first trial has started.
 #include <gtest/gtest.h>
 
-#include "experiment/virtual_session.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/allocation_count.hpp"
 #include "tests/scenario/trials.hpp"
 

@@ -8,10 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
-#include "experiment/clocks/clock_summary.hpp"
-#include "experiment/session_process.hpp"
-#include "experiment/virtual_loop.hpp"
 #include "netem/link_model.hpp"
+#include "session/clocks/clock_summary.hpp"
+#include "session/run/session_process.hpp"
+#include "session/virtual/virtual_loop.hpp"
 
 namespace thimble::test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/virtual_session.hpp"
-#include "experiment/with_remedy.hpp"
+#include "session/virtual/virtual_session.hpp"
+#include "study/with_remedy.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 

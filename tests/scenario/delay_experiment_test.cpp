@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/study.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/virtual/virtual_session.hpp"
+#include "study/study.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "experiment/study.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/virtual/virtual_session.hpp"
+#include "study/study.hpp"
 #include "tests/read_text.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"

@@ -2,8 +2,8 @@
 // of the haptic loop, docs/model.md).
 #include <gtest/gtest.h>
 
-#include "experiment/metrics.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/records/metrics.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"

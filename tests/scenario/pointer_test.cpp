@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "experiment/metrics.hpp"
-#include "experiment/stability/critical_delay.hpp"
+#include "session/records/metrics.hpp"
+#include "stability/critical_delay.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 

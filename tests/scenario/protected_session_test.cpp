@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/virtual_session.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
 

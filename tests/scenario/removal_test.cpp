@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/metrics.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/records/metrics.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {

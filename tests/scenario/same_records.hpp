@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "experiment/trial_record.hpp"
+#include "session/records/trial_record.hpp"
 
 namespace thimble::test {
 

@@ -1,5 +1,5 @@
 // The whole study with one seed after another.
-#include "experiment/sweeps/seed_sweep.hpp"
+#include "study/sweeps/seed_sweep.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/study.hpp"
+#include "study/study.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/metrics.hpp"
+#include "session/records/metrics.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 

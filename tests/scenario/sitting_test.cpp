@@ -1,5 +1,5 @@
 // A participant's sitting in virtual time: the whole haptic loop, the tables of a dataset, a power cut.
-#include "experiment/sitting/sitting.hpp"
+#include "session/sitting/sitting.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,11 +8,11 @@
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
-#include "experiment/sitting/counted_trials.hpp"
-#include "experiment/sitting/participants_table.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/sitting/counted_trials.hpp"
+#include "session/sitting/participants_table.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/rig.hpp"
-#include "tests/unit/experiment/records.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble::test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/virtual_session.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "experiment/study.hpp"
+#include "study/study.hpp"
 #include "tests/read_text.hpp"
 #include "tests/scenario/trials.hpp"
 

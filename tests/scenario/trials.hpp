@@ -1,8 +1,8 @@
 // Trials that several scenarios share.
 #pragma once
 
-#include "experiment/protocol.hpp"
-#include "experiment/system_settings.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/settings/system_settings.hpp"
 
 namespace thimble::test {
 

@@ -1,5 +1,5 @@
 // Studies along a parameter and over joint draws of several, small enough to run in a moment.
-#include "experiment/sweeps/variation.hpp"
+#include "study/sweeps/variation.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -13,10 +13,10 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/no_lag.hpp"
-#include "experiment/study.hpp"
-#include "experiment/sweeps/joint_draws.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/virtual/virtual_session.hpp"
+#include "study/no_lag.hpp"
+#include "study/study.hpp"
+#include "study/sweeps/joint_draws.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {

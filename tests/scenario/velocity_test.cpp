@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/metrics.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/records/metrics.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/allocation_count.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"

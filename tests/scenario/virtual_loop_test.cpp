@@ -1,5 +1,5 @@
 // The virtual clock, tried on processes that only write down when they are called.
-#include "experiment/virtual_loop.hpp"
+#include "session/virtual/virtual_loop.hpp"
 
 #include <functional>
 #include <stdexcept>

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
-#include "experiment/film/film.hpp"
-#include "experiment/trajectory_file.hpp"
-#include "experiment/trial_table.hpp"
+#include "session/film/film.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
 #include "tests/loopback/played_view.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/views/pushed_needle.hpp"

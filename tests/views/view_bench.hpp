@@ -6,7 +6,7 @@
 #include <optional>
 #include <thread>
 
-#include "experiment/child.hpp"
+#include "common/process/child.hpp"
 #include "tests/views/fake_session.hpp"
 #include "tests/views/virtual_screen.hpp"
 #include "visual_node/views/view_layout.hpp"

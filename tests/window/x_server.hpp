@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "experiment/child.hpp"
+#include "common/process/child.hpp"
 
 namespace thimble {
 

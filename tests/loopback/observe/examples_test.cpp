@@ -4,11 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/log/log_export.hpp"
-#include "experiment/trial_table.hpp"
+#include "session/records/trial_table.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/unit/log/written_log.hpp"
+#include "thimble/log/log_export.hpp"
 
 namespace thimble {
 namespace {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/observe/observers.hpp"
+#include "session/observe/observers.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {

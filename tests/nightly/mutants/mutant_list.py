@@ -20,7 +20,7 @@ import tomllib
 HERE = pathlib.Path(__file__).resolve().parent
 CLASSES = ("ordinary", "rare")
 FIELDS = {"file", "old", "new", "equivalent", "survives", "in_constexpr"}
-ROOMS = ("common", "netem", "master", "slave_sim", "cutaneous_node", "visual_node", "experiment")
+ROOMS = ("common", "netem", "master", "slave_sim", "cutaneous_node", "visual_node", "stability", "session", "analysis", "study", "thimble")
 SOURCE = re.compile(rf"({'|'.join(ROOMS)})/.*\.[ch]pp")
 
 

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/doctor/checks.hpp"
-#include "experiment/doctor/doctor_report.hpp"
+#include "thimble/doctor/checks.hpp"
+#include "thimble/doctor/doctor_report.hpp"
 
 namespace thimble {
 namespace {

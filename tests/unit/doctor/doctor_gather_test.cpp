@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/doctor/gather.hpp"
+#include "thimble/doctor/gather.hpp"
 
 namespace thimble {
 namespace {

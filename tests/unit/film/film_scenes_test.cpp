@@ -1,9 +1,9 @@
 // What a film shows is what the screen showed: late by the delay, the bar in VF only, the needle to the surface.
-#include "experiment/film/film_scenes.hpp"
+#include "session/film/film_scenes.hpp"
 
 #include <gtest/gtest.h>
 
-#include "experiment/film/film.hpp"
+#include "session/film/film.hpp"
 
 namespace thimble {
 namespace {

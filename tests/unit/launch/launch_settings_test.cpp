@@ -1,4 +1,4 @@
-#include "experiment/launch/launch_settings.hpp"
+#include "session/settings/launch_settings.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

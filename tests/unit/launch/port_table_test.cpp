@@ -1,5 +1,5 @@
 // The port table that laboratories open their firewalls by is the one of the program.
-#include "experiment/launch/port_table.hpp"
+#include "session/launch/port_table.hpp"
 
 #include <algorithm>
 

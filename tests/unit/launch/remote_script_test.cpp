@@ -1,6 +1,6 @@
 // The script, in a real shell, with programs that are shell scripts themselves. What it does to real nodes is in
 // tests/loopback/up_test.cpp.
-#include "experiment/launch/remote_script.hpp"
+#include "session/launch/remote_script.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/subprocess.hpp"
+#include "common/process/subprocess.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,5 @@
 // The launcher's end, with real shells: what goes to a file and what does not.
-#include "experiment/launch/remote_shell.hpp"
+#include "session/launch/remote_shell.hpp"
 
 #include <fstream>
 #include <sstream>

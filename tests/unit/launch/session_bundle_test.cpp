@@ -1,5 +1,5 @@
 // A session that goes to another machine goes as a whole, or not at all.
-#include "experiment/launch/session_bundle.hpp"
+#include "session/launch/session_bundle.hpp"
 
 #include <fstream>
 
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/system_settings.hpp"
 #include "netem/packet_trace.hpp"
+#include "session/settings/system_settings.hpp"
 #include "tests/read_text.hpp"
 
 namespace thimble {

@@ -1,10 +1,10 @@
 // What is quoted comes back whole from a real shell.
-#include "experiment/launch/shell_words.hpp"
+#include "session/launch/shell_words.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "experiment/subprocess.hpp"
+#include "common/process/subprocess.hpp"
 
 namespace thimble {
 namespace {

@@ -1,4 +1,4 @@
-#include "experiment/launch/unit_files.hpp"
+#include "session/launch/unit_files.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/subprocess.hpp"
+#include "common/process/subprocess.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,5 @@
 // The far side can do no harm: who gets an answer, of what length, and how often.
-#include "experiment/link_test/echo_desk.hpp"
+#include "thimble/link_test/echo_desk.hpp"
 
 #include <vector>
 

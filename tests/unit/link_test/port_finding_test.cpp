@@ -1,5 +1,5 @@
 // What errors and silence mean.
-#include "experiment/link_test/port_finding.hpp"
+#include "thimble/link_test/port_finding.hpp"
 
 #include <cerrno>
 #include <vector>

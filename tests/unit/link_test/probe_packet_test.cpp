@@ -1,5 +1,5 @@
 // The bytes of a link test, and what a numbered sequence has come to.
-#include "experiment/link_test/probe_packet.hpp"
+#include "thimble/link_test/probe_packet.hpp"
 
 #include <algorithm>
 #include <random>
@@ -10,8 +10,8 @@
 #include <rapidcheck.h>
 
 #include "common/codec.hpp"
-#include "experiment/link_test/arrival_counter.hpp"
-#include "experiment/link_test/port_traffic.hpp"
+#include "thimble/link_test/arrival_counter.hpp"
+#include "thimble/link_test/port_traffic.hpp"
 
 namespace thimble {
 namespace {

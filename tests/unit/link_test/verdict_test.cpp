@@ -1,13 +1,13 @@
 // Verdicts from made-up figures: each rule, on both sides of its limit.
-#include "experiment/link_test/verdict.hpp"
+#include "thimble/link_test/verdict.hpp"
 
 #include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/link_test/link_report.hpp"
-#include "experiment/stability/critical_delay.hpp"
+#include "stability/critical_delay.hpp"
+#include "thimble/link_test/link_report.hpp"
 
 namespace thimble {
 namespace {

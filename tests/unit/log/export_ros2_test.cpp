@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
-#include "experiment/log/log_export.hpp"
-#include "experiment/log/ros2_messages.hpp"
 #include "tests/read_text.hpp"
 #include "tests/unit/log/log_folder.hpp"
 #include "tests/unit/log/written_log.hpp"
+#include "thimble/log/log_export.hpp"
+#include "thimble/log/ros2_messages.hpp"
 
 namespace thimble {
 namespace {

@@ -15,15 +15,15 @@
 #include "common/error.hpp"
 #include "common/log/log_topics.hpp"
 #include "common/text_file.hpp"
-#include "experiment/log/log_check.hpp"
-#include "experiment/log/log_export.hpp"
-#include "experiment/log/log_info.hpp"
-#include "experiment/log/log_repair.hpp"
 #include "tests/fuzz/packets.hpp"
 #include "tests/read_text.hpp"
 #include "tests/unit/log/log_folder.hpp"
 #include "tests/unit/log/small_log.hpp"
 #include "tests/unit/log/written_log.hpp"
+#include "thimble/log/log_check.hpp"
+#include "thimble/log/log_export.hpp"
+#include "thimble/log/log_info.hpp"
+#include "thimble/log/log_repair.hpp"
 
 namespace thimble {
 namespace {

@@ -8,9 +8,9 @@
 #include <rapidcheck.h>
 
 #include "common/error.hpp"
-#include "experiment/log/log_repair.hpp"
 #include "tests/fuzz/mcap_check.hpp"
 #include "tests/unit/log/small_log.hpp"
+#include "thimble/log/log_repair.hpp"
 
 namespace thimble {
 

@@ -12,7 +12,7 @@
 #include "common/queue_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
-#include "experiment/log/logged_file.hpp"
+#include "session/log/logged_file.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/read_text.hpp"
 #include "tests/unit/log/log_folder.hpp"

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/maps/remedied_loop.hpp"
-#include "experiment/stability/delayed_loop.hpp"
-#include "experiment/stability/loop_measures.hpp"
-#include "experiment/stability/stability_map.hpp"
+#include "stability/delayed_loop.hpp"
+#include "stability/loop_measures.hpp"
+#include "stability/stability_map.hpp"
+#include "study/maps/remedied_loop.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,5 @@
 // Which cell is which, what an axis may be, and rows in their order.
-#include "experiment/maps/map_grid.hpp"
+#include "study/maps/map_grid.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -13,10 +13,10 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/maps/cell_pool.hpp"
-#include "experiment/maps/cells.hpp"
-#include "experiment/maps/crew.hpp"
-#include "experiment/maps/map_table.hpp"
+#include "study/maps/cell_pool.hpp"
+#include "study/maps/cells.hpp"
+#include "study/maps/crew.hpp"
+#include "study/maps/map_table.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,5 @@
 // The running loop with remedies and a bad network: against the loop without, and against the study's traces.
-#include "experiment/maps/remedied_loop.hpp"
+#include "study/maps/remedied_loop.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/stability/loop_measures.hpp"
+#include "stability/loop_measures.hpp"
 
 namespace thimble {
 namespace {

@@ -1,11 +1,11 @@
-#include "experiment/event_file.hpp"
+#include "session/records/event_file.hpp"
 
 #include <fstream>
 
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "tests/unit/experiment/records.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,5 @@
 // What a view is told, from a whole session in virtual time.
-#include "experiment/play/monitor_feed.hpp"
+#include "session/play/monitor_feed.hpp"
 
 #include <cmath>
 #include <optional>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
-#include "experiment/protocol.hpp"
-#include "experiment/virtual_session.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/virtual/virtual_session.hpp"
 
 namespace thimble {
 namespace {

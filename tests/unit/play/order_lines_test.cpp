@@ -1,9 +1,9 @@
 // An order in a sitting does what the typed line does.
-#include "experiment/play/order_lines.hpp"
+#include "session/play/order_lines.hpp"
 
 #include <gtest/gtest.h>
 
-#include "experiment/sitting/prompt.hpp"
+#include "session/sitting/prompt.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,5 @@
 // Orders: each wish once, and none for a trial that is over.
-#include "experiment/play/order_taker.hpp"
+#include "session/play/order_taker.hpp"
 
 #include <vector>
 

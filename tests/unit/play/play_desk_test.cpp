@@ -1,5 +1,5 @@
 // Which trial comes next in free play.
-#include "experiment/play/play_desk.hpp"
+#include "session/play/play_desk.hpp"
 
 #include <gtest/gtest.h>
 

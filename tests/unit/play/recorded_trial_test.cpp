@@ -1,5 +1,5 @@
 // Finding a trial in a folder, and what was seen when.
-#include "experiment/play/recorded_trial.hpp"
+#include "session/play/recorded_trial.hpp"
 
 #include <cmath>
 
@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/event_file.hpp"
-#include "experiment/trajectory_file.hpp"
-#include "experiment/trial_table.hpp"
-#include "tests/unit/experiment/records.hpp"
+#include "session/records/event_file.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {

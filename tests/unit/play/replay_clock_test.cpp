@@ -1,4 +1,4 @@
-#include "experiment/play/replay_clock.hpp"
+#include "session/play/replay_clock.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

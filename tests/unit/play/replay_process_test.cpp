@@ -1,5 +1,5 @@
 // A replay and the real visual node, in virtual time.
-#include "experiment/play/replay_process.hpp"
+#include "session/play/replay_process.hpp"
 
 #include <cmath>
 #include <optional>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
-#include "experiment/virtual_loop.hpp"
+#include "session/virtual/virtual_loop.hpp"
 #include "visual_node/recording_display.hpp"
 #include "visual_node/visual_process.hpp"
 

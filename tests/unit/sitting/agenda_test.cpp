@@ -1,5 +1,5 @@
 // What comes next, from what stands in the files.
-#include "experiment/sitting/agenda.hpp"
+#include "session/sitting/agenda.hpp"
 
 #include <gtest/gtest.h>
 

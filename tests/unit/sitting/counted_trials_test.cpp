@@ -1,11 +1,11 @@
 // Which trials an analysis gets, and what it is told about the others.
-#include "experiment/sitting/counted_trials.hpp"
+#include "session/sitting/counted_trials.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/sitting/participants_table.hpp"
+#include "session/sitting/participants_table.hpp"
 #include "tests/unit/sitting/sittings.hpp"
 
 namespace thimble {

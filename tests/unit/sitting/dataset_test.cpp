@@ -1,5 +1,5 @@
 // One folder holds virtual or human data, never both, and nothing else.
-#include "experiment/sitting/dataset.hpp"
+#include "session/sitting/dataset.hpp"
 
 #include <fstream>
 
@@ -9,8 +9,8 @@
 
 #include "common/error.hpp"
 #include "common/version.hpp"
-#include "experiment/sitting/record_table.hpp"
-#include "tests/unit/experiment/records.hpp"
+#include "session/sitting/record_table.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,5 @@
 // Movements for others, in the layout of Motion-BIDS, judged by BIDS' own validator.
-#include "experiment/sitting/motion_export.hpp"
+#include "session/sitting/motion_export.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
-#include "experiment/trajectory_file.hpp"
-#include "experiment/trial_table.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
 #include "tests/read_text.hpp"
 
 namespace thimble {

@@ -1,5 +1,5 @@
 // The order of a participant: drawn once, written, read back.
-#include "experiment/sitting/order_file.hpp"
+#include "session/sitting/order_file.hpp"
 
 #include <algorithm>
 #include <fstream>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/protocol.hpp"
+#include "session/settings/protocol.hpp"
 #include "tests/unit/sitting/sittings.hpp"
 
 namespace thimble {

@@ -1,12 +1,12 @@
 // What the experimenter types, and how long a break lasts.
-#include "experiment/sitting/prompt.hpp"
+#include "session/sitting/prompt.hpp"
 
 #include <array>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
 
-#include "experiment/sitting/line_source.hpp"
+#include "session/sitting/line_source.hpp"
 
 namespace thimble {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/system_settings.hpp"
+#include "session/settings/system_settings.hpp"
 
 namespace thimble {
 namespace {

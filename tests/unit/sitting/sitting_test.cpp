@@ -1,5 +1,5 @@
 // A whole sitting with trials that are over at once and an experimenter whose lines are written beforehand.
-#include "experiment/sitting/sitting.hpp"
+#include "session/sitting/sitting.hpp"
 
 #include <algorithm>
 #include <deque>

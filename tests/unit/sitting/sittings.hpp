@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "experiment/sitting/agenda.hpp"
-#include "tests/unit/experiment/records.hpp"
+#include "session/sitting/agenda.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 

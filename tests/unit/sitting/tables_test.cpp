@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/sitting/participants_table.hpp"
+#include "session/sitting/participants_table.hpp"
 #include "tests/unit/sitting/sittings.hpp"
 
 namespace thimble {

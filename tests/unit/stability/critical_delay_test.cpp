@@ -1,5 +1,5 @@
 // The critical delay against figures computed twice at 50 digits (the project's stability study), and against bounds.
-#include "experiment/stability/critical_delay.hpp"
+#include "stability/critical_delay.hpp"
 
 #include <cmath>
 #include <vector>

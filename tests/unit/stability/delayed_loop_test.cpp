@@ -1,5 +1,5 @@
 // The loop in continuous time: golden figures, laws that hold for every hand, and a Newton search that knows nothing of the counting.
-#include "experiment/stability/delayed_loop.hpp"
+#include "stability/delayed_loop.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/stability/hand_motion.hpp"
-#include "experiment/stability/limit_cycle.hpp"
-#include "experiment/stability/loop_measures.hpp"
+#include "stability/hand_motion.hpp"
+#include "stability/limit_cycle.hpp"
+#include "stability/loop_measures.hpp"
 
 namespace thimble {
 namespace {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "experiment/stability/delayed_loop.hpp"
+#include "stability/delayed_loop.hpp"
 
 namespace thimble {
 

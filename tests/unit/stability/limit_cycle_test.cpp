@@ -1,5 +1,5 @@
 // Predictors of the limit cycle against orbits integrated to 12 digits (method of steps), and laws of the orbit.
-#include "experiment/stability/limit_cycle.hpp"
+#include "stability/limit_cycle.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,5 @@
 // The loop that runs: traces at 40 digits, and what is measured on it against theory.
-#include "experiment/stability/loop_measures.hpp"
+#include "stability/loop_measures.hpp"
 
 #include <array>
 #include <cmath>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "experiment/stability/limit_cycle.hpp"
+#include "stability/limit_cycle.hpp"
 #include "tests/unit/stability/golden_loops.hpp"
 
 namespace thimble {

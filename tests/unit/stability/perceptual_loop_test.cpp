@@ -1,5 +1,5 @@
 // The person's own loop, measured against its theory.
-#include "experiment/stability/perceptual_loop.hpp"
+#include "stability/perceptual_loop.hpp"
 
 #include "common/error.hpp"
 #include "tests/unit/stability/golden_loops.hpp"

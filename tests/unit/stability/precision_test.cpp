@@ -5,8 +5,8 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <gtest/gtest.h>
 
-#include "experiment/stability/pulse_polynomial.hpp"
-#include "experiment/stability/sampled_loop.hpp"
+#include "stability/pulse_polynomial.hpp"
+#include "stability/sampled_loop.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,5 @@
 // The sampled loop: golden figures, counting against numeric winding, rules of thumb against the exact theory.
-#include "experiment/stability/sampled_loop.hpp"
+#include "stability/sampled_loop.hpp"
 
 #include <cmath>
 #include <complex>
@@ -10,7 +10,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "common/error.hpp"
-#include "experiment/stability/pulse_polynomial.hpp"
+#include "stability/pulse_polynomial.hpp"
 #include "tests/unit/stability/golden_loops.hpp"
 
 namespace thimble {

@@ -1,5 +1,5 @@
 // No cell of the map farther than 2 % from the boundary is on the wrong side of it.
-#include "experiment/stability/stability_map.hpp"
+#include "stability/stability_map.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "experiment/statistics/adjustment.hpp"
+#include "analysis/statistics/adjustment.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "experiment/statistics/anova.hpp"
+#include "analysis/statistics/anova.hpp"
 
 #include <array>
 #include <cmath>

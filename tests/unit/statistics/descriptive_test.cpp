@@ -1,4 +1,4 @@
-#include "experiment/statistics/descriptive.hpp"
+#include "analysis/statistics/descriptive.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Tails and quantiles against closed forms and 40-digit values (mpmath). What they are used for is tested with
 // the tests that use them.
-#include "experiment/statistics/distributions.hpp"
+#include "analysis/statistics/distributions.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "experiment/statistics/effect_size.hpp"
+#include "analysis/statistics/effect_size.hpp"
 
 #include <gtest/gtest.h>
 
-#include "experiment/statistics/noncentral.hpp"
+#include "analysis/statistics/noncentral.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

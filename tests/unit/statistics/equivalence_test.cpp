@@ -1,4 +1,4 @@
-#include "experiment/statistics/equivalence.hpp"
+#include "analysis/statistics/equivalence.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // The exact null distribution against every arrangement there is, one by one.
-#include "experiment/statistics/friedman_exact.hpp"
+#include "analysis/statistics/friedman_exact.hpp"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "experiment/statistics/friedman.hpp"
-#include "experiment/statistics/ranks.hpp"
+#include "analysis/statistics/friedman.hpp"
+#include "analysis/statistics/ranks.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

@@ -1,4 +1,4 @@
-#include "experiment/statistics/friedman.hpp"
+#include "analysis/statistics/friedman.hpp"
 
 #include <gtest/gtest.h>
 

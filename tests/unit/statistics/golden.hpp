@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "analysis/statistics/sample_table.hpp"
 #include "common/error.hpp"
-#include "experiment/statistics/sample_table.hpp"
 
 namespace thimble {
 

@@ -1,4 +1,4 @@
-#include "experiment/statistics/mann_whitney.hpp"
+#include "analysis/statistics/mann_whitney.hpp"
 
 #include <gtest/gtest.h>
 

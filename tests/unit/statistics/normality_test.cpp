@@ -1,4 +1,4 @@
-#include "experiment/statistics/normality.hpp"
+#include "analysis/statistics/normality.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
-#include "experiment/statistics/pairwise.hpp"
+#include "analysis/statistics/pairwise.hpp"
 
 #include <gtest/gtest.h>
 
-#include "experiment/statistics/adjustment.hpp"
-#include "experiment/statistics/anova.hpp"
+#include "analysis/statistics/adjustment.hpp"
+#include "analysis/statistics/anova.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

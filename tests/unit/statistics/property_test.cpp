@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "experiment/statistics/adjustment.hpp"
-#include "experiment/statistics/anova.hpp"
-#include "experiment/statistics/friedman.hpp"
-#include "experiment/statistics/mann_whitney.hpp"
-#include "experiment/statistics/pairwise.hpp"
-#include "experiment/statistics/wilson.hpp"
+#include "analysis/statistics/adjustment.hpp"
+#include "analysis/statistics/anova.hpp"
+#include "analysis/statistics/friedman.hpp"
+#include "analysis/statistics/mann_whitney.hpp"
+#include "analysis/statistics/pairwise.hpp"
+#include "analysis/statistics/wilson.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

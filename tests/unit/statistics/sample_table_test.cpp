@@ -1,4 +1,4 @@
-#include "experiment/statistics/sample_table.hpp"
+#include "analysis/statistics/sample_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "experiment/statistics/wilson.hpp"
+#include "analysis/statistics/wilson.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,31 @@
+// The claim everything is built around (E3.stable): with a 50 ms delay only HF oscillates; VF, CF and CCF
+// hold a stable contact; and without delay nobody oscillates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "session/records/condition_summary.hpp"
+
+namespace thimble {
+
+inline constexpr double kHeadlineDelay_s = 0.05;
+
+enum class Verdict : std::uint8_t { kSupported, kNotSupported, kNotJudged };
+const char* to_string(Verdict verdict);
+
+struct Headline {
+    double delay_s = kHeadlineDelay_s;
+    Verdict verdict = Verdict::kNotJudged;
+    std::vector<std::string> reasons;  // empty if supported
+
+    std::string claim() const;     // "At 50 ms only HF oscillates"
+    std::string sentence() const;  // claim, verdict and reasons
+};
+
+// Not supported: another modality than HF oscillates in any trial; HF oscillates in any trial without delay;
+// HF oscillates in no more than half of its trials at `delay_s`. Not judged: nothing speaks against it, but a
+// modality has no judged trial without delay or at `delay_s`.
+Headline judge_headline(const std::vector<ConditionSummary>& conditions, double delay_s = kHeadlineDelay_s);
+
+}  // namespace thimble

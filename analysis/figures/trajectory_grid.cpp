@@ -1,0 +1,195 @@
+#include "analysis/figures/trajectory_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "analysis/text/gnuplot.hpp"
+
+namespace thimble {
+namespace {
+
+using Text = std::back_insert_iterator<std::string>;
+
+// Where less than half of the trials have samples, a mean shows who is missing rather than what happens.
+std::uint32_t least_trials(const MeanCurve& curve) { return std::max(1U, (curve.trials() + 1) / 2); }
+
+// Blocks in the order of `cells`; gnuplot addresses them by index.
+std::string trajectory_data(const std::vector<TrajectoryCell>& cells) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    std::string data;
+    for (const TrajectoryCell& cell : cells) {
+        const TrajectoryPanel& panel = *cell.panel;
+        const MeanCurve& curve = panel.mean.curve();
+        data += fmt::format(
+            "# {} at {}, n = {}; all in percent\n"
+            "# time needle_mean needle_sd surface_mean surface_sd needle_of_one_trial trials\n",
+            to_string(panel.modality), delay_text(panel.delay_s), curve.trials());
+        for (std::size_t i = 0; i < curve.time_percent.size(); ++i) {
+            const CurveStatistics& needle = curve.needle[i];
+            const CurveStatistics& surface = curve.surface[i];
+            write_cell(data, curve.time_percent[i]);
+            write_cell(data, needle.trials > 0 ? needle.mean_percent : kNone);
+            write_cell(data, needle.sd_percent());
+            write_cell(data, surface.trials > 0 ? surface.mean_percent : kNone);
+            write_cell(data, surface.sd_percent());
+            write_cell(data, curve.example_needle_percent[i]);
+            data += fmt::format("{}\n", needle.trials);
+        }
+        data += "\n\n";
+    }
+    return data;
+}
+
+constexpr int kLegend_px = 52, kHead_px = 84;
+
+struct DepthRange {
+    double low_percent = -5;
+    double high_percent = 110;
+
+    void include(double value_percent) {
+        if (std::isnan(value_percent)) return;
+        low_percent = std::min(low_percent, value_percent);
+        high_percent = std::max(high_percent, value_percent);
+    }
+};
+
+// One range for all panels, or they could not be compared; with room for the marks at the top.
+DepthRange depth_range(const std::vector<TrajectoryCell>& cells) {
+    DepthRange range;
+    for (const TrajectoryCell& cell : cells) {
+        const MeanCurve& curve = cell.panel->mean.curve();
+        for (std::size_t i = 0; i < curve.needle.size(); ++i) {
+            range.include(curve.example_needle_percent[i]);
+            if (curve.needle[i].trials < least_trials(curve)) continue;
+            const double sd_percent = curve.needle[i].sd_percent();
+            range.include(curve.needle[i].mean_percent);
+            range.include(curve.needle[i].mean_percent + sd_percent);
+            range.include(curve.needle[i].mean_percent - sd_percent);
+        }
+    }
+    range.low_percent = 5 * std::floor(range.low_percent / 5);
+    range.high_percent = 10 * std::ceil(range.high_percent * 0.112);
+    return range;
+}
+
+void write_curves(Text out, const std::string& name, std::size_t index, const MeanCurve& curve) {
+    fmt::format_to(out, R"(data = "'{name}.tsv' index {index} using 1"
+shown(value, trials) = trials >= {least} ? value : NaN
+plot @data:(shown($4-$5,$7)):(shown($4+$5,$7)) with filledcurves fillcolor '{surface}' fillstyle transparent solid 0.25 noborder notitle, \
+     @data:(shown($2-$3,$7)):(shown($2+$3,$7)) with filledcurves fillcolor '{needle}' fillstyle transparent solid 0.25 noborder notitle, \
+     @data:6 with lines linewidth 0.8 linecolor '{example}' notitle, \
+     @data:(shown($2,$7)) with lines linewidth 2 linecolor '{needle}' notitle, \
+     @data:(shown($4,$7)) with lines linewidth 2 dashtype (9,3) linecolor '{surface}' notitle, \
+     100 with lines dashtype (3,3) linewidth 1 linecolor 'black' notitle
+)",
+                   fmt::arg("name", name), fmt::arg("index", index), fmt::arg("least", least_trials(curve)),
+                   fmt::arg("needle", kBlue), fmt::arg("surface", kVermilion), fmt::arg("example", kGrey));
+}
+
+FigureGrid layout(const TrajectoryGrid& of) {
+    FigureGrid grid;
+    grid.columns = of.columns;
+    grid.rows = of.row_labels.size();
+    grid.left_px = 87;
+    grid.head_px = kHead_px;
+    grid.foot_px = 68;
+    grid.between_px = 21;
+    grid.beneath_px = 48;
+    grid.panel_width_px =
+        (1160 - grid.left_px - grid.right_px + grid.between_px) / static_cast<int>(of.columns) -
+        grid.between_px;
+    grid.panel_height_px = of.panel_height_px;
+    return grid;
+}
+
+// An empty plot as wide as the figure: a key that belongs to a panel would be stacked to fit that panel.
+void write_legend(Text out, const FigureGrid& grid) {
+    fmt::format_to(out, R"(unset border; unset tics
+set lmargin at screen {left:.4f}; set rmargin at screen {right:.4f}; set bmargin at screen {bottom:.4f}; set tmargin at screen 0.99
+set key center center horizontal samplen 2.5 textcolor '#222222'
+plot NaN with lines linewidth 2 linecolor '{needle}' title 'needle, mean ± SD', \
+     NaN with lines linewidth 2 dashtype (9,3) linecolor '{surface}' title 'tissue surface, mean ± SD', \
+     NaN with lines linewidth 0.8 linecolor '{example}' title 'needle, one trial', \
+     NaN with lines dashtype (3,3) linewidth 1 linecolor 'black' title 'virtual fixture'
+unset key
+set border 3 linecolor '#444444'
+set xtics 25 nomirror out scale 0.6 textcolor '#222222'; set ytics 25 nomirror out scale 0.6 textcolor '#222222'
+set for [x in "0 100"] arrow from x, graph 0 to x, graph 1 nohead dashtype (2,3) linecolor '#666666' back
+set label 1 '{{/*0.85  entry}}' at 0, graph 0.96 left textcolor '#444444'
+set label 2 '{{/*0.85 beep }}' at 100, graph 0.96 right textcolor '#444444'
+)",
+                   fmt::arg("left", 1.0 * grid.left_px / grid.width_px()),
+                   fmt::arg("right", 1 - 1.0 * grid.right_px / grid.width_px()),
+                   fmt::arg("bottom", 1 - 1.0 * kLegend_px / grid.height_px()), fmt::arg("needle", kBlue),
+                   fmt::arg("surface", kVermilion), fmt::arg("example", kGrey));
+}
+
+void write_axes(Text out, bool left, bool bottom, const std::string& row_label) {
+    fmt::format_to(out, "set format y '{}'; set format x '{}'\n", left ? "%g" : "", bottom ? "%g" : "");
+    if (left) {
+        fmt::format_to(out, "set ylabel \"{{/:Bold {}}}\\ndepth (% of fixture)\" offset -0.3\n", row_label);
+    } else {
+        fmt::format_to(out, "unset ylabel\n");
+    }
+    fmt::format_to(out, "{}\n", bottom ? "set xlabel 'time, entry to beep (%)'" : "unset xlabel");
+}
+
+std::string trajectory_script(const TrajectoryGrid& of, const std::string& name) {
+    const FigureGrid grid = layout(of);
+    const DepthRange range = depth_range(of.cells);
+    std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
+    const Text out(script);
+    fmt::format_to(out, R"(set macros
+set xrange [{}:{}]
+set yrange [{}:{}]
+set multiplot
+)",
+                   kCurveBegin_percent, kCurveEnd_percent, range.low_percent, range.high_percent);
+    write_legend(out, grid);
+    for (std::size_t i = 0; i < of.cells.size(); ++i) {
+        const TrajectoryCell& cell = of.cells[i];
+        script += grid.margins(cell.row, cell.column);
+        write_axes(out, cell.column == 0, cell.row + 1 == grid.rows, of.row_labels[cell.row]);
+        const MeanCurve& curve = cell.panel->mean.curve();
+        fmt::format_to(out, "set title '{{/:Bold {}}}  n = {}' offset 0,-0.6\n", cell.title, curve.trials());
+        write_curves(out, name, i, curve);
+    }
+    return script + "unset multiplot\n";
+}
+
+std::string trajectory_caption(const std::vector<TrajectoryCell>& cells) {
+    std::uint32_t low = ~0U, high = 0, with_beep = 0, without_beep = 0, without_entry = 0;
+    for (const TrajectoryCell& cell : cells) {
+        const MeanCurve& curve = cell.panel->mean.curve();
+        low = std::min(low, curve.trials());
+        high = std::max(high, curve.trials());
+        with_beep += curve.trials_with_beep;
+        without_beep += curve.trials_without_beep;
+        without_entry += curve.trials_without_entry;
+    }
+    return fmt::format(
+        "Needle and tissue surface (dashed) in percent of the trial's fixture depth, from tissue entry (0 %) "
+        "to the "
+        "beep (100 %); mean with a band of one standard deviation over n = {} trials per panel. Grey: the "
+        "needle "
+        "of one "
+        "single trial, because averaging trials of different phase hides an oscillation. Of all trials {} "
+        "ended with a beep, {} without (their end counts as 100 %), {} never entered the tissue and are left "
+        "out. "
+        "Means are drawn where at least half of the trials have samples.",
+        range_text(std::min(low, high), high), with_beep, without_beep, without_entry);
+}
+
+}  // namespace
+
+FigureSource trajectory_source(const TrajectoryGrid& grid, const std::string& name,
+                               const std::string& title) {
+    return {name, title, trajectory_caption(grid.cells), trajectory_data(grid.cells),
+            trajectory_script(grid, name)};
+}
+
+}  // namespace thimble

@@ -1,0 +1,146 @@
+#include "analysis/report/run_tables.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "common/json_text.hpp"
+#include "session/launch/node_kinds.hpp"
+#include "session/records/condition_summary.hpp"
+
+namespace thimble {
+namespace {
+
+// master -> netem -> slave_sim -> netem -> master
+constexpr double kHops = 4;
+
+std::string microseconds(const nlohmann::ordered_json& lateness, const char* key) {
+    return fmt::format("{:.0f}", lateness.value(key, 0.0));
+}
+
+std::string program(const NodeReport& node) { return node.report.value("program", std::string("?")); }
+
+}  // namespace
+
+ReportTable deadline_table(const std::vector<NodeReport>& reports) {
+    ReportTable table;
+    table.title = "Deadlines";
+    table.note = "Lateness: wake-up after its absolute deadline, in microseconds. Missed: by more than 1 ms.";
+    table.columns = {"condition", "program", "deadlines", "missed", "median", "99 %", "worst"};
+    for (const NodeReport& node : reports) {
+        if (!node.report.contains("deadlines")) continue;  // the session's own: it has none
+        const auto lateness = node.report.value("lateness", nlohmann::ordered_json::object());
+        table.rows.push_back({delay_text(node.delay_s), program(node),
+                              std::to_string(node.report.value("deadlines", std::uint64_t{0})),
+                              std::to_string(node.report.value("deadlines_missed", std::uint64_t{0})),
+                              microseconds(lateness, "median_us"), microseconds(lateness, "p99_us"),
+                              microseconds(lateness, "worst_us")});
+    }
+    return table;
+}
+
+ReportTable refusal_table(const std::vector<NodeReport>& reports) {
+    ReportTable table;
+    table.title = "Refused datagrams";
+    table.note =
+        "Each is counted by its reason and otherwise harmless; counters at zero are left out. wrong_trial "
+        "counts "
+        "what was still on its way when a trial ended.";
+    table.columns = {"condition", "program", "reason", "count"};
+    for (const NodeReport& node : reports) {
+        const auto refused = node.report.value("refused", nlohmann::ordered_json::object());
+        for (const auto& [reason, count] : refused.items()) {
+            if (count.get<std::uint64_t>() == 0) continue;
+            table.rows.push_back({delay_text(node.delay_s), program(node), reason, json_text(count)});
+        }
+    }
+    return table;
+}
+
+ReportTable security_table(const std::vector<NodeReport>& reports) {
+    constexpr std::array kRefusals{"forged", "replayed", "wrong_role",
+                                   "no_key", "unsealed", "handshake_refused"};
+    ReportTable table;
+    table.title = "Protection";
+    table.note =
+        "Datagrams that were sealed and opened, handshakes completed (one per program, one more for each "
+        "renewal "
+        "or restart), and what was refused, by its reason; thimble is the session.";
+    table.columns = {"condition", "program", "sealed", "opened", "handshakes"};
+    table.columns.insert(table.columns.end(), kRefusals.begin(), kRefusals.end());
+    for (const NodeReport& node : reports) {
+        const auto security = node.report.value("security", nlohmann::ordered_json::object());
+        if (security.value("mode", "none") == "none") continue;
+        std::vector<std::string> row{delay_text(node.delay_s), program(node)};
+        for (const char* name : {"sealed", "opened", "handshakes"})
+            row.push_back(std::to_string(security.value(name, std::uint64_t{0})));
+        for (const char* name : kRefusals)
+            row.push_back(std::to_string(security.value(name, std::uint64_t{0})));
+        table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
+ReportTable stale_table(const std::vector<NodeReport>& reports) {
+    ReportTable table;
+    table.title = "Silent inputs";
+    table.note =
+        "Where an input fell silent for longer than its time: which policy acted, how often and how long.";
+    table.columns = {"condition", "program", "policy", "trial", "times", "acted, ms", "longest, ms"};
+    for (const NodeReport& node : reports) {
+        const auto acted = node.report.value("stale_acted", nlohmann::ordered_json::array());
+        for (const auto& one : acted) {
+            table.rows.push_back({delay_text(node.delay_s), program(node), node.report.value("stale", ""),
+                                  json_text(one.at("trial")), json_text(one.at("times")),
+                                  fmt::format("{:.1f}", 1e3 * one.value("acted_s", 0.0)),
+                                  fmt::format("{:.1f}", 1e3 * one.value("longest_s", 0.0))});
+        }
+    }
+    return table;
+}
+
+bool runs_elsewhere(const NodeStarter& starter) {
+    return std::any_of(kNodes.begin(), kNodes.end(),
+                       [&](const NodeKind& node) { return !starter.machine(node.role).empty(); });
+}
+
+ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network) {
+    ReportTable table;
+    table.title = "Machines";
+    table.note =
+        "Where each node ran. The bare round trip above is this machine's own, without a wire: a ratio to it "
+        "holds the wires as well.";
+    table.columns = {"program", "machine", "address"};
+    const auto add = [&](const char* program, const std::string& machine, Role role) {
+        table.rows.push_back({program, machine.empty() ? "this one" : machine, network.host(role)});
+    };
+    add("thimble", "", Role::kSession);
+    for (const NodeKind& node : kNodes) add(node.program, starter.machine(node.role), node.role);
+    return table;
+}
+
+ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram& bare) {
+    ReportTable table;
+    table.title = "Round trip";
+    table.note = fmt::format(
+        "Encoder sample to its force at the handle: {} hops through netem and slave_sim, codec and all. "
+        "Bare: two "
+        "processes, blocking, {} exchanges in the same run, median {:.1f} us there and back (99 % {:.0f} "
+        "us), times {}.",
+        kHops, bare.count(), to_seconds(bare.quantile(0.5)) * 1e6, to_seconds(bare.quantile(0.99)) * 1e6,
+        kHops / 2);
+    table.columns = {"condition", "modality", "median, us", "bare x hops, us", "ratio"};
+    const double bare_us = to_seconds(bare.quantile(0.5)) * 1e6 * kHops / 2;
+    for (const TrialRow& row : rows) {
+        if (row.conditions.delay_s > 0 || std::isnan(row.round_trip_s)) continue;
+        const double loop_us = row.round_trip_s * 1e6;
+        table.rows.push_back({delay_text(row.conditions.delay_s), to_string(row.conditions.modality),
+                              fmt::format("{:.0f}", loop_us), fmt::format("{:.0f}", bare_us),
+                              fmt::format("{:.2f}", loop_us / bare_us)});
+    }
+    return table;
+}
+
+}  // namespace thimble

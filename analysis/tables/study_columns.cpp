@@ -1,0 +1,100 @@
+#include "analysis/tables/study_columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+namespace {
+
+bool has_own_delay(const TrialRow& row) {
+    return (row.conditions.delay_s > 0) == (row.conditions.experiment == 3);
+}
+
+// In the order of their names; none at all if nobody did a trial of this modality.
+std::vector<Remedy> remedies_of(const std::vector<TrialRow>& rows, Modality modality) {
+    std::vector<Remedy> remedies;
+    for (const TrialRow& row : rows) {
+        if (row.conditions.modality == modality) remedies.push_back(row.conditions.remedy);
+    }
+    std::sort(remedies.begin(), remedies.end());
+    remedies.erase(std::unique(remedies.begin(), remedies.end()), remedies.end());
+    if (remedies.empty()) remedies.push_back(Remedy::kNone);
+    return remedies;
+}
+
+std::string name_of(Modality modality, Remedy remedy, bool several) {
+    std::string name = to_string(modality);
+    if (several && remedy != Remedy::kNone) {
+        name += '+';
+        name += kRemedyNames[static_cast<std::size_t>(remedy)];
+    }
+    return name;
+}
+
+}  // namespace
+
+StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment)
+    : experiment_(experiment), rows_(of_experiment(rows, experiment)) {
+    std::erase_if(rows_, [](const TrialRow& row) { return !has_own_delay(row) || !ran_to_its_end(row); });
+    for (const TrialRow& row : rows_) subjects_.push_back(row.conditions.subject);
+    std::sort(subjects_.begin(), subjects_.end());
+    subjects_.erase(std::unique(subjects_.begin(), subjects_.end()), subjects_.end());
+    conditions_.reserve(kModalities.size() + kRemedyNames.size());
+    for (const Modality modality : kModalities) {
+        const std::vector<Remedy> remedies = remedies_of(rows_, modality);
+        for (const Remedy remedy : remedies) {
+            conditions_.push_back({modality, remedy, name_of(modality, remedy, remedies.size() > 1)});
+        }
+    }
+}
+
+bool StudyColumns::is_of(const TrialRow& row, const Condition& condition) const {
+    return row.conditions.modality == condition.modality && row.conditions.remedy == condition.remedy;
+}
+
+std::vector<NamedValues> StudyColumns::subject_means(Metric metric) const {
+    std::vector<NamedValues> columns;
+    columns.reserve(conditions_.size());
+    for (const Condition& condition : conditions_) columns.push_back(column(metric, condition));
+    return columns;
+}
+
+CompleteRows StudyColumns::table(Metric metric) const { return complete_rows(subject_means(metric)); }
+
+NamedValues StudyColumns::column(Metric metric, Modality modality) const {
+    return column(metric,
+                  *std::find_if(conditions_.begin(), conditions_.end(),
+                                [&](const Condition& condition) { return condition.modality == modality; }));
+}
+
+NamedValues StudyColumns::column(Metric metric, const Condition& condition) const {
+    NamedValues column{condition.name, {}};
+    for (const std::uint32_t subject : subjects_) {
+        double sum = 0;
+        int n = 0;
+        for (const TrialRow& row : rows_) {
+            if (row.conditions.subject != subject || !is_of(row, condition)) continue;
+            const double value = info(metric).value(row.metrics);
+            if (std::isnan(value)) continue;
+            sum += value;
+            ++n;
+        }
+        column.values.push_back(n > 0 ? sum / n : std::nan(""));
+    }
+    return column;
+}
+
+std::vector<NamedValues> StudyColumns::groups(Metric metric) const {
+    std::vector<NamedValues> groups;
+    for (const Condition& condition : conditions_) {
+        NamedValues group{condition.name, {}};
+        for (const TrialRow& row : rows_) {
+            const double value = info(metric).value(row.metrics);
+            if (is_of(row, condition) && !std::isnan(value)) group.values.push_back(value);
+        }
+        groups.push_back(std::move(group));
+    }
+    return groups;
+}
+
+}  // namespace thimble

@@ -1,0 +1,52 @@
+// What the tests of one experiment start from: a table of subjects x modalities per measure, each subject's
+// trials averaged first, as in the paper. Where the rows have HF with several remedies against delay, each is a column of its own.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "analysis/statistics/sample_table.hpp"
+#include "session/records/condition_summary.hpp"
+#include "session/records/trial_table.hpp"
+
+namespace thimble {
+
+class StudyColumns {
+  public:
+    // Of the rows those of this experiment that ran to their end, with its own delay: experiment 3 with one,
+    // the others without (the control trials of experiment 3 are not its own).
+    StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment);
+
+    bool empty() const { return rows_.empty(); }
+    const std::vector<TrialRow>& rows() const { return rows_; }
+    std::uint32_t experiment() const { return experiment_; }
+    const std::vector<std::uint32_t>& subjects() const { return subjects_; }  // ascending
+
+    // Each subject's mean per modality, columns in the order of kModalities (HF's remedies in the order of kRemedyNames, "HF" and
+    // "HF+wave"), subjects as above; NaN: no trial of that modality came to that measure.
+    std::vector<NamedValues> subject_means(Metric metric) const;
+    // Columns as above, SI. A subject without a value in a modality (no trial of it came to
+    // that measure) is left out of all: see `dropped`. Throws Error (data) if no subject has all.
+    CompleteRows table(Metric metric) const;
+    // One modality (HF: the first of its columns), a value per subject in ascending order, NaN where there is none.
+    NamedValues column(Metric metric, Modality modality) const;
+    // Each trial a value of its own, in groups by modality: experiment 2, where no subject meets all of them.
+    std::vector<NamedValues> groups(Metric metric) const;
+
+  private:
+    struct Condition {
+        Modality modality;
+        Remedy remedy;
+        std::string name;
+    };
+    bool is_of(const TrialRow& row, const Condition& condition) const;
+    NamedValues column(Metric metric, const Condition& condition) const;
+
+    std::uint32_t experiment_;
+    std::vector<Condition> conditions_;
+    std::vector<TrialRow> rows_;
+    std::vector<std::uint32_t> subjects_;  // ascending
+};
+
+}  // namespace thimble

@@ -1,0 +1,138 @@
+#include "analysis/text/gnuplot.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/process/subprocess.hpp"
+#include "common/text_file.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr const char* kRemedy = "install gnuplot (Debian: gnuplot-nox) to get the figures";
+
+void replace_all(std::string& text, std::string_view from, const std::string& to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+        text.replace(at, from.size(), to);
+    }
+}
+
+// Behind every script: the same again as PDF, a vector format that print shops and LaTeX take.
+std::string once_more_as_pdf(const std::string& name) {
+    return fmt::format(R"(unset output
+if (!exists("as_pdf") && strstrt(GPVAL_TERMINALS, "pdfcairo") > 0) {{
+    as_pdf = 1
+    load '{}.gp'
+    undefine as_pdf
+}}
+)",
+                       name);
+}
+
+std::string read_binary(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+// A PDF carries the second it was made in; without it the same figure is the same bytes.
+void forget_date(const std::filesystem::path& pdf) {
+    constexpr std::string_view kKey = "/CreationDate (D:", kDate = "19700101000000";
+    std::string bytes = read_binary(pdf);
+    const std::size_t at = bytes.rfind(kKey);
+    if (at == std::string::npos || at + kKey.size() + kDate.size() > bytes.size()) return;
+    bytes.replace(at + kKey.size(), kDate.size(), kDate);
+    write_text_file(pdf, bytes);
+}
+
+}  // namespace
+
+// Without XML declaration, DOCTYPE and comments, which may not stand inside HTML or name outside addresses;
+// with ids of its own, since gnuplot gives the same ones to every figure.
+std::string embeddable_svg(std::string text, const std::string& name) {
+    text.erase(0, text.find("<svg"));
+    replace_all(text, "id=\"", "id=\"" + name + "-");
+    replace_all(text, "id='", "id='" + name + "-");
+    replace_all(text, "xlink:href='#", "xlink:href='#" + name + "-");
+    replace_all(text, "xlink:href=\"#", "xlink:href=\"#" + name + "-");
+    replace_all(text, "url(#", "url(#" + name + "-");
+    return text;
+}
+
+std::string gnuplot_preamble(const std::string& name, int width_px, int height_px) {
+    constexpr double kPixelsPerInch = 100;
+    return fmt::format(
+        R"(reset
+if (exists("as_pdf")) {{
+    set terminal pdfcairo size {}in,{}in font 'DejaVu Sans,13' linewidth 1.2 background 'white'
+    set output '{name}.pdf'
+}} else {{
+    set terminal svg size {},{} font 'DejaVu Sans,Helvetica,Arial,sans-serif,13' linewidth 1.2 background 'white'
+    set output '{name}.svg'
+}}
+set datafile missing 'NaN'
+set border 3 linecolor '#444444'
+set tics nomirror out scale 0.6 textcolor '#222222'
+)",
+        width_px / kPixelsPerInch, height_px / kPixelsPerInch, width_px, height_px, fmt::arg("name", name));
+}
+
+void write_cell(std::string& data, double value) {
+    data += std::isnan(value) ? "NaN\t" : fmt::format("{:.6g}\t", value);
+}
+
+std::string range_text(std::uint32_t low, std::uint32_t high) {
+    return low == high ? fmt::format("{}", low) : fmt::format("{}-{}", low, high);
+}
+
+void write_gnuplot_files(const std::filesystem::path& directory, const std::vector<GnuplotFiles>& figures) {
+    std::error_code failure;
+    std::filesystem::create_directories(directory, failure);  // what went wrong shows when writing
+    for (const GnuplotFiles& figure : figures) {
+        write_text_file(directory / (figure.name + ".tsv"), figure.data);
+        write_text_file(directory / (figure.name + ".gp"), figure.script + once_more_as_pdf(figure.name));
+        // A picture of an earlier run must not pass for this one.
+        for (const char* picture : {".svg", ".pdf"}) {
+            std::filesystem::remove(directory / (figure.name + picture), failure);
+        }
+    }
+}
+
+std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
+                                             const std::vector<std::string>& names) {
+    std::vector<std::string> arguments{"-d"};
+    for (const std::string& name : names) arguments.push_back(name + ".gp");
+    const ProgramResult result = run_program("gnuplot", arguments, directory, kRemedy);
+    std::string missing;
+    for (const std::string& name : names) {
+        if (!drawn_svg(directory, name)) missing += " " + name;
+        forget_date(directory / (name + ".pdf"));
+    }
+    if (result.exit_code == 0 && missing.empty()) return std::nullopt;
+    return fmt::format(
+        "gnuplot failed in {} (exit code {}; not drawn:{}): {}; the scripts need gnuplot 5.4 with the svg "
+        "terminal",
+        directory.string(), result.exit_code, missing.empty() ? " nothing" : missing, result.output);
+}
+
+std::optional<std::string> drawn_svg(const std::filesystem::path& directory, const std::string& name) {
+    std::string svg = read_binary(directory / (name + ".svg"));
+    if (svg.find("</svg>") == std::string::npos) return std::nullopt;
+    return embeddable_svg(std::move(svg), name);
+}
+
+std::string run_gnuplot(const std::filesystem::path& directory, const std::string& name,
+                        const std::string& data, const std::string& script) {
+    write_gnuplot_files(directory, {{name, data, script}});
+    if (const auto complaint = draw_with_gnuplot(directory, {name})) {
+        throw Error(ExitCode::kRunFailed, *complaint);
+    }
+    return drawn_svg(directory, name).value_or("");
+}
+
+}  // namespace thimble

@@ -1,0 +1,108 @@
+#include "common/process/child.hpp"
+
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/wall_clock.hpp"
+
+extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX wants it declared by its user
+
+namespace thimble {
+
+Child::Child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+             std::filesystem::path log, ChildStreams streams)
+    : log_(std::move(log)) {
+    std::vector<std::string> words{program.string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    direct(files, streams);
+    // A terminal's Ctrl-C goes to the launcher alone, which then ends the trial in order.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+    // Ignored by this program, and programs that know nothing of that would write into closed pipes for ever.
+    sigset_t defaults;
+    sigemptyset(&defaults);
+    sigaddset(&defaults, SIGPIPE);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    const int error = posix_spawnp(&pid_, program.c_str(), &files, &attributes, argv.data(), environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&files);
+    if (error != 0) {
+        throw Error(ExitCode::kRunFailed,
+                    fmt::format("cannot start {}: {}; is Thimble built or installed completely?",
+                                program.string(), std::strerror(error)));
+    }
+}
+
+Child::Child(Child&& other) noexcept
+    : pid_(std::exchange(other.pid_, -1)), exit_code_(other.exit_code_), log_(std::move(other.log_)) {}
+
+Child::~Child() {
+    if (pid_ < 0 || poll()) return;
+    signal(SIGTERM);
+    if (wait(std::chrono::seconds{1})) return;
+    signal(SIGKILL);
+    wait(std::chrono::seconds{1});
+}
+
+void Child::direct(posix_spawn_file_actions_t& files, const ChildStreams& streams) const {
+    if (streams.input >= 0) {
+        posix_spawn_file_actions_adddup2(&files, streams.input, STDIN_FILENO);
+    } else {
+        posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    }
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                     0644);
+    posix_spawn_file_actions_adddup2(&files, streams.output >= 0 ? streams.output : STDERR_FILENO,
+                                     STDOUT_FILENO);
+}
+
+std::optional<int> Child::poll() {
+    int status = 0;
+    if (!exit_code_ && waitpid(pid_, &status, WNOHANG) == pid_) {
+        exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    }
+    return exit_code_;
+}
+
+void Child::signal(int number) {
+    if (!poll()) kill(pid_, number);
+}
+
+void Child::signal_group(int number) {
+    if (!poll()) kill(-pid_, number);
+}
+
+std::optional<int> Child::wait(Duration limit) {
+    const SessionTime deadline = wall_now() + limit;
+    while (!poll() && wall_now() < deadline) wall_sleep(std::chrono::milliseconds{5});
+    return exit_code_;
+}
+
+std::string Child::last_words(std::size_t lines) const {
+    std::ifstream file(log_);
+    std::vector<std::string> all;
+    for (std::string line; std::getline(file, line);) all.push_back(line);
+    std::string text;
+    for (std::size_t i = all.size() > lines ? all.size() - lines : 0; i < all.size(); ++i) {
+        text += (text.empty() ? "" : "\n") + all[i];
+    }
+    return text;
+}
+
+}  // namespace thimble

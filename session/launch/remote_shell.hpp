@@ -1,0 +1,64 @@
+// The launcher's end of a shell on another machine: bytes to its standard input as fast as it takes them, lines from its
+// standard output, its standard error in a log. Never blocks. The program must ignore SIGPIPE: the other end may go at any
+// time.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/process/child.hpp"
+
+namespace thimble {
+
+class RemoteShell {
+  public:
+    // `command`: what gets a shell there, its words. Throws Error (run failed) if it cannot be started.
+    RemoteShell(const std::vector<std::string>& command, const std::filesystem::path& log);
+    ~RemoteShell();
+    RemoteShell(const RemoteShell&) = delete;
+    RemoteShell& operator=(const RemoteShell&) = delete;
+
+    void send(std::string_view bytes) { pending_ += bytes; }
+    bool all_sent() const { return pending_.empty(); }
+    // The end of its input, which tells it to end.
+    void hang_up();
+    // Moves what can be moved; the exit code once the command has ended and all that it said is here.
+    std::optional<int> poll();
+    // Everything it said so far, and whether that has this line.
+    const std::string& said() const { return said_; }
+    bool has_said(std::string_view line) const;
+    std::string last_words() const { return child_.last_words(); }
+    // From the first line on that begins with this word its output goes to a new file, and no more to said().
+    void divert_after(std::string_view word, std::filesystem::path file);
+    // The rest of that line, once it has come; how many bytes came after it and are in the file.
+    const std::optional<std::string>& diverted() const { return diverted_; }
+    std::uint64_t in_file() const { return in_file_; }
+    std::uint64_t heard() const { return heard_; }  // bytes in all
+    // Kills the command, for one that does not end after hang_up(), and waits for it.
+    void kill();
+
+  private:
+    struct Pipes;
+    RemoteShell(const std::vector<std::string>& command, const std::filesystem::path& log, Pipes&& pipes);
+    void feed();
+    void hear();
+    void take(std::string_view bytes);
+    void keep(std::string_view bytes);
+    void look_for_turn();
+
+    Child child_;
+    int input_, output_;
+    std::string pending_, said_;
+    std::string turn_;  // the word; empty: none, or it has come
+    std::optional<std::string> diverted_;
+    std::filesystem::path file_name_;
+    std::ofstream file_;
+    std::uint64_t heard_ = 0, in_file_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,193 @@
+#include "session/launch/remote_starter.hpp"
+
+#include <charconv>
+#include <csignal>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "common/json_text.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
+#include "common/version.hpp"
+#include "session/launch/remote_script.hpp"
+#include "session/launch/remote_shell.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kSignOfLife = std::chrono::seconds{1};
+// The script needs two to kill a node that hangs; the rest is the way there and back.
+constexpr Duration kGoodbye = std::chrono::seconds{5};
+constexpr Duration kNothingToClean = std::chrono::milliseconds{500};
+constexpr int kConnectionLost = 255;  // ssh(1), EXIT STATUS
+
+std::vector<std::string> command_to(const LaunchSettings& launch, const std::string& machine) {
+    std::vector<std::string> words = exec_words(launch, machine);
+    words.emplace_back("sh");
+    return words;
+}
+
+class RemoteNode final : public RunningNode {
+  public:
+    RemoteNode(const LaunchSettings& launch, const SessionBundle& bundle, const NodeOrder& order)
+        : order_(order),
+          bundle_(bundle),
+          machine_(launch.machine(order.role)),
+          command_(command_to(launch, machine_)),
+          shell_(command_, order.log) {
+        shell_.divert_after(kEnded, order.messages);
+        shell_.send(
+            remote_script({order.program, launch.programs, kVersion, machine_, bundle.files.front().name,
+                           launch.lease, order.arguments, !order.messages.empty()}));
+    }
+    ~RemoteNode() override {
+        stop();
+        hear_out(started_ ? kGoodbye : kNothingToClean);
+        if (code_) save_report();
+    }
+
+    std::optional<int> poll() override {
+        if (code_) return code_;
+        const auto code = shell_.poll();
+        code_ = shell_.diverted() ? exit_code_told() : code;
+        if (code_) save_report();
+        if (code_) return code_;
+        if (!started_ && shell_.has_said(kSend)) {
+            shell_.send(to_stream(bundle_));
+            started_ = true;
+        }
+        if (started_) give_sign_of_life();
+        return std::nullopt;
+    }
+    bool started() const override { return started_ && shell_.all_sent(); }
+    void stop() override { shell_.hang_up(); }
+    std::string obituary() override;
+    ExitCode verdict() const override {
+        return code_ == kNoProgram || code_ == kOtherVersion || code_ == kNoFolder ? ExitCode::kRunFailed
+                                                                                   : ExitCode::kNetwork;
+    }
+
+  private:
+    // Not on top of what could not be sent yet: after a while without a way there it would only pile up.
+    void give_sign_of_life() {
+        const SessionTime now = wall_now();
+        if (now < next_sign_ || !shell_.all_sent()) return;
+        next_sign_ = now + kSignOfLife;
+        shell_.send("\n");
+    }
+    std::optional<int> exit_code_told() const;
+    std::string log_fault() const;
+    void hear_out(Duration patience);
+    void save_report();
+
+    NodeOrder order_;
+    const SessionBundle& bundle_;
+    std::string machine_;
+    std::vector<std::string> command_;
+    RemoteShell shell_;
+    bool started_ = false;
+    std::optional<int> code_;
+    SessionTime next_sign_{};
+};
+
+std::string RemoteNode::obituary() {
+    const int code = poll().value_or(-1);
+    const std::string words = shell_.last_words();
+    if (!shell_.has_said(kReached)) {
+        return fmt::format("cannot reach '{}' for {}: '{}' ended with code {}: {}", machine_, order_.program,
+                           fmt::join(command_, " "), code, words);
+    }
+    if (code == kConnectionLost) {
+        return fmt::format("lost the connection to '{}', which {} ran on: '{}' ended with code {}: {}",
+                           machine_, order_.program, fmt::join(command_, " "), code, words);
+    }
+    return fmt::format("{} on '{}' ended with code {}: {}", order_.program, machine_, code, words);
+}
+
+// Its node may have ended while its log is still on its way.
+std::optional<int> RemoteNode::exit_code_told() const {
+    int code = -1;
+    const std::string& numbers = *shell_.diverted();
+    if (numbers.empty()) return std::nullopt;
+    std::from_chars(numbers.data() + 1, numbers.data() + numbers.size(), code);
+    return code;
+}
+
+// The whole of its log, however long that takes, as long as it comes.
+void RemoteNode::hear_out(Duration patience) {
+    std::uint64_t heard = shell_.heard();
+    for (SessionTime last = wall_now(); !shell_.poll(); wall_sleep(std::chrono::milliseconds{1})) {
+        const SessionTime now = wall_now();
+        if (heard != shell_.heard()) last = now;
+        heard = shell_.heard();
+        if (now - last > patience) return shell_.kill();
+    }
+    poll();
+}
+
+std::string RemoteNode::log_fault() const {
+    if (order_.messages.empty() || !shell_.diverted()) return {};
+    const std::string& numbers = *shell_.diverted();
+    std::uint64_t bytes = 0;
+    std::from_chars(numbers.data() + numbers.rfind(' ') + 1, numbers.data() + numbers.size(), bytes);
+    if (bytes == shell_.in_file()) return {};
+    return fmt::format(
+        "the log of messages of {} came from '{}' with {} of its {} bytes; is there room in {}?",
+        order_.program, machine_, shell_.in_file(), bytes, order_.messages.parent_path().string());
+}
+
+void RemoteNode::save_report() {
+    const std::string& said = shell_.said();
+    const std::size_t at = said.rfind(kReport);
+    if (at == std::string::npos) return;
+    auto report = nlohmann::ordered_json::parse(said.substr(at + kReport.size()), nullptr, false);
+    if (!report.is_object()) return;
+    report["machine"] = machine_;
+    if (report.contains("log") && report["log"].is_object() && shell_.poll()) {
+        report["log"]["file"] = order_.messages.string();
+        if (const std::string fault = log_fault(); !fault.empty()) report["log"]["fault"] = fault;
+    }
+    write_text_file(order_.report, json_text(report, 2) + '\n');
+}
+
+}  // namespace
+
+RemoteStarter::RemoteStarter(LaunchSettings launch, const std::filesystem::path& session,
+                             std::unique_ptr<NodeStarter> here)
+    : launch_(std::move(launch)), bundle_(make_bundle(session)), here_(std::move(here)) {}
+
+std::unique_ptr<RunningNode> RemoteStarter::start(const NodeOrder& order) const {
+    if (launch_.machine(order.role).empty()) return here_->start(order);
+    std::filesystem::remove(order.log);
+    std::filesystem::remove(order.report);
+    if (!order.messages.empty()) std::filesystem::remove(order.messages);
+    return std::make_unique<RemoteNode>(launch_, bundle_, order);
+}
+
+MachineVerdict check_machine(const LaunchSettings& launch, Role role, const std::string& program,
+                             const std::filesystem::path& log) {
+    const std::string& machine = launch.machine(role);
+    const std::vector<std::string> command = command_to(launch, machine);
+    RemoteShell shell(command, log);
+    RemoteOrder order{program, launch.programs, kVersion, machine, "", launch.lease, {}};
+    order.only_check = true;
+    shell.send(remote_script(order));
+    const SessionTime deadline = wall_now() + launch.reach;
+    while (!shell.poll() && wall_now() < deadline) wall_sleep(std::chrono::milliseconds{5});
+    const auto code = shell.poll();
+    if (code == 0 && shell.has_said(kGood)) return {};
+    if (!code) shell.kill();
+    if (!shell.has_said(kReached)) {
+        return {ExitCode::kNetwork,
+                fmt::format("cannot reach '{}': '{}' {}: {}", machine, fmt::join(command, " "),
+                            code ? fmt::format("ended with code {}", *code)
+                                 : fmt::format("did not answer within {} s", to_seconds(launch.reach)),
+                            shell.last_words())};
+    }
+    return {ExitCode::kRunFailed, shell.last_words()};
+}
+
+}  // namespace thimble

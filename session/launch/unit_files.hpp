@@ -1,0 +1,33 @@
+// systemd units for laboratories whose nodes run as services and are steered with `thimble run --attach`
+// (systemd.exec(5) explains each line).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/network_settings.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "session/settings/launch_settings.hpp"
+
+namespace thimble {
+
+struct UnitFile {
+    std::string machine;  // empty: this one
+    std::string name;     // "thimble-master.service"
+    std::string text;
+};
+
+struct UnitPlan {
+    LaunchSettings launch;
+    NetworkSettings network;
+    RuntimeSettings runtime;
+    std::string session;  // name of the session file, which stands in /etc/thimble there
+};
+
+inline constexpr const char* kUnitFolder = "/etc/systemd/system";
+inline constexpr const char* kSessionFolder = "/etc/thimble";
+
+// One per node.
+std::vector<UnitFile> unit_files(const UnitPlan& plan);
+
+}  // namespace thimble

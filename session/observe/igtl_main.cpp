@@ -1,0 +1,165 @@
+// thimble-igtl: a session, or the logs of one, for 3D Slicer and whatever else speaks OpenIGTLink. Looks only.
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/network_settings.hpp"
+#include "common/runtime/command_line.hpp"
+#include "common/runtime/node_program.hpp"
+#include "common/runtime/protection.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/tcp_server.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/version.hpp"
+#include "session/observe/igtl_words.hpp"
+#include "session/observe/monitor_source.hpp"
+#include "session/observe/observers.hpp"
+
+namespace {
+
+using namespace thimble;
+
+constexpr Duration kTextPeriod = std::chrono::milliseconds{250};
+
+struct IgtlOptions {
+    std::string config, listen = "127.0.0.1:18944", seat = "experimenter";
+    std::vector<std::string> replay{};
+    double rate_Hz = 60, speed = 1;
+    int base_port = 0;
+};
+
+// Asks the source, tells the clients, in the loop that drives every node.
+class IgtlServer final : public Process {
+  public:
+    IgtlServer(MonitorSource& source, TcpServer& server, double rate_Hz, bool waits, Duration ahead)
+        : source_(&source),
+          server_(&server),
+          period_(from_seconds(1 / rate_Hz)),
+          ahead_(ahead),
+          waits_(waits) {}
+
+    void tick(SessionTime now) override {
+        if (!waits_) source_->update(now);
+        if (now < next_) return;
+        next_ = std::max(next_ + period_, now + period_ / 2);
+        server_->look_after_clients();
+        if (waits_ && server_->clients() > 0) {
+            waits_ = false;
+            source_->start(now);
+            source_->update(now);
+        }
+        if (!waits_) tell(now);
+    }
+    SessionTime next_wakeup() const override { return next_; }
+    // The end of a recorded session, as soon as everybody has it.
+    bool stopped() const override { return over_; }
+
+  private:
+    void tell(SessionTime now) {
+        const std::int64_t date_ns = to_nanoseconds(now + ahead_);
+        const Monitor& monitor = source_->newest();
+        const bool silent = source_->silent(now);
+        if (!silent) {
+            server_->send(words_.needle(date_ns, monitor));
+            server_->send(words_.surface(date_ns, monitor));
+            server_->send(words_.force(date_ns, monitor));
+        }
+        const bool last = source_->over();
+        if (now >= next_text_ || last) {
+            next_text_ = now + kTextPeriod;
+            if (!silent) server_->send(words_.state(date_ns, source_->trial(), monitor));
+            server_->send(words_.status(date_ns, monitor, silent));
+        }
+        over_ = last && server_->all_sent();
+    }
+
+    MonitorSource* source_;
+    TcpServer* server_;
+    IgtlWords words_;
+    Duration period_, ahead_;
+    SessionTime next_{}, next_text_{};
+    bool waits_, over_ = false;
+};
+
+void add_igtl_options(CLI::App& app, IgtlOptions& o) {
+    app.add_option("-c,--config", o.config, "session file (TOML): where the session is, and its lab key");
+    app.add_option("--base-port", o.base_port, "first UDP port, instead of [network].base_port")
+        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+        ->type_name("PORT");
+    app.add_option("--listen", o.listen, "where OpenIGTLink's clients connect")
+        ->default_val(o.listen)
+        ->type_name("[HOST:]PORT");
+    app.add_option("--seat", o.seat,
+                   "whose view this is instead of: experimenter (thimble run --monitor), or player (where an "
+                   "experimenter's "
+                   "view is open as well)")
+        ->check(CLI::IsMember({"experimenter", "player"}))
+        ->default_val(o.seat);
+    app.add_option(
+        "--replay", o.replay,
+        "logs (.mcap) of one session instead of a session that runs; begins with the first client");
+    app.add_option("--speed", o.speed, "of a replay; 1: as it was")
+        ->check(CLI::Range(0.01, 100.0))
+        ->default_val(o.speed);
+    app.add_option("--rate", o.rate_Hz, "how often needle, surface and force are sent, Hz")
+        ->check(CLI::Range(1.0, 250.0))
+        ->default_val(o.rate_Hz);
+    app.set_version_flag("--version", std::string(kVersion));
+    app.footer(
+        "Examples:\n  thimble-igtl --config deploy/sessions/delay50.toml      # beside: thimble run ... "
+        "--monitor\n"
+        "  thimble-igtl --replay out/run/nodes/session_50ms.mcap\n\n"
+        "Exit codes: 0 ok, 2 usage or configuration, 3 network, 5 a log cannot be read.");
+}
+
+int serve(const IgtlOptions& options) {
+    const NetworkSettings network =
+        observed_network(options.config, static_cast<std::uint16_t>(options.base_port));
+    const Endpoint local = read_observer(options.listen, "--listen");
+    require_observer_here(network.security, local.host, "--listen");
+    const bool replay = !options.replay.empty();
+    install_stop_signals();
+    TcpServer server(local);
+    std::unique_ptr<Sockets> sockets;
+    std::unique_ptr<MonitorSource> source;
+    if (replay) {
+        source = std::make_unique<LoggedMonitor>(options.replay, options.speed);
+    } else {
+        sockets = std::make_unique<Sockets>(network);
+        using Seat = LiveMonitor::Seat;
+        source = std::make_unique<LiveMonitor>(
+            *sockets, options.seat == "player" ? Seat::kPlayer : Seat::kExperimenter);
+    }
+    const ClockPair clocks = read_clock_pair();
+    IgtlServer process(*source, server, options.rate_Hz, replay,
+                       Duration{clocks.realtime_ns - to_nanoseconds(clocks.before)});
+    RealtimeLoop loop(sockets ? std::span<Listener* const>(sockets->listeners())
+                              : std::span<Listener* const>());
+    spdlog::info("ready: OpenIGTLink on {}:{}", local.host, server.port());
+    loop.run(process);
+    if (server.skipped() > 0)
+        spdlog::warn("{} messages were not sent, to clients that read too slowly", server.skipped());
+    return static_cast<int>(ExitCode::kOk);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return guarded_main("thimble-igtl", [&] {
+        CLI::App app(
+            "Shows a session to 3D Slicer and other programs that speak OpenIGTLink: needle and surface "
+            "(TRANSFORM, mm), "
+            "force (SENSOR, N), state (STRING) and status (STATUS). Looks only, and takes no orders.",
+            "thimble-igtl");
+        IgtlOptions options;
+        add_igtl_options(app, options);
+        if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
+        return serve(options);
+    });
+}

@@ -1,0 +1,95 @@
+#include "session/observe/monitor_source.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "common/codec.hpp"
+#include "common/error.hpp"
+#include "session/log/merged_log.hpp"
+#include "session/log/packet_fields.hpp"
+
+namespace thimble {
+
+LiveMonitor::LiveMonitor(Sockets& sockets, Seat seat)
+    : sockets_(&sockets),
+      receiver_(seat == Seat::kExperimenter
+                    ? *sockets.between(Port::kExperimenterMonitor, Port::kSessionOrders)
+                    : *sockets.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)) {}
+
+void LiveMonitor::update(SessionTime now) {
+    sockets_->tick(now);
+    receiver_.update(now, [](SessionTime, std::uint32_t, const Monitor&) {});
+    sockets_->tick(now);
+}
+
+// What a Monitor would have said then, from the messages in the order of time.
+class LoggedMonitor::Reading {
+  public:
+    explicit Reading(std::vector<Moment>& moments) : moments_(&moments) {}
+
+    void add(std::int64_t time_ns, const std::string& topic, const Message& message) {
+        if (const auto* control = std::get_if<SessionControl>(&message.body))
+            obey(message.header.trial, *control);
+        const auto* heartbeat = std::get_if<Heartbeat>(&message.body);
+        if (heartbeat != nullptr && topic == "/master/heartbeats")
+            now_.force_hand_N = heartbeat->force_hand_N;
+        const auto* record = std::get_if<ForceFeedback>(&message.body);
+        if (record == nullptr || topic != "/slave_sim/record") return;
+        show(*record);
+        moments_->push_back({time_ns, message.header.trial, now_});
+    }
+
+  private:
+    void obey(std::uint32_t trial, const SessionControl& control) {
+        if (control.kind == ControlKind::kBeep) now_.beeped = true;
+        if (control.kind == ControlKind::kTrialEnd) now_.state = NodeState::kIdle;
+        if (control.kind != ControlKind::kTrialStart || trial == started_) return;
+        started_ = trial;
+        now_ = {};
+        now_.state = NodeState::kRunning;
+        now_.modality = control.modality;
+        now_.position_fixture_m = control.fixture_position_m;
+        now_.subject = control.subject;
+    }
+    void show(const ForceFeedback& f) {
+        now_.position_needle_m = f.position_needle_m;
+        now_.position_surface_m = f.position_surface_m;
+        now_.force_tissue_N = f.force_tissue_N;
+        now_.force_fixture_N = f.force_fixture_N;
+        now_.force_total_N = f.force_total_N;
+        now_.contact_time_s = f.contact_time_s;
+        now_.phase = f.phase;
+        now_.fixture_present = f.fixture_present;
+        now_.needle_held = f.needle_held;
+    }
+
+    std::vector<Moment>* moments_;
+    Monitor now_;
+    std::uint32_t started_ = 0;
+};
+
+LoggedMonitor::LoggedMonitor(const std::vector<std::string>& logs, double speed) : speed_(speed) {
+    const std::vector<std::unique_ptr<LoggedFile>> files = open_logs(logs);
+    Reading reading(moments_);
+    std::vector<std::uint64_t> aligned;
+    for (const MergedMessage& m : merge_logs(files)) {
+        Bytes packet;
+        if (!m.topic->readable || !verify_packet(m.message.data, aligned, packet)) continue;
+        const Decoded decoded = decode(packet);
+        if (decoded.message) reading.add(m.session_time_ns, m.topic->topic, *decoded.message);
+    }
+    if (!moments_.empty()) return;
+    throw Error(ExitCode::kData,
+                fmt::format("{}: there is no /slave_sim/record in it, so nothing to show: give the "
+                            "session's log (session_<delay>ms.mcap) of a run with [log] messages = \"all\"",
+                            logs.front()));
+}
+
+void LoggedMonitor::update(SessionTime now) {
+    const auto passed_ns = static_cast<double>((now - started_).count()) * speed_;
+    const double until_ns = static_cast<double>(moments_.front().time_ns) + passed_ns;
+    while (!over() && static_cast<double>(moments_[at_ + 1].time_ns) <= until_ns) ++at_;
+}
+
+}  // namespace thimble

@@ -1,0 +1,36 @@
+#include "session/observe/observers.hpp"
+
+#include <charconv>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/runtime/udp_channel.hpp"
+
+namespace thimble {
+
+Endpoint read_observer(const std::string& text, const std::string& option) {
+    const std::size_t colon = text.rfind(':');
+    const bool has_host = colon != std::string::npos;
+    const std::string_view digits = std::string_view(text).substr(has_host ? colon + 1 : 0);
+    Endpoint endpoint{has_host ? text.substr(0, colon) : "127.0.0.1", 0};
+    const char* const last = digits.data() + digits.size();
+    const auto [end, error] = std::from_chars(digits.data(), last, endpoint.port);
+    if (error == std::errc{} && end == last && !endpoint.host.empty()) return endpoint;
+    throw Error(ExitCode::kUsage,
+                fmt::format("{} {}: write PORT or HOST:PORT, with a port from 0 to 65535", option, text));
+}
+
+void require_observer_here(const SecuritySettings& security, const std::string& host,
+                           const std::string& option) {
+    if (security.allow_unprotected_network || !leaves_this_machine(host)) return;
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("{}: '{}' is not this machine alone, and what is said there has no protection: stay on "
+                    "127.0.0.1 (a tunnel, such as ssh -L, may begin there), or say [security] "
+                    "allow_unprotected_network = true in the session file (docs/security.md)",
+                    option, host));
+}
+
+}  // namespace thimble

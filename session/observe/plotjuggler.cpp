@@ -1,0 +1,90 @@
+#include "session/observe/plotjuggler.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "common/json_text.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "session/observe/observers.hpp"
+#include "session/play/monitor_feed.hpp"
+
+namespace thimble {
+namespace {
+
+// Both called in turn, woken for either.
+class PlotJugglerBeside final : public Process {
+  public:
+    PlotJugglerBeside(std::unique_ptr<Process> other, std::unique_ptr<Process> feed)
+        : other_(std::move(other)), feed_(std::move(feed)) {}
+    void tick(SessionTime now) override {
+        other_->tick(now);
+        feed_->tick(now);
+    }
+    SessionTime next_wakeup() const override { return std::min(other_->next_wakeup(), feed_->next_wakeup()); }
+    bool stopped() const override { return false; }
+
+  private:
+    std::unique_ptr<Process> other_, feed_;
+};
+
+}  // namespace
+
+std::string plotjuggler_json(double date_s, const std::string& lane, std::uint32_t trial, const Monitor& m) {
+    // What is not known yet is left out, so that no curve begins at a value that nobody measured.
+    nlohmann::ordered_json values{{"trial", trial},
+                                  {"time_s", m.time_s},
+                                  {"position_needle_m", m.position_needle_m},
+                                  {"position_surface_m", m.position_surface_m},
+                                  {"position_fixture_m", m.position_fixture_m},
+                                  {"force_tissue_N", m.force_tissue_N},
+                                  {"force_fixture_N", m.force_fixture_N},
+                                  {"force_total_N", m.force_total_N},
+                                  {"force_hand_N", m.force_hand_N},
+                                  {"energy_in_J", m.energy_in_J},
+                                  {"contact_time_s", m.contact_time_s},
+                                  {"network_delay_s", m.network_delay_s},
+                                  {"datagrams_accepted", m.accepted},
+                                  {"datagrams_refused", m.refused},
+                                  {"subject", m.subject},
+                                  {"modality", to_string(m.modality)},
+                                  {"tissue_phase", to_string(m.phase)},
+                                  {"running", m.state == NodeState::kRunning},
+                                  {"fixture_present", m.fixture_present},
+                                  {"needle_held", m.needle_held},
+                                  {"beeped", m.beeped}};
+    if (m.round_trip_s > 0) values["round_trip_s"] = m.round_trip_s;
+    if (m.one_way_s >= 0) values["one_way_s"] = m.one_way_s;
+    if (m.one_way_s >= 0) values["one_way_bound_s"] = m.one_way_bound_s;
+    if (!lane.empty()) values = nlohmann::ordered_json{{lane, std::move(values)}};
+    return json_text(nlohmann::ordered_json{{"timestamp", date_s}, {"thimble", std::move(values)}});
+}
+
+Endpoint plotjuggler_at(const std::string& text, const NetworkSettings& network) {
+    Endpoint to = read_observer(text, "--plotjuggler");
+    require_observer_here(network.security, to.host, "--plotjuggler");
+    return to;
+}
+
+void PlotJugglerFeed::tick(SessionTime now) {
+    if (now < next_) return;
+    next_ = std::max(next_ + kPlotJugglerPeriod, now + kPlotJugglerPeriod / 2);
+    const Monitor monitor = make_monitor(now, *session_, {});
+    const std::string text =
+        plotjuggler_json(to_seconds(now + ahead_ - SessionTime{}), lane_, session_->number(), monitor);
+    channel_.send({static_cast<const std::uint8_t*>(static_cast<const void*>(text.data())), text.size()});
+}
+
+MakeAttendant with_plotjuggler(MakeAttendant other, const Endpoint& to) {
+    return [other = std::move(other), to](SessionProcess& session, Sockets& sockets,
+                                          const std::string& lane) -> std::unique_ptr<Process> {
+        const ClockPair clocks = read_clock_pair();
+        const Duration ahead{clocks.realtime_ns - to_nanoseconds(clocks.before)};
+        auto feed = std::make_unique<PlotJugglerFeed>(to, session, ahead, lane);
+        if (!other) return feed;
+        return std::make_unique<PlotJugglerBeside>(other(session, sockets, lane), std::move(feed));
+    };
+}
+
+}  // namespace thimble

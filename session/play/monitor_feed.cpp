@@ -1,0 +1,87 @@
+#include "session/play/monitor_feed.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble {
+namespace {
+
+constexpr Duration kFaultPeriod = std::chrono::milliseconds{100};
+
+void fill_in_newest(Monitor& monitor, const SessionProcess& session) {
+    const ForceFeedback* newest = session.newest();
+    const TrialRecord& record = session.record();
+    if (!record.samples.empty()) monitor.time_s = record.samples.back().time_s;
+    if (newest == nullptr) return;
+    monitor.position_needle_m = newest->position_needle_m;
+    monitor.position_surface_m = newest->position_surface_m;
+    monitor.force_tissue_N = newest->force_tissue_N;
+    monitor.force_fixture_N = newest->force_fixture_N;
+    monitor.force_total_N = newest->force_total_N;
+    monitor.contact_time_s = newest->contact_time_s;
+    monitor.phase = newest->phase;
+    monitor.fixture_present = newest->fixture_present;
+    monitor.needle_held = newest->needle_held;
+}
+
+void fill_in_nodes(Monitor& monitor, const SessionProcess& session) {
+    for (const Role role : kNodeRoles) {
+        monitor.accepted += session.heartbeat_of(role).accepted;
+        monitor.refused += session.heartbeat_of(role).refused;
+    }
+    const Heartbeat& master = session.heartbeat_of(Role::kMaster);
+    monitor.force_hand_N = master.force_hand_N;
+    monitor.energy_in_J = master.energy_in_J;
+    monitor.round_trip_s = master.round_trip_median_s;
+}
+
+void fill_in_one_way(SessionTime now, Monitor& monitor, const SessionProcess& session) {
+    const ForceFeedback* newest = session.newest();
+    const auto slave = session.clock_of(Role::kSlaveSim).at(now);
+    const auto master = session.clock_of(Role::kMaster).at(now);
+    if (newest == nullptr || newest->needle_held || !slave || !master || monitor.round_trip_s == 0) return;
+    const OffsetInterval ahead = between(*slave, *master);
+    const double needle_s = to_seconds(session.newest_sent() - newest->echo_time) - ahead.offset_s();
+    monitor.one_way_s = std::max(0.0, monitor.round_trip_s - needle_s - to_seconds(newest->hold_time));
+    monitor.one_way_bound_s = ahead.bound_s();
+}
+
+}  // namespace
+
+Monitor make_monitor(SessionTime now, const SessionProcess& session, const MonitorContext& context) {
+    const TrialRecord& record = session.record();
+    Monitor monitor;
+    monitor.position_fixture_m = record.conditions.fixture_position_m;
+    monitor.subject = record.conditions.subject;
+    monitor.modality = record.conditions.modality;
+    monitor.reason = record.reason;
+    monitor.state = session.running() ? NodeState::kRunning : NodeState::kIdle;
+    monitor.beeped = session.number() != 0 && !std::isnan(record.beep_time_s);
+    monitor.network_delay_s = session.delay_s();
+    monitor.network = session.network();
+    monitor.trials = context.trials;
+    monitor.paused = context.paused;
+    fill_in_newest(monitor, session);
+    fill_in_nodes(monitor, session);
+    fill_in_one_way(now, monitor, session);
+    return monitor;
+}
+
+// At once when it has happened: the session may be about to end.
+void MonitorFeed::say_fault(SessionTime now) {
+    const bool faulty = session_->record().reason == EndReason::kDeviceFault;
+    if (faulty && (!faulty_ || now >= next_fault_)) {
+        flow_.send(now, session_->number(), DeviceFault(session_->record().fault));
+        next_fault_ = now + kFaultPeriod;
+    }
+    faulty_ = faulty;
+}
+
+void MonitorFeed::tick(SessionTime now, const MonitorContext& context) {
+    say_fault(now);
+    if (now < next_) return;
+    next_ = std::max(next_ + kMonitorPeriod, now + kMonitorPeriod / 2);
+    flow_.send(now, session_->number(), make_monitor(now, *session_, context));
+}
+
+}  // namespace thimble

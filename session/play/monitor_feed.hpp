@@ -1,0 +1,45 @@
+// What an experimenter's view, or a player's panel, is told of a session: its newest record, what the nodes say of
+// themselves, what the clocks say. Undelayed, with the fixture; read only, so that nobody who watches changes a result.
+#pragma once
+
+#include <cstdint>
+
+#include "common/flow.hpp"
+#include "session/run/session_process.hpp"
+
+namespace thimble {
+
+// 250 Hz: four per frame of a screen, so that no frame waits for one.
+inline constexpr Duration kMonitorPeriod = std::chrono::milliseconds{4};
+
+// What the session does not know of itself.
+struct MonitorContext {
+    std::uint32_t trials = 0;  // planned; 0: no plan
+    bool paused = false;
+};
+
+// One way from slave_sim to master = round trip - way of the needle - hold. The round trip is the master's own; the
+// needle's way is slave_sim's stamp of its newest answer minus the master's stamp that it echoes, minus the difference of
+// their clocks (clock_filter.hpp), which also gives the bound. The two samples are at most a heartbeat apart.
+Monitor make_monitor(SessionTime now, const SessionProcess& session, const MonitorContext& context);
+
+class MonitorFeed {
+  public:
+    // All outlive the feed. `instance`: random per program start. `out`: every view hears the same.
+    MonitorFeed(std::uint64_t instance, std::initializer_list<Channel*> out, const SessionProcess& session)
+        : flow_(Role::kSession, instance, out), session_(&session) {}
+
+    // Sends what is due, and ten times a second why a device has ended the trial. What was missed is not made up for: the newest counts.
+    void tick(SessionTime now, const MonitorContext& context);
+    SessionTime next_wakeup() const { return next_; }
+
+  private:
+    OutboundFlow flow_;
+    void say_fault(SessionTime now);
+
+    const SessionProcess* session_;
+    SessionTime next_{}, next_fault_{};
+    bool faulty_ = false;
+};
+
+}  // namespace thimble

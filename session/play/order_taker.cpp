@@ -1,0 +1,47 @@
+#include "session/play/order_taker.hpp"
+
+#include <variant>
+
+namespace thimble {
+
+void OrderTaker::tick(SessionTime now, std::uint32_t trial) {
+    while (const Message* message = flow_.receive(now, *in_)) {
+        const auto* order = std::get_if<Order>(&message->body);
+        const Refusal refusal =
+            order == nullptr ? Refusal::kUnexpectedKind : judge(now, message->header.trial, trial, *order);
+        if (refusal != Refusal::kCount) flow_.refuse_admitted(refusal);
+    }
+}
+
+Refusal OrderTaker::judge(SessionTime now, std::uint32_t asked_for, std::uint32_t trial, const Order& order) {
+    switch (order.kind) {
+        case OrderKind::kStart:
+        case OrderKind::kEndTrial:
+            if (asked_for != trial) return Refusal::kWrongTrial;
+            break;
+        case OrderKind::kRepeat:
+        case OrderKind::kExclude:
+            // Only the newest trial can be judged, as by what is typed.
+            if (order.trial != trial) return Refusal::kWrongTrial;
+            if (said_again(now, order.kind == OrderKind::kRepeat ? repeat_ : exclude_, trial))
+                return Refusal::kCount;
+            break;
+        case OrderKind::kDelay:
+        case OrderKind::kNetwork:
+        case OrderKind::kPause:
+        case OrderKind::kResume:
+        case OrderKind::kQuit:
+        case OrderKind::kSeek:
+        case OrderKind::kSpeed:
+            break;
+    }
+    return handler_->obey(now, order);
+}
+
+bool OrderTaker::said_again(SessionTime now, Wish& wish, std::uint32_t trial) {
+    const bool again = wish.said && wish.trial == trial && now - wish.last <= kSameWish;
+    wish = {trial, now, true};
+    return again;
+}
+
+}  // namespace thimble

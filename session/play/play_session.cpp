@@ -1,0 +1,162 @@
+#include "session/play/play_session.hpp"
+
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "common/process/progress.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
+#include "session/play/attendant.hpp"
+#include "session/play/play_desk.hpp"
+#include "session/play/scratch_folder.hpp"
+#include "session/records/condition_summary.hpp"
+#include "session/records/trial_table.hpp"
+#include "session/run/lane.hpp"
+#include "session/settings/protocol.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kLook = std::chrono::milliseconds{20};
+
+class Play {
+  public:
+    Play(const SystemSettings& settings, const PlayOptions& options)
+        : options_(options),
+          protocol_(experiment_3(settings, settings.plan.subject, settings.plan.seed)),
+          subject_(std::max(1U, settings.plan.subject)),
+          desk_(options.modality) {
+        if (!options.record.empty()) {
+            make_folder(options.record);
+            table_.emplace(options.record / "trials.csv");
+        } else {
+            scratch_.emplace();
+        }
+        events_.stop = [this] { return over(); };
+        fill_in_plan(settings);
+    }
+
+    PlayResult run() {
+        try {
+            return run_trials();
+        } catch (const Error& error) {
+            // Logs that the words name are there to be read.
+            const bool named = scratch_ && std::string_view(error.what()).find(scratch_->path().string()) !=
+                                               std::string_view::npos;
+            if (named) scratch_->keep();
+            throw;
+        }
+    }
+
+  private:
+    PlayResult run_trials() {
+        Lane lane(plan_, events_);
+        lane.open();
+        end_ = options_.longest == Duration::max() ? kNever : wall_now() + options_.longest;
+        say("move the pointer in the window; close it, or press Ctrl-C, to end");
+        while (!over()) {
+            lane.check();
+            if (const std::string stopped = lane.stop_words(); !stopped.empty()) {
+                if (stopped != stop_said_) say(stopped);
+                stop_said_ = stopped;
+                lane.show(waiting(PageKind::kPaused));
+                lane.idle(kLook);
+                continue;
+            }
+            stop_said_.clear();
+            if (const auto modality = desk_.take_due(wall_now())) {
+                do_trial(lane, *modality);
+            } else {
+                lane.show(waiting(desk_.context().paused ? PageKind::kPaused : PageKind::kReady));
+                lane.idle(kLook);
+            }
+        }
+        lane.close();
+        if (const std::string stopped = lane.stop_words(); !stopped.empty() && stopped != stop_said_)
+            say(stopped);
+        return {trials_};
+    }
+
+    void fill_in_plan(const SystemSettings& settings) {
+        SystemSettings with_delay = settings;
+        set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(options_.delay_s));
+        plan_.starter = options_.starter;
+        plan_.out = (table_ ? options_.record : scratch_->path()) / "nodes";
+        plan_.network = options_.network;
+        plan_.session = session_settings(with_delay);
+        plan_.session.ends_by_withdrawal = true;
+        plan_.session.trial_timeout = kPlayTimeout;
+        plan_.delay_s = options_.delay_s;
+        plan_.runtime = settings.runtime;
+        plan_.session_file = settings.file;
+        plan_.attend = [this](SessionProcess& session, Sockets& sockets, const std::string&) {
+            desk_.serve(session);
+            session_ = &session;
+            return attend(session, sockets, desk_, desk_.context());
+        };
+    }
+
+    bool over() const {
+        return desk_.quit() || (options_.stop != nullptr && *options_.stop) || wall_now() >= end_ ||
+               options_.starter->window_closed();
+    }
+
+    void do_trial(Lane& lane, Modality modality) {
+        TrialConditions conditions{protocol_.seed,
+                                   protocol_.experiment,
+                                   subject_,
+                                   ++trials_,
+                                   modality,
+                                   session_->delay_s(),
+                                   draw_fixture_position_m(protocol_, subject_, trials_)};
+        std::filesystem::path file;
+        if (table_) {
+            file = options_.record / "trajectories" /
+                   fmt::format("trial{:02}_{}_{:g}ms.csv", trials_, to_string(modality),
+                               1000 * conditions.delay_s);
+        }
+        const TrialRecord& record = lane.run_trial(conditions, lane.last_number() + 1, file);
+        desk_.trial_ended(wall_now(), record);
+        const TrialRow row = make_row(record);
+        if (table_) table_->append(row);
+        say(fmt::format("trial {}, {} {}: {}, {:.1f} s, contacts lost {}", trials_,
+                        delay_text(conditions.delay_s), to_string(modality),
+                        outcome_text(row.reason, row.lost_peer), row.metrics.duration_s,
+                        row.metrics.contacts_lost));
+        if (!record.fault.empty()) say(record.fault);
+        if (!over()) lane.check();
+    }
+
+    Page waiting(PageKind kind) const {
+        Page page;
+        page.kind = kind;
+        page.trial = trials_ + 1;
+        return page;
+    }
+
+    void say(const std::string& line) { progress_.say(line); }
+
+    const PlayOptions& options_;
+    Protocol protocol_;
+    std::uint32_t subject_;
+    PlayDesk desk_;
+    std::optional<TrialTable> table_;
+    std::optional<ScratchFolder> scratch_;
+    Progress progress_;
+    LanePlan plan_;
+    LaneEvents events_;
+    SessionProcess* session_ = nullptr;  // the lane's
+    SessionTime end_ = kNever;
+    std::uint32_t trials_ = 0;
+    std::string stop_said_;
+};
+
+}  // namespace
+
+PlayResult play(const SystemSettings& settings, const PlayOptions& options) {
+    return Play(settings, options).run();
+}
+
+}  // namespace thimble

@@ -1,0 +1,61 @@
+// Shows a recorded trial: plays the session and slave_sim to thimble-visual, and the session to a view. The subject's screen gets
+// what it got then, later by the delay of then; the Monitor is undelayed, as always. Views also hear what their scrub bars are
+// made of (ReplayState). No clock, no socket.
+#pragma once
+
+#include "common/flow.hpp"
+#include "common/process.hpp"
+#include "session/play/attendant.hpp"
+#include "session/play/recorded_trial.hpp"
+#include "session/play/replay_clock.hpp"
+
+namespace thimble {
+
+class ReplayProcess final : public Process, public OrderHandler {
+  public:
+    struct Channels {
+        Channel* control;  // with thimble-visual
+        Channel* force;    // to it, in slave_sim's name
+        Channel* beep;
+        ViewChannels views;
+    };
+
+    // `trial` outlives the process.
+    ReplayProcess(std::uint64_t instance, const RecordedTrial& trial, double speed, const Channels& channels);
+
+    void tick(SessionTime now) override;
+    SessionTime next_wakeup() const override { return next_; }
+    bool stopped() const override { return quit_; }
+    Refusal obey(SessionTime now, const Order& order) override;
+
+    bool shows() const { return shown_; }  // thimble-visual has taken up the trial
+    void shut_down(SessionTime now);
+
+  private:
+    void listen(SessionTime now);
+    void steer(SessionTime now);
+    void show(SessionTime now);
+    void rest(SessionTime now);
+    void beep(SessionTime now, double shown_s);
+    Monitor monitor(SessionTime now) const;
+    void begin_anew();
+
+    const RecordedTrial* trial_;
+    Channels channels_;
+    ReplayClock clock_;
+    InboundFlow answers_{Role::kVisual};
+    OutboundFlow control_, force_, beep_, monitor_;
+    OrderTaker experimenter_, player_;
+    ReplayState state_;
+    std::uint32_t number_ = 1;
+    bool shown_ = false, wants_to_run_ = true, quit_ = false;
+    int beeps_ = 0;  // said in this trial
+    Heartbeat visual_;
+    SessionTime next_{}, next_steer_{}, next_state_{};
+};
+
+// What a scrub bar of this trial shows, at speed 1. Changes of the network that lie closer than a hundredth of the trial are one
+// mark.
+ReplayState replay_state_of(const RecordedTrial& trial);
+
+}  // namespace thimble

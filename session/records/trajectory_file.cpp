@@ -1,0 +1,98 @@
+#include "session/records/trajectory_file.hpp"
+
+#include <array>
+#include <string>
+
+#include "common/csv/csv.hpp"
+#include "common/error.hpp"
+#include "session/records/trial_table.hpp"
+
+namespace thimble {
+namespace {
+
+// Six doubles at the front of each sample, then contact time, phase and fixture.
+constexpr std::array kNumbers{&TrajectorySample::time_s,
+                              &TrajectorySample::position_needle_m,
+                              &TrajectorySample::position_surface_m,
+                              &TrajectorySample::force_tissue_N,
+                              &TrajectorySample::force_fixture_N,
+                              &TrajectorySample::force_total_N,
+                              &TrajectorySample::contact_time_s};
+constexpr std::array<std::string_view, kNumbers.size() + 2> kSampleColumns{
+    "time_s",        "position_needle_m", "position_surface_m", "force_tissue_N", "force_fixture_N",
+    "force_total_N", "contact_time_s",    "tissue_phase",       "fixture_present"};
+constexpr std::size_t kPhase = kNumbers.size();
+constexpr std::size_t kFixture = kPhase + 1;
+
+// A double takes at most 24 characters and a comma; the longest phase is "penetrated".
+constexpr std::size_t kLongestLine = kNumbers.size() * 25 + 16;
+constexpr std::size_t kBuffer = std::size_t{1} << 16;
+constexpr std::string_view kEnded = "ended: ";
+
+TissuePhase read_phase(const CsvField& field) {
+    for (const TissuePhase phase : {TissuePhase::kFree, TissuePhase::kContact, TissuePhase::kPenetrated}) {
+        if (field.text == to_string(phase)) return phase;
+    }
+    field.fail("is none of free, contact, penetrated");
+}
+
+TrajectorySample read_sample(const CsvReader& reader) {
+    TrajectorySample sample;
+    for (std::size_t i = 0; i < kNumbers.size(); ++i) sample.*kNumbers[i] = reader.field(i).number();
+    sample.phase = read_phase(reader.field(kPhase));
+    sample.fixture_present = reader.field(kFixture).flag();
+    return sample;
+}
+
+}  // namespace
+
+TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, IfExists if_exists)
+    : file_(path, if_exists), buffer_(kBuffer) {
+    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(kSampleColumns, ",")));
+}
+
+void TrajectoryWriter::append(const TrajectorySample& sample) {
+    if (buffer_.size() - used_ < kLongestLine) flush();
+    char* out = buffer_.data() + used_;
+    for (const auto member : kNumbers) {
+        out = write_number(out, sample.*member);
+        *out++ = ',';
+    }
+    out = fmt::format_to(out, "{},{}\n", to_string(sample.phase), sample.fixture_present ? 1 : 0);
+    used_ = static_cast<std::size_t>(out - buffer_.data());
+}
+
+void TrajectoryWriter::append(std::span<const TrajectorySample> samples) {
+    for (const TrajectorySample& sample : samples) append(sample);
+}
+
+void TrajectoryWriter::flush() {
+    file_.write({buffer_.data(), used_});
+    file_.flush();
+    used_ = 0;
+}
+
+void TrajectoryWriter::end(EndReason reason, Role lost_peer) {
+    flush();
+    file_.write(fmt::format("# {}{}\n", kEnded, outcome_text(reason, lost_peer)));
+    file_.sync();
+}
+
+Trajectory read_trajectory(const std::filesystem::path& path) {
+    CsvReader reader(path, kSampleColumns);
+    Trajectory trajectory;
+    while (reader.next()) {
+        if (!reader.comments().empty()) reader.field(0).fail("stands after the trial's end");
+        trajectory.samples.push_back(read_sample(reader));
+    }
+    if (reader.comments().empty()) return trajectory;
+    std::string_view ended = reader.comments().back();
+    if (ended.starts_with(kEnded)) ended.remove_prefix(kEnded.size());
+    if (!parse_outcome(ended, trajectory.reason, trajectory.lost_peer)) {
+        throw Error(ExitCode::kData, fmt::format("{}: the last line says '{}' instead of '# {}<outcome>'",
+                                                 path.string(), reader.comments().back(), kEnded));
+    }
+    return trajectory;
+}
+
+}  // namespace thimble

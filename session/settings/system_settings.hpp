@@ -1,0 +1,84 @@
+// Everything a session's TOML file can say, read and checked as a whole. Each program reads the same file and
+// takes its own tables; `thimble` reads all of them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config.hpp"
+#include "common/log/log_settings.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "cutaneous_node/cutaneous_settings.hpp"
+#include "master/devices/simulated_handle.hpp"
+#include "master/master_node.hpp"
+#include "netem/link_settings.hpp"
+#include "netem/netem_settings.hpp"
+#include "session/records/participant.hpp"
+#include "session/settings/launch_settings.hpp"
+#include "session/settings/protocol_settings.hpp"
+#include "session/settings/session_settings.hpp"
+#include "slave_sim/slave_settings.hpp"
+#include "visual_node/instructions.hpp"
+#include "visual_node/visual_settings.hpp"
+
+namespace thimble {
+
+enum class TrialOrder : std::uint8_t {
+    kShuffled,  // the paper's: all trials of a subject in random order (Fisher-Yates)
+    // Blocks of one trial per modality, each block a row of a Williams design (E. J. Williams 1949): within
+    // blocks every modality follows every other equally often, so that carry-over is balanced as well as
+    // position. Rows go round by subject and block; which modality is which letter is drawn once per study.
+    kWilliams,
+};
+const char* to_string(TrialOrder order);  // "shuffled", "williams"
+std::optional<TrialOrder> parse_order(std::string_view text);
+
+// How trials are drawn and what `thimble run` runs. Table [session].
+struct SessionPlan {
+    std::vector<Modality> modalities{kModalities.begin(), kModalities.end()};
+    std::vector<Duration> delays{Duration{0}, std::chrono::milliseconds{50}};  // of the force path, one-way
+    std::uint64_t seed = 1;
+    std::uint32_t subject = 1;  // of a human subject: the participant, 0 where the file names none
+    SubjectKind kind = SubjectKind::kVirtual;
+    TrialOrder order = TrialOrder::kShuffled;
+    double fixture_jitter_m = 0.015;  // half width of the uniform draw around [fixture].position_m
+    int lanes = 0;                    // conditions run side by side; 0: one per two cores
+};
+
+struct SystemSettings {
+    MasterSettings master;
+    HandleSettings handle;
+    OperatorParameters person;
+    SlaveSettings slave;
+    CutaneousSettings cutaneous;
+    VisualSettings visual;
+    Instructions instructions;
+    NetemSettings netem;
+    SessionSettings session;
+    SessionPlan plan;
+    std::optional<ProtocolSettings> protocol;  // there if the file has a table [protocol]
+    DatasetSettings dataset;
+    LaunchSettings launch;
+    LogSettings log;
+    RuntimeSettings runtime;
+    std::filesystem::path file;  // where all this was read from; empty: nowhere
+};
+
+// Throws Error (usage) on anything unknown or out of range.
+SystemSettings read_system_settings(const ConfigFile& file);
+// One key of the file with another value: "handle.friction_N", SI.
+struct SettingChange {
+    std::string key;
+    double value = 0;
+};
+// An empty path gives the defaults, which are the paper's. The changes stand as if they were in the file.
+SystemSettings load_system_settings(const std::filesystem::path& path,
+                                    const std::vector<SettingChange>& changes = {});
+
+// Those of the session, its network_delay filled in from both links.
+SessionSettings session_settings(const SystemSettings& settings);
+
+}  // namespace thimble

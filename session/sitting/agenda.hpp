@@ -1,0 +1,40 @@
+// What comes next in a sitting: a pure function of what stands in the files, so that a sitting goes on after
+// whatever ended it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session/settings/protocol_settings.hpp"
+#include "session/sitting/exclusions.hpp"
+#include "session/sitting/order_file.hpp"
+#include "session/sitting/record_table.hpp"
+
+namespace thimble {
+
+struct Step {
+    OrderEntry entry;
+    std::uint32_t repeat_of = 0;  // 0: for the first time
+    std::string reason;           // of the repeat
+};
+
+struct Agenda {
+    std::vector<OrderEntry> order;
+    std::vector<SittingRecord> records;
+    std::vector<Exclusion> exclusions;  // of all participants
+    std::uint32_t participant = 0;
+
+    // The first block with something to do: trials that have no record, and those to be repeated, which come
+    // at the end of the block or at their place. Nothing when the sitting is complete.
+    //
+    // A trial is repeated if its last record was rejected; if it was interrupted or a peer was lost; and,
+    // unless it is practice or the settings say otherwise, if it timed out. Not if that record is excluded.
+    // Timeouts and lost peers: at most repeats_limit times.
+    std::optional<Step> next(const ProtocolSettings& settings) const;
+
+    // Trials of the order that have a record. With it, how far the participant is.
+    std::size_t begun() const;
+};
+
+}  // namespace thimble

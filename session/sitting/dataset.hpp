@@ -1,0 +1,46 @@
+// The folder of a study with real processes: one participant after another, in the layout of BIDS (Brain
+// Imaging Data Structure 1.8, "Behavioral experiments"), of virtual subjects or of people, never of both.
+//
+//     dataset_description.json   with our own key "SubjectKind"
+//     participants.tsv, .json    a line per participant
+//     task-needle_beh.json       what the columns of the trial tables mean
+//     exclusions.tsv             trials left out or run again, and why
+//     orders/sub-07_order.tsv    written before the first trial
+//     sub-07/beh/sub-07_task-needle_beh.tsv      a line per trial
+//     sourcedata/sub-07/trajectories/, nodes/    each sample; logs and reports of the programs
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "session/records/participant.hpp"
+#include "session/settings/protocol_settings.hpp"
+
+namespace thimble {
+
+class Dataset {
+  public:
+    explicit Dataset(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    std::filesystem::path description() const { return folder_ / "dataset_description.json"; }
+    std::filesystem::path participants() const { return folder_ / "participants.tsv"; }
+    std::filesystem::path exclusions() const { return folder_ / "exclusions.tsv"; }
+    std::filesystem::path order(std::uint32_t participant) const;
+    std::filesystem::path records(std::uint32_t participant) const;
+    std::filesystem::path source(std::uint32_t participant) const;
+    const std::filesystem::path& folder() const { return folder_; }
+
+    // Nothing if the folder holds no dataset. Throws Error (data) if it holds one that cannot be read.
+    std::optional<SubjectKind> kind() const;
+    // Makes a dataset of the folder, or checks that it is one of this kind. Throws Error (usage) if it is of
+    // the other kind, or holds anything else.
+    void open(SubjectKind kind, const DatasetSettings& settings) const;
+
+  private:
+    std::filesystem::path folder_;
+};
+
+// For programs that write other things: throws Error (usage) if `folder` holds a dataset of participants.
+void refuse_dataset(const std::filesystem::path& folder);
+
+}  // namespace thimble

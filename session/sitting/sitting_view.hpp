@@ -1,0 +1,18 @@
+// An experimenter's view beside a sitting: what it asks comes as the lines that somebody could have typed.
+#pragma once
+
+#include <functional>
+
+#include "session/run/lane.hpp"
+#include "session/sitting/line_source.hpp"
+
+namespace thimble {
+
+struct SittingView {
+    LineSource* lines;             // what it asks; never ends
+    std::function<bool()> paused;  // no further trial while it is
+    std::function<void(std::size_t trials)> planned;
+    MakeAttendant attend;
+};
+
+}  // namespace thimble

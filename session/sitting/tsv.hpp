@@ -1,0 +1,41 @@
+// Tables as BIDS wants them (Common principles, "Tabular files"): UTF-8, tabs, a header line, "n/a" for what
+// is not there.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/csv/csv.hpp"
+#include "common/csv/csv_file.hpp"
+
+namespace thimble {
+
+inline constexpr std::string_view kNotAvailable = "n/a";
+
+// Somebody's words as one field: what would break the line becomes a space; nothing becomes "n/a".
+std::string tsv_text(std::string_view words);
+// A field that is not there, as CsvField's conversions expect it: empty.
+CsvField without_na(CsvField field);
+
+// Of whole lines only.
+class TsvFile {
+  public:
+    // New, or to be continued. Throws Error: data, if it holds other columns; usage, if it cannot be created.
+    TsvFile(const std::filesystem::path& path, std::span<const std::string_view> columns);
+    // On the disk when it returns.
+    void append(const std::vector<std::string>& fields);
+
+  private:
+    CsvFile file_;
+};
+
+// There, and not empty.
+bool is_table(const std::filesystem::path& path);
+
+// Replaces a file as a whole: whoever reads it, also after a power cut, finds the old text or the new one.
+void write_whole(const std::filesystem::path& path, std::string_view text);
+
+}  // namespace thimble

@@ -1,0 +1,143 @@
+#include "study/maps/map_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/control/control_settings.hpp"
+#include "common/error.hpp"
+#include "common/messages.hpp"
+#include "stability/delayed_loop.hpp"
+#include "stability/typical_hands.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr long kMostPoints = 10000;
+constexpr double kMostCells = 1e8;
+
+[[noreturn]] void refuse_axis(const std::string& option, const std::string& text) {
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "{} {}: needs LOW:HIGH:POINTS with LOW < HIGH and 2 to 10000 points, or values like 0,0.05",
+            option, text));
+}
+
+std::vector<double> spread(double low, double high, long points, bool logarithmic) {
+    std::vector<double> values;
+    values.reserve(static_cast<std::size_t>(points));
+    for (long i = 0; i < points; ++i) {
+        const double part = static_cast<double>(i) / static_cast<double>(points - 1);
+        values.push_back(logarithmic ? low * std::pow(high / low, part) : low + (high - low) * part);
+    }
+    return values;
+}
+
+void require(bool good, const char* why) {
+    if (!good) throw Error(ExitCode::kUsage, fmt::format("sweep: {}", why));
+}
+
+bool all_within(const std::vector<double>& values, double low, double high) {
+    return !values.empty() &&
+           std::all_of(values.begin(), values.end(), [&](double v) { return v >= low && v <= high; });
+}
+
+bool known_remedy(const MapGrid& grid, const std::string& name) {
+    if (std::find(kRemedyNames.begin(), kRemedyNames.end(), name) != kRemedyNames.end()) return true;
+    const auto same = [&](Modality modality) { return name == to_string(modality); };
+    return grid.who == MapOperator::kVirtual && std::any_of(kModalities.begin(), kModalities.end(), same);
+}
+
+}  // namespace
+
+NamedHand named_hand(std::string_view letter) {
+    for (const TypicalHand& typical : kTypicalHands) {
+        if (letter == std::string_view(typical.name, 1)) return {std::string(letter), typical.hand};
+    }
+    throw Error(ExitCode::kUsage, fmt::format("--hand {}: there are A, B, C, D and E", letter));
+}
+
+CellPlace place_of(const MapGrid& g, std::size_t cell) {
+    const auto take = [&cell](std::size_t count) {
+        const std::size_t index = cell % count;
+        cell /= count;
+        return index;
+    };
+    CellPlace place{};
+    place.stiffness = take(g.column());
+    place.delay = take(g.delays_s.size());
+    place.loss = take(g.losses.size());
+    place.jitter = take(g.jitters_s.size());
+    place.remedy = take(g.remedies.size());
+    place.hand = take(g.hands.size());
+    return place;
+}
+
+std::vector<double> parse_map_axis(const std::string& option, const std::string& text, bool logarithmic) {
+    double low = 0, high = 0;
+    long points = 0;
+    char end = 0;
+    if (std::sscanf(text.c_str(), "%lf:%lf:%ld%c", &low, &high, &points, &end) == 3) {
+        const bool good = std::isfinite(low) && std::isfinite(high) && high > low && points >= 2 &&
+                          points <= kMostPoints && !(logarithmic && low <= 0);
+        if (!good) refuse_axis(option, text);
+        return spread(low, high, points, logarithmic);
+    }
+    std::vector<double> values;
+    values.reserve(text.size());
+    const char* at = text.c_str();
+    for (;;) {
+        char* after = nullptr;
+        values.push_back(std::strtod(at, &after));
+        if (after == at || !std::isfinite(values.back())) refuse_axis(option, text);
+        if (*after == '\0') return values;
+        if (*after != ',') refuse_axis(option, text);
+        at = after + 1;
+    }
+}
+
+void require_meaningful(const MapGrid& g) {
+    for (const NamedHand& hand : g.hands) require_meaningful(hand.hand);
+    require(all_within(g.delays_s, 0, 1e3), "delays must be 0 to 1000 s");
+    require(all_within(g.stiffness_N_per_m, 1e-9, 1e12), "a stiffness or gain must be above 0");
+    require(all_within(g.jitters_s, 0, 1e3), "jitter must be 0 to 1000 s");
+    require(all_within(g.losses, 0, g.mean_burst / (1 + g.mean_burst)),
+            "loss must be 0 to 0.5 (with longer bursts up to burst / (1 + burst))");
+    require(std::isfinite(g.press_N + g.force_limit_N + g.encoder_step_m + g.friction_N + g.mean_burst),
+            "press, force limit, encoder, friction and burst must be finite");
+    require(!g.hands.empty() && !g.remedies.empty(), "needs a hand and a remedy (none)");
+    require(static_cast<double>(g.panels()) * static_cast<double>(g.panel()) <= kMostCells,
+            "at most 1e8 cells");
+    for (const std::string& name : g.remedies) {
+        require(known_remedy(g, name),
+                fmt::format("--remedy {}: choose from {}{}", name, fmt::join(kRemedyNames, ", "),
+                            g.who == MapOperator::kVirtual ? ", CF, CCF, VF" : "")
+                    .c_str());
+    }
+}
+
+std::string grid_text(const MapGrid& g) {
+    std::string text = fmt::format("operator {}\n", g.who == MapOperator::kVirtual ? "virtual" : "passive");
+    for (const NamedHand& h : g.hands)
+        text += fmt::format("hand {}: {} kg {} Ns/m {} N/m\n", h.name, h.hand.mass_kg,
+                            h.hand.damping_Ns_per_m, h.hand.stiffness_N_per_m);
+    text += fmt::format(
+        "remedy {}\njitter_s {}\nloss {}, in bursts of {}\ndelay_s {}\nstiffness_N_per_m {}, gain 1 is {}\n",
+        fmt::join(g.remedies, " "), fmt::join(g.jitters_s, " "), fmt::join(g.losses, " "), g.mean_burst,
+        fmt::join(g.delays_s, " "), fmt::join(g.stiffness_N_per_m, " "), g.full_stiffness_N_per_m);
+    text +=
+        fmt::format("step {} s, press {} N, limit {} N, encoder {} m, friction {} N\nseed {}, trials {}\n",
+                    g.step_s, g.press_N, g.force_limit_N, g.encoder_step_m, g.friction_N, g.seed, g.trials);
+    if (g.config.empty()) return text;
+    std::ifstream file(g.config);
+    return text + "session file\n" + std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+}  // namespace thimble

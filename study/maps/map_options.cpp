@@ -1,0 +1,149 @@
+#include "study/maps/map_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "common/error.hpp"
+
+namespace thimble {
+namespace {
+
+void add_loop_options(CLI::App& command, SweepArguments& a) {
+    command
+        .add_option(
+            "--hand", a.hands,
+            "named hands, several with commas: A light pinch, B pinch, C arm, D firm grip, E power grip")
+        ->delimiter(',')
+        ->capture_default_str();
+    CLI::Option* mass = command.add_option("--mass-kg", a.own_hand.mass_kg,
+                                           "instead of --hand: hand and handle, moved together");
+    CLI::Option* damping =
+        command.add_option("--damping-Ns-per-m", a.own_hand.damping_Ns_per_m, "of hand and handle")
+            ->needs(mass);
+    CLI::Option* stiffness =
+        command.add_option("--stiffness-N-per-m", a.own_hand.stiffness_N_per_m, "of the hand")->needs(mass);
+    mass->needs(damping)->needs(stiffness)->excludes("--hand");
+    command.add_option("--delay-s", a.delays, "of the whole way round: evenly spread, or values like 0,0.05")
+        ->type_name("LOW:HIGH:POINTS")
+        ->capture_default_str();
+    CLI::Option* contact =
+        command
+            .add_option("--contact-stiffness-N-per-m", a.stiffness,
+                        "of the fixture at the handle, evenly in its logarithm (50:20000:41), or values")
+            ->type_name("LOW:HIGH:POINTS");
+    command
+        .add_option(
+            "--gain", a.gain,
+            "instead: of the force, evenly in its logarithm, or values; 1 is --full-stiffness-N-per-m")
+        ->type_name("LOW:HIGH:POINTS")
+        ->excludes(contact);
+    command
+        .add_option("--full-stiffness-N-per-m", a.rest.full_stiffness_N_per_m,
+                    "of a gain of 1, at the handle")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    command
+        .add_option("--remedy", a.remedies,
+                    "none, scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
+                    "local-fixture, wave, two-port (docs/remedies.md), several with commas")
+        ->delimiter(',')
+        ->capture_default_str();
+}
+
+void add_network_options(CLI::App& command, SweepArguments& a) {
+    command.add_option("--jitter-s", a.jitters, "each packet is late by 0 to this, so they overtake")
+        ->capture_default_str();
+    command.add_option("--loss", a.losses, "share of packets that is lost")->capture_default_str();
+    command
+        .add_option("--loss-burst", a.rest.mean_burst, "packets lost in a row on average; 1: each by itself")
+        ->capture_default_str()
+        ->check(CLI::Range(1.0, 1e6));
+    command.add_option("--seed", a.rest.seed, "of delays, losses and virtual subjects")
+        ->capture_default_str();
+}
+
+void add_hold_options(CLI::App& command, SweepArguments& a) {
+    command.add_option("--step-s", a.rest.step_s, "between two samples")
+        ->capture_default_str()
+        ->check(CLI::Range(1e-5, 0.1));
+    command.add_option("--press-N", a.rest.press_N, "with which the hand would press at the wall")
+        ->capture_default_str();
+    command.add_option("--force-limit-N", a.rest.force_limit_N, "of the handle")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    command.add_option("--encoder-m", a.rest.encoder_step_m, "one step of the encoder")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+    command.add_option("--friction-N", a.rest.friction_N, "dry friction of the handle")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
+}
+
+void add_operator_options(CLI::App& command, SweepArguments& a) {
+    command
+        .add_option("--operator", a.who,
+                    "passive: a held hand presses; virtual: trials of experiment 3 by virtual subjects, "
+                    "who have hands of their own; --remedy may be CF, CCF, VF too")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"passive", "virtual"}));
+    command
+        .add_option("--trials", a.rest.trials, "of the virtual operator in each cell, each another subject")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 10000));
+    command.add_option("--config", a.rest.config, "session file (TOML) for the virtual operator");
+}
+
+}  // namespace
+
+void add_sweep_options(CLI::App& command, SweepArguments& a) {
+    add_loop_options(command, a);
+    add_network_options(command, a);
+    add_hold_options(command, a);
+    add_operator_options(command, a);
+    command.add_option("-o,--out", a.out, "folder for map.csv, map.svg and map.txt")->default_val("out/map");
+    command
+        .add_option("-j,--jobs", a.jobs,
+                    "threads, 0: one per core, or one for each rank; the results do not depend on it")
+        ->check(CLI::Range(0, 1024));
+    command.add_option("--block", a.block, "cells that a thread takes at a time, 0: by their number")
+        ->check(CLI::Range(0, 1000000));
+    command.add_flag("--overwrite", a.overwrite, "begin anew; without it an interrupted sweep goes on");
+    command.footer(
+        "Examples:\n  thimble sweep --hand D --out out/map\n"
+        "  thimble sweep --hand A,D --remedy none,wave,energy-bound --jitter-s 0,0.005 --loss 0,0.05 --out "
+        "out/remedies\n"
+        "  mpirun -n 4 thimble sweep --hand A,B,C,D,E --out out/hands\n"
+        "What the classes mean, and why peak-to-peak alone is not one: docs/stability.md");
+}
+
+MapGrid grid_of(const SweepArguments& a) {
+    MapGrid grid = a.rest;
+    const bool person = a.who == "virtual";
+    grid.who = person ? MapOperator::kVirtual : MapOperator::kPassive;
+    if (person && (a.own_hand.mass_kg > 0 || a.hands != std::vector<std::string>{"D"}))
+        throw Error(
+            ExitCode::kUsage,
+            "--operator virtual has a hand of its own ([operator] of --config): leave out --hand, --mass-kg");
+    if (!person && !a.rest.config.empty()) throw Error(ExitCode::kUsage, "--config is of --operator virtual");
+    if (person) {
+        grid.hands = {{"virtual", {1, 0, 0}}};
+    } else if (a.own_hand.mass_kg != 0) {
+        grid.hands = {{"own", a.own_hand}};
+    } else {
+        for (const std::string& letter : a.hands) grid.hands.push_back(named_hand(letter));
+    }
+    grid.remedies = a.remedies;
+    grid.delays_s = parse_map_axis("--delay-s", a.delays, false);
+    grid.jitters_s = parse_map_axis("--jitter-s", a.jitters, false);
+    grid.losses = parse_map_axis("--loss", a.losses, false);
+    if (!a.gain.empty()) {
+        grid.stiffness_N_per_m = parse_map_axis("--gain", a.gain, true);
+        for (double& value : grid.stiffness_N_per_m) value *= grid.full_stiffness_N_per_m;
+    } else {
+        grid.stiffness_N_per_m = parse_map_axis("--contact-stiffness-N-per-m",
+                                                a.stiffness.empty() ? "50:20000:41" : a.stiffness, true);
+    }
+    require_meaningful(grid);
+    return grid;
+}
+
+}  // namespace thimble

@@ -1,0 +1,35 @@
+// thimble sweep, and thimble-sweep-mpi: what they take, and what they do.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "study/maps/crew.hpp"
+#include "study/maps/map_grid.hpp"
+
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
+
+namespace thimble {
+
+struct SweepArguments {
+    std::vector<std::string> hands{"D"}, remedies{"none"};
+    HeldMass own_hand;  // a mass above 0: instead of `hands`
+    std::string delays = "0:0.2:41", stiffness, gain, jitters = "0", losses = "0", who = "passive";
+    std::string out;
+    MapGrid rest;
+    unsigned jobs = 0;
+    std::size_t block = 0;
+    bool overwrite = false;
+};
+
+void add_sweep_options(CLI::App& command, SweepArguments& arguments);
+// Throws Error (usage).
+MapGrid grid_of(const SweepArguments& arguments);
+// For so many workers: no more than a column, whose cells share their theory, and so few that all have work to the end.
+std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands);
+// Table and figure; the exit code.
+int run_map(const SweepArguments& arguments, const MapGrid& grid, Crew& crew);
+
+}  // namespace thimble

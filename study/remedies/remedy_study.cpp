@@ -1,0 +1,307 @@
+#include "study/remedies/remedy_study.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/error.hpp"
+#include "session/records/condition_summary.hpp"
+#include "session/records/metrics.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/virtual/virtual_session.hpp"
+#include "study/loop_limits.hpp"
+#include "study/study.hpp"
+#include "study/with_remedy.hpp"
+
+namespace thimble {
+namespace {
+
+// What no record holds: the hand itself.
+struct HandSample {
+    double time_s, position_hand_m, force_hand_N, position_needle_m;
+};
+
+// From the end of arriving to the beep, or to the end of a trial without one.
+void measure_hand(const std::vector<HandSample>& samples, const TrialRecord& record, const SystemSettings& s,
+                  RemedyTrial& trial) {
+    const double from_s = trial.metrics.first_contact_time_s + kHoldSettling_s;
+    const double surface_hand_m = record.conditions.fixture_position_m / s.master.position_scale;
+    double force_N = 0, depth_m = 0, drift_m = 0, count = 0;
+    for (const HandSample& sample : samples) {
+        if (!(sample.time_s >= from_s) || sample.time_s > record.beep_time_s) continue;
+        force_N += sample.force_hand_N;
+        depth_m += sample.position_hand_m - surface_hand_m;
+        drift_m += std::fabs(s.master.position_scale * sample.position_hand_m - sample.position_needle_m);
+        ++count;
+    }
+    if (count == 0) return;
+    trial.drift_needle_m = drift_m / count;
+    if (depth_m > 0) trial.rendered_stiffness = force_N / depth_m / true_stiffness_hand_N_per_m(s);
+}
+
+// Waves have to wait for the jitter too; everything else takes what comes.
+ControlSettings control_over(const RemedyNetwork& network, ControlSettings control) {
+    control.jitter += 2 * from_seconds(network.jitter_spread_s);
+    return control;
+}
+
+void run_trial(const SystemSettings& settings, const RemedyCondition& condition, RemedyTrial& trial) {
+    ControlSettings control = control_over(trial.network, condition.control);
+    control.share = trial.share;
+    VirtualSession session(with_control(over_network(settings, trial.network), control));
+    std::vector<HandSample> samples;
+    session.session().set_sample_hook([&](const TrajectorySample& sample) {
+        samples.push_back({sample.time_s, session.handle().position_hand_m(), session.handle().force_hand_N(),
+                           sample.position_needle_m});
+    });
+    const TrialRecord& record = session.run(trial.conditions);
+    trial.metrics = measure(record);
+    trial.completed = record.reason == EndReason::kCompleted && trial.metrics.beeped;
+    measure_hand(samples, record, settings, trial);
+}
+
+// There and back, jitter included.
+double longest_delay_s(const SystemSettings& settings, const RemedyNetwork& network) {
+    return to_seconds(session_settings(over_network(settings, network)).network_delay);
+}
+
+// Trials by whoever is free, each into its own place, handed over in their order.
+class Workers {
+  public:
+    Workers(const SystemSettings& settings, const std::vector<RemedyCondition>& conditions,
+            std::span<RemedyTrial> trials, const RemedyStudyOptions& options)
+        : settings_(settings),
+          conditions_(conditions),
+          trials_(trials),
+          options_(options),
+          done_(trials.size()) {
+        const unsigned threads = thread_count(options.jobs);
+        threads_.reserve(threads);
+        for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+    }
+    ~Workers() {
+        next_ = trials_.size();
+        for (std::thread& thread : threads_) thread.join();
+    }
+    Workers(const Workers&) = delete;
+    Workers& operator=(const Workers&) = delete;
+
+    // Waits for it; false if it was stopped before that one was begun.
+    bool wait_for(std::size_t trial) {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return done_[trial] || failure_ || idle_ == threads_.size(); });
+        if (failure_) std::rethrow_exception(failure_);
+        return done_[trial];
+    }
+
+  private:
+    bool stopped() const { return options_.stop != nullptr && *options_.stop; }
+
+    void work() {
+        for (std::size_t i = next_++; i < trials_.size() && !stopped(); i = next_++) run(i);
+        const std::lock_guard lock(mutex_);
+        ++idle_;
+        changed_.notify_all();
+    }
+
+    void run(std::size_t mine) {
+        std::exception_ptr failure;
+        try {
+            run_trial(settings_, conditions_[trials_[mine].condition], trials_[mine]);
+        } catch (...) {
+            failure = std::current_exception();
+        }
+        const std::lock_guard lock(mutex_);
+        done_[mine] = true;
+        if (failure) failure_ = failure;
+        changed_.notify_all();
+    }
+
+    const SystemSettings& settings_;
+    const std::vector<RemedyCondition>& conditions_;
+    std::span<RemedyTrial> trials_;
+    const RemedyStudyOptions& options_;
+    std::atomic<std::size_t> next_{0};
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::vector<bool> done_;
+    std::size_t idle_ = 0;
+    std::exception_ptr failure_;
+    std::vector<std::thread> threads_;
+};
+
+// A mean of those that exist.
+class Mean {
+  public:
+    void add(double value) {
+        if (!std::isfinite(value)) return;
+        sum_ += value;
+        ++count_;
+    }
+    double value() const { return count_ == 0 ? TrialMetrics::kNone : sum_ / count_; }
+
+  private:
+    double sum_ = 0, count_ = 0;
+};
+
+RemedyRow condensed(std::span<const RemedyTrial> trials, const std::vector<RemedyCondition>& conditions) {
+    RemedyRow row;
+    row.name = conditions[trials.front().condition].name;
+    row.network = trials.front().network;
+    row.share = trials.front().share;
+    Mean peak, mean, most, time, rendered, drift;
+    for (const RemedyTrial& trial : trials) {
+        ++row.trials;
+        row.completed += trial.completed ? 1 : 0;
+        row.oscillating += trial.metrics.oscillates ? 1 : 0;
+        peak.add(trial.metrics.oscillation_peak_to_peak_m);
+        mean.add(trial.metrics.penetration_mean_m);
+        most.add(trial.metrics.penetration_max_m);
+        time.add(trial.metrics.completion_time_s);
+        rendered.add(trial.rendered_stiffness);
+        drift.add(trial.drift_needle_m);
+    }
+    row.oscillation_peak_to_peak_m = peak.value();
+    row.penetration_mean_m = mean.value();
+    row.penetration_max_m = most.value();
+    row.completion_time_s = time.value();
+    row.rendered_stiffness = rendered.value();
+    row.drift_needle_m = drift.value();
+    return row;
+}
+
+}  // namespace
+
+std::vector<RemedyCondition> remedy_conditions(const SystemSettings& settings) {
+    std::vector<RemedyCondition> conditions;
+    conditions.reserve(kModalities.size() + kRemedyNames.size());
+    for (const Modality modality : kModalities) conditions.push_back({to_string(modality), modality, {}});
+    for (std::size_t i = 1; i < kRemedyNames.size(); ++i) {
+        conditions.push_back(
+            {std::string(kRemedyNames[i]), Modality::kHF, control_for(settings, static_cast<Remedy>(i))});
+    }
+    return conditions;
+}
+
+double stable_share(const SystemSettings& settings, double delay_s, double margin) {
+    const HeldHandle held = held_handle(settings);
+    const double whole_N_per_m = true_stiffness_hand_N_per_m(settings);
+    const double loop_s = delay_s + 0.5 * to_seconds(settings.master.sample_period);
+    if (critical_delay_s(held, whole_N_per_m) > loop_s) return 1;
+    double stable = 0, unstable = 1;
+    for (int i = 0; i < 50; ++i) {
+        const double share = 0.5 * (stable + unstable);
+        (critical_delay_s(held, share * whole_N_per_m) > loop_s ? stable : unstable) = share;
+    }
+    return margin * stable;
+}
+
+std::vector<RemedyCondition> chosen_conditions(const SystemSettings& settings,
+                                               const std::vector<std::string>& names) {
+    std::vector<RemedyCondition> all = remedy_conditions(settings);
+    if (names.empty()) return all;
+    std::vector<std::string> known;
+    known.reserve(all.size());
+    for (const RemedyCondition& condition : all) known.push_back(condition.name);
+    for (const std::string& name : names) {
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw Error(ExitCode::kUsage,
+                        fmt::format("'{}' is neither a modality nor a remedy: choose from {}", name,
+                                    fmt::join(known, ", ")));
+    }
+    std::vector<RemedyCondition> some;
+    for (const RemedyCondition& condition : all) {
+        if (std::find(names.begin(), names.end(), condition.name) != names.end()) some.push_back(condition);
+    }
+    return some;
+}
+
+std::vector<RemedyNetwork> plain_networks(const std::vector<double>& delays_s) {
+    std::vector<RemedyNetwork> networks;
+    networks.reserve(delays_s.size());
+    for (const double delay_s : delays_s) networks.push_back({delay_text(delay_s), delay_s, 0, 0});
+    return networks;
+}
+
+double true_stiffness_hand_N_per_m(const SystemSettings& settings) {
+    return settings.master.position_scale * settings.master.force_scale *
+           fixture_stiffness_N_per_m(settings.slave);
+}
+
+SystemSettings over_network(SystemSettings settings, const RemedyNetwork& network) {
+    set_delay(settings.netem.force, settings.netem.force_timeline, from_seconds(network.delay_s));
+    if (network.jitter_spread_s > 0)
+        settings.netem.force.jitter = {JitterShape::kUniform, from_seconds(network.jitter_spread_s)};
+    if (network.loss > 0)
+        settings.netem.force.loss = settings.netem.needle.loss = LossSettings::independent(network.loss);
+    return settings;
+}
+
+std::vector<RemedyTrial> plan_remedy_trials(const SystemSettings& settings,
+                                            const RemedyStudyOptions& options) {
+    const std::vector<RemedyCondition> conditions = chosen_conditions(settings, options.names);
+    const Protocol protocol = experiment_3(settings, options.subjects, options.seed);
+    std::vector<RemedyTrial> trials;
+    trials.reserve(conditions.size() * options.networks.size() * options.subjects * options.trials);
+    for (std::size_t c = 0; c < conditions.size(); ++c) {
+        const bool scaled = conditions[c].control.remedy == Remedy::kScaled;
+        for (const RemedyNetwork& network : options.networks) {
+            RemedyTrial trial;
+            trial.condition = c;
+            trial.network = network;
+            if (scaled) trial.share = stable_share(settings, longest_delay_s(settings, network));
+            for (std::uint32_t subject = 1; subject <= options.subjects; ++subject) {
+                for (std::uint32_t number = 1; number <= options.trials; ++number) {
+                    trial.conditions = {options.seed,
+                                        protocol.experiment,
+                                        subject,
+                                        number,
+                                        conditions[c].modality,
+                                        network.delay_s,
+                                        draw_fixture_position_m(protocol, subject, number),
+                                        false,
+                                        conditions[c].control.remedy};
+                    trials.push_back(trial);
+                }
+            }
+        }
+    }
+    return trials;
+}
+
+bool run_remedy_trials(const SystemSettings& settings, const RemedyStudyOptions& options,
+                       std::span<RemedyTrial> trials, const std::function<void(const RemedyTrial&)>& take) {
+    const std::vector<RemedyCondition> conditions = chosen_conditions(settings, options.names);
+    Workers workers(settings, conditions, trials, options);
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        if (!workers.wait_for(i)) return false;
+        take(trials[i]);
+    }
+    return true;
+}
+
+std::vector<RemedyRow> condense(const SystemSettings& settings, const RemedyStudyOptions& options,
+                                const std::vector<RemedyTrial>& trials) {
+    const std::vector<RemedyCondition> conditions = chosen_conditions(settings, options.names);
+    const std::size_t each = std::size_t{options.subjects} * options.trials;
+    std::vector<RemedyRow> rows;
+    rows.reserve(trials.size() / each);
+    for (std::size_t first = 0; first < trials.size(); first += each)
+        rows.push_back(condensed(std::span(trials).subspan(first, each), conditions));
+    return rows;
+}
+
+std::vector<RemedyRow> run_remedy_study(const SystemSettings& settings, const RemedyStudyOptions& options) {
+    std::vector<RemedyTrial> trials = plan_remedy_trials(settings, options);
+    if (!run_remedy_trials(settings, options, trials, [](const RemedyTrial&) {})) return {};
+    return condense(settings, options, trials);
+}
+
+}  // namespace thimble

@@ -1,0 +1,231 @@
+#include "study/study.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "analysis/report/report.hpp"
+#include "analysis/report/study_figures.hpp"
+#include "common/process/progress.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
+#include "common/version.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "study/no_lag.hpp"
+#include "study/study_folder.hpp"
+#include "study/subject_table.hpp"
+#include "study/with_remedy.hpp"
+
+namespace thimble {
+namespace {
+
+class Study {
+  public:
+    Study(const SystemSettings& settings, const StudyOptions& options)
+        : settings_(settings), options_(options), jobs_(thread_count(options.jobs)) {}
+
+    StudyResult run() {
+        make_folder(options_.out);
+        if (options_.if_exists == IfExists::kReplace) remove_side_tables();
+        run_table(all_trials(options_.protocols), "trials");
+        if (wants_control() && result_.complete) {
+            Protocol control = options_.protocols[0];
+            control.delay_s = 0;
+            run_table(all_trials({control}), "control");
+        }
+        if (options_.control && result_.complete) run_without_lag();
+        if (result_.complete) run_with_remedies();
+        // Not before a table: it is the one that refuses a folder with another study in it.
+        write_subjects(options_.out / "subjects.csv", settings_.person, options_.protocols);
+        result_.claims = judge_claims(result_.rows, no_lag_);
+        write_claims(result_.claims, options_.out / "claims.json");
+        if (!result_.rows.empty()) report();
+        return std::move(result_);
+    }
+
+  private:
+    bool wants_control() const {
+        return options_.control && options_.protocols.size() == 1 && options_.protocols[0].delay_s > 0;
+    }
+
+    void run_table(const std::vector<TrialConditions>& planned, const std::string& name) {
+        run_table(settings_, planned, name, result_.rows, [&](const TrialCurve& curve) { add_curve(curve); });
+    }
+
+    // A study that is then interrupted must not go on with those of another.
+    void remove_side_tables() const {
+        for (const char* name : {"control.csv", "control_curves.csv", "no_lag.csv", "no_lag_curves.csv"}) {
+            std::filesystem::remove(options_.out / name);
+        }
+        for (const std::string_view remedy : kRemedyNames) {
+            for (const char* end : {".csv", "_curves.csv"})
+                std::filesystem::remove(options_.out / fmt::format("hf_{}{}", remedy, end));
+        }
+        std::filesystem::remove(options_.out / "remedies.json");
+    }
+
+    // Its rows are no part of the study's: they only tell what the lag costs.
+    void run_without_lag() {
+        const std::vector<TrialConditions> planned = no_lag_trials(options_.protocols);
+        if (planned.empty()) return;
+        run_table(without_lag(settings_), planned, "no_lag", no_lag_, [](const TrialCurve&) {});
+    }
+
+    void run_with_remedies() {
+        for (const Remedy remedy : options_.remedies) {
+            if (!result_.complete) return;
+            run_table(with_control(settings_, control_for(settings_, remedy)),
+                      force_feedback_trials(options_.protocols),
+                      fmt::format("hf_{}", kRemedyNames[static_cast<std::size_t>(remedy)]), with_remedies_,
+                      [](const TrialCurve&) {});
+        }
+    }
+
+    void run_table(const SystemSettings& settings, std::vector<TrialConditions> planned,
+                   const std::string& name, std::vector<TrialRow>& rows, const TakeCurve& take_curve) {
+        name_remedies(planned, settings);
+        StudyTables tables(options_.out, name, options_.if_exists, planned, take_curve);
+        rows.insert(rows.end(), tables.rows().begin(), tables.rows().end());
+        std::size_t done = tables.rows().size();
+        result_.resumed += done;
+        const auto left = std::span(planned).subspan(done);
+        const SessionTime start = wall_now();
+        result_.complete = run_trials(settings, left, jobs_, options_.stop, [&](const TrialRecord& record) {
+            if (options_.trajectories) save_trajectory(record, name);
+            rows.push_back(make_row(record));
+            const TrialCurve curve = trial_curve(record);
+            tables.append(rows.back(), curve);
+            take_curve(curve);
+            if (!record.samples.empty()) result_.simulated_s += record.samples.back().time_s;
+            show(record.conditions, ++done, planned.size(), start);
+        });
+        result_.wall_s += to_seconds(wall_now() - start);
+        progress_.say(fmt::format("{} of {} trials in {}", done, planned.size(),
+                                  (options_.out / (name + ".csv")).string()));
+    }
+
+    void show(const TrialConditions& c, std::size_t done, std::size_t all, SessionTime start) {
+        const double wall_s = result_.wall_s + to_seconds(wall_now() - start);
+        progress_.show(
+            fmt::format("{}/{} trials, experiment {}, {}, subject {}, {:.0f} x real time on {} threads", done,
+                        all, c.experiment, delay_text(c.delay_s), c.subject,
+                        result_.simulated_s / std::max(wall_s, 1e-9), jobs_),
+            done == all || done % (all / 4 + 1) == 0);
+    }
+
+    void add_curve(const TrialCurve& curve) { panels_[curve.conditions.experiment].add(curve); }
+
+    void save_trajectory(const TrialRecord& record, const std::string& table) const {
+        const TrialConditions& c = record.conditions;
+        const auto folder = options_.out / "trajectories";
+        make_folder(folder);
+        const bool again = options_.if_exists != IfExists::kRefuse;
+        TrajectoryWriter writer(folder / fmt::format("experiment{}_subject{:02}_trial{:02}_{}_{:g}ms{}.csv",
+                                                     c.experiment, c.subject, c.trial, to_string(c.modality),
+                                                     1000 * c.delay_s, table == "no_lag" ? "_no_lag" : ""),
+                                again ? IfExists::kReplace : IfExists::kRefuse);
+        writer.append(record.samples);
+        writer.end(record.reason, record.lost_peer);
+    }
+
+    ReportSection claims_section() const {
+        ReportSection section;
+        section.title = "The paper's claims";
+        section.text = claims_sentence(result_.claims) + ", with this seed. How often over many: --seeds.";
+        section.tables = {claims_table(result_.claims)};
+        return section;
+    }
+
+    ReportSection section(std::uint32_t experiment, const StudyFigures& figures,
+                          const std::vector<MeasureAnalysis>& measures) const {
+        const std::vector<TrialRow> rows = of_experiment(result_.rows, experiment);
+        const bool alone = panels_.size() == 1;
+        ReportSection section =
+            trials_section(alone ? "Virtual study" : fmt::format("Experiment {}", experiment), rows,
+                           figures.experiments.at(experiment));
+        add_analysis(section, result_.rows, experiment, measures);
+        if (experiment == delayed_experiment()) {
+            section.headline = judge_headline(summarize(without_removals(result_.rows)));
+        } else {
+            section.headline.reset();
+        }
+        return section;
+    }
+
+    // HF, each remedy, CF, CCF and VF, by the paper's rule for choosing tests.
+    ReportSection remedies_section() const {
+        std::vector<TrialRow> rows = result_.rows;
+        rows.insert(rows.end(), with_remedies_.begin(), with_remedies_.end());
+        const std::vector<MeasureAnalysis> measures = analyse_trials(rows, options_.analysis);
+        write_analysis(measures, options_.analysis, options_.out / "remedies.json");
+        ReportSection section;
+        section.title = "Remedies against delay";
+        section.text =
+            "The trials with HF again, with a controller in the handle's loop: the same subjects, fixtures "
+            "and "
+            "delays.";
+        for (const MeasureAnalysis& measure : measures) {
+            section.findings.push_back(finding_text(measure));
+            for (ReportTable& table : analysis_tables({measure})) section.tables.push_back(std::move(table));
+        }
+        return section;
+    }
+
+    // Whose stability is the headline, judged against all trials without delay; 0: nobody's.
+    std::uint32_t delayed_experiment() const {
+        for (const Protocol& protocol : options_.protocols) {
+            if (protocol.delay_s > 0) return protocol.experiment;
+        }
+        return 0;
+    }
+
+    std::string experiments() const {
+        std::string names;
+        for (const Protocol& protocol : options_.protocols) {
+            names += fmt::format("{}{}", names.empty() ? "" : ", ", protocol.experiment);
+        }
+        return names;
+    }
+
+    void report() const {
+        ReportInput report;
+        report.title = fmt::format("Thimble: experiment{} {} in virtual time",
+                                   options_.protocols.size() > 1 ? "s" : "", experiments());
+        const std::vector<MeasureAnalysis> measures = analyse_trials(result_.rows, options_.analysis);
+        write_analysis(measures, options_.analysis, options_.out / "analysis.json");
+        const StudyFigures figures = draw_study(result_.rows, panels_, options_.out);
+        if (panels_.size() > 1) report.sections.push_back(overview_section(measures, figures.side_by_side));
+        report.sections.push_back(claims_section());
+        for (const auto& [experiment, panels] : panels_) {
+            report.sections.push_back(section(experiment, figures, measures));
+        }
+        if (!with_remedies_.empty()) report.sections.push_back(remedies_section());
+        const Protocol& protocol = options_.protocols[0];
+        report.provenance = {{"command", options_.command},
+                             {"seed", std::to_string(protocol.seed)},
+                             {"subjects", std::to_string(protocol.subjects)},
+                             {"order of trials", to_string(protocol.order)},
+                             {"version", kVersion},
+                             {"complete", result_.complete ? "yes" : "no, interrupted"}};
+        write_report(report, options_.out / "report.html");
+        write_summary(report, options_.out / "summary.json");
+    }
+
+    const SystemSettings& settings_;
+    const StudyOptions& options_;
+    unsigned jobs_;
+    Progress progress_;
+    PanelsByExperiment panels_;
+    std::vector<TrialRow> no_lag_, with_remedies_;
+    StudyResult result_;
+};
+
+}  // namespace
+
+StudyResult run_study(const SystemSettings& settings, const StudyOptions& options) {
+    return Study(settings, options).run();
+}
+
+}  // namespace thimble

@@ -1,0 +1,57 @@
+// `thimble study`: whole experiments in virtual time, in this one process.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "analysis/analysis.hpp"
+#include "analysis/claims/claims.hpp"
+#include "session/records/mean_trajectory.hpp"
+#include "session/records/trial_table.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/settings/system_settings.hpp"
+
+namespace thimble {
+
+struct StudyOptions {
+    std::vector<Protocol> protocols;  // one per experiment, in order
+    std::filesystem::path out;
+    std::string command;                     // as typed, for the report's provenance
+    unsigned jobs = 0;                       // threads; 0: one per core
+    IfExists if_exists = IfExists::kRefuse;  // kContinue: goes on where an earlier study was interrupted
+    bool trajectories = false;               // one file per trial
+    // Of an experiment with delay that comes alone: the same trials without, into control.csv. Of experiment 1:
+    // its trials with CF, with actuators without lag, into no_lag.csv.
+    bool control = true;
+    // The trials with HF again, with each of these in the handle's loop, into hf_NAME.csv: HF, each of them, CF, CCF and VF are then
+    // compared (remedies.json). The paper's claims are about HF without.
+    std::vector<Remedy> remedies{};
+    AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
+    const std::atomic<bool>* stop = nullptr;      // asked between trials
+};
+
+// How many threads `jobs` asks for: 0 is one per core, if that is known.
+unsigned thread_count(unsigned jobs);
+
+// Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end
+// in; so nothing that is made from them depends on the number of threads. False if `stop` cut it short.
+bool run_trials(const SystemSettings& settings, std::span<const TrialConditions> trials, unsigned jobs,
+                const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take);
+
+struct StudyResult {
+    std::vector<TrialRow> rows;  // of trials.csv, then of control.csv
+    std::vector<Claim> claims;
+    bool complete = true;
+    std::size_t resumed = 0;             // rows that were there already
+    double simulated_s = 0, wall_s = 0;  // of the trials alone, without report
+};
+
+// Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
+// no_lag.csv, hf_NAME.csv, subjects.csv, claims.json, analysis.json, report.html, summary.json and figures/ below options.out.
+StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
+
+}  // namespace thimble

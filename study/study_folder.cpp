@@ -1,0 +1,92 @@
+#include "study/study_folder.hpp"
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "session/records/condition_summary.hpp"
+
+namespace thimble {
+namespace {
+
+// As far as a curve says it.
+bool same_trial(const TrialConditions& a, const TrialConditions& b) {
+    return a.experiment == b.experiment && a.subject == b.subject && a.trial == b.trial &&
+           a.modality == b.modality && same_delay(a.delay_s, b.delay_s);
+}
+
+bool same(const TrialConditions& a, const TrialConditions& b) {
+    return same_trial(a, b) && a.study_seed == b.study_seed && a.fixture_position_m == b.fixture_position_m &&
+           a.removes_fixture == b.removes_fixture && a.remedy == b.remedy;
+}
+
+void check_plan(const std::filesystem::path& table, const std::vector<TrialRow>& rows,
+                const std::vector<TrialConditions>& planned) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (i < planned.size() && same(rows[i].conditions, planned[i])) continue;
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}:{}: this trial is not the one this study would have run there: --resume "
+                                "needs the same experiment, seed, subjects, order and session file",
+                                table.string(), i + 2));
+    }
+}
+
+bool is_there(const std::filesystem::path& file) {
+    std::error_code ignored;
+    return std::filesystem::exists(file, ignored);
+}
+
+// How many of the rows have their curve. Each of those curves goes to `take_curve`.
+std::size_t take_curves(const std::filesystem::path& curves, const std::vector<TrialRow>& rows,
+                        const TakeCurve& take_curve) {
+    if (!is_there(curves)) return 0;
+    std::size_t both = 0;
+    const auto take = [&](const TrialCurve& curve) {
+        if (both == rows.size()) return;  // its row was never written
+        if (!same_trial(rows[both].conditions, curve.conditions))
+            throw Error(ExitCode::kData,
+                        fmt::format("{}:{}: this curve is not of the trial that the table has there; nothing "
+                                    "was changed: name another folder with --out",
+                                    curves.string(), both + 2));
+        take_curve(curve);
+        ++both;
+    };
+    read_curves(curves, take, LastLine::kMayBeTorn);
+    return both;
+}
+
+// All files are read and judged before one is cut. The curves are not forced to the disk: after a power cut they can be
+// behind the table. A trial without its curve is run again, unless no trial has one: then the table is no study's.
+std::vector<TrialRow> recover(const std::filesystem::path& table, const std::filesystem::path& curves,
+                              const std::vector<TrialConditions>& planned, const TakeCurve& take_curve) {
+    std::vector<TrialRow> rows;
+    if (is_there(table)) rows = read_unfinished_trial_table(table);
+    check_plan(table, rows, planned);
+    const std::size_t both = take_curves(curves, rows, take_curve);
+    if (both == 0 && !rows.empty())
+        throw Error(ExitCode::kData,
+                    fmt::format("{}: has {} trials, and {} has no curve of any. A study writes both; thimble "
+                                "run and thimble play write no curves. Nothing was changed: name another "
+                                "folder with --out, or put the curves back",
+                                table.string(), rows.size(), curves.string()));
+    keep_lines(curves, both);
+    keep_lines(table, both);
+    rows.resize(both);
+    return rows;
+}
+
+}  // namespace
+
+StudyTables::StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
+                         const std::vector<TrialConditions>& planned, const TakeCurve& take_curve)
+    : earlier_(if_exists == IfExists::kContinue
+                   ? recover(folder / (name + ".csv"), folder / (name + "_curves.csv"), planned, take_curve)
+                   : std::vector<TrialRow>{}),
+      table_(folder / (name + ".csv"), if_exists),
+      curves_(folder / (name + "_curves.csv"), if_exists) {}
+
+void StudyTables::append(const TrialRow& row, const TrialCurve& curve) {
+    curves_.append(curve);
+    table_.append(row);
+}
+
+}  // namespace thimble

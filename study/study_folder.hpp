@@ -1,0 +1,34 @@
+// What a study that was interrupted left in its folder, and the tables it goes on with.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "session/records/curve_file.hpp"
+#include "session/records/trial_table.hpp"
+
+namespace thimble {
+
+// One table of trials with its curves: NAME.csv and NAME_curves.csv.
+class StudyTables {
+  public:
+    // IfExists::kContinue reads the earlier trials, passes the curve of each to `take_curve`, and cuts off half-written lines.
+    // Throws Error before it changes a byte: usage, if the trials are not the first of `planned` (another study, seed or
+    // version); data, if a table is damaged or has no curves.
+    StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
+                const std::vector<TrialConditions>& planned, const TakeCurve& take_curve);
+
+    // The trials that need not be run again, in order.
+    const std::vector<TrialRow>& rows() const { return earlier_; }
+
+    // The row is on the disk when it returns, its curve before it.
+    void append(const TrialRow& row, const TrialCurve& curve);
+
+  private:
+    std::vector<TrialRow> earlier_;
+    TrialTable table_;
+    CurveFile curves_;
+};
+
+}  // namespace thimble

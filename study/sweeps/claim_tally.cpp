@@ -1,0 +1,122 @@
+#include "study/sweeps/claim_tally.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/statistics/wilson.hpp"
+#include "common/json_text.hpp"
+#include "common/text_file.hpp"
+
+namespace thimble {
+namespace {
+
+std::string fraction_text(const ClaimCount& c) {
+    if (!c.had_trials) return "not judged";
+    const ConfidenceInterval interval = c.interval();
+    return fmt::format("{:.0f} % ({:.0f} to {:.0f})", 100 * c.fraction(), 100 * interval.low,
+                       100 * interval.high);
+}
+
+}  // namespace
+
+const char* to_string(ClaimClass c) {
+    switch (c) {
+        case ClaimClass::kNotJudged:
+            return "not judged";
+        case ClaimClass::kReproduced:
+            return "reproduced";
+        case ClaimClass::kDirection:
+            return "in direction";
+        case ClaimClass::kLess:
+            return "less often";
+    }
+    return "?";
+}
+
+ConfidenceInterval ClaimCount::interval() const { return wilson_interval(reproduced, studies); }
+
+ClaimClass ClaimCount::classified() const {
+    if (!had_trials) return ClaimClass::kNotJudged;
+    if (fraction() >= kReproducedFrom) return ClaimClass::kReproduced;
+    return directed > 0 && direction_fraction() >= kReproducedFrom ? ClaimClass::kDirection
+                                                                   : ClaimClass::kLess;
+}
+
+void ClaimTally::add(const std::vector<Claim>& claims) {
+    if (counts_.empty()) {
+        for (const Claim& claim : claims) {
+            counts_.emplace_back();
+            counts_.back().claim = claim;
+        }
+    }
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        ClaimCount& count = counts_[i];
+        ++count.studies;
+        count.had_trials = count.had_trials || claims[i].had_trials;
+        count.judged += claims[i].reproduced.has_value();
+        count.reproduced += claims[i].reproduced.value_or(false);
+        count.directed += claims[i].direction.has_value();
+        count.direction += claims[i].direction.value_or(false);
+    }
+    ++studies_;
+}
+
+std::size_t ClaimTally::fragile() const {
+    return static_cast<std::size_t>(
+        std::count_if(counts_.begin(), counts_.end(), [](const ClaimCount& c) { return c.fragile(); }));
+}
+
+std::string claim_cells(const Claim& claim) {
+    const auto flag = [](const std::optional<bool>& verdict) { return !verdict ? "" : *verdict ? "1" : "0"; };
+    return fmt::format("{},{},{}\n", claim.id, flag(claim.reproduced), flag(claim.direction));
+}
+
+ReportTable tally_table(std::string title, const ClaimTally& tally, const std::string& what,
+                        bool only_fragile) {
+    ReportTable table{
+        std::move(title),
+        fmt::format("Reproduced: fraction of {0} in which direction and the paper's significance "
+                    "both come out, with its 95 % Wilson interval. Direction: fraction in which "
+                    "it comes out, whatever the significance. What came out with the first of "
+                    "the {0}.",
+                    what),
+        {"id", "claim", "the paper", what, "reproduced", "direction", "class", "with the first"},
+        {}};
+    for (const ClaimCount& c : tally.counts()) {
+        if (only_fragile && !c.fragile()) continue;
+        table.rows.push_back({c.claim.id, c.claim.claim, c.claim.paper, fmt::format("{}", c.studies),
+                              fraction_text(c),
+                              c.directed > 0 ? fmt::format("{:.0f} %", 100 * c.direction_fraction()) : "",
+                              to_string(c.classified()), c.claim.ours});
+    }
+    return table;
+}
+
+nlohmann::ordered_json to_json(const ClaimCount& count) {
+    Claim over_all = count.claim;
+    over_all.reproduced = over_all.direction = std::nullopt;
+    if (count.had_trials) over_all.reproduced = count.fraction() >= kReproducedFrom;
+    if (count.directed > 0) over_all.direction = count.direction_fraction() >= kReproducedFrom;
+    nlohmann::ordered_json entry = to_json(over_all);
+    entry["class"] = to_string(count.classified());
+    entry["studies"] = count.studies;
+    entry["studies_judged"] = count.judged;
+    entry["studies_reproduced"] = count.reproduced;
+    if (count.had_trials) {
+        entry["fraction"] = count.fraction();
+        entry["interval"] = {count.interval().low, count.interval().high};
+    }
+    if (count.directed > 0) entry["direction_fraction"] = count.direction_fraction();
+    return entry;
+}
+
+void write_tally(const ClaimTally& tally, const std::filesystem::path& json) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const ClaimCount& c : tally.counts()) list.push_back(to_json(c));
+    write_text_file(json, json_text(list, 2) + "\n");
+}
+
+}  // namespace thimble

@@ -1,0 +1,148 @@
+#include "study/sweeps/variation.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/report/report.hpp"
+#include "common/json_text.hpp"
+#include "common/process/progress.hpp"
+#include "common/text_file.hpp"
+#include "study/sweeps/survival_figure.hpp"
+
+namespace thimble {
+namespace {
+
+ReportTable survival_table(const Variation& variation) {
+    ReportTable table{variation.range.name(),
+                      "Percent of seeds in which direction and the paper's significance both come out.",
+                      {"id"},
+                      {}};
+    for (const VariedPoint& point : variation.points)
+        table.columns.push_back(fmt::format("{:g}", point.value));
+    for (const std::size_t i : shown_claims(variation)) {
+        std::vector<std::string> row{variation.points.front().tally.counts()[i].claim.id};
+        for (const VariedPoint& point : variation.points) {
+            row.push_back(fmt::format("{:.0f}", 100 * point.tally.counts()[i].fraction()));
+        }
+        table.rows.push_back(std::move(row));
+    }
+    return table;
+}
+
+nlohmann::ordered_json to_json(const Variation& variation) {
+    nlohmann::ordered_json points = nlohmann::ordered_json::array();
+    for (const VariedPoint& point : variation.points) {
+        nlohmann::ordered_json claims = nlohmann::ordered_json::array();
+        for (const std::size_t i : shown_claims(variation)) {
+            const ClaimCount& c = point.tally.counts()[i];
+            claims.push_back({{"id", c.claim.id}, {"fraction", c.fraction()}, {"studies", c.studies}});
+        }
+        points.push_back({{"value", point.value}, {"claims", std::move(claims)}});
+    }
+    return {
+        {"parameter", variation.range.name()}, {"keys", variation.range.keys}, {"points", std::move(points)}};
+}
+
+class Sweep {
+  public:
+    Sweep(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
+          const SweepOptions& options)
+        : config_(config), ranges_(ranges), options_(options) {}
+
+    VariationResult run() {
+        for (const ParameterRange& range : ranges_) {
+            for (unsigned i = 0; i < range.points; ++i) settings_of(range, range.at(i));
+        }
+        claim_folder(options_);
+        CsvFile file(options_.out / "claims_vary.csv", options_.if_exists);
+        file.write("parameter,value,seed,id,reproduced,direction\n");
+        for (const ParameterRange& range : ranges_) {
+            if (result_.complete) vary(range, file);
+        }
+        if (!result_.variations.empty()) write();
+        return std::move(result_);
+    }
+
+  private:
+    SystemSettings settings_of(const ParameterRange& range, double value) const {
+        std::vector<SettingChange> changes;
+        range.set(changes, value);
+        return load_system_settings(config_, changes);
+    }
+
+    void vary(const ParameterRange& range, CsvFile& file) {
+        Variation variation{range, {}};
+        for (unsigned i = 0; i < range.points && result_.complete; ++i) {
+            VariedPoint point{range.at(i), {}};
+            judge(range, point, file);
+            if (result_.complete) variation.points.push_back(std::move(point));
+        }
+        if (!variation.points.empty()) result_.variations.push_back(std::move(variation));
+    }
+
+    void judge(const ParameterRange& range, VariedPoint& point, CsvFile& file) {
+        const SystemSettings settings = settings_of(range, point.value);
+        for (std::uint32_t i = 0; i < options_.seeds; ++i) {
+            const std::uint64_t seed = options_.protocols[0].seed + i;
+            const auto claims = judge_study(settings, options_, seed);
+            if (!claims) {
+                result_.complete = false;
+                return;
+            }
+            point.tally.add(*claims);
+            for (const Claim& c : *claims) {
+                file.write(fmt::format("{},{},{},{}", range.name(), point.value, seed, claim_cells(c)));
+            }
+            file.sync();
+            progress_.show(fmt::format("{} = {:g}, seed {}: {}", range.name(), point.value, seed,
+                                       claims_sentence(*claims)),
+                           true);
+        }
+    }
+
+    void write() const {
+        nlohmann::ordered_json list = nlohmann::ordered_json::array();
+        for (const Variation& variation : result_.variations) list.push_back(to_json(variation));
+        write_text_file(options_.out / "vary.json", json_text(list, 2) + "\n");
+        ReportInput report;
+        report.title = "Thimble: which claims survive";
+        for (const Variation& variation : result_.variations) report.sections.push_back(section(variation));
+        report.provenance = sweep_provenance(options_, "seeds per point", options_.seeds, result_.complete);
+        write_report(report, options_.out / "report.html");
+    }
+
+    ReportSection section(const Variation& variation) const {
+        ReportSection section;
+        section.title = fmt::format("{} from {:g} to {:g}", variation.range.name(),
+                                    variation.points.front().value, variation.points.back().value);
+        section.drawn = draw_survival(variation, options_.out);
+        section.tables = {survival_table(variation)};
+        return section;
+    }
+
+    const std::filesystem::path& config_;
+    const std::vector<ParameterRange>& ranges_;
+    const SweepOptions& options_;
+    Progress progress_;
+    VariationResult result_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> shown_claims(const Variation& variation) {
+    std::vector<std::size_t> indices;
+    const auto& claims = variation.points.front().tally.counts();
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        if (claims[i].had_trials) indices.push_back(i);
+    }
+    return indices;
+}
+
+VariationResult run_variations(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
+                               const SweepOptions& options) {
+    return Sweep(config, ranges, options).run();
+}
+
+}  // namespace thimble

@@ -1,0 +1,35 @@
+// One parameter after another from end to end of its range, the others as they are: which claims survive?
+#pragma once
+
+#include "study/sweeps/claim_tally.hpp"
+#include "study/sweeps/judged_study.hpp"
+#include "study/sweeps/parameter_range.hpp"
+
+namespace thimble {
+
+struct VariedPoint {
+    double value = 0;  // of the parameter, SI
+    ClaimTally tally;  // over the seeds, the same ones at every point
+};
+
+struct Variation {
+    ParameterRange range;
+    std::vector<VariedPoint> points;
+};
+
+// Claims whose experiment was run, as indices into a tally's counts, in their order.
+std::vector<std::size_t> shown_claims(const Variation& variation);
+
+struct VariationResult {
+    std::vector<Variation> variations;
+    bool complete = true;
+};
+
+// A point that was interrupted is left out. `config`: the session file, "" for the defaults; every range has points. Writes claims_vary.csv (parameter,
+// value, seed, id, reproduced, direction; as each study ends), vary.json and report.html with a figure for each
+// parameter. All settings are read before the first trial: an unknown key or a value out of range costs
+// nothing (Error, usage).
+VariationResult run_variations(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
+                               const SweepOptions& options);
+
+}  // namespace thimble

@@ -1,0 +1,211 @@
+#include "analysis/report/report.hpp"
+
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "analysis/report/report_tables.hpp"
+#include "analysis/text/gnuplot.hpp"
+#include "common/error.hpp"
+#include "common/process/subprocess.hpp"
+#include "tests/unit/session/records.hpp"
+
+namespace thimble {
+namespace {
+
+// A PATH of its own for as long as it lives.
+class Path {
+  public:
+    explicit Path(const std::string& path) : before_(std::getenv("PATH")) {
+        ::setenv("PATH", path.c_str(), 1);
+    }
+    ~Path() { ::setenv("PATH", before_.c_str(), 1); }
+    Path(const Path&) = delete;
+    Path& operator=(const Path&) = delete;
+
+  private:
+    std::string before_;
+};
+
+struct Study {
+    std::vector<TrialRow> rows;
+    TrajectoryPanels panels;
+};
+
+// Two subjects, two trials per modality and delay; HF leaves the fixture at 50 ms.
+Study small_study() {
+    Study study;
+    for (std::uint32_t trial = 1; trial <= 32; ++trial) {
+        const Modality modality = kModalities[trial % 4];
+        const double delay_s = trial > 16 ? 0.05 : 0;
+        const bool oscillates = delay_s > 0 && modality == Modality::kHF;
+        TrialRecord record = oscillates ? sine_record(0.001, 0.01 + 0.0001 * trial, 3)
+                                        : sine_record(0.004 + 0.00005 * trial, 0.0005, 0.7);
+        record.conditions.subject = 1 + (trial / 4) % 2;
+        record.conditions.trial = trial;
+        record.conditions.modality = modality;
+        record.conditions.delay_s = delay_s;
+        study.rows.push_back(make_row(record));
+        study.panels.add(record);
+    }
+    return study;
+}
+
+bool have_gnuplot() {
+    try {
+        return run_program("gnuplot", {"-V"}, ".", "").exit_code == 0;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+std::size_t count(const std::string& text, const std::string& what) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+    return n;
+}
+
+TEST(Report, StandsAloneWithInlineFigures) {
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    const TemporaryDirectory directory;
+    const Study study = small_study();
+    ReportInput report{"A <study>", {}, {{"seed", "1"}, {"command", "thimble study \"x\" & y"}}};
+    DrawnFigures drawn = draw_figures(study.panels.panels(), summarize(study.rows), directory.path());
+    ASSERT_EQ(drawn.problem, "");
+    report.sections.push_back(trials_section("Virtual time", study.rows, std::move(drawn)));
+    write_report(report, directory / "report.html");
+
+    const std::string html = read_text(directory / "report.html");
+    EXPECT_EQ(count(html, "<svg"), 2U);
+    EXPECT_EQ(count(html, "</svg>"), 2U);
+    EXPECT_EQ(count(html, "http://"), count(html, "xmlns=\"http://") + count(html, "xmlns:xlink=\"http://"));
+    for (const char* outside : {"https://", "<script", "<link", "<img", "@import", "src=", "<?xml"}) {
+        EXPECT_EQ(count(html, outside), 0U) << outside;
+    }
+    EXPECT_EQ(count(html, "At 50 ms only HF oscillates: supported."), 1U);
+    EXPECT_EQ(count(html, "A &lt;study&gt;"), 2U);
+    EXPECT_EQ(count(html, "thimble study &quot;x&quot; &amp; y"), 1U);
+    for (const char* file : {"trajectories.svg", "trajectories.gp", "trajectories.tsv", "bars.svg"}) {
+        EXPECT_TRUE(std::filesystem::exists(directory / "figures" / file)) << file;
+    }
+}
+
+TEST(Report, FiguresKeepTheirIdsApart) {
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    const TemporaryDirectory directory;
+    const Study study = small_study();
+    const DrawnFigures drawn =
+        draw_figures(study.panels.panels(), summarize(study.rows), directory.path(), "_real");
+    ASSERT_EQ(drawn.figures.size(), 2U);
+    for (const Figure& figure : drawn.figures) {
+        EXPECT_TRUE(figure.name.ends_with("_real"));
+        EXPECT_GT(count(figure.svg, "id=\"" + figure.name + "-"), 0U);
+        EXPECT_EQ(count(figure.svg, "id=\""), count(figure.svg, "id=\"" + figure.name + "-"));
+        EXPECT_EQ(count(figure.svg, "href='#"), count(figure.svg, "href='#" + figure.name + "-"));
+    }
+}
+
+TEST(Report, WithoutGnuplotTheTablesRemain) {
+    const TemporaryDirectory directory;
+    const Study study = small_study();
+    const auto conditions = summarize(study.rows);
+    DrawnFigures drawn;
+    {
+        const Path nothing(directory.path().string());
+        try {
+            const FigureSource bars = bar_figure(conditions, "bars");
+            run_gnuplot(directory / "figures", bars.name, bars.data, bars.script);
+            ADD_FAILURE() << "gnuplot was found in an empty PATH";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::kRunFailed);
+            EXPECT_NE(std::string(error.what()).find("install gnuplot"), std::string::npos) << error.what();
+        }
+        drawn = draw_figures(study.panels.panels(), conditions, directory.path());
+    }
+    EXPECT_TRUE(drawn.figures.empty());
+    ReportInput report{"Study", {trials_section("Virtual time", study.rows, drawn)}, {}};
+    write_report(report, directory / "report.html");
+    write_summary(report, directory / "summary.json");
+    const std::string html = read_text(directory / "report.html");
+    EXPECT_EQ(count(html, "No figures: gnuplot: cannot be started"), 1U);
+    EXPECT_EQ(count(html, "<table>"), 3U);
+    EXPECT_NE(read_text(directory / "summary.json").find("figures_problem"), std::string::npos);
+}
+
+TEST(Report, AFailingGnuplotSaysWhy) {
+    const TemporaryDirectory directory;
+    std::ofstream(directory / "gnuplot") << "#!/bin/sh\necho no such terminal >&2\nexit 3\n";
+    std::filesystem::permissions(directory / "gnuplot", std::filesystem::perms::owner_all);
+    const Path fake(directory.path().string());
+    try {
+        const FigureSource bars = bar_figure(summarize(small_study().rows), "bars");
+        run_gnuplot(directory / "figures", bars.name, bars.data, bars.script);
+        FAIL() << "a failing gnuplot went unnoticed";
+    } catch (const Error& error) {
+        const std::string what = error.what();
+        EXPECT_NE(what.find("exit code 3"), std::string::npos) << what;
+        EXPECT_NE(what.find("no such terminal"), std::string::npos) << what;
+    }
+}
+
+TEST(Report, SummaryHasTheNumbersOfTheTables) {
+    const TemporaryDirectory directory;
+    const Study study = small_study();
+    ReportInput report{"Study", {trials_section("Virtual time", study.rows, {})}, {{"seed", "1"}}};
+    write_summary(report, directory / "summary.json");
+    const auto summary = nlohmann::json::parse(read_text(directory / "summary.json"));
+    const auto& section = summary["sections"][0];
+    EXPECT_EQ(section["headline"]["verdict"], "supported");
+    EXPECT_EQ(section["headline"]["supported"], true);
+    EXPECT_EQ(summary["provenance"]["seed"], "1");
+    ASSERT_EQ(section["conditions"].size(), 8U);
+    const auto& condition = section["conditions"][4];
+    EXPECT_EQ(condition["modality"], "HF");
+    EXPECT_EQ(condition["delay_s"], 0.05);
+    EXPECT_EQ(condition["oscillating"], 4);
+    EXPECT_EQ(condition["judged"], 4);
+    EXPECT_DOUBLE_EQ(condition["metrics"]["penetration_max_m"]["mean"].get<double>(),
+                     report.sections[0].conditions[4].of(Metric::kPenetrationMax).mean);
+    EXPECT_TRUE(condition["metrics"]["peak_displacement_m"]["mean"].is_null());
+}
+
+TEST(Report, SummaryHoldsAPathThatIsNoUtf8AsFarAsItGoes) {
+    const TemporaryDirectory directory;
+    ReportInput report{"Study", {}, {{"command", "thimble study --out caf\xe9"}, {"\xff", "1"}}};
+    write_summary(report, directory / "summary.json");
+    const auto summary = nlohmann::json::parse(read_text(directory / "summary.json"));
+    EXPECT_EQ(summary["provenance"]["command"], "thimble study --out caf\xef\xbf\xbd");
+}
+
+TEST(Report, AgreementComparesTheSameTrials) {
+    const Study study = small_study();
+    std::vector<TrialRow> real = study.rows;
+    real[0].metrics.penetration_max_m += 0.001;
+    real[31].metrics.oscillates = !real[31].metrics.oscillates;
+    real[5].reason = EndReason::kPeerLost;
+    real[6].conditions.subject = 99;
+    const Agreement agreement = compare_trials(real, study.rows);
+    EXPECT_EQ(agreement.compared, 30U);
+    EXPECT_EQ(agreement.same_class, 29U);
+    EXPECT_EQ(agreement.unmatched, 2U);
+    EXPECT_EQ(agreement.classes.rows.size(), 30U);
+    EXPECT_EQ(agreement.classes.rows.back().back(), "no");
+    ASSERT_EQ(agreement.metrics.rows.size(), 14U);  // those without delay
+    EXPECT_EQ(agreement.metrics.rows[0].at(9), "1.00");
+    const ReportSection section = agreement_section(real, study.rows);
+    EXPECT_EQ(section.text.find("The class agrees in 29 of 30 trials"), 0U);
+}
+
+TEST(Subprocess, OutputExitCodeAndDirectory) {
+    const TemporaryDirectory directory;
+    const ProgramResult result =
+        run_program("sh", {"-c", "pwd; echo oops >&2; exit 7"}, directory.path(), "");
+    EXPECT_EQ(result.exit_code, 7);
+    EXPECT_EQ(result.output, std::filesystem::canonical(directory.path()).string() + "\noops\n");
+    EXPECT_EQ(run_program("sh", {"-c", "kill -9 $$"}, ".", "").exit_code, 128 + 9);
+    EXPECT_EQ(run_program("cat", {}, ".", "").output, "");  // stdin is empty, not the terminal
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,361 @@
+// The session alone: the test is its five nodes, and says what they do.
+#include "session/run/session_process.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "common/queue_channel.hpp"
+#include "session/settings/system_settings.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr Duration kBeat = milliseconds{50};
+
+std::size_t place(Role role) {
+    return static_cast<std::size_t>(std::find(kNodeRoles.begin(), kNodeRoles.end(), role) -
+                                    kNodeRoles.begin());
+}
+
+// A node obeys each order at once, unless the test has it do something else.
+class PlayedNode {
+  public:
+    explicit PlayedNode(Role role) : flow_(role, 7, {&pipe.b}) {}
+
+    void tick(SessionTime now) {
+        while (const Message* message = orders_.receive(now, pipe.b)) {
+            const auto* order = std::get_if<SessionControl>(&message->body);
+            if (order == nullptr) continue;
+            heard.push_back(order->kind);
+            if (obeys) obey(message->header.trial, *order);
+        }
+        if (!speaks) return;
+        Heartbeat heartbeat;
+        heartbeat.state = state;
+        heartbeat.reason = reason;
+        flow_.send(now, trial, heartbeat);
+    }
+    void say(SessionTime now, const Order& order) { flow_.send(now, trial, order); }
+    long count(ControlKind kind) const { return std::count(heard.begin(), heard.end(), kind); }
+
+    QueuePipe pipe;  // a: the session's end
+    bool obeys = true, speaks = true;
+    NodeState state = NodeState::kIdle;
+    EndReason reason = EndReason::kNone;
+    std::uint32_t trial = 0;
+    std::vector<ControlKind> heard;
+
+  private:
+    void obey(std::uint32_t number, const SessionControl& order) {
+        if (order.kind == ControlKind::kTrialStart && number != trial) {
+            trial = number;
+            state = NodeState::kRunning;
+        }
+        if (order.kind == ControlKind::kTrialEnd && number == trial) state = NodeState::kIdle;
+    }
+
+    OutboundFlow flow_;
+    InboundFlow orders_{Role::kSession};
+};
+
+SessionSettings patient_settings() {
+    SessionSettings settings;
+    settings.contact_hold = seconds{1};
+    settings.trial_timeout = seconds{600};
+    return settings;
+}
+
+class SessionProcessTest : public testing::Test {
+  protected:
+    explicit SessionProcessTest(const SessionSettings& settings = patient_settings())
+        : session_(1, settings,
+                   {{&netem_.pipe.a, &slave_.pipe.a, &cutaneous_.pipe.a, &visual_.pipe.a, &master_.pipe.a},
+                    &record_.a}) {}
+
+    std::array<PlayedNode*, 5> nodes() { return {&netem_, &slave_, &cutaneous_, &visual_, &master_}; }
+    PlayedNode& node(Role role) { return *nodes().at(place(role)); }
+
+    // Nodes speak every 50 ms, and slave_sim answers, until so much time has passed or the trial is over.
+    void run_for(Duration time) {
+        const SessionTime end = now_ + time;
+        while (now_ < end && !session_.finished()) beat();
+    }
+    void beat() {
+        now_ += kBeat;
+        if (records_) answer();
+        for (PlayedNode* one : nodes()) one->tick(now_);
+        session_.tick(now_);
+    }
+    void answer() {
+        ForceFeedback feedback;
+        feedback.echo_time = now_;
+        feedback.phase = phase_;
+        feedback.contact_time_s = contact_s_;
+        slave_record_.send(now_, session_.number(), feedback);
+    }
+    void start(std::uint32_t number = 1) {
+        session_.start(TrialConditions{}, number);
+        session_.tick(now_);
+    }
+    void reach_running() {
+        start(session_.number() + 1);
+        run_for(milliseconds{500});
+        ASSERT_TRUE(session_.running());
+    }
+    void stop_at(Role role, NodeState state, EndReason reason) {
+        node(role).obeys = false;
+        node(role).state = state;
+        node(role).reason = reason;
+    }
+    const TrialRecord& record() const { return session_.record(); }
+
+    PlayedNode netem_{Role::kNetem}, slave_{Role::kSlaveSim}, cutaneous_{Role::kCutaneous},
+        visual_{Role::kVisual}, master_{Role::kMaster};
+    SessionTime now_{seconds{100}};
+    TissuePhase phase_ = TissuePhase::kContact;
+    double contact_s_ = 0;
+    bool records_ = true;
+
+  private:
+    QueuePipe record_;
+    OutboundFlow slave_record_{Role::kSlaveSim, 9, {&record_.b}};
+
+  protected:
+    SessionProcess session_;
+};
+
+// Every node that got the start order gets the end order.
+TEST_F(SessionProcessTest, AnAbortBeforeTheFirstAcknowledgementEndsTheTrialWhereItWasBegun) {
+    beat();
+    start();
+    session_.abort(EndReason::kInterrupted);
+    session_.tick(now_ += milliseconds{1});
+    EXPECT_FALSE(session_.finished()) << "nobody has said that it has stopped";
+    run_for(seconds{1});
+    EXPECT_TRUE(session_.finished());
+    for (const Role role : {Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual}) {
+        EXPECT_EQ(node(role).count(ControlKind::kTrialStart), 1) << to_string(role);
+        EXPECT_GE(node(role).count(ControlKind::kTrialEnd), 1) << to_string(role);
+        EXPECT_EQ(node(role).state, NodeState::kIdle) << to_string(role);
+    }
+    EXPECT_EQ(record().reason, EndReason::kInterrupted);
+}
+
+// The master, which starts last, was told nothing, and so has nothing to acknowledge.
+TEST_F(SessionProcessTest, WhoeverWasNotToldToBeginIsNotWaitedFor) {
+    beat();
+    start();
+    session_.abort(EndReason::kInterrupted);
+    const SessionTime asked = now_;
+    run_for(seconds{10});
+    EXPECT_TRUE(session_.finished());
+    EXPECT_LT(now_ - asked, milliseconds{300});
+    EXPECT_EQ(master_.count(ControlKind::kTrialStart), 0);
+}
+
+// Silence is not death: a program may have stalled.
+TEST_F(SessionProcessTest, NodesThatAreSilentHearOfAnAbortAtLeastOnce) {
+    reach_running();
+    for (PlayedNode* one : nodes()) one->speaks = false;
+    now_ += milliseconds{600};
+    session_.abort(EndReason::kInterrupted);
+    session_.tick(now_);
+    EXPECT_TRUE(session_.finished());
+    for (PlayedNode* one : nodes()) {
+        one->tick(now_);
+        EXPECT_EQ(one->count(ControlKind::kTrialEnd), 1);
+    }
+}
+
+TEST_F(SessionProcessTest, ATrialIsOverOnceEachNodeHasAcknowledgedItsEnd) {
+    reach_running();
+    cutaneous_.obeys = false;
+    session_.abort(EndReason::kInterrupted);
+    run_for(seconds{1});
+    EXPECT_FALSE(session_.finished());
+    cutaneous_.obeys = true;
+    run_for(milliseconds{200});
+    EXPECT_TRUE(session_.finished());
+}
+
+// Its control channel lives on, but it never acknowledges: that would take peer_wait.
+TEST_F(SessionProcessTest, ALostPeerIsNotWaitedFor) {
+    reach_running();
+    slave_.obeys = false;
+    records_ = false;
+    const SessionTime silent = now_;
+    run_for(seconds{10});
+    ASSERT_TRUE(session_.finished());
+    EXPECT_EQ(record().reason, EndReason::kPeerLost);
+    EXPECT_EQ(record().lost_peer, Role::kSlaveSim);
+    EXPECT_LT(now_ - silent, seconds{1});
+    EXPECT_EQ(slave_.state, NodeState::kRunning);
+}
+
+// The other nodes must still acknowledge.
+TEST_F(SessionProcessTest, WhoeverIsNotTheLostOneIsWaitedFor) {
+    reach_running();
+    slave_.obeys = visual_.obeys = false;
+    records_ = false;
+    run_for(seconds{2});
+    EXPECT_FALSE(session_.finished());
+}
+
+TEST_F(SessionProcessTest, ANodeThatMissesAPeerIsRightIfAnotherIsSilent) {
+    reach_running();
+    netem_.speaks = false;
+    run_for(milliseconds{300});
+    ASSERT_TRUE(session_.running()) << "it is not silent for long enough to be lost";
+    stop_at(Role::kMaster, NodeState::kFailed, EndReason::kPeerLost);
+    beat();
+    EXPECT_EQ(record().reason, EndReason::kPeerLost);
+    EXPECT_EQ(record().lost_peer, Role::kNetem);
+}
+
+TEST_F(SessionProcessTest, ANodeThatMissesAPeerIsBlamedItselfIfNobodyIsSilent) {
+    reach_running();
+    netem_.speaks = false;
+    run_for(milliseconds{150});  // as when two heartbeats were lost
+    stop_at(Role::kMaster, NodeState::kFailed, EndReason::kPeerLost);
+    beat();
+    EXPECT_EQ(record().reason, EndReason::kPeerLost);
+    EXPECT_EQ(record().lost_peer, Role::kMaster);
+}
+
+TEST_F(SessionProcessTest, WhoeverIsSilentForLongIsLost) {
+    reach_running();
+    visual_.speaks = false;
+    run_for(milliseconds{450});
+    EXPECT_TRUE(session_.running());
+    run_for(milliseconds{200});
+    EXPECT_EQ(record().reason, EndReason::kPeerLost);
+    EXPECT_EQ(record().lost_peer, Role::kVisual);
+}
+
+TEST_F(SessionProcessTest, ANodeThatDoesNotBeginIsNamed) {
+    visual_.obeys = false;
+    start();
+    run_for(seconds{20});
+    EXPECT_EQ(record().reason, EndReason::kPeerLost);
+    EXPECT_EQ(record().lost_peer, Role::kVisual);
+    EXPECT_EQ(master_.count(ControlKind::kTrialStart), 0);
+}
+
+TEST_F(SessionProcessTest, ANodeThatIsSilentIsNamedBeforeOneThatDoesNotBegin) {
+    netem_.obeys = false;
+    visual_.speaks = false;
+    start();
+    run_for(seconds{20});
+    EXPECT_EQ(record().lost_peer, Role::kVisual);
+}
+
+TEST_F(SessionProcessTest, TheMasterIsNotBlamedForWhatItWasNotToldYet) {
+    visual_.trial = 1;  // it has given up at once
+    stop_at(Role::kVisual, NodeState::kFailed, EndReason::kPeerLost);
+    start();
+    run_for(seconds{20});
+    EXPECT_EQ(record().lost_peer, Role::kVisual);
+}
+
+TEST_F(SessionProcessTest, NumbersGoOnFromTheHighestThatANodeHasSeen) {
+    slave_.trial = 4;
+    visual_.trial = 12;
+    master_.trial = 7;
+    beat();
+    EXPECT_EQ(session_.last_number(), 12U);
+}
+
+class PersonsSession : public SessionProcessTest {
+  protected:
+    PersonsSession() : SessionProcessTest(with_a_person()) {}
+    static SessionSettings with_a_person() {
+        SessionSettings settings = patient_settings();
+        settings.ends_by_withdrawal = true;
+        settings.subject_goes_on = true;
+        return settings;
+    }
+    void beep() {
+        contact_s_ = 1;
+        beat();
+        ASSERT_FALSE(std::isnan(record().beep_time_s));
+        contact_s_ = 0;
+    }
+};
+
+// An instant in touch with the tissue, and the time begins anew.
+TEST_F(PersonsSession, ATrialEndsOnceTheNeedleWasFreeWithoutAPause) {
+    reach_running();
+    phase_ = TissuePhase::kFree;
+    run_for(seconds{1});
+    ASSERT_TRUE(session_.running()) << "before the beep";
+    phase_ = TissuePhase::kContact;
+    beep();
+    for (int i = 0; i < 3; ++i) {
+        phase_ = TissuePhase::kFree;
+        run_for(milliseconds{250});
+        phase_ = TissuePhase::kContact;
+        beat();
+        ASSERT_TRUE(session_.running()) << i;
+    }
+    phase_ = TissuePhase::kFree;
+    run_for(kWithdrawnFor + 2 * kBeat);
+    EXPECT_EQ(record().reason, EndReason::kCompleted);
+}
+
+TEST_F(PersonsSession, TheNextTrialDoesNotEndByTheWithdrawalOfTheLastOne) {
+    reach_running();
+    beep();
+    phase_ = TissuePhase::kFree;
+    run_for(seconds{2});
+    ASSERT_TRUE(session_.finished());
+    reach_running();
+    phase_ = TissuePhase::kContact;
+    beep();
+    phase_ = TissuePhase::kFree;
+    run_for(milliseconds{250});
+    EXPECT_TRUE(session_.running());
+}
+
+// A wish from before a page's trial was known here: a node that has seen a higher number counts.
+TEST_F(PersonsSession, AWishIsForThePageOfTheHighestNumberSeen) {
+    visual_.trial = master_.trial = 12;
+    beat();
+    Page page;
+    page.kind = PageKind::kReady;
+    session_.show(page);
+    Order wish;
+    wish.kind = OrderKind::kResume;
+    visual_.trial = 11;
+    visual_.say(now_, wish);
+    visual_.trial = 12;
+    session_.tick(now_);
+    EXPECT_FALSE(session_.take_go_on());
+    visual_.say(now_, wish);
+    session_.tick(now_);
+    EXPECT_TRUE(session_.take_go_on());
+}
+
+class QuickSession : public SessionProcessTest {
+  protected:
+    QuickSession() : SessionProcessTest(quick_settings()) {}
+    static SessionSettings quick_settings() {
+        return session_settings(read_system_settings(ConfigFile::parse(
+            "[master]\nsample_period_s = 0.0001\n[trial]\ntimeout_s = 60\n", "session.toml")));
+    }
+};
+
+// The samples of a whole trial: none is moved in the tick of another one.
+TEST_F(QuickSession, TheRecordHasRoomForEachSampleOfTheMaster) {
+    start();
+    EXPECT_GE(record().samples.capacity(), 600'000U);
+}
+
+}  // namespace
+}  // namespace thimble

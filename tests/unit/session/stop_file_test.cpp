@@ -1,0 +1,84 @@
+// A stop that outlives its session: kept once, taken away by whoever has read it and not by whoever has read an older one.
+#include "session/run/stop_file.hpp"
+
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+class StopFileTest : public testing::Test {
+  protected:
+    StopFileTest() {
+        std::filesystem::remove_all(folder_);
+        std::filesystem::create_directories(folder_);
+        setenv("THIMBLE_STOP_DIR", folder_.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
+    }
+    ~StopFileTest() override {
+        unsetenv("THIMBLE_STOP_DIR");  // NOLINT(concurrency-mt-unsafe): one thread
+        std::filesystem::remove_all(folder_);
+    }
+    static std::string words_of(const std::function<void()>& refused) {
+        try {
+            refused();
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::kRunFailed);
+            return error.what();
+        }
+        return "nothing was refused";
+    }
+
+    const std::filesystem::path folder_ =
+        std::filesystem::temp_directory_path() / ("thimble-stop-file-test-" + std::to_string(getpid()));
+};
+
+TEST_F(StopFileTest, KeepsTheFirstUntilItIsReleased) {
+    const StopFile file(27000);
+    EXPECT_FALSE(file.kept());
+    file.require_released();
+    file.keep("emergency stop (master): smoke");
+    file.keep("emergency stop (session): again");
+    EXPECT_THAT(file.kept()->words, HasSubstr("smoke, at "));
+    EXPECT_THAT(words_of([&] { file.require_released(); }), HasSubstr("--release --base-port 27000"));
+    StopFile(27033).require_released();
+    EXPECT_TRUE(file.release(file.kept()));
+    EXPECT_FALSE(file.release(file.kept()));
+    file.require_released();
+}
+
+TEST_F(StopFileTest, OneThatCameLaterIsNotTakenAway) {
+    const StopFile file(27000);
+    EXPECT_FALSE(file.release(std::nullopt));
+    file.keep("smoke");
+    const auto first = file.kept();
+    ASSERT_TRUE(file.release(first));
+    file.keep("smoke");  // in the same second, of the same words
+    EXPECT_FALSE(file.release(first));
+    EXPECT_FALSE(file.release(std::nullopt));
+    EXPECT_TRUE(file.kept());
+}
+
+TEST_F(StopFileTest, APlaceThatKeepsNoStopIsRefusedBeforeAnythingBegins) {
+    const StopFile file(27000);
+    std::filesystem::create_symlink(folder_ / "elsewhere", file.path());
+    EXPECT_THAT(words_of([&] { file.require_released(); }), HasSubstr("cannot read"));
+    EXPECT_THAT(words_of([&] { file.keep("smoke"); }), HasSubstr("cannot read"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "elsewhere"));
+    std::filesystem::remove(file.path());
+    std::filesystem::create_directory(file.path());
+    EXPECT_THAT(words_of([&] { file.require_released(); }), HasSubstr("no file of this user"));
+    std::filesystem::remove_all(folder_);
+    file.require_released();
+    EXPECT_THAT(words_of([&] { file.keep("smoke"); }), HasSubstr("cannot write"));
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,137 @@
+#include "session/records/trajectory_file.hpp"
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "tests/full_disk.hpp"
+#include "tests/unit/session/records.hpp"
+
+namespace thimble {
+namespace {
+
+TEST(TrajectoryFile, RoundTripToTheBit) {
+    const TemporaryDirectory directory;
+    const TrialRecord record = sine_record(0.1 / 3, 0.003, 4);
+    TrajectoryWriter writer(directory / "t.csv");
+    writer.append(record.samples);
+    writer.end(EndReason::kPeerLost, Role::kVisual);
+
+    const Trajectory back = read_trajectory(directory / "t.csv");
+    EXPECT_EQ(back.reason, EndReason::kPeerLost);
+    EXPECT_EQ(back.lost_peer, Role::kVisual);
+    ASSERT_EQ(back.samples.size(), record.samples.size());
+    for (std::size_t i = 0; i < back.samples.size(); ++i) {
+        ASSERT_EQ(back.samples[i].time_s, record.samples[i].time_s);
+        ASSERT_EQ(back.samples[i].position_needle_m, record.samples[i].position_needle_m);
+        ASSERT_EQ(back.samples[i].position_surface_m, record.samples[i].position_surface_m);
+        ASSERT_EQ(back.samples[i].phase, record.samples[i].phase);
+    }
+    EXPECT_TRUE(read_text(directory / "t.csv").ends_with("\n# ended: peer_lost_visual\n"));
+}
+
+TEST(TrajectoryFile, EveryColumnIsItsOwn) {
+    const TemporaryDirectory directory;
+    TrajectoryWriter writer(directory / "t.csv");
+    writer.append(TrajectorySample{1, 2, 3, 4, 5, 6, 7, TissuePhase::kContact, false});
+    writer.end(EndReason::kTimeout);
+    EXPECT_EQ(read_text(directory / "t.csv"),
+              "time_s,position_needle_m,position_surface_m,force_tissue_N,force_fixture_N,force_total_N,"
+              "contact_time_s,tissue_phase,fixture_present\n1,2,3,4,5,6,7,contact,0\n# ended: timeout\n");
+    const TrajectorySample sample = read_trajectory(directory / "t.csv").samples.at(0);
+    EXPECT_EQ(sample.force_tissue_N, 4);
+    EXPECT_EQ(sample.force_fixture_N, 5);
+    EXPECT_EQ(sample.force_total_N, 6);
+    EXPECT_EQ(sample.contact_time_s, 7);
+    EXPECT_FALSE(sample.fixture_present);
+}
+
+TEST(TrajectoryFile, FlushMakesSamplesVisibleAndAFileWithoutEndIsTold) {
+    const TemporaryDirectory directory;
+    TrajectoryWriter writer(directory / "t.csv");
+    writer.append(TrajectorySample{});
+    writer.flush();
+    const Trajectory trajectory = read_trajectory(directory / "t.csv");
+    EXPECT_EQ(trajectory.samples.size(), 1U);
+    EXPECT_EQ(trajectory.reason, EndReason::kNone);
+}
+
+bool throws(const std::function<void()>& what) {
+    try {
+        what();
+        return false;
+    } catch (const Error&) {
+        return true;
+    }
+}
+
+// The file's text, if the disk has `room_bytes` until the trial ends and enough room after that.
+std::string with_room(std::size_t samples, rlim_t room_bytes, bool fails) {
+    const TemporaryDirectory directory;
+    {
+        TrajectoryWriter writer(directory / "t.csv");
+        {
+            const FullDisk disk(room_bytes);
+            TrajectorySample sample;
+            for (std::size_t i = 0; i < samples; ++i) {
+                sample.time_s = 1e-3 * static_cast<double>(i);
+                throws([&] { writer.append(sample); });
+            }
+            EXPECT_EQ(throws([&] { writer.flush(); }), fails);
+        }
+        EXPECT_EQ(throws([&] { writer.end(EndReason::kCompleted); }), fails);
+    }
+    return read_text(directory / "t.csv");
+}
+
+// No sample stands there twice, and no end behind a gap.
+TEST(TrajectoryFile, WhatAFullDiskCutOffIsNotWrittenAgain) {
+    for (const std::size_t samples : {std::size_t{50}, std::size_t{6000}}) {
+        const std::string whole = with_room(samples, 1'000'000'000, false);
+        for (const rlim_t room_bytes : {rlim_t{0}, rlim_t{700}, rlim_t{5000}, rlim_t{70'000}}) {
+            if (room_bytes > whole.size()) continue;
+            const std::string cut = with_room(samples, room_bytes, true);
+            EXPECT_LT(cut.size(), whole.size());
+            EXPECT_TRUE(whole.starts_with(cut)) << samples << " in " << room_bytes;
+        }
+    }
+}
+
+TEST(TrajectoryFile, DamageIsNamedWithLineAndColumn) {
+    const TemporaryDirectory directory;
+    const auto path = directory / "t.csv";
+    {
+        TrajectoryWriter writer(path);
+        writer.append(TrajectorySample{});
+        writer.end(EndReason::kCompleted);
+    }
+    const std::string good = read_text(path);
+    const auto complaint = [&](const std::string& text) -> std::string {
+        std::ofstream(path, std::ios::binary) << text;
+        try {
+            read_trajectory(path);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ExitCode::kData);
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(complaint(good), "");
+    EXPECT_NE(complaint(good + "0,0,0,0,0,0,0,free,1\n").find(":4: column 1"), std::string::npos);
+    EXPECT_NE(complaint(good + "0,0\n").find(":4: has 2 fields"), std::string::npos);
+    std::string phase = good;
+    phase.replace(phase.find("free"), 4, "tree");
+    EXPECT_NE(complaint(phase).find(":2: column 8 (tissue_phase): 'tree'"), std::string::npos);
+    EXPECT_NE(complaint(good + "# ended: maybe\n").find("ended: maybe"), std::string::npos);
+}
+
+TEST(TrajectoryFile, RefusesToOverwrite) {
+    const TemporaryDirectory directory;
+    TrajectoryWriter(directory / "t.csv").end(EndReason::kCompleted);
+    EXPECT_THROW(TrajectoryWriter(directory / "t.csv"), Error);
+    EXPECT_NO_THROW(TrajectoryWriter(directory / "t.csv", IfExists::kReplace));
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,109 @@
+// thimble doctor: what keeps a session from running well on this machine, and the command that mends it.
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/json_text.hpp"
+#include "common/network_settings.hpp"
+#include "session/settings/system_settings.hpp"
+#include "thimble/commands/commands.hpp"
+#include "thimble/commands/real_run.hpp"
+#include "thimble/doctor/checks.hpp"
+#include "thimble/doctor/doctor_report.hpp"
+#include "thimble/doctor/gather.hpp"
+
+namespace thimble {
+namespace {
+
+struct DoctorArguments {
+    std::string session;
+    int base_port = 0;
+    double seconds_s = 1;
+    bool json = false;
+};
+
+bool needs_other_machines(const NetworkSettings& network) {
+    return std::any_of(network.hosts.begin(), network.hosts.end(),
+                       [](const std::string& host) { return !means_this_machine(host); });
+}
+
+// As `thimble run` has it where the file does not say.
+unsigned lanes_of(const SessionPlan& plan) {
+    const unsigned delays = static_cast<unsigned>(plan.delays.size());
+    const unsigned wanted = plan.lanes > 0 ? static_cast<unsigned>(plan.lanes)
+                                           : std::max(1U, std::thread::hardware_concurrency() / 2);
+    return std::min(delays, wanted);
+}
+
+// A session file that cannot be read is a finding; the rest is then looked at for the default session.
+ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settings, SessionFacts& facts) {
+    facts.file = arguments.session;
+    ConfigFile file = ConfigFile::empty();
+    try {
+        settings = load_system_settings(arguments.session);
+        if (!arguments.session.empty()) file = ConfigFile::load(arguments.session);
+    } catch (const Error& error) {
+        facts.problem = error.what();
+    }
+    facts.handle = file.table("handle").text("device", facts.handle);
+    facts.fingertip = file.table("cutaneous").text("device", facts.fingertip);
+    facts.window = settings.visual.window;
+    return file;
+}
+
+int examine_machine(const DoctorArguments& arguments) {
+    Facts facts;
+    SystemSettings settings;
+    const ConfigFile file = read_session(arguments, settings, facts.session);
+    const NetworkSettings network = read_network_settings(file);
+    facts.session.several_machines = needs_other_machines(network);
+    const int base_port = arguments.base_port != 0 ? arguments.base_port : network.base_port;
+    facts.programs = gather_programs(program_folder());
+    facts.ports = gather_ports(static_cast<std::uint16_t>(base_port), lanes_of(settings.plan));
+    facts.firewall = gather_firewall("/");
+    gather_time(file, arguments.seconds_s, facts.realtime, facts.timer);
+    facts.processors = gather_processors("/");
+    facts.kernel = gather_kernel("/");
+    facts.clock = gather_clock();
+    facts.devices = gather_devices("/");
+    facts.can = gather_can("/");
+    facts.screen = gather_screen();
+    facts.sound = gather_sound();
+    const std::vector<Diagnosis> findings = examine(facts);
+    fmt::print("{}", arguments.json ? json_text(to_json(findings), 2) + "\n" : to_text(findings));
+    return static_cast<int>(exit_code(findings));
+}
+
+}  // namespace
+
+Subcommand add_doctor(CLI::App& app) {
+    const auto arguments = std::make_shared<DoctorArguments>();
+    DoctorArguments& a = *arguments;
+    CLI::App* command = app.add_subcommand(
+        "doctor", "what keeps a session from running well on this machine, and the command that mends it");
+    command->add_option("session", a.session, "session file (TOML); without it the default session");
+    command->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
+        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+        ->type_name("PORT");
+    command->add_option("--seconds", a.seconds_s, "how long to measure the timer")
+        ->check(CLI::Range(0.01, 3600.0))
+        ->capture_default_str();
+    command->add_flag("--json", a.json, "print JSON instead of a table");
+    command->footer(
+        "Changes nothing and needs no root. note: only other sessions need it; warning: the session runs, "
+        "but worse "
+        "than it could; fault: it cannot run.\n\n"
+        "Examples:\n  thimble doctor\n"
+        "  thimble doctor deploy/sessions/delay50.toml --seconds 10\n"
+        "  thimble doctor --json | jq '.findings[] | select(.severity != \"ok\")'\n\n"
+        "Exit codes: 0 the session can run, else the first fault's: 1 a program or device is missing, 2 "
+        "session file or "
+        "screen, 3 ports, 4 time.");
+    return {command, [arguments] { return examine_machine(*arguments); }};
+}
+
+}  // namespace thimble

@@ -1,0 +1,44 @@
+// thimble exclude: leaves a participant's trial out of the analysis, with a reason.
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "session/sitting/run_sitting.hpp"
+#include "thimble/commands/commands.hpp"
+
+namespace thimble {
+namespace {
+
+struct ExcludeArguments {
+    std::string dataset, participant, reason;
+    std::uint32_t trial = 0;
+};
+
+int exclude(const ExcludeArguments& a) {
+    exclude_trial(a.dataset, a.participant, a.trial, a.reason);
+    fmt::print("trial {} of {} is excluded: {}\n", a.trial, a.participant, a.reason);
+    return 0;
+}
+
+}  // namespace
+
+Subcommand add_exclude(CLI::App& app) {
+    const auto arguments = std::make_shared<ExcludeArguments>();
+    ExcludeArguments& a = *arguments;
+    CLI::App* sub =
+        app.add_subcommand("exclude", "leave a participant's trial out of the analysis, and say why");
+    sub->add_option("dataset", a.dataset, "folder of `thimble run` with a [protocol]")->required();
+    sub->add_option("--participant", a.participant, "e.g. P07")->required();
+    sub->add_option("--trial", a.trial, "its place in the participant's order (column 'position')")
+        ->check(CLI::Range(1, 1000000))
+        ->required();
+    sub->add_option("--reason", a.reason, "goes into exclusions.tsv; no names")->required();
+    sub->footer(
+        "Example:\n  thimble exclude out/study7 --participant P07 --trial 12 --reason \"phone rang\"");
+    return {sub, [arguments] { return exclude(*arguments); }};
+}
+
+}  // namespace thimble

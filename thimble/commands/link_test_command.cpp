@@ -1,0 +1,141 @@
+// thimble link-test: is the network between two machines good enough, before an experiment finds out?
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/json_text.hpp"
+#include "common/network_settings.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "session/clocks/chrony.hpp"
+#include "thimble/commands/commands.hpp"
+#include "thimble/link_test/echo_server.hpp"
+#include "thimble/link_test/link_report.hpp"
+#include "thimble/link_test/link_tester.hpp"
+
+namespace thimble {
+namespace {
+
+struct LinkTestArguments {
+    std::string host, session;
+    int base_port = 0;
+    double seconds_s = 5, for_s = 600;
+    std::vector<unsigned> offsets;
+    bool listen = false, json = false;
+};
+
+std::vector<Port> chosen_ports(const LinkTestArguments& arguments, std::vector<Port> all) {
+    if (arguments.offsets.empty()) return all;
+    std::vector<Port> ports;
+    for (const unsigned offset : arguments.offsets) ports.push_back(static_cast<Port>(offset));
+    return ports;
+}
+
+NetworkSettings network_of(const LinkTestArguments& arguments, const ConfigFile& file) {
+    NetworkSettings network = read_network_settings(file);
+    if (arguments.base_port != 0) network.base_port = static_cast<std::uint16_t>(arguments.base_port);
+    return network;
+}
+
+void ask_scheduler(const ConfigFile& file) {
+    install_stop_signals();
+    const std::string warning = ask_for_realtime(read_runtime_settings(file));
+    if (!warning.empty()) spdlog::warn(warning);
+}
+
+int listen(const LinkTestArguments& arguments, const ConfigFile& file) {
+    EchoPlan plan;
+    plan.base_port = network_of(arguments, file).base_port;
+    plan.ports = chosen_ports(arguments, ports_on({}, ""));
+    plan.limit = from_seconds(arguments.for_s);
+    plan.stop = &stop_requested();
+    ask_scheduler(file);
+    const EchoCounters counters = serve_echoes(plan);
+    spdlog::info(
+        "{} answered; unanswered: {} malformed, {} at a wrong port, {} without a nonce of ours, {} over the "
+        "limits, {} while all places were taken",
+        counters.answered, counters.malformed, counters.wrong_port, counters.wrong_nonce, counters.limited,
+        counters.crowded);
+    return static_cast<int>(ExitCode::kOk);
+}
+
+int test(const LinkTestArguments& arguments, const ConfigFile& file) {
+    const SystemSettings settings = load_system_settings(arguments.session);
+    const NetworkSettings network = network_of(arguments, file);
+    LinkTestPlan plan;
+    plan.host = arguments.host;
+    plan.base_port = network.base_port;
+    plan.ports = chosen_ports(arguments, ports_on(network, arguments.host));
+    plan.duration = from_seconds(arguments.seconds_s);
+    plan.stop = &stop_requested();
+    ask_scheduler(file);
+    LinkReport report;
+    report.chrony = describe_chrony();
+    report.link = LinkTester(plan).run();
+    if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted: nothing is judged by half a test");
+    report.verdicts = judge_all(settings.plan.modalities, report.link, loop_limits(settings));
+    fmt::print("{}", arguments.json ? json_text(to_json(report), 2) + "\n" : to_text(report));
+    return static_cast<int>(exit_code(report));
+}
+
+int link_test(const LinkTestArguments& arguments) {
+    if (arguments.listen != arguments.host.empty()) {
+        throw Error(ExitCode::kUsage,
+                    "name the far machine to test the link to it, or give --listen to be the far machine");
+    }
+    const ConfigFile file =
+        arguments.session.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.session);
+    return arguments.listen ? listen(arguments, file) : test(arguments, file);
+}
+
+}  // namespace
+
+Subcommand add_link_test(CLI::App& app) {
+    const auto arguments = std::make_shared<LinkTestArguments>();
+    LinkTestArguments& a = *arguments;
+    CLI::App* command = app.add_subcommand(
+        "link-test",
+        "before an experiment: do all ports of another machine answer, and is the link good enough?");
+    command->add_option("host", a.host, "the far machine, where 'thimble link-test --listen' runs");
+    command->add_option(
+        "--session", a.session,
+        "session file: ports of the programs that [network] has on that host, limits of its handle and "
+        "fixture, its modalities");
+    command->add_flag("--listen", a.listen,
+                      "be the far machine: echo what a test sends, never more than it sends");
+    command->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
+        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+        ->type_name("PORT");
+    command
+        ->add_option("--ports", a.offsets,
+                     "only these offsets from the base port (docs/protocol.md), as 11,14")
+        ->delimiter(',')
+        ->check(CLI::Range(0U, static_cast<unsigned>(Port::kCount) - 1));
+    command->add_option("--seconds", a.seconds_s, "how long to send a session's traffic")
+        ->check(CLI::Range(0.1, 3600.0))
+        ->capture_default_str();
+    command->add_option("--for", a.for_s, "--listen: seconds until it ends by itself")
+        ->check(CLI::Range(0.1, 86400.0))
+        ->capture_default_str();
+    command->add_flag("--json", a.json, "print JSON instead of tables");
+    command->footer(
+        "Verdicts: HF fits while the round trip stays below the critical delay of its force loop; CF, CCF "
+        "and VF while it "
+        "is at most half of their own latency (display and reaction), and are marginal up to all of it. The "
+        "network that "
+        "a session emulates comes on top.\n\n"
+        "Examples:\n  thimble link-test --listen                                     # on the far machine\n"
+        "  thimble link-test 192.168.1.20 --session deploy/sessions/delay50.toml\n"
+        "  thimble link-test 192.168.1.20 --ports 11,14 --seconds 60 --json\n\n"
+        "Exit codes: 0 every modality fits or is marginal, 1 one does not fit (or interrupted), 2 usage, 3 a "
+        "port does "
+        "not answer or a session's datagrams do not pass.");
+    return {command, [arguments] { return link_test(*arguments); }};
+}
+
+}  // namespace thimble

@@ -1,0 +1,223 @@
+// thimble log: what stands in the logs of messages, and what can be done with them.
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/runtime/result_output.hpp"
+#include "thimble/commands/commands.hpp"
+#include "thimble/log/log_check.hpp"
+#include "thimble/log/log_export.hpp"
+#include "thimble/log/log_info.hpp"
+#include "thimble/log/log_repair.hpp"
+
+namespace thimble {
+namespace {
+
+struct LogArguments {
+    std::vector<std::string> files;
+    std::string out, topic, csv, json, hdf5, ros2;
+    CLI::App *info = nullptr, *cat = nullptr, *check = nullptr, *repair = nullptr, *share = nullptr;
+};
+
+using LogFiles = std::vector<std::unique_ptr<LoggedFile>>;
+
+void put(const std::string& line) {
+    if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) throw ResultsLost();
+}
+
+int show_info(const LogArguments& a) {
+    for (const auto& file : open_logs(a.files)) fmt::print("{}", describe_log(*file));
+    return 0;
+}
+
+void each_merged(const LogArguments& a, const LogFiles& files,
+                 const std::function<void(const MergedMessage&)>& use) {
+    for (const MergedMessage& message : merge_logs(files)) {
+        if (message.topic->topic.starts_with(a.topic)) use(message);
+    }
+}
+
+int show_messages(const LogArguments& a) {
+    const LogFiles files = open_logs(a.files);
+    const PacketFields fields;
+    std::int64_t zero_ns = INT64_MIN;
+    each_merged(a, files, [&](const MergedMessage& message) {
+        if (zero_ns == INT64_MIN) zero_ns = message.session_time_ns;
+        put(to_line(message, fields, zero_ns) + '\n');
+    });
+    return 0;
+}
+
+// Of the session whose logs these are; none if they are of several, or it is not beside them.
+std::filesystem::path relay_report_beside(const LogFiles& files) {
+    const auto report_of = [](const LoggedFile& file) {
+        const std::string name = file.path().stem().string();
+        const auto condition = name.rfind('_');
+        if (condition == std::string::npos) return std::filesystem::path{};
+        return file.path().parent_path() / ("thimble-netem" + name.substr(condition) + ".json");
+    };
+    const std::filesystem::path report = report_of(*files.front());
+    const bool one_session =
+        std::all_of(files.begin(), files.end(), [&](const auto& file) { return report_of(*file) == report; });
+    return one_session && std::filesystem::exists(report) ? report : std::filesystem::path{};
+}
+
+bool check_with_relay(const std::vector<FlowFinding>& flows, const LogFiles& files) {
+    const std::filesystem::path report = relay_report_beside(files);
+    if (report.empty()) return true;
+    const bool whole = std::all_of(files.begin(), files.end(), [](const auto& file) {
+        return file->scan().finished && file->lost() == 0;
+    });
+    if (!whole) {
+        fmt::print("not compared with {}: a log lacks its end, or messages\n", report.string());
+        return true;
+    }
+    bool good = true;
+    for (const RelayFinding& f : check_relay(flows, report)) {
+        fmt::print("{}: {} lost by the logs, {} by the relay{}; before it {}, within {}, behind {}{}\n",
+                   f.topic, f.lost, f.named, f.names.empty() ? "" : fmt::format(" ({})", f.names), f.before,
+                   f.within, f.behind, f.problem.empty() ? "" : "; NOT EXPLAINED: " + f.problem);
+        good = good && f.problem.empty();
+    }
+    return good;
+}
+
+int check_logs(const LogArguments& a) {
+    const LogFiles files = open_logs(a.files);
+    bool good = true;
+    for (const auto& file : files) {
+        const FileFinding finding = check_file(*file);
+        fmt::print("{}: {} messages, {}\n", file->path().string(), file->scan().messages,
+                   finding.problems.empty() ? "good" : "not good");
+        for (const std::string& problem : finding.problems) fmt::print("  {}\n", problem);
+        good = good && finding.problems.empty();
+    }
+    const std::vector<FlowFinding> flows = check_flows(files);
+    for (const FlowFinding& f : flows) {
+        fmt::print("{}: {} sent = {} received + {} lost; {} repeated, {} out of order{}\n", f.topic, f.sent,
+                   f.received, f.lost, f.repeated, f.out_of_order,
+                   f.foreign > 0 ? fmt::format("; {} RECEIVED BUT NEVER SENT", f.foreign) : "");
+        good = good && f.foreign == 0;
+    }
+    good = check_with_relay(flows, files) && good;
+    return static_cast<int>(good ? ExitCode::kOk : ExitCode::kData);
+}
+
+int repair(const LogArguments& a) {
+    const RepairResult result = repair_log(a.files.front(), a.out);
+    fmt::print(
+        "{}: {} messages, {} of them out of an unfinished chunk; {} bytes behind the last whole record and "
+        "{} damaged "
+        "parts are left out\n",
+        a.out, result.messages, result.scan.recovered, result.bytes_cut, result.scan.damaged);
+    return 0;
+}
+
+void export_json(const LogArguments& a, const LogFiles& files) {
+    const bool to_stdout = a.json == "-";
+    const std::unique_ptr<CsvFile> file =
+        to_stdout ? nullptr : std::make_unique<CsvFile>(a.json, IfExists::kRefuse);
+    const PacketFields fields;
+    each_merged(a, files, [&](const MergedMessage& message) {
+        const std::string line = to_json(message, fields) + '\n';
+        if (file) {
+            file->write(line);
+        } else {
+            put(line);
+        }
+    });
+    if (file) file->flush();
+}
+
+void share_ros2(const LogArguments& a, const LogFiles& files) {
+    const Ros2Written written = export_ros2(files, a.ros2, a.topic);
+    fmt::print("{}: {} topics\n", a.ros2, written.topics);
+    if (written.missing.empty()) return;
+    std::string words;
+    for (const std::string& part : written.missing) words += "\n  " + part;
+    const std::string_view advice =
+        written.events_only
+            ? "Only orders and the like stand in them. [log] messages = \"control\", the default, records no "
+              "more: "
+              "set \"all\" in the session file, run it again and give the logs of all its programs."
+            : "Give the logs of all programs of one delay, recorded with [log] messages = \"all\".";
+    spdlog::warn("{}: the logs given hold none of these:{}\n{}", a.ros2, words, advice);
+}
+
+int share(const LogArguments& a) {
+    if (a.csv.empty() && a.json.empty() && a.hdf5.empty() && a.ros2.empty())
+        throw Error(ExitCode::kUsage, "say where to: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
+    const LogFiles files = open_logs(a.files);
+    if (!a.csv.empty()) fmt::print("{}: {} tables\n", a.csv, export_csv(files, a.csv, a.topic));
+    if (!a.hdf5.empty()) fmt::print("{}: {} tables\n", a.hdf5, export_hdf5(files, a.hdf5, a.topic));
+    if (!a.json.empty()) export_json(a, files);
+    if (!a.ros2.empty()) share_ros2(a, files);
+    return 0;
+}
+
+int run_log(const LogArguments& a) {
+    if (a.info->parsed()) return show_info(a);
+    if (a.cat->parsed()) return show_messages(a);
+    if (a.check->parsed()) return check_logs(a);
+    if (a.repair->parsed()) return repair(a);
+    return share(a);
+}
+
+CLI::App* add_part(CLI::App& log, LogArguments& a, const char* name, const char* what, const char* example) {
+    CLI::App* part = log.add_subcommand(name, what);
+    part->add_option("files", a.files, "logs (.mcap), also of several programs of one session")->required();
+    part->footer(std::string("Example:\n  ") + example);
+    return part;
+}
+
+}  // namespace
+
+Subcommand add_log(CLI::App& app) {
+    const auto arguments = std::make_shared<LogArguments>();
+    LogArguments& a = *arguments;
+    CLI::App* log =
+        app.add_subcommand("log", "look at the logs of messages that a run leaves (MCAP; docs/log.md)");
+    log->require_subcommand(1);
+    log->footer(
+        "Examples:\n  thimble log info out/run/nodes/session_50ms.mcap\n  thimble log check "
+        "out/run/nodes/*_50ms.mcap\n\n"
+        "Exit codes: 0 good, 5 a log cannot be read or trusted.");
+    a.info =
+        add_part(*log, a, "info", "what is in a log", "thimble log info out/run/nodes/session_50ms.mcap");
+    a.cat = add_part(*log, a, "cat",
+                     "every message in a line, several logs in the order of time on the session's clock",
+                     "thimble log cat out/run/nodes/*_50ms.mcap --topic /master/needle_command");
+    a.check = add_part(
+        *log, a, "check",
+        "CRCs, FlatBuffers, times, sequences; with the logs of both ends: what was lost, and whether the "
+        "relay's report beside them names it",
+        "thimble log check out/run/nodes/*_50ms.mcap");
+    a.repair = add_part(*log, a, "repair", "a whole log, with an index, from one that was cut off",
+                        "thimble log repair out/run/nodes/session_50ms.mcap --out whole.mcap");
+    a.share = add_part(*log, a, "export", "tables, JSON or ROS 2 messages for other programs",
+                       "thimble log export out/run/nodes/*_50ms.mcap --csv out/tables");
+    a.repair->get_option("files")->expected(1);
+    a.repair->add_option("-o,--out", a.out, "the new file")->required();
+    for (CLI::App* part : {a.cat, a.share}) part->add_option("--topic", a.topic, "only topics that begin so");
+    a.share->add_option("--csv", a.csv, "folder for one table per log, topic and kind of message");
+    a.share->add_option("--hdf5", a.hdf5,
+                        "new file with the same tables, units as attributes (needs the HDF5 library)");
+    a.share->add_option("--json", a.json, "file for one object per message and line; - is standard output");
+    a.share->add_option("--ros2", a.ros2,
+                        "new MCAP file of ROS 2 messages for ros2 bag, PlotJuggler, Foxglove, MATLAB "
+                        "(docs/interoperability.md)");
+    return {log, [arguments] { return run_log(*arguments); }};
+}
+
+}  // namespace thimble

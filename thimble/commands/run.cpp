@@ -1,0 +1,235 @@
+#include "thimble/commands/run.hpp"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "analysis/report/clock_table.hpp"
+#include "analysis/report/report.hpp"
+#include "analysis/report/run_tables.hpp"
+#include "common/process/progress.hpp"
+#include "common/text_file.hpp"
+#include "common/version.hpp"
+#include "session/clocks/chrony.hpp"
+#include "session/run/lane.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/virtual/ping_pong.hpp"
+#include "session/virtual/virtual_session.hpp"
+
+namespace thimble {
+namespace {
+
+class Run {
+  public:
+    Run(const SystemSettings& settings, const RunOptions& options)
+        : settings_(settings),
+          options_(options),
+          if_exists_(options.overwrite ? IfExists::kReplace : IfExists::kRefuse),
+          // Nodes that run already have the delay that their own file gives them.
+          delays_(options.starter ? settings.plan.delays : std::vector{settings.netem.force.delay}) {
+        const std::size_t ports = lane_count() * static_cast<std::size_t>(Port::kCount);
+        if (options.network.base_port + ports <= 65536) return;
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{} lanes need {} ports from {} on, but ports end at 65535: choose a "
+                                "smaller base_port in [network]",
+                                lane_count(), ports, options.network.base_port));
+    }
+
+    RunResult run() {
+        make_folder(options_.out);
+        TrialTable table(options_.out / "trials.csv", if_exists_);
+        table_ = &table;
+        progress_.say("measuring a bare round trip between two processes");
+        bare_ = measure_ping_pong(options_.runtime);
+        run_lanes();
+        if (failure_ && result_.rows.empty()) std::rethrow_exception(failure_);
+        conclude();
+        if (failure_) std::rethrow_exception(failure_);
+        return std::move(result_);
+    }
+
+  private:
+    bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
+
+    unsigned lane_count() const {
+        if (held_by_person(settings_.handle.kind))
+            return 1;  // one hand, and one device that can be opened once
+        // By itself one where other machines take part: how many cores those have is not known here.
+        const unsigned cores = elsewhere() ? 1 : std::thread::hardware_concurrency();
+        const unsigned wanted =
+            settings_.plan.lanes > 0 ? static_cast<unsigned>(settings_.plan.lanes) : std::max(1U, cores / 2);
+        return std::min(wanted, static_cast<unsigned>(delays_.size()));
+    }
+
+    // Lanes take the next delay until none is left or something went wrong.
+    void run_lanes() {
+        std::vector<std::thread> threads;
+        for (unsigned lane = 0; lane < lane_count(); ++lane)
+            threads.emplace_back([this, lane] { work(lane); });
+        for (std::thread& thread : threads) thread.join();
+    }
+
+    void work(unsigned lane) {
+        for (;;) {
+            std::unique_lock lock(mutex_);
+            if (failure_ || result_.code != ExitCode::kOk || next_delay_ >= delays_.size()) return;
+            const double delay_s = to_seconds(delays_[next_delay_++]);
+            lock.unlock();
+            try {
+                run_condition(lane, delay_s);
+            } catch (...) {
+                const std::lock_guard guard(mutex_);
+                if (!failure_) failure_ = std::current_exception();
+                failed_ = true;
+            }
+        }
+    }
+
+    LanePlan plan(unsigned lane, double delay_s) const {
+        LanePlan plan;
+        plan.starter = options_.starter;
+        plan.out = options_.out / "nodes";
+        plan.network = options_.network;
+        plan.network.base_port =
+            static_cast<std::uint16_t>(plan.network.base_port + lane * static_cast<unsigned>(Port::kCount));
+        SystemSettings with_delay = settings_;
+        set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
+        plan.session = session_settings(with_delay);
+        plan.session.ends_by_withdrawal = held_by_person(settings_.handle.kind);
+        plan.delay_s = delay_s;
+        if (lane_count() > 1) plan.name = fmt::format("{:g}ms", 1000 * delay_s);
+        plan.trials = run_trials_of(settings_, delay_s);
+        plan.attend = options_.attend;
+        plan.runtime = settings_.runtime;
+        plan.strict_rt = options_.strict_rt;
+        plan.if_exists = if_exists_;
+        plan.log = settings_.log;
+        plan.session_file = settings_.file;
+        return plan;
+    }
+
+    void run_condition(unsigned lane, double delay_s) {
+        const LanePlan lane_plan = plan(lane, delay_s);
+        LaneEvents events;
+        events.stop = [this] {
+            return failed_ || (options_.stop != nullptr && *options_.stop) ||
+                   (options_.quit && options_.quit());
+        };
+        events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
+        events.trial_done = [this](const TrialRecord& record) { keep(record); };
+        LaneResult lane_result = run_lane(lane_plan, events);
+        const std::lock_guard guard(mutex_);
+        for (auto& node : lane_result.reports) nodes_.push_back({delay_s, std::move(node)});
+        clocks_.insert(clocks_.end(), lane_result.clocks.begin(), lane_result.clocks.end());
+        if (lane_result.code == ExitCode::kOk || result_.code != ExitCode::kOk) return;
+        result_.code = lane_result.code;
+        result_.problem = lane_result.problem;
+        failed_ = true;
+    }
+
+    void show(const TrialConditions& c, const TrajectorySample& s) {
+        const std::lock_guard guard(mutex_);
+        progress_.show(fmt::format("{} {}: {:.1f} s, needle {:.1f} mm, force {:.2f} N, contact {:.1f} s",
+                                   delay_text(c.delay_s), to_string(c.modality), s.time_s,
+                                   1000 * s.position_needle_m, s.force_total_N, s.contact_time_s),
+                       false);
+    }
+
+    void keep(const TrialRecord& record) {
+        const TrialRow row = make_row(record);
+        const std::lock_guard guard(mutex_);
+        table_->append(row);
+        panels_.add(record);
+        result_.rows.push_back(row);
+        progress_.say(fmt::format("{} {}: {}, {:.1f} s, maximum penetration {:.2f} mm, contacts lost {}, {}",
+                                  delay_text(row.conditions.delay_s), to_string(row.conditions.modality),
+                                  outcome_text(row.reason, row.lost_peer), row.metrics.completion_time_s,
+                                  1000 * row.metrics.penetration_max_m, row.metrics.contacts_lost,
+                                  row.metrics.oscillates ? "oscillates" : "settles"));
+    }
+
+    // What went wrong before, a full disk perhaps, is not hidden by what then goes wrong here.
+    void conclude() {
+        try {
+            repeat_virtually();
+            report();
+        } catch (...) {
+            if (!failure_ && result_.code == ExitCode::kOk) throw;
+        }
+    }
+
+    void repeat_virtually() {
+        TrialTable table(options_.out / "virtual.csv", if_exists_);
+        for (const TrialRow& row : result_.rows) {
+            result_.virtual_rows.push_back(make_row(run_virtual_trial(settings_, row.conditions)));
+            table.append(result_.virtual_rows.back());
+        }
+    }
+
+    void report() const {
+        const auto conditions = summarize(result_.rows);
+        ReportInput report;
+        report.title = "Thimble: real processes over UDP";
+        report.sections.push_back(
+            trials_section("Real processes, real time", result_.rows,
+                           draw_figures(panels_.panels(), conditions, options_.out, "_real")));
+        report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
+        ReportSection timing;
+        timing.title = "How well time was kept";
+        timing.tables = {round_trip_table(result_.rows, bare_), clock_table(clocks_), deadline_table(nodes_),
+                         refusal_table(nodes_)};
+        std::array extra{security_table(nodes_), stale_table(nodes_)};
+        for (ReportTable& table : extra) {
+            if (!table.rows.empty()) timing.tables.push_back(std::move(table));
+        }
+        if (elsewhere()) timing.tables.push_back(machine_table(*options_.starter, options_.network));
+        report.sections.push_back(std::move(timing));
+        report.provenance = {{"command", options_.command},
+                             {"seed", std::to_string(settings_.plan.seed)},
+                             {"subject", std::to_string(settings_.plan.subject)},
+                             {"version", kVersion},
+                             {"clock daemon", describe_chrony()},
+                             {"outcome", result_.code == ExitCode::kOk ? "complete" : result_.problem}};
+        write_report(report, options_.out / "report.html");
+        write_summary(report, options_.out / "summary.json");
+    }
+
+    const SystemSettings& settings_;
+    const RunOptions& options_;
+    IfExists if_exists_;
+    std::vector<Duration> delays_;
+    std::mutex mutex_;
+    Progress progress_;
+    TrialTable* table_ = nullptr;
+    TrajectoryPanels panels_;
+    Histogram bare_;
+    std::vector<NodeReport> nodes_;
+    std::vector<NodeClock> clocks_;
+    std::size_t next_delay_ = 0;
+    std::atomic<bool> failed_ = false;
+    std::exception_ptr failure_;
+    RunResult result_;
+};
+
+}  // namespace
+
+std::vector<TrialConditions> run_trials_of(const SystemSettings& settings, double delay_s) {
+    Protocol protocol = experiment_3(settings, settings.plan.subject, settings.plan.seed);
+    std::vector<TrialConditions> trials;
+    for (const Modality modality : settings.plan.modalities) {
+        const auto number = static_cast<std::uint32_t>(trials.size() + 1);
+        trials.push_back({protocol.seed, protocol.experiment, settings.plan.subject, number, modality,
+                          delay_s, draw_fixture_position_m(protocol, settings.plan.subject, number)});
+    }
+    return trials;
+}
+
+RunResult run_session(const SystemSettings& settings, const RunOptions& options) {
+    return Run(settings, options).run();
+}
+
+}  // namespace thimble

@@ -1,0 +1,49 @@
+// `thimble run`: the experiment with the real processes over UDP, in real time, one trial per modality and
+// delay; then the same trials in virtual time, to see whether both ways agree.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/network_settings.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "session/launch/node_starter.hpp"
+#include "session/records/trial_table.hpp"
+#include "session/run/lane.hpp"
+#include "session/settings/system_settings.hpp"
+
+namespace thimble {
+
+struct RunOptions {
+    std::shared_ptr<NodeStarter> starter;  // none: steer nodes that run already, over the network they have
+    std::filesystem::path out;
+    std::string command;  // as typed, for the report's provenance
+    NetworkSettings network;
+    RuntimeSettings runtime;
+    bool overwrite = false;
+    bool strict_rt = false;
+    const std::atomic<bool>* stop = nullptr;
+    // An experimenter's view: who feeds it, in every lane, and whether it has asked to stop. None: nobody watches.
+    MakeAttendant attend{};
+    std::function<bool()> quit{};
+};
+
+struct RunResult {
+    ExitCode code = ExitCode::kOk;
+    std::string problem;
+    std::vector<TrialRow> rows;          // as in trials.csv
+    std::vector<TrialRow> virtual_rows;  // the same trials in virtual time, virtual.csv
+};
+
+// The trials of one delay, in order.
+std::vector<TrialConditions> run_trials_of(const SystemSettings& settings, double delay_s);
+
+// Writes trials.csv, trajectories/, nodes/ (logs and reports), report.html and summary.json below
+// options.out.
+RunResult run_session(const SystemSettings& settings, const RunOptions& options);
+
+}  // namespace thimble

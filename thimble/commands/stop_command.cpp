@@ -1,0 +1,203 @@
+// thimble stop: an emergency stop from any terminal, and its release.
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/network_settings.hpp"
+#include "common/runtime/sockets.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/stop_inquiry.hpp"
+#include "common/stop_release.hpp"
+#include "session/run/stop_file.hpp"
+#include "thimble/commands/commands.hpp"
+
+namespace thimble {
+namespace {
+
+// As many as [session] lanes may be: a stop that is said where nobody runs does no harm.
+constexpr int kMostLanes = 64;
+constexpr int kMoreRounds = 40;  // for the answer of a machine that is busy
+
+struct StopArguments {
+    std::string config, reason = "thimble stop";
+    int base_port = 0, lanes = 0;
+    bool release = false;
+};
+
+NetworkSettings lane_network(const StopArguments& a, int lane) {
+    const ConfigFile file = a.config.empty() ? ConfigFile::empty() : ConfigFile::load(a.config);
+    NetworkSettings network = read_network_settings(file);
+    const int base = a.base_port != 0 ? a.base_port : network.base_port;
+    network.base_port = static_cast<std::uint16_t>(base + lane * static_cast<int>(Port::kCount));
+    return network;
+}
+
+int lanes_of(const StopArguments& a) {
+    const int base = lane_network(a, 0).base_port;
+    const int possible = (65536 - base) / static_cast<int>(Port::kCount);
+    return std::clamp(a.lanes == 0 ? 8 : a.lanes, 1, possible);
+}
+
+// The stop lines of all lanes, and what is said there.
+template <class Talk>
+class Lanes {
+  public:
+    explicit Lanes(const StopArguments& a) {
+        const auto count = static_cast<std::size_t>(lanes_of(a));
+        sockets_.reserve(count);
+        talks_.reserve(count);
+        const std::uint64_t instance = system_entropy();
+        for (std::size_t i = 0; i < count; ++i) {
+            sockets_.push_back(std::make_unique<Sockets>(lane_network(a, static_cast<int>(i))));
+            talks_.push_back(std::make_unique<Talk>(instance, sockets_.back()->stop_outlets()));
+        }
+    }
+    void rounds(int count) {
+        for (int i = 0; i < count; ++i) {
+            if (i > 0) wall_sleep(kStopRepeat);
+            for (const auto& talk : talks_) talk->round(wall_now());
+        }
+    }
+    const std::vector<std::unique_ptr<Talk>>& talks() const { return talks_; }
+
+  private:
+    std::vector<std::unique_ptr<Sockets>> sockets_;
+    std::vector<std::unique_ptr<Talk>> talks_;
+};
+
+// Says it ten times, it is carried out once, and asks who holds a stop.
+class StopCall {
+  public:
+    StopCall(std::uint64_t instance, const StopOutlets& at)
+        : out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}),
+          inquiry_(out_, at) {}
+    void stop(const StopOrder& order) { order_ = order; }
+    void round(SessionTime now) {
+        inquiry_.hear(now);
+        if (said_++ < kReleaseTimes) out_.send(now, 0, order_);
+        inquiry_.ask(now);
+    }
+    const std::vector<HeldStop>& held() const { return inquiry_.held(); }
+
+  private:
+    OutboundFlow out_;
+    StopInquiry inquiry_;
+    StopOrder order_;
+    int said_ = 0;
+};
+
+// Where the answers may be: the programs that are asked are those of this file, or of this machine.
+std::string where(const StopArguments& a) {
+    const int base = lane_network(a, 0).base_port;
+    return a.config.empty() ? fmt::format("ports from {}", base)
+                            : fmt::format("{}, ports from {}", a.config, base);
+}
+
+// "", or " lab.toml --base-port 28000".
+std::string same_arguments(const StopArguments& a) {
+    std::string text = a.config.empty() ? "" : " " + a.config;
+    if (a.base_port != 0) text += fmt::format(" --base-port {}", a.base_port);
+    return text;
+}
+
+std::string holders(const Lanes<StopCall>& lanes) {
+    std::array<bool, kRoleCount> holds{};
+    for (const auto& lane : lanes.talks()) {
+        for (const HeldStop& held : lane->held()) holds.at(static_cast<std::size_t>(held.by)) = true;
+    }
+    std::string names;
+    for (std::size_t role = 0; role < holds.size(); ++role) {
+        if (holds.at(role))
+            names += (names.empty() ? "" : ", ") + std::string(to_string(static_cast<Role>(role)));
+    }
+    return names;
+}
+
+// Not even whoever presses a stop may have to guess whether he was heard.
+int stop(const StopArguments& a) {
+    const std::uint64_t id = std::max<std::uint64_t>(1, system_entropy());
+    Lanes<StopCall> lanes(a);
+    for (const auto& lane : lanes.talks())
+        lane->stop({id, StopKind::kStop, EndReason::kEmergencyStop, a.reason});
+    lanes.rounds(kReleaseTimes + 1);
+    for (int more = 0; holders(lanes).empty() && more < kMoreRounds; ++more) {
+        wall_sleep(kStopRepeat);
+        lanes.rounds(1);
+    }
+    const std::string by = holders(lanes);
+    if (by.empty()) {
+        throw Error(
+            ExitCode::kNetwork,
+            fmt::format("nobody answered that a stop holds ({}): if a session runs there, it has NOT been "
+                        "stopped, or cannot answer. Name its session file, for its hosts, ports and lab "
+                        "key: thimble stop SESSION.toml; or use Backspace in a window, or the device's "
+                        "power switch",
+                        where(a)));
+    }
+    fmt::print("emergency stop ({}): no force, no trial begins; held by {}; {}{}\n", where(a), by,
+               kHowToRelease, same_arguments(a));
+    return 0;
+}
+
+int release(const StopArguments& a) {
+    std::vector<StopFile> files;
+    std::vector<std::optional<StopFile::Kept>> kept;
+    for (int lane = 0; lane < lanes_of(a); ++lane) {
+        files.emplace_back(lane_network(a, lane).base_port);
+        kept.push_back(files.back().kept());
+    }
+    Lanes<StopRelease> lanes(a);
+    lanes.rounds(StopRelease::kRounds);
+    bool answered = false, removed = false;
+    for (const auto& lane : lanes.talks()) {
+        for (const StopOrder& stop : lane->stops()) fmt::print("released: {}\n", stop.words());
+        answered = answered || !lane->stops().empty();
+    }
+    for (std::size_t lane = 0; lane < files.size(); ++lane) {
+        if (!files[lane].release(kept[lane])) continue;
+        fmt::print("released, of a session that has ended: {}\n", kept[lane]->words);
+        removed = true;
+    }
+    fmt::print("{} ({})\n",
+               answered ? "trials may begin again"
+               : removed
+                   ? "sessions may be started again here; no running program answered that it holds a stop"
+                   : "nothing was stopped here, as far as programs answer",
+               where(a));
+    return 0;
+}
+
+}  // namespace
+
+Subcommand add_stop(CLI::App& app) {
+    const auto arguments = std::make_shared<StopArguments>();
+    StopArguments& a = *arguments;
+    CLI::App* sub = app.add_subcommand(
+        "stop", "emergency stop of a running session: no force at the handle, cables slack, needle held");
+    sub->add_option("session", a.config, "session file (TOML), for its [network]; without it this machine");
+    sub->add_flag("--release", a.release, "let trials begin again");
+    sub->add_option("--reason", a.reason, "goes into the record's words; no names");
+    sub->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
+        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
+        ->type_name("PORT");
+    sub->add_option("--lanes", a.lanes, "so many lanes of a run side by side (8)")
+        ->check(CLI::Range(1, kMostLanes));
+    sub->footer(
+        "Says which programs hold the stop; exit code 3 if none answers. Where thimble runs in this "
+        "terminal, "
+        "Ctrl-\\ does the same. A stop that a session ended with holds "
+        "for the next one on "
+        "its ports: release it on the machine of that session.\n"
+        "Examples:\n  thimble stop\n  thimble stop --release\n  thimble stop lab.toml --reason \"cable "
+        "loose\"");
+    return {sub, [arguments] { return arguments->release ? release(*arguments) : stop(*arguments); }};
+}
+
+}  // namespace thimble

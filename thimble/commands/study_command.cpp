@@ -1,0 +1,211 @@
+// thimble study: the paper's experiments in virtual time, once or over many seeds.
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "session/sitting/dataset.hpp"
+#include "study/study.hpp"
+#include "study/with_remedy.hpp"
+#include "thimble/commands/analysis_option.hpp"
+#include "thimble/commands/commands.hpp"
+#include "thimble/commands/say_results.hpp"
+#include "thimble/commands/sweep.hpp"
+
+namespace thimble {
+namespace {
+
+struct StudyArguments {
+    std::string config, out;
+    std::string experiment = "3", order, analysis = "full";
+    std::vector<std::string> remedies;
+    std::uint32_t subjects = 0, seeds = 1;
+    std::uint64_t seed = 1;
+    unsigned jobs = 0;
+    SweepRequest sweep;
+    bool overwrite = false, resume = false, json = false, trajectories = false, no_control = false;
+};
+
+std::vector<Protocol> protocols_of(const StudyArguments& a, const SystemSettings& settings) {
+    const std::uint32_t without = a.subjects != 0 ? a.subjects : kSubjectsWithoutDelay;
+    const std::uint32_t with = a.subjects != 0 ? a.subjects : kSubjectsWithDelay;
+    const bool all = a.experiment == "all";
+    std::vector<Protocol> protocols;
+    if (all || a.experiment == "1") protocols.push_back(experiment_1(settings, without, a.seed));
+    if (all || a.experiment == "2") protocols.push_back(experiment_2(settings, without, a.seed));
+    if (all || a.experiment == "3") protocols.push_back(experiment_3(settings, with, a.seed));
+    return protocols;
+}
+
+// Each once, and none that HF has already: it would be the same condition twice.
+std::vector<Remedy> remedies_of(const StudyArguments& a, const SystemSettings& settings) {
+    std::vector<Remedy> remedies;
+    remedies.reserve(a.remedies.size());
+    for (const std::string& name : a.remedies) {
+        const Remedy remedy = parse_remedy(name);
+        if (settings.master.control.remedy == remedy)
+            throw Error(ExitCode::kUsage,
+                        fmt::format("--remedies {}: HF has it already, by [control] of {}", name, a.config));
+        if (std::find(remedies.begin(), remedies.end(), remedy) != remedies.end())
+            throw Error(ExitCode::kUsage, fmt::format("--remedies: {} is there twice", name));
+        remedies.push_back(remedy);
+    }
+    return remedies;
+}
+
+// What gives the same results, without where they went and how they came: a resumed study equals another.
+std::string study_command(const StudyArguments& a) {
+    std::string command = fmt::format("thimble study --experiment {} --seed {}", a.experiment, a.seed);
+    if (a.subjects != 0) command += fmt::format(" --subjects {}", a.subjects);
+    if (!a.order.empty()) command += " --order " + a.order;
+    if (!a.config.empty()) command += " --config " + a.config;
+    if (a.no_control) command += " --no-control";
+    if (!a.remedies.empty()) command += fmt::format(" --remedies {}", fmt::join(a.remedies, ","));
+    if (a.analysis != "full") command += " --analysis " + a.analysis;
+    if (a.seeds > 1) command += fmt::format(" --seeds {}", a.seeds);
+    for (const std::string& range : a.sweep.vary) command += " --vary " + range;
+    if (a.sweep.draws > 0) command += fmt::format(" --draws {}", a.sweep.draws);
+    return command;
+}
+
+SweepOptions sweep_options(const StudyArguments& arguments, const SystemSettings& settings) {
+    SweepOptions options;
+    options.protocols = protocols_of(arguments, settings);
+    options.seeds = arguments.seeds;
+    options.out = arguments.out;
+    options.command = study_command(arguments);
+    options.jobs = arguments.jobs;
+    if (arguments.overwrite) options.if_exists = IfExists::kReplace;
+    options.stop = &stop_requested();
+    return options;
+}
+
+int run_one_study(const StudyArguments& arguments) {
+    SystemSettings settings = load_system_settings(arguments.config);
+    if (!arguments.order.empty()) settings.plan.order = *parse_order(arguments.order);
+    refuse_dataset(arguments.out);
+    install_stop_signals();
+    if (arguments.sweep.asked()) {
+        return sweep_parameters(arguments.config, arguments.sweep, sweep_options(arguments, settings));
+    }
+    if (arguments.seeds > 1) return sweep_seeds(settings, sweep_options(arguments, settings));
+    StudyOptions options;
+    options.protocols = protocols_of(arguments, settings);
+    options.out = arguments.out;
+    options.command = study_command(arguments);
+    options.jobs = arguments.jobs;
+    if (arguments.overwrite) options.if_exists = IfExists::kReplace;
+    if (arguments.resume) options.if_exists = IfExists::kContinue;
+    options.trajectories = arguments.trajectories;
+    options.control = !arguments.no_control;
+    options.remedies = remedies_of(arguments, settings);
+    options.analysis = *parse_analysis(arguments.analysis);
+    options.stop = &stop_requested();
+    const StudyResult result = run_study(settings, options);
+    if (result.resumed > 0) spdlog::info("{} trials were there already", result.resumed);
+    spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
+                 result.simulated_s / result.wall_s);
+    if (!arguments.json) fmt::print("{}\n", claims_sentence(result.claims));
+    say_results(arguments.json, options.out, result.rows);
+    if (!result.complete)
+        spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume",
+                      result.rows.size());
+    return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
+}
+
+// Options that make it many studies.
+std::vector<CLI::Option*> add_sweeps(CLI::App* study, StudyArguments& a) {
+    CLI::Option* seeds =
+        study
+            ->add_option(
+                "--seeds", a.seeds,
+                "the whole study with that many seeds, from --seed on: how often does each claim come out?")
+            ->default_val(1)
+            ->check(CLI::Range(1, 1000000));
+    CLI::Option* vary =
+        study
+            ->add_option("--vary", a.sweep.vary,
+                         "a parameter of operator or rig from LOW to HIGH in POINTS steps, --seeds studies "
+                         "each: which claims survive? May be given several times, one after another")
+            ->type_name("NAME=LOW:HIGH:POINTS")
+            ->allow_extra_args(false);
+    CLI::Option* draws =
+        study
+            ->add_option("--draws", a.sweep.draws,
+                         "that many studies, each with all uncertain parameters drawn anew within their "
+                         "ranges (or those of --vary NAME=LOW:HIGH)")
+            ->check(CLI::Range(1, 1000000))
+            ->excludes(seeds);
+    return {seeds, vary, draws};
+}
+
+// Options of a study by itself: of many, only the claims are kept.
+void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Option*>& sweeps) {
+    CLI::Option* no_control = study->add_flag(
+        "--no-control", a.no_control,
+        "leave out the same trials without delay (control.csv) and without the actuators' lag (no_lag.csv)");
+    CLI::Option* analysis = add_analysis_option(*study, a.analysis);
+    CLI::Option* remedies =
+        study
+            ->add_option("--remedies", a.remedies,
+                         "the trials with HF again with each of these controllers against delay, into "
+                         "hf_NAME.csv, and compared: wave,energy-bound,... (docs/remedies.md)")
+            ->delimiter(',')
+            ->type_name("NAME,...");
+    CLI::Option* trajectories =
+        study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV");
+    CLI::Option* overwrite =
+        study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
+    CLI::Option* resume =
+        study
+            ->add_flag("--resume", a.resume,
+                       "go on where an interrupted study of the same settings ended; the same bytes come out")
+            ->excludes(overwrite);
+    CLI::Option* json = study->add_flag("--json", a.json, "print summary.json on stdout");
+    for (CLI::Option* of_one_study : {no_control, remedies, analysis, trajectories, resume, json}) {
+        for (CLI::Option* of_many : sweeps) of_one_study->excludes(of_many);
+    }
+}
+
+}  // namespace
+
+Subcommand add_study(CLI::App& app) {
+    const auto arguments = std::make_shared<StudyArguments>();
+    StudyArguments& a = *arguments;
+    CLI::App* study = app.add_subcommand("study", "the paper's experiments in virtual time");
+    study
+        ->add_option(
+            "-e,--experiment", a.experiment,
+            "1: no delay; 2: the fixture vanishes after 5 s of contact; 3: 50 ms on the force path; or all")
+        ->default_val("3")
+        ->check(CLI::IsMember({"1", "2", "3", "all"}));
+    study->add_option("-n,--subjects", a.subjects, "virtual subjects (default: 16, in experiment 3 10)")
+        ->check(CLI::Range(1, 100000));
+    study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
+        ->check(CLI::IsMember({"shuffled", "williams"}));
+    study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
+    study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
+    study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
+    study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
+        ->check(CLI::Range(0, 1024));
+    add_single(study, a, add_sweeps(study, a));
+    study->footer(
+        "Examples:\n  thimble study --experiment all --seed 1 --out out/study\n"
+        "  thimble study --experiment all --seeds 100 --out out/seeds\n"
+        "  thimble study --vary handle.friction_N=0.3:1:8 --seeds 12 --out out/friction\n"
+        "  thimble study --experiment all --draws 300 --out out/robust\n"
+        "  thimble study --experiment 3 --remedies wave,energy-bound --out out/controllers\n"
+        "  thimble study --experiment 3 --subjects 40 --order williams --out out/large\n"
+        "  thimble study --experiment 3 --subjects 40 --order williams --out out/large --resume");
+    return {study, [arguments] { return run_one_study(*arguments); }};
+}
+
+}  // namespace thimble

@@ -1,0 +1,204 @@
+// What is asked of the running kernel, and of other programs.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <sys/resource.h>
+#include <sys/timex.h>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/network_settings.hpp"
+#include "common/process/subprocess.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "common/runtime/timer_probe.hpp"
+#include "common/runtime/udp_channel.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/version.hpp"
+#include "session/clocks/chrony.hpp"
+#include "session/launch/node_kinds.hpp"
+#include "thimble/doctor/gather.hpp"
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A second try, since the kernel may drop any datagram.
+bool comes_back(std::uint16_t port) {
+    UdpChannel in(Endpoint{"127.0.0.1", port}, {"127.0.0.1", 0});
+    UdpChannel out(std::nullopt, {"127.0.0.1", port});
+    constexpr std::array<std::uint8_t, 4> kWord{'e', 'c', 'h', 'o'};
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        out.send(kWord);
+        for (int look = 0; look < 50; ++look) {
+            if (!in.receive().empty()) return true;
+            wall_sleep(std::chrono::milliseconds{1});
+        }
+    }
+    return false;
+}
+
+bool loopback_passes() {
+    for (std::uint16_t port = 30000; port < 32768; ++port) {
+        try {
+            return comes_back(port);
+        } catch (const Error&) {  // taken: another one
+        }
+    }
+    return false;
+}
+
+bool is_free(std::uint16_t port) {
+    try {
+        const UdpChannel probe(Endpoint{"0.0.0.0", port}, {"127.0.0.1", 0});
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+// The first process of this user's that has one of the sockets.
+TakenPort with_holder(std::uint16_t port, const std::vector<std::string>& inodes) {
+    TakenPort taken{port, 0, ""};
+    std::error_code error;
+    for (const auto& process : fs::directory_iterator("/proc", error)) {
+        const std::string number = process.path().filename().string();
+        if (number.find_first_not_of("0123456789") != std::string::npos) continue;
+        std::error_code unseen;
+        for (const auto& open : fs::directory_iterator(process.path() / "fd", unseen)) {
+            const std::string target = fs::read_symlink(open.path(), unseen).string();
+            for (const std::string& inode : inodes) {
+                if (target != "socket:[" + inode + "]") continue;
+                taken.process = std::stol(number);
+                std::ifstream name(process.path() / "comm");
+                std::getline(name, taken.program);
+                return taken;
+            }
+        }
+    }
+    return taken;
+}
+
+std::string whole_file(const char* path) {
+    std::ifstream stream(path);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Empty if it cannot be started.
+std::string version_line(const std::string& program, const char* option) {
+    try {
+        const ProgramResult result = run_program(program, {option}, ".", "");
+        return result.exit_code == 0 ? result.output.substr(0, result.output.find('\n')) : "";
+    } catch (const Error&) {
+        return "";
+    }
+}
+
+std::string system_name() {
+    const std::string text = whole_file("/etc/os-release"), key = "PRETTY_NAME=\"";
+    const std::size_t at = text.find(key);
+    if (at == std::string::npos) return "";
+    const std::size_t start = at + key.size();
+    return text.substr(start, text.find('"', start) - start);
+}
+
+}  // namespace
+
+void gather_time(const ConfigFile& file, double seconds_s, RealtimeFacts& realtime, TimerFacts& timer) {
+    const RuntimeSettings runtime = read_runtime_settings(file);
+    realtime.wanted = runtime.realtime_scheduling;
+    realtime.priority = runtime.priority;
+    rlimit limit{};
+    if (getrlimit(RLIMIT_RTPRIO, &limit) == 0)
+        realtime.hard_limit = limit.rlim_max == RLIM_INFINITY ? -1 : static_cast<long>(limit.rlim_max);
+    timer.allowed_miss_fraction = runtime.allowed_miss_fraction;
+    std::thread measuring([&] {
+        realtime.granted = ask_for_realtime(runtime).empty();
+        const Histogram lateness = measure_timer(from_seconds(timer.period_s), from_seconds(seconds_s));
+        timer.wake_ups = lateness.count();
+        timer.median_s = to_seconds(lateness.quantile(0.5));
+        timer.p99_s = to_seconds(lateness.quantile(0.99));
+        timer.allowed_s = to_seconds(lateness.quantile(1 - runtime.allowed_miss_fraction));
+        timer.worst_s = to_seconds(lateness.worst());
+    });
+    measuring.join();
+}
+
+ClockFacts gather_clock() {
+    ClockFacts facts;
+    timex words{};
+    const int state = adjtimex(&words);
+    facts.known = state >= 0;
+    facts.synchronised = state >= 0 && state != TIME_ERROR && (words.status & STA_UNSYNC) == 0;
+    facts.error_bound_s = 1e-6 * static_cast<double>(words.maxerror);
+    facts.chrony = describe_chrony();
+    return facts;
+}
+
+PortFacts gather_ports(std::uint16_t base_port, unsigned lanes) {
+    PortFacts facts;
+    facts.first = base_port;
+    facts.block = static_cast<std::uint16_t>(kPortCount);
+    facts.count = static_cast<std::uint16_t>(std::min<std::size_t>(lanes * kPortCount, 65536U - base_port));
+    facts.loopback_passes = loopback_passes();
+    const std::string table = whole_file("/proc/net/udp");
+    for (unsigned i = 0; i < facts.count; ++i) {
+        const auto port = static_cast<std::uint16_t>(base_port + i);
+        if (is_free(port)) continue;
+        // Looking for its owner takes a while; one name is enough.
+        facts.taken.push_back(facts.taken.size() < 3
+                                  ? with_holder(port, udp_inodes(table, port))
+                                  : TakenPort{port, facts.taken[0].process, facts.taken[0].program});
+    }
+    return facts;
+}
+
+ProgramFacts gather_programs(const fs::path& folder) {
+    ProgramFacts facts;
+    facts.own_version = kVersion;
+    facts.folder = folder.string();
+    for (const NodeKind& node : kNodes)
+        facts.nodes.push_back({node.program, version_line((folder / node.program).string(), "--version")});
+    facts.gnuplot = version_line("gnuplot", "--version");
+    facts.system = system_name();
+    return facts;
+}
+
+std::string dropping_chain(const std::string& ruleset) {
+    std::string table, chain;
+    for (std::size_t at = 0; at < ruleset.size();) {
+        const std::size_t end = std::min(ruleset.find('\n', at), ruleset.size());
+        const std::string line = ruleset.substr(at, end - at);
+        at = end + 1;
+        std::array<char, 64> first{}, second{};
+        if (std::sscanf(line.c_str(), " table %63s %63s", first.data(), second.data()) == 2)
+            table = fmt::format("{} {}", first.data(), second.data());
+        if (std::sscanf(line.c_str(), " chain %63s", first.data()) == 1) chain = first.data();
+        if (line.find("hook input") != std::string::npos && line.find("policy drop") != std::string::npos)
+            return fmt::format("{} {}", table, chain);
+    }
+    return "";
+}
+
+// Columns: slot, local address:port, remote, state, queues, timer, retransmits, uid, timeout, inode.
+std::vector<std::string> udp_inodes(const std::string& table, std::uint16_t port) {
+    std::vector<std::string> inodes;
+    for (std::size_t at = 0; at < table.size();) {
+        const std::size_t end = std::min(table.find('\n', at), table.size());
+        unsigned local = 0;
+        unsigned long inode = 0;
+        const std::string line = table.substr(at, end - at);
+        at = end + 1;
+        if (std::sscanf(line.c_str(), " %*d: %*x:%x %*x:%*x %*x %*x:%*x %*x:%*x %*x %*u %*u %lu", &local,
+                        &inode) == 2 &&
+            local == port)
+            inodes.push_back(std::to_string(inode));
+    }
+    return inodes;
+}
+
+}  // namespace thimble

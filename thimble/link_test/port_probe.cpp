@@ -1,0 +1,140 @@
+#include "thimble/link_test/port_probe.hpp"
+
+#include <algorithm>
+
+namespace thimble {
+namespace {
+
+// Later than that, probes are left out: a burst of them would measure this machine, not the link.
+constexpr Duration kStall = std::chrono::milliseconds{50};
+
+}  // namespace
+
+PortProbe::PortProbe(const PortTraffic& traffic, const UdpAddress& remote, std::uint64_t asker)
+    : traffic_(traffic),
+      socket_(remote),
+      asker_(asker),
+      room_(kLargestProbeBytes),
+      period_(from_seconds(1 / traffic.rate_Hz)) {
+    figures_.traffic = traffic;
+}
+
+int PortProbe::send(ProbeKind kind, SessionTime now, std::uint32_t sequence, std::size_t bytes) {
+    ProbePacket packet;
+    packet.kind = kind;
+    packet.port = static_cast<std::uint16_t>(traffic_.port);
+    packet.nonce = kind == ProbeKind::kHello ? asker_ : nonce_;
+    packet.sequence = sequence;
+    packet.probe_sent = now;
+    const std::span datagram = std::span(room_).first(std::max(bytes, kProbeHeaderBytes));
+    write_probe(packet, datagram);
+    return socket_.send(datagram);
+}
+
+void PortProbe::say_hello(SessionTime now) {
+    const int error = send(ProbeKind::kHello, now, static_cast<std::uint32_t>(asker_), traffic_.bytes);
+    if (error == 0) return;
+    ++complaints_;
+    evidence_.error = error;
+    socket_.take_errors(evidence_);  // which may know more
+}
+
+int PortProbe::query(SessionTime now, std::size_t bytes) {
+    query_bytes_ = bytes;
+    return send(ProbeKind::kQuery, now, ++query_, bytes);
+}
+
+void PortProbe::start(SessionTime now) {
+    started_ = next_due_ = last_echo_ = now;
+    round_trip_.clear();
+}
+
+std::uint32_t PortProbe::send_due(SessionTime now) {
+    std::uint32_t stalls = 0;
+    if (now - next_due_ > kStall) {
+        next_due_ = now;
+        ++stalls;
+    }
+    for (; next_due_ <= now; next_due_ += period_) {
+        const bool taken =
+            send(ProbeKind::kProbe, now, figures_.sent + figures_.refused + 1, traffic_.bytes) == 0;
+        ++(taken ? figures_.sent : figures_.refused);
+    }
+    return stalls;
+}
+
+void PortProbe::finish(SessionTime now) {
+    next_due_ = kNever;
+    ended_ = now;
+    counting_ = true;
+}
+
+void PortProbe::take_all(std::vector<ClockExchange>& exchanges) {
+    while (const auto received = socket_.receive()) {
+        const auto packet = read_probe(received->bytes);
+        if (packet && packet->port == static_cast<std::uint16_t>(traffic_.port))
+            take(*packet, received->bytes.size(), received->arrived, exchanges);
+    }
+    const int before = evidence_.error;
+    evidence_.error = 0;
+    socket_.take_errors(evidence_);
+    if (evidence_.error != 0) {
+        ++complaints_;
+    } else {
+        evidence_.error = before;
+    }
+}
+
+void PortProbe::take(const ProbePacket& packet, std::size_t bytes, SessionTime arrived,
+                     std::vector<ClockExchange>& exchanges) {
+    if (packet.kind == ProbeKind::kWelcome) {
+        if (packet.sequence != static_cast<std::uint32_t>(asker_)) return;
+        nonce_ = packet.nonce;
+        ++evidence_.welcomes;
+        if (next_due_ == kNever) round_trip_.add(arrived - packet.probe_sent);
+    }
+    if (packet.nonce != nonce_) return;
+    if (packet.kind == ProbeKind::kEcho) return take_echo(packet, arrived, exchanges);
+    if (packet.kind != ProbeKind::kCounts || packet.sequence != query_ || bytes != query_bytes_) return;
+    answered_query_ = query_;
+    take_counts(packet);
+    counted_ = counting_;
+}
+
+void PortProbe::take_echo(const ProbePacket& echo, SessionTime arrived,
+                          std::vector<ClockExchange>& exchanges) {
+    take_counts(echo);
+    if (!echoes_.add(echo.sequence)) return;
+    round_trip_.add(arrived - echo.probe_sent);
+    longest_gap_ = std::max(longest_gap_, arrived - last_echo_);
+    last_echo_ = arrived;
+    const ClockExchange exchange{echo.probe_sent, echo.probe_arrived, echo.echo_sent, arrived};
+    if (exchange.possible() && exchanges.size() < exchanges.capacity()) exchanges.push_back(exchange);
+}
+
+// Answers may overtake each other; counts only grow.
+void PortProbe::take_counts(const ProbePacket& packet) {
+    figures_.far_received = std::max(figures_.far_received, packet.far_received);
+    figures_.far_duplicates = std::max(figures_.far_duplicates, packet.far_duplicates);
+    figures_.far_reordered = std::max(figures_.far_reordered, packet.far_reordered);
+    figures_.far_sent = std::max(figures_.far_sent, packet.far_sent);
+}
+
+PortFigures PortProbe::figures() const {
+    PortFigures f = figures_;
+    f.answer = classify(evidence_);
+    f.counted = counted_;
+    f.returned = echoes_.distinct();
+    f.duplicates = echoes_.duplicates();
+    f.reordered = echoes_.reordered();
+    f.round_trip_median_s = to_seconds(round_trip_.quantile(0.5));
+    f.round_trip_p99_s = to_seconds(round_trip_.quantile(0.99));
+    f.round_trip_worst_s = to_seconds(round_trip_.worst());
+    if (f.sent > 0) {
+        f.seconds_s = to_seconds(ended_ - started_);
+        f.longest_gap_s = to_seconds(std::max(longest_gap_, ended_ - last_echo_));
+    }
+    return f;
+}
+
+}  // namespace thimble

@@ -1,0 +1,71 @@
+// One port of the far side, as the near side of a link test sees it.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "common/histogram.hpp"
+#include "thimble/link_test/arrival_counter.hpp"
+#include "thimble/link_test/link_figures.hpp"
+#include "thimble/link_test/probe_packet.hpp"
+#include "thimble/link_test/probe_socket.hpp"
+
+namespace thimble {
+
+class PortProbe {
+  public:
+    // `asker` tells this test from others of this host.
+    PortProbe(const PortTraffic& traffic, const UdpAddress& remote, std::uint64_t asker);
+
+    int descriptor() const { return socket_.descriptor(); }
+    const PortTraffic& traffic() const { return traffic_; }
+
+    // All that waits; exchanges of stamps are added to `exchanges` as long as there is room reserved.
+    void take_all(std::vector<ClockExchange>& exchanges);
+
+    void say_hello(SessionTime now);
+    // It answers, or has said twice why it does not.
+    bool concluded() const { return answers() || complaints_ > 1; }
+    bool answers() const { return evidence_.welcomes > 0; }
+
+    // Asks how much has come, with a datagram of `bytes`. 0 or errno.
+    int query(SessionTime now, std::size_t bytes);
+    // The newest query has been answered, by a datagram of its size.
+    bool query_answered() const { return answered_query_ == query_; }
+
+    void start(SessionTime now);
+    SessionTime next_due() const { return next_due_; }
+    // Sends what is due; returns how often this machine was too late by so much that probes were left out.
+    std::uint32_t send_due(SessionTime now);
+    void finish(SessionTime now);
+    bool counted() const { return counted_; }
+    Duration median_round_trip() const { return round_trip_.quantile(0.5); }
+
+    PortFigures figures() const;
+
+  private:
+    int send(ProbeKind kind, SessionTime now, std::uint32_t sequence, std::size_t bytes);
+    void take(const ProbePacket& packet, std::size_t bytes, SessionTime arrived,
+              std::vector<ClockExchange>& exchanges);
+    void take_echo(const ProbePacket& echo, SessionTime arrived, std::vector<ClockExchange>& exchanges);
+    void take_counts(const ProbePacket& packet);
+
+    PortTraffic traffic_;
+    ProbeSocket socket_;
+    std::uint64_t asker_, nonce_ = 0;
+    PortEvidence evidence_;
+    int complaints_ = 0;
+    std::vector<std::uint8_t> room_;
+    std::uint32_t query_ = 0;
+    std::optional<std::uint32_t> answered_query_;
+    std::size_t query_bytes_ = 0;
+    Duration period_{};
+    SessionTime started_{}, ended_{}, next_due_ = kNever, last_echo_{};
+    PortFigures figures_;
+    ArrivalCounter echoes_;
+    Histogram round_trip_;
+    Duration longest_gap_{};
+    bool counting_ = false, counted_ = false;
+};
+
+}  // namespace thimble
