@@ -47,6 +47,12 @@ const Flow& flow(Port port) { return kFlows.at(static_cast<std::size_t>(port)); 
 
 Role owner(Port port) { return flow(port).listens; }
 
+Port stop_port(Role role) {
+    std::size_t i = 0;
+    while (owner(kStopPorts.at(i)) != role) ++i;
+    return kStopPorts[i];
+}
+
 Endpoint NetworkSettings::at(Port port) const {
     return {host(owner(port)), static_cast<std::uint16_t>(base_port + static_cast<std::uint16_t>(port))};
 }

@@ -77,6 +77,8 @@ inline constexpr std::array kStopPorts{Port::kSessionStop,   Port::kMasterStop, 
                                        Port::kCutaneousStop, Port::kVisualStop, Port::kNetemStop};
 // Whose socket the port is.
 Role owner(Port port);
+// Where a program of the session hears of stops. A view has no such port.
+Port stop_port(Role role);
 
 struct Endpoint {
     std::string host;

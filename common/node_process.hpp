@@ -6,6 +6,7 @@
 
 #include "common/flow.hpp"
 #include "common/log/recorder.hpp"
+#include "common/ports.hpp"
 #include "common/process.hpp"
 #include "common/stop_line.hpp"
 
@@ -46,6 +47,7 @@ class NodeProcess : public Process {
 
     // Where stops are heard and said (stop_line.hpp); without it a stop here reaches the others by the session only.
     void join_stop_line(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
+    void join_stop_line(Ports& ports) { stop_.connect(*ports.inlet(stop_port(role_)), stop_outlets(ports)); }
     // Somebody at this program wants everything to stop, now.
     void stop_everything(SessionTime now, EndReason reason, std::string_view words);
     const StopLine& stop_line() const { return stop_; }

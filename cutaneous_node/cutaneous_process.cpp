@@ -11,6 +11,15 @@ CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettin
       stale_after_(settings.stale.after),
       percept_flow_(Role::kCutaneous, instance, {channels.percept_out}) {}
 
+CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, Ports& ports,
+                                   FingertipActuator& actuator)
+    : CutaneousProcess(instance, settings,
+                       {ports.between(Port::kCutaneousControl, Port::kSessionCutaneous),
+                        ports.inlet(Port::kCutaneousForce), ports.outlet(Port::kMasterPerceptCutaneous)},
+                       actuator) {
+    join_stop_line(ports);
+}
+
 void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& control) {
     needed_ = node_.presses(control.modality);
     actuator_.clear();

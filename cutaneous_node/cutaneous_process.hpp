@@ -22,6 +22,9 @@ class CutaneousProcess final : public NodeProcess {
     // `actuator` outlives the process.
     CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, const Channels& channels,
                      FingertipActuator& actuator);
+    // Opens its channels.
+    CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, Ports& ports,
+                     FingertipActuator& actuator);
 
     const StaleRecord& stale_record() const { return stale_record_; }
 

@@ -11,21 +11,13 @@ namespace {
 
 using namespace thimble;
 
-CutaneousProcess::Channels open_channels(Sockets& sockets) {
-    return {sockets.between(Port::kCutaneousControl, Port::kSessionCutaneous),
-            sockets.inlet(Port::kCutaneousForce, Role::kNetem),
-            sockets.outlet(Port::kMasterPerceptCutaneous)};
-}
-
 class Cutaneous final : public NodeInstance {
   public:
     Cutaneous(const CutaneousSettings& settings, const RuntimeSettings& runtime, Sockets& sockets,
               std::uint64_t instance)
         : open_(open_actuator(settings, runtime, sockets)),
           stale_(settings.stale),
-          process_(instance, settings, open_channels(sockets), open_->actuator()) {
-        process_.join_stop_line(*sockets.inlet_for_all(Port::kCutaneousStop), sockets.stop_outlets());
-    }
+          process_(instance, settings, sockets, open_->actuator()) {}
 
     NodeProcess& process() override { return process_; }
     void bring_up() override { open_->bring_up(); }

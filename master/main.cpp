@@ -45,16 +45,8 @@ class Master final : public NodeInstance {
           handle_(open_handle(settings, read_operator_parameters(file.table("operator")),
                               read_runtime_settings(file))),
           settings_(read_master_settings(file)),
-          process_(instance, settings_,
-                   {sockets.between(Port::kMasterControl, Port::kSessionMaster),
-                    sockets.outlet(Port::kNetemNeedle), sockets.inlet(Port::kMasterForce, Role::kNetem),
-                    sockets.inlet(Port::kMasterPerceptCutaneous, Role::kCutaneous),
-                    sockets.inlet(Port::kMasterPerceptVisual, Role::kVisual)},
-                   handle_->device(), handle_->person()) {
-        process_.join_stop_line(*sockets.inlet_for_all(Port::kMasterStop), sockets.stop_outlets());
+          process_(instance, settings_, sockets, handle_->device(), handle_->person(), handle_->follower()) {
         if (!handle_->name().empty()) spdlog::info("handle: {}", handle_->name());
-        if (HandFollower* const follower = handle_->follower())
-            process_.follow_hand(*sockets.inlet(Port::kMasterHand, Role::kVisual), *follower);
     }
 
     NodeProcess& process() override { return process_; }

@@ -14,6 +14,17 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
       person_(&person),
       needle_flow_(Role::kMaster, instance, {channels.needle_out}) {}
 
+MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& settings, Ports& ports,
+                             HapticDevice& device, OperatorPort& person, HandFollower* follower)
+    : MasterProcess(instance, settings,
+                    {ports.between(Port::kMasterControl, Port::kSessionMaster),
+                     ports.outlet(Port::kNetemNeedle), ports.inlet(Port::kMasterForce),
+                     ports.inlet(Port::kMasterPerceptCutaneous), ports.inlet(Port::kMasterPerceptVisual)},
+                    device, person) {
+    join_stop_line(ports);
+    if (follower != nullptr) follow_hand(*ports.inlet(Port::kMasterHand), *follower);
+}
+
 void MasterProcess::follow_hand(Channel& hand_in, HandFollower& follower) {
     hand_in_ = &hand_in;
     follower_ = &follower;

@@ -30,6 +30,9 @@ class MasterProcess final : public NodeProcess {
     // `person` holds `device`; both outlive the process.
     MasterProcess(std::uint64_t instance, const MasterSettings& settings, const Channels& channels,
                   HapticDevice& device, OperatorPort& person);
+    // Opens its channels. `follower`, where there is one, learns what a person's pointer draws.
+    MasterProcess(std::uint64_t instance, const MasterSettings& settings, Ports& ports, HapticDevice& device,
+                  OperatorPort& person, HandFollower* follower = nullptr);
 
     // From now on `follower` learns what comes in at `hand_in` (a person's pointer, never delayed). Both outlive the
     // process.

@@ -5,9 +5,33 @@
 #include "netem/profiles/profiles.hpp"
 
 namespace thimble {
+namespace {
+
+std::vector<RelayPlan> relays(const NetemSettings& s, Ports& ports) {
+    std::vector<RelayPlan> plans;
+    const auto add = [&](Port in, Port out, const LinkSettings& link, Direction direction,
+                         const Timeline& timeline) {
+        Channel* const from = ports.inlet(in);
+        plans.push_back({from, ports.outlet(out), link, direction, timeline});
+    };
+    add(Port::kNetemNeedle, Port::kSlaveNeedle, s.needle, kDirectionNeedle, s.needle_timeline);
+    add(Port::kNetemForceMaster, Port::kMasterForce, s.force, kDirectionForceMaster, s.force_timeline);
+    add(Port::kNetemForceCutaneous, Port::kCutaneousForce, s.force, kDirectionForceCutaneous,
+        s.force_timeline);
+    add(Port::kNetemForceVisual, Port::kVisualForce, s.force, kDirectionForceVisual, s.force_timeline);
+    return plans;
+}
+
+}  // namespace
 
 NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::vector<RelayPlan>& plans)
     : NodeProcess(Role::kNetem, instance, control), relays_(plans.begin(), plans.end()) {}
+
+NetemProcess::NetemProcess(std::uint64_t instance, const NetemSettings& settings, Ports& ports)
+    : NetemProcess{instance, *ports.between(Port::kNetemControl, Port::kSessionNetem),
+                   relays(settings, ports)} {
+    join_stop_line(ports);
+}
 
 void NetemProcess::begin_trial(SessionTime now, const SessionControl& control) {
     for (Relay& relay : relays_) {

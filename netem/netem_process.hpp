@@ -40,6 +40,8 @@ struct Relay {
 class NetemProcess final : public NodeProcess {
   public:
     NetemProcess(std::uint64_t instance, Channel& control, const std::vector<RelayPlan>& plans);
+    // Opens its channels: the needle's link and three for the force.
+    NetemProcess(std::uint64_t instance, const NetemSettings& settings, Ports& ports);
 
     const std::vector<Relay>& relays() const { return relays_; }
 

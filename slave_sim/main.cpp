@@ -11,14 +11,8 @@ using namespace thimble;
 class Slave final : public NodeInstance {
   public:
     Slave(const ConfigFile& file, Sockets& sockets, std::uint64_t instance)
-        : process_(instance, read_slave_settings(file),
-                   {sockets.between(Port::kSlaveControl, Port::kSessionSlave),
-                    sockets.inlet(Port::kSlaveNeedle, Role::kNetem), sockets.outlet(Port::kNetemForceMaster),
-                    sockets.outlet(Port::kNetemForceCutaneous), sockets.outlet(Port::kNetemForceVisual),
-                    sockets.outlet(Port::kVisualBeep), sockets.outlet(Port::kSessionRecord)}),
-          stale_after_(read_slave_settings(file).stale_after) {
-        process_.join_stop_line(*sockets.inlet_for_all(Port::kSlaveStop), sockets.stop_outlets());
-    }
+        : process_(instance, read_slave_settings(file), sockets),
+          stale_after_(read_slave_settings(file).stale_after) {}
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {

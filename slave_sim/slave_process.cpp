@@ -22,6 +22,15 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
                                {channels.force_cutaneous, channels.force_visual, channels.record}),
       beep_flow_(Role::kSlaveSim, instance, {channels.beep_visual}) {}
 
+SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, Ports& ports)
+    : SlaveProcess(instance, settings,
+                   {ports.between(Port::kSlaveControl, Port::kSessionSlave), ports.inlet(Port::kSlaveNeedle),
+                    ports.outlet(Port::kNetemForceMaster), ports.outlet(Port::kNetemForceCutaneous),
+                    ports.outlet(Port::kNetemForceVisual), ports.outlet(Port::kVisualBeep),
+                    ports.outlet(Port::kSessionRecord)}) {
+    join_stop_line(ports);
+}
+
 void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(control);
     needle_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last

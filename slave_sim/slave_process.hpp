@@ -21,6 +21,8 @@ class SlaveProcess final : public NodeProcess {
     };
 
     SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, const Channels& channels);
+    // Opens its channels.
+    SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, Ports& ports);
 
     const StaleRecord& stale_record() const { return stale_record_; }
 

@@ -23,22 +23,13 @@ struct Choices {
     std::string view = "subject", screenshot;
 };
 
-VisualProcess::Channels open_channels(Sockets& sockets, bool hand) {
-    return {sockets.between(Port::kVisualControl, Port::kSessionVisual),
-            sockets.inlet(Port::kVisualForce, Role::kNetem),
-            sockets.inlet(Port::kVisualBeep, Role::kSlaveSim), sockets.outlet(Port::kMasterPerceptVisual),
-            hand ? sockets.outlet(Port::kMasterHand) : nullptr};
-}
-
 // Frames go nowhere but into memory: no screen is needed.
 class RecordingVisual final : public NodeInstance {
   public:
     RecordingVisual(const VisualSettings& settings, Sockets& sockets, std::uint64_t instance)
         : display_(settings.pipeline),
           stale_(settings.stale),
-          process_(instance, settings, open_channels(sockets, false), display_) {
-        process_.join_stop_line(*sockets.inlet_for_all(Port::kVisualStop), sockets.stop_outlets());
-    }
+          process_(instance, settings, sockets, display_) {}
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {
@@ -70,10 +61,7 @@ class WindowVisual final : public NodeInstance {
                    make_overlay(choices, sockets.settings(), instance), instructions},
                   sockets.settings()),
           stale_(settings.stale),
-          process_(instance, settings, open_channels(sockets, window_.hand() != nullptr), window_.display(),
-                   window_.hand()) {
-        process_.join_stop_line(*sockets.inlet_for_all(Port::kVisualStop), sockets.stop_outlets());
-    }
+          process_(instance, settings, sockets, window_.display(), window_.hand()) {}
 
     NodeProcess& process() override { return process_; }
     void describe(nlohmann::ordered_json& report) const override {

@@ -13,6 +13,17 @@ VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& setti
       hand_flow_(instance, channels.hand_out, hand),
       go_on_(settings.subject_goes_on) {}
 
+VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& settings, Ports& ports,
+                             Display& display, HandSource* hand)
+    : VisualProcess(
+          instance, settings,
+          {ports.between(Port::kVisualControl, Port::kSessionVisual), ports.inlet(Port::kVisualForce),
+           ports.inlet(Port::kVisualBeep), ports.outlet(Port::kMasterPerceptVisual),
+           hand != nullptr ? ports.outlet(Port::kMasterHand) : nullptr},
+          display, hand) {
+    join_stop_line(ports);
+}
+
 void VisualProcess::begin_trial(SessionTime now, const SessionControl& control) {
     node_.start_trial(now, control, trial());
     hand_flow_.start_trial();

@@ -26,6 +26,9 @@ class VisualProcess final : public NodeProcess {
     // `display` and `hand`, which goes with channels.hand_out, outlive the process.
     VisualProcess(std::uint64_t instance, const VisualSettings& settings, const Channels& channels,
                   Display& display, HandSource* hand = nullptr);
+    // Opens its channels.
+    VisualProcess(std::uint64_t instance, const VisualSettings& settings, Ports& ports, Display& display,
+                  HandSource* hand = nullptr);
 
     const StaleRecord& stale_record() const { return stale_record_; }
 

@@ -22,14 +22,27 @@ Channel* Sockets::between(Port local, Port remote) {
     return log_control(security_ ? security_->pair(*channel, local, remote) : channel, local, remote);
 }
 
-Channel* Sockets::inlet(Port local, Role sender) {
+Channel* Sockets::inlet(Port local) {
+    const Flow& heard = flow(local);
+    const Role sender = heard.from_all ? heard.listens : heard.hears;
     UdpChannel* channel = open(settings_.at(local), {settings_.host(sender), 0});
-    return log_data(security_ ? security_->inlet(*channel, local) : channel, local);
+    if (heard.from_all) channel->listen_also_to({settings_.hosts.begin(), settings_.hosts.end()});
+    if (!security_) return log_data(channel, local);
+    return log_data(
+        heard.from_all ? stop_end(*channel, local, StopEnd::kListens) : security_->inlet(*channel, local),
+        local);
 }
 
 Channel* Sockets::outlet(Port remote) {
     UdpChannel* channel = open(std::nullopt, settings_.at(remote));
-    return log_data(security_ ? security_->outlet(*channel, remote) : channel, remote);
+    if (!security_) return log_data(channel, remote);
+    return log_data(flow(remote).from_all ? stop_end(*channel, remote, StopEnd::kSpeaks)
+                                          : security_->outlet(*channel, remote),
+                    remote);
+}
+
+Channel* Sockets::stop_end(Channel& channel, Port port, StopEnd end) {
+    return security_->stop_end(channel, settings_.at(port).port, end);
 }
 
 // As they were before they were sealed, and after they were opened.
@@ -45,24 +58,6 @@ Channel* Sockets::log_data(Channel* channel, Port port) {
 Channel* Sockets::device(const Endpoint& local, const Endpoint& remote) {
     require_protection_of_device(settings_.security, remote.host);
     return open(local, remote);
-}
-
-Channel* Sockets::inlet_for_all(Port local) {
-    UdpChannel* channel = open(settings_.at(local), {settings_.host(owner(local)), 0});
-    channel->listen_also_to({settings_.hosts.begin(), settings_.hosts.end()});
-    if (!security_) return log_data(channel, local);
-    return log_data(security_->stop_end(*channel, settings_.at(local).port, StopEnd::kListens), local);
-}
-
-std::array<Channel*, kStopPorts.size()> Sockets::stop_outlets() {
-    std::array<Channel*, kStopPorts.size()> outlets{};
-    for (std::size_t i = 0; i < outlets.size(); ++i) {
-        const Endpoint there = settings_.at(kStopPorts[i]);
-        Channel* channel = open(std::nullopt, there);
-        if (security_) channel = security_->stop_end(*channel, there.port, StopEnd::kSpeaks);
-        outlets[i] = log_data(channel, kStopPorts[i]);
-    }
-    return outlets;
 }
 
 UdpCounters Sockets::counters() const {

@@ -1,12 +1,11 @@
 // The channels of one program, by the names of network_settings.hpp: UDP, protected as [security] says.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "common/network_settings.hpp"
+#include "common/ports.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/security/security.hpp"
 
@@ -14,7 +13,7 @@ namespace thimble {
 
 class MessageLog;
 
-class Sockets {
+class Sockets final : public Ports {
   public:
     // Throws Error (usage) if the settings leave other machines unprotected without saying so twice, or as read_lab_key() does.
     explicit Sockets(NetworkSettings settings);
@@ -26,18 +25,11 @@ class Sockets {
         log_all_ = all;
     }
 
-    // Both ways between two known ports (control channels, views). The first that a program opens.
     // Arrivals are stamped: clocks are compared here.
-    Channel* between(Port local, Port remote);
-    // Listens at `local` to the host of `sender` only.
-    Channel* inlet(Port local, Role sender);
-    // Sends to `remote`, listens to nobody.
-    Channel* outlet(Port remote);
+    Channel* between(Port local, Port remote) override;
+    Channel* inlet(Port local) override;
+    Channel* outlet(Port remote) override;
 
-    // Listens at `local` to every host of the session.
-    Channel* inlet_for_all(Port local);
-    // To the stop lines of all programs of the session.
-    std::array<Channel*, kStopPorts.size()> stop_outlets();
     // To and from a device that is not of the session, unprotected. Throws Error (usage) if it is elsewhere and the file does
     // not allow that.
     Channel* device(const Endpoint& local, const Endpoint& remote);
@@ -59,6 +51,7 @@ class Sockets {
   private:
     UdpChannel* open(const std::optional<Endpoint>& local, const Endpoint& remote);
 
+    Channel* stop_end(Channel& channel, Port port, StopEnd end);
     Channel* log_control(Channel* channel, Port local, Port remote);
     Channel* log_data(Channel* channel, Port port);
 

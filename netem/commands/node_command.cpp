@@ -13,9 +13,7 @@ namespace {
 class Netem final : public NodeInstance {
   public:
     Netem(const NetemSettings& settings, Sockets& sockets, std::uint64_t instance)
-        : process_(instance, *sockets.between(Port::kNetemControl, Port::kSessionNetem),
-                   make_relays(settings, sockets)) {
-        process_.join_stop_line(*sockets.inlet_for_all(Port::kNetemStop), sockets.stop_outlets());
+        : process_(instance, settings, sockets) {
         built_in_profile("");  // read now, not in the middle of a trial that changes its network
     }
 
@@ -38,24 +36,6 @@ class Netem final : public NodeInstance {
     }
 
   private:
-    static std::vector<RelayPlan> make_relays(const NetemSettings& s, Sockets& sockets) {
-        std::vector<RelayPlan> relays;
-        const auto add = [&](Port in, Role sender, Port out, const LinkSettings& link,
-                             std::uint32_t direction, const Timeline& timeline) {
-            Channel* from = sockets.inlet(in, sender);
-            relays.push_back({from, sockets.outlet(out), link, direction, timeline});
-        };
-        add(Port::kNetemNeedle, Role::kMaster, Port::kSlaveNeedle, s.needle, kDirectionNeedle,
-            s.needle_timeline);
-        add(Port::kNetemForceMaster, Role::kSlaveSim, Port::kMasterForce, s.force, kDirectionForceMaster,
-            s.force_timeline);
-        add(Port::kNetemForceCutaneous, Role::kSlaveSim, Port::kCutaneousForce, s.force,
-            kDirectionForceCutaneous, s.force_timeline);
-        add(Port::kNetemForceVisual, Role::kSlaveSim, Port::kVisualForce, s.force, kDirectionForceVisual,
-            s.force_timeline);
-        return relays;
-    }
-
     NetemProcess process_;
 };
 

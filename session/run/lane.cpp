@@ -30,12 +30,6 @@ Sockets open_sockets(const LanePlan& plan, MessageLog* log) {
     return sockets;
 }
 
-// The loop hears what is open when it is made.
-const std::vector<Listener*>& listening(Sockets& sockets, SessionProcess& session) {
-    session.join_stop_line(*sockets.inlet_for_all(Port::kSessionStop), sockets.stop_outlets());
-    return sockets.listeners();
-}
-
 // Those that a lane of this process has carried out: one that comes between two lanes is the next one's.
 std::atomic<unsigned> emergencies_taken{0};
 
@@ -87,10 +81,10 @@ Lane::Lane(const LanePlan& plan, const LaneEvents& events)
       realtime_(plan.runtime),
       log_(plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>()),
       sockets_(open_sockets(plan, log_.get())),
-      session_(system_entropy(), plan.session, open_channels()),
+      session_(system_entropy(), plan.session, sockets_),
       company_(session_, plan.attend ? plan.attend(session_, sockets_, plan.name) : nullptr,
                sockets_.security()),
-      loop_(listening(sockets_, session_)),
+      loop_(sockets_.listeners()),
       stops_heard_(emergencies_taken),
       stop_file_(plan.network.base_port) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
@@ -115,15 +109,6 @@ void Lane::open() {
     if (plan_.starter) launch();
     wait_for_machines();
     wait_for_nodes();
-}
-
-SessionProcess::Channels Lane::open_channels() {
-    SessionProcess::Channels channels{};
-    for (std::size_t i = 0; i < kNodes.size(); ++i) {
-        channels.control[i] = sockets_.between(kNodes[i].session_end, kNodes[i].node_end);
-    }
-    channels.record = sockets_.inlet(Port::kSessionRecord, Role::kSlaveSim);
-    return channels;
 }
 
 // A node that was started anew does not write over what it had written.

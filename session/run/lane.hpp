@@ -122,7 +122,6 @@ class Lane {
 
     std::string why_silent() const;
 
-    SessionProcess::Channels open_channels();
     std::string again() const;
     std::filesystem::path report_path(std::size_t node) const;
     std::filesystem::path log_path(std::size_t node) const;

@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "session/launch/node_kinds.hpp"
+
 namespace thimble {
 namespace {
 
@@ -24,7 +26,21 @@ auto make_peers(std::uint64_t instance, const SessionProcess::Channels& channels
     return std::array{make(instance, channels.control[I], kNodeRoles[I])...};
 }
 
+SessionProcess::Channels open_channels(Ports& ports) {
+    SessionProcess::Channels channels{};
+    for (std::size_t i = 0; i < kNodes.size(); ++i) {
+        channels.control[i] = ports.between(kNodes[i].session_end, kNodes[i].node_end);
+    }
+    channels.record = ports.inlet(Port::kSessionRecord);
+    return channels;
+}
+
 }  // namespace
+
+SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& settings, Ports& ports)
+    : SessionProcess(instance, settings, open_channels(ports)) {
+    join_stop_line(*ports.inlet(Port::kSessionStop), stop_outlets(ports));
+}
 
 SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& settings,
                                const Channels& channels)

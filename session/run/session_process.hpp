@@ -35,6 +35,8 @@ class SessionProcess final : public Process {
     using ClockHook = std::function<void(Role, const ClockExchange&)>;
 
     SessionProcess(std::uint64_t instance, const SessionSettings& settings, const Channels& channels);
+    // Opens its channels.
+    SessionProcess(std::uint64_t instance, const SessionSettings& settings, Ports& ports);
 
     // Starts a trial with the next tick; none may be running. `number` tells the trials apart on the wire: it
     // must differ from the last one that the same nodes saw. It also keys the virtual operator's draws.

@@ -44,6 +44,12 @@ void VirtualLoop::thaw(std::uint32_t bit) {
     frozen_ &= ~bit;
 }
 
+void VirtualLoop::replace(std::uint32_t bit, Process& process) {
+    entries_[static_cast<std::size_t>(std::countr_zero(bit))].process = &process;
+    frozen_ &= ~bit;
+    poke(bit);
+}
+
 void VirtualLoop::run_instant(std::uint32_t due) {
     for (int round = 0; (due | (woken_ & ~frozen_)) != 0; ++round) {
         if (round > kMaxRoundsPerInstant)

@@ -23,6 +23,8 @@ class VirtualLoop {
     // A process that is not called any more, whatever is due or waits for it, until it is thawed: then at once.
     void freeze(std::uint32_t bit) { frozen_ |= bit; }
     void thaw(std::uint32_t bit);
+    // Another process takes the place of this one, and is due now.
+    void replace(std::uint32_t bit, Process& process);
 
     // One instant: everything due at the earliest wake-up, and all that this sets off without delay. False if
     // nothing will ever happen again.

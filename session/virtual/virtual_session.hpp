@@ -4,20 +4,38 @@
 
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "common/security/security.hpp"
+#include "cutaneous_node/cutaneous_process.hpp"
+#include "cutaneous_node/simulated_actuator.hpp"
+#include "master/master_process.hpp"
+#include "netem/netem_process.hpp"
 #include "session/run/session_process.hpp"
 #include "session/settings/system_settings.hpp"
+#include "session/virtual/queue_network.hpp"
 #include "session/virtual/virtual_loop.hpp"
+#include "slave_sim/slave_process.hpp"
+#include "visual_node/recording_display.hpp"
+#include "visual_node/visual_process.hpp"
 
 namespace thimble {
+
+// Devices of the nodes, which outlive the session. Null: the simulated one of the settings.
+struct VirtualDevices {
+    HapticDevice* handle = nullptr;
+    OperatorPort* person = nullptr;  // goes with `handle`
+    HandFollower* follower = nullptr;
+    FingertipActuator* actuator = nullptr;
+    Display* display = nullptr;
+};
 
 class VirtualSession {
   public:
     // With a lab key, its channels are protected as they are between real processes.
     explicit VirtualSession(const SystemSettings& settings,
-                            const std::shared_ptr<const LabKey>& lab = nullptr);
-    ~VirtualSession();
+                            const std::shared_ptr<const LabKey>& lab = nullptr,
+                            const VirtualDevices& devices = {}, QueueNetwork::MakeTap make_tap = {});
 
     // Runs one trial to its end, over the network of the settings.
     const TrialRecord& run(const TrialConditions& conditions);
@@ -25,21 +43,48 @@ class VirtualSession {
     // For tests that look inside while a trial runs.
     void start(const TrialConditions& conditions);
     bool step();  // one instant; false once the trial has ended
-    SessionProcess& session();
-    const SimulatedHandle& handle() const;
-    const VirtualLoop& loop() const;
-    SecurityCounters security() const;  // of all six
+    // Between trials: lets time pass.
+    void idle(Duration limit);
+
+    SessionProcess& session() { return session_; }
+    const SimulatedHandle& handle() const { return handle_; }
+    const SimulatedActuator& actuator() const { return actuator_; }
+    const MasterProcess& master() const { return *master_; }
+    const NetemProcess& netem() const { return netem_; }
+    const SlaveProcess& slave() const { return slave_; }
+    const CutaneousProcess& cutaneous() const { return cutaneous_; }
+    const VisualProcess& visual() const { return visual_; }
+    NodeProcess& node(Role role);  // of kNodeRoles
+    QueueNetwork& network() { return network_; }
+    VirtualLoop& loop() { return loop_; }
+    const VirtualLoop& loop() const { return loop_; }
+    std::uint32_t bit(Role role) const { return bits_.at(static_cast<std::size_t>(role)); }  // in the loop
 
     // Somebody presses stop at that program, or the session releases all stops: as between real processes, over the stop lines.
     void emergency_stop(Role at, std::string_view words);
     void release_stop();
-    // Between trials: lets time pass.
-    void idle(Duration limit);
-    const NodeProcess& node(Role role) const;  // of kNodeRoles
+    // The master's program dies and comes up again, as another instance that knows nothing. Without a lab key only.
+    void restart_master();
 
   private:
-    struct Parts;
-    std::unique_ptr<Parts> parts_;
+    void add(Process& process, Role role);
+    std::unique_ptr<MasterProcess> make_master(std::uint64_t instance);
+
+    SystemSettings settings_;
+    QueueNetwork network_;
+    SimulatedHandle handle_;
+    SimulatedActuator actuator_;
+    RecordingDisplay display_;
+    VirtualDevices devices_;
+    SessionProcess session_;
+    NetemProcess netem_;
+    SlaveProcess slave_;
+    CutaneousProcess cutaneous_;
+    VisualProcess visual_;
+    std::unique_ptr<MasterProcess> master_;
+    std::vector<std::unique_ptr<SecuredProcess>> secured_;
+    VirtualLoop loop_;
+    std::array<std::uint32_t, kRoleCount> bits_{};  // by Role
 };
 
 // A fresh session for one trial, so that no trial can depend on another. The delay of the force path is that

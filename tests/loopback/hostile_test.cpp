@@ -74,7 +74,7 @@ class CountedRefusals : public testing::Test {
     CountedRefusals()
         : needle_(std::nullopt, node_.at(Port::kSlaveNeedle)),
           stranger_(Endpoint{"127.0.0.2", 0}, node_.at(Port::kSlaveNeedle)),
-          answers_(node_.peers().inlet(Port::kNetemForceMaster, Role::kSlaveSim)) {}
+          answers_(node_.peers().inlet(Port::kNetemForceMaster)) {}
 
     // `kFirst` with another sequence, sent that many milliseconds after it.
     static Header later(std::uint32_t sequence, int milliseconds) {

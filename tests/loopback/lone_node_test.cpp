@@ -36,8 +36,7 @@ class PlayedSlave {
 template <class Body>
 class Ear {
   public:
-    Ear(LoneNode& node, Port at, Role node_role)
-        : channel_(node.peers().inlet(at, node_role)), flow_(node_role) {}
+    Ear(LoneNode& node, Port at, Role node_role) : channel_(node.peers().inlet(at)), flow_(node_role) {}
     const Body& listen(SessionTime now) {
         flow_.drain<Body>(now, *channel_, true, kPlayedTrial, [this](const Header&, const Body& body) {
             newest = body;

@@ -1,6 +1,8 @@
 // The 50 ms delay experiment in virtual time: who oscillates, and what depends on which path.
 #include <cmath>
+#include <deque>
 #include <map>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -44,15 +46,31 @@ TEST(DelayExperiment, At50msOnlyTheHandleOscillates) {
     }
 }
 
+// Passes each datagram on some 150 ms later, three of ten never.
+class TerribleLink final : public Tap {
+  public:
+    using Tap::Tap;
+    void send(Bytes datagram) override {
+        waiting_.emplace_back(datagram.begin(), datagram.end());
+        if (waiting_.size() <= kPacketsOf150ms) return;
+        if (random_.uniform() >= 0.3) Tap::send(waiting_.front());
+        waiting_.pop_front();
+    }
+
+  private:
+    static constexpr std::size_t kPacketsOf150ms = 150;
+    std::deque<std::vector<std::uint8_t>> waiting_;
+    RandomStream random_{{1, 0, 0, 1, Purpose::kInstance}};
+};
+
 // Without a force at the handle no mechanical loop is closed: what the network does to the force for the
 // handle cannot matter.
 TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
-    LinkSettings terrible;
-    terrible.delay = milliseconds{150};
-    terrible.jitter = {JitterShape::kNormal, milliseconds{40}};
-    terrible.loss = LossSettings::independent(0.3);
     for (const Modality modality : kModalities) {
-        Rig good(paper(), {}, LinkSettings{}), bad(paper(), {}, terrible);
+        Rig good(paper());
+        Rig bad(paper(), [](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
+            return wire == Wire::kForceMaster ? std::make_unique<TerribleLink>(end) : nullptr;
+        });
         const TrialRecord& a = good.run(trial_of(modality));
         const TrialRecord& b = bad.run(trial_of(modality));
         EXPECT_EQ(same_samples(a, b), modality != Modality::kHF) << to_string(modality);

@@ -27,13 +27,13 @@ TEST(ProtectedSession, HasTheSameBitsAsAnOpenOne) {
         const TrialRecord& plain = open.run(conditions);
         EXPECT_TRUE(same_samples(secured.run(conditions), plain));
         EXPECT_EQ(plain.reason, EndReason::kCompleted);
-        const SecurityCounters counters = secured.security();
+        const SecurityCounters counters = secured.network().counters();
         EXPECT_GT(counters.opened, 5000U);
         EXPECT_EQ(counters.handshakes, 10U);  // five, as both sides count them
         EXPECT_EQ(counters.forged + counters.replayed + counters.wrong_role + counters.unsealed +
                       counters.handshake_refused,
                   0U);
-        EXPECT_EQ(open.security().opened, 0U);
+        EXPECT_EQ(open.network().counters().opened, 0U);
     }
 }
 

@@ -1,28 +1,16 @@
-// A session in virtual time that can be opened: the wiring of VirtualSession, process by process, with a
-// place at the end of every wire where a test can listen, cut, or do worse. rig_test.cpp shows that, left
-// alone, it gives the bits of VirtualSession.
+// A VirtualSession with devices that a test can break, and a place at the end of every wire where it can listen, cut, or do
+// worse.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
-#include "common/queue_channel.hpp"
-#include "cutaneous_node/cutaneous_process.hpp"
 #include "cutaneous_node/emulator/emulated_drives.hpp"
-#include "cutaneous_node/simulated_actuator.hpp"
 #include "master/devices/pointer_handle.hpp"
-#include "master/master_process.hpp"
-#include "netem/netem_process.hpp"
-#include "session/run/session_process.hpp"
-#include "session/settings/system_settings.hpp"
-#include "session/virtual/virtual_loop.hpp"
-#include "slave_sim/slave_process.hpp"
-#include "visual_node/recording_display.hpp"
-#include "visual_node/visual_process.hpp"
+#include "session/virtual/virtual_session.hpp"
 
 namespace thimble::test {
 
@@ -82,9 +70,7 @@ class BreakableHandle final : public HapticDevice {
 
 class Rig {
   public:
-    // `kinesthetic`: the link that carries the force to the handle, if it shall differ from the other two.
-    explicit Rig(const SystemSettings& settings, const MakeTap& make_tap = {},
-                 const std::optional<LinkSettings>& kinesthetic = {});
+    explicit Rig(const SystemSettings& settings, const MakeTap& make_tap = {});
     ~Rig();
 
     void start(const TrialConditions& conditions);

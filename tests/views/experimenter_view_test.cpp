@@ -244,7 +244,7 @@ TEST_F(ExperimenterView, WithoutScreenOrPortItSaysWhatToDo) {
     NetworkSettings network;
     network.base_port = ports.base();
     Sockets other(network);
-    (void)other.inlet(Port::kExperimenterMonitor, Role::kSession);
+    (void)other.inlet(Port::kExperimenterMonitor);
     EXPECT_EQ(run("no_port"), 3);
 }
 

@@ -21,8 +21,7 @@ FakeSession::FakeSession(std::uint16_t base_port, std::uint64_t instance, Sessio
     : sockets_(view_network(base_port)),
       monitors_(Role::kSession, instance,
                 {sockets_.outlet(Port::kExperimenterMonitor), sockets_.outlet(Port::kPlayerMonitor)}),
-      orders_in_{sockets_.inlet(Port::kSessionOrders, Role::kExperimenter),
-                 sockets_.inlet(Port::kSessionPlayerOrders, Role::kVisual)},
+      orders_in_{sockets_.inlet(Port::kSessionOrders), sockets_.inlet(Port::kSessionPlayerOrders)},
       started_(started) {}
 
 int FakeSession::count(OrderKind kind) const {

@@ -56,7 +56,7 @@ class Lanes {
         const std::uint64_t instance = system_entropy();
         for (std::size_t i = 0; i < count; ++i) {
             sockets_.push_back(std::make_unique<Sockets>(lane_network(a, static_cast<int>(i))));
-            talks_.push_back(std::make_unique<Talk>(instance, sockets_.back()->stop_outlets()));
+            talks_.push_back(std::make_unique<Talk>(instance, stop_outlets(*sockets_.back())));
         }
     }
     void rounds(int count) {

@@ -57,7 +57,7 @@ WindowSettings window_settings(const ViewOptions& options) {
 float channel_of(std::uint8_t value) { return static_cast<float>(value) / 255; }
 
 OutboundFlow make_stop_flow(Sockets& sockets) {
-    const StopOutlets out = sockets.stop_outlets();
+    const StopOutlets out = stop_outlets(sockets);
     return {Role::kExperimenter, system_entropy(), {out[0], out[1], out[2], out[3], out[4], out[5]}};
 }
 
