@@ -7,7 +7,7 @@
 namespace thimble {
 namespace {
 
-std::vector<RelayPlan> relays(const NetemSettings& s, Ports& ports) {
+std::vector<RelayPlan> plans_of(const NetemSettings& s, Ports& ports) {
     std::vector<RelayPlan> plans;
     const auto add = [&](Port in, Port out, const LinkSettings& link, Direction direction,
                          const Timeline& timeline) {
@@ -29,7 +29,7 @@ NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::
 
 NetemProcess::NetemProcess(std::uint64_t instance, const NetemSettings& settings, Ports& ports)
     : NetemProcess{instance, *ports.between(Port::kNetemControl, Port::kSessionNetem),
-                   relays(settings, ports)} {
+                   plans_of(settings, ports)} {
     join_stop_line(ports);
 }
 

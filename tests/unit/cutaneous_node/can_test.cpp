@@ -138,6 +138,14 @@ TEST(Cia402, WordTowardsOperationLeadsThereFromAFault) {
     EXPECT_EQ(automaton.state(), DriveState::kSwitchOnDisabled);
 }
 
+// Enabling is a step of its own: a drive that is ready gets its power first.
+TEST(Cia402, EachStateHasItsNextWord) {
+    EXPECT_EQ(control_towards_operation(DriveState::kSwitchOnDisabled), kControlShutdown);
+    EXPECT_EQ(control_towards_operation(DriveState::kReadyToSwitchOn), kControlSwitchOn);
+    EXPECT_EQ(control_towards_operation(DriveState::kSwitchedOn), kControlEnable);
+    EXPECT_EQ(control_towards_operation(DriveState::kNotReady), kControlDisableVoltage);
+}
+
 TEST(Cia402, QuickStopOnlyFromOperation) {
     DriveAutomaton automaton;
     automaton.obey(kControlShutdown);

@@ -84,6 +84,13 @@ TEST(PadModel, ARampIsExactWhateverTheStep) {
     EXPECT_NEAR(coarse.force_N(), fine.force_N(), 1e-9);
 }
 
+TEST(PadModel, StepsMayDiffer) {
+    PadModel mixed, even;
+    for (const double step_s : {0.001, 0.003, 0.001}) mixed.advance(0.003, step_s);
+    for (int i = 0; i < 5; ++i) even.advance(0.003, 0.001);
+    EXPECT_NEAR(mixed.force_N(), even.force_N(), 1e-12);
+}
+
 TEST(PadModel, DoesNotStickWhenTheForceIsTakenAway) {
     PadModel pad;
     for (int i = 0; i < 1000; ++i) pad.advance(0.003, 0.001);
@@ -130,6 +137,13 @@ TEST(SlackDetector, WantsMoreThanTheMarginForAWhile) {
     EXPECT_FALSE(slack.slack(0.0099, 0.007, 0.001)) << "back within the margin: it starts anew";
     for (int i = 0; i < 49; ++i) EXPECT_FALSE(slack.slack(0.0101, 0.007, 0.001));
     EXPECT_TRUE(slack.slack(0.0101, 0.007, 0.002));
+}
+
+TEST(SlackDetector, SaysSoOnceTheTimeIsFull) {
+    SlackDetector detector(0.001, 0.5);
+    EXPECT_FALSE(detector.slack(0.003, 0.001, 0.25));
+    EXPECT_TRUE(detector.slack(0.003, 0.001, 0.25));
+    EXPECT_FALSE(detector.slack(0.002, 0.001, 0.25)) << "the pad explains it again";
 }
 
 }  // namespace

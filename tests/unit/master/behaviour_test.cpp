@@ -269,5 +269,17 @@ TEST(Behaviour, SpeedVariesBetweenTrialsAndWithinOne) {
     EXPECT_NEAR(std::sqrt(squares / kTicks - mean * mean) / mean, 0.1 * std::sqrt(0.5 / 0.6), 0.02);
 }
 
+// With such a variation every other draw is a negative speed.
+TEST(Behaviour, NoDrawMakesAHandThatNeverArrives) {
+    OperatorParameters parameters = calm_parameters();
+    parameters.behaviour.speed_trial_variation = 10;
+    for (std::uint32_t subject = 1; subject <= 8; ++subject) {
+        Behaviour behaviour(parameters, draw_subject(parameters, 7, 1, subject),
+                            task_of(Modality::kHF, subject));
+        for (int i = 0; i < 1000; ++i) behaviour.step(kNothing, true, false, 0);
+        EXPECT_GT(behaviour.intention().position_m, 0) << subject;
+    }
+}
+
 }  // namespace
 }  // namespace thimble::test

@@ -150,7 +150,7 @@ TEST(ForceGuard, EnergyGivenOutTrips) {
     pump(guard, 1, 6, milliseconds{1});  // 20 mJ in, 60 mJ out
     EXPECT_FALSE(guard.tripped());
     EXPECT_NEAR(guard.most_given_out_J(), 0.06, 1e-9);
-    pump(guard, 10, 6, milliseconds{1});
+    pump(guard, 3, 6, milliseconds{1});  // 60 mJ in, 180 mJ out
     EXPECT_TRUE(guard.tripped());
     EXPECT_NE(guard.words().find("energy_limit_J"), std::string::npos) << guard.words();
     EXPECT_EQ(guard.pass({}, 1), 0);

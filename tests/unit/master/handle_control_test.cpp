@@ -159,5 +159,49 @@ TEST(HandleControl, TheSameNetworkToldAgainChangesNothing) {
     }
 }
 
+TEST(HandleControl, AHeldNeedleGivesNoForce) {
+    HandleControl control(of(Remedy::kNone), kPaperScale);
+    control.start(true, {});
+    ForceFeedback feedback = pushes(5);
+    control.take(feedback);
+    EXPECT_EQ(control.force_N(), 5);
+    feedback.needle_held = true;
+    control.take(feedback);
+    EXPECT_EQ(control.force_N(), 0);
+}
+
+TEST(HandleControl, GivesNoMoreThanTheHandleMayGet) {
+    HandleControl control(of(Remedy::kLocalFixture), kPaperScale);
+    control.start(true, {});
+    ForceFeedback feedback = pushes(3);
+    feedback.force_tissue_N = -kPaperScale.force_limit_N;
+    control.take(feedback);  // the plane is at 39 mm
+    control.sample(SessionTime{}, {0.0395, 0});
+    EXPECT_EQ(control.force_N(), kPaperScale.force_limit_N);
+}
+
+TEST(HandleControl, ATrialKnowsNothingOfTheOneBefore) {
+    for (std::size_t i = 0; i < kRemedyNames.size(); ++i) {
+        HandleControl used(of(static_cast<Remedy>(i)), kPaperScale),
+            fresh(of(static_cast<Remedy>(i)), kPaperScale);
+        used.start(true, {});
+        for (int ms = 0; ms < 20; ++ms) {
+            used.sample(SessionTime{milliseconds{ms}}, {1e-3 * ms, 2});
+            used.take(pushes(7));
+        }
+        used.end();
+        used.start(true, {});
+        fresh.start(true, {});
+        EXPECT_EQ(used.force_N(), fresh.force_N()) << kRemedyNames[i];
+        for (int ms = 1000; ms < 1020; ++ms) {
+            for (HandleControl* each : {&used, &fresh}) {
+                each->sample(SessionTime{milliseconds{ms}}, {1e-3 * (ms - 990), 1});
+                each->take(pushes(3));
+            }
+            ASSERT_EQ(used.force_N(), fresh.force_N()) << kRemedyNames[i];
+        }
+    }
+}
+
 }  // namespace
 }  // namespace thimble

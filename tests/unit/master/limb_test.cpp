@@ -175,5 +175,14 @@ TEST(Limb, OnADelayedSpringItTurnsUnstableWhereLinearTheorySays) {
     }
 }
 
+TEST(Limb, AfterAResetNobodyMovesTheArm) {
+    Limb limb(kSmooth, HandMechanics{});
+    limb.command({.equilibrium_m = 0.005, .stiffness_factor = 2});
+    limb.advance(kSecond, 0);
+    limb.reset(350, 1000);
+    limb.advance(kSecond, 0);
+    EXPECT_EQ(limb.position_hand_m(), 0);
+}
+
 }  // namespace
 }  // namespace thimble::test

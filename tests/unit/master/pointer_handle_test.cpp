@@ -85,6 +85,18 @@ TEST_F(PointerHandleTest, WithoutInputForATenthOfASecondItIsLetGo) {
     EXPECT_NEAR(handle.position_hand_m(), rest_m, 1e-9);
 }
 
+TEST_F(PointerHandleTest, TheTenthOfASecondIsExact) {
+    PointerHandle told(without_friction());
+    for (PointerHandle* each : {&handle, &told}) {
+        each->start_trial(now, {});
+        each->follow(now, {0.02, true});
+        each->read(now + milliseconds{100});
+    }
+    told.follow(now + milliseconds{100}, {0.02, false});
+    EXPECT_EQ(handle.read(now + milliseconds{150}).position_hand_m,
+              told.read(now + milliseconds{150}).position_hand_m);
+}
+
 TEST_F(PointerHandleTest, OnceLetGoAPushMovesItOutAndNothingDrawsItIn) {
     draw_to(0.02, seconds{1});
     draw_to(0.02, milliseconds{200}, false);

@@ -148,6 +148,16 @@ TEST_F(SimulatedHandleTest, TheSameTaskGivesTheSameTrialAgain) {
     EXPECT_EQ(first, second);
 }
 
+TEST_F(SimulatedHandleTest, ATrialThatBeginsBetweenTwoTicksIsAsAnyOther) {
+    handle.read(at(milliseconds{50} + microseconds{300}));
+    SimulatedHandle fresh{HandleSettings{}, OperatorParameters{}};
+    const SessionTime start = at(milliseconds{50} + microseconds{300});
+    for (SimulatedHandle* each : {&handle, &fresh}) each->start_trial(start, task_of(Modality::kHF));
+    handle.read(start + milliseconds{500});
+    fresh.read(start + milliseconds{500});
+    EXPECT_EQ(handle.position_hand_m(), fresh.position_hand_m());
+}
+
 TEST_F(SimulatedHandleTest, FinishesAfterTheBeepAndComesToRest) {
     handle.read(at(milliseconds{900}));
     handle.perceive(at(milliseconds{900}), {.touching_shown = true, .beep = true});

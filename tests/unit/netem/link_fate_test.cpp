@@ -215,5 +215,13 @@ TEST(LinkFate, RestartReplaysTheSameFates) {
     EXPECT_EQ(transmit(link, 1000), first);
 }
 
+TEST(PacketNumbers, DependOnThePacketAlone) {
+    PacketNumbers numbers(kKey), fresh(kKey);
+    const double third = numbers.uniform(3);
+    EXPECT_NE(numbers.uniform(7), third);
+    EXPECT_EQ(numbers.uniform(3), third);
+    EXPECT_EQ(fresh.uniform(3), third);
+}
+
 }  // namespace
 }  // namespace thimble::test

@@ -136,6 +136,40 @@ TEST(LinkQueue, MeasuresTheDelayThatWasAchieved) {
 }
 
 // The queue against the plainest model of itself: a list, searched from the front.
+TEST(LinkQueue, ARestartForgetsWhichPacketWasTheLatest) {
+    LinkModel link({.delay = milliseconds{1}}, kKey, 0);
+    EXPECT_EQ(transmit(link, 5).size(), 5U);
+    link.restart(kKey);
+    EXPECT_EQ(transmit(link, 5).size(), 5U);
+    EXPECT_EQ(link.counters().reordered, 0U);
+}
+
+TEST(LinkQueue, ACopyThatComesLateIsNotReordered) {
+    LinkSettings settings{.delay = milliseconds{10}, .in_order = false};
+    settings.jitter = {JitterShape::kUniform, milliseconds{9}};
+    settings.duplicate = 1;
+    LinkModel link(settings, kKey, 0);
+    std::uint64_t late = 0, latest = 0;
+    for (std::uint32_t i = 0; i < 200; ++i) link.push(at(i * kMillisecond), NumberedPacket(i).bytes());
+    while (link.next_due() != kNever) {
+        const Departure one = link.pop_departure(link.next_due());
+        late += one.packet < latest && !one.copy ? 1 : 0;
+        latest = std::max(latest, one.packet);
+    }
+    EXPECT_GT(late, 10U);
+    EXPECT_EQ(link.counters().reordered, late);
+}
+
+// Packet and copy at the same time: the packet first.
+TEST(LinkQueue, ACopyFollowsItsPacket) {
+    LinkModel link({.delay = milliseconds{10}, .duplicate = 1, .in_order = false}, kKey, 0);
+    link.push(at({}), NumberedPacket(0).bytes());
+    link.push(at({}), NumberedPacket(1).bytes());
+    for (const bool copy : {false, true, false, true}) {
+        EXPECT_EQ(link.pop_departure(at(milliseconds{10})).copy, copy);
+    }
+}
+
 TEST(LinkQueue, AgreesWithAList) {
     struct Entry {
         SessionTime due;

@@ -162,6 +162,9 @@ TEST(LinkSettings, RefusesLossesThatCannotBe) {
     EXPECT_NE(refusal("loss = {model = \"four-state\", p13 = 0.1, p31 = 0}").find("p31"), std::string::npos);
     EXPECT_NE(refusal("loss = {model = \"four-state\", p31 = 0.5, p32 = 0.1}").find("p23"),
               std::string::npos);
+    EXPECT_NE(refusal("loss = {model = \"four-state\", p13 = 0.1, p31 = 0.7, p32 = 0.6, p23 = 0.4}")
+                  .find("at most 1"),
+              std::string::npos);
     EXPECT_NE(refusal("loss = {model = \"four-state\", p13 = 0.6, p14 = 0.6}").find("p14"),
               std::string::npos);
     EXPECT_NE(refusal("loss = {model = \"gilbert\", p13 = 0.6}").find("p13"), std::string::npos);

@@ -43,6 +43,12 @@ TEST(PacketTrace, BeforeTheFirstRowTheFirstHolds) {
     EXPECT_EQ(trace.at(8).delay, milliseconds{1});
 }
 
+// A single row has no neighbour that would tell how long it holds.
+TEST(PacketTrace, ASingleRowHoldsForOnePacketOrOneSecond) {
+    EXPECT_EQ(PacketTrace({{.at = 7}}, {.by = TraceBy::kPacket}).period(), 8);
+    EXPECT_EQ(PacketTrace({{.at = 7}}, {}).period(), 1'000'000'007);
+}
+
 // By packet: each row is one packet's fate, and the trace replays it bit for bit.
 TEST(PacketTrace, ReplaysDelayAndLossByPacket) {
     std::vector<TraceRow> rows;

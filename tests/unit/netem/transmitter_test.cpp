@@ -96,6 +96,29 @@ TEST(Transmitter, DropsTheNewestOrTheOldestThatWaits) {
     }
 }
 
+TEST(Transmitter, MemoryOfDroppedPacketsIsUsedAgain) {
+    LinkModel link(slow(2, Drop::kHead), kKey, 0);
+    for (std::uint32_t i = 0; i < 10; ++i) link.push(at({}), NumberedPacket(i).bytes());
+    const std::size_t once = link.memory_bytes();
+    for (std::uint32_t i = 0; i < 1000; ++i) link.push(at({}), NumberedPacket(i).bytes());
+    EXPECT_EQ(link.memory_bytes(), once);
+}
+
+// A packet takes 1,000,000.4 ns. Times are whole nanoseconds, and what rounding leaves goes to the next packet without a pause.
+TEST(Transmitter, RoundingsDoNotAddUpAndEndWithAPause) {
+    LinkSettings settings = slow();
+    settings.delay = {};
+    settings.rate.bits_per_s = 1600 / 1.0000004e-3;
+    LinkModel busy(settings, kKey, 0);
+    for (std::uint32_t i = 0; i < 50; ++i) busy.push(at({}), NumberedPacket(i).bytes());
+    std::vector<Arrival> arrivals;
+    drain(busy, at(milliseconds{100}), arrivals);
+    EXPECT_EQ(arrivals.at(49).time, at(50 * milliseconds{1} + Duration{20}));
+    LinkModel idle(settings, kKey, 0);
+    const auto apart = transmit(idle, 2, milliseconds{10});
+    EXPECT_EQ(apart.at(1).time, at(milliseconds{11}));
+}
+
 TEST(Transmitter, LimitsTheQueueInBytes) {
     for (const Drop drop : {Drop::kTail, Drop::kHead}) {
         LinkSettings settings = slow(0, drop);

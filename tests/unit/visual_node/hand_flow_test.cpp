@@ -70,6 +70,15 @@ TEST_F(HandFlowTest, LettingGoIsSaidAtOnce) {
     EXPECT_FALSE(std::get<HandInput>(caught.messages.back().body).engaged);
 }
 
+TEST_F(HandFlowTest, ANewTrialHearsOfTheHandAtOnce) {
+    flow.start_trial();
+    run_ms(0, 2);
+    ASSERT_EQ(caught.messages.size(), 1U);
+    flow.start_trial();
+    run_ms(2, 4);
+    EXPECT_EQ(caught.messages.size(), 2U);
+}
+
 TEST_F(HandFlowTest, NothingBetweenTrials) {
     EXPECT_EQ(flow.next(), kNever);
     flow.start_trial();
