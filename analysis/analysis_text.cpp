@@ -2,13 +2,13 @@
 // tests agree.
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "analysis/analysis.hpp"
 #include "analysis/claims/claim_list.hpp"
+#include "analysis/claims/headline.hpp"
 
 namespace thimble {
 namespace {
@@ -296,18 +296,10 @@ std::string finding_in_brief(const MeasureAnalysis& measure) {
 std::string stability_text(const StudyColumns& columns) {
     std::string text;
     for (const Modality modality : kModalities) {
-        std::size_t trials = 0, oscillating = 0;
-        std::set<std::uint32_t> subjects, unstable;
-        for (const TrialRow& row : columns.rows()) {
-            if (row.conditions.modality != modality) continue;
-            ++trials;
-            subjects.insert(row.conditions.subject);
-            if (!row.metrics.oscillates) continue;
-            ++oscillating;
-            unstable.insert(row.conditions.subject);
-        }
+        const OscillationCount count = count_oscillations(columns.rows(), modality);
         text += fmt::format("{}{} {} of {} trials ({} of {} subjects)", text.empty() ? "" : ", ",
-                            to_string(modality), oscillating, trials, unstable.size(), subjects.size());
+                            to_string(modality), count.oscillating, count.trials, count.unstable.size(),
+                            count.subjects.size());
     }
     return fmt::format("Oscillation: {}.", text);
 }

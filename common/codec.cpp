@@ -44,7 +44,7 @@ bool has_identifier(Bytes datagram) {
 
 }  // namespace
 
-Refusal decode_into(Bytes datagram, Message& message) {
+std::optional<Refusal> decode_into(Bytes datagram, Message& message) {
     if (datagram.size() < kMinBytes) return Refusal::kTooShort;
     if (datagram.size() > kMaxDatagramBytes) return Refusal::kTooLong;
     if (!has_identifier(datagram)) return Refusal::kForeignFormat;
@@ -60,7 +60,7 @@ Refusal decode_into(Bytes datagram, Message& message) {
 Decoded decode(Bytes datagram) {
     Decoded decoded;
     decoded.refusal = decode_into(datagram, decoded.message.emplace());
-    if (decoded.refusal != Refusal::kCount) decoded.message.reset();
+    if (decoded.refusal) decoded.message.reset();
     return decoded;
 }
 

@@ -34,13 +34,13 @@ const char* to_string(Refusal refusal);
 
 struct Decoded {
     std::optional<Message> message;
-    Refusal refusal = Refusal::kCount;  // meaningful without message
+    std::optional<Refusal> refusal{};  // none with a message
 };
 
 // `datagram` must begin at an address that is a multiple of 8, as every channel's buffer does.
 Decoded decode(Bytes datagram);
-// The same without moving the message afterwards. Refusal::kCount: `message` is good; else it is unspecified.
-Refusal decode_into(Bytes datagram, Message& message);
+// The same without moving the message afterwards. No refusal: `message` is good; else it is unspecified.
+std::optional<Refusal> decode_into(Bytes datagram, Message& message);
 
 // Every body is one struct, so all messages of a kind have the same layout: the buffer of each kind is built
 // once and its structs are overwritten in place. The bytes are valid until the next call with the same kind

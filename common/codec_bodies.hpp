@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 
 #include "common/codec.hpp"
 #include "messages_generated.h"
@@ -42,9 +43,9 @@ class Judge {
         if (value > raw(last)) in_range_ = false;
         return static_cast<Enum>(value);
     }
-    Refusal verdict() const {
+    std::optional<Refusal> verdict() const {
         if (!finite_) return Refusal::kNotFinite;
-        return in_range_ ? Refusal::kCount : Refusal::kOutOfRange;
+        return in_range_ ? std::nullopt : std::optional{Refusal::kOutOfRange};
     }
 
   private:

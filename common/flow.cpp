@@ -21,13 +21,13 @@ void FlowCounters::add(const FlowCounters& other) {
 }
 
 const Message* InboundFlow::admit(SessionTime now, Bytes datagram) {
-    Refusal refusal = decode_into(datagram, message_);
-    if (refusal == Refusal::kCount) refusal = judge(now, message_.header);
-    if (refusal == Refusal::kCount) {
+    std::optional<Refusal> refusal = decode_into(datagram, message_);
+    if (!refusal) refusal = judge(now, message_.header);
+    if (!refusal) {
         remember(now, message_.header);
         return &message_;
     }
-    ++counters_.refused[static_cast<std::size_t>(refusal)];
+    ++counters_.refused[static_cast<std::size_t>(*refusal)];
     return nullptr;
 }
 
@@ -45,19 +45,19 @@ void InboundFlow::refuse_admitted(Refusal refusal) {
     ++counters_.refused[static_cast<std::size_t>(refusal)];
 }
 
-Refusal InboundFlow::judge(SessionTime now, const Header& header) const {
+std::optional<Refusal> InboundFlow::judge(SessionTime now, const Header& header) const {
     if (header.sender != sender_) return Refusal::kUnexpectedKind;
     // Before the lock: what is left of an earlier trial must not keep a restarted sender out.
     if (filter_ && (!running_ || header.trial != trial_)) return Refusal::kWrongTrial;
-    if (!locked_) return Refusal::kCount;
+    if (!locked_) return std::nullopt;
     if (header.instance != instance_) {
-        return now - heard_ > kReleaseAfter ? Refusal::kCount : Refusal::kSecondSender;
+        return now - heard_ > kReleaseAfter ? std::nullopt : std::optional{Refusal::kSecondSender};
     }
     const std::int32_t ahead = sequence_ahead(header.sequence, newest_);
     if (ahead == 0) return Refusal::kDuplicate;
     if (ahead < 0) return Refusal::kOutdated;
     if (header.send_time < stamp_) return Refusal::kStampNotIncreasing;
-    return Refusal::kCount;
+    return std::nullopt;
 }
 
 void InboundFlow::remember(SessionTime now, const Header& header) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <optional>
 #include <variant>
 
 #include "common/channel.hpp"
@@ -76,7 +77,7 @@ class InboundFlow {
 
   private:
     const Message* take(SessionTime now, Channel& channel);
-    Refusal judge(SessionTime now, const Header& header) const;
+    std::optional<Refusal> judge(SessionTime now, const Header& header) const;
     void remember(SessionTime now, const Header& header);
 
     Role sender_;

@@ -19,7 +19,7 @@ void StopInquiry::hear(SessionTime now, Channel& channel) {
     for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
         const Bytes in = channel.receive();
         if (in.empty()) return;
-        if (decode_into(in, message_) != Refusal::kCount) continue;
+        if (decode_into(in, message_)) continue;
         const auto* order = std::get_if<StopOrder>(&message_.body);
         if (order == nullptr || order->kind != StopKind::kStop) continue;
         // It had been held for so long when it was answered, which was before now.

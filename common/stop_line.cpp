@@ -52,11 +52,11 @@ void StopLine::say_what_is_due(SessionTime now) {
 
 // Whoever it is, and however old its number: a stop that is refused for its sender's sake is none.
 void StopLine::take(SessionTime now, Bytes datagram) {
-    Refusal refusal = decode_into(datagram, message_);
-    const auto* order = refusal == Refusal::kCount ? std::get_if<StopOrder>(&message_.body) : nullptr;
-    if (refusal == Refusal::kCount && order == nullptr) refusal = Refusal::kUnexpectedKind;
-    if (refusal != Refusal::kCount) {
-        ++counters_.refused[static_cast<std::size_t>(refusal)];
+    std::optional<Refusal> refusal = decode_into(datagram, message_);
+    const auto* order = !refusal ? std::get_if<StopOrder>(&message_.body) : nullptr;
+    if (!refusal && order == nullptr) refusal = Refusal::kUnexpectedKind;
+    if (refusal) {
+        ++counters_.refused[static_cast<std::size_t>(*refusal)];
         return;
     }
     ++counters_.accepted;

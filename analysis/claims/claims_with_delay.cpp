@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/claims/claim_list.hpp"
+#include "analysis/claims/headline.hpp"
 #include "analysis/statistics/friedman.hpp"
 
 namespace thimble {
@@ -51,18 +52,11 @@ Finding stability_finding(const StudyColumns& columns) {
     std::string text;
     bool only_handle = true;
     for (const Modality modality : kModalities) {
-        unsigned trials = 0;
-        unsigned oscillating = 0;
-        for (const TrialRow& row : columns.rows()) {
-            if (row.conditions.modality != modality) continue;
-            ++trials;
-            if (row.metrics.oscillates) ++oscillating;
-        }
-        const bool expected =
-            modality == Modality::kHF ? 2 * oscillating > trials : trials > 0 && oscillating == 0;
-        only_handle = only_handle && expected;
+        const OscillationCount count = count_oscillations(columns.rows(), modality);
+        only_handle = only_handle && count.trials > 0 &&
+                      oscillates_as_claimed(modality, true, count.trials, count.oscillating);
         text += fmt::format("{}{} {} of {}", text.empty() ? "trials that oscillate: " : ", ",
-                            to_string(modality), oscillating, trials);
+                            to_string(modality), count.oscillating, count.trials);
     }
     return {text, only_handle};
 }

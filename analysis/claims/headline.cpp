@@ -14,12 +14,11 @@ std::string describe(const ConditionSummary& condition, std::string_view how) {
 std::vector<std::string> objections(const std::vector<ConditionSummary>& conditions, double delay_s) {
     std::vector<std::string> reasons;
     for (const ConditionSummary& condition : conditions) {
-        const bool must_hold = condition.modality != Modality::kHF || same_delay(condition.delay_s, 0);
-        if (must_hold && condition.oscillating > 0) reasons.push_back(describe(condition, ""));
-        const bool must_oscillate = !must_hold && same_delay(condition.delay_s, delay_s);
-        if (must_oscillate && condition.judged > 0 && 2 * condition.oscillating <= condition.judged) {
-            reasons.push_back(describe(condition, "only "));
-        }
+        const bool delayed = !same_delay(condition.delay_s, 0), handle = condition.modality == Modality::kHF;
+        if (condition.judged == 0 || (handle && delayed && !same_delay(condition.delay_s, delay_s))) continue;
+        if (oscillates_as_claimed(condition.modality, delayed, condition.judged, condition.oscillating))
+            continue;
+        reasons.push_back(describe(condition, handle && delayed ? "only " : ""));
     }
     return reasons;
 }
@@ -51,6 +50,23 @@ const char* to_string(Verdict verdict) {
             break;
     }
     return "not judged";
+}
+
+bool oscillates_as_claimed(Modality modality, bool delayed, std::uint32_t trials, std::uint32_t oscillating) {
+    return modality == Modality::kHF && delayed ? 2 * oscillating > trials : oscillating == 0;
+}
+
+OscillationCount count_oscillations(const std::vector<TrialRow>& rows, Modality modality) {
+    OscillationCount count;
+    for (const TrialRow& row : rows) {
+        if (row.conditions.modality != modality) continue;
+        ++count.trials;
+        count.subjects.insert(row.conditions.subject);
+        if (!row.metrics.oscillates) continue;
+        ++count.oscillating;
+        count.unstable.insert(row.conditions.subject);
+    }
+    return count;
 }
 
 std::string Headline::claim() const { return fmt::format("At {} only HF oscillates", delay_text(delay_s)); }

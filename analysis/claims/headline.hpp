@@ -2,6 +2,8 @@
 // hold a stable contact; and without delay nobody oscillates.
 #pragma once
 
+#include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,16 @@ struct Headline {
     std::string claim() const;     // "At 50 ms only HF oscillates"
     std::string sentence() const;  // claim, verdict and reasons
 };
+
+// What the claim says of one modality: with the delay HF oscillates in more than half of its trials; without it, and in any
+// other modality, no trial does.
+bool oscillates_as_claimed(Modality modality, bool delayed, std::uint32_t trials, std::uint32_t oscillating);
+
+struct OscillationCount {
+    std::uint32_t trials = 0, oscillating = 0;
+    std::set<std::uint32_t> subjects, unstable;  // with a trial; with one that oscillates
+};
+OscillationCount count_oscillations(const std::vector<TrialRow>& rows, Modality modality);
 
 // Not supported: another modality than HF oscillates in any trial; HF oscillates in any trial without delay;
 // HF oscillates in no more than half of its trials at `delay_s`. Not judged: nothing speaks against it, but a

@@ -21,7 +21,7 @@ int main() {
                 read.position_needle_m);
 
     const thimble::Decoded half = thimble::decode(datagram.first(datagram.size() / 2));
-    std::printf("half of it is refused: %s\n", thimble::to_string(half.refusal));
+    std::printf("half of it is refused: %s\n", thimble::to_string(*half.refusal));
 
     const auto* packet = thimble::wire::GetPacket(datagram.data());
     std::printf("by the schema: needle at %.3f m\n", packet->needle_command()->position_needle_m());

@@ -2,26 +2,26 @@
 
 namespace thimble {
 
-Refusal OrderLines::obey(SessionTime /*now*/, const Order& order) {
+std::optional<Refusal> OrderLines::obey(SessionTime /*now*/, const Order& order) {
     switch (order.kind) {
         case OrderKind::kPause:
             context_.paused = true;
             go_on_ = false;
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kStart:
         case OrderKind::kResume:
             context_.paused = false;
             go_on();
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kRepeat:
             lines_.emplace_back("r asked for at the experimenter's view");
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kExclude:
             lines_.emplace_back("x asked for at the experimenter's view");
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kQuit:
             if (lines_.empty() || lines_.back() != "q") lines_.emplace_back("q");
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kDelay:
         case OrderKind::kNetwork:
         case OrderKind::kEndTrial:
@@ -46,10 +46,10 @@ std::optional<std::string> OrderLines::take_line() {
     return std::string();
 }
 
-Refusal QuitDesk::obey(SessionTime /*now*/, const Order& order) {
+std::optional<Refusal> QuitDesk::obey(SessionTime /*now*/, const Order& order) {
     if (order.kind != OrderKind::kQuit) return Refusal::kUnexpectedKind;
     quit_ = true;
-    return Refusal::kCount;
+    return std::nullopt;
 }
 
 }  // namespace thimble

@@ -18,7 +18,7 @@ class OrderLines final : public OrderHandler, public LineSource {
     // The session that the orders are about; replaced when the nodes are started anew.
     void serve(const SessionProcess& session) { session_ = &session; }
 
-    Refusal obey(SessionTime now, const Order& order) override;
+    std::optional<Refusal> obey(SessionTime now, const Order& order) override;
     std::optional<std::string> take_line() override;
     bool ended() const override { return false; }
 
@@ -36,7 +36,7 @@ class OrderLines final : public OrderHandler, public LineSource {
 // In a plain run, whose trials are all planned: Quit alone, as Ctrl-C.
 class QuitDesk final : public OrderHandler {
   public:
-    Refusal obey(SessionTime now, const Order& order) override;
+    std::optional<Refusal> obey(SessionTime now, const Order& order) override;
     bool quit() const { return quit_; }
 
   private:

@@ -7,13 +7,15 @@ namespace thimble {
 void OrderTaker::tick(SessionTime now, std::uint32_t trial) {
     while (const Message* message = flow_.receive(now, *in_)) {
         const auto* order = std::get_if<Order>(&message->body);
-        const Refusal refusal =
-            order == nullptr ? Refusal::kUnexpectedKind : judge(now, message->header.trial, trial, *order);
-        if (refusal != Refusal::kCount) flow_.refuse_admitted(refusal);
+        const std::optional<Refusal> refusal = order == nullptr
+                                                   ? std::optional{Refusal::kUnexpectedKind}
+                                                   : judge(now, message->header.trial, trial, *order);
+        if (refusal) flow_.refuse_admitted(*refusal);
     }
 }
 
-Refusal OrderTaker::judge(SessionTime now, std::uint32_t asked_for, std::uint32_t trial, const Order& order) {
+std::optional<Refusal> OrderTaker::judge(SessionTime now, std::uint32_t asked_for, std::uint32_t trial,
+                                         const Order& order) {
     switch (order.kind) {
         case OrderKind::kStart:
         case OrderKind::kEndTrial:
@@ -24,7 +26,7 @@ Refusal OrderTaker::judge(SessionTime now, std::uint32_t asked_for, std::uint32_
             // Only the newest trial can be judged, as by what is typed.
             if (order.trial != trial) return Refusal::kWrongTrial;
             if (said_again(now, order.kind == OrderKind::kRepeat ? repeat_ : exclude_, trial))
-                return Refusal::kCount;
+                return std::nullopt;
             break;
         case OrderKind::kDelay:
         case OrderKind::kNetwork:

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "common/flow.hpp"
 
@@ -16,8 +17,8 @@ class OrderHandler {
     OrderHandler(const OrderHandler&) = delete;
     OrderHandler& operator=(const OrderHandler&) = delete;
 
-    // kCount: it is obeyed (and would be, unchanged, the second time); else why it cannot be.
-    virtual Refusal obey(SessionTime now, const Order& order) = 0;
+    // Why it cannot be obeyed; none: it is (and would be, unchanged, the second time).
+    virtual std::optional<Refusal> obey(SessionTime now, const Order& order) = 0;
 };
 
 class OrderTaker {
@@ -38,7 +39,8 @@ class OrderTaker {
         SessionTime last{};
         bool said = false;
     };
-    Refusal judge(SessionTime now, std::uint32_t asked_for, std::uint32_t trial, const Order& order);
+    std::optional<Refusal> judge(SessionTime now, std::uint32_t asked_for, std::uint32_t trial,
+                                 const Order& order);
     bool said_again(SessionTime now, Wish& wish, std::uint32_t trial);
 
     Channel* in_;

@@ -2,33 +2,33 @@
 
 namespace thimble {
 
-Refusal PlayDesk::obey(SessionTime now, const Order& order) {
+std::optional<Refusal> PlayDesk::obey(SessionTime now, const Order& order) {
     switch (order.kind) {
         case OrderKind::kDelay:
             if (order.value > kLongestDelay_s) return Refusal::kOutOfRange;
             if (session_ != nullptr) session_->change_delay(from_seconds(order.value));
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kNetwork:
             if (session_ != nullptr && !session_->change_network(order.network)) return Refusal::kOutOfRange;
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kStart:
             next_ = order.modality;
             not_before_ = now;
             context_.paused = false;  // who says Start wants one
             end_running();
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kEndTrial:
             next_.reset();
             end_running();
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kPause:
         case OrderKind::kResume:
             context_.paused = order.kind == OrderKind::kPause;
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kQuit:
             quit_ = true;
             end_running();
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kRepeat:
         case OrderKind::kExclude:
         case OrderKind::kSeek:

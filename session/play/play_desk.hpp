@@ -21,7 +21,7 @@ class PlayDesk final : public OrderHandler {
     // The session that obeys; outlives the desk, or is replaced.
     void serve(SessionProcess& session) { session_ = &session; }
 
-    Refusal obey(SessionTime now, const Order& order) override;
+    std::optional<Refusal> obey(SessionTime now, const Order& order) override;
     // The trial to begin now, if there is one; it is then no longer due.
     std::optional<Modality> take_due(SessionTime now);
     void trial_ended(SessionTime now, const TrialRecord& record);

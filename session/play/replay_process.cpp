@@ -96,29 +96,29 @@ void ReplayProcess::beep(SessionTime now, double shown_s) {
     ++beeps_;
 }
 
-Refusal ReplayProcess::obey(SessionTime now, const Order& order) {
+std::optional<Refusal> ReplayProcess::obey(SessionTime now, const Order& order) {
     switch (order.kind) {
         case OrderKind::kSeek:
             clock_.seek(now, order.value);
             if (beeps_ > 0 && clock_.time_s(now) < trial_->record.beep_time_s) begin_anew();
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kSpeed:
             if (order.value < ReplayClock::kSlowest || order.value > ReplayClock::kFastest)
                 return Refusal::kOutOfRange;
             clock_.set_speed(now, order.value);
             next_state_ = {};
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kPause:
             wants_to_run_ = false;
             clock_.pause(now);
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kResume:
             wants_to_run_ = true;
             if (shown_) clock_.resume(now);
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kQuit:
             quit_ = true;
-            return Refusal::kCount;
+            return std::nullopt;
         case OrderKind::kDelay:
         case OrderKind::kNetwork:
         case OrderKind::kStart:

@@ -26,7 +26,7 @@ class ReplayProcess final : public Process, public OrderHandler {
     void tick(SessionTime now) override;
     SessionTime next_wakeup() const override { return next_; }
     bool stopped() const override { return quit_; }
-    Refusal obey(SessionTime now, const Order& order) override;
+    std::optional<Refusal> obey(SessionTime now, const Order& order) override;
 
     bool shows() const { return shown_; }  // thimble-visual has taken up the trial
     void shut_down(SessionTime now);

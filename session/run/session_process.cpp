@@ -165,9 +165,9 @@ void SessionProcess::take_heartbeats(SessionTime now) {
             } else if (const auto* reply = std::get_if<ClockReply>(&message->body)) {
                 take_clock(now, peer, message->header, *reply);
             } else if (const auto* order = std::get_if<Order>(&message->body)) {
-                const Refusal refusal = judge_wish(peer, message->header.trial, *order);
-                if (refusal == Refusal::kCount) go_on_ = true;
-                if (refusal != Refusal::kCount) peer.flow.refuse_admitted(refusal);
+                const std::optional<Refusal> refusal = judge_wish(peer, message->header.trial, *order);
+                if (!refusal) go_on_ = true;
+                if (refusal) peer.flow.refuse_admitted(*refusal);
             } else {
                 peer.flow.refuse_admitted(Refusal::kUnexpectedKind);
             }
@@ -176,13 +176,14 @@ void SessionProcess::take_heartbeats(SessionTime now) {
 }
 
 // `trial`: the newest that whoever asks has seen; one that comes late is not for the next page. kCount: it holds.
-Refusal SessionProcess::judge_wish(const Peer& peer, std::uint32_t trial, const Order& order) const {
+std::optional<Refusal> SessionProcess::judge_wish(const Peer& peer, std::uint32_t trial,
+                                                  const Order& order) const {
     const bool waits =
         (stage_ == Stage::kIdle || stage_ == Stage::kDone) && page_ && waits_to_go_on(page_->kind);
     if (peer.role != Role::kVisual || order.kind != OrderKind::kResume || !settings_.subject_goes_on ||
         !waits)
         return Refusal::kUnexpectedKind;
-    return trial == std::max(trial_, last_number()) ? Refusal::kCount : Refusal::kWrongTrial;
+    return trial == std::max(trial_, last_number()) ? std::nullopt : std::optional{Refusal::kWrongTrial};
 }
 
 void SessionProcess::show(const Page& page) {

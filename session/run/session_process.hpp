@@ -116,7 +116,7 @@ class SessionProcess final : public Process {
 
     void take_heartbeats(SessionTime now);
     void take_clock(SessionTime now, Peer& peer, const Header& header, const ClockReply& reply);
-    Refusal judge_wish(const Peer& peer, std::uint32_t trial, const Order& order) const;
+    std::optional<Refusal> judge_wish(const Peer& peer, std::uint32_t trial, const Order& order) const;
     void take_records(SessionTime now);
     void store(const Header& header, const ForceFeedback& feedback);
     void watch_withdrawal(const TrajectorySample& sample);

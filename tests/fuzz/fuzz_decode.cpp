@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const char* flaw = nullptr;
     if (decoded.message) {
         flaw = thimble::flaw_of(*decoded.message);
-    } else if (decoded.refusal == thimble::Refusal::kCount) {
+    } else if (!decoded.refusal) {
         flaw = "refused without a reason";
     }
     if (flaw != nullptr) {

@@ -183,9 +183,9 @@ void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
         return;
     }
     McapWriter& writer = writing_->writer;
-    const Refusal refusal = decode_into(bytes, writing_->message);
-    const bool readable = refusal == Refusal::kCount || refusal == Refusal::kNotOneBody ||
-                          refusal == Refusal::kNotFinite || refusal == Refusal::kOutOfRange;
+    const std::optional<Refusal> refusal = decode_into(bytes, writing_->message);
+    const bool readable = !refusal || refusal == Refusal::kNotOneBody || refusal == Refusal::kNotFinite ||
+                          refusal == Refusal::kOutOfRange;
     LoggedFlow& flow = flows_[entry.tag];
     int& channel = readable ? flow.channel : flow.unreadable;
     if (channel < 0) {

@@ -218,7 +218,7 @@ TEST(CodecRoundTrip, EachKindKeepsEachField) {
     Encoder encoder;
     for (const Message& message : sample_messages()) {
         const Decoded decoded = decode(encoder.encode(message));
-        ASSERT_TRUE(decoded.message) << to_string(decoded.refusal);
+        ASSERT_TRUE(decoded.message) << to_string(*decoded.refusal);
         EXPECT_TRUE(same(message, *decoded.message)) << "kind " << message.body.index();
     }
 }

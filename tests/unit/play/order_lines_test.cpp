@@ -10,7 +10,7 @@ namespace {
 
 class OrderLinesTest : public testing::Test {
   protected:
-    Refusal say(OrderKind kind) {
+    std::optional<Refusal> say(OrderKind kind) {
         Order order;
         order.kind = kind;
         return lines.obey({}, order);
@@ -64,7 +64,7 @@ TEST(QuitDesk, KnowsQuitAlone) {
     EXPECT_EQ(desk.obey({}, order), Refusal::kUnexpectedKind);
     EXPECT_FALSE(desk.quit());
     order.kind = OrderKind::kQuit;
-    EXPECT_EQ(desk.obey({}, order), Refusal::kCount);
+    EXPECT_EQ(desk.obey({}, order), std::nullopt);
     EXPECT_TRUE(desk.quit());
 }
 

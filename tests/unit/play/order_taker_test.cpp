@@ -16,12 +16,12 @@ using std::chrono::seconds;
 
 class WritesDown final : public OrderHandler {
   public:
-    Refusal obey(SessionTime, const Order& order) override {
+    std::optional<Refusal> obey(SessionTime, const Order& order) override {
         orders.push_back(order);
         return answer;
     }
     std::vector<Order> orders;
-    Refusal answer = Refusal::kCount;
+    std::optional<Refusal> answer;
 };
 
 class OrderTakerTest : public testing::Test {
