@@ -15,8 +15,8 @@
 
 #include "bench/network/chain_rounds.hpp"
 #include "bench/network/helper_thread.hpp"
+#include "bench/network/packet_sniffer.hpp"
 #include "bench/network/study_place.hpp"
-#include "bench/network/wire_ear.hpp"
 #include "bench/studies.hpp"
 #include "common/error.hpp"
 #include "common/json_text.hpp"
@@ -122,7 +122,7 @@ class Flooder {
     double rate_per_s_;
     UdpChannel wire_;
     std::uint64_t sent_ = 0;
-    std::optional<WireEar> ear_;
+    std::optional<PacketSniffer> ear_;
     std::vector<std::uint8_t> overheard_;
     SealHeader in_use_;
 };
@@ -238,7 +238,7 @@ std::vector<std::string> problems_of_floods(const std::array<FloodFigures, kFloo
 // Without the dear ones where loopback cannot be listened to.
 std::size_t floods_possible() {
     try {
-        const WireEar ear(1, 1);
+        const PacketSniffer ear(1, 1);
         return kFloodNames.size();
     } catch (const Error& error) {
         fmt::print(stderr, "left out: {}: {}\n", kFloodNames[static_cast<std::size_t>(FloodKind::kDear)],

@@ -261,7 +261,7 @@ struct ForceWave {
     WaveBurst waves;
 };
 
-// Whoever stops everything -> everybody, or whoever releases it, or asks what is held (stop_line.hpp).
+// Whoever stops everything -> everybody, or whoever releases it, or asks what is held (stop_bus.hpp).
 struct StopOrder {
     std::uint64_t id = 0;  // of a stop: random; of a release: the stop's; of a question: nothing
     std::uint32_t held_ms =

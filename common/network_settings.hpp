@@ -48,7 +48,7 @@ enum class Port : std::uint16_t {
     kExperimenterMonitor,
     kSessionPlayerOrders,
     kPlayerMonitor,
-    // stop lines: whoever stops everything says so to all of them (stop_line.hpp)
+    // stop buses: whoever stops everything says so to all of them (stop_bus.hpp)
     kSessionStop,
     kMasterStop,
     kSlaveStop,

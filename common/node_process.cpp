@@ -22,7 +22,7 @@ void NodeProcess::tick(SessionTime now) {
     obey_stop(now);
     take_orders(now);
     work(now);
-    listen_to_wishes(now);
+    take_stop_requests(now);
     if (resting()) rest(now);
     give_up_if_alone(now);
     report(now);
@@ -36,9 +36,9 @@ void NodeProcess::obey_stop(SessionTime now) {
     if (stop_.stopped() && running()) give_up(now, stop_.reason());
 }
 
-void NodeProcess::listen_to_wishes(SessionTime now) {
-    const StopWish wish = wants_stop(now);
-    if (is_stop(wish.reason)) stop_everything(now, wish.reason, wish.words);
+void NodeProcess::take_stop_requests(SessionTime now) {
+    const StopRequest request = wants_stop(now);
+    if (is_stop(request.reason)) stop_everything(now, request.reason, request.words);
 }
 
 void NodeProcess::stop_everything(SessionTime now, EndReason reason, std::string_view words) {

@@ -8,7 +8,7 @@
 #include "common/log/recorder.hpp"
 #include "common/ports.hpp"
 #include "common/process.hpp"
-#include "common/stop_line.hpp"
+#include "common/stop_bus.hpp"
 
 namespace thimble {
 
@@ -27,8 +27,8 @@ inline Duration silence_of_change(const SessionControl& control) { return from_s
 // also stop everything.
 enum class OverrunPolicy : std::uint8_t { kWarn, kRest, kStop };
 
-// A wish to stop everything; is_stop(reason) says that there is one.
-struct StopWish {
+// A request to stop everything; is_stop(reason) says that there is one.
+struct StopRequest {
     EndReason reason = EndReason::kNone;
     std::string_view words{};  // who and why
 };
@@ -45,12 +45,12 @@ class NodeProcess : public Process {
     // A trial that cannot be written down is given up, as one whose device fails. `recorder` outlives this.
     void record_with(const Recorder& recorder) { recorder_ = &recorder; }
 
-    // Where stops are heard and said (stop_line.hpp); without it a stop here reaches the others by the session only.
-    void join_stop_line(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
-    void join_stop_line(Ports& ports) { stop_.connect(*ports.inlet(stop_port(role_)), stop_outlets(ports)); }
+    // Where stops are heard and said (stop_bus.hpp); without it a stop here reaches the others by the session only.
+    void join_stop_bus(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
+    void join_stop_bus(Ports& ports) { stop_.connect(*ports.inlet(stop_port(role_)), stop_outlets(ports)); }
     // Somebody at this program wants everything to stop, now.
     void stop_everything(SessionTime now, EndReason reason, std::string_view words);
-    const StopLine& stop_line() const { return stop_; }
+    const StopBus& stop_bus() const { return stop_; }
 
     // The loop was late for so many deadlines in a row; 0: in time again. Called after each tick. The node is late from
     // `limit` on; what that means says the policy.
@@ -85,7 +85,7 @@ class NodeProcess : public Process {
     virtual bool peer_lost(SessionTime /*now*/) const { return false; }
     // A button of the device, the subject's key, a guard before the device: everything is to stop. Asked after each work(),
     // also between trials.
-    virtual StopWish wants_stop(SessionTime /*now*/) { return {}; }
+    virtual StopRequest wants_stop(SessionTime /*now*/) { return {}; }
     // Outputs at rest until the next input, the trial goes on: the node is resting(). Called after work().
     virtual void rest(SessionTime /*now*/) {}
     // Empty while the node's device works; else which one, why, and what to do. It ends the trial.
@@ -115,7 +115,7 @@ class NodeProcess : public Process {
     void give_up(SessionTime now, EndReason reason);
     void give_up_if_alone(SessionTime now);
     void obey_stop(SessionTime now);
-    void listen_to_wishes(SessionTime now);
+    void take_stop_requests(SessionTime now);
     void report(SessionTime now);
     std::string_view fault() const;
 
@@ -125,7 +125,7 @@ class NodeProcess : public Process {
     const Recorder* recorder_ = nullptr;
     InboundFlow orders_{Role::kSession};
     OutboundFlow heartbeats_;
-    StopLine stop_;
+    StopBus stop_;
     NodeState state_ = NodeState::kIdle;
     EndReason reason_ = EndReason::kNone;
     std::uint32_t trial_ = 0;

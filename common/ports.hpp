@@ -4,7 +4,7 @@
 
 #include "common/channel.hpp"
 #include "common/network_settings.hpp"
-#include "common/stop_line.hpp"
+#include "common/stop_bus.hpp"
 
 namespace thimble {
 
@@ -21,7 +21,7 @@ class Ports {
     virtual Channel* outlet(Port remote) = 0;
 };
 
-// To the stop lines of all programs of the session.
+// To the stop buses of all programs of the session.
 inline StopOutlets stop_outlets(Ports& ports) {
     StopOutlets outlets{};
     for (std::size_t i = 0; i < outlets.size(); ++i) outlets[i] = ports.outlet(kStopPorts[i]);

@@ -28,8 +28,8 @@ void StopInquiry::hear(SessionTime now, Channel& channel) {
     }
 }
 
-void StopInquiry::note(const HeldStop& answer) {
-    const auto known = std::find_if(held_.begin(), held_.end(), [&answer](const HeldStop& other) {
+void StopInquiry::note(const LatchedStop& answer) {
+    const auto known = std::find_if(held_.begin(), held_.end(), [&answer](const LatchedStop& other) {
         return other.by == answer.by && other.stop.id == answer.stop.id;
     });
     if (known != held_.end()) {

@@ -1,15 +1,15 @@
-// Asks the programs of a session what stops they hold, for somebody who has heard none of them (stop_line.hpp). An answer says for
+// Asks the programs of a session what stops they hold, for somebody who has heard none of them (stop_bus.hpp). An answer says for
 // how long: what was pressed after this began is told from what holds since before it, whoever plays which question or answer
 // again, and however slow the network or this program. No clock: `now` is the caller's.
 #pragma once
 
 #include <vector>
 
-#include "common/stop_line.hpp"
+#include "common/stop_bus.hpp"
 
 namespace thimble {
 
-struct HeldStop {
+struct LatchedStop {
     Role by = Role::kSession;
     StopOrder stop;
     bool since_before = false;  // held for kHeldAtLeast, and from before the first call
@@ -26,17 +26,17 @@ class StopInquiry {
     // Takes the answers that have come, to questions or to a stop.
     void hear(SessionTime now);
     // Each stop once for each program that holds it.
-    const std::vector<HeldStop>& held() const { return held_; }
+    const std::vector<LatchedStop>& held() const { return held_; }
 
   private:
     static constexpr std::size_t kMostAnswers = 192;  // what six programs can hold
     void hear(SessionTime now, Channel& channel);
-    void note(const HeldStop& answer);
+    void note(const LatchedStop& answer);
 
     OutboundFlow* out_;
     StopOutlets at_;
     SessionTime begun_ = kNever;  // the first call
-    std::vector<HeldStop> held_;
+    std::vector<LatchedStop> held_;
     Message message_;
 };
 

@@ -7,7 +7,7 @@ namespace thimble {
 void StopRelease::round(SessionTime now) {
     inquiry_.hear(now);
     if (rounds_++ < kAskTimes) inquiry_.ask(now);
-    for (const HeldStop& held : inquiry_.held()) {
+    for (const LatchedStop& held : inquiry_.held()) {
         const bool known = std::any_of(stops_.begin(), stops_.end(),
                                        [&held](const StopOrder& other) { return other.id == held.stop.id; });
         if (held.since_before && !known) stops_.push_back(held.stop);

@@ -1,5 +1,5 @@
 // Lets go of the stops of a session, for somebody who has heard none of them: asks every program what it holds (stop_inquiry.hpp),
-// and names it (stop_line.hpp). A stop that is pressed while the release is under way holds. No clock: `now` is the caller's.
+// and names it (stop_bus.hpp). A stop that is pressed while the release is under way holds. No clock: `now` is the caller's.
 #pragma once
 
 #include "common/stop_inquiry.hpp"

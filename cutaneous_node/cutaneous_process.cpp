@@ -17,7 +17,7 @@ CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettin
                        {ports.between(Port::kCutaneousControl, Port::kSessionCutaneous),
                         ports.inlet(Port::kCutaneousForce), ports.outlet(Port::kMasterPerceptCutaneous)},
                        actuator) {
-    join_stop_line(ports);
+    join_stop_bus(ports);
 }
 
 void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& control) {

@@ -44,7 +44,7 @@ class CutaneousProcess final : public NodeProcess {
     std::string_view device_fault() const override {
         return needed_ ? actuator_.fault() : std::string_view{};
     }
-    StopWish wants_stop(SessionTime /*now*/) override {
+    StopRequest wants_stop(SessionTime /*now*/) override {
         if (!running() || !actuator_.tripped()) return {};
         return {EndReason::kSafetyStop, GuardedActuator::kWords};
     }

@@ -1,5 +1,5 @@
 // The last stage before the fingertips: whoever asks, and however wrong, no finger is pressed harder than `limit_N`, and a force
-// that is no number lets go and trips. It knows the wish and the device, no message and no network. It stays tripped until
+// that is no number lets go and trips. It knows the request and the device, no message and no network. It stays tripped until
 // clear(), with the cables slack.
 #pragma once
 

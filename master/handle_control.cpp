@@ -57,7 +57,7 @@ void HandleControl::start(bool kinesthetic, Duration network_delay) {
     if (port_) port_->reset();
     local_.reset();
     sampled_before_ = false;
-    wish_N_ = 0;
+    asked_N_ = 0;
     burst_ = {};
     energy_heard_J_ = 0;
     if (two_port_) two_port_->reset();
@@ -102,23 +102,23 @@ void HandleControl::take(const WaveBurst& waves) {
 void HandleControl::take(const ForceFeedback& feedback) {
     if (feedback.needle_held) return forget();
     if (settings_.remedy != Remedy::kLocalFixture) {
-        wish_N_ = -scale_.force_scale * feedback.force_total_N;
+        asked_N_ = -scale_.force_scale * feedback.force_total_N;
         return;
     }
     local_.learn(feedback.position_needle_m / scale_.position_scale,
                  -scale_.force_scale * feedback.force_fixture_N);
-    wish_N_ = -scale_.force_scale * feedback.force_tissue_N;
+    asked_N_ = -scale_.force_scale * feedback.force_tissue_N;
 }
 
 void HandleControl::forget() {
-    wish_N_ = 0;
+    asked_N_ = 0;
     local_.reset();
 }
 
 double HandleControl::force_N() {
     // Saturated before the remedy: what is wished for beyond the limit cannot be had.
     const double limit_N = scale_.force_limit_N;
-    double force_N = std::clamp(wish_N_, -limit_N, limit_N);
+    double force_N = std::clamp(asked_N_, -limit_N, limit_N);
     if (port_) force_N = port_->force_N(force_N);
     if (settings_.remedy == Remedy::kLocalFixture) force_N += local_.force_N(position_hand_m_);
     if (two_port_) force_N = two_port_->force_N(force_N, energy_heard_J_);

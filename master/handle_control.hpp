@@ -1,4 +1,4 @@
-// A remedy against delay in the master's loop: what arrives becomes a wish, and at each sample of the handle the force that
+// A remedy against delay in the master's loop: what arrives becomes a request, and at each sample of the handle the force that
 // the remedy makes of it, held until the next sample. (A share for the hand needs no samples: MasterNode.) F positive pushes
 // the hand out (-z). No clock, no device.
 //
@@ -45,7 +45,7 @@ class HandleControl {
     void sample(SessionTime now, const HandleSample& handle);
     void take(const ForceFeedback& feedback);
     void take(const WaveBurst& waves);
-    // Nothing has come for too long, or the needle is held: no wish and no fixture that one knows of. Waves that do not come are
+    // Nothing has come for too long, or the needle is held: no request and no fixture that one knows of. Waves that do not come are
     // zeros by themselves, which brakes the hand.
     void forget();
     double force_N();
@@ -74,7 +74,7 @@ class HandleControl {
     SessionTime sampled_{};
     bool sampled_before_ = false;
     double position_hand_m_ = 0;
-    double wish_N_ = 0;  // of the port's remedies: the whole force; of the local fixture: tissue
+    double asked_N_ = 0;  // of the port's remedies: the whole force; of the local fixture: tissue
 };
 
 }  // namespace thimble

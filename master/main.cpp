@@ -23,15 +23,15 @@ constexpr Duration kLookAgain = std::chrono::milliseconds{20};
 void await_user(OpenHandle& handle, Duration limit) {
     const SessionTime end = wall_now() + limit;
     std::string said;
-    for (std::string wish = handle.awaits(); !wish.empty(); wish = handle.awaits()) {
-        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted; " + wish);
+    for (std::string request = handle.awaits(); !request.empty(); request = handle.awaits()) {
+        if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted; " + request);
         if (wall_now() > end) {
-            throw Error(
-                ExitCode::kRunFailed,
-                fmt::format("{} (waited for {} s, [handle.falcon] homing_limit_s)", wish, to_seconds(limit)));
+            throw Error(ExitCode::kRunFailed,
+                        fmt::format("{} (waited for {} s, [handle.falcon] homing_limit_s)", request,
+                                    to_seconds(limit)));
         }
-        if (wish != said) spdlog::warn(wish);
-        said = wish;
+        if (request != said) spdlog::warn(request);
+        said = request;
         wall_sleep(kLookAgain);
     }
     if (!handle.device().fault().empty())

@@ -21,7 +21,7 @@ MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& setti
                      ports.outlet(Port::kNetemNeedle), ports.inlet(Port::kMasterForce),
                      ports.inlet(Port::kMasterPerceptCutaneous), ports.inlet(Port::kMasterPerceptVisual)},
                     device, person) {
-    join_stop_line(ports);
+    join_stop_bus(ports);
     if (follower != nullptr) follow_hand(*ports.inlet(Port::kMasterHand), *follower);
 }
 
@@ -148,7 +148,7 @@ void MasterProcess::apply(SessionTime now, double force_hand_N) {
     device_->command_force(now, guard_.pass(now, resting() ? 0 : force_hand_N));
 }
 
-StopWish MasterProcess::wants_stop(SessionTime now) {
+StopRequest MasterProcess::wants_stop(SessionTime now) {
     if (device_->take_stop(now)) return {EndReason::kEmergencyStop, "the stop button at the handle"};
     if (running() && guard_.tripped()) return {EndReason::kSafetyStop, guard_.words()};
     return {};

@@ -59,7 +59,7 @@ class MasterProcess final : public NodeProcess {
     }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     std::string_view device_fault() const override { return device_->fault(); }
-    StopWish wants_stop(SessionTime now) override;
+    StopRequest wants_stop(SessionTime now) override;
     void rest(SessionTime now) override { apply(now, 0); }
     void add_counters(FlowCounters& sum) const override;
     void describe(Heartbeat& heartbeat) const override;

@@ -30,7 +30,7 @@ NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::
 NetemProcess::NetemProcess(std::uint64_t instance, const NetemSettings& settings, Ports& ports)
     : NetemProcess{instance, *ports.between(Port::kNetemControl, Port::kSessionNetem),
                    plans_of(settings, ports)} {
-    join_stop_line(ports);
+    join_stop_bus(ports);
 }
 
 void NetemProcess::begin_trial(SessionTime now, const SessionControl& control) {

@@ -28,7 +28,7 @@ SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings
                     ports.outlet(Port::kNetemForceMaster), ports.outlet(Port::kNetemForceCutaneous),
                     ports.outlet(Port::kNetemForceVisual), ports.outlet(Port::kVisualBeep),
                     ports.outlet(Port::kSessionRecord)}) {
-    join_stop_line(ports);
+    join_stop_bus(ports);
 }
 
 void SlaveProcess::begin_trial(SessionTime now, const SessionControl& control) {

@@ -21,7 +21,7 @@ VisualProcess::VisualProcess(std::uint64_t instance, const VisualSettings& setti
            ports.inlet(Port::kVisualBeep), ports.outlet(Port::kMasterPerceptVisual),
            hand != nullptr ? ports.outlet(Port::kMasterHand) : nullptr},
           display, hand) {
-    join_stop_line(ports);
+    join_stop_bus(ports);
 }
 
 void VisualProcess::begin_trial(SessionTime now, const SessionControl& control) {

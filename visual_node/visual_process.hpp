@@ -1,5 +1,5 @@
 // visual_node: force feedback in (through netem), frames to the display, percepts out when a frame has become
-// visible, the beep at once; between trials the subject's wish to go on, where the protocol allows it.
+// visible, the beep at once; between trials the subject's request to go on, where the protocol allows it.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include "common/node_process.hpp"
 #include "common/stale_record.hpp"
 #include "visual_node/display.hpp"
-#include "visual_node/go_on_wish.hpp"
+#include "visual_node/go_on_request.hpp"
 #include "visual_node/hand_flow.hpp"
 #include "visual_node/visual_node.hpp"
 
@@ -46,7 +46,7 @@ class VisualProcess final : public NodeProcess {
     SessionTime next_work() const override {
         return std::min({node_.next_frame(), display_->next_shown(), hand_flow_.next(), go_on_.next()});
     }
-    StopWish wants_stop(SessionTime /*now*/) override {
+    StopRequest wants_stop(SessionTime /*now*/) override {
         if (!display_->take_stop()) return {};
         return {EndReason::kEmergencyStop, "the stop key at the subject's screen"};
     }
@@ -66,7 +66,7 @@ class VisualProcess final : public NodeProcess {
     InboundFlow beep_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;
     HandFlow hand_flow_;
-    GoOnWish go_on_;
+    GoOnRequest go_on_;
     std::uint32_t beeped_trial_ = 0;
 };
 

@@ -10,7 +10,7 @@
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "session/launch/local_starter.hpp"
-#include "session/run/lane.hpp"
+#include "session/run/condition_run.hpp"
 #include "session/settings/system_settings.hpp"
 #include "thimble/commands/run.hpp"
 
@@ -47,8 +47,8 @@ std::filesystem::path write_session(const ChainSettings& settings) {
     return path;
 }
 
-LanePlan plan_of(const ChainSettings& settings, const TrialConditions& trial) {
-    LanePlan plan;
+ConditionPlan plan_of(const ChainSettings& settings, const TrialConditions& trial) {
+    ConditionPlan plan;
     plan.starter = std::make_shared<LocalStarter>(settings.programs, write_session(settings));
     plan.out = settings.scratch / "nodes";
     plan.network.base_port = settings.base_port;
@@ -83,12 +83,12 @@ ChainRound read_chain_round(const std::vector<Json>& reports) {
 std::vector<TrialConditions> chain_trials() { return run_trials_of(load_system_settings({}), 0); }
 
 ChainWindow run_window(const ChainSettings& settings, const TrialConditions& trial) {
-    const LanePlan plan = plan_of(settings, trial);
+    const ConditionPlan plan = plan_of(settings, trial);
     ChainWindow window;
-    LaneEvents events;
+    ConditionEvents events;
     events.trial_done = [&window](const TrialRecord& record) { window.reason = record.reason; };
     events.stop = [] { return stop_requested().load(); };
-    LaneResult result = run_lane(plan, events);
+    ConditionResult result = run_condition(plan, events);
     window.code = result.code;
     window.problem = std::move(result.problem);
     window.reports = std::move(result.reports);

@@ -45,7 +45,7 @@ struct ChainWindow {
     std::vector<nlohmann::ordered_json> reports;
 };
 
-// Starts the five nodes on loopback, runs one trial, ends them. Throws Error as run_lane does.
+// Starts the five nodes on loopback, runs one trial, ends them. Throws Error as run_condition does.
 ChainWindow run_window(const ChainSettings& settings, const TrialConditions& trial);
 // The same; throws Error, run failed, if a stop was requested (realtime_loop.hpp), and whatever else ended the trial.
 ChainRound run_chain(const ChainSettings& settings, const TrialConditions& trial);

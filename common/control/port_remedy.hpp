@@ -1,7 +1,7 @@
 // A remedy at one port: between the force that the network brings and the handle, once per sample, knowing only where the
 // hand is and which force acted. Tick k:
 //     observe(dt, x_k, F_{k-1})     what the last force has done
-//     force_N(wanted)               F_k, held until the next sample; may be asked again with a newer wish
+//     force_N(wanted)               F_k, held until the next sample; may be asked again with a newer request
 // F positive pushes the hand out (-z). SI units, frame: hand.
 #pragma once
 
@@ -28,7 +28,7 @@ class PortRemedy {
     // not a number, or comes at no later time, is refused: until the next good one the force is zero, and nothing that
     // happened meanwhile counts in favour of the remedy.
     void observe(double elapsed_s, double position_hand_m, double force_held_N);
-    // A wish that is not a number counts as none, 0.
+    // A request that is not a number counts as none, 0.
     double force_N(double wanted_N);
 
     std::uint64_t refused() const { return refused_; }

@@ -79,14 +79,14 @@ void KeyRing::take(const KeyGrant& grant) {
     control_->send_keys(write_receipt({grant_.epoch, in_use}, text_));
 }
 
-KeyDesk::KeyDesk(FlowEnds& ends, RandomBytes random, const SecurityTimes& times)
+KeyServer::KeyServer(FlowEnds& ends, RandomBytes random, const SecurityTimes& times)
     : ends_(&ends), random_(std::move(random)), times_(times) {
     std::array<std::uint8_t, sizeof session_> bytes{};
     random_(bytes);
     for (const std::uint8_t byte : bytes) session_ = session_ << 8U | byte;
 }
 
-void KeyDesk::serve(SecurePair& control) {
+void KeyServer::serve(SecurePair& control) {
     control.set_open(false);
     const std::size_t index = members_.size();
     members_.push_back({&control});
@@ -100,7 +100,7 @@ void KeyDesk::serve(SecurePair& control) {
     });
 }
 
-void KeyDesk::tick(SessionTime now) {
+void KeyServer::tick(SessionTime now) {
     now_ = now;
     if (now >= forget_at_) {
         ends_->forget_before();
@@ -112,7 +112,7 @@ void KeyDesk::tick(SessionTime now) {
     if (now >= next_tell_) tell();
 }
 
-void KeyDesk::look_for_handshakes() {
+void KeyServer::look_for_handshakes() {
     for (Member& member : members_) {
         if (member.pair->generation() == member.generation) continue;
         member.generation = member.pair->generation();
@@ -123,7 +123,7 @@ void KeyDesk::look_for_handshakes() {
     }
 }
 
-void KeyDesk::begin_epoch() {
+void KeyServer::begin_epoch() {
     wanted_ = false;
     in_use_ = false;
     forget_at_ = kNever;  // the keys before are now those in use
@@ -136,14 +136,14 @@ void KeyDesk::begin_epoch() {
     next_tell_ = now_;
 }
 
-void KeyDesk::use_epoch() {
+void KeyServer::use_epoch() {
     in_use_ = true;
     for (const Port port : kKeyedFlows) ends_->use(port, flow_key(secret_, port));
     forget_at_ = now_ + times_.grace;
     next_tell_ = now_;
 }
 
-void KeyDesk::tell() {
+void KeyServer::tell() {
     next_tell_ = kNever;
     for (const Member& member : members_) {
         if (!may_have(member) || has(member, in_use_)) continue;
@@ -162,23 +162,23 @@ void KeyDesk::tell() {
     wipe(text_);
 }
 
-bool KeyDesk::has(const Member& member, bool in_use) const {
+bool KeyServer::has(const Member& member, bool in_use) const {
     return member.receipt_valid && member.receipt.epoch == epoch_ && (member.receipt.in_use || !in_use);
 }
 
-bool KeyDesk::all_expect() const {
+bool KeyServer::all_expect() const {
     return std::all_of(members_.begin(), members_.end(), [this](const Member& member) {
         return !may_have(member) || has(member, false) || member.pair->silent(now_);
     });
 }
 
-bool KeyDesk::complete() const {
+bool KeyServer::complete() const {
     return !wanted_ && in_use_ && std::all_of(members_.begin(), members_.end(), [this](const Member& member) {
         return may_have(member) && has(member, true);
     });
 }
 
-SessionTime KeyDesk::next_wakeup() const {
+SessionTime KeyServer::next_wakeup() const {
     SessionTime next = std::min(next_tell_, forget_at_);
     if (!in_use_) next = std::min(next, begun_ + times_.agreed_within);
     return wanted_ && in_use_ ? SessionTime{} : next;

@@ -1,5 +1,5 @@
 // Keys of one-way flows. The session makes them, a secret per epoch, and gives each node the keys of its own roles and
-// directions (KeyDesk); a node holds those (KeyRing). A new epoch begins with each handshake that a node has completed, so
+// directions (KeyServer); a node holds those (KeyRing). A new epoch begins with each handshake that a node has completed, so
 // after each start of a node, and when handshakes are renewed.
 #pragma once
 
@@ -42,9 +42,9 @@ class KeyRing {
     KeyText text_{};
 };
 
-class KeyDesk {
+class KeyServer {
   public:
-    KeyDesk(FlowEnds& ends, RandomBytes random, const SecurityTimes& times);
+    KeyServer(FlowEnds& ends, RandomBytes random, const SecurityTimes& times);
     // Before the first tick. Its data are let in once the node has all its keys.
     void serve(SecurePair& control);
     void tick(SessionTime now);

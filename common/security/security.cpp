@@ -23,8 +23,8 @@ Channel* Security::pair(Channel& wire, Port local, Port remote) {
     SecurePair& added = *pairs_.back();
     if (is_node_end(local)) ring_ = std::make_unique<KeyRing>(ends_, added, times_);
     if (is_node_end(remote)) {
-        if (!desk_) desk_ = std::make_unique<KeyDesk>(ends_, random_, times_);
-        desk_->serve(added);
+        if (!server_) server_ = std::make_unique<KeyServer>(ends_, random_, times_);
+        server_->serve(added);
     }
     return &added;
 }
@@ -53,17 +53,17 @@ Channel* Security::stop_end(Channel& wire, std::uint16_t port, StopEnd end) {
 void Security::tick(SessionTime now) {
     if (ring_) ring_->tick(now);
     for (const auto& one : pairs_) one->tick(now);
-    if (desk_) desk_->tick(now);
+    if (server_) server_->tick(now);
 }
 
 SessionTime Security::next_wakeup() const {
-    SessionTime next = desk_ ? desk_->next_wakeup() : kNever;
+    SessionTime next = server_ ? server_->next_wakeup() : kNever;
     for (const auto& one : pairs_) next = std::min(next, one->next_wakeup());
     return next;
 }
 
 bool Security::complete() const {
-    if (desk_) return desk_->complete();
+    if (server_) return server_->complete();
     return std::all_of(pairs_.begin(), pairs_.end(), [](const auto& one) { return one->established(); });
 }
 

@@ -47,7 +47,7 @@ class Security {
     std::vector<std::unique_ptr<SecureOutlet>> outlets_;
     std::vector<std::unique_ptr<StopSeal>> stop_ends_;
     std::unique_ptr<KeyRing> ring_;
-    std::unique_ptr<KeyDesk> desk_;
+    std::unique_ptr<KeyServer> server_;
 };
 
 // A process whose channels are protected; both outlive it.

@@ -10,7 +10,7 @@ namespace thimble {
 namespace {
 
 constexpr std::array<std::uint8_t, 2> kStopMagic{'T', 'S'};
-constexpr std::string_view kSaid = "thimble-1 stop line", kAnswered = "thimble-1 stop line answer";
+constexpr std::string_view kSaid = "thimble-1 stop bus", kAnswered = "thimble-1 stop bus answer";
 
 }  // namespace
 

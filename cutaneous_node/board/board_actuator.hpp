@@ -1,5 +1,5 @@
 // A fingertip board on USB (docs/board-protocol.md). Two halves: the node's loop commands and asks, never waiting; the
-// device's thread (HidAttendant) writes the newest command and reads statuses.
+// device's thread (HidConnection) writes the newest command and reads statuses.
 //
 // Nothing presses without somebody: the board goes slack by itself 50 ms after the last good command, and the thread stops
 // asking it to press once the node's loop has been silent for kLoopSilence.
@@ -8,7 +8,7 @@
 #include <array>
 #include <atomic>
 
-#include "common/hid/hid_attendant.hpp"
+#include "common/hid/hid_connection.hpp"
 #include "cutaneous_node/board/board_reports.hpp"
 #include "cutaneous_node/fingertip_actuator.hpp"
 

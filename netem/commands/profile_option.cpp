@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "netem/formats/tc_words.hpp"
+#include "netem/formats/tc_text.hpp"
 #include "netem/profiles/profiles.hpp"
-#include "netem/relay/control_words.hpp"
+#include "netem/relay/control_text.hpp"
 
 namespace thimble {
 

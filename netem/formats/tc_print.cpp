@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "netem/formats/tc_text.hpp"
 #include "netem/formats/tc_units.hpp"
-#include "netem/formats/tc_words.hpp"
 
 namespace thimble {
 namespace {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "netem/formats/tc_words.hpp"
+#include "netem/formats/tc_text.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {

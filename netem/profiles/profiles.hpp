@@ -39,7 +39,7 @@ const std::vector<std::string_view>& profile_names();
 // A built-in profile by name, null if there is none. All are read at the first call and kept: later ones take no time.
 const LinkProfile* built_in_profile(std::string_view name);
 
-// A built-in profile by name ("leo"), a file ("my/lab.toml"), or tc's words ("delay 50ms loss 1%", tc_words.hpp), which
+// A built-in profile by name ("leo"), a file ("my/lab.toml"), or tc's words ("delay 50ms loss 1%", tc_text.hpp), which
 // then hold both ways. Throws Error (usage), naming the profiles there are.
 LinkProfile load_profile(const std::string& given);
 LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find);

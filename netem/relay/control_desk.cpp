@@ -21,15 +21,15 @@ constexpr Duration kLook = std::chrono::microseconds{500};
 
 }  // namespace
 
-ControlDesk::ControlDesk() : event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+ControlHandler::ControlHandler() : event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (event_ < 0) {
         throw Error(ExitCode::kRunFailed, fmt::format("cannot make an event: {}", std::strerror(errno)));
     }
 }
 
-ControlDesk::~ControlDesk() { close(event_); }
+ControlHandler::~ControlHandler() { close(event_); }
 
-bool ControlDesk::ask(const Job& job) {
+bool ControlHandler::ask(const Job& job) {
     Request request{&job, nullptr, {}};
     waiting_.store(&request, std::memory_order_release);
     eventfd_write(event_, 1);
@@ -43,7 +43,7 @@ bool ControlDesk::ask(const Job& job) {
     return true;
 }
 
-void ControlDesk::serve(RelayEngine& engine) {
+void ControlHandler::serve(RelayEngine& engine) {
     eventfd_t ignored = 0;
     eventfd_read(event_, &ignored);
     Request* request = waiting_.exchange(nullptr, std::memory_order_acquire);

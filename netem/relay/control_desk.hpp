@@ -9,14 +9,14 @@ namespace thimble {
 
 class RelayEngine;
 
-class ControlDesk {
+class ControlHandler {
   public:
     using Job = std::function<void(RelayEngine&)>;
 
-    ControlDesk();  // throws Error (run failed)
-    ~ControlDesk();
-    ControlDesk(const ControlDesk&) = delete;
-    ControlDesk& operator=(const ControlDesk&) = delete;
+    ControlHandler();  // throws Error (run failed)
+    ~ControlHandler();
+    ControlHandler(const ControlHandler&) = delete;
+    ControlHandler& operator=(const ControlHandler&) = delete;
 
     // Any thread but the relaying one, one at a time. False if nobody took the job within two seconds. What the job
     // throws comes back to the caller.

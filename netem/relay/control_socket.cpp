@@ -17,7 +17,7 @@
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "netem/relay/control_words.hpp"
+#include "netem/relay/control_text.hpp"
 #include "netem/relay/relay_engine.hpp"
 #include "netem/relay/relay_report.hpp"
 
@@ -95,12 +95,12 @@ RelayState state_of(RelayEngine& engine) {
             engine.waiter().margin(), engine.waiter().precise(), engine.send_lead()};
 }
 
-nlohmann::ordered_json carry_out(const ControlRequest& request, ControlDesk& desk) {
+nlohmann::ordered_json carry_out(const ControlRequest& request, ControlHandler& handler) {
     std::optional<RelayState> state;
-    bool taken = desk.ask([&](RelayEngine& engine) { state = state_of(engine); });
+    bool taken = handler.ask([&](RelayEngine& engine) { state = state_of(engine); });
     if (taken && request.verb == ControlRequest::Verb::kSet) {
         const LinkPair links = assign(state->links, request.assignments);
-        taken = desk.ask([&](RelayEngine& engine) {
+        taken = handler.ask([&](RelayEngine& engine) {
             engine.change(wall_now(), links);
             state = state_of(engine);
         });
@@ -111,8 +111,8 @@ nlohmann::ordered_json carry_out(const ControlRequest& request, ControlDesk& des
 
 }  // namespace
 
-ControlServer::ControlServer(const std::filesystem::path& path, ControlDesk& desk)
-    : path_(path), desk_(&desk), socket_(listen_at(path)), thread_([this] { run(); }) {}
+ControlServer::ControlServer(const std::filesystem::path& path, ControlHandler& handler)
+    : path_(path), handler_(&handler), socket_(listen_at(path)), thread_([this] { run(); }) {}
 
 ControlServer::~ControlServer() {
     stop_ = true;
@@ -143,7 +143,7 @@ void ControlServer::answer_one() {
 std::string ControlServer::answer(std::string_view request) {
     nlohmann::ordered_json json{{"ok", true}};
     try {
-        json.update(carry_out(parse_request(request), *desk_));
+        json.update(carry_out(parse_request(request), *handler_));
     } catch (const std::exception& error) {
         json = {{"ok", false}, {"error", error.what()}};
     }

@@ -1,5 +1,5 @@
 // The control socket of a running relay: a Unix datagram socket that only its owner may write to. Its thread reads
-// requests (control_words.hpp) and answers them; whatever comes in, the relay goes on.
+// requests (control_text.hpp) and answers them; whatever comes in, the relay goes on.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@ class ControlServer {
   public:
     // Starts the thread, which keeps the default scheduling: make this object before asking for real time. A socket
     // that a dead program left at `path` is replaced. Throws Error (network) if `path` is in use or cannot be made.
-    ControlServer(const std::filesystem::path& path, ControlDesk& desk);
+    ControlServer(const std::filesystem::path& path, ControlHandler& handler);
     // Removes the socket.
     ~ControlServer();
     ControlServer(const ControlServer&) = delete;
@@ -29,7 +29,7 @@ class ControlServer {
     std::string answer(std::string_view request);
 
     std::filesystem::path path_;
-    ControlDesk* desk_;
+    ControlHandler* handler_;
     int socket_ = -1;
     std::atomic<bool> stop_{false};
     std::thread thread_;

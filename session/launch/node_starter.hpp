@@ -43,7 +43,7 @@ class RunningNode {
 class NodeStarter {
   public:
     virtual ~NodeStarter() = default;
-    // Lanes side by side share a starter. Throws Error (run failed) if there is nothing to start.
+    // Conditions side by side share a starter. Throws Error (run failed) if there is nothing to start.
     virtual std::unique_ptr<RunningNode> start(const NodeOrder& order) const = 0;
     // How long the slowest machine may take to be reached.
     virtual Duration reach() const = 0;

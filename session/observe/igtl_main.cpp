@@ -17,7 +17,7 @@
 #include "common/runtime/tcp_server.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
-#include "session/observe/igtl_words.hpp"
+#include "session/observe/igtl_text.hpp"
 #include "session/observe/monitor_source.hpp"
 #include "session/observe/observers.hpp"
 
@@ -81,7 +81,7 @@ class IgtlServer final : public Process {
 
     MonitorSource* source_;
     TcpServer* server_;
-    IgtlWords words_;
+    IgtlText words_;
     Duration period_, ahead_;
     SessionTime next_{}, next_text_{};
     bool waits_, over_ = false;

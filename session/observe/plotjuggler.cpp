@@ -31,7 +31,8 @@ class PlotJugglerBeside final : public Process {
 
 }  // namespace
 
-std::string plotjuggler_json(double date_s, const std::string& lane, std::uint32_t trial, const Monitor& m) {
+std::string plotjuggler_json(double date_s, const std::string& condition, std::uint32_t trial,
+                             const Monitor& m) {
     // What is not known yet is left out, so that no curve begins at a value that nobody measured.
     nlohmann::ordered_json values{{"trial", trial},
                                   {"time_s", m.time_s},
@@ -57,7 +58,7 @@ std::string plotjuggler_json(double date_s, const std::string& lane, std::uint32
     if (m.round_trip_s > 0) values["round_trip_s"] = m.round_trip_s;
     if (m.one_way_s >= 0) values["one_way_s"] = m.one_way_s;
     if (m.one_way_s >= 0) values["one_way_bound_s"] = m.one_way_bound_s;
-    if (!lane.empty()) values = nlohmann::ordered_json{{lane, std::move(values)}};
+    if (!condition.empty()) values = nlohmann::ordered_json{{condition, std::move(values)}};
     return json_text(nlohmann::ordered_json{{"timestamp", date_s}, {"thimble", std::move(values)}});
 }
 
@@ -72,18 +73,18 @@ void PlotJugglerFeed::tick(SessionTime now) {
     next_ = std::max(next_ + kPlotJugglerPeriod, now + kPlotJugglerPeriod / 2);
     const Monitor monitor = make_monitor(now, *session_, {});
     const std::string text =
-        plotjuggler_json(to_seconds(now + ahead_ - SessionTime{}), lane_, session_->number(), monitor);
+        plotjuggler_json(to_seconds(now + ahead_ - SessionTime{}), condition_, session_->number(), monitor);
     channel_.send({static_cast<const std::uint8_t*>(static_cast<const void*>(text.data())), text.size()});
 }
 
-MakeAttendant with_plotjuggler(MakeAttendant other, const Endpoint& to) {
+MakeObserver with_plotjuggler(MakeObserver other, const Endpoint& to) {
     return [other = std::move(other), to](SessionProcess& session, Sockets& sockets,
-                                          const std::string& lane) -> std::unique_ptr<Process> {
+                                          const std::string& condition) -> std::unique_ptr<Process> {
         const ClockPair clocks = read_clock_pair();
         const Duration ahead{clocks.realtime_ns - to_nanoseconds(clocks.before)};
-        auto feed = std::make_unique<PlotJugglerFeed>(to, session, ahead, lane);
+        auto feed = std::make_unique<PlotJugglerFeed>(to, session, ahead, condition);
         if (!other) return feed;
-        return std::make_unique<PlotJugglerBeside>(other(session, sockets, lane), std::move(feed));
+        return std::make_unique<PlotJugglerBeside>(other(session, sockets, condition), std::move(feed));
     };
 }
 

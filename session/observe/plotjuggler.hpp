@@ -8,15 +8,15 @@
 
 #include "common/process.hpp"
 #include "common/runtime/udp_channel.hpp"
-#include "session/run/lane.hpp"
+#include "session/run/condition_run.hpp"
 
 namespace thimble {
 
 // A datagram each. Faster than any screen, slow enough for every loop.
 inline constexpr Duration kPlotJugglerPeriod = std::chrono::milliseconds{10};
 
-// One object; `date_s` since 1970. `lane` stands between "thimble" and the values, unless it is empty.
-std::string plotjuggler_json(double date_s, const std::string& lane, std::uint32_t trial,
+// One object; `date_s` since 1970. `condition` stands between "thimble" and the values, unless it is empty.
+std::string plotjuggler_json(double date_s, const std::string& condition, std::uint32_t trial,
                              const Monitor& monitor);
 
 // Where [HOST:]PORT of --plotjuggler is, if the file allows it. Throws Error as read_observer() and require_observer_here() do.
@@ -26,8 +26,8 @@ Endpoint plotjuggler_at(const std::string& text, const NetworkSettings& network)
 class PlotJugglerFeed final : public Process {
   public:
     // `session` outlives the feed. `ahead`: of 1970's clock, of the session's. Throws Error (network) if the host is unknown.
-    PlotJugglerFeed(const Endpoint& to, const SessionProcess& session, Duration ahead, std::string lane)
-        : channel_(std::nullopt, to), session_(&session), ahead_(ahead), lane_(std::move(lane)) {}
+    PlotJugglerFeed(const Endpoint& to, const SessionProcess& session, Duration ahead, std::string condition)
+        : channel_(std::nullopt, to), session_(&session), ahead_(ahead), condition_(std::move(condition)) {}
 
     void tick(SessionTime now) override;
     SessionTime next_wakeup() const override { return next_; }
@@ -37,11 +37,11 @@ class PlotJugglerFeed final : public Process {
     UdpChannel channel_;
     const SessionProcess* session_;
     Duration ahead_;
-    std::string lane_;
+    std::string condition_;
     SessionTime next_{};
 };
 
 // `other`, which may be none, and beside it a feed to `to`.
-MakeAttendant with_plotjuggler(MakeAttendant other, const Endpoint& to);
+MakeObserver with_plotjuggler(MakeObserver other, const Endpoint& to);
 
 }  // namespace thimble

@@ -46,7 +46,7 @@ std::optional<std::string> OrderLines::take_line() {
     return std::string();
 }
 
-std::optional<Refusal> QuitDesk::obey(SessionTime /*now*/, const Order& order) {
+std::optional<Refusal> QuitHandler::obey(SessionTime /*now*/, const Order& order) {
     if (order.kind != OrderKind::kQuit) return Refusal::kUnexpectedKind;
     quit_ = true;
     return std::nullopt;

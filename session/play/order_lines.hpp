@@ -34,13 +34,13 @@ class OrderLines final : public OrderHandler, public LineSource {
 };
 
 // In a plain run, whose trials are all planned: Quit alone, as Ctrl-C.
-class QuitDesk final : public OrderHandler {
+class QuitHandler final : public OrderHandler {
   public:
     std::optional<Refusal> obey(SessionTime now, const Order& order) override;
     bool quit() const { return quit_; }
 
   private:
-    std::atomic<bool> quit_ = false;  // lanes side by side
+    std::atomic<bool> quit_ = false;  // conditions side by side
 };
 
 }  // namespace thimble

@@ -40,9 +40,9 @@ std::optional<Refusal> OrderTaker::judge(SessionTime now, std::uint32_t asked_fo
     return handler_->obey(now, order);
 }
 
-bool OrderTaker::said_again(SessionTime now, Wish& wish, std::uint32_t trial) {
-    const bool again = wish.said && wish.trial == trial && now - wish.last <= kSameWish;
-    wish = {trial, now, true};
+bool OrderTaker::said_again(SessionTime now, Request& request, std::uint32_t trial) {
+    const bool again = request.said && request.trial == trial && now - request.last <= kSameRequest;
+    request = {trial, now, true};
     return again;
 }
 

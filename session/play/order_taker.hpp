@@ -1,4 +1,4 @@
-// What a view asks of a session, each wish once. A view repeats an order until the Monitor shows it, and names in the header
+// What a view asks of a session, each request once. A view repeats an order until the Monitor shows it, and names in the header
 // the trial for which it was asked: a Start or an EndTrial that comes late is not one for the next trial.
 #pragma once
 
@@ -24,7 +24,7 @@ class OrderHandler {
 class OrderTaker {
   public:
     // A Repeat or an Exclude that comes again within this time is the same one, said again because UDP loses.
-    static constexpr Duration kSameWish = std::chrono::seconds{1};
+    static constexpr Duration kSameRequest = std::chrono::seconds{1};
 
     // Both outlive the taker.
     OrderTaker(Channel& in, OrderHandler& handler) : in_(&in), handler_(&handler) {}
@@ -34,19 +34,19 @@ class OrderTaker {
     const FlowCounters& counters() const { return flow_.counters(); }
 
   private:
-    struct Wish {
+    struct Request {
         std::uint32_t trial = 0;
         SessionTime last{};
         bool said = false;
     };
     std::optional<Refusal> judge(SessionTime now, std::uint32_t asked_for, std::uint32_t trial,
                                  const Order& order);
-    bool said_again(SessionTime now, Wish& wish, std::uint32_t trial);
+    bool said_again(SessionTime now, Request& request, std::uint32_t trial);
 
     Channel* in_;
     OrderHandler* handler_;
     InboundFlow flow_{Role::kExperimenter};
-    Wish repeat_, exclude_;
+    Request repeat_, exclude_;
 };
 
 }  // namespace thimble

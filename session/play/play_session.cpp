@@ -8,12 +8,12 @@
 #include "common/process/progress.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
-#include "session/play/attendant.hpp"
-#include "session/play/play_desk.hpp"
+#include "session/play/play_handler.hpp"
 #include "session/play/scratch_folder.hpp"
+#include "session/play/session_observer.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/records/trial_table.hpp"
-#include "session/run/lane.hpp"
+#include "session/run/condition_run.hpp"
 #include "session/settings/protocol.hpp"
 
 namespace thimble {
@@ -27,7 +27,7 @@ class Play {
         : options_(options),
           protocol_(experiment_3(settings, settings.plan.subject, settings.plan.seed)),
           subject_(std::max(1U, settings.plan.subject)),
-          desk_(options.modality) {
+          handler_(options.modality) {
         if (!options.record.empty()) {
             make_folder(options.record);
             table_.emplace(options.record / "trials.csv");
@@ -52,29 +52,29 @@ class Play {
 
   private:
     PlayResult run_trials() {
-        Lane lane(plan_, events_);
-        lane.open();
+        ConditionRun condition(plan_, events_);
+        condition.open();
         end_ = options_.longest == Duration::max() ? kNever : wall_now() + options_.longest;
         say("move the pointer in the window; close it, or press Ctrl-C, to end");
         while (!over()) {
-            lane.check();
-            if (const std::string stopped = lane.stop_words(); !stopped.empty()) {
+            condition.check();
+            if (const std::string stopped = condition.stop_words(); !stopped.empty()) {
                 if (stopped != stop_said_) say(stopped);
                 stop_said_ = stopped;
-                lane.show(waiting(PageKind::kPaused));
-                lane.idle(kLook);
+                condition.show(waiting(PageKind::kPaused));
+                condition.idle(kLook);
                 continue;
             }
             stop_said_.clear();
-            if (const auto modality = desk_.take_due(wall_now())) {
-                do_trial(lane, *modality);
+            if (const auto modality = handler_.take_due(wall_now())) {
+                do_trial(condition, *modality);
             } else {
-                lane.show(waiting(desk_.context().paused ? PageKind::kPaused : PageKind::kReady));
-                lane.idle(kLook);
+                condition.show(waiting(handler_.context().paused ? PageKind::kPaused : PageKind::kReady));
+                condition.idle(kLook);
             }
         }
-        lane.close();
-        if (const std::string stopped = lane.stop_words(); !stopped.empty() && stopped != stop_said_)
+        condition.close();
+        if (const std::string stopped = condition.stop_words(); !stopped.empty() && stopped != stop_said_)
             say(stopped);
         return {trials_};
     }
@@ -91,19 +91,19 @@ class Play {
         plan_.delay_s = options_.delay_s;
         plan_.runtime = settings.runtime;
         plan_.session_file = settings.file;
-        plan_.attend = [this](SessionProcess& session, Sockets& sockets, const std::string&) {
-            desk_.serve(session);
+        plan_.make_observer = [this](SessionProcess& session, Sockets& sockets, const std::string&) {
+            handler_.serve(session);
             session_ = &session;
-            return attend(session, sockets, desk_, desk_.context());
+            return make_observer(session, sockets, handler_, handler_.context());
         };
     }
 
     bool over() const {
-        return desk_.quit() || (options_.stop != nullptr && *options_.stop) || wall_now() >= end_ ||
+        return handler_.quit() || (options_.stop != nullptr && *options_.stop) || wall_now() >= end_ ||
                options_.starter->window_closed();
     }
 
-    void do_trial(Lane& lane, Modality modality) {
+    void do_trial(ConditionRun& condition, Modality modality) {
         TrialConditions conditions{protocol_.seed,
                                    protocol_.experiment,
                                    subject_,
@@ -117,8 +117,8 @@ class Play {
                    fmt::format("trial{:02}_{}_{:g}ms.csv", trials_, to_string(modality),
                                1000 * conditions.delay_s);
         }
-        const TrialRecord& record = lane.run_trial(conditions, lane.last_number() + 1, file);
-        desk_.trial_ended(wall_now(), record);
+        const TrialRecord& record = condition.run_trial(conditions, condition.last_number() + 1, file);
+        handler_.trial_ended(wall_now(), record);
         const TrialRow row = make_row(record);
         if (table_) table_->append(row);
         say(fmt::format("trial {}, {} {}: {}, {:.1f} s, contacts lost {}", trials_,
@@ -126,7 +126,7 @@ class Play {
                         outcome_text(row.reason, row.lost_peer), row.metrics.duration_s,
                         row.metrics.contacts_lost));
         if (!record.fault.empty()) say(record.fault);
-        if (!over()) lane.check();
+        if (!over()) condition.check();
     }
 
     Page waiting(PageKind kind) const {
@@ -141,13 +141,13 @@ class Play {
     const PlayOptions& options_;
     Protocol protocol_;
     std::uint32_t subject_;
-    PlayDesk desk_;
+    PlayHandler handler_;
     std::optional<TrialTable> table_;
     std::optional<ScratchFolder> scratch_;
     Progress progress_;
-    LanePlan plan_;
-    LaneEvents events_;
-    SessionProcess* session_ = nullptr;  // the lane's
+    ConditionPlan plan_;
+    ConditionEvents events_;
+    SessionProcess* session_ = nullptr;  // the condition's
     SessionTime end_ = kNever;
     std::uint32_t trials_ = 0;
     std::string stop_said_;

@@ -12,7 +12,7 @@
 namespace thimble {
 namespace {
 
-// As lane.cpp and study.cpp name them.
+// As condition_run.cpp and study.cpp name them.
 std::vector<std::string> names_of(const TrialConditions& c) {
     const std::string condition = fmt::format("{}_{:g}ms.csv", to_string(c.modality), 1000 * c.delay_s);
     return {

@@ -5,9 +5,9 @@
 
 #include "common/flow.hpp"
 #include "common/process.hpp"
-#include "session/play/attendant.hpp"
 #include "session/play/recorded_trial.hpp"
 #include "session/play/replay_clock.hpp"
+#include "session/play/session_observer.hpp"
 
 namespace thimble {
 

@@ -39,7 +39,7 @@ SessionProcess::Channels open_channels(Ports& ports) {
 
 SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& settings, Ports& ports)
     : SessionProcess(instance, settings, open_channels(ports)) {
-    join_stop_line(*ports.inlet(Port::kSessionStop), stop_outlets(ports));
+    join_stop_bus(*ports.inlet(Port::kSessionStop), stop_outlets(ports));
 }
 
 SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& settings,
@@ -165,7 +165,7 @@ void SessionProcess::take_heartbeats(SessionTime now) {
             } else if (const auto* reply = std::get_if<ClockReply>(&message->body)) {
                 take_clock(now, peer, message->header, *reply);
             } else if (const auto* order = std::get_if<Order>(&message->body)) {
-                const std::optional<Refusal> refusal = judge_wish(peer, message->header.trial, *order);
+                const std::optional<Refusal> refusal = judge_request(peer, message->header.trial, *order);
                 if (!refusal) go_on_ = true;
                 if (refusal) peer.flow.refuse_admitted(*refusal);
             } else {
@@ -176,8 +176,8 @@ void SessionProcess::take_heartbeats(SessionTime now) {
 }
 
 // `trial`: the newest that whoever asks has seen; one that comes late is not for the next page. kCount: it holds.
-std::optional<Refusal> SessionProcess::judge_wish(const Peer& peer, std::uint32_t trial,
-                                                  const Order& order) const {
+std::optional<Refusal> SessionProcess::judge_request(const Peer& peer, std::uint32_t trial,
+                                                     const Order& order) const {
     const bool waits =
         (stage_ == Stage::kIdle || stage_ == Stage::kDone) && page_ && waits_to_go_on(page_->kind);
     if (peer.role != Role::kVisual || order.kind != OrderKind::kResume || !settings_.subject_goes_on ||

@@ -61,8 +61,8 @@ class SessionProcess final : public Process {
     SessionTime newest_sent() const { return newest_sent_; }
     const TrialRecord& record() const { return record_; }
 
-    // The stop line: everything here ends with it, and nothing begins while it holds (stop_line.hpp).
-    void join_stop_line(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
+    // The stop bus: everything here ends with it, and nothing begins while it holds (stop_bus.hpp).
+    void join_stop_bus(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
     void emergency_stop(SessionTime now, std::string_view words) {
         stop_.stop(now, EndReason::kEmergencyStop, words);
         next_send_ = {};
@@ -71,7 +71,7 @@ class SessionProcess final : public Process {
         stop_.release(now);
         next_send_ = {};
     }
-    const StopLine& stop_line() const { return stop_; }
+    const StopBus& stop_bus() const { return stop_; }
 
     // Ends the running trial (interrupt, a child process that died). Harmless when none runs.
     void abort(EndReason reason, Role lost_peer = Role::kSession);
@@ -116,7 +116,7 @@ class SessionProcess final : public Process {
 
     void take_heartbeats(SessionTime now);
     void take_clock(SessionTime now, Peer& peer, const Header& header, const ClockReply& reply);
-    std::optional<Refusal> judge_wish(const Peer& peer, std::uint32_t trial, const Order& order) const;
+    std::optional<Refusal> judge_request(const Peer& peer, std::uint32_t trial, const Order& order) const;
     void take_records(SessionTime now);
     void store(const Header& header, const ForceFeedback& feedback);
     void watch_withdrawal(const TrajectorySample& sample);
@@ -146,7 +146,7 @@ class SessionProcess final : public Process {
     Channels channels_;
     std::array<Peer, kNodeRoles.size()> peers_;
     InboundFlow record_flow_{Role::kSlaveSim};
-    StopLine stop_;
+    StopBus stop_;
     SampleHook hook_;
     ClockHook clock_hook_;
     TrialRecord record_;

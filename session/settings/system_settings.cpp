@@ -61,7 +61,7 @@ SessionPlan read_plan(const ConfigTable& table) {
     read_subject(table, plan);
     plan.order = read_order(table);
     plan.fixture_jitter_m = table.number("fixture_jitter_m", plan.fixture_jitter_m, 0, 1);
-    plan.lanes = static_cast<int>(table.integer("lanes", 0, 0, 64));
+    plan.parallel_conditions = static_cast<int>(table.integer("parallel_conditions", 0, 0, 64));
     return plan;
 }
 

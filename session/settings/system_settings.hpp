@@ -45,7 +45,7 @@ struct SessionPlan {
     SubjectKind kind = SubjectKind::kVirtual;
     TrialOrder order = TrialOrder::kShuffled;
     double fixture_jitter_m = 0.015;  // half width of the uniform draw around [fixture].position_m
-    int lanes = 0;                    // conditions run side by side; 0: one per two cores
+    int parallel_conditions = 0;      // conditions run side by side; 0: one per two cores
 };
 
 struct SystemSettings {

@@ -20,7 +20,7 @@ std::filesystem::path next_start(const std::filesystem::path& nodes) {
 
 }  // namespace
 
-RealTrials::RealTrials(LanePlan plan, const std::atomic<bool>* stop)
+RealTrials::RealTrials(ConditionPlan plan, const std::atomic<bool>* stop)
     : plan_(std::move(plan)), nodes_(plan_.out) {
     events_.stop = [stop] { return stop != nullptr && *stop; };
     events_.progress = [this](const TrialConditions& c, const TrajectorySample& s) {
@@ -32,52 +32,52 @@ RealTrials::RealTrials(LanePlan plan, const std::atomic<bool>* stop)
 }
 
 void RealTrials::prepare() {
-    if (lane_ && !lane_->broken()) return;
-    if (lane_ && plan_.starter && lane_->revive()) return;
-    if (lane_) lane_->close();
+    if (condition_ && !condition_->broken()) return;
+    if (condition_ && plan_.starter && condition_->revive()) return;
+    if (condition_) condition_->close();
     const std::string stopped = stop_words();
-    lane_.reset();
+    condition_.reset();
     plan_.out = next_start(nodes_);
     plan_.holds_stop = !stopped.empty();
-    lane_.emplace(plan_, events_);
-    lane_->open();
+    condition_.emplace(plan_, events_);
+    condition_->open();
     // A stop outlives the programs that knew of it.
-    if (!stopped.empty()) lane_->emergency_stop("stopped before all programs were started anew");
+    if (!stopped.empty()) condition_->emergency_stop("stopped before all programs were started anew");
 }
 
-std::string RealTrials::stop_words() const { return lane_ ? lane_->stop_words() : std::string(); }
+std::string RealTrials::stop_words() const { return condition_ ? condition_->stop_words() : std::string(); }
 
 void RealTrials::release_stop() {
-    if (lane_) lane_->release_stop();
+    if (condition_) condition_->release_stop();
 }
 
 TrialRecord RealTrials::run(const TrialConditions& conditions, std::uint32_t number,
                             const std::filesystem::path& trajectory) {
-    TrialRecord record = lane_->run_trial(conditions, number, trajectory);
-    problem_ = lane_->result().problem;
+    TrialRecord record = condition_->run_trial(conditions, number, trajectory);
+    problem_ = condition_->result().problem;
     return record;
 }
 
 void RealTrials::show(const Page& page) {
-    if (lane_) lane_->show(page);
+    if (condition_) condition_->show(page);
 }
 
 void RealTrials::idle(Duration limit) {
-    if (!lane_) return wall_sleep(limit);
+    if (!condition_) return wall_sleep(limit);
     // A participant who is to go on needs the window that asks.
-    if (plan_.starter && lane_->broken() && !events_.stop()) {
+    if (plan_.starter && condition_->broken() && !events_.stop()) {
         say("a program has ended: it is started anew");
         prepare();
     }
-    lane_->idle(limit);
+    condition_->idle(limit);
 }
 
 SessionTime RealTrials::now() const { return wall_now(); }
 
-LaneResult RealTrials::close() {
-    LaneResult result;
-    if (lane_) result = lane_->close();
-    lane_.reset();
+ConditionResult RealTrials::close() {
+    ConditionResult result;
+    if (condition_) result = condition_->close();
+    condition_.reset();
     return result;
 }
 

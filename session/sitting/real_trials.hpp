@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "common/process/progress.hpp"
-#include "session/run/lane.hpp"
+#include "session/run/condition_run.hpp"
 #include "session/sitting/sitting.hpp"
 
 namespace thimble {
@@ -13,14 +13,14 @@ namespace thimble {
 class RealTrials final : public TrialRunner {
   public:
     // `plan.out`: each start of the programs gets a folder of its own in it.
-    RealTrials(LanePlan plan, const std::atomic<bool>* stop);
+    RealTrials(ConditionPlan plan, const std::atomic<bool>* stop);
 
     void prepare() override;
-    std::uint32_t last_number() const override { return lane_ ? lane_->last_number() : 0; }
+    std::uint32_t last_number() const override { return condition_ ? condition_->last_number() : 0; }
     TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
                     const std::filesystem::path& trajectory) override;
     void show(const Page& page) override;
-    bool take_go_on() override { return lane_ && lane_->take_go_on(); }
+    bool take_go_on() override { return condition_ && condition_->take_go_on(); }
     void idle(Duration limit) override;
     SessionTime now() const override;
     std::string problem() const override { return problem_; }
@@ -29,14 +29,14 @@ class RealTrials final : public TrialRunner {
 
     void say(const std::string& line) { progress_.say(line); }
     // Ends the programs. Not ok with ExitCode::kRealtime, if one missed too many deadlines under strict_rt.
-    LaneResult close();
+    ConditionResult close();
 
   private:
-    LanePlan plan_;
+    ConditionPlan plan_;
     std::filesystem::path nodes_;
-    LaneEvents events_;
+    ConditionEvents events_;
     Progress progress_;
-    std::optional<Lane> lane_;
+    std::optional<ConditionRun> condition_;
     std::string problem_;
 };
 

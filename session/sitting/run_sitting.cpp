@@ -96,11 +96,11 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
     return order;
 }
 
-LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const Dataset& dataset,
-                   std::uint32_t participant, double delay_s) {
+ConditionPlan lane_plan(const SystemSettings& settings, const SittingRun& run, const Dataset& dataset,
+                        std::uint32_t participant, double delay_s) {
     SystemSettings with_delay = settings;
     set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
-    LanePlan plan;
+    ConditionPlan plan;
     const bool human = settings.plan.kind == SubjectKind::kHuman;
     plan.starter = human && run.starter ? std::make_shared<PersonStarter>(run.starter) : run.starter;
     plan.out = dataset.source(participant) / "nodes";
@@ -113,8 +113,8 @@ LanePlan lane_plan(const SystemSettings& settings, const SittingRun& run, const 
     plan.strict_rt = run.strict_rt;
     plan.log = settings.log;
     plan.session_file = settings.file;
-    if (run.view) plan.attend = run.view->attend;
-    if (run.attend) plan.attend = run.attend;
+    if (run.view) plan.make_observer = run.view->make_observer;
+    if (run.make_observer) plan.make_observer = run.make_observer;
     return plan;
 }
 
@@ -133,7 +133,7 @@ SittingResult sit(const SystemSettings& settings, const SittingRun& run, const D
                            run.stop,
                            [&trials](const std::string& line) { trials.say(line); }};
     if (run.view) {
-        options.wishes = run.view->lines;
+        options.requests = run.view->lines;
         options.paused = run.view->paused;
     }
     options.subject_goes_on = human && settings.protocol->subject_goes_on;
@@ -170,7 +170,7 @@ SittingResult run_sitting(const SystemSettings& settings, const SittingRun& run)
                         dataset.order(participant).string(), other));
     }
     SittingResult result = sit(settings, run, dataset, participant, trials);
-    const LaneResult closed = trials.close();
+    const ConditionResult closed = trials.close();
     if (result.code == ExitCode::kOk && closed.code == ExitCode::kRealtime) {
         result.code = closed.code;
         result.problem = closed.problem;

@@ -27,7 +27,7 @@ struct SittingRun {
     bool commands = false;  // read them from standard input, also if it is no terminal
     const std::atomic<bool>* stop = nullptr;
     std::optional<SittingView> view{};  // of an experimenter
-    MakeAttendant attend{};             // instead of the view's, which it has within it; none: the view's
+    MakeObserver make_observer{};       // instead of the view's, which it has within it; none: the view's
     // Throws Error (usage) if this machine cannot show a person what the nodes would; may be empty.
     std::function<void()> check_screen{};
 };

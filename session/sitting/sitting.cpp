@@ -126,9 +126,9 @@ Sitting::Answer Sitting::before(const std::optional<Step>& step) {
 
 // Nothing: go on.
 std::optional<Sitting::Answer> Sitting::hear_wishes(const std::optional<Step>& step) {
-    if (options_.wishes == nullptr) return std::nullopt;
+    if (options_.requests == nullptr) return std::nullopt;
     do {
-        while (const auto line = options_.wishes->take_line()) {
+        while (const auto line = options_.requests->take_line()) {
             if (line->empty()) continue;  // go on: it does
             // What they mark changes what comes next.
             if (const Answer answer = obey(*line); answer != Answer::kGo) return answer;
@@ -187,7 +187,7 @@ std::string Sitting::who_goes_on(const std::optional<Step>& step) const {
 
 std::optional<std::string> Sitting::take_line() {
     if (options_.lines != nullptr) return options_.lines->take_line();
-    return options_.wishes == nullptr ? std::nullopt : options_.wishes->take_line();
+    return options_.requests == nullptr ? std::nullopt : options_.requests->take_line();
 }
 
 Sitting::Answer Sitting::obey(const std::string& line) {

@@ -53,8 +53,8 @@ struct SittingOptions {
     bool rests = true;            // breaks last at least their minimum
     const std::atomic<bool>* stop = nullptr;
     std::function<void(const std::string&)> say;
-    // Where nobody is asked, somebody who watches may still wish: the same lines, and a pause before the next trial.
-    LineSource* wishes = nullptr;
+    // Where nobody is asked, somebody who watches may still request: the same lines, and a pause before the next trial.
+    LineSource* requests = nullptr;
     std::function<bool()> paused{};
     // The participant, too, may begin the next trial; with no experimenter asked, the participant alone.
     bool subject_goes_on = false;

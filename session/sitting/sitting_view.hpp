@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "session/run/lane.hpp"
+#include "session/run/condition_run.hpp"
 #include "session/sitting/line_source.hpp"
 
 namespace thimble {
@@ -12,7 +12,7 @@ struct SittingView {
     LineSource* lines;             // what it asks; never ends
     std::function<bool()> paused;  // no further trial while it is
     std::function<void(std::size_t trials)> planned;
-    MakeAttendant attend;
+    MakeObserver make_observer;
 };
 
 }  // namespace thimble

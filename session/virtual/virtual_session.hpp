@@ -60,7 +60,7 @@ class VirtualSession {
     const VirtualLoop& loop() const { return loop_; }
     std::uint32_t bit(Role role) const { return bits_.at(static_cast<std::size_t>(role)); }  // in the loop
 
-    // Somebody presses stop at that program, or the session releases all stops: as between real processes, over the stop lines.
+    // Somebody presses stop at that program, or the session releases all stops: as between real processes, over the stop buses.
     void emergency_stop(Role at, std::string_view words);
     void release_stop();
     // The master's program dies and comes up again, as another instance that knows nothing. Without a lab key only.

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "study/maps/crew.hpp"
+#include "study/maps/worker_pool.hpp"
 
 namespace thimble {
 
@@ -65,7 +65,7 @@ void CellPool::work() {
     }
 }
 
-void ThreadCrew::lead(const CrewWork& work) {
+void ThreadPool::lead(const PoolWork& work) {
     constexpr Duration kPatient = std::chrono::milliseconds{100};  // between two looks at stop
     CellPool pool(threads_, work.rows);
     std::size_t next = work.first;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "study/maps/crew.hpp"
 #include "study/maps/map_grid.hpp"
+#include "study/maps/worker_pool.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
 class App;
@@ -30,6 +30,6 @@ MapGrid grid_of(const SweepArguments& arguments);
 // For so many workers: no more than a column, whose cells share their theory, and so few that all have work to the end.
 std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands);
 // Table and figure; the exit code.
-int run_map(const SweepArguments& arguments, const MapGrid& grid, Crew& crew);
+int run_map(const SweepArguments& arguments, const MapGrid& grid, WorkerPool& pool);
 
 }  // namespace thimble

@@ -18,19 +18,19 @@ std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::
     return std::clamp<std::size_t>(grid.cells() / (hands * kBlocksEach), 1, std::min(kMost, grid.column()));
 }
 
-int run_map(const SweepArguments& arguments, const MapGrid& grid, Crew& crew) {
+int run_map(const SweepArguments& arguments, const MapGrid& grid, WorkerPool& pool) {
     const std::filesystem::path folder = arguments.out;
     MapTable table(folder, grid, arguments.overwrite);
     if (table.done() > 0) spdlog::info("{} of {} cells were there already", table.done(), grid.cells());
-    CrewWork work;
+    PoolWork work;
     work.first = table.done();
     work.end = grid.cells();
-    work.block = block_of(arguments, grid, crew.hands());
+    work.block = block_of(arguments, grid, pool.hands());
     CellWriter writer(grid);
     work.rows = [&writer](const CellRange& range) { return writer.rows(range); };
     work.take = [&table](const CellRange& range, std::string rows) { table.take(range, std::move(rows)); };
     work.stop = [] { return stop_requested().load(); };
-    crew.lead(work);
+    pool.lead(work);
     if (table.done() < grid.cells()) {
         spdlog::error("interrupted; the {} cells that were done are kept, the same command goes on",
                       table.done());

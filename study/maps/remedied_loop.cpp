@@ -168,17 +168,17 @@ void RemediedLoop::deliver(const Packet& packet) {
     if (waves_) waves_->receiver.receive(packet.burst);
     if (packet.number <= newest_) return;  // overtaken
     newest_ = packet.number;
-    wish_N_ = packet.force_N;
+    asked_N_ = packet.force_N;
     if (two_ports_) two_ports_->heard_J = packet.energy_in_J;
     if (local_) local_->learn(packet.position_m, packet.force_N);
 }
 
 void RemediedLoop::set_force(double reading_m) {
     const double limit_N = conditions_.loop.force_limit_N;
-    double wanted_N = wish_N_ * conditions_.control.hand_share();
-    if (port_) wanted_N = port_->force_N(limit_N > 0 ? std::min(wish_N_, limit_N) : wish_N_);
+    double wanted_N = asked_N_ * conditions_.control.hand_share();
+    if (port_) wanted_N = port_->force_N(limit_N > 0 ? std::min(asked_N_, limit_N) : asked_N_);
     if (local_) wanted_N = local_->force_N(reading_m);
-    if (two_ports_) wanted_N = two_ports_->master.force_N(wish_N_, two_ports_->heard_J);
+    if (two_ports_) wanted_N = two_ports_->master.force_N(asked_N_, two_ports_->heard_J);
     if (waves_) wanted_N = waves_->master.force_N(waves_->receiver.play(static_cast<std::uint32_t>(sample_)));
     force_N_ = limit_N > 0 ? std::clamp(wanted_N, -limit_N, limit_N) : wanted_N;
     wished_of_ = newest_;

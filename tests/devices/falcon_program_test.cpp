@@ -64,8 +64,9 @@ TEST_F(FalconProgram, HearsEveryShortPressOfAButtonBetweenTrials) {
         press(0);
         wall_sleep(std::chrono::milliseconds{
             350});  // heard within a heartbeat, and held as long as a release asks for
-        const Outcome released = run_to_end(built_programs() / "thimble",
-                                            {"stop", "--release", "--lanes", "1", "--base-port", port});
+        const Outcome released =
+            run_to_end(built_programs() / "thimble",
+                       {"stop", "--release", "--parallel-conditions", "1", "--base-port", port});
         EXPECT_THAT(released.words, HasSubstr("the stop button at the handle")) << "press " << i;
     }
     EXPECT_EQ(node.terminate(), 0) << node.words();

@@ -31,10 +31,10 @@ class HidDevices : public testing::Test {
     }
     // Steps until the condition holds, as the thread would but without its pauses.
     template <class Condition>
-    bool step_until(HidAttendant& attendant, Condition holds, int steps = 200) {
+    bool step_until(HidConnection& connection, Condition holds, int steps = 200) {
         for (int i = 0; i < steps && !holds(); ++i) {
             now += milliseconds{1};
-            attendant.step(now);
+            connection.step(now);
         }
         return holds();
     }
@@ -63,16 +63,16 @@ TEST_F(HidDevices, AreListedWithWhatTheySayTheyAre) {
 TEST_F(HidDevices, ASpaceMouseIsReadLostAndFoundAgain) {
     mock->plug(mock_cap());
     HidHand hand{HidHandSettings{}};
-    HidAttendant attendant(*bus, hand, say);
-    attendant.step(now);
-    ASSERT_TRUE(attendant.attached()) << testing::PrintToString(said);
+    HidConnection connection(*bus, hand, say);
+    connection.step(now);
+    ASSERT_TRUE(connection.attached()) << testing::PrintToString(said);
     mock->say(0, Report{1, 0, 0, 0x5e, 0x01, 0, 0});
-    EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == 1.0; }));
+    EXPECT_TRUE(step_until(connection, [&] { return hand.deflection() == 1.0; }));
     mock->unplug(0);
-    EXPECT_TRUE(step_until(attendant, [&] { return !hand.deflection(); }));
+    EXPECT_TRUE(step_until(connection, [&] { return !hand.deflection(); }));
     EXPECT_THAT(said.back(), HasSubstr("is gone: plug it in again"));
     mock->plug(mock_cap(3));
-    EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == 0.0; }));
+    EXPECT_TRUE(step_until(connection, [&] { return hand.deflection() == 0.0; }));
     EXPECT_THAT(said.back(), HasSubstr("/dev/hidraw3 is in use"));
 }
 
@@ -81,14 +81,14 @@ TEST_F(HidDevices, OfAReceiverTheCapIsRead) {
     mock->plug({5, 0x1209, 0x0002, "Receiver", "R1", kReceiverDescriptor});
     EXPECT_GT(bus->list().size(), 1U);
     HidHand hand{HidHandSettings{}};
-    HidAttendant attendant(*bus, hand, say);
-    attendant.step(now);
-    ASSERT_TRUE(attendant.attached()) << testing::PrintToString(said);
+    HidConnection connection(*bus, hand, say);
+    connection.step(now);
+    ASSERT_TRUE(connection.attached()) << testing::PrintToString(said);
     mock->say(5, Report{2, 1, 100, 156, 1});  // the mouse
-    attendant.step(now);
+    connection.step(now);
     EXPECT_EQ(hand.deflection(), 0.0);
     mock->say(5, Report{3, 0, 0, 0xa2, 0xfe, 0, 0, 0, 0, 0, 0, 0, 0});
-    EXPECT_TRUE(step_until(attendant, [&] { return hand.deflection() == -1.0; }));
+    EXPECT_TRUE(step_until(connection, [&] { return hand.deflection() == -1.0; }));
     EXPECT_EQ(hand.bad_reports(), 0U);
 }
 
@@ -96,14 +96,14 @@ TEST_F(HidDevices, TwoAreNotGuessedAtAndOneIsChosenBySerial) {
     mock->plug(mock_cap(0, "A1"));
     mock->plug(mock_cap(1, "B2"));
     HidHand any{HidHandSettings{}};
-    HidAttendant unsure(*bus, any, say);
+    HidConnection unsure(*bus, any, say);
     unsure.step(now);
     EXPECT_FALSE(unsure.attached());
     EXPECT_THAT(said.back(), HasSubstr("two devices could be the hand"));
     HidHandSettings settings;
     settings.device.serial = "B2";
     HidHand second{settings};
-    HidAttendant sure(*bus, second, say);
+    HidConnection sure(*bus, second, say);
     sure.step(now);
     EXPECT_THAT(said.back(), HasSubstr("/dev/hidraw1 is in use"));
 }
@@ -111,20 +111,20 @@ TEST_F(HidDevices, TwoAreNotGuessedAtAndOneIsChosenBySerial) {
 TEST_F(HidDevices, ABoardIsToldAndHeard) {
     mock->plug(mock_board());
     BoardActuator actuator(HidChoice{}, 1.5);
-    HidAttendant attendant(*bus, actuator, say);
+    HidConnection connection(*bus, actuator, say);
     EXPECT_THAT(actuator.fault(), HasSubstr("not plugged in"));
     actuator.command(now, Finger::kIndex, 1.2);
-    attendant.step(now);
-    ASSERT_TRUE(attendant.attached()) << testing::PrintToString(said);
+    connection.step(now);
+    ASSERT_TRUE(connection.attached()) << testing::PrintToString(said);
     const Report told = mock->hear(1, kBoardReportBytes, seconds{5});
     const auto command = decode_board_command(told);
     ASSERT_TRUE(command) << testing::PrintToString(told);
     EXPECT_EQ(command->index_mN, 1200);
     mock->say(1, bytes_of(encode(BoardStatus{command->sequence, true, false, BoardFault::kNone, 1100, 0})));
-    EXPECT_TRUE(step_until(attendant, [&] { return actuator.output(now).force_N > 0; }));
+    EXPECT_TRUE(step_until(connection, [&] { return actuator.output(now).force_N > 0; }));
     EXPECT_DOUBLE_EQ(actuator.output(now).force_N, 1.1);
     mock->unplug(1);
-    EXPECT_TRUE(step_until(attendant, [&] { return !actuator.fault().empty(); }));
+    EXPECT_TRUE(step_until(connection, [&] { return !actuator.fault().empty(); }));
     EXPECT_EQ(actuator.output(now).force_N, 0);
 }
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "thimble/link_test/echo_desk.hpp"
+#include "thimble/link_test/echo_responder.hpp"
 
 namespace {
 
@@ -42,17 +42,17 @@ const char* flaw_of(const ProbePacket& request, const std::vector<std::uint8_t>&
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (size == 0) return 0;
-    EchoDesk desk({}, [] { return kNonce; });
+    EchoResponder responder({}, [] { return kNonce; });
     const SessionTime now{std::chrono::seconds{1}};
     std::vector<std::uint8_t> hello(kProbeHeaderBytes);
     ProbePacket packet;
     packet.port = kPort;
     write_probe(packet, hello);
-    if (!desk.answer(now, now, kHost, kPort, hello)) std::abort();
+    if (!responder.answer(now, now, kHost, kPort, hello)) std::abort();
     auto datagram = datagram_of(data, size);
     const auto request = read_probe(datagram);
     const std::size_t asked = datagram.size();
-    const bool answered = desk.answer(now, now, kHost, kPort, datagram);
+    const bool answered = responder.answer(now, now, kHost, kPort, datagram);
     const char* flaw = nullptr;
     if (answered) flaw = request ? flaw_of(*request, datagram, asked) : "an answer to nonsense";
     if (flaw != nullptr) {

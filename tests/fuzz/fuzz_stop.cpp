@@ -1,4 +1,4 @@
-// libFuzzer on the stop line: nothing that is said without the lab key stops or releases; whatever is said without any lab key
+// libFuzzer on the stop bus: nothing that is said without the lab key stops or releases; whatever is said without any lab key
 // around, is counted.
 #include <cstdio>
 #include <cstdlib>

@@ -14,7 +14,7 @@
 #include "netem/formats/packet_trace_file.hpp"
 #include "netem/formats/path_fit.hpp"
 #include "netem/formats/ping_file.hpp"
-#include "netem/formats/tc_words.hpp"
+#include "netem/formats/tc_text.hpp"
 #include "netem/link_model.hpp"
 #include "netem/profiles/profiles.hpp"
 

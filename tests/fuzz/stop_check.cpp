@@ -6,7 +6,7 @@
 
 #include "common/codec.hpp"
 #include "common/security/stop_seal.hpp"
-#include "common/stop_line.hpp"
+#include "common/stop_bus.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
 namespace thimble {
@@ -89,7 +89,7 @@ class StopCheck {
     TestWire sink_;
     StopSeal seal_here_{wire_.a, stop_lab_key(), kStopPort, StopEnd::kListens};
     StopSeal seal_there_{wire_.b, stop_lab_key(), kStopPort, StopEnd::kSpeaks};
-    StopLine here_{Role::kMaster, 1}, there_{Role::kExperimenter, 2};
+    StopBus here_{Role::kMaster, 1}, there_{Role::kExperimenter, 2};
     bool said_stop_ = false, said_release_ = false;
     bool released_ = false;  // in this move
 };
@@ -100,7 +100,7 @@ Verdict check_stop_script(std::span<const std::uint8_t> script) { return StopChe
 
 Verdict check_stop_bytes(std::span<const std::uint8_t> bytes) {
     TestWire wire;
-    StopLine line(Role::kMaster, 1);
+    StopBus line(Role::kMaster, 1);
     line.connect(wire, {&wire, &wire, &wire, &wire, &wire, &wire});
     wire.deliver({bytes.begin(), bytes.end()});
     line.tick(SessionTime{std::chrono::hours{1}});

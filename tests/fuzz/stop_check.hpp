@@ -1,4 +1,4 @@
-// What anybody may say at an end of the stop line, with the lab key and without.
+// What anybody may say at an end of the stop bus, with the lab key and without.
 #pragma once
 
 #include <cstdint>

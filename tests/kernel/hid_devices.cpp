@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <unistd.h>
 
-#include "common/hid/hid_attendant.hpp"
+#include "common/hid/hid_connection.hpp"
 #include "common/runtime/hid/hidapi_bus.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
@@ -81,19 +81,19 @@ class UhidDevice {
 class Lane {
   public:
     explicit Lane(HidUser& user)
-        : attendant_(*bus_, user, [](const std::string& words) { std::puts(words.c_str()); }) {}
+        : connection_(*bus_, user, [](const std::string& words) { std::puts(words.c_str()); }) {}
     // Steps until the condition holds; how long that took, or kPatienceHere.
     Duration until(const std::function<bool()>& holds) {
         const SessionTime start = wall_now();
         while (!holds() && wall_now() - start < kPatienceHere) {
-            if (attendant_.step(wall_now()) > Duration::zero()) wall_sleep(milliseconds{10});
+            if (connection_.step(wall_now()) > Duration::zero()) wall_sleep(milliseconds{10});
         }
         return std::min(wall_now() - start, kPatienceHere);
     }
 
   private:
     std::unique_ptr<HidBus> bus_ = make_hidapi_bus();
-    HidAttendant attendant_;
+    HidConnection connection_;
 };
 
 void try_hand() {

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 Outcome thimble_stop(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"stop", "--lanes", "1"};
+    std::vector<std::string> arguments{"stop", "--parallel-conditions", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_to_end(built_programs() / "thimble", arguments);
 }

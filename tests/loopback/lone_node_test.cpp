@@ -179,7 +179,8 @@ TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
     ASSERT_TRUE(node.ready()) << node.words();
     const std::string port = std::to_string(node.at(Port{}).port);
     const std::vector<std::string> stop{
-        "stop", folder.write("session.toml", config).string(), "--base-port", port, "--lanes", "1"};
+        "stop", folder.write("session.toml", config).string(), "--base-port", port, "--parallel-conditions",
+        "1"};
     std::vector<std::string> why = stop, release = stop;
     why.insert(why.end(), {"--reason", "smoke"});
     release.emplace_back("--release");

@@ -34,7 +34,7 @@ class Folder {
     std::filesystem::path path_;
 };
 
-// UDP ports of 127.0.0.1 for two lanes that nobody used when this object was made. A socket on the last one
+// UDP ports of 127.0.0.1 for two conditions that nobody used when this object was made. A socket on the last one
 // of the block keeps tests that run side by side apart.
 class PortBlock {
   public:
@@ -51,7 +51,7 @@ struct SessionFile {
     std::string modalities = R"(["HF"])";
     std::string delays_s = "[0.0]";
     double contact_hold_s = 0.5;
-    int lanes = 1;
+    int parallel_conditions = 1;
     std::string more;  // further tables
 
     std::string text() const;

@@ -174,7 +174,7 @@ TEST_F(VirtualSitting, TheSubjectsKeyMovesItOn) {
 class WishTest : public testing::Test {
   protected:
     // Whether it is heard; if not, it is counted.
-    bool wish(PageKind kind, OrderKind order, std::uint32_t trial = 0) {
+    bool request(PageKind kind, OrderKind order, std::uint32_t trial = 0) {
         Page page;
         page.kind = kind;
         session_.show(page);
@@ -205,16 +205,16 @@ class WishTest : public testing::Test {
 
 TEST_F(WishTest, IsHeardWhereAPageWaitsForIt) {
     for (const PageKind waits : {PageKind::kWelcome, PageKind::kPractice, PageKind::kReady})
-        EXPECT_TRUE(wish(waits, OrderKind::kResume));
+        EXPECT_TRUE(request(waits, OrderKind::kResume));
     for (const PageKind rests : {PageKind::kBreak, PageKind::kPaused, PageKind::kDone, PageKind::kWait})
-        EXPECT_FALSE(wish(rests, OrderKind::kResume));
-    EXPECT_FALSE(wish(PageKind::kReady, OrderKind::kResume, 7)) << "asked for another trial";
+        EXPECT_FALSE(request(rests, OrderKind::kResume));
+    EXPECT_FALSE(request(PageKind::kReady, OrderKind::kResume, 7)) << "asked for another trial";
 }
 
 TEST_F(WishTest, NoOtherOrderIs) {
     for (int kind = 0; kind <= static_cast<int>(OrderKind::kSpeed); ++kind) {
         const auto other = static_cast<OrderKind>(kind);
-        EXPECT_EQ(wish(PageKind::kReady, other), other == OrderKind::kResume) << kind;
+        EXPECT_EQ(request(PageKind::kReady, other), other == OrderKind::kResume) << kind;
     }
 }
 

@@ -61,7 +61,7 @@ TEST(EmergencyStop, AButtonAtTheHandleStopsEverybodyWithinTwoSamples) {
     for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
              &rig.master(), &rig.netem(), &rig.slave(), &rig.cutaneous(), &rig.visual()}) {
         EXPECT_NE(node->state(), NodeState::kRunning) << to_string(node->role());
-        EXPECT_TRUE(node->stop_line().stopped()) << to_string(node->role());
+        EXPECT_TRUE(node->stop_bus().stopped()) << to_string(node->role());
     }
     const TrialRecord& record = rig.finish();
     EXPECT_EQ(record.reason, EndReason::kEmergencyStop);
@@ -96,13 +96,13 @@ TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     say(rig, Role::kSession, StopOrder(78, StopKind::kRelease, EndReason::kEmergencyStop, {}),
         Role::kExperimenter);
     rig.idle(milliseconds{20});
-    EXPECT_FALSE(rig.session().stop_line().stopped());
-    EXPECT_TRUE(rig.master().stop_line().stopped());
+    EXPECT_FALSE(rig.session().stop_bus().stopped());
+    EXPECT_TRUE(rig.master().stop_bus().stopped());
     conditions.trial = 3;
     EXPECT_EQ(rig.run(conditions).reason, EndReason::kEmergencyStop);
     // Whom the release has not reached hears of it from the session.
     rig.idle(seconds{1});
-    EXPECT_FALSE(rig.master().stop_line().stopped());
+    EXPECT_FALSE(rig.master().stop_bus().stopped());
     conditions.trial = 4;
     EXPECT_EQ(rig.run(conditions).reason, EndReason::kCompleted);
 }
@@ -128,7 +128,7 @@ class VirtualStop : public testing::TestWithParam<Role> {
         EXPECT_LE(session.session().record().samples.size(), samples + 1) << "the needle is held";
         for (const Role role : kNodeRoles) {
             EXPECT_NE(session.node(role).state(), NodeState::kRunning) << to_string(role);
-            EXPECT_TRUE(session.node(role).stop_line().stopped()) << to_string(role);
+            EXPECT_TRUE(session.node(role).stop_bus().stopped()) << to_string(role);
         }
         while (session.step()) {
         }
@@ -151,7 +151,7 @@ TEST_P(VirtualStop, HoldsUntilItIsReleased) {
         session.release_stop();
         session.idle(milliseconds{10});
         for (const Role role : kNodeRoles)
-            EXPECT_FALSE(session.node(role).stop_line().stopped()) << to_string(role);
+            EXPECT_FALSE(session.node(role).stop_bus().stopped()) << to_string(role);
         conditions.trial = 3;
         EXPECT_EQ(session.run(conditions).reason, EndReason::kCompleted);
     }

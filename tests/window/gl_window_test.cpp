@@ -26,9 +26,9 @@ std::string refusal_of_window() {
 }
 
 // The window system answers when it likes: asks for a second.
-bool comes_true(GlWindow& window, const std::function<bool()>& wish) {
-    for (int i = 0; i < 100 && !wish(); ++i) window.wait_events(milliseconds{10});
-    return wish();
+bool comes_true(GlWindow& window, const std::function<bool()>& request) {
+    for (int i = 0; i < 100 && !request(); ++i) window.wait_events(milliseconds{10});
+    return request();
 }
 
 TEST(GlWindow, SaysThatThereIsNoScreen) {

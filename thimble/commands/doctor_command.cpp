@@ -34,8 +34,9 @@ bool needs_other_machines(const NetworkSettings& network) {
 // As `thimble run` has it where the file does not say.
 unsigned lanes_of(const SessionPlan& plan) {
     const unsigned delays = static_cast<unsigned>(plan.delays.size());
-    const unsigned wanted = plan.lanes > 0 ? static_cast<unsigned>(plan.lanes)
-                                           : std::max(1U, std::thread::hardware_concurrency() / 2);
+    const unsigned wanted = plan.parallel_conditions > 0
+                                ? static_cast<unsigned>(plan.parallel_conditions)
+                                : std::max(1U, std::thread::hardware_concurrency() / 2);
     return std::min(delays, wanted);
 }
 

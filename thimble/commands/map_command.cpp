@@ -49,8 +49,8 @@ int ranks() {
 int run_sweep(const SweepArguments& arguments) {
     if (ranks() > 0) become_a_rank();
     install_stop_signals();
-    ThreadCrew crew(thread_count(arguments.jobs));
-    return run_map(arguments, grid_of(arguments), crew);
+    ThreadPool pool(thread_count(arguments.jobs));
+    return run_map(arguments, grid_of(arguments), pool);
 }
 
 }  // namespace

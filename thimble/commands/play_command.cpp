@@ -9,7 +9,7 @@
 #include "common/error.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "session/play/play_desk.hpp"
+#include "session/play/play_handler.hpp"
 #include "session/play/play_session.hpp"
 #include "session/play/replay_clock.hpp"
 #include "session/play/replay_session.hpp"
@@ -98,7 +98,7 @@ Subcommand add_play(CLI::App& app) {
         ->check(CLI::IsMember({"HF", "CF", "CCF", "VF"}));
     sub->add_option("--delay-s", arguments->delay_s, "one-way delay of the force path at the start")
         ->default_val(arguments->delay_s)
-        ->check(CLI::Range(0.0, PlayDesk::kLongestDelay_s));
+        ->check(CLI::Range(0.0, PlayHandler::kLongestDelay_s));
     sub->add_option("--record", arguments->record, "keep each trial in this folder, as thimble run does");
     CLI::Option* replay = sub->add_option("--replay", arguments->replay,
                                           "show a trial of this folder (trials.csv, trajectories/) instead");

@@ -11,9 +11,9 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "session/observe/plotjuggler.hpp"
-#include "session/play/attendant.hpp"
 #include "session/play/order_lines.hpp"
 #include "session/play/play_starter.hpp"
+#include "session/play/session_observer.hpp"
 #include "session/sitting/dataset.hpp"
 #include "thimble/commands/build_checks.hpp"
 #include "thimble/commands/run.hpp"
@@ -53,12 +53,12 @@ int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings
             [&orders](std::size_t trials) { orders.context().trials = static_cast<std::uint32_t>(trials); },
             [&orders](SessionProcess& session, Sockets& sockets, const std::string&) {
                 orders.serve(session);
-                return attend(session, sockets, orders, orders.context());
+                return make_observer(session, sockets, orders, orders.context());
             }};
     }
     if (!arguments.plotjuggler.empty())
-        run.attend = with_plotjuggler(run.view ? run.view->attend : nullptr,
-                                      plotjuggler_at(arguments.plotjuggler, run.network));
+        run.make_observer = with_plotjuggler(run.view ? run.view->make_observer : nullptr,
+                                             plotjuggler_at(arguments.plotjuggler, run.network));
     return sit_and_say(settings, arguments.sitting, run, arguments.json);
 }
 
@@ -117,16 +117,18 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
     options.overwrite = arguments.overwrite;
     options.strict_rt = arguments.strict_rt;
     options.stop = &stop_requested();
-    QuitDesk desk;
+    QuitHandler handler;
     const MonitorContext context{static_cast<std::uint32_t>(settings.plan.modalities.size())};
     if (arguments.monitor) {
-        options.quit = [&desk] { return desk.quit(); };
-        options.attend = [&desk, &context](SessionProcess& session, Sockets& sockets, const std::string&) {
-            return attend(session, sockets, desk, context);
+        options.quit = [&handler] { return handler.quit(); };
+        options.make_observer = [&handler, &context](SessionProcess& session, Sockets& sockets,
+                                                     const std::string&) {
+            return make_observer(session, sockets, handler, context);
         };
     }
     if (!arguments.plotjuggler.empty())
-        options.attend = with_plotjuggler(options.attend, plotjuggler_at(arguments.plotjuggler, network));
+        options.make_observer =
+            with_plotjuggler(options.make_observer, plotjuggler_at(arguments.plotjuggler, network));
     const RunResult result = run_session(settings, options);
     say_results(arguments.json, options.out, result.rows);
     if (result.code != ExitCode::kOk) spdlog::error(result.problem);

@@ -15,7 +15,7 @@
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/clocks/chrony.hpp"
-#include "session/run/lane.hpp"
+#include "session/run/condition_run.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/virtual/ping_pong.hpp"
 #include "session/virtual/virtual_session.hpp"
@@ -31,12 +31,12 @@ class Run {
           if_exists_(options.overwrite ? IfExists::kReplace : IfExists::kRefuse),
           // Nodes that run already have the delay that their own file gives them.
           delays_(options.starter ? settings.plan.delays : std::vector{settings.netem.force.delay}) {
-        const std::size_t ports = lane_count() * static_cast<std::size_t>(Port::kCount);
+        const std::size_t ports = condition_count() * static_cast<std::size_t>(Port::kCount);
         if (options.network.base_port + ports <= 65536) return;
         throw Error(ExitCode::kUsage,
-                    fmt::format("{} lanes need {} ports from {} on, but ports end at 65535: choose a "
+                    fmt::format("{} conditions need {} ports from {} on, but ports end at 65535: choose a "
                                 "smaller base_port in [network]",
-                                lane_count(), ports, options.network.base_port));
+                                condition_count(), ports, options.network.base_port));
     }
 
     RunResult run() {
@@ -55,32 +55,33 @@ class Run {
   private:
     bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
 
-    unsigned lane_count() const {
+    unsigned condition_count() const {
         if (held_by_person(settings_.handle.kind))
             return 1;  // one hand, and one device that can be opened once
         // By itself one where other machines take part: how many cores those have is not known here.
         const unsigned cores = elsewhere() ? 1 : std::thread::hardware_concurrency();
-        const unsigned wanted =
-            settings_.plan.lanes > 0 ? static_cast<unsigned>(settings_.plan.lanes) : std::max(1U, cores / 2);
+        const unsigned wanted = settings_.plan.parallel_conditions > 0
+                                    ? static_cast<unsigned>(settings_.plan.parallel_conditions)
+                                    : std::max(1U, cores / 2);
         return std::min(wanted, static_cast<unsigned>(delays_.size()));
     }
 
-    // Lanes take the next delay until none is left or something went wrong.
+    // Conditions take the next delay until none is left or something went wrong.
     void run_lanes() {
         std::vector<std::thread> threads;
-        for (unsigned lane = 0; lane < lane_count(); ++lane)
-            threads.emplace_back([this, lane] { work(lane); });
+        for (unsigned condition = 0; condition < condition_count(); ++condition)
+            threads.emplace_back([this, condition] { work(condition); });
         for (std::thread& thread : threads) thread.join();
     }
 
-    void work(unsigned lane) {
+    void work(unsigned condition) {
         for (;;) {
             std::unique_lock lock(mutex_);
             if (failure_ || result_.code != ExitCode::kOk || next_delay_ >= delays_.size()) return;
             const double delay_s = to_seconds(delays_[next_delay_++]);
             lock.unlock();
             try {
-                run_condition(lane, delay_s);
+                run_condition(condition, delay_s);
             } catch (...) {
                 const std::lock_guard guard(mutex_);
                 if (!failure_) failure_ = std::current_exception();
@@ -89,21 +90,21 @@ class Run {
         }
     }
 
-    LanePlan plan(unsigned lane, double delay_s) const {
-        LanePlan plan;
+    ConditionPlan plan(unsigned condition, double delay_s) const {
+        ConditionPlan plan;
         plan.starter = options_.starter;
         plan.out = options_.out / "nodes";
         plan.network = options_.network;
-        plan.network.base_port =
-            static_cast<std::uint16_t>(plan.network.base_port + lane * static_cast<unsigned>(Port::kCount));
+        plan.network.base_port = static_cast<std::uint16_t>(plan.network.base_port +
+                                                            condition * static_cast<unsigned>(Port::kCount));
         SystemSettings with_delay = settings_;
         set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
         plan.session = session_settings(with_delay);
         plan.session.ends_by_withdrawal = held_by_person(settings_.handle.kind);
         plan.delay_s = delay_s;
-        if (lane_count() > 1) plan.name = fmt::format("{:g}ms", 1000 * delay_s);
+        if (condition_count() > 1) plan.name = fmt::format("{:g}ms", 1000 * delay_s);
         plan.trials = run_trials_of(settings_, delay_s);
-        plan.attend = options_.attend;
+        plan.make_observer = options_.make_observer;
         plan.runtime = settings_.runtime;
         plan.strict_rt = options_.strict_rt;
         plan.if_exists = if_exists_;
@@ -112,16 +113,16 @@ class Run {
         return plan;
     }
 
-    void run_condition(unsigned lane, double delay_s) {
-        const LanePlan lane_plan = plan(lane, delay_s);
-        LaneEvents events;
+    void run_condition(unsigned condition, double delay_s) {
+        const ConditionPlan lane_plan = plan(condition, delay_s);
+        ConditionEvents events;
         events.stop = [this] {
             return failed_ || (options_.stop != nullptr && *options_.stop) ||
                    (options_.quit && options_.quit());
         };
         events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
         events.trial_done = [this](const TrialRecord& record) { keep(record); };
-        LaneResult lane_result = run_lane(lane_plan, events);
+        ConditionResult lane_result = run_condition(lane_plan, events);
         const std::lock_guard guard(mutex_);
         for (auto& node : lane_result.reports) nodes_.push_back({delay_s, std::move(node)});
         clocks_.insert(clocks_.end(), lane_result.clocks.begin(), lane_result.clocks.end());

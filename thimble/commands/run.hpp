@@ -13,7 +13,7 @@
 #include "common/runtime/runtime_settings.hpp"
 #include "session/launch/node_starter.hpp"
 #include "session/records/trial_table.hpp"
-#include "session/run/lane.hpp"
+#include "session/run/condition_run.hpp"
 #include "session/settings/system_settings.hpp"
 
 namespace thimble {
@@ -27,8 +27,8 @@ struct RunOptions {
     bool overwrite = false;
     bool strict_rt = false;
     const std::atomic<bool>* stop = nullptr;
-    // An experimenter's view: who feeds it, in every lane, and whether it has asked to stop. None: nobody watches.
-    MakeAttendant attend{};
+    // An experimenter's view: who feeds it, in every condition, and whether it has asked to stop. None: nobody watches.
+    MakeObserver make_observer{};
     std::function<bool()> quit{};
 };
 

@@ -21,35 +21,35 @@
 namespace thimble {
 namespace {
 
-// As many as [session] lanes may be: a stop that is said where nobody runs does no harm.
+// As many as [session] parallel_conditions may be: a stop that is said where nobody runs does no harm.
 constexpr int kMostLanes = 64;
 constexpr int kMoreRounds = 40;  // for the answer of a machine that is busy
 
 struct StopArguments {
     std::string config, reason = "thimble stop";
-    int base_port = 0, lanes = 0;
+    int base_port = 0, conditions = 0;
     bool release = false;
 };
 
-NetworkSettings lane_network(const StopArguments& a, int lane) {
+NetworkSettings lane_network(const StopArguments& a, int condition) {
     const ConfigFile file = a.config.empty() ? ConfigFile::empty() : ConfigFile::load(a.config);
     NetworkSettings network = read_network_settings(file);
     const int base = a.base_port != 0 ? a.base_port : network.base_port;
-    network.base_port = static_cast<std::uint16_t>(base + lane * static_cast<int>(Port::kCount));
+    network.base_port = static_cast<std::uint16_t>(base + condition * static_cast<int>(Port::kCount));
     return network;
 }
 
 int lanes_of(const StopArguments& a) {
     const int base = lane_network(a, 0).base_port;
     const int possible = (65536 - base) / static_cast<int>(Port::kCount);
-    return std::clamp(a.lanes == 0 ? 8 : a.lanes, 1, possible);
+    return std::clamp(a.conditions == 0 ? 8 : a.conditions, 1, possible);
 }
 
-// The stop lines of all lanes, and what is said there.
+// The stop buses of all conditions, and what is said there.
 template <class Talk>
-class Lanes {
+class Conditions {
   public:
-    explicit Lanes(const StopArguments& a) {
+    explicit Conditions(const StopArguments& a) {
         const auto count = static_cast<std::size_t>(lanes_of(a));
         sockets_.reserve(count);
         talks_.reserve(count);
@@ -84,7 +84,7 @@ class StopCall {
         if (said_++ < kReleaseTimes) out_.send(now, 0, order_);
         inquiry_.ask(now);
     }
-    const std::vector<HeldStop>& held() const { return inquiry_.held(); }
+    const std::vector<LatchedStop>& held() const { return inquiry_.held(); }
 
   private:
     OutboundFlow out_;
@@ -107,10 +107,10 @@ std::string same_arguments(const StopArguments& a) {
     return text;
 }
 
-std::string holders(const Lanes<StopCall>& lanes) {
+std::string holders(const Conditions<StopCall>& conditions) {
     std::array<bool, kRoleCount> holds{};
-    for (const auto& lane : lanes.talks()) {
-        for (const HeldStop& held : lane->held()) holds.at(static_cast<std::size_t>(held.by)) = true;
+    for (const auto& condition : conditions.talks()) {
+        for (const LatchedStop& held : lane->held()) holds.at(static_cast<std::size_t>(held.by)) = true;
     }
     std::string names;
     for (std::size_t role = 0; role < holds.size(); ++role) {
@@ -123,15 +123,15 @@ std::string holders(const Lanes<StopCall>& lanes) {
 // Not even whoever presses a stop may have to guess whether he was heard.
 int stop(const StopArguments& a) {
     const std::uint64_t id = std::max<std::uint64_t>(1, system_entropy());
-    Lanes<StopCall> lanes(a);
-    for (const auto& lane : lanes.talks())
+    Conditions<StopCall> conditions(a);
+    for (const auto& condition : conditions.talks())
         lane->stop({id, StopKind::kStop, EndReason::kEmergencyStop, a.reason});
-    lanes.rounds(kReleaseTimes + 1);
-    for (int more = 0; holders(lanes).empty() && more < kMoreRounds; ++more) {
+    conditions.rounds(kReleaseTimes + 1);
+    for (int more = 0; holders(conditions).empty() && more < kMoreRounds; ++more) {
         wall_sleep(kStopRepeat);
-        lanes.rounds(1);
+        conditions.rounds(1);
     }
-    const std::string by = holders(lanes);
+    const std::string by = holders(conditions);
     if (by.empty()) {
         throw Error(
             ExitCode::kNetwork,
@@ -149,20 +149,20 @@ int stop(const StopArguments& a) {
 int release(const StopArguments& a) {
     std::vector<StopFile> files;
     std::vector<std::optional<StopFile::Kept>> kept;
-    for (int lane = 0; lane < lanes_of(a); ++lane) {
-        files.emplace_back(lane_network(a, lane).base_port);
+    for (int condition = 0; condition < lanes_of(a); ++condition) {
+        files.emplace_back(lane_network(a, condition).base_port);
         kept.push_back(files.back().kept());
     }
-    Lanes<StopRelease> lanes(a);
-    lanes.rounds(StopRelease::kRounds);
+    Conditions<StopRelease> conditions(a);
+    conditions.rounds(StopRelease::kRounds);
     bool answered = false, removed = false;
-    for (const auto& lane : lanes.talks()) {
+    for (const auto& condition : conditions.talks()) {
         for (const StopOrder& stop : lane->stops()) fmt::print("released: {}\n", stop.words());
         answered = answered || !lane->stops().empty();
     }
-    for (std::size_t lane = 0; lane < files.size(); ++lane) {
-        if (!files[lane].release(kept[lane])) continue;
-        fmt::print("released, of a session that has ended: {}\n", kept[lane]->words);
+    for (std::size_t condition = 0; condition < files.size(); ++condition) {
+        if (!files[condition].release(kept[condition])) continue;
+        fmt::print("released, of a session that has ended: {}\n", kept[condition]->words);
         removed = true;
     }
     fmt::print("{} ({})\n",
@@ -187,7 +187,7 @@ Subcommand add_stop(CLI::App& app) {
     sub->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
-    sub->add_option("--lanes", a.lanes, "so many lanes of a run side by side (8)")
+    sub->add_option("--parallel-conditions", a.conditions, "so many conditions of a run side by side (8)")
         ->check(CLI::Range(1, kMostLanes));
     sub->footer(
         "Says which programs hold the stop; exit code 3 if none answers. Where thimble runs in this "

@@ -21,8 +21,8 @@ DeviceFacts gather_devices(const std::filesystem::path& root);
 // Asked of the kernel. The timer is measured in a thread of its own, with the scheduling that a node would get.
 void gather_time(const ConfigFile& file, double seconds_s, RealtimeFacts& realtime, TimerFacts& timer);
 ClockFacts gather_clock();
-// All ports of as many lanes as the session has, on every address of this machine.
-PortFacts gather_ports(std::uint16_t base_port, unsigned lanes);
+// All ports of as many conditions as the session has, on every address of this machine.
+PortFacts gather_ports(std::uint16_t base_port, unsigned conditions);
 // Starts each node of `folder` with --version.
 ProgramFacts gather_programs(const std::filesystem::path& folder);
 ScreenFacts gather_screen();

@@ -139,11 +139,12 @@ ClockFacts gather_clock() {
     return facts;
 }
 
-PortFacts gather_ports(std::uint16_t base_port, unsigned lanes) {
+PortFacts gather_ports(std::uint16_t base_port, unsigned conditions) {
     PortFacts facts;
     facts.first = base_port;
     facts.block = static_cast<std::uint16_t>(kPortCount);
-    facts.count = static_cast<std::uint16_t>(std::min<std::size_t>(lanes * kPortCount, 65536U - base_port));
+    facts.count =
+        static_cast<std::uint16_t>(std::min<std::size_t>(conditions * kPortCount, 65536U - base_port));
     facts.loopback_passes = loopback_passes();
     const std::string table = whole_file("/proc/net/udp");
     for (unsigned i = 0; i < facts.count; ++i) {

@@ -20,7 +20,7 @@ constexpr int kBatchesPerTurn = 4;
 
 class EchoServer {
   public:
-    explicit EchoServer(const EchoPlan& plan) : desk_(EchoLimits{}, system_entropy), waiter_(false) {
+    explicit EchoServer(const EchoPlan& plan) : responder_(EchoLimits{}, system_entropy), waiter_(false) {
         for (const Port port : plan.ports) {
             const auto number = static_cast<std::uint16_t>(plan.base_port + static_cast<unsigned>(port));
             sockets_.push_back(UdpSocket::listening({htonl(INADDR_ANY), htons(number)}));
@@ -38,7 +38,7 @@ class EchoServer {
                 serve(event.data.u64);
             say_news();
         }
-        return desk_.counters();
+        return responder_.counters();
     }
 
   private:
@@ -54,8 +54,8 @@ class EchoServer {
         const SessionTime arrived = clock_.arrival(datagram.stamp_realtime_ns);
         // The batch's own memory, which nobody reads again.
         const std::span room(const_cast<std::uint8_t*>(datagram.bytes.data()), datagram.bytes.size());
-        if (!desk_.answer(wall_now(), arrived, datagram.from.host, static_cast<std::uint16_t>(ports_[i]),
-                          room))
+        if (!responder_.answer(wall_now(), arrived, datagram.from.host, static_cast<std::uint16_t>(ports_[i]),
+                               room))
             return;
         const sockaddr_in to = datagram.from.generic();
         sendto(sockets_[i].descriptor(), room.data(), room.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
@@ -63,12 +63,12 @@ class EchoServer {
     }
 
     void say_news() {
-        if (desk_.tests() == tests_) return;
-        tests_ = desk_.tests();
+        if (responder_.tests() == tests_) return;
+        tests_ = responder_.tests();
         spdlog::info("a test from another machine has begun ({} since the start)", tests_);
     }
 
-    EchoDesk desk_;
+    EchoResponder responder_;
     EventWaiter waiter_;
     std::vector<UdpSocket> sockets_;
     std::vector<Port> ports_;

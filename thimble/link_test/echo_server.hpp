@@ -1,10 +1,10 @@
-// `thimble link-test --listen`: an EchoDesk behind every UDP port of a session.
+// `thimble link-test --listen`: an EchoResponder behind every UDP port of a session.
 #pragma once
 
 #include <atomic>
 
 #include "common/time.hpp"
-#include "thimble/link_test/echo_desk.hpp"
+#include "thimble/link_test/echo_responder.hpp"
 
 namespace thimble {
 

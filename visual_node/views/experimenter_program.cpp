@@ -17,7 +17,7 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "common/stop_line.hpp"
+#include "common/stop_bus.hpp"
 #include "common/version.hpp"
 #include "visual_node/views/experimenter_panels.hpp"
 #include "visual_node/views/frame_cost.hpp"

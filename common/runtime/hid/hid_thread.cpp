@@ -11,8 +11,8 @@
 namespace thimble {
 
 HidThread::HidThread(HidUser& user, const RuntimeSettings& runtime)
-    : bus_(make_hidapi_bus()), attendant_(*bus_, user, [this](const std::string& sentence) {
-          spdlog::log(attendant_.attached() ? spdlog::level::info : spdlog::level::warn, sentence);
+    : bus_(make_hidapi_bus()), connection_(*bus_, user, [this](const std::string& sentence) {
+          spdlog::log(connection_.attached() ? spdlog::level::info : spdlog::level::warn, sentence);
       }) {
     // Signals belong to the thread that the node's loop runs in.
     sigset_t all{}, before{};
@@ -36,7 +36,7 @@ void HidThread::run(const RuntimeSettings& runtime) {
     std::unique_lock lock(mutex_);
     while (!stop_) {
         lock.unlock();
-        const Duration pause = attendant_.step(wall_now());
+        const Duration pause = connection_.step(wall_now());
         lock.lock();
         if (pause > Duration::zero()) wake_.wait_for(lock, pause, [this] { return stop_; });
     }

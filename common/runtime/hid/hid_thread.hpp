@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-#include "common/hid/hid_attendant.hpp"
+#include "common/hid/hid_connection.hpp"
 #include "common/runtime/runtime_settings.hpp"
 
 namespace thimble {
@@ -24,7 +24,7 @@ class HidThread {
     void run(const RuntimeSettings& runtime);
 
     std::unique_ptr<HidBus> bus_;
-    HidAttendant attendant_;
+    HidConnection connection_;
     std::mutex mutex_;
     std::condition_variable wake_;
     bool stop_ = false;

@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "common/hid/hid_attendant.hpp"
+#include "common/hid/hid_connection.hpp"
 #include "master/devices/hid/hid_axes.hpp"
 #include "master/devices/hid/hid_settings.hpp"
 #include "master/devices/pointer_handle.hpp"
@@ -48,7 +48,7 @@ class HidMapping {
     explicit HidMapping(const HidHandSettings& settings) : settings_(settings) {}
 
     void start(SessionTime now);
-    // `reach`: how far from `position_hand_m` a wish may be; one beyond it would only have to come back before it is felt.
+    // `reach`: how far from `position_hand_m` a request may be; one beyond it would only have to come back before it is felt.
     HandInput hand(SessionTime now, std::optional<double> deflection, double position_hand_m, double reach_m);
 
   private:

@@ -12,7 +12,7 @@
 #include "common/runtime/standard_streams.hpp"
 #include "common/version.hpp"
 #include "study/maps/map_options.hpp"
-#include "study/maps/mpi/rank_crew.hpp"
+#include "study/maps/mpi/rank_pool.hpp"
 
 namespace {
 
@@ -45,10 +45,10 @@ int run_rank(int argc, char** argv, int rank, bool& together) {
     if (rank == 0) tell(1);
     together = true;
     install_stop_signals();
-    RankCrew crew(arguments.jobs > 0 ? arguments.jobs : 1);
-    if (crew.leads()) return run_map(arguments, grid, crew);
+    RankPool pool(arguments.jobs > 0 ? arguments.jobs : 1);
+    if (pool.leads()) return run_map(arguments, grid, pool);
     CellWriter writer(grid);
-    crew.serve([&writer](const CellRange& range) { return writer.rows(range); });
+    pool.serve([&writer](const CellRange& range) { return writer.rows(range); });
     return 0;
 }
 

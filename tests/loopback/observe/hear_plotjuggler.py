@@ -1,9 +1,9 @@
 """What a program that knows nothing of Thimble hears at PlotJuggler's port.
 
-usage: hear_plotjuggler.py PORT_FILE SECONDS [LANES]
+usage: hear_plotjuggler.py PORT_FILE SECONDS [CONDITIONS]
 
-Chooses a UDP port, writes it to PORT_FILE, listens until the needle has moved (of several lanes: until each has been heard often; or so
-long), and prints of each lane: the keys, how many datagrams a second, whether times went up. A lane that has no name is "".
+Chooses a UDP port, writes it to PORT_FILE, listens until the needle has moved (of several conditions: until each has been heard often; or so
+long), and prints of each condition: the keys, how many datagrams a second, whether times went up. A condition that has no name is "".
 """
 
 import json
@@ -13,23 +13,23 @@ import sys
 import time
 
 lanes_wanted = int(sys.argv[3]) if len(sys.argv) > 3 else 1
-heard = {}  # by lane: time and values
+heard = {}  # by condition: time and values
 
 
-def moved_m(lane):
-    needles = [values["position_needle_m"] for _, values in heard[lane]]
+def moved_m(condition):
+    needles = [values["position_needle_m"] for _, values in heard[condition]]
     return max(needles) - min(needles)
 
 
-def summary(lane):
-    times = [stamp for stamp, _ in heard[lane]]
+def summary(condition):
+    times = [stamp for stamp, _ in heard[condition]]
     return {
-        "keys": sorted(heard[lane][-1][1]),
-        "moved_m": moved_m(lane),
+        "keys": sorted(heard[condition][-1][1]),
+        "moved_m": moved_m(condition),
         "per_second": len(times) / (times[-1] - times[0]),
         "times_go_up": all(a < b for a, b in zip(times, times[1:])),
         "behind_s": time.time() - times[-1],
-        "last": heard[lane][-1][1],
+        "last": heard[condition][-1][1],
     }
 
 
@@ -43,10 +43,10 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listener:
     while time.monotonic() < end:
         one = json.loads(listener.recv(65536))
         values = one["thimble"]
-        lane = next((key for key in values if isinstance(values[key], dict)), "")
-        heard.setdefault(lane, []).append((one["timestamp"], values[lane] if lane else values))
+        condition = next((key for key in values if isinstance(values[key], dict)), "")
+        heard.setdefault(condition, []).append((one["timestamp"], values[condition] if condition else values))
         done = [key for key in heard if len(heard[key]) > 20 and (lanes_wanted > 1 or moved_m(key) > 0.01)]
         if len(done) == lanes_wanted:
             break
 
-print(json.dumps({lane: summary(lane) for lane in heard}))
+print(json.dumps({condition: summary(condition) for condition in heard}))

@@ -23,7 +23,7 @@ nlohmann::json heard_of(SessionFile session) {
     Child listener(
         "/bin/sh",
         {"-c", "exec python3 '" THIMBLE_SOURCE_DIR "/tests/loopback/observe/hear_plotjuggler.py' '" +
-                   (folder / "port").string() + "' 15 " + std::to_string(session.lanes)},
+                   (folder / "port").string() + "' 15 " + std::to_string(session.conditions)},
         folder / "heard");
     if (!wait_until([&] { return std::filesystem::exists(folder / "port"); }))
         throw std::runtime_error(read_text(folder / "heard"));
@@ -37,9 +37,9 @@ nlohmann::json heard_of(SessionFile session) {
 
 TEST(PlotJuggler, APythonProgramHearsTheSession) {
     if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library";
-    const auto lanes = heard_of({});
-    ASSERT_EQ(lanes.size(), 1U) << lanes;
-    const auto heard = lanes.at("");  // alone it has no name
+    const auto conditions = heard_of({});
+    ASSERT_EQ(conditions.size(), 1U) << conditions;
+    const auto heard = conditions.at("");  // alone it has no name
     for (const char* key :
          {"force_total_N", "position_surface_m", "network_delay_s", "tissue_phase", "trial"})
         EXPECT_THAT(heard["keys"], Contains(key));
@@ -56,13 +56,13 @@ TEST(PlotJuggler, LanesSideBySideHaveNames) {
     if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library";
     SessionFile session;
     session.delays_s = "[0.0, 0.0025]";
-    session.lanes = 2;
-    const auto lanes = heard_of(session);
-    ASSERT_EQ(lanes.size(), 2U) << lanes;
-    for (const char* lane : {"0ms", "2.5ms"}) {
-        EXPECT_EQ(lanes.at(lane).at("times_go_up"), true) << lane;
+    session.conditions = 2;
+    const auto conditions = heard_of(session);
+    ASSERT_EQ(conditions.size(), 2U) << conditions;
+    for (const char* condition : {"0ms", "2.5ms"}) {
+        EXPECT_EQ(conditions.at(condition).at("times_go_up"), true) << condition;
     }
-    EXPECT_LT(lanes["0ms"]["last"]["network_delay_s"], lanes["2.5ms"]["last"]["network_delay_s"]);
+    EXPECT_LT(conditions["0ms"]["last"]["network_delay_s"], conditions["2.5ms"]["last"]["network_delay_s"]);
 }
 
 TEST(PlotJuggler, AnotherMachineIsRefusedByName) {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
-#include "common/stop_line.hpp"
+#include "common/stop_bus.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -320,7 +320,7 @@ TEST(Flood, HoldsNoTick) {
     EXPECT_EQ(flow.counters().refused_total(), static_cast<std::uint64_t>(kMostRefusedAtOnce));
 
     EndlessChannel stops;
-    StopLine line(Role::kMaster, 1);
+    StopBus line(Role::kMaster, 1);
     line.connect(stops, StopOutlets{&stops, &stops, &stops, &stops, &stops, &stops});
     line.tick(at(seconds{1}));
     EXPECT_EQ(stops.taken, kMostRefusedAtOnce);

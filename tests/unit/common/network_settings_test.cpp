@@ -29,7 +29,7 @@ TEST(NetworkSettings, EveryPortIsItsOwn) {
     EXPECT_EQ(*ports.rbegin(), settings.base_port + kPorts - 1);
 }
 
-// The session has an end for each node, one for the record and two for wishes; every node one for its orders and one per
+// The session has an end for each node, one for the record and two for requests; every node one for its orders and one per
 // flow it takes; all have one for stops.
 TEST(NetworkSettings, EveryPortBelongsToWhoListensThere) {
     std::map<Role, int> owned;

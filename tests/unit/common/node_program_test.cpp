@@ -21,7 +21,7 @@ class LooksForAStop final : public NodeProcess {
   protected:
     void begin_trial(SessionTime, const SessionControl&) override {}
     void end_trial(SessionTime) override {}
-    void work(SessionTime) override { std::exit(stop_line().stopped() ? 0 : 1); }
+    void work(SessionTime) override { std::exit(stop_bus().stopped() ? 0 : 1); }
     SessionTime next_work() const override { return kNever; }
 };
 

@@ -17,7 +17,7 @@ class StoppableProcess final : public NodeProcess {
     explicit StoppableProcess(Channel& control) : NodeProcess(Role::kVisual, 42, control) {}
 
     std::vector<std::string> said;
-    StopWish wish;
+    StopRequest request;
     int rests = 0;
 
   protected:
@@ -28,15 +28,15 @@ class StoppableProcess final : public NodeProcess {
     void obey(SessionTime, const SessionControl&) override { said.emplace_back("obey"); }
     void work(SessionTime) override {}
     SessionTime next_work() const override { return kNever; }
-    StopWish wants_stop(SessionTime) override { return wish; }
+    StopRequest wants_stop(SessionTime) override { return request; }
     void rest(SessionTime) override { ++rests; }
 };
 
 class StoppedNode : public testing::Test {
   protected:
     StoppedNode() {
-        process.join_stop_line(line.b,
-                               {&outside.a, &outside.a, &outside.a, &outside.a, &outside.a, &outside.a});
+        process.join_stop_bus(line.b,
+                              {&outside.a, &outside.a, &outside.a, &outside.a, &outside.a, &outside.a});
         order(ControlKind::kTrialStart, 1);
         tick(milliseconds{10});
         heard();
@@ -90,7 +90,7 @@ TEST_F(StoppedNode, EndsItsTrialInTheStopsWordsAndBeginsNoneBeforeTheRelease) {
 }
 
 TEST_F(StoppedNode, StopsTheOthersFromHere) {
-    process.wish = {EndReason::kSafetyStop, "the guard"};
+    process.request = {EndReason::kSafetyStop, "the guard"};
     tick(milliseconds{20});
     EXPECT_EQ(process.said, (Said{"begin 1", "end 1"}));
     const auto decoded = decode(outside.b.receive());
@@ -119,7 +119,7 @@ TEST_F(StoppedNode, DeadlinesMissedInARow) {
     EXPECT_EQ(process.overruns(), 2U);
     EXPECT_EQ(process.state(), NodeState::kFailed);
     EXPECT_EQ(process.reason(), EndReason::kSafetyStop);
-    EXPECT_EQ(process.stop_line().words(), "visual missed 3 deadlines in a row");
+    EXPECT_EQ(process.stop_bus().words(), "visual missed 3 deadlines in a row");
 }
 
 }  // namespace

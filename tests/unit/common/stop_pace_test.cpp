@@ -1,4 +1,4 @@
-// How often the stop line speaks, and how soon it lets go.
+// How often the stop bus speaks, and how soon it lets go.
 #include <cstdint>
 #include <deque>
 #include <utility>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/queue_channel.hpp"
-#include "common/stop_line.hpp"
+#include "common/stop_bus.hpp"
 
 namespace thimble {
 namespace {
@@ -53,7 +53,7 @@ class LoneLine {
         }
     }
 
-    StopLine line{Role::kSession, 1};
+    StopBus line{Role::kSession, 1};
     SessionTime now{};
     AskedEnd in;
     int said = 0;

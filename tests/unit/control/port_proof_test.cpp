@@ -1,4 +1,4 @@
-// What the bounds promise, for motions and wishes of all kinds: the work of the hand, with the device's damping, never falls below
+// What the bounds promise, for motions and requests of all kinds: the work of the hand, with the device's damping, never falls below
 // zero.
 #include <algorithm>
 #include <array>
@@ -47,7 +47,7 @@ double wish_N(int kind, double coming_m, RandomStream& random) {
     return coming_m > 0 ? -100 : 100;
 }
 
-double least_J(PortRemedy& remedy, Motion motion, int wishes, double damping_Ns_per_m, bool gaps,
+double least_J(PortRemedy& remedy, Motion motion, int requests, double damping_Ns_per_m, bool gaps,
                RandomStream random) {
     double position_m = 0, force_N = 0, dissipated_J = 0, least = 0;
     PortObserver port;
@@ -57,7 +57,7 @@ double least_J(PortRemedy& remedy, Motion motion, int wishes, double damping_Ns_
         least = std::min(least, port.energy_in_J() + dissipated_J);
         remedy.observe(kTickProof_s, gaps && random.uniform() < 0.02 ? kNaN : position_m, force_N);
         const double guessed_m = travel_m(motion, 1, damping_Ns_per_m, tick, random);
-        force_N = remedy.force_N(wish_N(wishes, guessed_m, random));
+        force_N = remedy.force_N(wish_N(requests, guessed_m, random));
         const double step_m = motion == Motion::kSine || motion == Motion::kRandom
                                   ? guessed_m
                                   : travel_m(motion, force_N, damping_Ns_per_m, tick, random);
@@ -79,13 +79,13 @@ TEST(PortProof, BoundsNeverGiveOutMoreThanCameIn) {
     for (int kind = 0; kind < 3; ++kind) {
         for (const double damping_Ns_per_m : {0.01, 0.5, 5.0}) {
             for (const Motion motion : kMotions) {
-                for (int wishes = 0; wishes < 2; ++wishes) {
+                for (int requests = 0; requests < 2; ++requests) {
                     for (const bool gaps : {false, true}) {
                         const auto remedy = bound(kind, damping_Ns_per_m);
-                        EXPECT_GE(least_J(*remedy, motion, wishes, damping_Ns_per_m, gaps, draws(++run)),
+                        EXPECT_GE(least_J(*remedy, motion, requests, damping_Ns_per_m, gaps, draws(++run)),
                                   -1e-9)
                             << kind << ' ' << damping_Ns_per_m << ' ' << static_cast<int>(motion) << ' '
-                            << wishes << ' ' << gaps;
+                            << requests << ' ' << gaps;
                     }
                 }
             }

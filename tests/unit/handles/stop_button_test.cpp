@@ -38,7 +38,7 @@ bool is_heard(Handle& handle, const Turn& turn, Duration begin, Duration press) 
         turn(time >= begin && time < begin + press);
         if (at(time) >= master.next_wakeup()) master.tick(at(time));
     }
-    return master.stop_line().stopped();
+    return master.stop_bus().stopped();
 }
 
 template <class Handle>

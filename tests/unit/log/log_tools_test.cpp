@@ -311,7 +311,7 @@ TEST(LogTopics, AreNamedAfterTheirSpeakers) {
     for (const Port port : kEveryPort) {
         const std::string topic = log_topic(port);
         if (flow(port).hears == Role::kNetem && flow(port).listens != Role::kSession) continue;
-        if (flow(port).from_all) continue;  // stop lines: after whoever listens
+        if (flow(port).from_all) continue;  // stop buses: after whoever listens
         EXPECT_THAT(topic, testing::StartsWith(std::string("/") + to_string(flow(port).hears) + "/"));
     }
 }

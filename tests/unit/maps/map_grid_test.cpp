@@ -15,8 +15,8 @@
 #include "common/error.hpp"
 #include "study/maps/cell_pool.hpp"
 #include "study/maps/cells.hpp"
-#include "study/maps/crew.hpp"
 #include "study/maps/map_table.hpp"
+#include "study/maps/worker_pool.hpp"
 
 namespace thimble {
 namespace {
@@ -124,10 +124,10 @@ TEST_F(MapTables, BlocksInAnyOrderStandInOrder) {
     EXPECT_EQ(MapTable(path, other, true).done(), 0U);
 }
 
-TEST(ThreadCrews, DoEverythingOnceAndThrowWhatAWorkerThrew) {
+TEST(ThreadPools, DoEverythingOnceAndThrowWhatAWorkerThrew) {
     for (const unsigned threads : {1U, 3U}) {
         std::multiset<std::size_t> done;
-        CrewWork work;
+        PoolWork work;
         work.first = 5;
         work.end = 42;
         work.block = 4;
@@ -137,13 +137,13 @@ TEST(ThreadCrews, DoEverythingOnceAndThrowWhatAWorkerThrew) {
             for (std::size_t i = 0; i < range.count; ++i) done.insert(range.first + i);
         };
         work.stop = [] { return false; };
-        ThreadCrew(threads).lead(work);
+        ThreadPool(threads).lead(work);
         EXPECT_EQ(done.size(), 37U);
         EXPECT_EQ(std::set<std::size_t>(done.begin(), done.end()).size(), 37U);
         work.rows = [](const CellRange&) -> std::string { throw Error(ExitCode::kUsage, "no"); };
-        EXPECT_THROW(ThreadCrew(threads).lead(work), Error);
+        EXPECT_THROW(ThreadPool(threads).lead(work), Error);
         work.stop = [] { return true; };
-        EXPECT_NO_THROW(ThreadCrew(threads).lead(work));
+        EXPECT_NO_THROW(ThreadPool(threads).lead(work));
     }
 }
 

@@ -57,15 +57,15 @@ TEST_F(OrderLinesTest, ConditionsAreNotTheExperimentersToChange) {
     EXPECT_FALSE(lines.take_line());
 }
 
-TEST(QuitDesk, KnowsQuitAlone) {
-    QuitDesk desk;
+TEST(QuitHandler, KnowsQuitAlone) {
+    QuitHandler handler;
     Order order;
     order.kind = OrderKind::kDelay;
-    EXPECT_EQ(desk.obey({}, order), Refusal::kUnexpectedKind);
-    EXPECT_FALSE(desk.quit());
+    EXPECT_EQ(handler.obey({}, order), Refusal::kUnexpectedKind);
+    EXPECT_FALSE(handler.quit());
     order.kind = OrderKind::kQuit;
-    EXPECT_EQ(desk.obey({}, order), std::nullopt);
-    EXPECT_TRUE(desk.quit());
+    EXPECT_EQ(handler.obey({}, order), std::nullopt);
+    EXPECT_TRUE(handler.quit());
 }
 
 }  // namespace

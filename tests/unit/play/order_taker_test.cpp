@@ -1,4 +1,4 @@
-// Orders: each wish once, and none for a trial that is over.
+// Orders: each request once, and none for a trial that is over.
 #include "session/play/order_taker.hpp"
 
 #include <vector>

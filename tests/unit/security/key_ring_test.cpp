@@ -36,11 +36,11 @@ class Rig {
     }
 
     void start_session() {
-        desk = std::make_unique<Security>(test_lab_key(), seeded_bytes(++lives), times);
-        session[0] = desk->pair(control[0].a, Port::kSessionMaster, Port::kMasterControl);
-        session[1] = desk->pair(control[1].a, Port::kSessionSlave, Port::kSlaveControl);
-        session[2] = desk->pair(control[2].a, Port::kSessionVisual, Port::kVisualControl);
-        record_in = desk->inlet(record.b, Port::kSessionRecord);
+        server = std::make_unique<Security>(test_lab_key(), seeded_bytes(++lives), times);
+        session[0] = server->pair(control[0].a, Port::kSessionMaster, Port::kMasterControl);
+        session[1] = server->pair(control[1].a, Port::kSessionSlave, Port::kSlaveControl);
+        session[2] = server->pair(control[2].a, Port::kSessionVisual, Port::kVisualControl);
+        record_in = server->inlet(record.b, Port::kSessionRecord);
     }
     void start_master() {
         master = std::make_unique<Program>(control[0].b, Port::kMasterControl, Port::kSessionMaster, ++lives,
@@ -63,9 +63,9 @@ class Rig {
     void turn(Duration later = {}) {
         now += later;
         for (int i = 0; i < 8; ++i) {
-            desk->tick(now);
+            server->tick(now);
             for (Channel* channel : session) received(*channel);
-            desk->tick(now);
+            server->tick(now);
             for (Program* node : {master.get(), slave.get(), visual.get()}) node->tick(now);
         }
     }
@@ -79,7 +79,7 @@ class Rig {
     std::uint64_t lives = 0;
     std::array<TestPipe, 3> control;
     TestPipe needle, record, percept;
-    std::unique_ptr<Security> desk;
+    std::unique_ptr<Security> server;
     std::array<Channel*, 3> session{};
     std::unique_ptr<Program> master, slave, visual;
     Channel *record_in = nullptr, *needle_out = nullptr, *needle_in = nullptr, *record_out = nullptr,
@@ -88,10 +88,10 @@ class Rig {
 
 TEST(FlowKeys, ComeWithTheHandshakes) {
     Rig rig;
-    EXPECT_FALSE(rig.desk->complete());
+    EXPECT_FALSE(rig.server->complete());
     EXPECT_EQ(rig.across("too early"), "");
     rig.turn();
-    ASSERT_TRUE(rig.desk->complete());
+    ASSERT_TRUE(rig.server->complete());
     EXPECT_EQ(rig.across("needle"), "needle");
     rig.record_out->send(bytes_of("sample"));
     EXPECT_EQ(received(*rig.record_in), "sample");
@@ -163,7 +163,7 @@ TEST(FlowKeys, ANewSessionIsObeyedAndNothingFromBefore) {
     rig.start_session();
     rig.turn(milliseconds{400});
     rig.turn(milliseconds{50});
-    ASSERT_TRUE(rig.desk->complete());
+    ASSERT_TRUE(rig.server->complete());
     for (const Datagram& datagram : commands) rig.needle.b.deliver(datagram);
     for (const Datagram& datagram : orders) rig.control[1].b.deliver(datagram);
     EXPECT_EQ(received(*rig.needle_in), "");
@@ -182,9 +182,9 @@ TEST(FlowKeys, AreRenewedWithoutLoss) {
     std::vector<Datagram> recorded;
     for (int i = 0; i < 5000; ++i) {
         rig.now += milliseconds{1};
-        rig.desk->tick(rig.now);
+        rig.server->tick(rig.now);
         for (Channel* channel : rig.session) received(*channel);
-        rig.desk->tick(rig.now);
+        rig.server->tick(rig.now);
         if (i % 100 == 0) {
             for (Channel* channel : rig.session) channel->send(bytes_of("alive"));
         }
@@ -215,7 +215,7 @@ TEST(FlowKeys, ThoseInUseAreNotForgottenWhileTheNextAreAgreedOn) {
         rig.record_out->send(bytes_of("sample"));
         ASSERT_EQ(received(*rig.record_in), "sample") << ms;
     }
-    EXPECT_TRUE(rig.desk->complete());
+    EXPECT_TRUE(rig.server->complete());
 }
 
 TEST(FlowKeys, AreRenewedAfterSoManyDatagrams) {
@@ -232,7 +232,7 @@ TEST(FlowKeys, AreRenewedAfterSoManyDatagrams) {
     }
     EXPECT_LE(read_seal_header(rig.needle.a.said.back())->counter, 1010U);
     // Three times by the master; each other node began once.
-    EXPECT_EQ(rig.desk->counters().handshakes, 3U + 3U);
+    EXPECT_EQ(rig.server->counters().handshakes, 3U + 3U);
 }
 
 TEST(FlowKeys, RenewalGoesOnWhenANodeIsGone) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/codec.hpp"
-#include "common/stop_line.hpp"
+#include "common/stop_bus.hpp"
 #include "common/stop_release.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint16_t kStopPort = 27028;
 
-// Two programs on a stop line, under one lab key.
+// Two programs on a stop bus, under one lab key.
 struct StopRig {
     TestPipe pipe;
     StopSeal here{pipe.a, test_lab_key(), kStopPort, StopEnd::kSpeaks};
@@ -76,7 +76,7 @@ TEST(StopSeal, AnotherPortsOrderIsNone) {
     EXPECT_EQ(rig.there.counters().forged, 1U);
 }
 
-// A program on a stop line under a lab key, and the end at which others reach it.
+// A program on a stop bus under a lab key, and the end at which others reach it.
 struct SealedProgram {
     explicit SealedProgram(std::uint64_t instance, std::uint16_t port = kStopPort)
         : inlet(wire.b, test_lab_key(), port, StopEnd::kListens),
@@ -104,7 +104,7 @@ struct SealedProgram {
     TestPipe wire;
     TestWire nobody;
     StopSeal inlet, outlet;
-    StopLine line;
+    StopBus line;
 };
 
 std::vector<Datagram> recorded_stop_and_release(SealedProgram& program) {

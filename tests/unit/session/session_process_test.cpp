@@ -323,21 +323,21 @@ TEST_F(PersonsSession, TheNextTrialDoesNotEndByTheWithdrawalOfTheLastOne) {
     EXPECT_TRUE(session_.running());
 }
 
-// A wish from before a page's trial was known here: a node that has seen a higher number counts.
+// A request from before a page's trial was known here: a node that has seen a higher number counts.
 TEST_F(PersonsSession, AWishIsForThePageOfTheHighestNumberSeen) {
     visual_.trial = master_.trial = 12;
     beat();
     Page page;
     page.kind = PageKind::kReady;
     session_.show(page);
-    Order wish;
-    wish.kind = OrderKind::kResume;
+    Order request;
+    request.kind = OrderKind::kResume;
     visual_.trial = 11;
-    visual_.say(now_, wish);
+    visual_.say(now_, request);
     visual_.trial = 12;
     session_.tick(now_);
     EXPECT_FALSE(session_.take_go_on());
-    visual_.say(now_, wish);
+    visual_.say(now_, request);
     session_.tick(now_);
     EXPECT_TRUE(session_.take_go_on());
 }

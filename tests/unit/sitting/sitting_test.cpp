@@ -110,7 +110,7 @@ class SittingTest : public testing::Test {
             dataset_, 2, settings_, lines, rests_, &trials_.stop, [this](const std::string& line) {
                 said_.push_back(line);
             }};
-        options.wishes = wishes_;
+        options.requests = wishes_;
         options.paused = paused_;
         options.subject_goes_on = subject_goes_on_;
         return Sitting(std::move(options), trials_).run();
@@ -313,8 +313,8 @@ TEST_F(SittingTest, NodesAreThereBeforeAnybodyIsAsked) {
 TEST_F(SittingTest, WhereNobodyIsAskedAWatcherMayHaveTheLastTrialAgain) {
     rests_ = false;
     for (const std::size_t after : {3U, 5U}) {  // in the middle, and after what was the last one
-        WishAfter wish(trials_, after, "r sneezed");
-        wishes_ = &wish;
+        WishAfter request(trials_, after, "r sneezed");
+        wishes_ = &request;
         settings_.repeat = RepeatWhen::kAtOnce;
         sit();
     }
@@ -385,8 +385,8 @@ TEST_F(SittingTest, WhileAStopHoldsAWatcherMayHaveTheTrialLeftOut) {
     trials_.outcomes = {EndReason::kEmergencyStop};
     WishAfter exclude(trials_, 1, "x asked for at the experimenter's view");
     WishAfter release(trials_, 1, "release");
-    TwoLineSources wishes(exclude, release);
-    wishes_ = &wishes;
+    TwoLineSources requests(exclude, release);
+    wishes_ = &requests;
     EXPECT_EQ(sit().code, ExitCode::kOk);
     ASSERT_EQ(read_exclusions(dataset_.exclusions()).size(), 1U);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));

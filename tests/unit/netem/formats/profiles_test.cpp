@@ -9,7 +9,7 @@
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
-#include "netem/formats/tc_words.hpp"
+#include "netem/formats/tc_text.hpp"
 #include "netem/link_model.hpp"
 #include "netem/packet_trace.hpp"
 

@@ -1,0 +1,108 @@
+// The stop bus: one channel per program on which everybody hears everybody, beside the session and not by way of it. Whoever
+// stops says so again and again until somebody releases it on purpose; until then no trial begins anywhere.
+//
+// Each stop has a random number, and a release names that of the stop which it lets go of: what is said again, comes late or was
+// recorded, here or at another session, lets go of nothing else. Who holds a stop passes it on every kStopPassedOn, so that the
+// session knows them all and who is started anew is stopped too; and he answers a question, and a stop of the experimenter's, with what
+// he holds and for how long, so that somebody who has just come can name what was held before he came (stop_inquiry.hpp), and a stop
+// pressed meanwhile holds.
+// Anybody may stop; only the session and the experimenter may release. No clock: `now` is the caller's.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "common/flow.hpp"
+#include "common/messages.hpp"
+
+namespace thimble {
+
+// How often a stop is said while it holds, and a release for kReleaseTimes.
+inline constexpr Duration kStopRepeat = std::chrono::milliseconds{50};
+inline constexpr int kReleaseTimes = 10;
+inline constexpr Duration kStopPassedOn = std::chrono::milliseconds{500};
+// At most so often is a question answered: whoever plays a recorded one again and again does not make a flood of it.
+inline constexpr Duration kAnswerEvery = std::chrono::milliseconds{10};
+// Shorter than anybody needs to find out why somebody stopped.
+inline constexpr Duration kHeldAtLeast = std::chrono::milliseconds{200};
+// Whoever presses again so late before a release arrives has not been let go of: longer than a release takes.
+inline constexpr Duration kPressedLately = std::chrono::seconds{1};
+// What every message about a stop ends with.
+inline constexpr std::string_view kHowToRelease = "release it with: thimble stop --release";
+
+// Where the programs of a session hear of stops, in the order of kStopPorts (network_settings.hpp).
+using StopOutlets = std::array<Channel*, 6>;
+
+class StopBus {
+  public:
+    // `instance`: random per process start.
+    StopBus(Role role, std::uint64_t instance) : role_(role), instance_(instance), out_(role, instance, {}) {}
+    // `in`: where this program hears; `out`: where the others do, its own place may be among them. All outlive the line. Without
+    // it a stop holds here only.
+    void connect(Channel& in, const StopOutlets& out);
+
+    // Takes what has come, says what is due.
+    void tick(SessionTime now);
+    SessionTime next() const { return next_; }
+
+    // Stops everything (is_stop(reason)); harmless where it holds already, but that an emergency stop so said holds on when the one
+    // before it is released within kPressedLately. `words`: who and why, without how to release.
+    void stop(SessionTime now, EndReason reason, std::string_view words);
+    // Of what has been held for kHeldAtLeast.
+    void release(SessionTime now);
+
+    bool stopped() const { return held_count_ > 0; }
+    // Of the oldest stop that holds, and once released of the last one.
+    EndReason reason() const { return held_.front().order.reason; }
+    std::string_view words() const { return held_.front().order.words(); }
+    Role raised_by() const { return held_.front().from; }
+    const FlowCounters& counters() const { return counters_; }
+
+  private:
+    static constexpr std::size_t kHeld = 32, kRemembered = 128;
+    struct Held {
+        StopOrder order;
+        Role from = Role::kSession;
+        SessionTime since{};
+    };
+
+    void take(SessionTime now, Bytes datagram);
+    void obey(SessionTime now, Role sender, const StopOrder& order);
+    void hold(SessionTime now, Role sender, const StopOrder& order);
+    void make_room(SessionTime now);
+    void say(SessionTime now, EndReason reason, std::string_view words);
+    void let_go(SessionTime now, std::uint64_t id);
+    void drop(std::uint64_t id);
+    void remind(SessionTime now, std::uint64_t id);
+    void answer(SessionTime now);
+    void say_what_is_due(SessionTime now);
+    bool holds(std::uint64_t id) const;
+    bool released(std::uint64_t id) const;
+    void remember(std::uint64_t id);
+    std::uint64_t new_id();
+
+    Role role_;
+    std::uint64_t instance_;
+    std::uint64_t made_ = 0;
+    Channel* in_ = nullptr;
+    OutboundFlow out_;
+    std::array<Held, kHeld> held_{};  // oldest first
+    std::size_t held_count_ = 0;
+    std::array<std::uint64_t, kRemembered> done_{};  // stops that were released; a ring
+    std::size_t done_next_ = 0, done_count_ = 0;
+    StopOrder own_;
+    bool saying_ = false;                           // own_
+    SessionTime pressed_until_{};                   // again, while saying; plus kPressedLately
+    std::array<std::uint64_t, kHeld> releasing_{};  // stops
+    std::size_t releasing_count_ = 0;
+    int releases_left_ = 0;
+    SessionTime next_ = kNever, next_passed_on_ = kNever;
+    SessionTime next_reminder_{}, next_answer_{};
+    Encoder encoder_;
+    std::uint32_t answers_ = 0;
+    FlowCounters counters_;
+    Message message_;
+};
+
+}  // namespace thimble

@@ -1,0 +1,335 @@
+#include "netem/formats/tc_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "netem/formats/jitter_table_file.hpp"
+#include "netem/formats/tc_units.hpp"
+#include "netem/formats/text_lines.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr std::size_t kMostCharacters = 4096;
+constexpr std::size_t kMostPackets = 1'000'000;  // as many as a link may be told to hold
+constexpr Duration kMicrosecond = std::chrono::microseconds{1};
+constexpr Duration kLongestDelay = std::chrono::seconds{60};
+
+class TcParser {
+  public:
+    TcParser(std::string_view text, const TableFinder& find_table)
+        : words_(words_of(text)), find_table_(find_table) {}
+
+    TcLink parse() {
+        skip_command();
+        while (at_ < words_.size()) parse_option();
+        finish();
+        return std::move(result_);
+    }
+
+    // In the order in which tc looks for them: the first that begins with the word is meant.
+    struct Option {
+        std::string_view name;
+        void (TcParser::*read)();
+    };
+    static const std::array<Option, 15>& options();
+
+  private:
+    void skip_command() {
+        if (words_.empty() || words_[0] != "tc") return;
+        const auto netem = std::find(words_.begin(), words_.end(), "netem");
+        if (netem == words_.end()) {
+            fail("begins like a command, but has no \"netem\": only netem's words are read");
+        }
+        at_ = static_cast<std::size_t>(netem - words_.begin()) + 1;
+    }
+
+    void parse_option() {
+        const std::string_view word = words_[at_];
+        const auto option = std::find_if(options().begin(), options().end(), [word](const Option& known) {
+            return known.name.substr(0, word.size()) == word;
+        });
+        if (option == options().end()) {
+            fail_word(
+                "is none of limit, delay, distribution, loss, duplicate, corrupt, reorder, gap, rate, "
+                "slot, unordered");
+        }
+        option_ = option->name == "latency" ? "delay" : option->name == "drop" ? "loss" : option->name;
+        if (!seen_.insert(option_).second) fail_word("stands there twice");
+        ++at_;
+        (this->*option->read)();
+    }
+
+    [[noreturn]] void fail(std::string_view why) const {
+        throw Error(ExitCode::kUsage, fmt::format("tc words: {}", why));
+    }
+    [[noreturn]] void fail_word(std::string_view why) const {
+        if (at_ < words_.size()) fail(fmt::format("word {}, '{}', {}", at_ + 1, words_[at_], why));
+        fail(fmt::format("after '{}': {}", option_, why));
+    }
+    bool number_is_next() const {
+        return at_ < words_.size() && std::isdigit(static_cast<unsigned char>(words_[at_][0])) != 0;
+    }
+
+    // Takes the next word if `parse` understands it; `kind` says what it must be.
+    template <class Parse>
+    auto take(std::string_view kind, const Parse& parse) {
+        const auto value = at_ < words_.size() ? parse(words_[at_]) : decltype(parse(""))();
+        if (!value) fail_word(fmt::format("must be {}", kind));
+        ++at_;
+        return *value;
+    }
+    double take_share() { return take("a share such as 0.5%, from 0% to 100%", parse_tc_share); }
+    Duration take_time(Duration bare) {
+        return take("a time such as 50ms, up to 60 s", [bare](std::string_view word) {
+            const auto time = parse_tc_time(word, bare);
+            return time && *time <= kLongestDelay ? time : std::nullopt;
+        });
+    }
+    std::size_t take_count(std::string_view kind, std::size_t least, std::size_t most) {
+        return take(fmt::format("{} from {} to {}", kind, least, most), [&](std::string_view word) {
+            const auto count = parse_tc_size(word);
+            return count && *count >= least && *count <= most ? count : std::nullopt;
+        });
+    }
+    double take_share_if_any(double otherwise) { return number_is_next() ? take_share() : otherwise; }
+    void note(std::string text) { result_.notes.push_back(std::move(text)); }
+
+    // Fates of single packets are independent here; the share is what was asked either way.
+    void drop_correlation(std::string_view what) {
+        const double correlation = take_share_if_any(0);
+        if (correlation > 0) {
+            note(fmt::format(
+                "{}: the correlation of {} is left out, each packet's fate is its own; tc's would "
+                "change the share as well",
+                what, print_tc_share(correlation)));
+        }
+    }
+
+    void limit() { link().capacity = take_count("a number of packets", 1, kMostPackets); }
+    void delay() {
+        link().delay = take_time(kMicrosecond);
+        if (!number_is_next()) return;
+        link().jitter.spread = take_time(kMicrosecond);
+        if (link().jitter.spread > Duration::zero()) link().jitter.shape = JitterShape::kUniform;
+        if (!number_is_next()) return;
+        link().jitter.correlation = take("a correlation such as 25%, below 100%", [](std::string_view word) {
+            const auto share = parse_tc_share(word);
+            return share && *share < 1 ? share : std::nullopt;
+        });
+    }
+    void distribution() {
+        if (at_ == words_.size())
+            fail_word("must be uniform, normal, pareto, paretonormal or a table's name");
+        constexpr std::array<std::pair<std::string_view, JitterShape>, 4> kWords{
+            {{"uniform", JitterShape::kUniform},
+             {"normal", JitterShape::kNormal},
+             {"pareto", JitterShape::kPareto},
+             {"paretonormal", JitterShape::kParetoNormal}}};
+        const std::string_view name = words_[at_++];
+        const auto shape =
+            std::find_if(kWords.begin(), kWords.end(), [name](const auto& s) { return s.first == name; });
+        shape_ = shape != kWords.end() ? shape->second : JitterShape::kTable;
+        if (*shape_ == JitterShape::kTable) table_ = find_table_(name);
+    }
+
+    void loss() {
+        if (at_ < words_.size() && words_[at_] == "state") {
+            ++at_;
+            return four_state();
+        }
+        if (at_ < words_.size() && words_[at_] == "gemodel") {
+            ++at_;
+            return gilbert_elliott();
+        }
+        if (at_ < words_.size() && words_[at_] == "random") ++at_;
+        const double share = take_share();
+        const double correlation = take_share_if_any(0);
+        link().loss = LossSettings::independent(share);
+        if (correlation > 0 && share > 0) correlate_loss(share, correlation);
+    }
+    // tc's correlated loss misses its share and is deprecated. A chain that is lost in one state and received in the
+    // other has share p / (p + r) and correlation 1 - p - r from packet to packet.
+    void correlate_loss(double share, double correlation) {
+        LossSettings& loss = link().loss;
+        loss = {};
+        loss.shape = LossShape::kGilbertElliott;
+        loss.good_to_bad = share * (1 - correlation);
+        loss.bad_to_good = (1 - share) * (1 - correlation);
+        if (correlation == 1) fail("loss: a correlation of 100% would lose all or nothing");
+        note(fmt::format(
+            "loss: a correlation of {} is a Gilbert model here, so that {} of the packets are lost "
+            "(tc loses fewer)",
+            print_tc_share(correlation), print_tc_share(share)));
+    }
+    void gilbert_elliott() {
+        LossSettings& loss = link().loss;
+        loss.shape = LossShape::kGilbertElliott;
+        loss.good_to_bad = take_share();
+        loss.bad_to_good = take_share_if_any(1 - loss.good_to_bad);
+        loss.loss_in_bad = take_share_if_any(1);
+        loss.loss_in_good = take_share_if_any(0);
+        if (loss.good_to_bad + loss.bad_to_good == 0) {
+            fail("loss gemodel: p and r are both 0%, so the chain never moves; say loss random");
+        }
+    }
+    void four_state() {
+        LossSettings& loss = link().loss;
+        loss.shape = LossShape::kFourState;
+        loss.p13 = take_share();
+        loss.p31 = take_share_if_any(1 - loss.p13);
+        loss.p32 = take_share_if_any(0);
+        loss.p23 = take_share_if_any(1);
+        loss.p14 = take_share_if_any(0);
+        if (loss.p13 + loss.p14 > 1) fail("loss state: p13 + p14 is above 100%");
+        if (loss.p31 + loss.p32 > 1) fail("loss state: p31 + p32 is above 100%");
+        if (loss.p31 == 0) fail("loss state: p31 is 0%, so a burst would never end");
+        if (loss.p23 == 0) fail("loss state: p23 is 0%, so state 2 would never end");
+    }
+
+    void duplicate() {
+        link().duplicate = take_share();
+        drop_correlation("duplicate");
+    }
+    void corrupt() {
+        link().corrupt = take_share();
+        drop_correlation("corrupt");
+    }
+    void reorder() {
+        link().reorder = take_share();
+        drop_correlation("reorder");
+    }
+    void gap() { gap_ = take_count("a number of packets", 0, kMostPackets); }
+
+    void rate() {
+        link().rate.bits_per_s =
+            take("a rate such as 10mbit, above 0 and up to 1tbit", [](std::string_view word) {
+                const auto rate = parse_tc_rate(word);
+                return rate && *rate > 0 ? rate : std::nullopt;
+            });
+        if (at_ < words_.size() && words_[at_][0] == '-') {
+            fail_word("is a negative overhead: a relay sees payloads only, there is no header to take off");
+        }
+        if (number_is_next()) link().rate.overhead_bytes = take_count("an overhead in bytes", 0, 65535);
+        if (number_is_next() && take_count("a cell size in bytes", 0, 65535) > 0) {
+            --at_;
+            fail_word("is a cell size: links made of cells are not modelled; fold it into the overhead");
+        }
+        if (number_is_next()) take_count("a cell overhead in bytes", 0, 65535);
+    }
+    void slot() {
+        if (at_ < words_.size() && words_[at_] == "distribution") {
+            fail_word("is not modelled: slots are [MIN, MAX] apart, uniform");
+        }
+        link().slot.least = link().slot.most = take_time(Duration{1});
+        if (number_is_next()) link().slot.most = take_time(Duration{1});
+        if (link().slot.most < link().slot.least) fail("slot: the second time is the longer one");
+        if (link().slot.most == Duration::zero()) fail("slot: slots of length 0 are none; remove the word");
+        if (take_word("packets")) link().slot.packets = take_count("a number of packets", 0, kMostPackets);
+        if (take_word("bytes")) link().slot.bytes = take_count("a number of bytes", 0, 4294967295);
+    }
+    bool take_word(std::string_view name) {
+        if (at_ == words_.size() || name.substr(0, words_[at_].size()) != words_[at_]) return false;
+        ++at_;
+        return true;
+    }
+
+    void seed() { fail("seed is the run's, not the link's: give it to the program (--seed)"); }
+    void ecn() {
+        fail(
+            "ecn marks the IP header instead of losing the packet, and a relay sees payloads only; leave it "
+            "out");
+    }
+    void unordered() { link().in_order = false; }
+
+    void finish() {
+        JitterSettings& jitter = link().jitter;
+        if (shape_) {
+            if (link().delay == Duration::zero() || jitter.spread == Duration::zero()) {
+                fail("distribution needs a delay and a jitter, \"delay 50ms 10ms\"");
+            }
+            jitter.shape = *shape_;
+            jitter.table = table_;
+        }
+        if (jitter.shape == JitterShape::kNone) jitter.correlation = 0;
+        if (link().reorder > 0) {
+            if (link().delay == Duration::zero()) fail("reorder needs a delay, which some packets then skip");
+            link().reorder_gap = static_cast<unsigned>(std::max<std::size_t>(1, gap_.value_or(1)));
+            link().in_order = false;
+        } else if (gap_.value_or(0) > 0) {
+            fail("gap says how often packets are reordered: give reorder, too");
+        }
+        if (seen_.count("limit") == 0) link().capacity = enough_capacity();
+        if (jitter.spread > link().delay) {
+            note(
+                "delay: the jitter is larger than the delay, and no delay is below 0: its mean is then "
+                "larger than "
+                "what was asked");
+        }
+    }
+    // As of a session file: twice what a flow of 1 kHz needs.
+    std::size_t enough_capacity() const {
+        const auto needed = static_cast<std::size_t>(
+            (result_.link.delay + result_.link.jitter.spread) / std::chrono::milliseconds{1} + 1);
+        return std::max(LinkSettings{}.capacity, 2 * needed);
+    }
+
+    LinkSettings& link() { return result_.link; }
+
+    std::vector<std::string_view> words_;
+    const TableFinder& find_table_;
+    std::size_t at_ = 0;
+    std::string_view option_ = "netem";
+    std::set<std::string_view> seen_;
+    TcLink result_;
+    std::optional<JitterShape> shape_;
+    std::shared_ptr<const JitterTable> table_;
+    std::optional<std::size_t> gap_;
+};
+
+const std::array<TcParser::Option, 15>& TcParser::options() {
+    static constexpr std::array<Option, 15> kOptions{{{"limit", &TcParser::limit},
+                                                      {"latency", &TcParser::delay},
+                                                      {"delay", &TcParser::delay},
+                                                      {"loss", &TcParser::loss},
+                                                      {"drop", &TcParser::loss},
+                                                      {"seed", &TcParser::seed},
+                                                      {"ecn", &TcParser::ecn},
+                                                      {"reorder", &TcParser::reorder},
+                                                      {"corrupt", &TcParser::corrupt},
+                                                      {"gap", &TcParser::gap},
+                                                      {"duplicate", &TcParser::duplicate},
+                                                      {"distribution", &TcParser::distribution},
+                                                      {"rate", &TcParser::rate},
+                                                      {"slot", &TcParser::slot},
+                                                      {"unordered", &TcParser::unordered}}};
+    return kOptions;
+}
+
+}  // namespace
+
+TcLink parse_tc_words(std::string_view text, const TableFinder& find_table) {
+    if (text.size() > kMostCharacters) {
+        throw Error(ExitCode::kUsage, fmt::format("tc words: more than {} characters", kMostCharacters));
+    }
+    return TcParser(text, find_table).parse();
+}
+
+TcLink parse_tc_words(std::string_view text) { return parse_tc_words(text, find_jitter_table); }
+
+bool looks_like_tc_words(std::string_view text) {
+    const std::vector<std::string_view> words = words_of(text);
+    if (words.size() < 2) return false;
+    if (words[0] == "tc") return true;
+    return std::any_of(
+        TcParser::options().begin(), TcParser::options().end(),
+        [&](const TcParser::Option& option) { return option.name.substr(0, words[0].size()) == words[0]; });
+}
+
+}  // namespace thimble

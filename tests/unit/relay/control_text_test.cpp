@@ -1,0 +1,103 @@
+#include "netem/relay/control_text.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "common/error.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+LinkPair fifty() {
+    LinkPair links;
+    links.up.delay = links.down.delay = milliseconds{50};
+    return links;
+}
+
+std::string refusal(const std::vector<std::string>& assignments) {
+    try {
+        assign(fifty(), assignments);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kUsage);
+        return error.what();
+    }
+    return "not refused";
+}
+
+TEST(ControlRequest, IsAVerbAndItsLines) {
+    EXPECT_EQ(parse_request("show").verb, ControlRequest::Verb::kShow);
+    EXPECT_EQ(parse_request("  show \r\n\n").verb, ControlRequest::Verb::kShow);
+    const ControlRequest set = parse_request("set\nup.delay_s = 0.1\n\nloss=0.01\n");
+    EXPECT_EQ(set.verb, ControlRequest::Verb::kSet);
+    EXPECT_THAT(set.assignments, ElementsAre("up.delay_s = 0.1", "loss=0.01"));
+}
+
+class BadRequest : public testing::TestWithParam<std::string> {};
+
+TEST_P(BadRequest, IsRefused) { EXPECT_THROW(parse_request(GetParam()), Error); }
+
+INSTANTIATE_TEST_SUITE_P(Words, BadRequest,
+                         testing::Values("", "\n\n", "set", "shown", "show now", "show\nloss=1", "SHOW",
+                                         std::string(3, '\0'), std::string(kLongestRequestBytes + 1, 'x')));
+
+TEST(Assign, ChangesOneDirectionOrBoth) {
+    const LinkPair links = assign(fifty(), {"up.delay_s=0.1", "loss = 0.01"});
+    EXPECT_EQ(links.up.delay, milliseconds{100});
+    EXPECT_EQ(links.down.delay, milliseconds{50});
+    EXPECT_EQ(stationary_loss(links.up.loss), 0.01);
+    EXPECT_EQ(stationary_loss(links.down.loss), 0.01);
+}
+
+TEST(Assign, KeepsWhatIsNotNamed) {
+    const LinkPair before = assign(fifty(), {"jitter=normal", "jitter_spread_s=0.005", "loss=0.2"});
+    const LinkPair after = assign(before, {"down.delay_s=0.06"});
+    EXPECT_EQ(after.up, before.up);
+    EXPECT_EQ(after.down.jitter, before.down.jitter);
+    EXPECT_EQ(after.down.loss, before.down.loss);
+    EXPECT_EQ(after.down.delay, milliseconds{60});
+}
+
+TEST(Assign, TakesABareWordAsText) {
+    EXPECT_EQ(assign(fifty(), {"jitter=uniform", "jitter_spread_s=0.005"}).up.jitter.shape,
+              JitterShape::kUniform);
+    EXPECT_EQ(assign(fifty(), {"jitter=\"uniform\"", "jitter_spread_s=0.005"}).up.jitter.shape,
+              JitterShape::kUniform);
+    EXPECT_FALSE(assign(fifty(), {"in_order=false"}).up.in_order);
+}
+
+TEST(Assign, SaysWhatIsWrong) {
+    EXPECT_THAT(refusal({"delay_s"}), HasSubstr("KEY=VALUE"));
+    EXPECT_THAT(refusal({"=3"}), HasSubstr("KEY=VALUE"));
+    EXPECT_THAT(refusal({"delay_s="}), HasSubstr("KEY=VALUE"));
+    EXPECT_THAT(refusal({"a b=3"}), HasSubstr("KEY=VALUE"));
+    EXPECT_THAT(refusal({"up.nonsense=3"}), HasSubstr("nonsense"));
+    EXPECT_THAT(refusal({"loss=1.5"}), HasSubstr("loss"));
+    EXPECT_THAT(refusal({"delay_s=-1"}), HasSubstr("delay_s"));
+    EXPECT_THAT(refusal({"delay_s=0.1", "delay_s=0.2"}), HasSubstr("delay_s"));
+    EXPECT_THAT(refusal({"jitter_spread_s=0.001"}), HasSubstr("jitter"));
+    EXPECT_THAT(refusal({"loss=[[[["}), testing::Not("not refused"));
+}
+
+RC_GTEST_PROP(Assign, RefusesOrObeysWhateverComes, (const std::string& key, const std::string& value)) {
+    try {
+        assign(fifty(), {key + "=" + value});
+    } catch (const Error& error) {
+        RC_ASSERT(error.code() == ExitCode::kUsage);
+    }
+}
+
+RC_GTEST_PROP(ControlRequest, RefusesOrReadsWhateverComes, (const std::string& text)) {
+    try {
+        parse_request(text);
+    } catch (const Error& error) {
+        RC_ASSERT(error.code() == ExitCode::kUsage);
+    }
+}
+
+}  // namespace
+}  // namespace thimble
