@@ -34,11 +34,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Of datagrams without the key: forged forces, handshakes and what is in the clear, at thimble-master, whose loop turns at 1 kHz. They
-// name a key that nobody has, and so cost next to nothing. The dear ones name the key that is in use, as every header on the
+// name a key that nobody has, and so cost next to nothing. Those with valid headers name the key that is in use, as every header on the
 // wire does, and a counter yet to come: each has to be verified, by master, or by slave_sim behind the relay. kNone: nothing.
-enum class FloodKind { kNone, kForged, kHandshakes, kUnsealed, kDear, kDearAtRelay };
-constexpr std::array kFloodNames{"quiet", "forged", "handshakes", "unsealed", "dear", "dear_at_relay"};
-constexpr bool is_dear(FloodKind kind) { return kind == FloodKind::kDear || kind == FloodKind::kDearAtRelay; }
+enum class FloodKind { kNone, kForged, kHandshakes, kUnsealed, kValidHeaders, kValidHeadersAtRelay };
+constexpr std::array kFloodNames{"quiet",    "forged",        "handshakes",
+                                 "unsealed", "valid_headers", "valid_headers_at_relay"};
+constexpr bool has_valid_headers(FloodKind kind) {
+    return kind == FloodKind::kValidHeaders || kind == FloodKind::kValidHeadersAtRelay;
+}
 
 // With real-time scheduling the share of deadlines that the master misses in a flood may be so many times that without, and one in a
 // thousand more: without that, windows that happen to miss none would forbid a single one.
@@ -58,7 +61,7 @@ class Flooder {
   public:
     Flooder(FloodKind kind, std::uint16_t base_port, double rate_per_s)
         : kind_(kind), rate_per_s_(rate_per_s), wire_(Endpoint{"127.0.0.1", 0}, target(kind, base_port)) {
-        if (is_dear(kind)) ear_.emplace(target(kind, base_port).port, own_port());
+        if (has_valid_headers(kind)) ear_.emplace(target(kind, base_port).port, own_port());
     }
 
     std::uint64_t sent() const { return sent_; }
@@ -82,7 +85,7 @@ class Flooder {
     static Endpoint target(FloodKind kind, std::uint16_t base_port) {
         NetworkSettings network;
         network.base_port = base_port;
-        if (kind == FloodKind::kDearAtRelay) return network.at(Port::kNetemNeedle);
+        if (kind == FloodKind::kValidHeadersAtRelay) return network.at(Port::kNetemNeedle);
         return network.at(kind == FloodKind::kHandshakes ? Port::kMasterControl : Port::kMasterForce);
     }
     std::uint16_t own_port() const {
@@ -99,7 +102,7 @@ class Flooder {
         in_use_ = *header;
     }
     void say() {
-        if (is_dear(kind_)) return say_dear();
+        if (has_valid_headers(kind_)) return say_valid_headers();
         std::array<std::uint8_t, kHandshakeBytes> bytes{};
         const bool hello = kind_ == FloodKind::kHandshakes;
         const auto kind = hello ? PacketKind::kHello : PacketKind::kData;
@@ -110,7 +113,7 @@ class Flooder {
                               std::span(bytes).first<kSealHeaderBytes>());
         wire_.send(bytes);
     }
-    void say_dear() {
+    void say_valid_headers() {
         if (overheard_.size() < kSealOverheadBytes) return;  // no trial yet
         ++in_use_.counter;
         write_seal_header(in_use_, std::span(overheard_).first<kSealHeaderBytes>());
@@ -235,15 +238,15 @@ std::vector<std::string> problems_of_floods(const std::array<FloodFigures, kFloo
     return problems;
 }
 
-// Without the dear ones where loopback cannot be listened to.
+// Without those with valid headers where loopback cannot be listened to.
 std::size_t floods_possible() {
     try {
         const PacketSniffer ear(1, 1);
         return kFloodNames.size();
     } catch (const Error& error) {
-        fmt::print(stderr, "left out: {}: {}\n", kFloodNames[static_cast<std::size_t>(FloodKind::kDear)],
-                   error.what());
-        return static_cast<std::size_t>(FloodKind::kDear);
+        fmt::print(stderr, "left out: {}: {}\n",
+                   kFloodNames[static_cast<std::size_t>(FloodKind::kValidHeaders)], error.what());
+        return static_cast<std::size_t>(FloodKind::kValidHeaders);
     }
 }
 
@@ -290,7 +293,8 @@ int flood_study(int argc, char** argv) {
         "Trials under a lab key through the five programs, in windows that take turns: nobody else there, "
         "and a flood of datagrams without the key at thimble-master: forged forces, handshakes, what is in "
         "the "
-        "clear, and dear ones, under the overheard name of the key in use; those at the relay as well (they "
+        "clear, and ones with valid headers, under the overheard name of the key in use; those at the relay "
+        "as well (they "
         "need "
         "CAP_NET_RAW). 'x': beside quiet. Exit code 1 if a trial ended early, or with SCHED_FIFO more "
         "deadlines "

@@ -17,7 +17,7 @@ class LocalNode final : public RunningNode {
     std::optional<int> poll() override { return child_.poll(); }
     bool started() const override { return true; }
     void stop() override { child_.signal(SIGTERM); }
-    std::string obituary() override {
+    std::string exit_message() override {
         return fmt::format("{} ended with code {}: {}", program_, child_.poll().value_or(-1),
                            child_.last_words());
     }

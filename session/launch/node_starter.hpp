@@ -36,7 +36,7 @@ class RunningNode {
     // Asks it to end. It does, within a few seconds, even if it hangs; poll() goes on telling.
     virtual void stop() = 0;
     // How it ended, in words, once it has; and what that is for the whole run.
-    virtual std::string obituary() = 0;
+    virtual std::string exit_message() = 0;
     virtual ExitCode verdict() const = 0;
 };
 

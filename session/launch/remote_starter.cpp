@@ -64,7 +64,7 @@ class RemoteNode final : public RunningNode {
     }
     bool started() const override { return started_ && shell_.all_sent(); }
     void stop() override { shell_.hang_up(); }
-    std::string obituary() override;
+    std::string exit_message() override;
     ExitCode verdict() const override {
         return code_ == kNoProgram || code_ == kOtherVersion || code_ == kNoFolder ? ExitCode::kRunFailed
                                                                                    : ExitCode::kNetwork;
@@ -93,7 +93,7 @@ class RemoteNode final : public RunningNode {
     SessionTime next_sign_{};
 };
 
-std::string RemoteNode::obituary() {
+std::string RemoteNode::exit_message() {
     const int code = poll().value_or(-1);
     const std::string words = shell_.last_words();
     if (!shell_.has_said(kReached)) {

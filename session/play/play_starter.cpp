@@ -19,7 +19,7 @@ class SharedNode final : public RunningNode {
     std::optional<int> poll() override { return node_->poll(); }
     bool started() const override { return node_->started(); }
     void stop() override { node_->stop(); }
-    std::string obituary() override { return node_->obituary(); }
+    std::string exit_message() override { return node_->exit_message(); }
     ExitCode verdict() const override { return node_->verdict(); }
 
   private:

@@ -58,7 +58,7 @@ void play_recorded(const ReplayPlayOptions& options) {
         if (options.stop != nullptr && *options.stop) break;
         if (now - begin >= options.longest) break;
         if (options.starter->window_closed()) return;
-        if (window->poll()) throw Error(window->verdict(), window->obituary());
+        if (window->poll()) throw Error(window->verdict(), window->exit_message());
         if (replay.shows() || now - begin < kWindowWithin) continue;
         throw Error(ExitCode::kNetwork,
                     fmt::format("thimble-visual does not answer on ports from {} within {} s",

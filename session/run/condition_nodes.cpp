@@ -73,7 +73,7 @@ std::optional<std::size_t> ConditionRun::dead_node() {
 
 void ConditionRun::throw_if_dead() {
     const auto dead = dead_node();
-    if (dead) throw Error(nodes_[*dead]->verdict(), nodes_[*dead]->obituary());
+    if (dead) throw Error(nodes_[*dead]->verdict(), nodes_[*dead]->exit_message());
 }
 
 void ConditionRun::wait_for_machines() {
@@ -146,7 +146,7 @@ void ConditionRun::end_nodes() {
         const auto code = wait_for_end(*nodes_[i], kFarewell);
         if (code == static_cast<int>(ExitCode::kRealtime) && result_.code == ExitCode::kOk) {
             result_.code = ExitCode::kRealtime;
-            result_.problem = nodes_[i]->obituary();
+            result_.problem = nodes_[i]->exit_message();
         }
     }
     nodes_.clear();

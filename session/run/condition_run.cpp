@@ -288,7 +288,7 @@ void ConditionRun::close_trial() {
     } else if (record.reason == EndReason::kPeerLost) {
         result_.code = ExitCode::kNetwork;
         const auto dead = dead_node();
-        result_.problem = dead ? nodes_[*dead]->obituary()
+        result_.problem = dead ? nodes_[*dead]->exit_message()
                                : fmt::format("lost contact with {}", to_string(record.lost_peer));
     }
     admit_write_fault(write_fault_);

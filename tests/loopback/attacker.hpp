@@ -128,7 +128,7 @@ class Attacker {
     void replay_changed(const Overheard& datagrams);
     // Handshakes and sealed datagrams, made up; a portion of them. Nearly all are refused before anything is computed.
     void flood(std::size_t datagrams);
-    // The dear kind: under the name of the key that is in use, which every header says, with counters yet to come. Each costs its
+    // The costly kind: under the name of the key that is in use, which every header says, with counters yet to come. Each costs its
     // receiver a verification.
     void flood_in_the_name_of(const Overheard& commands, std::size_t datagrams);
     std::size_t sent() const { return sent_; }

@@ -94,7 +94,7 @@ TEST_P(Attack, WhatWasOverheardIsOfNoUseAfterARestart) {
     EXPECT_GT(counters.at("no_key"), 0);
 }
 
-// Cheap to refuse, and dear. So many fill the kernel's buffers, and then a trial may end as over any broken network; nothing moves all the
+// Cheap to refuse, and costly. So many fill the kernel's buffers, and then a trial may end as over any broken network; nothing moves all the
 // same, and the next trial is as any other.
 TEST_P(Attack, AFloodMovesNothing) {
     const SessionTime begin = wall_now();
