@@ -1,37 +1,27 @@
 #include "session/run/condition_run.hpp"
 
 #include <algorithm>
-#include <atomic>
 
 #include <fmt/format.h>
 
-#include "common/csv/csv_file.hpp"
-#include "common/json_text.hpp"
 #include "common/runtime/node_report.hpp"
-#include "common/runtime/standard_streams.hpp"
-#include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "common/text_file.hpp"
 #include "common/version.hpp"
-#include "session/launch/node_kinds.hpp"
-#include "session/records/event_file.hpp"
 #include "session/records/trial_table.hpp"
 
 namespace thimble {
 namespace {
 
+constexpr Duration kPoll = std::chrono::milliseconds{20};   // look after children, stop requests
 constexpr Duration kFlush = std::chrono::milliseconds{80};  // trajectory to the system
 constexpr Duration kProgress = std::chrono::milliseconds{500};
-constexpr Duration kClockNotes = std::chrono::seconds{1};  // offsets to the log, of each node
+constexpr Duration kWordsAfter = std::chrono::milliseconds{500};  // of a node that waits for its user
 
 Sockets open_sockets(const ConditionPlan& plan, MessageLog* log) {
     Sockets sockets(plan.network);
     if (log != nullptr) sockets.record_to(*log, plan.log.messages == LoggedMessages::kAll);
     return sockets;
 }
-
-// Those that a condition of this process has carried out: one that comes between two conditions is the next one's.
-std::atomic<unsigned> emergencies_taken{0};
 
 // The session's own, as the nodes write theirs.
 nlohmann::ordered_json session_report(const Sockets& sockets, bool realtime) {
@@ -49,15 +39,6 @@ nlohmann::ordered_json session_report(const Sockets& sockets, bool realtime) {
 }
 
 }  // namespace
-
-template <class Write>
-void ConditionRun::attempt(Write&& write) {
-    try {
-        write();
-    } catch (const Error& error) {
-        if (write_fault_.empty()) write_fault_ = error.what();
-    }
-}
 
 ConditionRun::Company::Company(SessionProcess& session, std::unique_ptr<Process> observer, Security* security)
     : session_(&session), observer_(std::move(observer)), security_(security) {}
@@ -79,158 +60,91 @@ ConditionRun::ConditionRun(const ConditionPlan& plan, const ConditionEvents& eve
     : plan_(plan),
       events_(events),
       realtime_(plan.runtime),
-      log_(plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>()),
-      sockets_(open_sockets(plan, log_.get())),
+      files_(plan),
+      sockets_(open_sockets(plan, files_.log())),
       session_(system_entropy(), plan.session, sockets_),
       company_(session_, plan.make_observer ? plan.make_observer(session_, sockets_, plan.name) : nullptr,
                sockets_.security()),
       loop_(sockets_.listeners()),
-      stops_heard_(emergencies_taken),
-      stop_file_(plan.network.base_port) {
+      nodes_(plan, files_),
+      stop_(session_, plan) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
-        if (writer_) attempt([&] { writer_->append(sample); });
+        files_.add(sample);
     });
     session_.set_clock_hook([this](Role node, const ClockExchange& exchange) {
-        if (clock_writer_) attempt([&] { clock_writer_->append(node, exchange); });
-        note_clock(node, exchange);
+        files_.add(node, exchange, session_.clock_of(node));
     });
-}
-
-ConditionRun::~ConditionRun() {
-    for (const auto& node : nodes_) node->stop();
 }
 
 void ConditionRun::open() {
-    if (!plan_.holds_stop) stop_file_.require_released();
-    make_folder(plan_.out);
-    clock_writer_.emplace(clock_path());
-    if (log_) open_log();
-    if (plan_.starter) launch();
-    wait_for_machines();
+    if (!plan_.holds_stop) stop_.require_released();
+    files_.open();
+    if (plan_.starter) nodes_.launch();
+    nodes_.wait_for_machines([this] { turn_before_trials(); });
     wait_for_nodes();
 }
 
-// A node that was started anew does not write over what it had written.
-std::string ConditionRun::again() const { return revivals_ == 0 ? "" : fmt::format("_again{}", revivals_); }
-
-std::filesystem::path ConditionRun::report_path(std::size_t node) const {
-    return plan_.out / fmt::format("{}_{:g}ms.json", kNodes[node].program, 1000 * plan_.delay_s);
+void ConditionRun::turn(SessionTime until) {
+    loop_.step(company_, until);
+    stop_.look();
 }
 
-std::filesystem::path ConditionRun::log_path(std::size_t node) const {
-    return plan_.out / fmt::format("{}_{:g}ms{}.log", kNodes[node].program, 1000 * plan_.delay_s, again());
+void ConditionRun::turn_before_trials() {
+    turn(wall_now() + kPoll);
+    nodes_.throw_if_dead();
+    if (events_.stop && events_.stop())
+        throw Error(ExitCode::kRunFailed, "interrupted before the first trial");
 }
 
-std::filesystem::path ConditionRun::clock_path() const {
-    return plan_.out / fmt::format("clocks_{:g}ms.csv", 1000 * plan_.delay_s);
-}
-
-std::filesystem::path ConditionRun::messages_path(const std::string& program) const {
-    return plan_.out / fmt::format("{}_{:g}ms{}.mcap", program, 1000 * plan_.delay_s, again());
-}
-
-void ConditionRun::open_log() {
-    const auto path = messages_path("session");
-    std::filesystem::remove(path);
-    log_->start(path, {"session", plan_.session_file, {}}, plan_.log);
-}
-
-// As measured until now, once a second and node.
-void ConditionRun::note_clock(Role node, const ClockExchange& exchange) {
-    SessionTime& next = next_clock_note_.at(static_cast<std::size_t>(node));
-    if (!log_ || exchange.answered < next) return;
-    next = exchange.answered + kClockNotes;
-    const auto offset = session_.clock_of(node).at(exchange.answered);
-    if (!offset) return;
-    log_->note("clock_offset", {{"node", to_string(node)},
-                                {"offset_s", fmt::format("{:.9f}", offset->offset_s())},
-                                {"bound_s", fmt::format("{:.9f}", offset->bound_s())},
-                                {"at_ns", std::to_string(to_nanoseconds(exchange.answered))}});
-}
-
-void ConditionRun::note_trial(const TrialConditions& trial, std::uint32_t number) {
-    if (!log_) return;
-    log_->note("trial", {{"seed", std::to_string(trial.study_seed)},
-                         {"experiment", std::to_string(trial.experiment)},
-                         {"subject", std::to_string(trial.subject)},
-                         {"trial", std::to_string(trial.trial)},
-                         {"number_on_the_wire", std::to_string(number)},
-                         {"modality", to_string(trial.modality)},
-                         {"delay_s", fmt::format("{}", trial.delay_s)},
-                         {"fixture_position_m", fmt::format("{}", trial.fixture_position_m)},
-                         {"at_ns", std::to_string(to_nanoseconds(wall_now()))}});
-}
-
-// The file is the record; the summary is made from it.
-void ConditionRun::close_clocks() {
-    if (!clock_writer_) return;
-    attempt([this] { clock_writer_->flush(); });
-    clock_writer_.reset();
-    if (!write_fault_.empty()) return;  // its last line may be half a one
-    result_.clocks = clocks_of(plan_.delay_s, read_clock_file(clock_path()));
-}
-
-std::string ConditionRun::who_stopped() const {
-    const StopBus& line = session_.stop_bus();
-    return fmt::format("{} ({}): {}",
-                       line.reason() == EndReason::kSafetyStop ? "safety stop" : "emergency stop",
-                       to_string(line.raised_by()), line.words());
-}
-
-std::string ConditionRun::how_to_release() const {
-    const int base = plan_.network.base_port;
-    const auto& hosts = plan_.network.hosts;
-    const bool by_file = plan_.network.security.mode != SecurityMode::kNone ||
-                         std::any_of(hosts.begin(), hosts.end(), leaves_this_machine);
-    std::string how(kHowToRelease);
-    if (by_file && !plan_.session_file.empty()) how += " " + plan_.session_file.string();
-    if (base != NetworkSettings::kDefaultBasePort) how += fmt::format(" --base-port {}", base);
-    return how + stop_fault_;
-}
-
-std::string ConditionRun::stop_words() const {
-    if (!session_.stop_bus().stopped()) return {};
-    return fmt::format("{}; {}", who_stopped(), how_to_release());
-}
-
-void ConditionRun::keep_stop() {
-    const bool held = session_.stop_bus().stopped();
-    if (!held && !stop_kept_) return;
-    stop_kept_ = held;
-    try {
-        if (held) {
-            stop_file_.keep(who_stopped());
-        } else {
-            stop_file_.release(stop_file_.kept());
+void ConditionRun::wait_for_nodes() {
+    const SessionTime begin = wall_now();
+    const Duration limit = plan_.session.peer_wait + plan_.session.user_limit;
+    SessionTime next_words = begin + kWordsAfter;
+    for (SessionTime now = begin; !session_.missing_peers(now, kPeerTimeout).empty(); now = wall_now()) {
+        turn_before_trials();
+        // Somebody has to do something to the handle first: its node says what, in a log that nobody looks at now.
+        if (plan_.session.user_limit > Duration::zero() && now > next_words) {
+            next_words = now + kWordsAfter;
+            nodes_.pass_on_words();
         }
-        stop_fault_.clear();
-    } catch (const Error& error) {
-        if (stop_fault_.empty())
-            say_words(fmt::format("a stop that is not kept ends with this program: {}\n", error.what()));
-        stop_fault_ =
-            fmt::format("; it ends with this program, since it could not be kept: {}", error.what());
+        if (now < begin + limit) continue;
+        throw Error(ExitCode::kNetwork,
+                    fmt::format("no answer from {} within {} s on ports from {}{}: see the logs in {}",
+                                session_.missing_peers(now, kPeerTimeout), to_seconds(limit),
+                                plan_.network.base_port, why_silent(), plan_.out.string()));
     }
+}
+
+// Whoever is heard with another lab key is not silent.
+std::string ConditionRun::why_silent() const {
+    const std::string complaint = sockets_.security() == nullptr ? "" : sockets_.security()->complaint();
+    return complaint.empty() ? complaint : " (" + complaint + ")";
+}
+
+// What was asked of a trial that is over, by its number, moves nobody: the new instance begins at none.
+bool ConditionRun::revive() {
+    if (!nodes_.restart_dead()) return false;
+    result_ = {};
+    halted_ = false;
+    nodes_.wait_for_machines([this] { turn_before_trials(); });
+    // The dead ones were heard a moment ago, and their places count as occupied until they have been silent for a second: only
+    // then are the new ones heard, and all have answered who are not missing.
+    const SessionTime forgotten = wall_now() + 2 * kPeerTimeout;
+    for (SessionTime now = wall_now(); now < forgotten && session_.missing_peers(now, kPeerTimeout).empty();
+         now = wall_now()) {
+        turn(now + kPoll);
+    }
+    wait_for_nodes();
+    return true;
 }
 
 void ConditionRun::emergency_stop(std::string_view words) { session_.emergency_stop(wall_now(), words); }
 void ConditionRun::release_stop() { session_.release_stop(wall_now()); }
 
-void ConditionRun::hear_stop_key() {
-    const unsigned asked = emergency_stops();
-    if (asked == stops_heard_) return;
-    stops_heard_ = emergencies_taken = asked;
-    emergency_stop("Ctrl-\\ at thimble's terminal");
-}
-
 const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::uint32_t number,
                                            const std::filesystem::path& trajectory) {
-    trajectory_ = trajectory;
-    if (!trajectory.empty()) {
-        make_folder(trajectory.parent_path());
-        writer_.emplace(trajectory, plan_.if_exists);
-    }
-    note_trial(trial, number);
+    files_.begin_trial(trial, number, trajectory);
     if (halted_) result_ = {};
     halted_ = false;
     session_.start(trial, number);
@@ -238,13 +152,13 @@ const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::ui
     while (!session_.finished()) {
         const SessionTime now = wall_now();
         loop_.step(company_, now + kPoll);
-        if (now >= next_poll) look_around(now + kPoll, next_poll);
+        if (now >= next_poll) {
+            next_poll = now + kPoll;
+            look_around();
+        }
         if (now >= next_flush) {
-            attempt([&] {
-                if (writer_) writer_->flush();
-                if (clock_writer_) clock_writer_->flush();
-            });
             next_flush = now + kFlush;
+            files_.flush();
         }
         if (now >= next_progress && events_.progress) {
             events_.progress(trial, last_);
@@ -255,57 +169,53 @@ const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::ui
     return session_.record();
 }
 
-void ConditionRun::look_around(SessionTime next, SessionTime& next_poll) {
-    next_poll = next;
-    hear_stop_key();
-    keep_stop();
+void ConditionRun::look_around() {
+    stop_.look();
     if (events_.stop && events_.stop()) return session_.abort(EndReason::kInterrupted);
-    const bool cannot_write = !write_fault_.empty() || (log_ && !log_->fault().empty());
+    const bool cannot_write = !files_.fault().empty() || !files_.log_fault().empty();
     if (cannot_write) return session_.abort(EndReason::kDeviceFault, Role::kSession);
-    if (const auto dead = dead_node()) session_.abort(EndReason::kPeerLost, kNodes[*dead].role);
+    if (const auto dead = nodes_.dead()) session_.abort(EndReason::kPeerLost, kNodeRoles[*dead]);
 }
 
 void ConditionRun::close_trial() {
     const TrialRecord& record = session_.record();
-    if (writer_) {
-        attempt([&] { writer_->end(record.reason, record.lost_peer); });
-        writer_.reset();
-        if (!record.network_events.empty())
-            attempt([&] { write_events(event_path(trajectory_), record.network_events); });
-    }
-    // Not if whoever watches has ended the trial: then the condition goes on.
+    files_.end_trial(record);
+    judge(record);
+    admit_write_fault(files_.fault());
+    if (events_.trial_done) events_.trial_done(record);
+}
+
+void ConditionRun::judge(const TrialRecord& record) {
+    // Not if whoever watches has ended the trial: then the run goes on.
     if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {
-        result_.code = ExitCode::kRunFailed;
-        result_.problem = "interrupted; what was recorded is kept";
+        fail(ExitCode::kRunFailed, "interrupted; what was recorded is kept");
     } else if (is_stop(record.reason)) {
         halted_ = true;
-        result_.code = ExitCode::kRunFailed;
-        result_.problem = fmt::format("{}: {}", outcome_text(record.reason, record.lost_peer), record.fault);
-        result_.problem += fmt::format("; {}", how_to_release());
+        fail(ExitCode::kRunFailed, fmt::format("{}: {}; {}", outcome_text(record.reason, record.lost_peer),
+                                               record.fault, stop_.how_to_release()));
     } else if (record.reason == EndReason::kDeviceFault) {
-        result_.code = ExitCode::kRunFailed;
-        result_.problem = words_of_fault(record);
+        fail(ExitCode::kRunFailed, words_of_fault(record));
     } else if (record.reason == EndReason::kPeerLost) {
-        result_.code = ExitCode::kNetwork;
-        const auto dead = dead_node();
-        result_.problem = dead ? nodes_[*dead]->exit_message()
-                               : fmt::format("lost contact with {}", to_string(record.lost_peer));
+        const auto dead = nodes_.dead();
+        fail(ExitCode::kNetwork, dead ? nodes_.exit_message(*dead)
+                                      : fmt::format("lost contact with {}", to_string(record.lost_peer)));
     }
-    admit_write_fault(write_fault_);
-    if (events_.trial_done) events_.trial_done(record);
+}
+
+void ConditionRun::fail(ExitCode code, const std::string& problem) {
+    result_.code = code;
+    result_.problem = problem;
 }
 
 // Also where a trial had ended well before: nothing is missing without a word.
 void ConditionRun::admit_write_fault(std::string_view words) {
-    if (words.empty() || result_.code != ExitCode::kOk) return;
-    result_.code = ExitCode::kRunFailed;
-    result_.problem = words;
+    if (!words.empty() && result_.code == ExitCode::kOk) fail(ExitCode::kRunFailed, std::string(words));
 }
 
 // What cannot be written is told by whoever was to write it, as a device that fails is.
 std::string ConditionRun::words_of_fault(const TrialRecord& record) const {
-    if (record.lost_peer == Role::kSession && !write_fault_.empty()) return write_fault_;
-    if (record.lost_peer == Role::kSession && log_) return std::string(log_->fault());
+    if (record.lost_peer == Role::kSession && !files_.fault().empty()) return files_.fault();
+    if (record.lost_peer == Role::kSession && files_.log() != nullptr) return files_.log_fault();
     if (record.fault.starts_with("the log "))
         return fmt::format("{}: {}", to_string(record.lost_peer), record.fault);
     return fmt::format("the device of {} failed: {}", to_string(record.lost_peer), record.fault);
@@ -314,37 +224,30 @@ std::string ConditionRun::words_of_fault(const TrialRecord& record) const {
 void ConditionRun::idle(Duration limit) {
     const SessionTime end = wall_now() + limit;
     for (SessionTime now = wall_now(); now < end; now = wall_now()) {
-        loop_.step(company_, std::min(end, now + kPoll));
-        hear_stop_key();
-        keep_stop();
-        dead_node();
+        turn(std::min(end, now + kPoll));
+        nodes_.dead();
     }
 }
 
 // Whoever stops while nodes are being ended, or just before, has stopped the session and what comes after it.
 void ConditionRun::take_last_stops() {
     company_.tick(wall_now());
-    hear_stop_key();
-    keep_stop();
-    if (!session_.stop_bus().stopped() || result_.code != ExitCode::kOk) return;
-    result_.code = ExitCode::kRunFailed;
-    result_.problem = stop_words();
+    stop_.look();
+    if (stop_.stopped() && result_.code == ExitCode::kOk) fail(ExitCode::kRunFailed, stop_.words());
 }
 
 ConditionResult ConditionRun::close() {
-    keep_stop();
-    close_clocks();
-    if (plan_.starter) end_nodes();
+    stop_.look();
+    result_.clocks = files_.close_clocks();
+    if (plan_.starter) {
+        session_.shut_down(wall_now());
+        nodes_.end(result_);
+    }
     take_last_stops();
     result_.reports.push_back(session_report(sockets_, realtime_.granted()));
-    attempt([this] {
-        CsvFile file(plan_.out / fmt::format("session_{:g}ms.json", 1000 * plan_.delay_s),
-                     IfExists::kReplace);
-        file.write(json_text(result_.reports.back(), 2) + "\n");
-        file.flush();
-    });
-    admit_write_fault(write_fault_);
-    if (log_) admit_write_fault(log_->close().fault);
+    files_.write_session_report(result_.reports.back());
+    admit_write_fault(files_.fault());
+    if (files_.log() != nullptr) admit_write_fault(files_.log()->close().fault);
     for (const auto& report : result_.reports) {
         if (report.contains("log")) admit_write_fault(report["log"].value("fault", ""));
     }

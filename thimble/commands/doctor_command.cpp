@@ -32,7 +32,7 @@ bool needs_other_machines(const NetworkSettings& network) {
 }
 
 // As `thimble run` has it where the file does not say.
-unsigned lanes_of(const SessionPlan& plan) {
+unsigned condition_count(const SessionPlan& plan) {
     const unsigned delays = static_cast<unsigned>(plan.delays.size());
     const unsigned wanted = plan.parallel_conditions > 0
                                 ? static_cast<unsigned>(plan.parallel_conditions)
@@ -64,7 +64,7 @@ int examine_machine(const DoctorArguments& arguments) {
     facts.session.several_machines = needs_other_machines(network);
     const int base_port = arguments.base_port != 0 ? arguments.base_port : network.base_port;
     facts.programs = gather_programs(program_folder());
-    facts.ports = gather_ports(static_cast<std::uint16_t>(base_port), lanes_of(settings.plan));
+    facts.ports = gather_ports(static_cast<std::uint16_t>(base_port), condition_count(settings.plan));
     facts.firewall = gather_firewall("/");
     gather_time(file, arguments.seconds_s, facts.realtime, facts.timer);
     facts.processors = gather_processors("/");

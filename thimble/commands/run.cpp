@@ -45,7 +45,7 @@ class Run {
         table_ = &table;
         progress_.say("measuring a bare round trip between two processes");
         bare_ = measure_ping_pong(options_.runtime);
-        run_lanes();
+        run_conditions();
         if (failure_ && result_.rows.empty()) std::rethrow_exception(failure_);
         conclude();
         if (failure_) std::rethrow_exception(failure_);
@@ -67,21 +67,21 @@ class Run {
     }
 
     // Conditions take the next delay until none is left or something went wrong.
-    void run_lanes() {
+    void run_conditions() {
         std::vector<std::thread> threads;
-        for (unsigned condition = 0; condition < condition_count(); ++condition)
-            threads.emplace_back([this, condition] { work(condition); });
+        for (unsigned place = 0; place < condition_count(); ++place)
+            threads.emplace_back([this, place] { work(place); });
         for (std::thread& thread : threads) thread.join();
     }
 
-    void work(unsigned condition) {
+    void work(unsigned place) {
         for (;;) {
             std::unique_lock lock(mutex_);
             if (failure_ || result_.code != ExitCode::kOk || next_delay_ >= delays_.size()) return;
             const double delay_s = to_seconds(delays_[next_delay_++]);
             lock.unlock();
             try {
-                run_condition(condition, delay_s);
+                run_delay(place, delay_s);
             } catch (...) {
                 const std::lock_guard guard(mutex_);
                 if (!failure_) failure_ = std::current_exception();
@@ -90,13 +90,13 @@ class Run {
         }
     }
 
-    ConditionPlan plan(unsigned condition, double delay_s) const {
+    ConditionPlan plan(unsigned place, double delay_s) const {
         ConditionPlan plan;
         plan.starter = options_.starter;
         plan.out = options_.out / "nodes";
         plan.network = options_.network;
-        plan.network.base_port = static_cast<std::uint16_t>(plan.network.base_port +
-                                                            condition * static_cast<unsigned>(Port::kCount));
+        plan.network.base_port =
+            static_cast<std::uint16_t>(plan.network.base_port + place * static_cast<unsigned>(Port::kCount));
         SystemSettings with_delay = settings_;
         set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
         plan.session = session_settings(with_delay);
@@ -113,8 +113,8 @@ class Run {
         return plan;
     }
 
-    void run_condition(unsigned condition, double delay_s) {
-        const ConditionPlan lane_plan = plan(condition, delay_s);
+    void run_delay(unsigned place, double delay_s) {
+        const ConditionPlan planned = plan(place, delay_s);
         ConditionEvents events;
         events.stop = [this] {
             return failed_ || (options_.stop != nullptr && *options_.stop) ||
@@ -122,13 +122,13 @@ class Run {
         };
         events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
         events.trial_done = [this](const TrialRecord& record) { keep(record); };
-        ConditionResult lane_result = run_condition(lane_plan, events);
+        ConditionResult result = run_condition(planned, events);
         const std::lock_guard guard(mutex_);
-        for (auto& node : lane_result.reports) nodes_.push_back({delay_s, std::move(node)});
-        clocks_.insert(clocks_.end(), lane_result.clocks.begin(), lane_result.clocks.end());
-        if (lane_result.code == ExitCode::kOk || result_.code != ExitCode::kOk) return;
-        result_.code = lane_result.code;
-        result_.problem = lane_result.problem;
+        for (auto& node : result.reports) nodes_.push_back({delay_s, std::move(node)});
+        clocks_.insert(clocks_.end(), result.clocks.begin(), result.clocks.end());
+        if (result.code == ExitCode::kOk || result_.code != ExitCode::kOk) return;
+        result_.code = result.code;
+        result_.problem = result.problem;
         failed_ = true;
     }
 

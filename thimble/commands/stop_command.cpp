@@ -31,7 +31,7 @@ struct StopArguments {
     bool release = false;
 };
 
-NetworkSettings lane_network(const StopArguments& a, int condition) {
+NetworkSettings condition_network(const StopArguments& a, int condition) {
     const ConfigFile file = a.config.empty() ? ConfigFile::empty() : ConfigFile::load(a.config);
     NetworkSettings network = read_network_settings(file);
     const int base = a.base_port != 0 ? a.base_port : network.base_port;
@@ -39,8 +39,8 @@ NetworkSettings lane_network(const StopArguments& a, int condition) {
     return network;
 }
 
-int lanes_of(const StopArguments& a) {
-    const int base = lane_network(a, 0).base_port;
+int condition_count(const StopArguments& a) {
+    const int base = condition_network(a, 0).base_port;
     const int possible = (65536 - base) / static_cast<int>(Port::kCount);
     return std::clamp(a.conditions == 0 ? 8 : a.conditions, 1, possible);
 }
@@ -50,12 +50,12 @@ template <class Talk>
 class Conditions {
   public:
     explicit Conditions(const StopArguments& a) {
-        const auto count = static_cast<std::size_t>(lanes_of(a));
+        const auto count = static_cast<std::size_t>(condition_count(a));
         sockets_.reserve(count);
         talks_.reserve(count);
         const std::uint64_t instance = system_entropy();
         for (std::size_t i = 0; i < count; ++i) {
-            sockets_.push_back(std::make_unique<Sockets>(lane_network(a, static_cast<int>(i))));
+            sockets_.push_back(std::make_unique<Sockets>(condition_network(a, static_cast<int>(i))));
             talks_.push_back(std::make_unique<Talk>(instance, stop_outlets(*sockets_.back())));
         }
     }
@@ -95,7 +95,7 @@ class StopCall {
 
 // Where the answers may be: the programs that are asked are those of this file, or of this machine.
 std::string where(const StopArguments& a) {
-    const int base = lane_network(a, 0).base_port;
+    const int base = condition_network(a, 0).base_port;
     return a.config.empty() ? fmt::format("ports from {}", base)
                             : fmt::format("{}, ports from {}", a.config, base);
 }
@@ -110,7 +110,7 @@ std::string same_arguments(const StopArguments& a) {
 std::string holders(const Conditions<StopCall>& conditions) {
     std::array<bool, kRoleCount> holds{};
     for (const auto& condition : conditions.talks()) {
-        for (const LatchedStop& held : lane->held()) holds.at(static_cast<std::size_t>(held.by)) = true;
+        for (const LatchedStop& held : condition->held()) holds.at(static_cast<std::size_t>(held.by)) = true;
     }
     std::string names;
     for (std::size_t role = 0; role < holds.size(); ++role) {
@@ -125,7 +125,7 @@ int stop(const StopArguments& a) {
     const std::uint64_t id = std::max<std::uint64_t>(1, system_entropy());
     Conditions<StopCall> conditions(a);
     for (const auto& condition : conditions.talks())
-        lane->stop({id, StopKind::kStop, EndReason::kEmergencyStop, a.reason});
+        condition->stop({id, StopKind::kStop, EndReason::kEmergencyStop, a.reason});
     conditions.rounds(kReleaseTimes + 1);
     for (int more = 0; holders(conditions).empty() && more < kMoreRounds; ++more) {
         wall_sleep(kStopRepeat);
@@ -149,16 +149,16 @@ int stop(const StopArguments& a) {
 int release(const StopArguments& a) {
     std::vector<StopFile> files;
     std::vector<std::optional<StopFile::Kept>> kept;
-    for (int condition = 0; condition < lanes_of(a); ++condition) {
-        files.emplace_back(lane_network(a, condition).base_port);
+    for (int condition = 0; condition < condition_count(a); ++condition) {
+        files.emplace_back(condition_network(a, condition).base_port);
         kept.push_back(files.back().kept());
     }
     Conditions<StopRelease> conditions(a);
     conditions.rounds(StopRelease::kRounds);
     bool answered = false, removed = false;
     for (const auto& condition : conditions.talks()) {
-        for (const StopOrder& stop : lane->stops()) fmt::print("released: {}\n", stop.words());
-        answered = answered || !lane->stops().empty();
+        for (const StopOrder& stop : condition->stops()) fmt::print("released: {}\n", stop.words());
+        answered = answered || !condition->stops().empty();
     }
     for (std::size_t condition = 0; condition < files.size(); ++condition) {
         if (!files[condition].release(kept[condition])) continue;

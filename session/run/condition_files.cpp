@@ -1,0 +1,137 @@
+#include "session/run/condition_files.hpp"
+
+#include <fmt/format.h>
+
+#include "common/csv/csv_file.hpp"
+#include "common/json_text.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
+#include "session/launch/node_kinds.hpp"
+#include "session/records/event_file.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kClockNotes = std::chrono::seconds{1};  // offsets to the log, of each node
+
+}  // namespace
+
+ConditionFiles::ConditionFiles(const ConditionPlan& plan)
+    : plan_(plan),
+      log_(plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>()) {}
+
+template <class Write>
+void ConditionFiles::attempt(Write&& write) {
+    try {
+        write();
+    } catch (const Error& error) {
+        if (fault_.empty()) fault_ = error.what();
+    }
+}
+
+void ConditionFiles::open() {
+    make_folder(plan_.out);
+    clock_writer_.emplace(clock_path());
+    if (!log_) return;
+    const auto path = messages_path("session");
+    std::filesystem::remove(path);
+    log_->start(path, {"session", plan_.session_file, {}}, plan_.log);
+}
+
+std::string ConditionFiles::again() const { return restarts_ == 0 ? "" : fmt::format("_again{}", restarts_); }
+
+std::filesystem::path ConditionFiles::report_path(std::size_t node) const {
+    return plan_.out / fmt::format("{}_{:g}ms.json", kNodes[node].program, 1000 * plan_.delay_s);
+}
+
+std::filesystem::path ConditionFiles::log_path(std::size_t node) const {
+    return plan_.out / fmt::format("{}_{:g}ms{}.log", kNodes[node].program, 1000 * plan_.delay_s, again());
+}
+
+std::filesystem::path ConditionFiles::clock_path() const {
+    return plan_.out / fmt::format("clocks_{:g}ms.csv", 1000 * plan_.delay_s);
+}
+
+std::filesystem::path ConditionFiles::messages_path(const std::string& program) const {
+    return plan_.out / fmt::format("{}_{:g}ms{}.mcap", program, 1000 * plan_.delay_s, again());
+}
+
+void ConditionFiles::begin_trial(const TrialConditions& trial, std::uint32_t number,
+                                 const std::filesystem::path& trajectory) {
+    trajectory_ = trajectory;
+    if (!trajectory.empty()) {
+        make_folder(trajectory.parent_path());
+        writer_.emplace(trajectory, plan_.if_exists);
+    }
+    note(trial, number);
+}
+
+void ConditionFiles::add(const TrajectorySample& sample) {
+    if (writer_) attempt([&] { writer_->append(sample); });
+}
+
+void ConditionFiles::add(Role node, const ClockExchange& exchange, const ClockFilter& clock) {
+    if (clock_writer_) attempt([&] { clock_writer_->append(node, exchange); });
+    note(node, exchange, clock);
+}
+
+// As measured until now, once a second and node.
+void ConditionFiles::note(Role node, const ClockExchange& exchange, const ClockFilter& clock) {
+    SessionTime& next = next_clock_note_.at(static_cast<std::size_t>(node));
+    if (!log_ || exchange.answered < next) return;
+    next = exchange.answered + kClockNotes;
+    const auto offset = clock.at(exchange.answered);
+    if (!offset) return;
+    log_->note("clock_offset", {{"node", to_string(node)},
+                                {"offset_s", fmt::format("{:.9f}", offset->offset_s())},
+                                {"bound_s", fmt::format("{:.9f}", offset->bound_s())},
+                                {"at_ns", std::to_string(to_nanoseconds(exchange.answered))}});
+}
+
+void ConditionFiles::note(const TrialConditions& trial, std::uint32_t number) {
+    if (!log_) return;
+    log_->note("trial", {{"seed", std::to_string(trial.study_seed)},
+                         {"experiment", std::to_string(trial.experiment)},
+                         {"subject", std::to_string(trial.subject)},
+                         {"trial", std::to_string(trial.trial)},
+                         {"number_on_the_wire", std::to_string(number)},
+                         {"modality", to_string(trial.modality)},
+                         {"delay_s", fmt::format("{}", trial.delay_s)},
+                         {"fixture_position_m", fmt::format("{}", trial.fixture_position_m)},
+                         {"at_ns", std::to_string(to_nanoseconds(wall_now()))}});
+}
+
+void ConditionFiles::flush() {
+    attempt([this] {
+        if (writer_) writer_->flush();
+        if (clock_writer_) clock_writer_->flush();
+    });
+}
+
+void ConditionFiles::end_trial(const TrialRecord& record) {
+    if (!writer_) return;
+    attempt([&] { writer_->end(record.reason, record.lost_peer); });
+    writer_.reset();
+    if (record.network_events.empty()) return;
+    attempt([&] { write_events(event_path(trajectory_), record.network_events); });
+}
+
+// The file is the record; the summary is made from it. After a fault its last line may be half a one.
+std::vector<NodeClock> ConditionFiles::close_clocks() {
+    if (!clock_writer_) return {};
+    attempt([this] { clock_writer_->flush(); });
+    clock_writer_.reset();
+    if (!fault_.empty()) return {};
+    return clocks_of(plan_.delay_s, read_clock_file(clock_path()));
+}
+
+void ConditionFiles::write_session_report(const nlohmann::ordered_json& report) {
+    attempt([&] {
+        CsvFile file(plan_.out / fmt::format("session_{:g}ms.json", 1000 * plan_.delay_s),
+                     IfExists::kReplace);
+        file.write(json_text(report, 2) + "\n");
+        file.flush();
+    });
+}
+
+}  // namespace thimble

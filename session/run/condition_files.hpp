@@ -1,0 +1,72 @@
+// What a condition's run writes as it comes: trajectories, exchanges of clocks, the session's log of messages; and where each
+// of its files is. What cannot be written is remembered and ends the trial, with what was written.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/log/message_log.hpp"
+#include "session/clocks/clock_file.hpp"
+#include "session/clocks/clock_filter.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/run/condition_plan.hpp"
+
+namespace thimble {
+
+class ConditionFiles {
+  public:
+    // `plan` outlives the files.
+    explicit ConditionFiles(const ConditionPlan& plan);
+
+    // Throws Error (usage) if the folder or a file cannot be made.
+    void open();
+    MessageLog* log() const { return log_.get(); }  // null: no message is to be written
+
+    std::filesystem::path report_path(std::size_t node) const;
+    std::filesystem::path log_path(std::size_t node) const;  // what its program says
+    std::filesystem::path messages_path(const std::string& program) const;
+    // From now on nodes have other names for what they write: nobody writes over what was written.
+    void nodes_start_anew() { ++restarts_; }
+
+    // `trajectory`: empty, if none is to be written.
+    void begin_trial(const TrialConditions& trial, std::uint32_t number,
+                     const std::filesystem::path& trajectory);
+    void add(const TrajectorySample& sample);
+    void add(Role node, const ClockExchange& exchange, const ClockFilter& clock);
+    void flush();
+    void end_trial(const TrialRecord& record);
+
+    // What the exchanges say, read back from their file. None after a fault.
+    std::vector<NodeClock> close_clocks();
+    void write_session_report(const nlohmann::ordered_json& report);
+
+    // Why a file could not be written; empty: all could.
+    const std::string& fault() const { return fault_; }
+    // The same of the log of messages.
+    std::string log_fault() const { return log_ ? std::string(log_->fault()) : std::string(); }
+
+  private:
+    template <class Write>
+    void attempt(Write&& write);
+    std::filesystem::path clock_path() const;
+    std::string again() const;
+    void note(Role node, const ClockExchange& exchange, const ClockFilter& clock);
+    void note(const TrialConditions& trial, std::uint32_t number);
+
+    const ConditionPlan& plan_;
+    std::unique_ptr<MessageLog> log_;
+    std::array<SessionTime, kRoleCount> next_clock_note_{};
+    std::optional<TrajectoryWriter> writer_;
+    std::filesystem::path trajectory_;
+    std::optional<ClockWriter> clock_writer_;
+    std::string fault_;
+    unsigned restarts_ = 0;
+};
+
+}  // namespace thimble

@@ -1,0 +1,62 @@
+// One condition of a real-time run: what is planned, whom it tells while it runs, what came out.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "common/csv/csv_file.hpp"
+#include "common/error.hpp"
+#include "common/log/log_settings.hpp"
+#include "common/network_settings.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "common/runtime/sockets.hpp"
+#include "session/clocks/clock_summary.hpp"
+#include "session/launch/node_starter.hpp"
+#include "session/run/session_process.hpp"
+
+namespace thimble {
+
+// Somebody to sit beside a session; `condition` is ConditionPlan::name.
+using MakeObserver =
+    std::function<std::unique_ptr<Process>(SessionProcess&, Sockets&, const std::string& condition)>;
+
+struct ConditionPlan {
+    std::shared_ptr<NodeStarter>
+        starter;  // none: the nodes run already, started by somebody else, and go on running
+    std::filesystem::path out;
+    NetworkSettings network;
+    SessionSettings session;
+    double delay_s = 0;  // of the force path
+    std::string name{};  // among conditions that run at the same time, "50ms"; empty: there is no other
+    std::vector<TrialConditions> trials;
+    // Sits beside the session and is called right after it, with the session's clock; none: nobody watches. What it
+    // opens among the sockets wakes the condition.
+    MakeObserver make_observer{};
+    RuntimeSettings runtime{};
+    bool strict_rt = false;
+    // What session and nodes write down of their messages, in NAME_<delay>ms.mcap in `out`.
+    LogSettings log{LoggedMessages::kNone, {}, {}};
+    std::filesystem::path session_file{};  // kept with it
+    IfExists if_exists = IfExists::kRefuse;
+    bool holds_stop = false;  // the one that is kept is its own: whoever plans this raises it again
+};
+
+struct ConditionEvents {
+    std::function<void(const TrialRecord&)> trial_done;  // may be empty, as the next two
+    std::function<void(const TrialConditions&, const TrajectorySample&)> progress;  // twice a second
+    std::function<bool()> stop;
+};
+
+struct ConditionResult {
+    ExitCode code = ExitCode::kOk;
+    std::string problem;                          // why it ended early; empty if it did not
+    std::vector<nlohmann::ordered_json> reports;  // one per node that could still write it
+    std::vector<NodeClock> clocks;
+};
+
+}  // namespace thimble
