@@ -96,7 +96,7 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
     return order;
 }
 
-ConditionPlan lane_plan(const SystemSettings& settings, const SittingRun& run, const Dataset& dataset,
+ConditionPlan condition_plan(const SystemSettings& settings, const SittingRun& run, const Dataset& dataset,
                         std::uint32_t participant, double delay_s) {
     SystemSettings with_delay = settings;
     set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
@@ -156,7 +156,7 @@ SittingResult run_sitting(const SystemSettings& settings, const SittingRun& run)
 
     dataset.open(kind, settings.dataset);
     if (run.view) run.view->planned(order.size());
-    RealTrials trials(lane_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
+    RealTrials trials(condition_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
                       run.stop);
     // The order first: an analysis asks for the order of every participant that is in the table.
     if (!written) write_order(dataset.order(participant), order);
