@@ -20,7 +20,7 @@ class ConditionRun {
   public:
     // `plan` and `events` outlive the condition. Throws Error: network, if a port is taken.
     ConditionRun(const ConditionPlan& plan, const ConditionEvents& events);
-    ~ConditionRun();  // ends the nodes, all at once
+    ~ConditionRun() = default;  // ends the nodes, all at once
     ConditionRun(const ConditionRun&) = delete;
     ConditionRun& operator=(const ConditionRun&) = delete;
 
