@@ -45,7 +45,7 @@ TEST_F(HandleRun, APersonsTrialEndsWhenTheNeedleIsWithdrawn) {
 TEST_F(HandleRun, AnUnpluggedHandleEndsTheTrialInItsOwnWords) {
     SessionFile file = session("press 0.02\nunplugged_after 600\n");
     file.delays_s = "[0.0, 0.05]";
-    file.conditions = 2;  // but there is one device: the second delay would come after the first
+    file.parallel_conditions = 2;  // but there is one device: the second delay would come after the first
     RealRun run(file);
     EXPECT_EQ(run.first_trial_end(), "# ended: device_fault_master");
     EXPECT_EQ(run.end(), 1) << run.words();

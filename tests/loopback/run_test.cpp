@@ -45,7 +45,7 @@ TEST(WholeRun, AllModalitiesWithAndWithoutDelay) {
     SessionFile session;
     session.modalities = R"(["HF", "CF", "CCF", "VF"])";
     session.delays_s = "[0.0, 0.05]";
-    session.conditions = 2;
+    session.parallel_conditions = 2;
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words();
     const auto rows = run.rows();

@@ -23,7 +23,7 @@ nlohmann::json heard_of(SessionFile session) {
     Child listener(
         "/bin/sh",
         {"-c", "exec python3 '" THIMBLE_SOURCE_DIR "/tests/loopback/observe/hear_plotjuggler.py' '" +
-                   (folder / "port").string() + "' 15 " + std::to_string(session.conditions)},
+                   (folder / "port").string() + "' 15 " + std::to_string(session.parallel_conditions)},
         folder / "heard");
     if (!wait_until([&] { return std::filesystem::exists(folder / "port"); }))
         throw std::runtime_error(read_text(folder / "heard"));
@@ -56,7 +56,7 @@ TEST(PlotJuggler, LanesSideBySideHaveNames) {
     if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library";
     SessionFile session;
     session.delays_s = "[0.0, 0.0025]";
-    session.conditions = 2;
+    session.parallel_conditions = 2;
     const auto conditions = heard_of(session);
     ASSERT_EQ(conditions.size(), 2U) << conditions;
     for (const char* condition : {"0ms", "2.5ms"}) {
