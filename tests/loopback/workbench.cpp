@@ -83,7 +83,7 @@ PortBlock::PortBlock() {
 
 std::string SessionFile::text() const {
     return fmt::format(
-        "[session]\nmodalities = {}\ndelays_s = {}\nfixture_jitter_m = 0\nlanes = {}\n"
+        "[session]\nmodalities = {}\ndelays_s = {}\nfixture_jitter_m = 0\nparallel_conditions = {}\n"
         "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = {}\ntimeout_s = 60\n{}\n",
         modalities, delays_s, parallel_conditions, contact_hold_s, more);
 }
