@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {

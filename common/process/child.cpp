@@ -1,10 +1,13 @@
 #include "common/process/child.hpp"
 
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
+#include <iterator>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
@@ -17,9 +20,26 @@
 extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX wants it declared by its user
 
 namespace thimble {
+namespace {
+
+class FileDescriptor {
+  public:
+    explicit FileDescriptor(int fd) : fd_(fd) {}
+    ~FileDescriptor() { ::close(fd_); }
+    FileDescriptor(const FileDescriptor&) = delete;
+    FileDescriptor& operator=(const FileDescriptor&) = delete;
+    int get() const { return fd_; }
+
+  private:
+    int fd_;
+};
+
+int exit_code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
+}  // namespace
 
 Child::Child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-             std::filesystem::path log, ChildStreams streams)
+             std::filesystem::path log, ChildStreams streams, const ChildPlace& place)
     : log_(std::move(log)) {
     std::vector<std::string> words{program.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
@@ -29,7 +49,7 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
     argv.push_back(nullptr);
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
-    direct(files, streams);
+    direct(files, streams, place);
     // A terminal's Ctrl-C goes to the launcher alone, which then ends the trial in order.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
@@ -43,9 +63,8 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     if (error != 0) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("cannot start {}: {}; is Thimble built or installed completely?",
-                                program.string(), std::strerror(error)));
+        throw Error(ExitCode::kRunFailed, fmt::format("{}: cannot be started: {}; {}", program.string(),
+                                                      std::strerror(error), place.remedy));
     }
 }
 
@@ -60,7 +79,8 @@ Child::~Child() {
     wait(std::chrono::seconds{1});
 }
 
-void Child::direct(posix_spawn_file_actions_t& files, const ChildStreams& streams) const {
+void Child::direct(posix_spawn_file_actions_t& files, const ChildStreams& streams,
+                   const ChildPlace& place) const {
     if (streams.input >= 0) {
         posix_spawn_file_actions_adddup2(&files, streams.input, STDIN_FILENO);
     } else {
@@ -70,14 +90,23 @@ void Child::direct(posix_spawn_file_actions_t& files, const ChildStreams& stream
                                      0644);
     posix_spawn_file_actions_adddup2(&files, streams.output >= 0 ? streams.output : STDERR_FILENO,
                                      STDOUT_FILENO);
+    if (!place.directory.empty()) posix_spawn_file_actions_addchdir_np(&files, place.directory.c_str());
 }
 
 std::optional<int> Child::poll() {
     int status = 0;
     if (!exit_code_ && waitpid(pid_, &status, WNOHANG) == pid_) {
-        exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+        exit_code_ = exit_code_of(status);
     }
     return exit_code_;
+}
+
+int Child::wait_for_ever() {
+    int status = 0;
+    while (!exit_code_ && waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (!exit_code_) exit_code_ = exit_code_of(status);
+    return *exit_code_;
 }
 
 void Child::signal(int number) {
@@ -103,6 +132,19 @@ std::string Child::last_words(std::size_t lines) const {
         text += (text.empty() ? "" : "\n") + all[i];
     }
     return text;
+}
+
+// Its words go to memory that has a path while it is open here: nothing is left behind.
+ProgramResult run_program(const std::string& program, const std::vector<std::string>& arguments,
+                          const std::filesystem::path& directory, const std::string& remedy) {
+    const FileDescriptor words(::memfd_create("words", MFD_CLOEXEC));
+    const std::string path = fmt::format("/proc/{}/fd/{}", ::getpid(), words.get());
+    Child child(program, arguments, path, {}, {directory, remedy});
+    ProgramResult result;
+    result.exit_code = child.wait_for_ever();
+    std::ifstream file(path);
+    result.output.assign(std::istreambuf_iterator<char>(file), {});
+    return result;
 }
 
 }  // namespace thimble

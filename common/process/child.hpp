@@ -1,5 +1,5 @@
 // A program started beside this one, its words kept in a log file. Killed, at the latest, when this object
-// goes.
+// goes. And one that is run to its end.
 #pragma once
 
 #include <filesystem>
@@ -18,11 +18,17 @@ struct ChildStreams {
     int input = -1, output = -1;  // -1: /dev/null, the log
 };
 
+// Where it runs, and how to help whoever has no such program.
+struct ChildPlace {
+    std::filesystem::path directory{};  // empty: this one
+    std::string remedy = "is Thimble built or installed completely?";
+};
+
 class Child {
   public:
     // A `program` without a slash is sought in PATH. Throws Error (run failed) if it cannot be started.
     Child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-          std::filesystem::path log, ChildStreams streams = {});
+          std::filesystem::path log, ChildStreams streams = {}, const ChildPlace& place = {});
     ~Child();
     Child(Child&& other) noexcept;
     Child& operator=(Child&&) = delete;
@@ -34,16 +40,28 @@ class Child {
     void signal_group(int number);
     // Waits, at most `limit`, for it to end.
     std::optional<int> wait(Duration limit);
+    int wait_for_ever();
     // The last lines it wrote.
     std::string last_words(std::size_t lines = 5) const;
     pid_t pid() const { return pid_; }
 
   private:
-    void direct(posix_spawn_file_actions_t& files, const ChildStreams& streams) const;
+    void direct(posix_spawn_file_actions_t& files, const ChildStreams& streams,
+                const ChildPlace& place) const;
 
     pid_t pid_ = -1;
     std::optional<int> exit_code_;
     std::filesystem::path log_;
 };
+
+struct ProgramResult {
+    int exit_code = 0;   // 128 + signal if a signal ended it
+    std::string output;  // stdout and stderr, as they came
+};
+
+// Runs another program in `directory` to its end and keeps what it said. Searches PATH, stdin is empty. Throws Error (run failed)
+// if the program cannot be started; `remedy` completes that message ("install ...").
+ProgramResult run_program(const std::string& program, const std::vector<std::string>& arguments,
+                          const std::filesystem::path& directory, const std::string& remedy);
 
 }  // namespace thimble

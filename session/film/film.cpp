@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 #include "session/film/film_scenes.hpp"
 #include "session/records/condition_summary.hpp"
 #include "visual_node/window/captions.hpp"

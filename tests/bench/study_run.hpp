@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 
 namespace thimble::test {
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 #include "cutaneous_node/board/board_reports.hpp"
 #include "master/devices/hid/hid_models.hpp"
 #include "master/devices/hid/report_descriptor.hpp"

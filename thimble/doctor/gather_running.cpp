@@ -11,7 +11,7 @@
 
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/timer_probe.hpp"

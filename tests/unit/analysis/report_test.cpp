@@ -8,7 +8,7 @@
 #include "analysis/report/report_tables.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "common/error.hpp"
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {

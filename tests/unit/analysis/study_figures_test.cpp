@@ -12,7 +12,7 @@
 #include "analysis/figures/measure_panels.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "common/error.hpp"
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 #include "tests/unit/analysis/modality_rows.hpp"
 #include "tests/unit/session/records.hpp"
 

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 
 namespace thimble {
 namespace {

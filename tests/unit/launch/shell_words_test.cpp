@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "common/process/subprocess.hpp"
+#include "common/process/child.hpp"
 
 namespace thimble {
 namespace {
