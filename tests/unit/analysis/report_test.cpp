@@ -128,7 +128,7 @@ TEST(Report, WithoutGnuplotTheTablesRemain) {
     write_report(report, directory / "report.html");
     write_summary(report, directory / "summary.json");
     const std::string html = read_text(directory / "report.html");
-    EXPECT_EQ(count(html, "No figures: gnuplot: cannot be started"), 1U);
+    EXPECT_EQ(count(html, "No figures: cannot start gnuplot"), 1U);
     EXPECT_EQ(count(html, "<table>"), 3U);
     EXPECT_NE(read_text(directory / "summary.json").find("figures_problem"), std::string::npos);
 }
