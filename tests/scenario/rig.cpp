@@ -89,7 +89,7 @@ Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap)
                                                             : nullptr),
       display(s.visual.pipeline),
       session(s, nullptr, devices(),
-              [&tap](Port to, Channel& end) -> std::unique_ptr<Channel> {
+              [tap](Port to, Channel& end) -> std::unique_ptr<Channel> {
                   const std::optional<Wire> wire = tap ? wire_to(to) : std::nullopt;
                   return wire ? tap(*wire, end) : nullptr;
               }),
