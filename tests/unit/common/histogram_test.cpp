@@ -54,6 +54,20 @@ TEST(Histogram, ConstantsAreExact) {
     }
 }
 
+TEST(Histogram, TwoMergedAreOneOfAllSamples) {
+    Histogram first, second, all;
+    for (int ns = 0; ns < 300; ++ns) {
+        (ns % 3 == 0 ? first : second).add(Duration{ns * ns});
+        all.add(Duration{ns * ns});
+    }
+    first.merge(second);
+    first.merge(Histogram{});
+    EXPECT_EQ(first.count(), 300U);
+    EXPECT_EQ(first.best(), all.best());
+    EXPECT_EQ(first.worst(), all.worst());
+    for (const double q : {0.25, 0.5, 0.99}) EXPECT_EQ(first.quantile(q), all.quantile(q));
+}
+
 TEST(Histogram, SmallValuesAreExact) {
     Histogram histogram;
     for (int ns = 0; ns <= 255; ++ns) histogram.add(Duration{ns});

@@ -135,6 +135,9 @@ TEST(Metrics, EmptyTinyAndContactlessRecords) {
     EXPECT_NEAR(single.penetration_max_m, 0.001, 1e-12);
     EXPECT_TRUE(std::isnan(single.oscillation_rms_m));  // nothing 0.5 s after the first contact
 
+    one.samples.front().position_needle_m = one.conditions.fixture_position_m;
+    EXPECT_TRUE(std::isnan(measure(one).first_contact_time_s)) << "it only reaches the plane";
+
     const TrialMetrics free = measure(make_record([](double) { return -0.01; }));
     EXPECT_TRUE(std::isnan(free.penetration_max_m));
     EXPECT_DOUBLE_EQ(free.completion_time_s, 6.0);

@@ -357,5 +357,14 @@ TEST_F(QuickSession, TheRecordHasRoomForEachSampleOfTheMaster) {
     EXPECT_GE(record().samples.capacity(), 600'000U);
 }
 
+TEST_F(QuickSession, ATrialThatNobodyEndsTimesOut) {
+    reach_running();
+    run_for(seconds{59});
+    EXPECT_TRUE(session_.running());
+    run_for(seconds{3});
+    EXPECT_TRUE(session_.finished());
+    EXPECT_EQ(record().reason, EndReason::kTimeout);
+}
+
 }  // namespace
 }  // namespace thimble

@@ -1,5 +1,7 @@
 #include "visual_node/views/order_sender.hpp"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/views/played_session.hpp"
@@ -47,6 +49,21 @@ TEST(OrderSender, SaysItAtOnceAndEvery50MsUntilItShows) {
     EXPECT_TRUE(bench.heard().empty());
     EXPECT_EQ(bench.sender.progress(OrderKind::kDelay), OrderProgress::kShown);
     EXPECT_FALSE(bench.sender.asking());
+}
+
+// Whoever pauses does not want to go on any more, and the other way round.
+TEST(OrderSender, AnOrderCallsItsOppositeOff) {
+    for (const auto& [first, second] : {std::pair{OrderKind::kPause, OrderKind::kResume},
+                                        std::pair{OrderKind::kStart, OrderKind::kEndTrial},
+                                        std::pair{OrderKind::kDelay, OrderKind::kNetwork}}) {
+        for (const bool swapped : {false, true}) {
+            OrderBench bench;
+            bench.ask(milliseconds{100}, order_of(swapped ? second : first));
+            bench.ask(milliseconds{110}, order_of(swapped ? first : second));
+            EXPECT_EQ(bench.sender.progress(swapped ? second : first), OrderProgress::kNone);
+            EXPECT_EQ(bench.sender.progress(swapped ? first : second), OrderProgress::kAsking);
+        }
+    }
 }
 
 TEST(OrderSender, AfterTwoSecondsItSaysThatNobodyAnswers) {
