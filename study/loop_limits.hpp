@@ -1,4 +1,4 @@
-// What a session's settings say about its force loop: the hand and the handle, the fixture, and how much delay they bear.
+// The force loop of a session, computed from its settings: hand, handle, fixture, and the delays that they bear.
 #pragma once
 
 #include <array>

@@ -25,7 +25,7 @@ class ConditionNodes {
 
     // Throws Error: run failed, if a machine has no such program.
     void launch();
-    // Starts those anew that have ended. False: there are none, or somebody else has started them.
+    // Starts the ended programs anew. False: none has ended, or the user started the programs.
     bool restart_dead();
     // The index of a node that has ended. Asks every one of them: that is how they learn that we are here.
     std::optional<std::size_t> dead();

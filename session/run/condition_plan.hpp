@@ -21,29 +21,28 @@
 
 namespace thimble {
 
-// Somebody to sit beside a session; `condition` is ConditionPlan::name.
+// Makes an observer of a session, which reads it and may send orders. `condition` is ConditionPlan::name.
 using MakeObserver =
     std::function<std::unique_ptr<Process>(SessionProcess&, Sockets&, const std::string& condition)>;
 
 struct ConditionPlan {
-    std::shared_ptr<NodeStarter>
-        starter;  // none: the nodes run already, started by somebody else, and go on running
+    std::shared_ptr<NodeStarter> starter;  // none: the user has started the nodes, and they go on running
     std::filesystem::path out;
     NetworkSettings network;
     SessionSettings session;
     double delay_s = 0;  // of the force path
     std::string name{};  // among conditions that run at the same time, "50ms"; empty: there is no other
     std::vector<TrialConditions> trials;
-    // Sits beside the session and is called right after it, with the session's clock; none: nobody watches. What it
-    // opens among the sockets wakes the condition.
+    // The loop calls the observer right after the session, with the session's clock. The sockets that it opens wake the loop.
+    // Empty: the session has no observer.
     MakeObserver make_observer{};
     RuntimeSettings runtime{};
     bool strict_rt = false;
-    // What session and nodes write down of their messages, in NAME_<delay>ms.mcap in `out`.
+    // The messages that session and nodes log, in NAME_<delay>ms.mcap in `out`.
     LogSettings log{LoggedMessages::kNone, {}, {}};
     std::filesystem::path session_file{};  // kept with it
     IfExists if_exists = IfExists::kRefuse;
-    bool holds_stop = false;  // the one that is kept is its own: whoever plans this raises it again
+    bool holds_stop = false;  // the kept stop is this program's own, which raises it again
 };
 
 struct ConditionEvents {

@@ -40,17 +40,18 @@ nlohmann::ordered_json session_report(const Sockets& sockets, bool realtime) {
 
 }  // namespace
 
-ConditionRun::Company::Company(SessionProcess& session, std::unique_ptr<Process> observer, Security* security)
+ConditionRun::SessionAndObserver::SessionAndObserver(SessionProcess& session,
+                                                     std::unique_ptr<Process> observer, Security* security)
     : session_(&session), observer_(std::move(observer)), security_(security) {}
 
-void ConditionRun::Company::tick(SessionTime now) {
+void ConditionRun::SessionAndObserver::tick(SessionTime now) {
     if (security_ != nullptr) security_->tick(now);
     session_->tick(now);
     if (observer_) observer_->tick(now);
     if (security_ != nullptr) security_->tick(now);
 }
 
-SessionTime ConditionRun::Company::next_wakeup() const {
+SessionTime ConditionRun::SessionAndObserver::next_wakeup() const {
     SessionTime next = session_->next_wakeup();
     if (security_ != nullptr) next = std::min(next, security_->next_wakeup());
     return observer_ ? std::min(next, observer_->next_wakeup()) : next;
@@ -63,8 +64,8 @@ ConditionRun::ConditionRun(const ConditionPlan& plan, const ConditionEvents& eve
       files_(plan),
       sockets_(open_sockets(plan, files_.log())),
       session_(system_entropy(), plan.session, sockets_),
-      company_(session_, plan.make_observer ? plan.make_observer(session_, sockets_, plan.name) : nullptr,
-               sockets_.security()),
+      both_(session_, plan.make_observer ? plan.make_observer(session_, sockets_, plan.name) : nullptr,
+            sockets_.security()),
       loop_(sockets_.listeners()),
       nodes_(plan, files_),
       stop_(session_, plan) {
@@ -86,7 +87,7 @@ void ConditionRun::open() {
 }
 
 void ConditionRun::turn(SessionTime until) {
-    loop_.step(company_, until);
+    loop_.step(both_, until);
     stop_.look();
 }
 
@@ -103,7 +104,7 @@ void ConditionRun::wait_for_nodes() {
     SessionTime next_words = begin + kWordsAfter;
     for (SessionTime now = begin; !session_.missing_peers(now, kPeerTimeout).empty(); now = wall_now()) {
         turn_before_trials();
-        // Somebody has to do something to the handle first: its node says what, in a log that nobody looks at now.
+        // The user may have to make the handle ready first. The master's log says how.
         if (plan_.session.user_limit > Duration::zero() && now > next_words) {
             next_words = now + kWordsAfter;
             nodes_.pass_on_words();
@@ -116,20 +117,19 @@ void ConditionRun::wait_for_nodes() {
     }
 }
 
-// Whoever is heard with another lab key is not silent.
+// A node with another lab key is heard, and refused.
 std::string ConditionRun::why_silent() const {
     const std::string complaint = sockets_.security() == nullptr ? "" : sockets_.security()->complaint();
     return complaint.empty() ? complaint : " (" + complaint + ")";
 }
 
-// What was asked of a trial that is over, by its number, moves nobody: the new instance begins at none.
+// A new program knows no trial: an old order, which has an older number, starts nothing.
 bool ConditionRun::revive() {
     if (!nodes_.restart_dead()) return false;
     result_ = {};
     halted_ = false;
     nodes_.wait_for_machines([this] { turn_before_trials(); });
-    // The dead ones were heard a moment ago, and their places count as occupied until they have been silent for a second: only
-    // then are the new ones heard, and all have answered who are not missing.
+    // The session heard the old programs a moment ago. It hears the new ones only after a second of silence.
     const SessionTime forgotten = wall_now() + 2 * kPeerTimeout;
     for (SessionTime now = wall_now(); now < forgotten && session_.missing_peers(now, kPeerTimeout).empty();
          now = wall_now()) {
@@ -151,7 +151,7 @@ const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::ui
     SessionTime next_poll{}, next_flush{}, next_progress{};
     while (!session_.finished()) {
         const SessionTime now = wall_now();
-        loop_.step(company_, now + kPoll);
+        loop_.step(both_, now + kPoll);
         if (now >= next_poll) {
             next_poll = now + kPoll;
             look_around();
@@ -186,7 +186,7 @@ void ConditionRun::close_trial() {
 }
 
 void ConditionRun::judge(const TrialRecord& record) {
-    // Not if whoever watches has ended the trial: then the run goes on.
+    // If the observer has ended the trial, the run goes on.
     if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {
         fail(ExitCode::kRunFailed, "interrupted; what was recorded is kept");
     } else if (is_stop(record.reason)) {
@@ -212,7 +212,7 @@ void ConditionRun::admit_write_fault(std::string_view words) {
     if (!words.empty() && result_.code == ExitCode::kOk) fail(ExitCode::kRunFailed, std::string(words));
 }
 
-// What cannot be written is told by whoever was to write it, as a device that fails is.
+// A file that cannot be written ends the trial as a failed device does.
 std::string ConditionRun::words_of_fault(const TrialRecord& record) const {
     if (record.lost_peer == Role::kSession && !files_.fault().empty()) return files_.fault();
     if (record.lost_peer == Role::kSession && files_.log() != nullptr) return files_.log_fault();
@@ -229,9 +229,9 @@ void ConditionRun::idle(Duration limit) {
     }
 }
 
-// Whoever stops while nodes are being ended, or just before, has stopped the session and what comes after it.
+// A stop that comes while the nodes end still holds for the next session.
 void ConditionRun::take_last_stops() {
-    company_.tick(wall_now());
+    both_.tick(wall_now());
     stop_.look();
     if (stop_.stopped() && result_.code == ExitCode::kOk) fail(ExitCode::kRunFailed, stop_.words());
 }

@@ -24,8 +24,9 @@ class ConditionRun {
     ConditionRun(const ConditionRun&) = delete;
     ConditionRun& operator=(const ConditionRun&) = delete;
 
-    // Starts the nodes, unless they run already, and waits for them. Throws Error: run failed, if a stop of an earlier session
-    // holds (stop_file.hpp); network, with the words of the node that failed; run failed, if a machine has no such program, or another version of it.
+    // Starts the nodes, unless they run already, and waits for them. Throws Error:
+    // - run failed, if a stop of an earlier session holds (stop_file.hpp), or a machine has no such program or another version;
+    // - network, with the words of the node that failed.
     void open();
     // Throws Error (network), with its words, if a node has ended by itself.
     void check() { nodes_.throw_if_dead(); }
@@ -34,7 +35,7 @@ class ConditionRun {
     const TrialRecord& run_trial(const TrialConditions& trial, std::uint32_t number,
                                  const std::filesystem::path& trajectory);  // empty: none is written
     std::uint32_t last_number() const { return session_.last_number(); }
-    // What the subject's screen says until the next trial.
+    // The page that the subject's screen shows until the next trial.
     void show(const Page& page) { session_.show(page); }
     // Whether the subject has asked to go on from it since the last call.
     bool take_go_on() { return session_.take_go_on(); }
@@ -42,23 +43,23 @@ class ConditionRun {
     void idle(Duration limit);
     // A node has ended, or was lost: this condition runs no further trial. After a stop it does, once that was released.
     bool broken() { return (result_.code != ExitCode::kOk && !halted_) || nodes_.dead(); }
-    // Who stopped everything, why and how to release it; empty: nothing is stopped.
+    // Of a stop: its source, its reason and how to release it. Empty: no stop holds.
     std::string stop_words() const { return stop_.words(); }
     void emergency_stop(std::string_view words);
     void release_stop();
-    // Starts the nodes anew that have ended, those alone, and waits for them; they know nothing of the trials before and take
-    // part from the next one on. False if there was nothing to start. Throws Error as open() does.
+    // Starts the ended nodes anew and waits for them. They take part from the next trial on. False if none had ended. Throws Error
+    // as open() does.
     bool revive();
-    // What happened so far: not ok once a peer was lost, or a stop was asked for.
+    // The result so far: not ok after a lost peer or a stop.
     const ConditionResult& result() const { return result_; }
     // Ends the nodes that open() started and collects their reports.
     ConditionResult close();
 
   private:
-    // The session and whoever sits beside it, as one, behind what protects the sockets.
-    class Company final : public Process {
+    // Session and observer as one process, between the two halves of the sockets' protection.
+    class SessionAndObserver final : public Process {
       public:
-        Company(SessionProcess& session, std::unique_ptr<Process> observer, Security* security);
+        SessionAndObserver(SessionProcess& session, std::unique_ptr<Process> observer, Security* security);
         void tick(SessionTime now) override;
         SessionTime next_wakeup() const override;
         bool stopped() const override { return false; }
@@ -84,16 +85,16 @@ class ConditionRun {
     const ConditionPlan& plan_;
     const ConditionEvents& events_;
     RealtimeLease realtime_;  // nodes hold where the session is silent: other work must not silence it
-    ConditionFiles files_;    // with the log, which outlives whoever speaks
+    ConditionFiles files_;    // has the log, which outlives the sockets
     Sockets sockets_;
     SessionProcess session_;
-    Company company_;
+    SessionAndObserver both_;
     RealtimeLoop loop_;
     ConditionNodes nodes_;
     SessionStop stop_;
     TrajectorySample last_;
     ConditionResult result_;
-    bool halted_ = false;  // by a stop: the result says so until the next trial
+    bool halted_ = false;  // by a stop, which the result names until the next trial
 };
 
 // Runs the trials of the plan. Throws Error as ConditionRun does.

@@ -18,7 +18,7 @@ class SessionStop {
     // Hears the stop key. Afterwards the file says what the stop bus holds.
     void look();
     bool stopped() const { return session_.stop_bus().stopped(); }
-    // Who stopped everything, why and how to release it; empty: nothing is stopped.
+    // Of a stop: its source, its reason and how to release it. Empty: no stop holds.
     std::string words() const;
     std::string how_to_release() const;
 

@@ -16,7 +16,7 @@ struct SessionSettings {
     Duration network_delay{};          // needle and force path together, jitter included
     Duration force_delay{};            // the part of it that change_delay() replaces: the force path's mean
     Duration peer_wait = std::chrono::seconds{5};  // for a node to answer a start or an end
-    // What is added to that before the first trial, for somebody to make the handle ready (handle_settings.hpp).
+    // Added to peer_wait before the first trial: the user makes the handle ready (handle_settings.hpp).
     Duration user_limit{};
     // Of a person, whose handle may not know when a trial is over: it has also ended once the needle, after
     // the beep, was free of the tissue for kWithdrawnFor.

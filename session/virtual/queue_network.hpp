@@ -1,5 +1,5 @@
-// The ports of all programs of a session within one program, in virtual time: a datagram waits at its port in the instant
-// in which it is sent, and wakes the program that listens there.
+// The ports of a session's programs as queues within one program, for virtual time. A sent datagram waits at its port at once
+// and wakes the process that listens there.
 #pragma once
 
 #include <array>
@@ -24,11 +24,11 @@ class QueueNetwork {
 
     // The ports of one program. The network outlives whatever is opened.
     Ports& of(Role role) { return programs_[static_cast<std::size_t>(role)]; }
-    // What protects a program's channels; null without a lab key. A SecuredProcess keeps it going.
+    // Protects a program's channels; null without a lab key. A SecuredProcess calls it each tick.
     Security* security(Role role) const { return security_[static_cast<std::size_t>(role)].get(); }
     SecurityCounters counters() const;  // of all programs
 
-    // What arrives at the ports of this program sets `bit` in `*mask`.
+    // Each datagram for this program sets `bit` in `*mask`.
     void wake(Role role, std::uint32_t* mask, std::uint32_t bit);
 
   private:

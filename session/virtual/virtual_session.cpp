@@ -14,7 +14,7 @@ std::uint64_t instance_of(Role role) {
     return stream();
 }
 
-// Nobody needs longer for handshakes without delay.
+// Handshakes without delay need fewer.
 constexpr int kMostInstantsForKeys = 100;
 
 template <class Device, class Simulated>

@@ -60,10 +60,10 @@ class VirtualSession {
     const VirtualLoop& loop() const { return loop_; }
     std::uint32_t bit(Role role) const { return bits_.at(static_cast<std::size_t>(role)); }  // in the loop
 
-    // Somebody presses stop at that program, or the session releases all stops: as between real processes, over the stop buses.
+    // A stop at that program, and the session's release of all stops. Both go over the stop buses, as between real processes.
     void emergency_stop(Role at, std::string_view words);
     void release_stop();
-    // The master's program dies and comes up again, as another instance that knows nothing. Without a lab key only.
+    // Replaces the master by a new instance, as after a crash and a new start. Without a lab key only.
     void restart_master();
 
   private:

@@ -34,7 +34,7 @@ class Folder {
     std::filesystem::path path_;
 };
 
-// UDP ports of 127.0.0.1 for two conditions that nobody used when this object was made. A socket on the last one
+// UDP ports of 127.0.0.1 for two conditions that were free when this object was made. A socket on the last one
 // of the block keeps tests that run side by side apart.
 class PortBlock {
   public:

@@ -112,7 +112,7 @@ class Rig {
     // The largest of all commands to the handle since the last call.
     double take_largest_at_handle_N();
     double force_at_finger_N() const;
-    // The stop bus, where a program of the rig hears of stops; anybody may write here.
+    // Sends to the stop bus of a program of the rig.
     Channel& stop_channel(Role role);
     // From now on somebody holds a stop button at the handle.
     void press_handle_button(bool down);

@@ -51,7 +51,7 @@ TEST(OrderSender, SaysItAtOnceAndEvery50MsUntilItShows) {
     EXPECT_FALSE(bench.sender.asking());
 }
 
-// Whoever pauses does not want to go on any more, and the other way round.
+// A pause cancels a waiting request to resume, and the other way round.
 TEST(OrderSender, AnOrderCallsItsOppositeOff) {
     for (const auto& [first, second] : {std::pair{OrderKind::kPause, OrderKind::kResume},
                                         std::pair{OrderKind::kStart, OrderKind::kEndTrial},
