@@ -10,8 +10,8 @@
 #include "bench/studies.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "stability/critical_delay.hpp"
 #include "stability/loop_measures.hpp"
-#include "stability/typical_hands.hpp"
 
 namespace thimble {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "netem/stages/outage.hpp"
+#include "netem/stages/slots.hpp"
 
 namespace thimble {
 namespace {

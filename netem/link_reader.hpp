@@ -56,4 +56,17 @@ LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& ba
 // The [[timeline]] of a table whose other keys gave `base`: each entry begins with the settings before it.
 Timeline read_timeline(const ConfigTable& table, const LinkSettings& base, const LinkSources& sources = {});
 
+// The key `loss` of a link: a number, with loss_burst beside it, or a table of its own.
+//   [netem.force.loss]
+//   model = "independent"      share
+//   model = "gilbert"          share and mean_burst; or good_to_bad and bad_to_good
+//   model = "gilbert-elliott"  good_to_bad, bad_to_good, loss_in_good, loss_in_bad
+//   model = "four-state"       p13, p31, p32, p23, p14
+
+// Packets in the mean, that a file may ask for.
+inline constexpr double kLongestBurst = 1e6;
+
+// Where the key is absent, `base`. Throws Error (usage).
+LossSettings read_loss(const ConfigTable& link, const LossSettings& base);
+
 }  // namespace thimble

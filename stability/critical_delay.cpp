@@ -10,6 +10,7 @@
 #include "stability/precise_number.hpp"
 
 namespace thimble {
+
 namespace {
 
 // Coefficients from the constant on.

@@ -8,6 +8,8 @@
 // a mass that is not positive, anything negative or not finite, a loop stiffness of zero.
 #pragma once
 
+#include <array>
+
 namespace thimble {
 
 // m x" + b x' + k x, all at the handle. Masses above zero, damping and stiffness zero or more.
@@ -40,5 +42,17 @@ CriticalPoint critical_point(const HeldMass& held, double loop_stiffness_N_per_m
 CriticalPoint critical_point(const HeldHandle& held, double loop_stiffness_N_per_m);
 double critical_delay_s(const HeldMass& held, double loop_stiffness_N_per_m);
 double critical_delay_s(const HeldHandle& held, double loop_stiffness_N_per_m);
+
+// Five hands that the stability study looks at, from a light pinch to a power grip (sources: docs/stability.md).
+
+struct TypicalHand {
+    const char* name = "";  // a letter, then what it is
+    HeldMass hand;
+};
+inline constexpr std::array<TypicalHand, 5> kTypicalHands{{{"A light pinch", {0.15, 3, 300}},
+                                                           {"B pinch", {0.35, 6, 400}},
+                                                           {"C measured arm", {0.55, 6.45, 135}},
+                                                           {"D firm grip", {1, 20, 500}},
+                                                           {"E power grip", {2, 40, 1000}}}};
 
 }  // namespace thimble

@@ -1,6 +1,7 @@
 #include "study/study.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -13,12 +14,12 @@
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/records/trajectory_file.hpp"
-#include "study/no_lag.hpp"
 #include "study/study_folder.hpp"
 #include "study/subject_table.hpp"
 #include "study/with_remedy.hpp"
 
 namespace thimble {
+
 namespace {
 
 class Study {
@@ -226,6 +227,23 @@ class Study {
 
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options) {
     return Study(settings, options).run();
+}
+
+std::vector<TrialConditions> no_lag_trials(const std::vector<Protocol>& protocols) {
+    std::vector<TrialConditions> again;
+    for (const Protocol& protocol : protocols) {
+        if (protocol.experiment != 1) continue;
+        const std::vector<TrialConditions> all = all_trials({protocol});
+        std::copy_if(all.begin(), all.end(), std::back_inserter(again),
+                     [](const TrialConditions& trial) { return trial.modality == Modality::kCF; });
+    }
+    return again;
+}
+
+SystemSettings without_lag(SystemSettings settings) {
+    settings.cutaneous.dead_time = Duration{0};
+    settings.cutaneous.time_constant = Duration{0};
+    return settings;
 }
 
 }  // namespace thimble

@@ -52,4 +52,11 @@ ReportSection agreement_section(const std::vector<TrialRow>& real,
 void write_report(const ReportInput& report, const std::filesystem::path& html);
 void write_summary(const ReportInput& report, const std::filesystem::path& json);
 
+// `thimble report`: one report.html from the folders that a run and a study left behind.
+
+// Reads summary.json and figures/ of each folder; an empty path leaves that part out. Throws Error: usage if
+// both are empty, data if a folder holds no readable results.
+void write_combined_report(const std::filesystem::path& run, const std::filesystem::path& study,
+                           const std::filesystem::path& html, const std::string& command);
+
 }  // namespace thimble

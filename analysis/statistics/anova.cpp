@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/statistics/descriptive.hpp"
 #include "analysis/statistics/distributions.hpp"
-#include "analysis/statistics/moments.hpp"
 
 namespace thimble {
 namespace {

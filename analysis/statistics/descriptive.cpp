@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "analysis/statistics/distributions.hpp"
-#include "analysis/statistics/moments.hpp"
 
 namespace thimble {
+
 namespace {
 
 Moments checked_moments(const NamedValues& column, std::size_t least, std::string_view what) {
@@ -46,6 +48,65 @@ ConfidenceInterval mean_interval(const NamedValues& column, double confidence) {
     const auto n = static_cast<double>(m.n);
     const double half = t_half_width(confidence, n - 1) * std::sqrt(m.variance() / n);
     return {m.mean - half, m.mean + half};
+}
+
+Moments moments(std::span<const double> values) {
+    Moments result;
+    result.n = values.size();
+    if (values.empty()) return result;
+    const auto n = static_cast<double>(values.size());
+    double sum = 0;
+    for (const double value : values) sum += value;
+    const double first_guess = sum / n;
+    double rest = 0;
+    for (const double value : values) rest += value - first_guess;
+    rest /= n;
+    result.mean = first_guess + rest;
+    result.mean_rest = (first_guess - result.mean) + rest;
+    for (const double value : values) {
+        const double from_mean = deviation(value, result);
+        result.squares += from_mean * from_mean;
+        result.largest = std::max(result.largest, std::abs(value));
+    }
+    return result;
+}
+
+bool at_rounding(double squares, std::size_t n, double largest) {
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * largest;
+    constexpr double kLeast = 1e-290;  // below it squares lose their digits to underflow
+    return !(squares > std::max(kLeast, static_cast<double>(n) * rounding * rounding));
+}
+
+bool at_rounding(const Moments& moments) { return at_rounding(moments.squares, moments.n, moments.largest); }
+
+PairedDifferences paired_differences(const NamedValues& first, const NamedValues& second) {
+    PairedDifferences result;
+    std::vector<double> differences;
+    differences.reserve(first.values.size());
+    for (std::size_t i = 0; i < first.values.size(); ++i) {
+        differences.push_back(first.values[i] - second.values[i]);
+        result.largest = std::max({result.largest, std::abs(first.values[i]), std::abs(second.values[i])});
+    }
+    result.moments = moments(differences);
+    return result;
+}
+
+Moments spread_differences(const NamedValues& first, const NamedValues& second, std::string_view test) {
+    require_numbers(first, test);
+    require_numbers(second, test);
+    if (first.values.size() != second.values.size()) {
+        refuse(test, "column '" + first.name + "' has " + std::to_string(first.values.size()) + " values, '" +
+                         second.name + "' has " + std::to_string(second.values.size()) +
+                         "; every subject needs one in each");
+    }
+    require_at_least(first, 2, test);
+    const PairedDifferences differences = paired_differences(first, second);
+    if (at_rounding(differences.moments.squares, differences.moments.n, differences.largest)) {
+        refuse(test, "columns '" + first.name + "' and '" + second.name +
+                         "' differ by the same amount in every subject, so there is no spread to judge by; "
+                         "check where the values come from");
+    }
+    return differences.moments;
 }
 
 }  // namespace thimble

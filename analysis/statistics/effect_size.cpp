@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "analysis/statistics/noncentral.hpp"
-#include "analysis/statistics/paired_differences.hpp"
+#include "analysis/statistics/descriptive.hpp"
+#include "analysis/statistics/distributions.hpp"
 
 namespace thimble {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "analysis/statistics/moments.hpp"
+#include "analysis/statistics/descriptive.hpp"
 #include "common/error.hpp"
 
 namespace thimble {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "analysis/statistics/descriptive.hpp"
 #include "analysis/statistics/distributions.hpp"
-#include "analysis/statistics/moments.hpp"
 
 namespace thimble {
 namespace {

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
-#include "analysis/statistics/adjustment.hpp"
 #include "analysis/statistics/anova.hpp"
+#include "analysis/statistics/descriptive.hpp"
 #include "analysis/statistics/distributions.hpp"
-#include "analysis/statistics/moments.hpp"
-#include "analysis/statistics/paired_differences.hpp"
+#include "analysis/statistics/named_values.hpp"
 #include "common/error.hpp"
 
 namespace thimble {
+
 namespace {
 
 struct Difference {
@@ -115,6 +116,39 @@ std::vector<MeanPair> pairs_after_one_way_anova(const std::vector<NamedValues>& 
         const double parts = 1 / static_cast<double>(a.n) + 1 / static_cast<double>(b.n);
         return Difference{mean_difference(a, b), std::sqrt(anova.ms_within() * parts), anova.df_within};
     });
+}
+
+namespace {
+
+void require_probabilities(const std::vector<double>& p) {
+    for (const double value : p) {
+        if (value >= 0 && value <= 1) continue;
+        refuse("adjustment of P values", "P = " + std::to_string(value) + " is not in [0, 1]");
+    }
+}
+
+}  // namespace
+
+std::vector<double> bonferroni(const std::vector<double>& p) {
+    require_probabilities(p);
+    std::vector<double> adjusted;
+    adjusted.reserve(p.size());
+    for (const double value : p) adjusted.push_back(std::min(1.0, static_cast<double>(p.size()) * value));
+    return adjusted;
+}
+
+std::vector<double> holm(const std::vector<double>& p) {
+    require_probabilities(p);
+    std::vector<std::size_t> order(p.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p[a] < p[b]; });
+    std::vector<double> adjusted(p.size());
+    double largest = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        largest = std::max(largest, std::min(1.0, static_cast<double>(p.size() - i) * p[order[i]]));
+        adjusted[order[i]] = largest;
+    }
+    return adjusted;
 }
 
 }  // namespace thimble

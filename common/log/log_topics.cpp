@@ -2,7 +2,10 @@
 
 #include <array>
 
+#include "messages_bfbs_generated.h"
+
 namespace thimble {
+
 namespace {
 
 // In the order of Port.
@@ -45,5 +48,7 @@ constexpr std::array<const char*, kPortCount> kTopics{
 }  // namespace
 
 const char* log_topic(Port arrives_at) { return kTopics.at(static_cast<std::size_t>(arrives_at)); }
+
+Bytes wire_schema() { return {wire::PacketBinarySchema::data(), wire::PacketBinarySchema::size()}; }
 
 }  // namespace thimble

@@ -20,7 +20,6 @@
 #include "common/json_text.hpp"
 #include "common/log/log_settings.hpp"
 #include "common/runtime/command_line.hpp"
-#include "common/runtime/core_choice.hpp"
 #include "common/runtime/log/message_log.hpp"
 #include "common/runtime/node_report.hpp"
 #include "common/runtime/protection.hpp"

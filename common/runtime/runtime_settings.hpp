@@ -1,6 +1,8 @@
 // Table [runtime] of a session file: how the processes ask the machine for time.
 #pragma once
 
+#include <string>
+
 #include "common/config.hpp"
 #include "common/node_process.hpp"
 
@@ -16,5 +18,16 @@ struct RuntimeSettings {
 };
 
 RuntimeSettings read_runtime_settings(const ConfigFile& file);
+
+// One processor core for the programs of the haptic loop (`core` of [runtime]): a datagram then wakes its receiver without a call
+// to another core.
+
+inline constexpr int kAnyCore = -1;
+
+// Throws Error (usage) for what is no number of a core.
+int read_core(const ConfigFile& file);
+
+// From now on the calling thread runs on this core only. Returns "" or what to tell the user.
+std::string keep_to_core(int core);
 
 }  // namespace thimble

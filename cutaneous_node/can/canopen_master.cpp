@@ -4,6 +4,7 @@
 #include <cassert>
 
 namespace thimble {
+
 namespace {
 
 constexpr std::uint8_t kNobody = 0xff;

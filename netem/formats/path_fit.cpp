@@ -10,7 +10,7 @@
 
 #include "common/error.hpp"
 #include "netem/formats/normal_score.hpp"
-#include "netem/loss_reader.hpp"
+#include "netem/link_reader.hpp"
 #include "netem/stages/delay_shape.hpp"
 
 namespace thimble {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "netem/link_settings.hpp"
 #include "netem/stages/packet_numbers.hpp"
@@ -41,5 +42,10 @@ class Slots {
     Duration opens_{}, next_opens_{};
     std::size_t packets_ = 0, bytes_ = 0;  // gone with this slot
 };
+
+// When nothing gets through. What is on its way already still arrives.
+
+// `time` since the start of the trial. An outage holds from its start until just before its end.
+bool is_out(const std::vector<Outage>& outages, Duration time);
 
 }  // namespace thimble

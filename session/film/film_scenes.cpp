@@ -2,9 +2,15 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "session/film/film.hpp"
+
 namespace thimble {
+
 namespace {
 
 // Any film is slower, so that a scene is due whenever one is asked for.
@@ -55,6 +61,15 @@ std::optional<Scene> FilmScenes::at(double time_s) {
     const SessionTime now = kBegin + from_seconds(std::max(time_s, 1 / kScenes_Hz));
     if (const auto scene = node_.frame(now)) newest_ = scene;
     return newest_;
+}
+
+std::size_t frame_count(double duration_s, double frames_per_s) {
+    // A duration that is a whole number of periods, but for rounding, has its last frame.
+    return static_cast<std::size_t>(std::floor(duration_s * frames_per_s + 1e-9)) + 1;
+}
+
+std::filesystem::path frame_file(const std::filesystem::path& folder, std::size_t frame) {
+    return folder / fmt::format("frame_{:06}.png", frame);
 }
 
 }  // namespace thimble

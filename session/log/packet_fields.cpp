@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/codec.hpp"
-#include "common/log/wire_schema.hpp"
+#include "common/log/log_topics.hpp"
 
 namespace thimble {
 namespace {

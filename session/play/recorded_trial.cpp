@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "session/records/event_file.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
 

@@ -7,7 +7,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "session/launch/node_kinds.hpp"
-#include "session/records/event_file.hpp"
+#include "session/records/trajectory_file.hpp"
 
 namespace thimble {
 namespace {

@@ -13,8 +13,8 @@
 #include "common/control/control_settings.hpp"
 #include "common/error.hpp"
 #include "common/messages.hpp"
+#include "stability/critical_delay.hpp"
 #include "stability/delayed_loop.hpp"
-#include "stability/typical_hands.hpp"
 
 namespace thimble {
 namespace {

@@ -13,10 +13,10 @@
 
 #include "analysis/text/gnuplot.hpp"
 #include "master/operator/limb.hpp"
+#include "stability/critical_delay.hpp"
 #include "stability/loop_measures.hpp"
 #include "stability/perceptual_loop.hpp"
 #include "stability/stability_map.hpp"
-#include "stability/typical_hands.hpp"
 #include "study/loop_limits.hpp"
 #include "study/study.hpp"
 

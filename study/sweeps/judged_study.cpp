@@ -5,7 +5,6 @@
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
-#include "study/no_lag.hpp"
 #include "study/study.hpp"
 
 namespace thimble {

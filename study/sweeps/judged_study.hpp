@@ -34,7 +34,7 @@ std::vector<std::pair<std::string, std::string>> sweep_provenance(const SweepOpt
                                                                   const std::string& what,
                                                                   std::uint32_t studies, bool complete);
 
-// The protocols with this seed, and what the claims need besides (no_lag.hpp); nothing if it was stopped.
+// The protocols with this seed, and what the claims need besides (study.hpp); nothing if it was stopped.
 std::optional<std::vector<Claim>> judge_study(const SystemSettings& settings, const SweepOptions& options,
                                               std::uint64_t seed);
 

@@ -1,6 +1,9 @@
 // One parameter after another from end to end of its range, the others as they are: which claims survive?
 #pragma once
 
+#include <filesystem>
+
+#include "analysis/figures/figures.hpp"
 #include "study/sweeps/claim_tally.hpp"
 #include "study/sweeps/judged_study.hpp"
 #include "study/sweeps/parameter_range.hpp"
@@ -31,5 +34,10 @@ struct VariationResult {
 // nothing (Error, usage).
 VariationResult run_variations(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
                                const SweepOptions& options);
+
+// Which claims come out where: claims down, the parameter across, the darker the more often.
+
+// Into OUTPUT/figures; failure becomes `problem`, as in draw_figures.
+DrawnFigures draw_survival(const Variation& variation, const std::filesystem::path& output);
 
 }  // namespace thimble

@@ -21,7 +21,7 @@ ELSEWHERE = {'netem.needle': 'network.md', 'netem.force': 'network.md', 'handle.
              'fixture.event[]': 'scenes.md', 'netem': 'network.md'}
 # Kind of file, where its readers are, the pages that name its keys, and its examples.
 KINDS = [('scene', ['slave_sim/elements', 'slave_sim/scene_file.cpp'], ['scenes.md'], 'scenes'),
-         ('profile', ['netem/profiles', 'netem/link_reader.cpp', 'netem/loss_reader.cpp'], ['network-profiles.md', 'network.md'], 'profiles')]
+         ('profile', ['netem/profiles', 'netem/link_reader.cpp', 'netem/link_reader.cpp'], ['network-profiles.md', 'network.md'], 'profiles')]
 # Read from files that are no session files: scenes, profiles, needles.
 NO_SESSION = ['slave_sim/elements', 'slave_sim/scene', 'netem/profiles', 'netem/formats', 'netem/relay', 'netem/commands', 'thimble/log']
 QUOTED = re.compile(r'`([A-Za-z]\w*)`')

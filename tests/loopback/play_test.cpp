@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "session/records/event_file.hpp"
 #include "session/records/metrics.hpp"
+#include "session/records/trajectory_file.hpp"
 #include "tests/loopback/played_hand.hpp"
 
 namespace thimble {

@@ -14,7 +14,6 @@
 
 #include "common/error.hpp"
 #include "session/virtual/virtual_session.hpp"
-#include "study/no_lag.hpp"
 #include "study/study.hpp"
 #include "study/sweeps/joint_draws.hpp"
 #include "tests/scenario/trials.hpp"

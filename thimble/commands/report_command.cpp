@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "analysis/report/combined_report.hpp"
+#include "analysis/report/report.hpp"
 #include "thimble/commands/commands.hpp"
 
 namespace thimble {

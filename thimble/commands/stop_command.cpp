@@ -14,7 +14,6 @@
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/stop_inquiry.hpp"
-#include "common/stop_release.hpp"
 #include "session/run/stop_file.hpp"
 #include "thimble/commands/commands.hpp"
 

@@ -6,7 +6,7 @@
 #include "visual_node/views/drawing.hpp"
 #include "visual_node/views/key_input.hpp"
 #include "visual_node/views/monitor_text.hpp"
-#include "visual_node/views/replay_panel.hpp"
+#include "visual_node/views/readings_panel.hpp"
 
 namespace thimble {
 namespace {

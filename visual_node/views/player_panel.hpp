@@ -1,5 +1,5 @@
 // What whoever plays may change and see, over the scene of `thimble play`: delay and network, modality with what to expect of it,
-// the last seconds, the round trip as measured, and a hint of what to do; of a recorded trial the controls of replay_panel.hpp.
+// the last seconds, the round trip as measured, and a hint of what to do; of a recorded trial the controls of readings_panel.hpp.
 // It never draws the fixture.
 #pragma once
 

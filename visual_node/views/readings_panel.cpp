@@ -1,10 +1,14 @@
 #include "visual_node/views/readings_panel.hpp"
 
+#include <cmath>
+
 #include "visual_node/views/drawing.hpp"
 #include "visual_node/views/energy.hpp"
+#include "visual_node/views/key_input.hpp"
 #include "visual_node/views/monitor_text.hpp"
 
 namespace thimble {
+
 namespace {
 
 constexpr double kNameShare = 0.32;   // of the panel's width
@@ -39,6 +43,82 @@ void draw_readings(const Rect& rect, const SessionLink& link, SessionTime now) {
     // What is drawn by hand takes its room here, or a small window would not scroll.
     ImGui::Dummy(point(1, line.bottom() - static_cast<double>(begin.y)));
     ImGui::End();
+}
+
+namespace {
+
+// Pixels at content scale 1.
+constexpr double kReplayRow = 30, kScrubHeight = 28, kMarkWidth = 2, kHandleWidth = 5;
+
+void draw_mark(ImDrawList& list, const ScrubScale& scrub, double time_s, double scale, Colour colour) {
+    const double width = std::max(1.0, std::floor(kMarkWidth * scale));
+    const double x = std::floor(scrub.x(time_s) - width / 2);
+    list.AddRectFilled(point(x, scrub.bar.y), point(x + width, scrub.bar.bottom()), paint(colour));
+}
+
+void draw_marks(ImDrawList& list, const ScrubScale& scrub, const ReplayState& state, double scale) {
+    for (std::size_t i = 0; i < state.changes; ++i) {
+        draw_dashed_vertical(list, scrub.x(state.change_s[i]), scrub.bar.y, scrub.bar.bottom(),
+                             kMarkWidth * scale, 4 * scale, kSkyBlue);
+    }
+    if (state.contact_s >= 0) draw_mark(list, scrub, state.contact_s, scale, kBluishGreen);
+    if (state.beep_s >= 0) draw_mark(list, scrub, state.beep_s, scale, kYellow);
+}
+
+void draw_scrub_bar(ReplayModel& model, double scale, SessionTime now) {
+    const Rect row = row_here(kScrubHeight * scale);
+    const ScrubScale scrub{row, model.state().duration_s};
+    ImGui::InvisibleButton("##scrub", extent(row));
+    if (ImGui::IsItemActive()) model.seek(now, scrub.time_s(static_cast<double>(ImGui::GetIO().MousePos.x)));
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddRectFilled(corner(row), far_corner(row), paint(kGrid));
+    const double here = scrub.x(model.position_s());
+    list.AddRectFilled(corner(row), point(here, row.bottom()), paint(kBlue));
+    draw_marks(list, scrub, model.state(), scale);
+    const double half = kHandleWidth * scale / 2;
+    list.AddRectFilled(point(here - half, row.y), point(here + half, row.bottom()), paint(kWhite));
+}
+
+void mark_in_words(Colour colour, const char* name, double time_s) {
+    if (time_s < 0) return;
+    ImGui::TextColored(gui_colour(colour), "%s %.2f s", name, time_s);
+    ImGui::SameLine();
+}
+
+void draw_words(const ReplayModel& model, const Monitor& monitor) {
+    const ReplayState& state = model.state();
+    ImGui::Text("%.3f of %.3f s, %s", model.position_s(), state.duration_s, to_string(monitor.modality));
+    ImGui::SameLine();
+    ImGui::Text("%.0f ms %s", monitor.network_delay_s * 1e3,
+                TextLine::of("{}", monitor.network.view()).c_str());
+    mark_in_words(kBluishGreen, "contact", state.contact_s);
+    mark_in_words(kYellow, "beep", state.beep_s);
+    if (state.changes > 0) {
+        ImGui::TextColored(gui_colour(kSkyBlue), "network x%u", state.changes);
+    } else {
+        ImGui::NewLine();
+    }
+}
+
+}  // namespace
+
+void draw_replay(ReplayModel& model, const Monitor& monitor, double scale, SessionTime now) {
+    draw_scrub_bar(model, scale, now);
+    draw_words(model, monitor);
+    const auto row = [&](std::initializer_list<Command> commands) {
+        const auto chosen = [&](Command command) {
+            const auto speed = speed_of(command);
+            return speed ? *speed == model.speed() : command == Command::kPlayPause && !model.paused();
+        };
+        const auto hit =
+            draw_button_row(replay_keys(), commands, row_here(kReplayRow * scale), scale, chosen);
+        if (hit) model.press(now, *hit);
+    };
+    row({Command::kFrameBack, Command::kPlayPause, Command::kFrameOn});
+    row({Command::kFarBack, Command::kBack, Command::kOn, Command::kFarOn});
+    row({Command::kToBegin, Command::kToEnd});
+    row({Command::kSpeed0, Command::kSpeed1, Command::kSpeed2});
+    row({Command::kSpeed3, Command::kSpeed4, Command::kSpeed5});
 }
 
 }  // namespace thimble

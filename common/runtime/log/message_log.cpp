@@ -15,7 +15,6 @@
 #include "common/error.hpp"
 #include "common/log/log_topics.hpp"
 #include "common/log/mcap_writer.hpp"
-#include "common/log/wire_schema.hpp"
 #include "common/runtime/log/log_file.hpp"
 #include "common/runtime/log/tapped_channel.hpp"
 #include "common/runtime/wall_clock.hpp"

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "common/runtime/core_choice.hpp"
 
 namespace thimble {
 namespace {

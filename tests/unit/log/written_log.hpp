@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/codec.hpp"
+#include "common/log/log_topics.hpp"
 #include "common/log/mcap_writer.hpp"
-#include "common/log/wire_schema.hpp"
 #include "common/runtime/log/log_file.hpp"
 
 namespace thimble {

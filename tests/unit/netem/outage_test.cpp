@@ -1,7 +1,6 @@
-#include "netem/stages/outage.hpp"
-
 #include <gtest/gtest.h>
 
+#include "netem/stages/slots.hpp"
 #include "tests/unit/netem/link_test_tools.hpp"
 
 namespace thimble::test {

@@ -1,10 +1,9 @@
-#include "session/records/event_file.hpp"
-
 #include <fstream>
 
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "session/records/trajectory_file.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "session/records/event_file.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/unit/session/records.hpp"

@@ -4,7 +4,7 @@
 
 #include "common/codec.hpp"
 #include "common/stop_bus.hpp"
-#include "common/stop_release.hpp"
+#include "common/stop_inquiry.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
 namespace thimble {

@@ -1,7 +1,6 @@
-#include "analysis/statistics/adjustment.hpp"
-
 #include <gtest/gtest.h>
 
+#include "analysis/statistics/pairwise.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

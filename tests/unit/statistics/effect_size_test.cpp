@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/statistics/noncentral.hpp"
+#include "analysis/statistics/distributions.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

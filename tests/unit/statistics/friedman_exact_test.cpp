@@ -1,6 +1,4 @@
 // The exact null distribution against every arrangement there is, one by one.
-#include "analysis/statistics/friedman_exact.hpp"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "analysis/statistics/adjustment.hpp"
 #include "analysis/statistics/anova.hpp"
 #include "tests/unit/statistics/golden.hpp"
 

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "analysis/statistics/adjustment.hpp"
 #include "analysis/statistics/anova.hpp"
 #include "analysis/statistics/friedman.hpp"
 #include "analysis/statistics/mann_whitney.hpp"
