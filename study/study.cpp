@@ -14,6 +14,7 @@
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/records/trajectory_file.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "study/study_folder.hpp"
 #include "study/subject_table.hpp"
 #include "study/with_remedy.hpp"
@@ -244,6 +245,18 @@ SystemSettings without_lag(SystemSettings settings) {
     settings.cutaneous.dead_time = Duration{0};
     settings.cutaneous.time_constant = Duration{0};
     return settings;
+}
+
+bool run_trials(const SystemSettings& settings, std::span<const TrialConditions> trials, unsigned jobs,
+                const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take) {
+    OrderedWorkers<TrialRecord> workers(
+        trials.size(), jobs, [&](std::size_t i) { return run_virtual_trial(settings, trials[i]); }, stop);
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        const std::optional<TrialRecord> record = workers.take();
+        if (!record) return false;
+        take(*record);
+    }
+    return true;
 }
 
 }  // namespace thimble

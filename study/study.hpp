@@ -14,6 +14,7 @@
 #include "session/records/trial_table.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/settings/system_settings.hpp"
+#include "study/ordered_workers.hpp"
 
 namespace thimble {
 
@@ -33,9 +34,6 @@ struct StudyOptions {
     AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
     const std::atomic<bool>* stop = nullptr;      // asked between trials
 };
-
-// How many threads `jobs` asks for: 0 is one per core, if that is known.
-unsigned thread_count(unsigned jobs);
 
 // Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end
 // in; so nothing that is made from them depends on the number of threads. False if `stop` cut it short.

@@ -2,12 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -18,6 +14,7 @@
 #include "stability/perceptual_loop.hpp"
 #include "stability/stability_map.hpp"
 #include "study/loop_limits.hpp"
+#include "study/ordered_workers.hpp"
 #include "study/study.hpp"
 
 namespace thimble {
@@ -40,25 +37,11 @@ MapPlan map_plan() {
     return plan;
 }
 
-// Columns in order, by whoever is free.
 std::vector<std::vector<MapCell>> map_columns(const MapPlan& plan, unsigned jobs) {
+    OrderedWorkers<std::vector<MapCell>> workers(plan.delays_s.size(), thread_count(jobs),
+                                                 [&](std::size_t i) { return map_column(plan, i); });
     std::vector<std::vector<MapCell>> columns(plan.delays_s.size());
-    std::atomic<std::size_t> next{0};
-    std::exception_ptr failure;
-    std::mutex mutex;
-    const auto work = [&] {
-        try {
-            for (std::size_t i = next++; i < columns.size(); i = next++) columns[i] = map_column(plan, i);
-        } catch (...) {
-            const std::lock_guard lock(mutex);
-            failure = std::current_exception();
-        }
-    };
-    std::vector<std::thread> threads;
-    for (unsigned i = 1; i < thread_count(jobs); ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
-    if (failure) std::rethrow_exception(failure);
+    for (std::vector<MapCell>& column : columns) column = *workers.take();
     return columns;
 }
 

@@ -1,12 +1,9 @@
 #include "study/remedies/remedy_study.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <condition_variable>
-#include <exception>
-#include <mutex>
-#include <thread>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,6 +14,7 @@
 #include "session/settings/protocol.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/loop_limits.hpp"
+#include "study/ordered_workers.hpp"
 #include "study/study.hpp"
 #include "study/with_remedy.hpp"
 
@@ -71,71 +69,6 @@ void run_trial(const SystemSettings& settings, const RemedyCondition& condition,
 double longest_delay_s(const SystemSettings& settings, const RemedyNetwork& network) {
     return to_seconds(session_settings(over_network(settings, network)).network_delay);
 }
-
-// Trials by whoever is free, each into its own place, handed over in their order.
-class Workers {
-  public:
-    Workers(const SystemSettings& settings, const std::vector<RemedyCondition>& conditions,
-            std::span<RemedyTrial> trials, const RemedyStudyOptions& options)
-        : settings_(settings),
-          conditions_(conditions),
-          trials_(trials),
-          options_(options),
-          done_(trials.size()) {
-        const unsigned threads = thread_count(options.jobs);
-        threads_.reserve(threads);
-        for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
-    }
-    ~Workers() {
-        next_ = trials_.size();
-        for (std::thread& thread : threads_) thread.join();
-    }
-    Workers(const Workers&) = delete;
-    Workers& operator=(const Workers&) = delete;
-
-    // Waits for it; false if it was stopped before that one was begun.
-    bool wait_for(std::size_t trial) {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return done_[trial] || failure_ || idle_ == threads_.size(); });
-        if (failure_) std::rethrow_exception(failure_);
-        return done_[trial];
-    }
-
-  private:
-    bool stopped() const { return options_.stop != nullptr && *options_.stop; }
-
-    void work() {
-        for (std::size_t i = next_++; i < trials_.size() && !stopped(); i = next_++) run(i);
-        const std::lock_guard lock(mutex_);
-        ++idle_;
-        changed_.notify_all();
-    }
-
-    void run(std::size_t mine) {
-        std::exception_ptr failure;
-        try {
-            run_trial(settings_, conditions_[trials_[mine].condition], trials_[mine]);
-        } catch (...) {
-            failure = std::current_exception();
-        }
-        const std::lock_guard lock(mutex_);
-        done_[mine] = true;
-        if (failure) failure_ = failure;
-        changed_.notify_all();
-    }
-
-    const SystemSettings& settings_;
-    const std::vector<RemedyCondition>& conditions_;
-    std::span<RemedyTrial> trials_;
-    const RemedyStudyOptions& options_;
-    std::atomic<std::size_t> next_{0};
-    std::mutex mutex_;
-    std::condition_variable changed_;
-    std::vector<bool> done_;
-    std::size_t idle_ = 0;
-    std::exception_ptr failure_;
-    std::vector<std::thread> threads_;
-};
 
 // A mean of those that exist.
 class Mean {
@@ -279,10 +212,19 @@ std::vector<RemedyTrial> plan_remedy_trials(const SystemSettings& settings,
 bool run_remedy_trials(const SystemSettings& settings, const RemedyStudyOptions& options,
                        std::span<RemedyTrial> trials, const std::function<void(const RemedyTrial&)>& take) {
     const std::vector<RemedyCondition> conditions = chosen_conditions(settings, options.names);
-    Workers workers(settings, conditions, trials, options);
-    for (std::size_t i = 0; i < trials.size(); ++i) {
-        if (!workers.wait_for(i)) return false;
-        take(trials[i]);
+    OrderedWorkers<RemedyTrial> workers(
+        trials.size(), thread_count(options.jobs),
+        [&](std::size_t i) {
+            RemedyTrial trial = trials[i];
+            run_trial(settings, conditions[trial.condition], trial);
+            return trial;
+        },
+        options.stop);
+    for (RemedyTrial& trial : trials) {
+        std::optional<RemedyTrial> done = workers.take();
+        if (!done) return false;
+        trial = std::move(*done);
+        take(trial);
     }
     return true;
 }
