@@ -4,7 +4,6 @@
 #include <cassert>
 
 namespace thimble {
-
 namespace {
 
 constexpr std::uint8_t kNobody = 0xff;

@@ -2,13 +2,9 @@
 // go slack in the tick in which anything is wrong with one of them.
 #pragma once
 
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "common/histogram.hpp"
-#include "common/time.hpp"
-#include "cutaneous_node/can/cia402.hpp"
 #include "cutaneous_node/can/drive_link.hpp"
 
 namespace thimble {
@@ -65,20 +61,6 @@ class CanopenMaster {
     int full_ = 0;                   // cycles in a row in which frames could not be sent
     std::uint64_t cycles_ = 0, incomplete_ = 0, passive_ = 0;
     Histogram answered_within_;
-};
-
-// What the master of a bus is told about its drives.
-
-struct CanMasterSettings {
-    std::vector<std::uint8_t> nodes;  // all different, 1 to 126
-    DriveMode mode = DriveMode::kSyncTorque;
-    Duration cycle = std::chrono::milliseconds{4};  // of SYNC
-    // Silence that is a loss, in both directions: what the master allows a drive and a drive the master.
-    Duration silent_after = std::chrono::milliseconds{100};
-    Duration boot_limit = std::chrono::seconds{3};
-    Duration answer_limit = std::chrono::milliseconds{500};  // of one SDO, asked up to five times
-    Duration enable_limit = std::chrono::seconds{2};
-    std::uint8_t master_node = 127;
 };
 
 }  // namespace thimble

@@ -7,9 +7,9 @@
 
 #include "cutaneous_node/can/can_bus.hpp"
 #include "cutaneous_node/can/canopen.hpp"
-#include "cutaneous_node/can/canopen_master.hpp"
 #include "cutaneous_node/can/cia402.hpp"
 #include "cutaneous_node/can/drive_fault.hpp"
+#include "cutaneous_node/can/master_settings.hpp"
 
 namespace thimble {
 
