@@ -1,3 +1,5 @@
+#include "bench/network/packet_sniffer.hpp"
+
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -11,7 +13,6 @@
 
 #include <fmt/format.h>
 
-#include "bench/network/packet_sniffer.hpp"
 #include "common/error.hpp"
 
 namespace thimble {

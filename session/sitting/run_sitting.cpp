@@ -97,7 +97,7 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
 }
 
 ConditionPlan condition_plan(const SystemSettings& settings, const SittingRun& run, const Dataset& dataset,
-                        std::uint32_t participant, double delay_s) {
+                             std::uint32_t participant, double delay_s) {
     SystemSettings with_delay = settings;
     set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
     ConditionPlan plan;
