@@ -1,4 +1,4 @@
-// What chrony says about this machine's clock, where it runs. Nothing here needs it: offsets are measured.
+// This machine's clock as chrony reports it, if chrony runs. Nothing here needs it: offsets are measured.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,4 @@
-// Every exchange of stamps of a session, raw, as CSV: nodes/clocks_<delay>ms.csv of a run. What is said about clocks is
-// computed from this file, so that it can be computed again.
+// Every exchange of stamps of a session, raw, as CSV: nodes/clocks_<delay>ms.csv of a run. Every figure about clocks is computed from this file, so a reader can compute it again.
 #pragma once
 
 #include <filesystem>

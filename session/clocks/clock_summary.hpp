@@ -1,4 +1,4 @@
-// What a session's exchanges say about one node's clock, as a whole.
+// One node's clock, computed from all exchanges of a session.
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@ class FilmScenes {
     // `trial` has samples, in order of time, and outlives this.
     FilmScenes(const RecordedTrial& trial, VisualSettings settings);
 
-    // What the screen shows `time_s` after the start of the trial; nothing before the first sample has arrived. Times
+    // The scene on the screen `time_s` after the start of the trial; nothing before the first sample has arrived. Times
     // must not fall.
     std::optional<Scene> at(double time_s);
     // Until the last sample has arrived.

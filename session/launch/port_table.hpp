@@ -10,7 +10,7 @@ namespace thimble {
 
 // A Markdown table, a line per port, in the order of Port. docs/machines.md holds the one of the defaults.
 std::string port_table(const NetworkSettings& network);
-// What crosses from one machine to another, a line per port.
+// The flows from one machine to another, a line per port.
 std::string firewall_table(const NetworkSettings& network, const LaunchSettings& launch);
 
 }  // namespace thimble

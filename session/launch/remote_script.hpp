@@ -1,4 +1,4 @@
-// What a machine's shell is told when a node is to run there: a script for any POSIX sh with coreutils or busybox. It
+// The script that starts a node on another machine. Any POSIX sh with coreutils or busybox runs it. It
 // goes to the standard input of `sh`, so that no login shell on the way has to understand a quote, and talks with the
 // launcher over the same pipes:
 //

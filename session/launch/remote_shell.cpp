@@ -76,7 +76,7 @@ void RemoteShell::feed() {
         if (n > 0) {
             pending_.erase(0, static_cast<std::size_t>(n));
         } else if (errno != EINTR) {
-            if (errno != EAGAIN) hang_up();  // nobody reads it any more: poll() will tell why
+            if (errno != EAGAIN) hang_up();  // its reader has ended: poll() gives the reason
             return;
         }
     }
@@ -110,7 +110,7 @@ void RemoteShell::look_for_turn() {
     said_.resize(word);
 }
 
-// No file for nothing. What cannot be written is missing in in_file().
+// No file for nothing. in_file() lacks bytes that could not be written.
 void RemoteShell::keep(std::string_view bytes) {
     if (bytes.empty() || file_name_.empty()) return;
     if (!file_.is_open()) file_.open(file_name_, std::ios::binary | std::ios::trunc);

@@ -29,7 +29,7 @@ class RemoteShell {
     void hang_up();
     // Moves what can be moved; the exit code once the command has ended and all that it said is here.
     std::optional<int> poll();
-    // Everything it said so far, and whether that has this line.
+    // All its output so far, and whether this line is in it.
     const std::string& said() const { return said_; }
     bool has_said(std::string_view line) const;
     std::string last_words() const { return child_.last_words(); }

@@ -1,5 +1,4 @@
-// Nodes on other machines: a command (ssh, `ip netns exec`, ...) gets this program a shell there, which is told what to do
-// (remote_script.hpp). Nodes whose machine is this one are children, as ever.
+// Nodes on other machines: a command (ssh, `ip netns exec`, ...) opens a shell there, which runs our script (remote_script.hpp). Nodes whose machine is this one are children, as ever.
 #pragma once
 
 #include "session/launch/node_starter.hpp"

@@ -95,7 +95,7 @@ SystemCallErrorNumber=EPERM
 WantedBy=multi-user.target
 )";
 
-// The key is root's; systemd hands it to the service, whoever that is (systemd.exec(5), "Credentials").
+// Root owns the key. systemd hands it to the service's user (systemd.exec(5), "Credentials").
 std::string credential(const SecuritySettings& security) {
     if (security.mode == SecurityMode::kNone) return "";
     return fmt::format("LoadCredential=lab.key:{}/lab.key\n", kSessionFolder);

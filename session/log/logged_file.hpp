@@ -47,7 +47,7 @@ struct LogMetadata {
 
 class LoggedFile {
   public:
-    // Reads all of it once. Throws Error (data) if it is no MCAP file; one that is cut or damaged says so in scan().
+    // Reads all of it once. Throws Error (data) if it is no MCAP file. Of a cut or damaged file, scan() reports the damage.
     explicit LoggedFile(const std::filesystem::path& path) : LoggedFile(path, path.stem().string()) {}
     LoggedFile(const std::filesystem::path& path, std::string name);
 

@@ -16,7 +16,7 @@ struct MergedMessage {
     std::int64_t session_time_ns = 0;
 };
 
-// What a program's clock is ahead of the session's at a moment of the program's own, in ns. Zero for programs of one machine
+// A program's clock minus the session's, at a moment of the program's clock, in ns. Zero for programs of one machine
 // boot, which share a clock, and where no session's log is among the files.
 class ClockOffsets {
   public:

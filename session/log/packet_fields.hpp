@@ -37,7 +37,7 @@ class PacketFields {
     const PacketPart& header() const { return header_; }
     const std::vector<PacketPart>& kinds() const { return kinds_; }
 
-    // What kind of message it is; null if it is none, or several. `packet` has passed decode().
+    // The message's kind. Null if the packet holds no message, or several. `packet` has passed decode().
     const PacketPart* kind_of(Bytes packet) const;
     // In the order of part.fields; empty if the part is not there.
     std::vector<FieldValue> values(Bytes packet, const PacketPart& part,

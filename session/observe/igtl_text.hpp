@@ -1,4 +1,4 @@
-// What OpenIGTLink (version 1 of the protocol, by Debian's library) is told of a session: http://openigtlink.org/protocols/.
+// A session as OpenIGTLink messages (version 1 of the protocol, by Debian's library): http://openigtlink.org/protocols/.
 //
 //   TRANSFORM "Needle", "Surface"   along z, positive into the tissue, in mm as OpenIGTLink has it
 //   SENSOR    "Force"               total, tissue, fixture, at the handle (positive pushes the hand out); N

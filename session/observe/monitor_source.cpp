@@ -23,7 +23,7 @@ void LiveMonitor::update(SessionTime now) {
     sockets_->tick(now);
 }
 
-// What a Monitor would have said then, from the messages in the order of time.
+// The Monitor of that moment, made from the messages in the order of time.
 class LoggedMonitor::Reading {
   public:
     explicit Reading(std::vector<Moment>& moments) : moments_(&moments) {}

@@ -33,7 +33,7 @@ class PlotJugglerBeside final : public Process {
 
 std::string plotjuggler_json(double date_s, const std::string& condition, std::uint32_t trial,
                              const Monitor& m) {
-    // What is not known yet is left out, so that no curve begins at a value that nobody measured.
+    // Unknown values are left out, so no curve begins at a value that was not measured.
     nlohmann::ordered_json values{{"trial", trial},
                                   {"time_s", m.time_s},
                                   {"position_needle_m", m.position_needle_m},

@@ -1,5 +1,4 @@
-// What an experimenter's view, or a player's panel, is told of a session: its newest record, what the nodes say of
-// themselves, what the clocks say. Undelayed, with the fixture; read only, so that nobody who watches changes a result.
+// The state of a session for an experimenter's view or a player's panel: newest record, nodes' reports, clocks. It is undelayed and has the fixture. It only reads, so an observer changes no result.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +11,7 @@ namespace thimble {
 // 250 Hz: four per frame of a screen, so that no frame waits for one.
 inline constexpr Duration kMonitorPeriod = std::chrono::milliseconds{4};
 
-// What the session does not know of itself.
+// Facts that the session itself does not have.
 struct MonitorContext {
     std::uint32_t trials = 0;  // planned; 0: no plan
     bool paused = false;
@@ -29,7 +28,7 @@ class MonitorFeed {
     MonitorFeed(std::uint64_t instance, std::initializer_list<Channel*> out, const SessionProcess& session)
         : flow_(Role::kSession, instance, out), session_(&session) {}
 
-    // Sends what is due, and ten times a second why a device has ended the trial. What was missed is not made up for: the newest counts.
+    // Sends what is due, and ten times a second why a device has ended the trial. It sends the newest state and repeats no missed one.
     void tick(SessionTime now, const MonitorContext& context);
     SessionTime next_wakeup() const { return next_; }
 

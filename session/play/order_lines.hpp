@@ -1,7 +1,6 @@
 // An experimenter's orders in a sitting, as the lines of prompt.hpp: an order does what the typed command does, no more.
 //   Start, Resume   an empty line: go on         Repeat   r        Exclude   x        Quit   q
-// Pause holds back the next trial where nobody is asked. What a sitting has no word for (another delay or network, ending a trial)
-// is refused: its conditions are not the experimenter's to change.
+// Pause holds back the next trial where nobody is asked. It refuses orders that a participant session has no line for (another delay or network, ending a trial): the plan sets its conditions.
 #pragma once
 
 #include <atomic>

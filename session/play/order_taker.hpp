@@ -1,4 +1,4 @@
-// What a view asks of a session, each request once. A view repeats an order until the Monitor shows it, and names in the header
+// Carries out the orders of a view, each of them once. A view repeats an order until the Monitor shows it, and names in the header
 // the trial for which it was asked: a Start or an EndTrial that comes late is not one for the next trial.
 #pragma once
 

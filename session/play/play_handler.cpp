@@ -51,7 +51,7 @@ std::optional<Modality> PlayHandler::take_due(SessionTime now) {
 
 void PlayHandler::trial_ended(SessionTime now, const TrialRecord& record) {
     if (record.reason == EndReason::kInterrupted || is_stop(record.reason))
-        return;  // whoever did it said what comes next
+        return;  // the order also says what comes next
     next_ = record.conditions.modality;
     not_before_ = now + kBetweenTrials;
 }

@@ -1,4 +1,4 @@
-// `thimble play`: five nodes on this machine, a person at the pointer, trial after trial until somebody has had enough.
+// `thimble play`: five nodes on this machine, a person at the pointer, trial after trial until the player ends it.
 #pragma once
 
 #include <atomic>
@@ -26,7 +26,7 @@ struct PlayResult {
     std::uint32_t trials = 0;
 };
 
-// Longer than anybody plays one trial.
+// Longer than a played trial.
 inline constexpr Duration kPlayTimeout = std::chrono::minutes{30};
 
 // Ends when the window is closed, at a Quit, at a stop, or after `longest`. Throws Error: usage, if the record's folder

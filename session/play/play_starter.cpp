@@ -12,7 +12,7 @@ namespace {
 const std::vector<std::string> kWindow{"--window", "--view", "player"};
 constexpr Duration kHelpWithin = std::chrono::seconds{5};
 
-// A condition owns its nodes; the starter still wants to know how the window ended.
+// A condition's run owns the nodes. The starter keeps how the window ended.
 class SharedNode final : public RunningNode {
   public:
     explicit SharedNode(std::shared_ptr<RunningNode> node) : node_(std::move(node)) {}

@@ -21,7 +21,7 @@ class PlayStarter final : public NodeStarter {
     Duration reach() const override { return local_.reach(); }
     std::string machine(Role role) const override { return local_.machine(role); }
 
-    // The window's program has ended by itself and says that all is well: somebody has closed it.
+    // The user has closed the window: its program has ended with exit code 0.
     bool window_closed() const;
 
   private:

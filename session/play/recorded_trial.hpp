@@ -15,7 +15,7 @@ struct RecordedTrial {
     double duration_s() const { return record.samples.back().time_s; }
     // The newest sample at `time_s`, which may lie before the first one.
     const TrajectorySample& at(double time_s) const;
-    // What slave_sim said then, as far as a trajectory keeps it: no velocity, no stamps.
+    // slave_sim's answer of that moment, as far as a trajectory keeps it: without velocity and stamps.
     ForceFeedback feedback(const TrajectorySample& sample) const;
     // One way, of the force path.
     double delay_s(double time_s) const;

@@ -54,7 +54,7 @@ class ReplayProcess final : public Process, public OrderHandler {
     SessionTime next_{}, next_steer_{}, next_state_{};
 };
 
-// What a scrub bar of this trial shows, at speed 1. Changes of the network that lie closer than a hundredth of the trial are one
+// The marks on the scrub bar of this trial, at speed 1. Changes of the network that lie closer than a hundredth of the trial are one
 // mark.
 ReplayState replay_state_of(const RecordedTrial& trial);
 

@@ -21,7 +21,7 @@ struct ReplayPlayOptions {
     const std::atomic<bool>* stop = nullptr;
 };
 
-// At its end the replay stands still until the window is closed or somebody says Quit. Throws Error as find_recorded_trial() and play() do.
+// At its end the replay stands still until the user closes the window or quits. Throws Error as find_recorded_trial() and play() do.
 void play_recorded(const ReplayPlayOptions& options);
 
 }  // namespace thimble

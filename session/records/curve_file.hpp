@@ -26,7 +26,7 @@ class CurveFile {
 };
 
 using TakeCurve = std::function<void(const TrialCurve&)>;
-// Hands over one curve after the other, in order: a curve is forty times a row, and nobody needs them together.
+// Hands over one curve after the other, in order: a curve is forty times a row, and no caller needs all at once.
 // Throws Error (data) naming line and column of what cannot be read.
 void read_curves(const std::filesystem::path& path, const TakeCurve& take, LastLine last = LastLine::kWhole);
 

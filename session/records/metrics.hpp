@@ -1,4 +1,4 @@
-// What is measured in one trial. Definitions: the paper's measures (claims E1, E2, E3); penetration p =
+// The measures of one trial. Definitions: the paper's measures (claims E1, E2, E3); penetration p =
 // needle minus fixture position, positive beyond the fixture. A measure that does not exist in a trial is
 // NaN.
 #pragma once

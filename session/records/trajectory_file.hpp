@@ -38,7 +38,7 @@ struct Trajectory {
 // Throws Error (data) naming line and column of what cannot be read.
 Trajectory read_trajectory(const std::filesystem::path& path);
 
-// What happened to a trial that no sample says: trajectories/<trial>.events.csv, beside the trajectory and only there if
+// Changes during a trial that no sample holds: trajectories/<trial>.events.csv, beside the trajectory and only there if
 // something did. Columns time_s, event, value; docs/play.md lists the events. A profile is a group of seven lines of one time:
 // profile (its name), delay_s, jitter_spread_s, loss of the force path, and the same of the needle's.
 

@@ -1,4 +1,4 @@
-// What one trial leaves behind: who, under which conditions, what the needle did, how it ended.
+// The record of one trial: subject, conditions, the needle's course, the end.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ struct TrajectorySample {
     bool fixture_present = true;
 };
 
-// What a profile makes of one way of the network, in short.
+// One way of the network under a profile, in short.
 struct WayInShort {
     double delay_s = 0;          // mean
     double jitter_spread_s = 0;  // of its shape, as in a session file

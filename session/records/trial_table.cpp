@@ -80,7 +80,7 @@ void write_remedy(Out out, const TrialRow& row) {
     fmt::format_to(out, "{}", kRemedyNames[static_cast<std::size_t>(row.conditions.remedy)]);
 }
 
-// A table of an earlier version has no such field: it may have had one, but nobody wrote it down.
+// A table of an earlier version has no such field, so its value is unknown.
 void read_remedy(const CsvField& field, TrialRow& row) {
     if (field.text.empty()) return;
     const auto* const name = std::find(kRemedyNames.begin(), kRemedyNames.end(), field.text);

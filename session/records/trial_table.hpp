@@ -49,7 +49,7 @@ std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows);
 // The columns of a row, for tables that hold more than a row: their names, and one field, written without a
 // separator and read back. A value that is not there is an empty field.
 std::span<const std::string_view> trial_columns();
-// So many at the end were added later: a table without them is of an earlier version, and readable.
+// Columns at the end that an earlier version lacks. A table without them is readable.
 inline constexpr std::size_t kLaterColumns = 1;
 void write_trial_field(fmt::memory_buffer& out, const TrialRow& row, std::size_t column);
 void read_trial_field(const CsvField& field, std::size_t column, TrialRow& row);

@@ -1,5 +1,4 @@
-// What a condition's run writes as it comes: trajectories, exchanges of clocks, the session's log of messages; and where each
-// of its files is. What cannot be written is remembered and ends the trial, with what was written.
+// The files of a condition's run, written as the data come: trajectories, exchanges of clocks, the session's log of messages. Also the paths of all its files. A failed write ends the trial. The data before it are kept.
 #pragma once
 
 #include <array>
@@ -31,7 +30,7 @@ class ConditionFiles {
     std::filesystem::path report_path(std::size_t node) const;
     std::filesystem::path log_path(std::size_t node) const;  // what its program says
     std::filesystem::path messages_path(const std::string& program) const;
-    // From now on nodes have other names for what they write: nobody writes over what was written.
+    // From now on the nodes' files have other names, so a new node overwrites no file.
     void nodes_start_anew() { ++restarts_; }
 
     // `trajectory`: empty, if none is to be written.
@@ -42,7 +41,7 @@ class ConditionFiles {
     void flush();
     void end_trial(const TrialRecord& record);
 
-    // What the exchanges say, read back from their file. None after a fault.
+    // The clocks, computed from the exchanges in their file. None after a fault.
     std::vector<NodeClock> close_clocks();
     void write_session_report(const nlohmann::ordered_json& report);
 

@@ -1,4 +1,4 @@
-// What of a session changes the network of a running trial.
+// The part of a session that changes the network of a running trial.
 #include <utility>
 
 #include "netem/profiles/profiles.hpp"

@@ -13,11 +13,10 @@ namespace {
 constexpr Duration kResend = std::chrono::milliseconds{50};
 // Samples still come until all nodes have heard of the end.
 constexpr Duration kAfterTimeout = std::chrono::seconds{1};
-// A node that says "my peer is silent" is right about the silence; the culprit is whoever the session has not
-// heard for longer than a few heartbeats.
+// A node that says "my peer is silent" is right about the silence. The lost peer is the node that the session has not heard for some heartbeats.
 constexpr Duration kSuspicious = std::chrono::milliseconds{250};
 
-// Whose words come behind the heartbeat.
+// Reasons whose text follows the heartbeat.
 bool has_words(EndReason reason) { return reason == EndReason::kDeviceFault || is_stop(reason); }
 
 template <std::size_t... I>
@@ -270,8 +269,7 @@ const SessionProcess::Peer* SessionProcess::quietest() const {
     });
 }
 
-// Who keeps a start from succeeding: whoever is dead, else the first that is heard but has not obeyed, else the first
-// that has given up.
+// The node that prevents a start: a dead one, else the first that has not obeyed, else the first that has given up.
 const SessionProcess::Peer& SessionProcess::laggard(SessionTime now) const {
     const Peer& quiet = *quietest();
     if (quiet.flow.silent_for(now, kPeerTimeout)) return quiet;
@@ -390,7 +388,7 @@ void SessionProcess::send_orders(SessionTime now) {
         if (tells) peer.out.send(now, trial_, network_order());
         const bool between = stage_ == Stage::kIdle || stage_ == Stage::kDone;
         if (page_ && between && peer.role == Role::kVisual) peer.out.send(now, trial_, *page_);
-        // Behind an order, never alone: a probe wakes nobody who would have slept on.
+        // Behind an order, never alone: so a probe wakes no idle node.
         if (peer.prober.due(now)) peer.out.send(now, trial_, peer.prober.probe(now));
     }
 }

@@ -51,7 +51,7 @@ class SessionProcess final : public Process {
     const ClockProbeCounters& clock_counters(Role role) const { return peer(role).prober.counters(); }
 
     bool finished() const { return stage_ == Stage::kDone; }
-    // What a view of the session shows.
+    // State for a view of the session.
     bool running() const { return stage_ == Stage::kRunning; }
     std::uint32_t number() const { return trial_; }  // of the newest trial, on the wire
     const Heartbeat& heartbeat_of(Role role) const { return peer(role).last; }
@@ -88,7 +88,7 @@ class SessionProcess final : public Process {
     void show(const Page& page);
     // Whether the subject has asked to go on from the page that is shown, since the last call.
     bool take_go_on() { return std::exchange(go_on_, false); }
-    // What visual_node was heard and refused with.
+    // The messages of this node: accepted, and refused by reason.
     const FlowCounters& heard_from(Role role) const { return peer(role).flow.counters(); }
     // Tells every node to exit.
     void shut_down(SessionTime now);
@@ -142,7 +142,7 @@ class SessionProcess final : public Process {
     double delay_s_;  // as asked, one way
     NetworkName network_;
     bool network_changed_ = false;  // by either of the two
-    bool network_fresh_ = false;    // and nobody has been told yet
+    bool network_fresh_ = false;    // and no node has heard of it yet
     Channels channels_;
     std::array<Peer, kNodeRoles.size()> peers_;
     InboundFlow record_flow_{Role::kSlaveSim};

@@ -46,7 +46,7 @@ StopFile::StopFile(std::uint16_t base_port)
     : base_port_(base_port),
       path_(folder_of_stops() / fmt::format("thimble-stop-{}-{}", geteuid(), base_port)) {}
 
-// A place that is taken by something else keeps no stop: that is said before anything begins, not when somebody stops.
+// A path that something else occupies can keep no stop. The program says so at the start, not at the stop.
 std::optional<StopFile::Kept> StopFile::kept() const {
     const int file = open(path_.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
     if (file < 0 && errno == ENOENT) return std::nullopt;
@@ -74,7 +74,7 @@ void StopFile::require_released() const {
                                                   stop->words, base_port_));
 }
 
-// Not through a link that somebody else has laid.
+// It follows no symbolic link of another user.
 void StopFile::keep(std::string_view words) const {
     const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
     if (file < 0 && errno == EEXIST && kept()) return;

@@ -1,6 +1,5 @@
 // A stop that outlives the program that ended with it: a file that thimble leaves on its machine while a stop holds, and for which
-// it begins nothing on the same ports until "thimble stop --release" takes it away. In THIMBLE_STOP_DIR, else /tmp:
-// the same for whoever runs and whoever releases, by ssh or as a service, which XDG_RUNTIME_DIR is not. One per user and base port,
+// it begins nothing on the same ports until "thimble stop --release" takes it away. It stands in THIMBLE_STOP_DIR, else in /tmp. A session over ssh and a service see the same folder there, unlike XDG_RUNTIME_DIR. One per user and base port,
 // mode 0600.
 #pragma once
 
@@ -21,7 +20,7 @@ class StopFile {
     void require_released() const;
     // `words`: who and why. Of several the first is kept. Throws Error (run failed) if it cannot be written.
     void keep(std::string_view words) const;
-    // What is kept now, and what tells it from a later one. Throws Error (run failed) if that cannot be read.
+    // The kept stop, and marks that tell it from a later one. Throws Error (run failed) if that cannot be read.
     struct Kept {
         std::string words;
         std::int64_t written_ns = 0;

@@ -1,4 +1,4 @@
-// Who does which trials in which order. Everything is drawn from streams keyed by study, experiment, subject
+// The trials of each subject, and their order. Everything is drawn from streams keyed by study, experiment, subject
 // and trial, so that adding a subject or a trial changes no other.
 #pragma once
 

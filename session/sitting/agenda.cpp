@@ -28,7 +28,7 @@ class Positions {
         const Exclusion* mark = find_exclusion(agenda_.exclusions, agenda_.participant, record.record);
         if (mark != nullptr && mark->kind == ExclusionKind::kExcluded) return std::nullopt;
         if (mark != nullptr) return Step{agenda_.order[i], record.record, mark->reason};
-        // Somebody wished it, and nothing had failed.
+        // The experimenter asked for it, though nothing had failed.
         const bool again = record.row.reason == EndReason::kInterrupted ||
                            record.row.reason == EndReason::kEmergencyStop ||
                            (failed_by_itself(record) && failures_[i] <= settings_.repeats_limit);

@@ -1,5 +1,4 @@
-// What comes next in a sitting: a pure function of what stands in the files, so that a sitting goes on after
-// whatever ended it.
+// The next step of a participant session, as a pure function of its files. So a session goes on after any interruption.
 #pragma once
 
 #include <optional>

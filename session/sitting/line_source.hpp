@@ -1,4 +1,4 @@
-// Lines that somebody types, or a test pipes in, without waiting for them.
+// Lines from a keyboard or a pipe, read without waiting.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ class LineSource {
     virtual bool ended() const = 0;
 };
 
-// Whoever says something first. Both outlive this.
+// The first line of either source. Both outlive this.
 class TwoLineSources final : public LineSource {
   public:
     TwoLineSources(LineSource& one, LineSource& other) : one_(&one), other_(&other) {}

@@ -59,7 +59,7 @@ std::vector<Protocol> protocols_of(const SystemSettings& settings, const Protoco
     return protocols;
 }
 
-// Each modality in turn, as [session] lists them: somebody new to the handle is told what comes.
+// Each modality in turn, as [session] lists them: a newcomer to the handle knows what comes.
 std::vector<OrderEntry> practice_of(const Protocol& protocol, const ProtocolSettings& plan,
                                     std::uint32_t participant) {
     std::vector<OrderEntry> order;

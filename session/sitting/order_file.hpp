@@ -24,7 +24,7 @@ struct OrderEntry {
 // others, and with them all that is drawn, do not depend on how much was practised.
 inline constexpr std::uint32_t kFirstPracticeTrial = 1001;
 
-// What the settings give. Throws Error (usage) without [protocol], or if more participants come than planned.
+// The order that the settings give. Throws Error (usage) without [protocol], or if more participants come than planned.
 std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t participant);
 
 void write_order(const std::filesystem::path& file, const std::vector<OrderEntry>& order);

@@ -1,4 +1,4 @@
-// A person needs eyes: whoever starts the nodes for one gives thimble-visual a window, whatever [visual] display says.
+// Starts the nodes for a person: thimble-visual gets a window, whatever [visual] display says.
 #pragma once
 
 #include <memory>

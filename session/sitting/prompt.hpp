@@ -1,4 +1,4 @@
-// What the experimenter types between two trials.
+// The experimenter's commands between two trials.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ inline constexpr const char* kPromptHelp =
 
 PromptCommand parse_prompt_line(std::string_view line);
 
-// A rest: over after its minimum, and, if somebody is asked, not before Enter.
+// A rest. It ends after its minimum and, where an experimenter answers, with Enter.
 class Rest {
   public:
     Rest(SessionTime begin, Duration minimum, bool asks) : end_(begin + minimum), asks_(asks) {}

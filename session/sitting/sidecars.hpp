@@ -1,4 +1,4 @@
-// What BIDS wants beside the tables: what their columns mean, and a page for whoever opens the folder.
+// The files that BIDS asks for beside the tables: the meaning of each column, and a page for readers of the folder.
 #pragma once
 
 #include <string>

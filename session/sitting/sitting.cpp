@@ -14,7 +14,7 @@ namespace {
 constexpr Duration kLook = std::chrono::milliseconds{20};  // for a line, for a stop
 constexpr unsigned kLostInARow = 3;                        // then it is not the trial
 
-// What an interrupted program wrote of a trial without a record is kept, under another name.
+// Files of an interrupted trial, which has no record, are kept under another name.
 void keep_aside(const std::filesystem::path& file) {
     std::error_code absent;
     if (!std::filesystem::exists(file, absent)) return;
@@ -37,7 +37,7 @@ Sitting::Sitting(SittingOptions options, TrialRunner& runner)
 }
 
 SittingResult Sitting::run() {
-    if (agenda_.next(options_.protocol)) runner_.prepare();  // before anybody is asked for anything
+    if (agenda_.next(options_.protocol)) runner_.prepare();  // before the first question
     for (;;) {
         const std::optional<Step> step = agenda_.next(options_.protocol);
         Answer answer = step ? await_release(step) : Answer::kGo;
@@ -138,7 +138,7 @@ std::optional<Sitting::Answer> Sitting::hear_wishes(const std::optional<Step>& s
     return std::nullopt;
 }
 
-// Neither modality nor fixture: the participant must not know.
+// The participant must know neither modality nor fixture.
 Page Sitting::page(const std::optional<Step>& step) const {
     Page page;
     page.trials = static_cast<std::uint32_t>(agenda_.order.size());

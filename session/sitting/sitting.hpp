@@ -31,7 +31,7 @@ class TrialRunner {
     virtual std::uint32_t last_number() const = 0;
     virtual TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
                             const std::filesystem::path& trajectory) = 0;
-    // What the participant's screen says until the next trial.
+    // The page on the participant's screen until the next trial.
     virtual void show(const Page& page) = 0;
     // Whether the participant has asked to go on from that page since the last call.
     virtual bool take_go_on() = 0;
@@ -40,7 +40,7 @@ class TrialRunner {
     virtual SessionTime now() const = 0;
     // Why the last peer was lost.
     virtual std::string problem() const = 0;
-    // Who has stopped everything, and how to release it; empty: nothing is stopped.
+    // Of a stop: its source and how to release it. Empty: no stop holds.
     virtual std::string stop_words() const { return {}; }
     virtual void release_stop() {}
 };
@@ -49,11 +49,11 @@ struct SittingOptions {
     Dataset dataset;
     std::uint32_t participant = 1;
     ProtocolSettings protocol;
-    LineSource* lines = nullptr;  // where the experimenter answers; null: nobody is asked
+    LineSource* lines = nullptr;  // where the experimenter answers; null: no experimenter
     bool rests = true;            // breaks last at least their minimum
     const std::atomic<bool>* stop = nullptr;
     std::function<void(const std::string&)> say;
-    // Where nobody is asked, somebody who watches may still request: the same lines, and a pause before the next trial.
+    // Without an experimenter at the keyboard, a view may send the same lines, and a pause before the next trial.
     LineSource* requests = nullptr;
     std::function<bool()> paused{};
     // The participant, too, may begin the next trial; with no experimenter asked, the participant alone.

@@ -1,4 +1,4 @@
-// An experimenter's view beside a sitting: what it asks comes as the lines that somebody could have typed.
+// An experimenter's view of a participant session. Its orders arrive as typed lines.
 #pragma once
 
 #include <functional>

@@ -15,7 +15,7 @@ namespace thimble {
 
 inline constexpr std::string_view kNotAvailable = "n/a";
 
-// Somebody's words as one field: what would break the line becomes a space; nothing becomes "n/a".
+// Free text as one field: line breaks and tabs become spaces, an empty text becomes "n/a".
 std::string tsv_text(std::string_view words);
 // A field that is not there, as CsvField's conversions expect it: empty.
 CsvField without_na(CsvField field);
@@ -35,7 +35,7 @@ class TsvFile {
 // There, and not empty.
 bool is_table(const std::filesystem::path& path);
 
-// Replaces a file as a whole: whoever reads it, also after a power cut, finds the old text or the new one.
+// Replaces a file as a whole: a reader, also after a power cut, finds the old text or the new one.
 void write_whole(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace thimble

@@ -46,7 +46,7 @@ void connect_to(int descriptor, const sockaddr_in& address) {
     }
 }
 
-// Ends when nobody has asked for a while.
+// Ends when no question has come for a while.
 [[noreturn]] void echo(int descriptor, const RuntimeSettings& settings) {
     ask_for_realtime(settings);
     std::array<std::uint8_t, kBytes> buffer{};

@@ -1,5 +1,4 @@
-// What this machine charges for one datagram there and back between two bare processes: the yardstick for the
-// round trip through all five.
+// The time that this machine takes for one datagram there and back between two bare processes. The round trip through all five is compared with it.
 #pragma once
 
 #include "common/histogram.hpp"
