@@ -17,7 +17,7 @@ std::string range(const ConfidenceInterval& interval) {
 
 std::string p_cell(double p) { return p > 0 ? fmt::format("{:.2g}", p) : "<1e-300"; }
 
-// What `text` makes of a value that is there; a dash for one that was refused.
+// What `text` makes of an existing value; a dash for a refused one.
 template <class Value, class Text>
 std::string cell(const std::optional<Value>& value, const Text& text) {
     return value ? text(*value) : std::string(kDash);

@@ -220,7 +220,7 @@ class Narrator {
         return fmt::format(" Pair by pair ({}):{}.{}", comparison(), apart, alike);
     }
 
-    // What "not shown to differ" leaves open.
+    // The differences that "not shown to differ" leaves possible.
     std::string widest_sentence() const {
         if (!full_) return "";
         double widest = 0;

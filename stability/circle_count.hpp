@@ -98,7 +98,7 @@ class Circle {
         return {sqrt(Real(re * re + im * im)), angle};
     }
 
-    // Of f + g, of which one outweighs the other all the way.
+    // Of f + g, where |f| > |g| or |f| < |g| on the whole circle.
     Real turn_between(const Real& from, const Real& to, bool first, bool last) const {
         const Real middle = (from + to) / 2;
         const bool hand_leads = hand_at(middle).size >= feedback_at(middle).size;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kNever_s = std::numeric_limits<double>::infinity();
 constexpr double kLongestDelay_s = 1e6;
-constexpr double kMostTurned_rad = 1e8;  // a count of roots beyond is no use to anybody, and would not fit
+constexpr double kMostTurned_rad = 1e8;  // a larger count of roots has no use, and would not fit
 
 void require(bool good, const char* what, double value) {
     if (good) return;

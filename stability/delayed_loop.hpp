@@ -54,7 +54,7 @@ struct StableDelays {
     double from_s = 0;
     double to_s = 0;
 };
-// In order; at most `most`, of which a loop close to its delay-independent stiffness has many.
+// In order. At most `most`, of which a loop close to its delay-independent stiffness has many.
 std::vector<StableDelays> stable_delays(const DelayedLoop& loop, std::size_t most);
 
 // The first crossing; see CriticalPoint.

@@ -1,4 +1,4 @@
-// What an unstable loop ends in: a fixture pushes one way only and a handle gives so much force, so the oscillation stops growing.
+// The final oscillation of an unstable loop. It stops growing because a fixture pushes one way only and the handle's force is limited.
 //
 //     force(t) = clip(K p(t - T), 0, F_s),  p = position beyond the wall;  m p" + b p' + k p = F_0 - force
 //

@@ -12,7 +12,7 @@ constexpr double kStart_m = 5e-3;  // of a linear run
 constexpr double kRun_s = 6, kDelays = 60;
 // After long delays many modes grow almost alike, and the first takes this long to stand out.
 constexpr double kLong_s = 0.5, kLongDelays = 400;
-constexpr double kGrown = 1e60;  // beyond, nobody needs more of the trace
+constexpr double kGrown = 1e60;  // beyond, the rest of the trace has no use
 constexpr double kFaded = 1e-60;
 constexpr double kQuantaLeft = 100;  // of amplitude, for an encoder not to matter
 

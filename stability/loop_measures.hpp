@@ -1,4 +1,4 @@
-// What a loop that runs does, measured as one would on a rig, without any theory of it.
+// Measures of a running loop, taken as on a real rig, without theory.
 //
 // In the linear mode the growth rate: a decaying and a growing oscillation of the same size now differ, whatever their sizes are.
 // (Peak-to-peak alone takes a slowly dying transient for an oscillation: 5 to 23 % too low a boundary after 8 s.) In the full mode

@@ -1,4 +1,4 @@
-// What a loop does between two outcomes: which swing friction stops, which press ends the limit cycle.
+// The borders between two outcomes: the swing that friction stops, the press that ends the limit cycle.
 #include <algorithm>
 #include <cmath>
 #include <utility>

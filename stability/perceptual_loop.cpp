@@ -107,7 +107,7 @@ double paused_growth(const HeldMass& hand, const PausedCorrection& correction, d
         if (quarter == 3) late_m = std::max(late_m, std::abs(led.position_m()));
         if (std::abs(led.position_m()) > 1e6 * kLet_go_m) return 1;
     }
-    // What has died out to nothing has nothing left to compare.
+    // A swing that has died out cannot be compared.
     return late_m < 1e-12 * kLet_go_m ? -1 : std::log(late_m / early_m);
 }
 

@@ -20,7 +20,7 @@ Real pi_of() {
     return boost::math::constants::pi<Real>();
 }
 
-// What std::complex need not offer for such numbers.
+// Functions that std::complex need not offer for such numbers.
 template <class Real>
 struct ComplexOf {
     Real re, im;

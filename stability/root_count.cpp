@@ -22,7 +22,7 @@ Precise first_delay_of(const ShiftedLoop& loop, const Precise& w) {
 
 }  // namespace
 
-// u = w^2:  m^2 u^2 + (b^2 - B^2 - 2mk) u + k^2 - K^2 = 0. What is above the parabola's vertex destabilises.
+// u = w^2:  m^2 u^2 + (b^2 - B^2 - 2mk) u + k^2 - K^2 = 0. Crossings above the parabola's vertex destabilise.
 std::vector<PreciseFamily> precise_families(const ShiftedLoop& l) {
     const Precise mm = l.mass * l.mass;
     const Precise half =

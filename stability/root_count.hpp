@@ -16,7 +16,7 @@ struct ShiftedLoop {
     Precise mass, damping, stiffness, loop_stiffness, loop_damping;
 
     static ShiftedLoop by(const DelayedLoop& loop, double delay_s, const Precise& line);
-    // What is left of Delta at s' = 0: real roots of Delta are its zeros.
+    // Delta on the real axis: its zeros are the real roots of Delta.
     Precise on_the_real_axis() const { return stiffness + loop_stiffness; }
 };
 

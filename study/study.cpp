@@ -175,7 +175,7 @@ class Study {
         return section;
     }
 
-    // Whose stability is the headline, judged against all trials without delay; 0: nobody's.
+    // The experiment of the headline, judged against all trials without delay; 0: none.
     std::uint32_t delayed_experiment() const {
         for (const Protocol& protocol : options_.protocols) {
             if (protocol.delay_s > 0) return protocol.experiment;

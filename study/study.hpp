@@ -52,7 +52,7 @@ struct StudyResult {
 // no_lag.csv, hf_NAME.csv, subjects.csv, claims.json, analysis.json, report.html, summary.json and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
-// What the actuators' lag costs: experiment 1 again, with fingertip devices that need no time.
+// The price of the actuators' lag: experiment 1 again, with fingertip devices that need no time.
 
 // The trials of experiment 1 with CF, under the same keys, so that nothing but the lag differs; none without
 // an experiment 1.

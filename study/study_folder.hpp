@@ -1,4 +1,4 @@
-// What a study that was interrupted left in its folder, and the tables it goes on with.
+// The files that an interrupted study left in its folder, and the tables with which it goes on.
 #pragma once
 
 #include <filesystem>

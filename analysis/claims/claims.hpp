@@ -1,5 +1,4 @@
-// What the paper claims, judged on a table of trials: with the paper's tests, at the paper's significance, and
-// with the paper's direction. A claim is reproduced only if direction and significance both come out.
+// The paper's claims, judged on a table of trials with the paper's tests, significance and direction. A claim is reproduced only if direction and significance both come out.
 //
 // Prattichizzo, Pacchierotti and Rosati, "Cutaneous Force Feedback as a Sensory Subtraction Technique in
 // Haptics", IEEE Transactions on Haptics 5(4), 2012.

@@ -1,4 +1,4 @@
-// What abstract, discussion and text say without a test of their own.
+// Statements of abstract, discussion and text that have no test of their own.
 #include <array>
 #include <cmath>
 #include <map>
@@ -15,7 +15,7 @@
 namespace thimble {
 namespace {
 
-// What would not matter, stated before any data: a twentieth of the way to the fixture, a tenth of the time.
+// Differences that would not matter, stated before any data: a twentieth of the way to the fixture, a tenth of the time.
 Finding indistinct_finding(const StudyColumns& columns) {
     constexpr double kBound_m = 0.05 * 0.123;
     const SampleTable depth = columns.table(Metric::kPenetrationMean).table;

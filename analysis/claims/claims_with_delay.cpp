@@ -11,7 +11,7 @@
 namespace thimble {
 namespace {
 
-// Who has no value in a modality (HF never reached the beep) is in no row.
+// A subject without a value in a modality (HF never reached the beep) has no row.
 std::string left_out_text(const StudyColumns& columns, const CompleteRows& complete) {
     if (complete.dropped.empty()) return "";
     return fmt::format("{} of {} subjects; ", complete.table.subjects(), columns.subjects().size());

@@ -25,7 +25,7 @@ struct Headline {
     std::string sentence() const;  // claim, verdict and reasons
 };
 
-// What the claim says of one modality: with the delay HF oscillates in more than half of its trials; without it, and in any
+// The claim for one modality. With the delay HF oscillates in more than half of its trials. Without it, and in any
 // other modality, no trial does.
 bool oscillates_as_claimed(Modality modality, bool delayed, std::uint32_t trials, std::uint32_t oscillating);
 

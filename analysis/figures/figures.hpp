@@ -1,5 +1,5 @@
 // Figures as SVG and PDF, drawn by gnuplot. Script and data stay beside each figure, so that `gnuplot -d NAME.gp`
-// in that directory draws it again. What a figure is drawn from is pure: the same rows give the same bytes.
+// in that directory draws it again. The data of a figure are pure: the same rows give the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct Figure {
     std::string svg;  // the element alone, fit to stand in HTML; ids begin with the name
 };
 
-// What a figure is drawn from.
+// The data and script of a figure.
 struct FigureSource {
     std::string name, title, caption;
     std::string data, script;  // NAME.tsv, NAME.gp

@@ -1,4 +1,4 @@
-// What the figures of one experiment share: panels by measure, modalities on the horizontal axis.
+// Parts that the figures of one experiment share: panels by measure, modalities on the horizontal axis.
 #pragma once
 
 #include <span>

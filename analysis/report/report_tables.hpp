@@ -16,7 +16,7 @@ ReportTable oscillation_table(const std::vector<ConditionSummary>& conditions);
 // Penetration, completion time and, where the fixture was removed, peak displacement.
 ReportTable metrics_table(const std::vector<ConditionSummary>& conditions);
 
-// What trials of real processes and of virtual time have in common.
+// Tables for trials of real processes and of virtual time alike.
 struct Agreement {
     ReportTable metrics;  // at 0 ms, where both should do the same
     ReportTable classes;  // at every delay: beyond the limit cycle's phase nothing else is comparable

@@ -22,7 +22,7 @@ struct NodeReport {
 ReportTable deadline_table(const std::vector<NodeReport>& reports);
 // Every refusal counter that is not zero, per node and condition.
 ReportTable refusal_table(const std::vector<NodeReport>& reports);
-// What protection refused, and how often keys were agreed, per program and condition; no row in mode "none".
+// Refusals by the protection and agreements of keys, per program and condition. Mode "none" gives no row.
 ReportTable security_table(const std::vector<NodeReport>& reports);
 // In which trials an input fell silent and its stale policy acted, and how long.
 ReportTable stale_table(const std::vector<NodeReport>& reports);

@@ -1,5 +1,4 @@
-// What a study's report shows of its trials beyond the tables: every figure, drawn in one gnuplot, and the
-// analysis in words and tables.
+// Figures and analysis of a study's report. One gnuplot draws all figures.
 #pragma once
 
 #include <cstdint>

@@ -59,7 +59,7 @@ struct PairedDifferences {
 // The columns are of equal, non-zero length and hold numbers.
 PairedDifferences paired_differences(const NamedValues& first, const NamedValues& second);
 
-// Of at least two subjects whose differences are not all the same. Throws Error (kData) that names `test` and
+// At least two subjects, with unequal differences. Throws Error (kData) that names `test` and
 // both columns otherwise, for columns of unequal length and for missing values.
 Moments spread_differences(const NamedValues& first, const NamedValues& second, std::string_view test);
 

@@ -1,7 +1,6 @@
 // Tail probabilities and quantiles of the distributions the tests refer to. Boost.Math evaluated in double (no
 // promotion: the same bits from every compiler) and by complements, so that small tails keep their digits.
-// Arguments must be numbers, degrees of freedom positive, probabilities in (0, 1). What cannot be computed is
-// thrown as Error (kData).
+// Arguments must be numbers, degrees of freedom positive, probabilities in (0, 1). Each throws Error (kData) where it cannot compute a value.
 #pragma once
 
 #include "analysis/statistics/confidence_interval.hpp"

@@ -8,7 +8,7 @@
 
 namespace thimble {
 
-// What counts as no difference, first minus second, in the data's unit; to be stated before looking.
+// The largest difference that counts as none, first minus second, in the data's unit. State it before looking.
 struct EquivalenceBounds {
     double low = 0;
     double high = 0;

@@ -41,8 +41,7 @@ class SampleTable {
 };
 
 // Listwise deletion: a subject with a missing cell (NaN) is left out of all conditions. Biased unless cells
-// are missing by chance, so say how many were dropped. Infinite cells are an error, not missing; so is a
-// table of which no row is left.
+// are missing by chance, so say how many were dropped. Infinite cells are an error, not missing. A table without a complete row is an error too.
 struct CompleteRows {
     SampleTable table;
     std::vector<std::size_t> dropped;  // subjects left out, as numbered in the columns, from 0

@@ -10,7 +10,7 @@ bool has_own_delay(const TrialRow& row) {
     return (row.conditions.delay_s > 0) == (row.conditions.experiment == 3);
 }
 
-// In the order of their names; none at all if nobody did a trial of this modality.
+// In the order of their names. Empty if there is no trial of this modality.
 std::vector<Remedy> remedies_of(const std::vector<TrialRow>& rows, Modality modality) {
     std::vector<Remedy> remedies;
     for (const TrialRow& row : rows) {

@@ -1,5 +1,4 @@
-// What the tests of one experiment start from: a table of subjects x modalities per measure, each subject's
-// trials averaged first, as in the paper. Where the rows have HF with several remedies against delay, each is a column of its own.
+// The data of one experiment's tests: per measure a table of subjects x modalities. Each subject's trials are averaged first, as in the paper. Where the rows have HF with several remedies against delay, each is a column of its own.
 #pragma once
 
 #include <cstdint>

@@ -31,7 +31,7 @@ std::string range_text(std::uint32_t low, std::uint32_t high);
 // The <svg> element of a whole SVG file, its ids prefixed with `name` so that several can stand in one page.
 std::string embeddable_svg(std::string text, const std::string& name);
 
-// What one picture is drawn from; NAME.svg is drawn by `gnuplot -d NAME.gp` beside NAME.tsv.
+// The data and script of one picture; NAME.svg is drawn by `gnuplot -d NAME.gp` beside NAME.tsv.
 struct GnuplotFiles {
     std::string name, data, script;
 };

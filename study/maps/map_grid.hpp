@@ -52,7 +52,7 @@ std::vector<double> parse_map_axis(const std::string& option, const std::string&
 
 // Throws Error (usage) for what no cell could be made of.
 void require_meaningful(const MapGrid& grid);
-// What decides the table's bytes: another text is another map.
+// The text that decides the table's bytes: another text is another map.
 std::string grid_text(const MapGrid& grid);
 
 }  // namespace thimble

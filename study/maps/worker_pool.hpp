@@ -1,4 +1,4 @@
-// Who works out the cells: threads of this program, or ranks of many. The rest of a map knows only this.
+// The workers that compute the cells: threads of this program, or ranks of many. The rest of a map knows only this.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace thimble {
 
-// What there is to do, and what becomes of it.
+// The work, and the receiver of its results.
 struct PoolWork {
     std::size_t first = 0, end = 0, block = 1;  // cells [first, end), so many at a time
     std::function<std::string(const CellRange&)> rows;
@@ -22,7 +22,7 @@ class WorkerPool {
     virtual ~WorkerPool() = default;
     // Of all machines and threads together, to cut blocks by.
     virtual std::size_t hands() const = 0;
-    // Until all is done, or stop says so: what was not begun is left, what is under way may be. What a worker throws is thrown.
+    // Returns when all is done or `stop` is true. A stop leaves the cells that have not begun, and perhaps those in work. Throws what a worker throws.
     virtual void lead(const PoolWork& work) = 0;
 };
 

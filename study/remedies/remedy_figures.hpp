@@ -1,4 +1,4 @@
-// What the comparison of remedies looks like: a line per condition over the delay, and who is stable where.
+// Figures of the comparison of remedies: a line per condition over the delay, and where each is stable.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What the data of a comparison support, in sentences made from them.
+// Findings of a comparison, as sentences made from its data.
 #pragma once
 
 #include <string>

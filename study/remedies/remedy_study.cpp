@@ -21,7 +21,7 @@
 namespace thimble {
 namespace {
 
-// What no record holds: the hand itself.
+// The hand itself, which no record holds.
 struct HandSample {
     double time_s, position_hand_m, force_hand_N, position_needle_m;
 };

@@ -58,7 +58,7 @@ struct RemedyTrial {
     double drift_needle_m = std::numeric_limits<double>::quiet_NaN();
 };
 
-// What came out for one condition over one network.
+// The result of one condition over one network.
 struct RemedyRow {
     std::string name;
     RemedyNetwork network;

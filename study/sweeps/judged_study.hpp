@@ -1,4 +1,4 @@
-// A whole study of which nothing is kept but its claims.
+// A whole study that keeps only its claims.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@
 
 namespace thimble {
 
-// What every sweep over studies is told.
+// The options of every sweep over studies.
 struct SweepOptions {
     std::vector<Protocol> protocols;  // with the first seed; the others follow it
     std::uint32_t seeds = 1;          // studies per setting

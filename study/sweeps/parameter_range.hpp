@@ -9,8 +9,7 @@
 
 namespace thimble {
 
-// Two keys that describe one thing (the fingertip device's limit and what the operator knows of it) are varied
-// together.
+// Two keys for one value vary together (the fingertip device's limit, and the limit that the operator expects).
 struct ParameterRange {
     std::vector<std::string> keys;  // dotted, of the session file; at least one
     double low = 0;                 // SI, low < high

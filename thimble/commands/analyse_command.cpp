@@ -35,7 +35,7 @@ std::vector<TrialRow> rows_of(const std::filesystem::path& given, std::vector<st
     return trials.rows;
 }
 
-// What a study wrote beside its trials; none, and the claim is not judged.
+// A table that the study wrote beside its trials. Without it the claim is not judged.
 std::vector<TrialRow> no_lag_rows(const std::filesystem::path& given) {
     const auto folder = std::filesystem::is_directory(given) ? given : given.parent_path();
     const auto table = folder / "no_lag.csv";

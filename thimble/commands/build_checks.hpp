@@ -1,4 +1,4 @@
-// What a session asks of this build and machine's programs, looked at before anything is written or started.
+// Checks this build and this machine's programs for a session, before the first file and the first node.
 #pragma once
 
 #include "session/settings/system_settings.hpp"

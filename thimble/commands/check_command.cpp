@@ -14,7 +14,7 @@
 namespace thimble {
 namespace {
 
-// No path on Earth, nor to the moon and back, is as long: somebody wrote milliseconds.
+// No path on Earth, nor to the moon and back, is as long: the value is probably in milliseconds.
 void warn_of_milliseconds(const SessionPlan& plan) {
     constexpr Duration kLongest = std::chrono::seconds{3};
     for (const Duration delay : plan.delays) {

@@ -24,7 +24,7 @@ namespace {
 
 using Keys = std::map<std::string, KeyDeclaration>;
 
-// What some keys are read beside, where choosing alone does not lead to them.
+// Keys that must stand beside some others, so that the reader asks for these.
 constexpr std::array<std::string_view, 8> kSessionCompanions{
     "session = { subject = \"human\", participant = \"P01\" }",
     "netem.needle.timeline = [{ at_s = 1, loss = 0.1 }]",

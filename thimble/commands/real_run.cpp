@@ -26,7 +26,7 @@ ConfigFile file_of(const RealRunArguments& arguments) {
     return arguments.config.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.config);
 }
 
-// What would only come to light in thimble-visual's log, when a folder is written already.
+// Faults that otherwise only thimble-visual's log would show, after the folder is written.
 void check_screen(const SystemSettings& settings, const std::shared_ptr<NodeStarter>& starter) {
     const bool window = settings.visual.window || settings.plan.kind == SubjectKind::kHuman;
     if (starter && window && starter->machine(Role::kVisual).empty()) check_window(program_folder());

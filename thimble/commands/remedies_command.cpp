@@ -50,7 +50,7 @@ void print_rows(const std::vector<RemedyRow>& rows) {
     }
 }
 
-// What decides the trials: with another one the table is another one. A session file's own network and [control] among it.
+// The settings that decide the trials: another one gives another table. A session file's own network and [control] among it.
 std::string plan_text(const RemediesArguments& a) {
     const RemedyStudyOptions& s = a.study;
     std::string text =
@@ -80,7 +80,7 @@ IfExists prepare_folder(const RemediesArguments& a) {
     return IfExists::kReplace;
 }
 
-// What gives the same results, without where they went.
+// The command that gives the same results, without the output folder.
 std::string remedies_command(const RemediesArguments& a) {
     std::string command = fmt::format("thimble remedies --subjects {} --trials {} --seed {}",
                                       a.study.subjects, a.study.trials, a.study.seed);

@@ -153,7 +153,7 @@ class Run {
                                   row.metrics.oscillates ? "oscillates" : "settles"));
     }
 
-    // What went wrong before, a full disk perhaps, is not hidden by what then goes wrong here.
+    // An earlier problem, a full disk perhaps, is not hidden by a later one.
     void conclude() {
         try {
             repeat_virtually();

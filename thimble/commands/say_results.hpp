@@ -1,4 +1,4 @@
-// What a run or a study says on stdout when it has ended.
+// The results of a run or a study on stdout.
 #pragma once
 
 #include <filesystem>

@@ -20,7 +20,7 @@
 namespace thimble {
 namespace {
 
-// As many as [session] parallel_conditions may be: a stop that is said where nobody runs does no harm.
+// The most that [session] parallel_conditions allows. A stop to ports without a session does no harm.
 constexpr int kMostLanes = 64;
 constexpr int kMoreRounds = 40;  // for the answer of a machine that is busy
 
@@ -119,7 +119,7 @@ std::string holders(const Conditions<StopCall>& conditions) {
     return names;
 }
 
-// Not even whoever presses a stop may have to guess whether he was heard.
+// The user must know whether the stop was heard.
 int stop(const StopArguments& a) {
     const std::uint64_t id = std::max<std::uint64_t>(1, system_entropy());
     Conditions<StopCall> conditions(a);

@@ -61,7 +61,7 @@ std::vector<Remedy> remedies_of(const StudyArguments& a, const SystemSettings& s
     return remedies;
 }
 
-// What gives the same results, without where they went and how they came: a resumed study equals another.
+// The command that gives the same results, without output folder and way of running: a resumed study equals another.
 std::string study_command(const StudyArguments& a) {
     std::string command = fmt::format("thimble study --experiment {} --seed {}", a.experiment, a.seed);
     if (a.subjects != 0) command += fmt::format(" --subjects {}", a.subjects);

@@ -1,4 +1,4 @@
-// What gathered facts mean for a session, and what to do about it. Pure.
+// The meaning of gathered facts for a session, and advice. Pure.
 #pragma once
 
 #include "thimble/doctor/diagnosis.hpp"

@@ -1,5 +1,4 @@
-// What is known about this machine and a session, gathered by gather.hpp and judged by checks.hpp. Plain values, so that
-// checks can be tried with machines that nobody has.
+// Facts about this machine and a session. gather.hpp gathers them, checks.hpp judges them. They are plain values, so tests can check machines that do not exist.
 #pragma once
 
 #include <cstdint>

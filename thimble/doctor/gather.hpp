@@ -1,5 +1,4 @@
-// Looks at the machine for the doctor. What stands in files is read below a folder, "/" but in tests; nothing is changed,
-// nothing needs root, and what cannot be seen is left at its default.
+// Looks at the machine for the doctor. Files are read below a folder, which is "/" except in tests. It changes nothing and needs no root. Unreadable facts keep their default.
 #pragma once
 
 #include <filesystem>

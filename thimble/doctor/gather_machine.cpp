@@ -86,7 +86,7 @@ std::optional<DeviceFacts::Device> hid_device(const fs::path& root, const fs::pa
     } else if (stick && (!model || model->six_axes)) {
         device.use = DeviceUse::kHidHand;
     } else if (!model) {
-        return std::nullopt;  // keyboards and mice are nobody's business here
+        return std::nullopt;  // keyboards and mice do not matter here
     }
     const std::string name = model ? std::string(model->name) : value_of_key(event, "HID_NAME");
     device.name = fmt::format("{} ({:04x}:{:04x})", name, vendor, product);

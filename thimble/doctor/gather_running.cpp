@@ -1,4 +1,4 @@
-// What is asked of the running kernel, and of other programs.
+// Facts from the running kernel and from other programs.
 #include <algorithm>
 #include <array>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// What came of a numbered sequence: how many distinct numbers, how often one came twice, how many came behind a later one.
+// Counts the arrivals of a numbered sequence: distinct numbers, duplicates, and numbers that came after a later one.
 #pragma once
 
 #include <bitset>
@@ -10,7 +10,7 @@ namespace thimble {
 
 class ArrivalCounter {
   public:
-    // True for a number that is new. One more than kWindow behind the newest counts as a duplicate: nobody knows.
+    // True for a number that is new. A number more than kWindow behind the newest counts as a duplicate, because its fate is unknown.
     bool add(std::uint32_t sequence) {
         const std::int32_t ahead = any_ ? sequence_ahead(sequence, newest_) : 1;
         if (ahead > 0) {

@@ -27,7 +27,7 @@ struct EchoCounters {
     std::uint64_t answered = 0;
     std::uint64_t malformed = 0;    // not a request of this protocol
     std::uint64_t wrong_port = 0;   // meant for another port than it came to
-    std::uint64_t wrong_nonce = 0;  // of nobody, or of another host
+    std::uint64_t wrong_nonce = 0;  // of no host, or of another one
     std::uint64_t limited = 0;      // more than the limits allow
     std::uint64_t crowded = 0;      // hellos while all places were taken
 };
@@ -45,7 +45,7 @@ class RateLimit {
 
 class EchoResponder {
   public:
-    using Draw = std::function<std::uint64_t()>;  // nonces: nobody may guess them
+    using Draw = std::function<std::uint64_t()>;  // nonces, which must not be guessed
     EchoResponder(const EchoLimits& limits, Draw draw);
 
     // `host`: the asker's address; `port`: offset at which the request came; `arrived`: when, on this machine's clock.

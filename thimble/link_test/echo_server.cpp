@@ -52,7 +52,7 @@ class EchoServer {
 
     void answer(std::size_t i, const ReceiveBatch::Datagram& datagram) {
         const SessionTime arrived = clock_.arrival(datagram.stamp_realtime_ns);
-        // The batch's own memory, which nobody reads again.
+        // The batch's own memory, which is not read again.
         const std::span room(const_cast<std::uint8_t*>(datagram.bytes.data()), datagram.bytes.size());
         if (!responder_.answer(wall_now(), arrived, datagram.from.host, static_cast<std::uint16_t>(ports_[i]),
                                room))

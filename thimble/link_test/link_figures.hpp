@@ -1,4 +1,4 @@
-// What was measured of a link, port by port.
+// Measures of a link, port by port.
 #pragma once
 
 #include <cstdint>

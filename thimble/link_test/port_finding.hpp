@@ -1,4 +1,4 @@
-// What the silence or the errors of a port mean, and what the ports of a host mean together.
+// The meaning of a port's silence or errors, and of all ports of a host together.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@ namespace {
 constexpr double kSamples_Hz = 1000;  // of the handle
 constexpr double kFrames_Hz = 60;     // of the screen
 constexpr double kBeeps_Hz = 50;      // five at once, 20 ms apart
-constexpr double kStops_Hz = 20;      // from whoever stops, until released
+constexpr double kStops_Hz = 20;      // from each program that stops, until released
 constexpr double kMonitor_Hz = 250;
 // A heartbeat ten times a second, and a clock probe or its reply five times.
 constexpr double kControl_Hz = 1e9 / static_cast<double>(kHeartbeatPeriod.count()) + 5;

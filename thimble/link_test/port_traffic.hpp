@@ -1,4 +1,4 @@
-// What a session sends to each of its UDP ports: sizes from the codec, rates from docs/protocol.md.
+// A session's traffic at each of its UDP ports: sizes from the codec, rates from docs/protocol.md.
 #pragma once
 
 #include <array>

@@ -27,7 +27,7 @@ struct ProbePacket {
     std::uint16_t port = 0;   // offset from the base port
     std::uint64_t nonce = 0;  // hello: drawn by the asker, to tell two test runs apart
     std::uint32_t sequence = 0;
-    // What the echo has seen of this test at this port.
+    // The echo's counts of this test at this port.
     std::uint32_t far_received = 0;  // distinct probes
     std::uint32_t far_duplicates = 0;
     std::uint32_t far_reordered = 0;  // came behind a later one

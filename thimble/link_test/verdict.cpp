@@ -59,7 +59,7 @@ Finding judge_pauses(const LoopFigures& link, const LoopLimits& limits) {
     return {Fit::kFits, ""};
 }
 
-// Of the force at the handle alone: nobody else knows how old it is.
+// Only the force at the handle has a known age.
 Finding judge_age(const LoopFigures& link, const LoopLimits& limits) {
     if (link.round_trip_p99_s <= limits.late_s) return {Fit::kFits, ""};
     const bool mostly = link.round_trip_median_s > limits.late_s;

@@ -8,7 +8,7 @@
 //   modality's own latency, display and reaction. A round trip up to half of that fits, up to all of it (twice as deep) is
 //   marginal.
 // All. A pause of the link longer than [slave_sim] stale_after_s holds the needle and starts the contact time anew: at best
-//   marginal. One longer than [master] stale_after_s lets go of every display: does not fit. More than 5 % of the samples
+//   marginal. A pause longer than [master] stale_after_s releases every display: does not fit. More than 5 % of the samples
 //   lost is marginal, half of them does not fit.
 #pragma once
 

@@ -10,7 +10,7 @@
 namespace thimble {
 namespace {
 
-// What would need quoting in our own tables is not in any field but a fault's words.
+// Only a fault's text may hold characters that our own tables would have to quote.
 std::string csv_text(const FieldValue& value) {
     std::string text = to_text(value);
     if (!std::holds_alternative<std::string>(value)) return text;

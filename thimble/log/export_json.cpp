@@ -44,7 +44,7 @@ std::string to_json(const MergedMessage& m, const PacketFields& fields) {
         line["header"] = part_of(packet, fields.header(), fields);
         line[kind->name] = part_of(packet, *kind, fields);
     }
-    // What is no UTF-8 came from outside and is told as it can be.
+    // Text that is no UTF-8 came from outside. Its bad bytes are replaced.
     return json_text(line);
 }
 

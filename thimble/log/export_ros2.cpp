@@ -25,7 +25,7 @@ constexpr std::string_view kJoint = "insertion";
 constexpr std::size_t kRos2ChunkBytes = std::size_t{1} << 20;
 constexpr const char* kEventTopic = "/session/event";
 
-// What comes of one flow of the logs, told by one of its topics.
+// The output of one flow of the logs, by one of its topics.
 struct Ros2Part {
     std::string_view from, told_by, words;
 };
@@ -129,7 +129,7 @@ class Ros2Export {
         put("/slave_sim/servo_cv", Ros2Type::kTwistStamped, {0, kTissueFrame, c.velocity_needle_m_per_s});
     }
 
-    // What slave_sim measures stands in the undelayed record; what it asks of others, in what arrives there.
+    // slave_sim's measures stand in the undelayed record, its requests in the messages that arrive.
     void add_force(const ForceFeedback& f, const LoggedTopic& topic) {
         if (topic.topic == "/slave_sim/force_feedback/master" && !topic.sent)
             put("/master/servo_cf", Ros2Type::kWrenchStamped, {0, kTissueFrame, f.force_total_N});
@@ -197,7 +197,7 @@ class Ros2Export {
     std::map<std::tuple<const LoggedFile*, std::string, std::uint64_t>, std::uint32_t> last_orders_;
 };
 
-// A message may stand in two logs. What arrives somewhere is that end's; of all else the sender's copy counts, or, without it, the other's.
+// A message may stand in two logs. Arrivals are taken from the receiver's log, all else from the sender's, or without that from the other's.
 class CopyChoice {
   public:
     explicit CopyChoice(const std::vector<std::unique_ptr<LoggedFile>>& files) {

@@ -36,7 +36,7 @@ class HeaderReader {
     Message message_;
 };
 
-// What one sender's messages on one topic look like in one file.
+// One sender's messages on one topic in one file.
 struct Course {
     std::optional<std::uint32_t> newest;
     SessionTime stamp{};

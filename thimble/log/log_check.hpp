@@ -32,8 +32,7 @@ struct FlowFinding {
 };
 std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFile>>& files);
 
-// A flow that goes through thimble-netem, beside what that has counted: two books, kept apart. What the logs miss at the other end
-// was lost there under a name, or was under way when the programs ended.
+// A flow that goes through thimble-netem, beside what that has counted: two books, kept apart. A message that the other end's log lacks was lost with a known reason, or was under way when the programs ended.
 struct RelayFinding {
     std::string topic;
     std::uint64_t lost = 0;   // by the logs

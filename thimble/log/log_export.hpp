@@ -25,7 +25,7 @@ std::size_t export_hdf5(const std::vector<std::unique_ptr<LoggedFile>>& files,
 
 struct Ros2Written {
     std::size_t topics = 0;
-    // What was asked for and stands in none of the logs, with whose log would hold it; in words, one each.
+    // The requested data that no log holds, each with the program whose log would hold it, in words.
     std::vector<std::string> missing;
     bool events_only = false;
 };

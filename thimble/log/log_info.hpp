@@ -1,4 +1,4 @@
-// What stands in a log, for people.
+// The content of a log, for people.
 #pragma once
 
 #include <string>

@@ -18,7 +18,7 @@ namespace {
 
 using namespace thimble;
 
-// What rank 0 has read without complaint the others read after it, so that a mistake is said once.
+// Rank 0 reads first, the others after it, so that a mistake is reported once.
 int run_rank(int argc, char** argv, int rank, bool& together) {
     CLI::App app(
         "thimble sweep for mpirun: the ranks work out the cells of a map. thimble sweep under mpirun is "
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
         failed = false;
         return result;
     });
-    // Who fails alone must not leave the others waiting. Before the work begins all end by themselves.
+    // A rank that fails alone ends the others too. Before the work begins all end by themselves.
     if (failed && together) MPI_Abort(MPI_COMM_WORLD, code);
     MPI_Finalize();
     return code;

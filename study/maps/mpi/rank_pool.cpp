@@ -59,7 +59,7 @@ CellRange range_in(const Message& message) {
     return {wire[0], wire[1]};
 }
 
-// The cells that nobody has yet, in their order.
+// The cells that no rank has yet, in their order.
 class Handout {
   public:
     explicit Handout(const PoolWork& work) : work_(work), next_(work.first) {}
