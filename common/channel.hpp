@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxDatagramBytes = 512;
 
 using Bytes = std::span<const std::uint8_t>;
 
-// So many datagrams that are refused, or only passed on, are taken from a channel in a row. A flood must not hold a tick: the rest
+// The most datagrams without a message for the caller that one call takes from a channel. A flood must not hold a tick: the rest
 // waits for the next one, which comes at once while there is mail.
 inline constexpr int kMostRefusedAtOnce = 64;
 
@@ -30,7 +30,7 @@ class Channel {
     // Never blocks. A datagram that cannot be sent is lost, as on any network, and counted by the channel.
     virtual void send(Bytes datagram) = 0;
 
-    // To whoever sent what receive() gave last, where the channel knows him; elsewhere nothing.
+    // Answers the sender of the last received datagram, if the channel knows it. Else it does nothing.
     virtual void answer(Bytes) {}
 
     // The next waiting datagram, or an empty span. Valid until the next call on this channel.

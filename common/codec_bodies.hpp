@@ -1,5 +1,4 @@
-// The codec's own: each body as a value and as a struct of the wire, and the ranges of docs/protocol.md. For codec.cpp
-// only, nobody else knows the wire's structs.
+// The codec's own: each body as a value and as a struct of the wire, and the ranges of docs/protocol.md. For codec.cpp only: no other file knows the wire's structs.
 #pragma once
 
 #include <cmath>
@@ -356,7 +355,7 @@ inline wire::DeviceFault to_wire(const DeviceFault& b) {
     return w;
 }
 
-// Whatever bytes come, the text has an end.
+// The text has an end for any bytes.
 inline DeviceFault from_wire(const wire::DeviceFault& w, Judge& judge) {
     DeviceFault fault;
     std::memcpy(fault.text.data(), &w, sizeof w);

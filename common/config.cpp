@@ -21,7 +21,7 @@ struct ConfigFile::Impl {
     std::string name;
     std::filesystem::path folder;
     toml::table root;
-    mutable std::set<std::string> known;  // dotted paths that somebody asked for
+    mutable std::set<std::string> known;  // dotted paths that a reader asked for
     mutable std::set<std::string> used;   // names of files
     bool notes = false;                   // note_declarations()
     mutable std::map<std::string, KeyDeclaration> declared;
@@ -44,7 +44,7 @@ std::string type_name(const toml::node& node) {
     return text.str();
 }
 
-// Keys of a file that nobody asked for.
+// Keys of a file that no reader asked for.
 class UnknownKeys {
   public:
     UnknownKeys(const std::string& file, const std::set<std::string>& known) : file_(file), known_(known) {}

@@ -17,7 +17,7 @@ namespace thimble {
 
 class ConfigFile;
 
-// What a reader said of a key when it asked for it, as text for people. A reference that is written from these cannot differ
+// The reader's description of a key, as text for people. A reference that is written from these cannot differ
 // from the program.
 struct KeyDeclaration {
     std::string type;  // "number", "whole number", "text", "table", "tables", ...; several: "number or table"
@@ -26,7 +26,7 @@ struct KeyDeclaration {
     std::vector<std::string> choices;  // all that a text may be; empty: not limited
 };
 
-// One table of the file. Each read marks its key; ConfigFile::finish() refuses keys that nobody read.
+// One table of the file. Each read marks its key; ConfigFile::finish() refuses keys that no reader asked for.
 // A missing table or key leaves the default. Copyable handle; lives no longer than its ConfigFile.
 class ConfigTable {
   public:
@@ -82,8 +82,7 @@ class ConfigFile {
     ConfigTable root() const;
     // Where the file lies, which relative paths in it start from; empty for text that was no file.
     const std::filesystem::path& folder() const;
-    // For readers of keys that name files: `name`, as written, was read from beside this file. Whoever takes the
-    // file elsewhere must take these along.
+    // For readers of keys that name files: `name`, as written, was read from beside this file. A copy of the file on another machine needs these too.
     void uses(std::string_view name) const;
     const std::set<std::string>& used_files() const;
     ConfigTable table(std::string_view key) const { return root().table(key); }

@@ -62,12 +62,12 @@ class InboundFlow {
     // When the newest message was admitted; SessionTime{} before the first.
     SessionTime last_accepted() const { return last_accepted_; }
     bool silent_for(SessionTime now, Duration limit) const { return now - last_accepted_ > limit; }
-    // The network has become slower: silence until `when` says nothing about whoever speaks here.
+    // The network has become slower. Silence until `when` says nothing about the sender.
     void excuse_silence_until(SessionTime when) { excused_until_ = when; }
     bool lost_for(SessionTime now, Duration limit) const {
         return silent_for(now, limit) && now - excused_until_ > limit;
     }
-    // A trial begins: a fresh start for the silence clock, and for whoever speaks first in this trial.
+    // A trial begins: the silence clock starts anew, and the first sender of this trial is accepted.
     void expect_from(SessionTime now) {
         last_accepted_ = now;
         excused_until_ = {};

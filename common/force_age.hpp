@@ -16,13 +16,12 @@ class ForceAge {
         least_ = Duration::max();
         taken_ = now;
     }
-    // The network has changed. What is under way comes by the old one: it never becomes less within a trial.
+    // The network has changed. Packets under way still have the old delay, so the allowed age never falls within a trial.
     void allow(Duration longest) { allowed_ = std::max(allowed_, longest); }
 
     // A force that answers what this program said at `made`.
     void take(SessionTime made) { made_ = made; }
-    // One that another program made at `made` on its own clock: how old it is nobody knows here, but how much older than the
-    // youngest of this trial. Clocks of two machines drift apart, so what was the youngest may be a thousandth of the time since
+    // One that another program made at `made` on its own clock: its age is unknown here, but not how much older it is than the youngest of this trial. Clocks of two machines drift apart, so what was the youngest may be a thousandth of the time since
     // then older than it was: twice what NTP may slew a clock by.
     void take_from_elsewhere(SessionTime now, SessionTime made) {
         if (least_ != Duration::max()) least_ += (now - taken_) / kDrift;

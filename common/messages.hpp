@@ -1,4 +1,4 @@
-// What the nodes say to each other, as plain values. codec.hpp turns them into bytes and back; messages.fbs
+// The messages between the nodes, as plain values. codec.hpp turns them into bytes and back; messages.fbs
 // is the same list as a wire schema. SI units; one axis z, positive into the tissue; forces act on the
 // operator.
 #pragma once
@@ -32,7 +32,7 @@ enum class ControlKind : std::uint8_t {
     kNetworkChange,
 };
 enum class NodeState : std::uint8_t { kIdle, kRunning, kFinished, kFailed };
-// kSafetyStop: the guard before a device tripped, or a node missed its deadlines. kEmergencyStop: somebody pressed stop.
+// kSafetyStop: the guard before a device tripped, or a node missed its deadlines. kEmergencyStop: a person pressed stop.
 enum class EndReason : std::uint8_t {
     kNone,
     kCompleted,
@@ -44,13 +44,13 @@ enum class EndReason : std::uint8_t {
     kEmergencyStop,
 };
 inline constexpr EndReason kLastEndReason = EndReason::kEmergencyStop;
-// Everything stands still until somebody releases it.
+// Everything stands still until a person releases it.
 constexpr bool is_stop(EndReason reason) {
     return reason == EndReason::kSafetyStop || reason == EndReason::kEmergencyStop;
 }
 enum class StopKind : std::uint8_t { kStop, kRelease, kAsk };
 
-// What a view asks of the session.
+// An order of a view to the session.
 enum class OrderKind : std::uint8_t {
     kDelay,  // value: one-way delay, s, as [netem] force.delay_s
     kStart,  // a trial of this modality, ending the running one
@@ -64,15 +64,15 @@ enum class OrderKind : std::uint8_t {
     kSpeed,    // of a replay: value, 1 as recorded
     kNetwork,  // network: the profile whose both ways hold from now on
 };
-// What the subject reads between trials.
+// The text for the subject between trials.
 enum class PageKind : std::uint8_t { kNone, kWelcome, kPractice, kReady, kBreak, kPaused, kDone, kWait };
 inline constexpr std::size_t kPageKinds = static_cast<std::size_t>(PageKind::kWait) + 1;
-// A trial follows as soon as somebody says so: the experimenter, or the subject where the protocol lets them.
+// A trial follows when the experimenter says so, or the subject, if the protocol allows it.
 constexpr bool waits_to_go_on(PageKind kind) {
     return kind == PageKind::kWelcome || kind == PageKind::kPractice || kind == PageKind::kReady;
 }
 
-// What a profile of networks is called (docs/network-profiles.md): lower case letters, digits and '-', padded with zeros.
+// The name of a network profile (docs/network-profiles.md): lower case letters, digits and '-', padded with zeros.
 // Empty: the session file's own network.
 struct NetworkName {
     std::array<std::uint8_t, 16> text{};
@@ -261,7 +261,7 @@ struct ForceWave {
     WaveBurst waves;
 };
 
-// Whoever stops everything -> everybody, or whoever releases it, or asks what is held (stop_bus.hpp).
+// A program that stops everything -> all programs. Also a release, and the question which stops are held (stop_bus.hpp).
 struct StopOrder {
     std::uint64_t id = 0;  // of a stop: random; of a release: the stop's; of a question: nothing
     std::uint32_t held_ms =

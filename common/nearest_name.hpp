@@ -1,4 +1,4 @@
-// "Did you mean ...?": the name that somebody probably meant.
+// "Did you mean ...?": the name that the user probably meant.
 #pragma once
 
 #include <string>

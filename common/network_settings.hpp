@@ -1,4 +1,4 @@
-// Who listens where: table [network] of a session file. One base port per session; every flow has a fixed
+// Hosts and ports of a session: table [network] of its file. One base port per session; every flow has a fixed
 // offset from it (docs/protocol.md draws them).
 #pragma once
 
@@ -48,7 +48,7 @@ enum class Port : std::uint16_t {
     kExperimenterMonitor,
     kSessionPlayerOrders,
     kPlayerMonitor,
-    // stop buses: whoever stops everything says so to all of them (stop_bus.hpp)
+    // stop buses: a program that stops everything sends to all of them (stop_bus.hpp)
     kSessionStop,
     kMasterStop,
     kSlaveStop,
@@ -65,7 +65,7 @@ inline constexpr auto kEveryPort = [] {
     return ports;
 }();
 
-// Who listens at a port, to whom and for what. The table of docs/machines.md is made of these.
+// The flow at a port: receiver, sender, content. The table of docs/machines.md is made of these.
 struct Flow {
     Role listens = Role::kSession, hears = Role::kSession;
     const char* what = "";
@@ -75,7 +75,7 @@ const Flow& flow(Port port);
 // Where everybody hears of a stop.
 inline constexpr std::array kStopPorts{Port::kSessionStop,   Port::kMasterStop, Port::kSlaveStop,
                                        Port::kCutaneousStop, Port::kVisualStop, Port::kNetemStop};
-// Whose socket the port is.
+// The program that listens at the port.
 Role owner(Port port);
 // Where a program of the session hears of stops. A view has no such port.
 Port stop_port(Role role);

@@ -1,5 +1,4 @@
-// What every node process does besides its own work: obey the session, say that it lives, and stop safely
-// when the session or a peer falls silent. Derived classes add begin_trial / work / end_trial.
+// The duties of every node process besides its own work: obey the session, send heartbeats, and stop safely when the session or a peer falls silent. Derived classes add begin_trial / work / end_trial.
 #pragma once
 
 #include <string_view>
@@ -48,7 +47,7 @@ class NodeProcess : public Process {
     // Where stops are heard and said (stop_bus.hpp); without it a stop here reaches the others by the session only.
     void join_stop_bus(Channel& in, const StopOutlets& out) { stop_.connect(in, out); }
     void join_stop_bus(Ports& ports) { stop_.connect(*ports.inlet(stop_port(role_)), stop_outlets(ports)); }
-    // Somebody at this program wants everything to stop, now.
+    // A person at this program stops everything, now.
     void stop_everything(SessionTime now, EndReason reason, std::string_view words);
     const StopBus& stop_bus() const { return stop_; }
 
@@ -76,7 +75,7 @@ class NodeProcess : public Process {
     // Another network holds from now on: control.network, its force path at control.network_delay_s one way. Once per
     // change, however often it is said; also between trials.
     virtual void network_changed(SessionTime /*now*/, const SessionControl& /*control*/) {}
-    // What the subject reads between trials. False: this node has nobody to read it, and the message is refused.
+    // The text for the subject between trials. False: this node has no screen, and the message is refused.
     virtual bool read_page(SessionTime /*now*/, const Page& /*page*/) { return false; }
     // Data plane, called on every tick, also between trials (to keep the channels empty).
     virtual void work(SessionTime now) = 0;

@@ -17,7 +17,7 @@ class Ports {
     virtual Channel* between(Port local, Port remote) = 0;
     // Listens at `local` to the hosts that the table of flows names.
     virtual Channel* inlet(Port local) = 0;
-    // Sends to `remote`, listens to nobody.
+    // Sends to `remote` and receives nothing.
     virtual Channel* outlet(Port remote) = 0;
 };
 

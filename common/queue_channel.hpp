@@ -13,7 +13,7 @@ class QueueChannel final : public Channel {
     // `capacity` datagrams wait at most; one more is lost and counted. A power of two.
     explicit QueueChannel(std::size_t capacity = 64);
 
-    // What this end sends, `peer` receives.
+    // `peer` receives the datagrams that this end sends.
     void connect(QueueChannel& peer) { peer_ = &peer; }
     // Each arrival sets `bit` in `*mask`, so that a loop knows whom to wake.
     void wake(std::uint32_t* mask, std::uint32_t bit) {

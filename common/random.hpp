@@ -8,7 +8,7 @@
 
 namespace thimble {
 
-// What a stream is for. Append only: the numbers are part of every published seed.
+// The purpose of a stream. Append only: the numbers are part of every published seed.
 enum class Purpose : std::uint32_t {
     kSubject = 1,
     kOrder = 2,

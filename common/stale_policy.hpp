@@ -20,7 +20,7 @@ struct StalePolicy {
     Duration ramp = std::chrono::milliseconds{20};
 
     bool stale(Duration silence) const { return silence >= after; }
-    // What is left of the output, 1 to 0, when the input has been silent for so long.
+    // The remaining share of the output, 1 to 0, after so long a silence.
     double share(Duration silence) const {
         if (!stale(silence) || mode == StaleMode::kHold) return 1;
         if (mode == StaleMode::kZero || ramp <= Duration::zero()) return 0;

@@ -50,7 +50,7 @@ void StopBus::say_what_is_due(SessionTime now) {
     next_ = saying_ || releases_left_ > 0 ? std::min(now + kStopRepeat, next_passed_on_) : next_passed_on_;
 }
 
-// Whoever it is, and however old its number: a stop that is refused for its sender's sake is none.
+// From any sender, with any number: a stop must not be refused because of its sender.
 void StopBus::take(SessionTime now, Bytes datagram) {
     std::optional<Refusal> refusal = decode_into(datagram, message_);
     const auto* order = !refusal ? std::get_if<StopOrder>(&message_.body) : nullptr;
@@ -66,7 +66,7 @@ void StopBus::take(SessionTime now, Bytes datagram) {
 void StopBus::obey(SessionTime now, Role sender, const StopOrder& order) {
     if (order.kind == StopKind::kStop) {
         hold(now, sender, order);
-        // Whoever stops from outside is told at once: a session that ends with it may not be there when he asks.
+        // A stop from outside is answered at once: a session that it ends may be gone when the question comes.
         if (sender == Role::kExperimenter) answer(now);
         return;
     }
@@ -95,7 +95,7 @@ void StopBus::make_room(SessionTime now) {
     last.since = now;
 }
 
-// Whoever has pressed again here meanwhile has stopped once more: no release knew of that.
+// A second press meanwhile is another stop, which the release did not know.
 void StopBus::let_go(SessionTime now, std::uint64_t id) {
     if (!released(id)) remember(id);
     drop(id);
@@ -113,7 +113,7 @@ void StopBus::drop(std::uint64_t id) {
     --held_count_;
 }
 
-// Somebody still holds, or repeats, what was released: the release has not reached him.
+// A program still holds or repeats a released stop: the release has not reached it.
 void StopBus::remind(SessionTime now, std::uint64_t id) {
     if (!may_release(role_) || now < next_reminder_) return;
     next_reminder_ = now + kStopRepeat;

@@ -1,12 +1,11 @@
-// The stop bus: one channel per program on which everybody hears everybody, beside the session and not by way of it. Whoever
-// stops says so again and again until somebody releases it on purpose; until then no trial begins anywhere.
+// The stop bus: one channel per program on which everybody hears everybody, beside the session and not by way of it. A program that stops repeats the stop until a person releases it on purpose. Until then no trial begins anywhere.
 //
 // Each stop has a random number, and a release names that of the stop which it lets go of: what is said again, comes late or was
 // recorded, here or at another session, lets go of nothing else. Who holds a stop passes it on every kStopPassedOn, so that the
 // session knows them all and who is started anew is stopped too; and he answers a question, and a stop of the experimenter's, with what
 // he holds and for how long, so that somebody who has just come can name what was held before he came (stop_inquiry.hpp), and a stop
 // pressed meanwhile holds.
-// Anybody may stop; only the session and the experimenter may release. No clock: `now` is the caller's.
+// Any program may stop. Only the session and the experimenter may release. No clock: `now` is the caller's.
 #pragma once
 
 #include <array>
@@ -22,13 +21,13 @@ namespace thimble {
 inline constexpr Duration kStopRepeat = std::chrono::milliseconds{50};
 inline constexpr int kReleaseTimes = 10;
 inline constexpr Duration kStopPassedOn = std::chrono::milliseconds{500};
-// At most so often is a question answered: whoever plays a recorded one again and again does not make a flood of it.
+// A question is answered at most so often, so that replayed questions make no flood.
 inline constexpr Duration kAnswerEvery = std::chrono::milliseconds{10};
-// Shorter than anybody needs to find out why somebody stopped.
+// Shorter than a person needs to find out the reason of a stop.
 inline constexpr Duration kHeldAtLeast = std::chrono::milliseconds{200};
-// Whoever presses again so late before a release arrives has not been let go of: longer than a release takes.
+// A press so shortly before a release arrives is a stop that the release does not mean. Longer than a release takes.
 inline constexpr Duration kPressedLately = std::chrono::seconds{1};
-// What every message about a stop ends with.
+// The end of every message about a stop.
 inline constexpr std::string_view kHowToRelease = "release it with: thimble stop --release";
 
 // Where the programs of a session hear of stops, in the order of kStopPorts (network_settings.hpp).
@@ -49,7 +48,7 @@ class StopBus {
     // Stops everything (is_stop(reason)); harmless where it holds already, but that an emergency stop so said holds on when the one
     // before it is released within kPressedLately. `words`: who and why, without how to release.
     void stop(SessionTime now, EndReason reason, std::string_view words);
-    // Of what has been held for kHeldAtLeast.
+    // Releases the stops that have been held for kHeldAtLeast.
     void release(SessionTime now);
 
     bool stopped() const { return held_count_ > 0; }

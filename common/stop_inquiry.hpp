@@ -1,4 +1,4 @@
-// Asks the programs of a session what stops they hold, for somebody who has heard none of them (stop_bus.hpp). An answer says for
+// Asks the programs of a session which stops they hold, for a program outside the session (stop_bus.hpp). An answer says for
 // how long: what was pressed after this began is told from what holds since before it, whoever plays which question or answer
 // again, and however slow the network or this program. No clock: `now` is the caller's.
 #pragma once
@@ -40,7 +40,7 @@ class StopInquiry {
     Message message_;
 };
 
-// Lets go of the stops of a session, for somebody who has heard none of them: asks every program what it holds (stop_inquiry.hpp),
+// Releases the stops of a session from outside it: asks every program which stops it holds (stop_inquiry.hpp),
 // and names it (stop_bus.hpp). A stop that is pressed while the release is under way holds. No clock: `now` is the caller's.
 
 class StopRelease {
@@ -57,7 +57,7 @@ class StopRelease {
 
     // kRounds of them, every kStopRepeat.
     void round(SessionTime now);
-    // What was named so far, each stop once.
+    // The stops named so far, each once.
     const std::vector<StopOrder>& stops() const { return stops_; }
 
   private:

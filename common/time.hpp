@@ -1,4 +1,4 @@
-// Session time: a time point that nobody can ask for. Logic receives `now` as an argument; the only clock
+// Session time: a time point without now(). Logic receives `now` as an argument; the only clock
 // that is ever read stands in runtime/wall_clock.cpp.
 #pragma once
 

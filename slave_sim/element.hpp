@@ -1,8 +1,8 @@
-// What a scene is made of: anything that pushes on the needle.
+// A part of a scene: anything that pushes on the needle.
 //
 // One axis z, positive into the tissue; SI units; forces act on the operator, negative resists insertion.
 // Between two samples the needle moves on a straight line, so its velocity is constant within a step and
-// jumps between steps. What an element reports after a step is a left limit, with the velocity of that step.
+// jumps between steps. An element's values after a step are left limits, with the velocity of that step.
 #pragma once
 
 #include <limits>

@@ -14,7 +14,7 @@ void ElementGroup::reset(double position_needle_m) {
     review(position_needle_m);
 }
 
-// Rare: only where somebody falls asleep or wakes.
+// Rare: only where an element falls asleep or wakes.
 void ElementGroup::review(double position_needle_m) {
     awake_.clear();
     wake_beyond_m_ = std::numeric_limits<double>::infinity();

@@ -26,7 +26,7 @@ class ElementGroup {
         for (const Member* member : awake_) sum_N += member->element->force_N();
         return sum_N;
     }
-    // Who sleeps with the needle here; to be called after an element was changed from outside.
+    // Finds the elements that rest with the needle here. Call it after an element was changed from outside.
     void review(double position_needle_m);
 
     std::size_t awake() const { return awake_.size(); }

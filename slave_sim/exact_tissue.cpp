@@ -17,7 +17,7 @@ constexpr std::string_view kUnresolved = "unresolved";  // the rest of the step 
 
 }  // namespace
 
-// What is left of a step after the transitions found so far.
+// The rest of a step after the transitions found so far.
 struct ExactTissue::Leg {
     double duration_s;    // of the step
     double offset_s;      // of its start within the step

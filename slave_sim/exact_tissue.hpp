@@ -12,7 +12,7 @@ namespace thimble {
 
 class ExactTissue final : public TissueSolver {
   public:
-    // What a step may cost, give or take one search: enough for a thousand transitions. One that would cost
+    // The most evaluations of a step, give or take one search: enough for a thousand transitions. One that would cost
     // more is not searched to its end.
     static constexpr std::uint64_t kMostEvaluations = 20'000;
 

@@ -1,5 +1,4 @@
-// Everything the needle can meet, and the forces it gets from it. What a scene does not declare is not
-// computed, and what rests where the needle is not costs nothing.
+// Everything the needle can meet, and the forces it gets from it. Only declared elements are computed, and an element that rests away from the needle costs nothing.
 #pragma once
 
 #include <string>

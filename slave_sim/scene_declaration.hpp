@@ -1,4 +1,4 @@
-// What a scene consists of, before a solver is chosen: read from a file, copied freely, built by NeedleScene.
+// The elements of a scene, before a solver is chosen: read from a file, copied freely, built by NeedleScene.
 #pragma once
 
 #include <functional>

@@ -62,7 +62,7 @@ class SlaveNode {
     }
 
     bool in_trial() const { return in_trial_; }
-    // What changed during the last command's step; offsets from the previous sample.
+    // The changes during the last command's step; offsets from the previous sample.
     const Transitions& events() const { return scene_.transitions(); }
     std::uint64_t refused() const { return refused_; }
 

@@ -3,7 +3,7 @@
 namespace thimble {
 namespace {
 
-// UDP may lose a datagram and nobody acknowledges a beep, so it is said again; hearing it twice is harmless.
+// UDP may lose a datagram, and a beep is not acknowledged. So it is sent again, and a second one is harmless.
 constexpr int kBeeps = 5;
 constexpr Duration kBeepInterval = std::chrono::milliseconds{20};
 

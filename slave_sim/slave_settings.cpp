@@ -45,7 +45,7 @@ TissueMaker read_solver(const ConfigTable& own) {
     return solver_maker(choice);
 }
 
-// What stands in [master] is the master's to check; here it is only read.
+// The master checks table [master]. Here it is only read.
 WaveEndSettings read_wave_end(const ConfigFile& file) {
     const ConfigTable master = file.table("master");
     WaveEndSettings wave;

@@ -1,4 +1,4 @@
-// What the simulated slave reads from a session's configuration file.
+// The simulated slave's settings in a session's configuration file.
 #pragma once
 
 #include <chrono>
@@ -24,7 +24,7 @@ struct WaveEndSettings {
     Duration sample_period = std::chrono::milliseconds{1};
 };
 
-// What a choice of remedy means for the slave; the handle's numbers are those of `handle`.
+// The slave's part of a remedy; the handle's numbers are those of `handle`.
 WaveEndSettings wave_end_of(const ControlSettings& control, WaveEndSettings handle);
 
 struct SlaveSettings {
@@ -33,7 +33,7 @@ struct SlaveSettings {
     Duration contact_hold = std::chrono::seconds(5);
     // Without a command for this long the needle is held (the process watches it).
     Duration stale_after = std::chrono::milliseconds(20);
-    // Between samples further apart than this, nobody knows where the needle was.
+    // Between samples further apart than this, the needle's place is unknown.
     Duration longest_step = std::chrono::milliseconds(100);
 
     double fixture_position_m() const;  // of the scene's first forbidden region, which trials move

@@ -17,7 +17,7 @@
 
 namespace thimble {
 
-// What one rule is given: the constants of x'' = drive - damping x' - stiffness x.
+// The input of one rule: the constants of x'' = drive - damping x' - stiffness x.
 struct SurfaceLaw {
     double drive_m_per_s2;
     double damping_per_s;

@@ -1,4 +1,4 @@
-// What changed within a step: which element entered which phase, and when. Several changes can share one
+// The changes within a step: which element entered which phase, and when. Several changes can share one
 // instant (a fast needle touches and pierces at once); each is recorded.
 #pragma once
 

@@ -16,7 +16,7 @@ struct ShiftedLoop {
     Precise mass, damping, stiffness, loop_stiffness, loop_damping;
 
     static ShiftedLoop by(const DelayedLoop& loop, double delay_s, const Precise& line);
-    // Delta on the real axis: its zeros are the real roots of Delta.
+    // Delta at s' = 0, as a function of the line. Its zeros are the real roots of Delta.
     Precise on_the_real_axis() const { return stiffness + loop_stiffness; }
 };
 

@@ -27,7 +27,7 @@ class MemorylessBound final : public PortRemedy {
     double reach_N_ = 0;
 };
 
-// What the hand has put in, device damping included, and the force it allows. Also the store of the two-layer tank.
+// The energy that the hand has put in, device damping included, and the force that it allows. Also the store of the two-layer tank.
 class EnergyStore {
   public:
     explicit EnergyStore(const PortSettings& settings) : settings_(settings) {}

@@ -28,7 +28,7 @@ class LocalFixture {
     explicit LocalFixture(const LocalFixtureSettings& settings);
     void reset();
 
-    // A pair from the feedback. What is not a number is left out.
+    // A pair from the feedback. Values that are no number are left out.
     void learn(double position_hand_m, double force_N);
     // The spring's force with the hand here; once per sample.
     double force_N(double position_hand_m);

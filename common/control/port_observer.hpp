@@ -14,7 +14,7 @@ class PortObserver {
     void clear() { *this = {}; }
 
     // Each sample, in order: where the hand is, and which force was held on the way there. The first one only says where
-    // the hand is. What is not a number is left out.
+    // the hand is. Values that are no number are left out.
     void add(double position_hand_m, double force_held_N) {
         if (!std::isfinite(position_hand_m) || !std::isfinite(force_held_N)) return;
         if (placed_) account(position_hand_m - position_hand_m_, force_held_N);

@@ -19,7 +19,7 @@ void PortRemedy::observe(double elapsed_s, double position_hand_m, double force_
         lose();
         return;
     }
-    // After a gap nobody knows which force acted on which part of the way: it is not accounted for.
+    // After a gap the force along the way is unknown, so that way is not accounted for.
     if (placed_ && !blind_)
         take(position_hand_m - position_hand_m_, std::max(elapsed_s, settings_.sample_period_s),
              force_held_N);

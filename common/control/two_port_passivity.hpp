@@ -38,7 +38,7 @@ class TwoPortMaster {
     double control_N_ = 0;  // a v, held in this sample: no part of what the network does
 };
 
-// Whatever pushes on it.
+// The slave end: a proxy of the needle, whatever tissue or fixture pushes on it.
 class TwoPortSlave {
   public:
     // In one sample the proxy goes back by at most this: what is owed beyond it stays owed.

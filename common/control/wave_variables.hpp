@@ -1,5 +1,4 @@
-// Wave variables (Niemeyer and Slotine 1991): instead of position and force, u and w travel. Whatever their delay, a channel
-// that brings each wave at most once gives out no more energy, sum of u^2 h / 2, than it got.
+// Wave variables (Niemeyer and Slotine 1991): instead of position and force, u and w travel. A channel that delivers each wave at most once gives out no more energy, sum of u^2 h / 2, than it got, with any delay.
 //
 //     master   F_k = b v_k - sqrt(2b) w_k,  v_k = Dx_k / h;     at k + 1 it sends u = (b v_{k+1} + F_k) / sqrt(2b)
 //     slave    x_free = x + sqrt(2b) u h / b,  x = x_free - F h / b,  w = u - sqrt(2/b) F,  with F implicitly that of a wall K,
@@ -30,10 +29,9 @@ class WaveMaster {
     explicit WaveMaster(const WaveSettings& settings);
     void reset() { *this = WaveMaster(settings_); }
 
-    // Where the hand is, and the force that was held on the way there. Returns the wave to send. What is not a number stands
-    // for no motion and no force.
+    // Where the hand is, and the force that was held on the way there. Returns the wave to send. A value that is no number counts as no motion and no force.
     double wave_out(double position_hand_m, double force_held_N);
-    // What the wave that has come back makes of it, before any saturation.
+    // The force that the returned wave gives, before any saturation.
     double force_N(double wave_in_root_W) const;
 
   private:

@@ -1,6 +1,5 @@
 // The project's own CSV and TSV files, read strictly: a header line of known columns, then lines of plain
-// fields (no quoting is needed, no field holds the separator), comment lines from '#'. What is wrong is named with line and
-// column.
+// fields (no quoting is needed, no field holds the separator), comment lines from '#'. Errors name line and column.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 
 namespace thimble {
 
-// What a node does with its device. All is called from within HidConnection::step().
+// The part of a node that uses the device. All is called from within HidConnection::step().
 class HidUser {
   public:
     virtual ~HidUser() = default;
@@ -25,7 +25,7 @@ class HidUser {
                         std::string& trouble) = 0;
     // Reads and writes for some milliseconds. False: it is gone.
     virtual bool turn(SessionTime now, HidLink& link) = 0;
-    // After attach() and before the next one: gone, or nobody needs it any more.
+    // After attach() and before the next one: the device is gone, or the node has ended.
     virtual void detach() = 0;
 };
 

@@ -1,5 +1,5 @@
-// What one thread writes down for another without ever waiting for it: entries of any length in a ring of bytes, allocated once.
-// One thread pushes, one drains. What does not fit is lost, and counted.
+// A queue from one thread to another. The writer never waits: entries of any length go into a ring of bytes, allocated once.
+// One thread pushes, one drains. An entry that does not fit is lost and counted.
 #pragma once
 
 #include <atomic>

@@ -15,7 +15,7 @@ enum class LoggedMessages : std::uint8_t {
 
 struct LogSettings {
     LoggedMessages messages = LoggedMessages::kControl;
-    // Where a node that nobody has named a file puts its own; empty: it writes none.
+    // The folder for logs of nodes without --log. Empty: they write none.
     std::string folder;
     // So often the disk is asked to have it all; zero: whenever the system likes.
     Duration sync_period = std::chrono::seconds{1};

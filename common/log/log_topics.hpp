@@ -1,5 +1,4 @@
-// What the flows of a session are called in a log (docs/log.md): one topic from whoever speaks to whoever listens, the same at
-// both ends and on both sides of the relay.
+// The names of a session's flows in a log (docs/log.md): one topic from a sender to a receiver, the same at both ends and on both sides of the relay.
 #pragma once
 
 #include "common/channel.hpp"

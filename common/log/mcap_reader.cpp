@@ -103,7 +103,7 @@ class McapScanner {
         if (!std::exchange(scan_.begins, true)) visitor_.library(library);
     }
 
-    // What may stand in a chunk, or outside of one. Others are skipped.
+    // Records that may stand in a chunk, or outside of one. Others are skipped.
     bool read_in_chunk(const McapRecord& record) {
         if (record.is(McapOpcode::kMessage)) return read_message(record.content);
         if (record.is(McapOpcode::kChannel)) return read_channel(record.content);

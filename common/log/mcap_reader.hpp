@@ -10,7 +10,7 @@
 
 namespace thimble {
 
-// Who looks at a file as it is read. Everything ends with the call.
+// Receives the parts of a file as it is read. Everything ends with the call.
 class McapVisitor {
   public:
     virtual ~McapVisitor() = default;

@@ -1,4 +1,4 @@
-// What stands in an MCAP file, as plain values (https://mcap.dev/spec). Views end with the bytes they were read from.
+// The records of an MCAP file, as plain values (https://mcap.dev/spec). Views end with the bytes they were read from.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Whoever writes down what a process says and hears. A trial that cannot be written down ends.
+// Writes down the messages that a process sends and receives. A trial that cannot be written down ends.
 #pragma once
 
 #include <string_view>

@@ -13,12 +13,12 @@
 
 namespace thimble {
 
-// What the child reads and writes instead of nothing and its log; descriptors of this process.
+// Descriptors of this process that the child reads and writes instead of /dev/null and its log.
 struct ChildStreams {
     int input = -1, output = -1;  // -1: /dev/null, the log
 };
 
-// Where it runs, and how to help whoever has no such program.
+// The child's folder, and advice for a user who lacks the program.
 struct ChildPlace {
     std::filesystem::path directory{};  // empty: this one
     std::string remedy = "is Thimble built or installed completely?";

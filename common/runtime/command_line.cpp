@@ -32,7 +32,7 @@ std::string meant(const std::string& typed, const std::vector<std::string>& name
     return nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest);
 }
 
-// Of the words that nobody took, the one that explains most; "" if there is none.
+// Of the words that no option took, the one that explains most; "" if there is none.
 std::string explain_word(const CLI::App& app, const std::vector<std::string>& words) {
     const auto option = std::find_if(words.begin(), words.end(),
                                      [](const std::string& word) { return word.starts_with("-"); });
@@ -148,7 +148,7 @@ std::string completion_of(const CLI::App& app, const std::string& shell) {
 }
 
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
-    // Hidden: whoever makes packages asks for it, of every program.
+    // Hidden: the packages' build asks every program for it.
     app.add_option_function<std::string>("--completion",
                                          [&app](const std::string& shell) {
                                              throw CLI::CallForVersion(completion_of(app, shell),

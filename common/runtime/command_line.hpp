@@ -1,4 +1,4 @@
-// What every program does with its command line.
+// The part of the command line that all programs share.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace thimble {
 // also takes --completion SHELL, which its --help does not list.
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 
-// What a shell (one of kCompletedShells) completes after this program's name. `app` has all its options and subcommands.
+// The completion script of a shell (one of kCompletedShells) for this program. `app` has all its options and subcommands.
 std::string completion_of(const CLI::App& app, const std::string& shell);
 
 }  // namespace thimble

@@ -1,4 +1,4 @@
-// What a loop can wait on besides time: a descriptor that becomes readable when something has arrived.
+// A descriptor that a loop waits for. It becomes readable when something has arrived.
 #pragma once
 
 namespace thimble {
@@ -6,7 +6,7 @@ namespace thimble {
 class Listener {
   public:
     virtual int file_descriptor() const = 0;
-    // Somebody waits for the descriptor from now on, and calls has_mail() when it has become readable.
+    // From now on a loop waits for the descriptor, and calls has_mail() when it is readable.
     virtual void set_watched(bool /*watched*/) {}
     virtual void has_mail() {}
 

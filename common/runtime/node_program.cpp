@@ -46,7 +46,7 @@ constexpr Duration kFarewell = std::chrono::seconds{1};
 
 double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
-// What the sockets refused before anybody could decode it stands in the same list.
+// The list also has datagrams that the sockets refused before decoding.
 nlohmann::ordered_json refusals(FlowCounters counters, const UdpCounters& udp) {
     counters.refused[static_cast<std::size_t>(Refusal::kForeignSource)] += udp.foreign_source;
     counters.refused[static_cast<std::size_t>(Refusal::kTooLong)] += udp.too_long;
@@ -109,7 +109,7 @@ std::filesystem::path log_path(const NodeProgram& program, const Options& option
                                const LogSettings& settings) {
     if (settings.messages == LoggedMessages::kNone) return {};
     if (!options.log.empty() || settings.folder.empty()) return options.log;
-    // Nobody else has this name: there is one such process at a time.
+    // The name is free: there is one such process at a time.
     return std::filesystem::path(settings.folder) /
            fmt::format("{}_{}.mcap", program.name, read_clock_pair().realtime_ns);
 }
@@ -151,7 +151,7 @@ int check_deadlines(const Options& options, const RuntimeSettings& runtime, cons
     return static_cast<int>(ExitCode::kRealtime);
 }
 
-// What the loop sees and the process must hear of: SIGQUIT, and deadlines missed one after another.
+// Tells the process about SIGQUIT and missed deadlines, which only the loop sees.
 class LoopWatch {
   public:
     LoopWatch(NodeProcess& process, const RuntimeSettings& runtime) : process_(&process) {
@@ -190,8 +190,7 @@ void run_process(NodeInstance& instance, Process& process, const RuntimeSettings
     notice.stopping();
 }
 
-// The process in a second thread beside the node's foreground. Whatever the foreground dies of is told after the process has
-// stopped, as it would have without.
+// The process in a second thread beside the node's foreground. An error of the foreground is reported after the process has stopped.
 void run_beside_foreground(NodeInstance& instance, Process& process, const RuntimeSettings& runtime,
                            RealtimeLoop& loop, ServiceNotice& notice) {
     std::atomic<bool> stopped{false};
@@ -215,7 +214,7 @@ void run_beside_foreground(NodeInstance& instance, Process& process, const Runti
     if (foreground_died) std::rethrow_exception(foreground_died);
 }
 
-// What a node does, behind its protection. Says once if the session has another lab key.
+// A node's process behind its protection. Says once if the session has another lab key.
 class Guarded final : public Process {
   public:
     Guarded(NodeProcess& node, Security* security) : node_(&node), security_(security) {

@@ -23,7 +23,7 @@ class NodeInstance {
     // Brings its devices up before the node says that it is ready, with time limits of its own. Throws Error with which device,
     // which step, why and what to do.
     virtual void bring_up() {}
-    // What the node wants to say in its report besides counters and lateness.
+    // The node's own part of its report, besides counters and lateness.
     virtual void describe(nlohmann::ordered_json& /*report*/) const {}
     // A node with work that only the program's main thread may do (a window): its process then runs in a second thread, and
     // this in the main one. Returns when `stopped` says true, or before: the process goes on without.

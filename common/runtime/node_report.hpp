@@ -9,7 +9,7 @@
 
 namespace thimble {
 
-// What became of protected datagrams; null: nothing protects them.
+// Counts of protected datagrams; null: without protection.
 nlohmann::ordered_json describe_security(const Security* security);
 
 // `stale`: the policy in words; `stale_acted`: the trials in which it acted, how often and how long.

@@ -55,7 +55,7 @@ void install_stop_signals(QuitSignal quit) {
     if (quit == QuitSignal::kStopsEverything) action.sa_handler = request_emergency_stop;
     sigaction(SIGQUIT, &action, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of whoever writes it
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its writer
 }
 
 unsigned emergency_stops() { return emergencies; }

@@ -15,7 +15,7 @@ RuntimeSettings read_runtime_settings(const ConfigFile& file) {
     s.priority = static_cast<int>(table.integer("priority", s.priority, 1, 98));
     s.allowed_miss_fraction = table.number("allowed_miss_fraction", s.allowed_miss_fraction, 0, 1);
     s.overrun = static_cast<OverrunPolicy>(table.choice("overrun", 0, {"warn", "rest", "stop"}));
-    read_core(file);  // whoever reads this table knows all of its keys
+    read_core(file);  // each reader of this table must know all its keys
     s.overrun_limit = static_cast<unsigned>(table.integer("overrun_limit", s.overrun_limit, 1, 100'000));
     return s;
 }

@@ -1,4 +1,4 @@
-// What a service tells the manager that started it, in systemd's words (sd_notify(3)): a datagram to the socket that
+// Messages of a service to the manager that started it, as systemd defines them (sd_notify(3)): a datagram to the socket that
 // NOTIFY_SOCKET names. Without that variable nothing is said.
 #pragma once
 
@@ -13,7 +13,7 @@ class ServiceNotice {
   public:
     // As the environment has it: NOTIFY_SOCKET, and WATCHDOG_USEC if WATCHDOG_PID is unset or this process.
     ServiceNotice();
-    // `socket`: a path, or a name of the abstract namespace that begins with '@'; empty: nobody listens.
+    // `socket`: a path, or a name of the abstract namespace that begins with '@'; empty: no manager listens.
     // `watchdog`: how long the manager waits for a sign of life; zero: it does not.
     ServiceNotice(const std::string& socket, Duration watchdog);
     ~ServiceNotice();

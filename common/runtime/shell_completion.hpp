@@ -1,5 +1,4 @@
-// What a shell completes after a program's name: scripts made of the program's own command line, so that they cannot say
-// anything else than it.
+// Completion scripts for shells, made from the program's own command line, so that both always agree.
 #pragma once
 
 #include <string>

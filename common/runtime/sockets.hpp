@@ -18,8 +18,7 @@ class Sockets final : public Ports {
     // Throws Error (usage) if the settings leave other machines unprotected without saying so twice, or as read_lab_key() does.
     explicit Sockets(NetworkSettings settings);
 
-    // What passes from now on, through channels opened from now on, is written down there: of the control channels, or of all
-    // but those of devices. Before anything is opened; `log` outlives this.
+    // The log gets all messages of channels opened from now on: of the control channels, or of all but the devices' channels. Before anything is opened; `log` outlives this.
     void record_to(MessageLog& log, bool all) {
         log_ = &log;
         log_all_ = all;
@@ -41,7 +40,7 @@ class Sockets final : public Ports {
     const std::vector<Listener*>& listeners() const { return listeners_; }
     UdpCounters counters() const;
 
-    // What protects the channels; null in mode "none". A SecuredProcess keeps it going.
+    // Protects the channels; null in mode "none". A SecuredProcess keeps it going.
     Security* security() const { return security_.get(); }
     // For loops that are not a process: before and after receiving and sending.
     void tick(SessionTime now) {

@@ -14,7 +14,7 @@ using std::chrono::seconds;
 constexpr Duration kTornPair = microseconds{5};
 // The kernel slews by at most 500 parts per million; more is a step.
 constexpr std::int64_t kSlewDivisor = 2000;
-// What was stamped before a step may be read after it.
+// A stamp from before a step may be read after it.
 constexpr Duration kDoubtAfterStep = milliseconds{100};
 // No socket buffer holds a datagram that long unless this program was stopped.
 constexpr Duration kOldest = seconds{10};

@@ -19,7 +19,7 @@ namespace {
 
 // A few hundred messages: bursts after a stall must not be lost in the kernel.
 constexpr int kBufferBytes = 1 << 20;
-// What a kernel stamp may be off by as session time: more than half the width of the pairs of readings used.
+// The most that a kernel stamp may be off as session time: more than half the width of the pairs of readings used.
 constexpr Duration kStampDoubt = std::chrono::microseconds{5};
 
 sockaddr_in resolve(const Endpoint& endpoint) {
@@ -52,7 +52,7 @@ bool means_this_machine(const std::string& host) {
         const std::uint32_t address = ntohl(resolve({host, 0}).sin_addr.s_addr);
         return address >> 24U == kLoopback || address == INADDR_ANY;
     } catch (const Error&) {
-        return false;  // whoever needs it says so
+        return false;  // opening a channel to it reports the error
     }
 }
 
@@ -120,8 +120,7 @@ Bytes UdpChannel::take() {
         message.msg_control = stamping_ ? control.data() : nullptr;
         message.msg_controllen = stamping_ ? control.size() : 0;
         const auto size = recvmsg(socket_, &message, MSG_DONTWAIT);
-        // An ICMP "nobody listens" for an earlier send is reported here once; it is the peer's watchdog's
-        // business.
+        // An ICMP "port unreachable" for an earlier send is reported here once. The peer's watchdog handles it.
         if (size < 0 && (errno == ECONNREFUSED || errno == EINTR)) continue;
         if (size < 0) {
             known_empty_ = watched_;
@@ -134,7 +133,7 @@ Bytes UdpChannel::take() {
     return {};
 }
 
-// Counts it; an empty datagram is nobody's.
+// Counts it. An empty datagram carries nothing.
 bool UdpChannel::from_peer(std::size_t size) {
     const in_addr_t host = source_.sin_addr.s_addr;
     if (host != remote_.sin_addr.s_addr && std::find(others_.begin(), others_.end(), host) == others_.end()) {

@@ -17,7 +17,7 @@ namespace thimble {
 
 struct UdpCounters {
     std::uint64_t sent = 0, received = 0;
-    std::uint64_t send_failed = 0;     // the kernel refused: buffer full, no route, nobody listens
+    std::uint64_t send_failed = 0;     // the kernel refused: buffer full, no route, port closed
     std::uint64_t foreign_source = 0;  // from a host that is not the configured peer
     std::uint64_t too_long = 0;        // larger than kMaxDatagramBytes
 };

@@ -34,7 +34,7 @@ class WaitMargin {
 class SpinBudget {
   public:
     void spent(SessionTime until, Duration duration);
-    // What may still be spun from `now` on; zero or less: sleep.
+    // The time that a thread may still spin from `now` on; zero or less: sleep.
     Duration left(SessionTime now);
 
   private:

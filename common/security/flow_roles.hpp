@@ -1,4 +1,4 @@
-// Who speaks to whom in the end, whatever relays between them.
+// The two ends of each flow, regardless of relays between them.
 #pragma once
 
 #include "common/network_settings.hpp"
@@ -21,7 +21,7 @@ constexpr Port final_port(Port port) {
     }
 }
 
-// Who may seal what is read at `port`.
+// The role that may seal messages for `port`.
 inline Role speaker(Port port) {
     if (port == Port::kSlaveNeedle) return Role::kMaster;
     const Role heard = flow(port).hears;

@@ -1,4 +1,4 @@
-// What session and node say about the keys of one-way flows, inside their secured control channel. Little endian.
+// Messages between session and node about the keys of one-way flows, inside their secured control channel. Little endian.
 #pragma once
 
 #include <array>

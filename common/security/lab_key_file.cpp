@@ -52,7 +52,7 @@ class Descriptor {
     int descriptor_;
 };
 
-// What systemd has made readable for this service alone: root's, through an access list that counts as a group.
+// systemd makes the file readable for this service alone: it is root's, with an access list that counts as a group.
 bool is_credential(const std::filesystem::path& path, const struct stat& found) {
     const std::string_view folder = environment("CREDENTIALS_DIRECTORY");
     const bool readable_only = (found.st_mode & 07777U) == 0440 || (found.st_mode & 07777U) == 0400;

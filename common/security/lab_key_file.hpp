@@ -10,7 +10,7 @@ namespace thimble {
 
 // XDG_CONFIG_HOME/thimble/lab.key, by default ~/.config/thimble/lab.key. Throws Error (usage) without a home.
 std::filesystem::path default_lab_key_file();
-// What systemd hands a service as the credential "lab.key"; else the setting if it is not empty (a leading "~/" is the home), else the environment's THIMBLE_LAB_KEY_FILE, else the default.
+// The file that systemd hands a service as the credential "lab.key"; else the setting if it is not empty (a leading "~/" is the home), else the environment's THIMBLE_LAB_KEY_FILE, else the default.
 std::filesystem::path lab_key_file(std::string_view setting);
 
 // A key of random bits in a new file, and whatever folders it needs. Throws Error (data) if there is a file of that name: a key

@@ -74,7 +74,7 @@ Bytes SecurePair::take() {
     return receive_judged(*wire_, [this](Bytes datagram) { return judge(datagram); });
 }
 
-// What is for whoever reads this channel; empty: it was not, and has been dealt with.
+// The message for the channel's reader. Empty: the datagram was part of the handshake, or refused.
 Bytes SecurePair::judge(Bytes datagram) {
     const auto header = read_seal_header(datagram);
     if (!header) {
@@ -123,7 +123,7 @@ void SecurePair::take_handshake(Bytes datagram) {
     ++counters_.handshake_refused;
 }
 
-// Whoever has another lab key is to learn that somebody is here: our own offer, which it will refuse. Four times a second at
+// A peer with another lab key learns from our offer, which it refuses, that this end exists. Four times a second at
 // most, and no secret is used for it that an answer would not show anyway.
 void SecurePair::answer_foreign(PacketKind kind) {
     ++counters_.handshake_refused;

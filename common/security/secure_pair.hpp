@@ -17,7 +17,7 @@ struct SecurityTimes {
     std::uint64_t renew_packets = std::uint64_t{1} << 32U;  // likewise
     Duration grace = std::chrono::seconds{1};               // for what is under way under the keys before
     Duration agreed_within =
-        std::chrono::milliseconds{250};  // new flow keys are used then, whoever has not confirmed them
+        std::chrono::milliseconds{250};  // new flow keys are used then, even without confirmation
 };
 
 enum class PairTrouble { kNone, kSilent, kWrongLabKey };

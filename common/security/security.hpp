@@ -33,7 +33,7 @@ class Security {
     // A node: it can speak with the session. The session: each node has all its keys.
     bool complete() const;
     SecurityCounters counters() const;
-    // Who uses another lab key, as far as that can be heard: "" or words with what to do.
+    // The peers with another lab key, as far as this end hears them: "" or a text with advice.
     std::string complaint() const;
 
   private:

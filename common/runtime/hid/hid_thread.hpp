@@ -1,5 +1,5 @@
 // A HID device beside a node's loop, in a thread of its own: looking for it takes milliseconds, and a report to it waits for
-// the device. What is exchanged with the loop is its user's business, and must not block.
+// the device. Its user exchanges values with the loop, without blocking.
 #pragma once
 
 #include <condition_variable>

@@ -13,7 +13,7 @@
 namespace thimble {
 namespace {
 
-// What DeviceFault has room for, roughly: the words go through a heartbeat. The end of a path says more than its beginning.
+// About as long as DeviceFault has room for, because the words go behind a heartbeat. The end of a path says more than its beginning.
 std::string short_path(const std::filesystem::path& path) {
     constexpr std::size_t kMost = 120;
     const std::string text = path.string();
@@ -47,7 +47,7 @@ LogFile::~LogFile() {
     if (aside_ >= 0) close(aside_);
 }
 
-// What was written in part is written over the next time.
+// The next write replaces an incomplete one.
 bool LogFile::set_aside(Bytes bytes) {
     std::size_t done = 0;
     while (aside_ >= 0 && done < bytes.size()) {

@@ -23,11 +23,11 @@
 namespace thimble {
 namespace {
 
-// Four seconds of all a node's messages: longer than a disk makes anybody wait.
+// Four seconds of all a node's messages: longer than a disk delays the writer.
 constexpr std::size_t kQueueBytes = std::size_t{4} << 20;
 // A chunk is not to grow while the disk keeps us waiting.
 constexpr std::size_t kMostChunkBytes = std::size_t{1} << 18;
-// Overflow is told at most once a second while it goes on.
+// A lasting overflow is reported at most once a second.
 constexpr unsigned kTurnsPerTelling = 25;
 
 std::string read_whole(const std::filesystem::path& path) {
@@ -144,7 +144,7 @@ void MessageLog::write_until_stopped() {
     end();
 }
 
-// Beside the writer, because a slow disk may keep whoever asks it waiting for longer than a killed program may lose.
+// A thread of its own, because a slow disk may block it for longer than a killed program may lose.
 void MessageLog::sync_until_stopped(Duration period) const {
     while (!wait_for(stop_, period)) writing_->file.sync();
 }

@@ -29,7 +29,7 @@ struct LogCounters {
     std::string fault;           // why not all could be written; empty: it could
 };
 
-// What a log says about the program that writes it.
+// A log's facts about the program that writes it.
 struct LogOrigin {
     std::string program;                       // "thimble-master"
     std::filesystem::path config;              // attached, if there is one
@@ -52,7 +52,7 @@ class MessageLog final : public Recorder {
     bool running() const { return thread_.joinable(); }
     // A metadata record among the messages. Seldom: it allocates.
     void note(std::string name, McapMap pairs);
-    // Writes all that is there, index and end. What the disk then still has to do is waited for at the end of this object.
+    // Writes all that is there, index and end. The destructor waits for the disk.
     LogCounters close();
 
     std::string_view fault() const override;
