@@ -28,8 +28,7 @@ class CutaneousNode {
         if (!released_) release(now);
     }
 
-    // What the skin feels, once per period while active; nothing before next_percept(). Also lets go of the
-    // fingers when the feedback has stopped.
+    // The percept of the skin, once per period while active; none before next_percept(). Also releases the fingers when the feedback has stopped.
     std::optional<Percept> percept(SessionTime now);
     // kNever unless active.
     SessionTime next_percept() const { return next_percept_; }

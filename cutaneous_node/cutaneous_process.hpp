@@ -1,4 +1,4 @@
-// cutaneous_node: force feedback in (through netem), finger pressed, percept out to whoever wears the device.
+// cutaneous_node: force feedback in (through netem), finger pressed, percept out to the wearer.
 #pragma once
 
 #include <algorithm>

@@ -35,7 +35,7 @@ class SlackAtEnd {
     DriveActuator* actuator_;
 };
 
-// What is measured at the end of the time. Throws Error (run failed) if a drive fails.
+// The measures at the end of the time. Throws Error (run failed) if a drive fails.
 double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOptions& options) {
     actuator.use_hand(wall_now(), finger.hand);
     const SessionTime end = wall_now() + from_seconds(options.press_s);

@@ -29,11 +29,11 @@ class FingertipActuator {
     // Target for one finger; the other goes slack. Clipped to [0, limit] by the device. `now` never
     // decreases.
     virtual void command(SessionTime now, Finger finger, double force_N) = 0;
-    // What the skin gets at `now`.
+    // The force on the skin at `now`.
     virtual FingertipForce output(SessionTime now) = 0;
     // Both cables slack and nothing in flight (start of a trial, stop).
     virtual void release(SessionTime now) = 0;
-    // Whose fingers commands are for from now on; the other hand's are released. A device that is worn on one hand stays there.
+    // From now on commands are for this hand's fingers. The other hand's are released. A device that is worn on one hand stays there.
     virtual void use_hand(SessionTime now, Hand hand) = 0;
     // A device with a life of its own: takes what has arrived from it, sends what is due. Never blocks.
     virtual void tick(SessionTime now) = 0;

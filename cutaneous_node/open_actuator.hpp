@@ -14,7 +14,7 @@ namespace thimble {
 
 class OpenActuator {
   public:
-    virtual ~OpenActuator() = default;  // lets go of the finger
+    virtual ~OpenActuator() = default;  // releases the finger
     OpenActuator() = default;
     OpenActuator(const OpenActuator&) = delete;
     OpenActuator& operator=(const OpenActuator&) = delete;

@@ -40,9 +40,9 @@ class ForceGuard {
 
     // A trial begins: no force, no energy counted yet, not tripped.
     void clear(SessionTime now);
-    // What the handle measured; each sample of a trial, in order.
+    // The handle's measurement; call it for each sample of a trial, in order.
     void observe(SessionTime now, const HandleSample& sample);
-    // What may be commanded instead of `wanted_N`.
+    // The allowed force for `wanted_N`.
     double pass(SessionTime now, double wanted_N);
 
     bool tripped() const { return !words_.empty(); }

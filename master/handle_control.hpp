@@ -39,13 +39,13 @@ class HandleControl {
 
     // A remedy that works at samples is in the loop of this trial.
     bool active() const { return active_; }
-    // What travels has waves, or the energies of two-port passivity, beside it.
+    // Messages carry waves, or the energies of two-port passivity.
     bool waves() const { return active_ && (waves_ || two_port_); }
 
     void sample(SessionTime now, const HandleSample& handle);
     void take(const ForceFeedback& feedback);
     void take(const WaveBurst& waves);
-    // Nothing has come for too long, or the needle is held: no request and no fixture that one knows of. Waves that do not come are
+    // After a long silence, or while the needle is held: no wanted force and no known fixture. Waves that do not come are
     // zeros by themselves, which brakes the hand.
     void forget();
     double force_N();

@@ -74,7 +74,7 @@ class MasterProcess final : public NodeProcess {
     void apply(SessionTime now, double force_hand_N);
     // So old may a force become under a network that takes so long there and back.
     Duration longest_age(Duration network_delay) const;
-    // What has waited while this program stood still says nothing about now.
+    // Messages that waited while this program stood still say nothing about now.
     bool stood_still() const { return since_last_tick() > node_.settings().stale.after; }
     // Without news: silent, or with forces that are too late.
     Duration silence(SessionTime now) const;

@@ -1,5 +1,4 @@
-// Work of the hand on the handle, counted as a passivity observer does (port_observer.hpp), from the handle's samples. What gives
-// out more than it got, E < 0, is not passive. SI units.
+// Work of the hand on the handle, counted as a passivity observer does (port_observer.hpp), from the handle's samples. A port that gives out more than it got, E < 0, is not passive. SI units.
 #pragma once
 
 #include "common/control/port_observer.hpp"

@@ -15,7 +15,7 @@ class DelayLine {
   public:
     // in_order: it leaves no earlier than any before it; its due time is raised if need be.
     void add(Packet* packet, bool in_order) {
-        // The chain's end is due at last_due_ns_, and whoever is in the heap before it.
+        // The chain's end is due at last_due_ns_, and every packet of the heap before it.
         if (packet->due_ns >= last_due_ns_ || (!in_order && chain_.empty())) {
             last_due_ns_ = packet->due_ns;
         } else if (in_order) {

@@ -1,4 +1,4 @@
-// What becomes of packet n, apart from queues and time tables: lost, delayed, doubled, corrupted, hurried. A pure
+// The fate of packet n, apart from queues and time tables: lost, delayed, doubled, corrupted, hurried. A pure
 // function of (key, direction, n) and the settings that hold when it is pushed.
 #pragma once
 

@@ -168,7 +168,7 @@ void LinkModel::admit(std::uint64_t packet, SessionTime now, Bytes datagram, con
 
 // False: there is none for a packet of `bytes`.
 bool LinkModel::make_room(std::size_t bytes) {
-    if (!transmitter_.could_hold(bytes)) return false;  // then nobody needs to go for it
+    if (!transmitter_.could_hold(bytes)) return false;  // then no packet has to make room
     while (!transmitter_.has_room(bytes)) {
         Packet* oldest = settings().rate.drop == Drop::kHead ? transmitter_.drop_oldest() : nullptr;
         if (oldest == nullptr) return false;

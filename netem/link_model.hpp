@@ -37,7 +37,7 @@ struct LinkCounters {
     LinkCounters& operator+=(const LinkCounters& other);
 };
 
-// What the delivered packets really waited, from push to pop, since the last restart.
+// The real waiting times of delivered packets, from push to pop, since the last restart.
 struct LinkDelays {
     Duration sum{};
     Duration min = Duration::max();  // as long as count is 0
@@ -49,8 +49,7 @@ struct LinkDelays {
 
 class LinkModel {
   public:
-    // `key` names the study, experiment, subject and trial; `direction` tells the links of a session apart. What chance
-    // does to packet n depends on (key, direction, n) only. The timeline counts from `start`, as do outages, slots and
+    // `key` names the study, experiment, subject and trial; `direction` tells the links of a session apart. The random fate of packet n depends on (key, direction, n) only. The timeline counts from `start`, as do outages, slots and
     // traces by time; but slots do not begin before `opened`, when the first packet can come.
     LinkModel(const LinkSettings& settings, const StreamKey& key, std::uint32_t direction,
               const Timeline& timeline = {}, SessionTime start = SessionTime{},
@@ -60,10 +59,9 @@ class LinkModel {
     // of the last change()): start of a trial.
     void restart(const StreamKey& key, SessionTime start = SessionTime{});
 
-    // From now on other settings, until the timeline has others. What is in flight keeps its fate; what waits for the
-    // transmitter goes at the new rate. May allocate.
+    // From now on other settings, until the timeline has others. Packets in flight keep their fate. Packets that wait for the transmitter go at the new rate. May allocate.
     void change(SessionTime now, const LinkSettings& settings);
-    // Null: nobody (the default). Must outlive the model.
+    // Null: no observer (the default). Must outlive the model.
     void observe(LinkObserver* observer) { observer_ = observer; }
 
     void push(SessionTime now, Bytes datagram);
@@ -73,7 +71,7 @@ class LinkModel {
         Packet* packet = take_first(now);
         return packet == nullptr ? Bytes{} : packet->bytes();
     }
-    // The same with what a log wants to know.
+    // The same with the facts for a log.
     Departure pop_departure(SessionTime now);
     // When to ask again: nothing leaves before. With a transmitter nothing may leave then either. kNever if nothing is
     // in flight.

@@ -1,4 +1,4 @@
-// What a link tells about single packets: to who logs them. Counters stand in link_model.hpp.
+// A link's reports about single packets, for logs. Counters stand in link_model.hpp.
 #pragma once
 
 #include <cstdint>

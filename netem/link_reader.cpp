@@ -28,7 +28,7 @@ std::size_t count(const ConfigTable& table, std::string_view key, std::size_t fa
     return static_cast<std::size_t>(table.integer(key, static_cast<std::int64_t>(fallback), low, high));
 }
 
-// What the source of `key` has for the text there; nothing if the key is absent.
+// The value that the source of `key` gives for the text there; none if the key is absent.
 template <typename Source, typename Use>
 void read_source(const ConfigTable& table, std::string_view key, const Source& source, const Use& use) {
     const std::string text = table.text(key, "");

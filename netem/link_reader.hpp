@@ -38,7 +38,7 @@ struct TraceRequest {
     TraceEnd end = TraceEnd::kWrap;
 };
 
-// What reads the files and profiles that a link may name: the reader itself opens none. Without one of these the key
+// Functions that read the files and profiles that a link may name. The reader itself opens none. Without one of these the key
 // that needs it is refused.
 struct LinkSources {
     std::function<std::shared_ptr<const JitterTable>(const std::string& file)> jitter_table{};

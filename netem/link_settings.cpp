@@ -56,7 +56,7 @@ double least_mean_in_spreads(const JitterSettings& jitter) {
             kNormal:  // at two standard deviations the cut moves the mean by less than 1 % of one
         case JitterShape::kParetoNormal:
             return 2;
-        case JitterShape::kGamma:  // never cut; ten times the mean is as skewed as anybody means
+        case JitterShape::kGamma:  // never cut; ten times the mean is skewed enough
             return 0.1;
         case JitterShape::kPareto:
             return 0.577350269;  // (3/2 - 1) / sqrt(3/4)

@@ -1,4 +1,4 @@
-// What one direction of one flow does to its packets, as data. A LinkModel carries it out; link_reader.hpp reads it
+// The settings of one direction of one flow. A LinkModel carries it out; link_reader.hpp reads it
 // from TOML. Each part that is left at its default does nothing and costs nothing.
 #pragma once
 
@@ -125,8 +125,7 @@ struct LinkSettings {
     bool operator==(const LinkSettings&) const = default;
 };
 
-// What nearly every packet takes at most: the mean, or the most that a trace has, and what jitter adds; one packet in
-// 10,000 takes longer. Queues, slots and outages come on top.
+// The longest delay but for one packet in 10,000: the mean, or the longest of a trace, plus jitter. Queues, slots and outages come on top.
 Duration nearly_longest_delay(const LinkSettings& link);
 
 // Instead of the settings before, from `at` after the start of a trial.

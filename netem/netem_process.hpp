@@ -10,7 +10,7 @@
 
 namespace thimble {
 
-// What goes in at `from` comes out at `to`, later.
+// A datagram from `from` leaves at `to`, later.
 struct RelayPlan {
     Channel* from = nullptr;
     Channel* to = nullptr;
@@ -48,10 +48,7 @@ class NetemProcess final : public NodeProcess {
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime /*now*/) override {}  // what is in flight still arrives, as in a real network
-    // A profile's two ways, by its name among those that come with the program, and the force path's delay. What is in flight
-    // keeps its fate, and nothing overtakes it on a link in order: after a shorter delay the new packets wait for the old
-    // ones. Where the profile stays, so do all settings but the delay. The next trial begins with the same. A name that
-    // nobody knows changes the delay alone.
+    // A profile's two ways, by its name among those that come with the program, and the force path's delay. Packets in flight keep their fate. On a link in order none overtakes them: after a shorter delay the new packets wait for the old ones. Where the profile stays, so do all settings but the delay. The next trial begins with the same. An unknown name changes the delay alone.
     void network_changed(SessionTime now, const SessionControl& control) override;
     void work(SessionTime now) override;
     SessionTime next_work() const override;

@@ -17,7 +17,7 @@ enum class TraceBetween : std::uint8_t {
 };                                                    // between two rows: the earlier, or a straight line
 enum class TraceEnd : std::uint8_t { kWrap, kHold };  // after the last row: again from the first, or the last
 
-// What holds from here on. A column that the trace does not have is left at its default.
+// The values from this row on. A column that the trace does not have is left at its default.
 struct TraceRow {
     std::int64_t at = 0;  // packet number, or nanoseconds since the start of the trial
     Duration delay{};

@@ -17,7 +17,7 @@ struct Scene {
     bool touching = false;      // the needle touches or has entered the tissue
     SessionTime sample_time{};  // when the shown sample arrived at the display node
 
-    // What only a picture needs; percepts know nothing of it.
+    // Values for the picture alone, which percepts do not use.
     double position_surface_rest_m =
         0;  // as in the first sample of the trial: what a dimple is drawn against
     double fingertip_N =
@@ -50,12 +50,12 @@ class Display {
     virtual std::optional<ShownScene> shown(SessionTime now) = 0;
     // When the next frame becomes visible; kNever if none is on its way.
     virtual SessionTime next_shown() const = 0;
-    // What to read between trials; kNone: nothing.
+    // The page between trials; kNone: no page.
     virtual void turn_page(SessionTime now, const Page& page) = 0;
     virtual void beep(SessionTime now) = 0;
     // Whether the subject has asked to go on since the last call.
     virtual bool take_go_on() = 0;
-    // Whether somebody at the screen has pressed stop since the last call.
+    // Whether a person at the screen has pressed stop since the last call.
     virtual bool take_stop() = 0;
 };
 

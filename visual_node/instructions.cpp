@@ -21,7 +21,7 @@ std::vector<std::string_view> placeholders_of(PageKind kind) {
     return {"{trial}", "{trials}"};
 }
 
-// In free play nobody has planned how many.
+// In free play the number of trials is not planned.
 std::string value_of(std::string_view placeholder, const Page& page) {
     if (placeholder == "{trial}") return std::to_string(page.trial);
     if (placeholder == "{trials}") return page.trials == 0 ? "?" : std::to_string(page.trials);

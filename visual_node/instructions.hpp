@@ -1,7 +1,7 @@
 // The table [instructions]: a lab's own words, in its own language (UTF-8), for the pages that a subject reads between trials.
 //   ready_title = "Bereit?"             in place of the page's title
 //   ready = "Versuch {trial} von {trials}"   in place of its text, which may have several lines
-// and the same for welcome, practice, break, paused, done and wait. What is left out stays as window/page_text.cpp has it.
+// and the same for welcome, practice, break, paused, done and wait. Texts that are left out stay as in window/page_text.cpp.
 // Placeholders:
 //   {trial}, {trials}   the coming trial and how many there are, practice and all; not {trial} on the page done
 //   {break_s}           what is left of the break, in whole seconds; {break_time} the same as 1:05. On the page break only
@@ -27,14 +27,14 @@ struct Instructions {
     std::array<PageWords, kPageKinds> pages;  // by PageKind
 
     const PageWords& of(PageKind kind) const { return pages[static_cast<std::size_t>(kind)]; }
-    // All that is written in them, for whoever must be able to draw it.
+    // All their characters, which the font must have.
     std::string text() const;
 };
 
 // Throws Error (usage) on a placeholder that the page does not know, or a brace that stands alone.
 Instructions read_instructions(const ConfigTable& table);
 
-// What read_instructions() has accepted, with the page's numbers in it.
+// The accepted text with the page's numbers in it.
 std::string fill_in(std::string_view words, const Page& page);
 
 // "1:05": what is left of a break, begun seconds as whole ones.

@@ -44,7 +44,7 @@ class RecordingVisual final : public NodeInstance {
 
 #ifdef THIMBLE_GUI
 
-// What a view puts over the scene. Its sockets are its own: the node's wake the node's thread.
+// The overlay of a view. Its sockets are its own: the node's wake the node's thread.
 std::unique_ptr<Overlay> make_overlay(const Choices& choices, const NetworkSettings& network,
                                       std::uint64_t instance) {
     if (choices.view != "player") return nullptr;

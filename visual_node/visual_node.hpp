@@ -1,4 +1,4 @@
-// What the operator may see: the needle outside the tissue, the surface, in VF a bar for the resisting force.
+// The operator's view: the needle outside the tissue, the surface, in VF a bar for the resisting force.
 // Never the inserted part of the needle, never the fixture. And the beep.
 #pragma once
 

@@ -129,7 +129,7 @@ bool BoardActuator::turn(SessionTime now, HidLink& link) {
 
 void BoardActuator::take(SessionTime now, std::span<const std::uint8_t> report) {
     if (const auto status = decode_board_status(report)) {
-        // One that repeats itself while it is told something new stands still, or is deaf.
+        // A board that repeats its report while it gets new commands has stopped, or hears nothing.
         const std::uint8_t told = unpack_command(written_).sequence;
         if (status->sequence == told || status->sequence != echoed_) heard_ = now;
         echoed_ = status->sequence;

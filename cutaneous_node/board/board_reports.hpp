@@ -9,7 +9,7 @@
 
 namespace thimble {
 
-// What a board says it is, in its report descriptor.
+// A board's identity in its report descriptor.
 inline constexpr std::uint16_t kBoardUsagePage = 0xff54, kBoardUsage = 0x01;
 inline constexpr std::size_t kBoardReportBytes = 10;
 inline constexpr std::uint8_t kBoardVersion = 1;

@@ -9,7 +9,7 @@
 
 namespace thimble {
 
-// What arrives on it wakes the program, as its sockets do. Throws Error (network).
+// A frame that arrives wakes the program, as a datagram does. Throws Error (network).
 std::unique_ptr<CanBus> open_bus(const DriveSettings& settings, Sockets& sockets);
 
 }  // namespace thimble

@@ -8,7 +8,7 @@
 
 namespace thimble {
 
-// What the controller says of the bus, worst last. Off: it has withdrawn after too many errors of its own.
+// The state of the bus as the controller reports it, worst last. Off: it has withdrawn after too many errors of its own.
 enum class BusTrouble : std::uint8_t { kNone, kPassive, kOff, kDown };
 
 struct CanCounters {

@@ -97,7 +97,7 @@ void CanopenMaster::cycle(SessionTime now) {
     watch_queue(now);
 }
 
-// What gets lost each time is the last frame of a cycle, the SYNC: every drive lives, and none moves.
+// A full queue loses the last frame of each cycle, the SYNC: every drive lives, and none moves.
 void CanopenMaster::watch_queue(SessionTime now) {
     const std::uint64_t failed = bus_->counters().send_failed;
     full_ = failed > send_failed_ ? full_ + 1 : 0;

@@ -1,4 +1,4 @@
-// What can go wrong with a drive or its bus, and the sentence that says so: which device, why, what to do.
+// Faults of a drive or its bus, each with its message: which device, why, what to do.
 #pragma once
 
 #include <cstddef>

@@ -12,7 +12,7 @@ constexpr Duration kResetAgain = milliseconds{1500};
 // A second device with the same node id boots at about the same time.
 constexpr Duration kSettleTime = milliseconds{50};
 constexpr int kDoubtfulResets = 3;
-// What a program that stood still for 0.1 s finds at once, at 1 kHz: late answers are no second device.
+// The answers that wait after a pause of 0.1 s at 1 kHz. Late answers are no second device.
 constexpr std::int64_t kMostOwed = 128;
 constexpr std::uint32_t kNotValid = 0x80000000U;  // bit 31 of a PDO's identifier
 

@@ -1,4 +1,4 @@
-// What the master of a bus is told about its drives.
+// The master's settings of its drives.
 #pragma once
 
 #include <cstdint>

@@ -21,7 +21,7 @@ class EmulatedDrives final : public Process {
     SessionTime next_wakeup() const override;
     bool stopped() const override { return stopped_; }
 
-    // A command of kFaultWords, at once. What is wrong with it; empty: done.
+    // A command of kFaultWords, at once. The error in the command; empty: done.
     std::string obey(SessionTime now, std::string_view words);
     // A command for `after` the moment at which a force beyond pretension was first pressed.
     void obey_when_pressed(std::string words, Duration after) { later_.push_back({std::move(words), after}); }

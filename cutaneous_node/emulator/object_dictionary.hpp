@@ -17,7 +17,7 @@ class ObjectDictionary {
     void set(ObjectKey key, std::uint32_t value);
     bool has(ObjectKey key) const { return entries_.count(key) > 0; }
 
-    // What a server answers.
+    // The answer of a server.
     Sdo answer(const Sdo& request);
 
   private:
@@ -33,7 +33,7 @@ class ObjectDictionary {
     std::map<ObjectKey, Entry> entries_;
 };
 
-// What a PDO with this mapping (0x1600, 0x1A00) carries.
+// The content of a PDO with this mapping (0x1600, 0x1A00).
 CanFrame pack_pdo(const ObjectDictionary& dictionary, std::uint16_t mapping, std::uint32_t id);
 std::uint8_t pdo_bytes(const ObjectDictionary& dictionary, std::uint16_t mapping);
 // `frame` has that many bytes at least.

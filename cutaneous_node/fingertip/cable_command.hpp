@@ -1,4 +1,4 @@
-// From a force for a finger to what its drives are told, and back: deadband and limit, pretension, pulley and gear.
+// From the force for a finger to the commands of its drives, and back: deadband and limit, pretension, pulley and gear.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct CableDrive {
 };
 
 // A cable that has come off or is torn, and a device that is not worn, let the motor draw in more than a pad could give way
-// for: position against torque. A torque alone shows nothing, the drive's current controller makes what it is told.
+// for: position against torque. The torque alone shows nothing, because the drive's current controller always makes it.
 class SlackDetector {
   public:
     SlackDetector(double margin_m, double seconds) : margin_m_(margin_m), limit_s_(seconds) {}

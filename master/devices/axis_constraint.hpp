@@ -44,7 +44,7 @@ class AxisConstraint {
     double along(const DeviceVector& vector) const { return settings_.sign * vector[settings_.axis]; }
     // Within +-force_limit_N; zero if it is not a number.
     double clipped_N(double force_hand_N) const;
-    // What the device must apply so that the handle pushes out with force_hand_N, lateral forces included.
+    // The device's force vector that pushes the handle out with force_hand_N, lateral forces included.
     DeviceVector force_device_N(double force_hand_N) const;
 
   private:

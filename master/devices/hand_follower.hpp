@@ -1,4 +1,4 @@
-// What a device that has no handle of its own needs: where a person's hand is, by mouse, trackpad or gamepad.
+// Receives the place of a person's hand by mouse, trackpad or gamepad, for a device without a handle.
 #pragma once
 
 #include "common/messages.hpp"

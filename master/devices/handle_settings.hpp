@@ -37,7 +37,7 @@ struct HandleSettings {
     FalconSettings falcon{};
 };
 
-// Somebody who does not say when a trial is over: it ends with the needle withdrawn.
+// A person does not say when a trial is over: it ends with the needle withdrawn.
 constexpr bool held_by_person(HandleKind kind) { return kind != HandleKind::kSimulated; }
 
 // How long its user may take to make it ready, each time that the master starts: to home a Falcon.

@@ -24,7 +24,7 @@ class OpenHandle {
 
     virtual HapticDevice& device() = 0;
     virtual OperatorPort& person() = 0;
-    // Whoever wants to know where a person's pointer is; null: nobody.
+    // The follower of a person's pointer; null: none.
     virtual HandFollower* follower() = 0;
     // Of a real one: as RealHandle.
     virtual std::string name() const = 0;

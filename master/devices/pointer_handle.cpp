@@ -6,7 +6,7 @@
 namespace thimble {
 namespace {
 
-// A stall longer than this is left out: nobody saw it.
+// A stall longer than this is left out.
 constexpr Duration kLongestStall = std::chrono::seconds(1);
 
 }  // namespace

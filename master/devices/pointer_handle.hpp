@@ -8,8 +8,7 @@
 // would push on for somebody who is no longer there, and with delay oscillate by itself; a handle without a spring can
 // only lose energy. It rests where friction stops it, and the needle with it, commands going on.
 //
-// Time is a grid of 0.1 ms that starts with the trial; a call at `now` advances to the last grid point not after it. What is
-// wanted holds from the grid point that had been reached when it arrived.
+// Time is a grid of 0.1 ms that starts with the trial; a call at `now` advances to the last grid point not after it. A wanted place holds from the grid point that had been reached when it arrived.
 #pragma once
 
 #include "master/devices/hand_follower.hpp"

@@ -19,7 +19,7 @@ class RealHandle : public HapticDevice, public OperatorPort {
 
     // Which device was found, for the log: "omega.3, serial 1234, ...".
     virtual std::string name() const = 0;
-    // What its user has to do before it can be used, and how far that is; empty: nothing. Asked before the node says that it is
+    // The steps that the user must do before use, and their progress; empty: none. Asked before the node says that it is
     // ready, over and over.
     virtual std::string awaits() = 0;
     // Its part of the node's report.

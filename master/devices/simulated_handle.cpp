@@ -53,7 +53,7 @@ void SimulatedHandle::perceive(SessionTime now, const Percept& percept) {
 bool SimulatedHandle::finished() const { return operator_ && operator_->finished(); }
 
 void SimulatedHandle::advance(SessionTime now) {
-    if (!operator_) return;  // nobody holds the handle: it lies at z = 0
+    if (!operator_) return;  // no hand holds the handle: it lies at z = 0
     if (const Duration excess = now - reached_ - kLongestGap; excess > Duration::zero()) {
         const auto skipped = excess / kBrainTick;
         reached_ += skipped * kBrainTick;

@@ -2,8 +2,7 @@
 //
 // Its time is a grid of 0.1 ms (plant) and 1 ms (brain) that starts with the trial. A call at `now` first
 // advances to the last grid point not after `now`, so the grid of the calls does not matter: whoever reads at
-// 0.37 ms and at 1 ms gets the bits of whoever reads at 1 ms. What is commanded or perceived at a brain
-// tick's own instant counts in it.
+// 0.37 ms and at 1 ms gets the bits of whoever reads at 1 ms. A command or percept at the instant of a brain tick counts in that tick.
 #pragma once
 
 #include <optional>
@@ -32,11 +31,11 @@ class SimulatedHandle final : public HapticDevice, public OperatorPort {
     void perceive(SessionTime now, const Percept& percept) override;
     bool finished() const override;
 
-    // What no real device tells. All of the last grid point that was reached.
+    // Values that no real device has. All of the last grid point that was reached.
     double position_hand_m() const { return limb_.position_hand_m(); }  // before the encoder
     double force_hand_N() const { return force_hand_N_; }
     std::uint64_t refused_forces() const { return refused_forces_; }
-    // Milliseconds left out because nobody called for longer than a second.
+    // Milliseconds left out because no call came for longer than a second.
     std::uint64_t skipped_ms() const { return skipped_ms_; }
     // Null before the first trial.
     const VirtualOperator* operator_in_trial() const { return operator_ ? &*operator_ : nullptr; }

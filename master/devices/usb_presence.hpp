@@ -1,4 +1,4 @@
-// Is that device plugged in, may we open it, has somebody else got it? And what to do about it, in words.
+// Is that device plugged in, may we open it, has another program got it? And what to do about it, in words.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ enum class UsbPresence : std::uint8_t {
     kUnknown,  // built without libusb, or no USB at all on this machine
     kAbsent,
     kForbidden,  // it is there, and its file may not be written
-    kBusy,       // somebody else has claimed it
+    kBusy,       // another program has claimed it
     kFree,
 };
 
@@ -24,7 +24,7 @@ struct UsbFinding {
 // Opens and claims each for a moment. Any product of the vendor, where none is named.
 UsbFinding look_for_usb(std::uint16_t vendor, std::optional<std::uint16_t> product);
 
-// What the finding means for the device with this name, and the udev rule or the command that helps; `rule` is a file of deploy/udev.
+// The finding in words for the device with this name, and the udev rule or the command that helps; `rule` is a file of deploy/udev.
 std::string usb_advice(const UsbFinding& finding, const std::string& device, const std::string& rule);
 
 }  // namespace thimble

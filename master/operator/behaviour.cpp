@@ -123,7 +123,7 @@ void Behaviour::enter(BehaviourPhase phase) {
     next_ = kUndecided;
     entry_m_per_s_ = intention_.velocity_m_per_s;
     if (phase == BehaviourPhase::kHold) last_action_ = now_;
-    // What was lost is sought again: losing it once more is another loss, wherever that happens.
+    // The operator seeks the contact again. Losing it once more is another loss.
     if (phase == BehaviourPhase::kInsert) was_lost_ = false;
 }
 

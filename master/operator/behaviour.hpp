@@ -1,7 +1,6 @@
 // What the operator intends, from the first touch to the withdrawal: an intermittent controller of the hand's
 // equilibrium point (x_cmd, v_cmd). "Insert until you perceive the fixture, stop, wait for the beep,
-// withdraw", taken literally: nobody retreats from too deep a stop. Who loses contact recovers it in one of
-// two ways:
+// withdraw", taken literally: nobody retreats from too deep a stop. An operator who loses contact recovers it in one of two ways:
 //
 //     APPROACH --touch seen--> INSERT --fixture felt--> BRAKE --> HOLD
 //     kApproach:  HOLD --contact lost--> RELAX --> INSERT, slower each time

@@ -69,7 +69,7 @@ struct ReactionParameters {
     double trial_variation = 0.18;  // [M] coefficient of variation between decisions
 };
 
-// What an operator does who has lost the contact with the fixture (behaviour.hpp).
+// The operator's reaction to a lost contact with the fixture (behaviour.hpp).
 enum class Recovery : std::uint8_t { kApproach, kPush };
 
 struct BehaviourParameters {
@@ -112,7 +112,7 @@ struct OperatorParameters {
     SubjectSpread spread;
 };
 
-// What makes subject 7 subject 7, in every trial of an experiment.
+// The traits of one subject, the same in every trial of an experiment.
 struct Subject {
     double speed_insert_needle_m_per_s = 0;
     double arm_stiffness_N_per_m = 0;
@@ -128,7 +128,7 @@ struct Subject {
 // (usage).
 OperatorParameters read_operator_parameters(const ConfigTable& table);
 
-// Whose people an experiment has: those of the paper's experiment 2 are those of experiment 1.
+// The cohort of an experiment: the paper's experiment 2 has the subjects of experiment 1.
 inline std::uint32_t cohort_of(std::uint32_t experiment) { return experiment == 2 ? 1 : experiment; }
 
 // Lognormal about the parameters; a pure function of its arguments, so no subject depends on another.

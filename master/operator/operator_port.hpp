@@ -1,4 +1,4 @@
-// What a session needs from whoever holds the handle. The virtual operator implements it in software; for a
+// The session's side of the operator who holds the handle. The virtual operator implements it in software; for a
 // person the same calls mean "start", "you would now feel this", and "done?".
 #pragma once
 
@@ -26,7 +26,7 @@ class OperatorPort {
 
     // Hand at rest at z = 0, needle outside the tissue; the trial starts at `now`.
     virtual void start_trial(SessionTime now, const OperatorTask& task) = 0;
-    // What skin, eyes and ears get (the force of the handle reaches the hand through HapticDevice instead).
+    // The percepts of skin, eyes and ears (the handle's force reaches the hand through HapticDevice instead).
     virtual void perceive(SessionTime now, const Percept& percept) = 0;
     // True once the needle has been withdrawn after the beep.
     virtual bool finished() const = 0;

@@ -1,4 +1,4 @@
-// What thimble-netem can do, each in a file of its own: the command line, and what it starts.
+// The commands of thimble-netem, each in a file of its own.
 #pragma once
 
 #include <functional>

@@ -58,7 +58,7 @@ std::uint64_t packets(const Json& answer, const char* direction, const char* wha
     return answer.at(direction).at("packets").at(what).get<std::uint64_t>();
 }
 
-// What happened since the answer before.
+// The changes since the last answer.
 std::string line(const Json& before, const Json& now) {
     std::string text = fmt::format("{:8.1f} s  {:4} flows", now.at("running_s").get<double>(),
                                    now.at("flows").at("open").get<std::uint64_t>());

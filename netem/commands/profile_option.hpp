@@ -1,4 +1,4 @@
-// What the links of a relay shall do, as people say it on a command line. The one place where words become LinkSettings.
+// The links of a relay as command-line options. The one place where words become LinkSettings.
 #pragma once
 
 #include <string>

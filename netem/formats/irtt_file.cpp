@@ -117,7 +117,7 @@ class IrttParser {
             (lost == "true_down" ? down : up).loss = 1;
             unclear_ += lost == "true" ? 1 : 0;
         }
-        // What never got up was never sent down: it says nothing about that direction.
+        // A packet lost on its way up was never sent down, so it says nothing about that direction.
         paths_.up.packets.push_back(up);
         if (lost == "false" || lost == "true_down") paths_.down.packets.push_back(down);
     }
@@ -149,7 +149,7 @@ class IrttParser {
         }
         drop_delays_of_unanswered();
     }
-    // A packet whose answer was lost reached the server, but nobody was told when.
+    // A packet whose answer was lost reached the server at an unknown time.
     void drop_delays_of_unanswered() {
         auto& packets = paths_.up.packets;
         packets.erase(std::remove_if(packets.begin(), packets.end(),

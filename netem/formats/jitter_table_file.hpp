@@ -21,8 +21,7 @@ JitterTable load_jitter_table(const std::filesystem::path& path);
 // A path, or the name of a table in tc's folders (TC_LIB_DIR, then where distributions install it).
 std::shared_ptr<const JitterTable> find_jitter_table(std::string_view name);
 
-// `values` of them, at the middle of equal shares, as tc's own tables are made. What lies beyond 4 spreads is cut,
-// because a value has 16 bits.
+// `values` of them, at the middle of equal shares, as tc's own tables are made. Values beyond 4 spreads are cut, because a value has 16 bits.
 std::string print_jitter_table(const JitterTable& table, std::string_view comment, std::size_t values = 4096);
 
 }  // namespace thimble

@@ -154,7 +154,7 @@ class PathParser {
     MeasuredPath path_;
 };
 
-// What a lost packet would have taken: the delay of the one before it, of the first received for those in front.
+// The delay that a lost packet would have had: that of the packet before it, or of the first received one.
 Duration first_delay(const MeasuredPath& path) {
     for (const MeasuredPacket& packet : path.packets) {
         if (packet.delay) return *packet.delay;

@@ -4,8 +4,7 @@
 //   delay_s (or delay_ms, delay_us, delay_ns)   may be empty where loss is 1: the delay before it holds on
 //   loss                                0 to 1
 //   rate_bits_per_s (or rate_kbps)      above 0
-// Lines of '#' are comments. What is written uses the house's names; the others are those that such files have
-// elsewhere. Every refusal names file and line (exit code 5).
+// Lines of '#' are comments. Written files use our names. The other names are those of such files elsewhere. Every refusal names file and line (exit code 5).
 #pragma once
 
 #include <optional>

@@ -148,7 +148,7 @@ void fit_delay(const MeasuredPath& path, PathFit& fit) {
     fit.correlation = lag_one_correlation(path, sorted_s);
     fit.link.jitter.shape = fit.shapes.front().shape;
     fit.link.jitter.spread = spread_of(fit.link.jitter.shape, fit.delay_sd_s);
-    // What two standard errors cannot tell from none is none: each correlated packet costs a little.
+    // A correlation within two standard errors of zero counts as zero, because each correlated packet costs time.
     const bool notable = fit.correlation > 2 / std::sqrt(n);
     fit.link.jitter.correlation = notable ? std::round(std::min(fit.correlation, 0.999) * 1000) / 1000 : 0;
 }

@@ -1,4 +1,4 @@
-// Text files from outside, line by line. What is wrong with one is said with its name and line (exit code 5).
+// Text files from outside, line by line. An error names file and line (exit code 5).
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace thimble {
 
-// A trace of an hour at 1 kHz takes about 100 MB; nobody means to read more.
+// A trace of an hour at 1 kHz takes about 100 MB. A larger file is a mistake.
 inline constexpr std::size_t kMostFileBytes = std::size_t{512} << 20;
 
 // The whole file. Throws Error (data) if it cannot be read or is larger than `most_bytes`.

@@ -18,11 +18,10 @@ class ControlHandler {
     ControlHandler(const ControlHandler&) = delete;
     ControlHandler& operator=(const ControlHandler&) = delete;
 
-    // Any thread but the relaying one, one at a time. False if nobody took the job within two seconds. What the job
-    // throws comes back to the caller.
+    // Any thread but the relaying one, one at a time. False if the relaying thread did not take the job within two seconds. An exception of the job comes back to the caller.
     bool ask(const Job& job);
 
-    // The relaying thread: readable when somebody asks; then serve() does the job.
+    // For the relaying thread: readable when a caller asks. Then serve() does the job.
     int descriptor() const { return event_; }
     void serve(RelayEngine& engine);
 

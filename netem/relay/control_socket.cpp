@@ -55,7 +55,7 @@ int open_socket() {
     return opened;
 }
 
-// Only what is a socket and has nobody behind it may be replaced.
+// Only a socket without a listener may be replaced.
 void remove_stale(const std::filesystem::path& path) {
     struct stat found {};
     if (lstat(path.c_str(), &found) != 0) return;

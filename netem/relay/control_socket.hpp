@@ -35,8 +35,7 @@ class ControlServer {
     std::thread thread_;
 };
 
-// Sends one request and waits for its answer. Throws Error: network if nobody answers within five seconds, usage with
-// the relay's own words if it refused.
+// Sends one request and waits for its answer. Throws Error: network if no answer comes within five seconds, usage with the relay's own words if it refused.
 nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::string& request);
 
 }  // namespace thimble

@@ -1,4 +1,4 @@
-// What is said on the control socket. A request is one datagram of text: a verb in the first line, then one assignment
+// The language of the control socket. A request is one datagram of text: a verb in the first line, then one assignment
 // per line:
 //   show
 //   set

@@ -118,8 +118,7 @@ void SendBatch::mark(const Piece& piece, bool accepted) {
 }
 
 // Up to the first joined piece that is refused: returns the datagram where that begins, else how many there are.
-// A failure stops sendmmsg at the message that failed. An error that an earlier datagram left on a connected socket
-// (nobody listens) is told once and says nothing about this one: it is tried again.
+// A failure stops sendmmsg at the message that failed. A connected socket reports the error of an earlier datagram (port closed) once. It says nothing about this datagram, which is tried again.
 std::size_t SendBatch::send_pieces(int descriptor, std::size_t pieces) {
     std::size_t done = 0;
     bool again = true;

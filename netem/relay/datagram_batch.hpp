@@ -24,7 +24,7 @@ class ReceiveBatch {
     static constexpr std::size_t kSize = 32;
 
     ReceiveBatch();
-    // As many as wait, at most `most` (up to kSize). Errors that an earlier send caused (nobody listens there) are passed over.
+    // As many as wait, at most `most` (up to kSize). Errors of an earlier send (port closed) are passed over.
     std::size_t receive(int descriptor, std::size_t most = kSize);
     // i below what receive() returned; valid until the next receive().
     Datagram operator[](std::size_t i) const;

@@ -1,4 +1,4 @@
-// Who is who behind a relay, as in a NAT: each client address at each inlet is a flow of its own. Numbers and times
+// The flows behind a relay, as in a NAT: each client address at each inlet is a flow of its own. Numbers and times
 // only, no sockets.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What became of one packet, as it stands in a packet log: 48 bytes, little-endian.
+// The fate of one packet in a packet log: 48 bytes, little-endian.
 //
 //   offset  size  field
 //        0     8  packet      number within its flow and direction, from 0; fate `gap`: how many records are missing
@@ -53,7 +53,7 @@ struct PacketRecord {
     bool operator==(const PacketRecord&) const = default;
 };
 
-// Who wants to know. Called from the thread that relays, once per packet: must be quick and never wait.
+// Receives the records. Called from the thread that relays, once per packet: must be quick and never wait.
 class PacketSink {
   public:
     virtual ~PacketSink() = default;

@@ -12,7 +12,7 @@ namespace thimble {
 class ReceiveTurn {
   public:
     std::size_t most() const { return most_; }
-    // What came of it. Less than half: half as many the next time. All, so often in a row: twice as many.
+    // The result. Less than half: half as many the next time. All, so often in a row: twice as many.
     void got(std::size_t count) {
         full_ = count == most_ ? full_ + 1 : 0;
         if (full_ == kOften) {

@@ -58,7 +58,7 @@ class RelayEngine {
         std::array<SessionTime, 2> last_received{};
         ReceiveTurn turn{};
     };
-    // What is on its way out in the batch.
+    // The packets that the batch sends.
     struct Outgoing {
         std::uint32_t link = 0;
         Departure departure;

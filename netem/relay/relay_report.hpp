@@ -1,4 +1,4 @@
-// What a relay did, beside what it was asked to do: as JSON for programs, and that JSON in words for people.
+// The settings and results of a relay: as JSON for programs, and as text for people.
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ struct RelayState {
 nlohmann::ordered_json describe(const LinkSettings& link);
 nlohmann::ordered_json describe(const Histogram& error);  // of due times
 nlohmann::ordered_json describe(const RelayState& state);
-// Of what describe(RelayState) gave, perhaps in another process.
+// For the JSON of describe(RelayState), perhaps from another process.
 std::string in_words(const nlohmann::ordered_json& report);
 
 }  // namespace thimble

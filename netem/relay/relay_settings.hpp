@@ -1,4 +1,4 @@
-// What a stand-alone relay is asked to do.
+// The settings of a stand-alone relay.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct LinkPair {
     bool operator==(const LinkPair&) const = default;
 };
 
-// What changes by itself, counted from the start of the relay.
+// Planned changes, counted from the start of the relay.
 struct TimelinePair {
     Timeline up, down;
 };

@@ -1,4 +1,4 @@
-// What a relay has done so far, by direction: counts, achieved delays, due-time errors. Data and arithmetic, no clock.
+// A relay's totals so far, by direction: counts, achieved delays, due-time errors. Data and arithmetic, no clock.
 #pragma once
 
 #include <array>

@@ -20,7 +20,7 @@ struct TrafficWay {
     std::uint64_t strangers = 0;             // arrived, but are none of these: bits were flipped
     std::uint64_t copies = 0;                // arrived a second time
 
-    // What each waited on its way, in the order of sending, in seconds.
+    // Each datagram's delay, in the order of sending, in seconds.
     std::vector<double> delays_s() const;
 };
 

@@ -1,4 +1,4 @@
-// What a self-test's findings mean, and how they are said.
+// The meaning of a self-test's findings, and their words.
 #include <cmath>
 
 #include <fmt/format.h>

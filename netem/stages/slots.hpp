@@ -43,7 +43,7 @@ class Slots {
     std::size_t packets_ = 0, bytes_ = 0;  // gone with this slot
 };
 
-// When nothing gets through. What is on its way already still arrives.
+// When nothing gets through. Packets that are on their way still arrive.
 
 // `time` since the start of the trial. An outage holds from its start until just before its end.
 bool is_out(const std::vector<Outage>& outages, Duration time);

@@ -19,7 +19,7 @@ class Transmitter {
     Transmitter(const StreamKey& key, std::uint32_t direction, SessionTime start)
         : origin_(start), slots_(key, direction) {}
 
-    // What is being sent ends as it began; what waits goes at the new rate.
+    // The packet in transmission ends as it began. Waiting packets go at the new rate.
     void configure(const LinkSettings& settings, Duration now);
     // Whether anything has to pass here.
     bool active() const { return active_ || !empty(); }
@@ -27,7 +27,7 @@ class Transmitter {
 
     // Whether a packet of `bytes` finds a place now (ask for what was sent until now first).
     bool has_room(std::size_t bytes) const;
-    // Whether it would find one if nobody else waited.
+    // Whether it would find room in an empty queue.
     bool could_hold(std::size_t bytes) const;
     void add(Packet* packet);
     // For head drop: the one that has waited longest, or null if none waits.
@@ -37,7 +37,7 @@ class Transmitter {
         Packet* packet;
         Duration time;  // when its last bit was out
     };
-    // What was sent until `now`, one packet per call, in order.
+    // A packet sent until `now`, one packet per call, in order.
     std::optional<Sent> take_sent(Duration now);
     // Nothing is sent before; kNothing if all is.
     Duration next_event() const;

@@ -11,7 +11,7 @@ namespace thimble {
 
 class RumbleDevice {
   public:
-    // What set() was told stops by itself after so long, whatever becomes of this program.
+    // The vibration of set() stops by itself after so long, even if this program has died.
     static constexpr Duration kLasts = std::chrono::milliseconds{500};
 
     RumbleDevice() = default;

@@ -30,8 +30,7 @@ class RumblePace {
     // motor runs on when this program no longer does.
     static constexpr Duration kSayAgain = std::chrono::milliseconds{250};
 
-    // Forces on index finger and thumb, N, 0 or more (NaN is 0). What to tell the device now; nothing if it knows that, or has
-    // been told something else too recently.
+    // Forces on index finger and thumb, N, 0 or more (NaN is 0). The command for the device now. None if the device has it already, or got another one too recently.
     std::optional<RumbleLevels> next(SessionTime now, double index_N, double thumb_N);
     // The device has been stopped, or is another one.
     void forget();

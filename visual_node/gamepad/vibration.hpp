@@ -1,5 +1,5 @@
 // A gamepad's vibration in place of the fingertip devices: the motors of the pad that moves the hand, or of a device that the
-// session file names. Belongs to the window's thread. What cannot vibrate is one notice in the log, and no error.
+// session file names. Belongs to the window's thread. A device that cannot vibrate gives one notice in the log, and no error.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ class Vibration {
 
     // The gamepad is this one from now on; an empty name: there is none any more. To be called once per change.
     void plugged(const JoystickIdentity& joystick);
-    // What presses on the fingers now, N.
+    // The force on the fingers now, N.
     void feel(SessionTime now, double index_N, double thumb_N);
     // At once, whatever the pace.
     void stop();

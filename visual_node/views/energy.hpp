@@ -13,7 +13,7 @@ enum class EnergyBalance {
 // Below this, either way, it is rounding of encoder steps and not energy: 0.01 mm at 0.1 N.
 inline constexpr double kEnergyResolution_J = 1e-6;
 
-// Of Monitor::energy_in_J. What is not a number says nothing.
+// Of Monitor::energy_in_J. Values that are no number are left out.
 EnergyBalance judge_energy(double energy_in_J);
 const char* to_string(EnergyBalance energy);
 

@@ -36,7 +36,7 @@ namespace {
 struct ViewOptions {
     std::string view, config, screenshot;
     int base_port = 0;
-    double seconds = 0;  // 0: until somebody closes it
+    double seconds = 0;  // 0: until the user closes it
     double scale = 0;    // 0: the monitor's
     int width = 1000, height = 720;
     bool frame_times = false;

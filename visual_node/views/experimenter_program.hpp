@@ -4,7 +4,7 @@
 
 namespace thimble {
 
-// Whether the command line asks for this view, before anybody has parsed it.
+// Whether the command line asks for this view, before it is parsed.
 bool asks_for_experimenter_view(int argc, char** argv);
 
 // Until the window is closed, SIGINT or SIGTERM; returns the exit code.

@@ -13,7 +13,7 @@
 
 namespace thimble {
 
-// What curves are drawn of. Units as in Monitor; one-way delay with its bound as the two edges of what it may be.
+// The values of the curves. Units as in Monitor; one-way delay with its bound as the two edges of what it may be.
 enum class Quantity : std::uint8_t {
     kNeedle_m,
     kSurface_m,

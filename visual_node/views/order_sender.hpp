@@ -1,4 +1,4 @@
-// What somebody asks of the session, said until the Monitor shows that it has happened. UDP loses messages; a button that
+// Sends the user's orders to the session, again and again until the Monitor shows the effect. UDP loses messages; a button that
 // sometimes does nothing is worse than none.
 #pragma once
 
@@ -23,7 +23,7 @@ enum class OrderProgress : std::uint8_t {
     kUnanswered,  // 2 s have passed: the session does not answer
 };
 
-// What the session showed when it spoke last.
+// The session's state in its last message.
 struct SessionView {
     Monitor monitor;
     std::uint32_t trial = 0;

@@ -1,5 +1,4 @@
-// The player's panel without a screen: a modality that is pressed starts at once, because somebody who plays wants to feel
-// it and not to plan it. Where a recorded trial is shown instead, its keys are those of replay_model.hpp.
+// The player's panel without a screen: a modality starts as soon as its button is pressed, because a player wants to feel it and not to plan it. Where a recorded trial is shown instead, its keys are those of replay_model.hpp.
 #pragma once
 
 #include "visual_node/views/commands.hpp"
@@ -25,7 +24,7 @@ class PlayerModel {
     // Of the trial that runs or was asked for.
     Modality modality() const;
     bool help() const { return help_; }
-    // What to do now, or what to look out for.
+    // The next step, or a warning.
     const char* hint(SessionTime now) const;
 
     // A recorded trial is shown: then the keys are replay_keys().

@@ -16,7 +16,7 @@ double PlayerOverlay::right_margin(const GlWindow& window) const {
     return PlayerPanel::place(window.width(), window.height(), window.content_scale()).width;
 }
 
-// Nobody will be there to repeat it until the Monitor shows it.
+// The window is gone before the Monitor can show it, so it is not repeated.
 void PlayerOverlay::closing(SessionTime now) {
     for (int i = 0; i < kUnseenOrderTimes; ++i) panel_.quit(now);
 }

@@ -1,5 +1,4 @@
-// The player's panel with sockets of its own, as `thimble-visual --view player` puts it over the scene. Whoever closes the
-// window has played enough: the session hears Quit.
+// The player's panel with sockets of its own, as `thimble-visual --view player` puts it over the scene. Closing the window ends the game: the session gets Quit.
 #pragma once
 
 #include "common/runtime/sockets.hpp"

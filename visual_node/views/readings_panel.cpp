@@ -40,7 +40,7 @@ void draw_readings(const Rect& rect, const SessionLink& link, SessionTime now) {
         draw_reading(list, line, reading.name, reading.value.c_str(),
                      silent ? kFaded : colour_of(reading, link.monitor()));
     }
-    // What is drawn by hand takes its room here, or a small window would not scroll.
+    // The bars drawn by hand take their room here, or a small window would not scroll.
     ImGui::Dummy(point(1, line.bottom() - static_cast<double>(begin.y)));
     ImGui::End();
 }

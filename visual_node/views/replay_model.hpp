@@ -15,7 +15,7 @@ class ReplayModel {
     void press(SessionTime now, Command command);
     void seek(SessionTime now, double time_s);  // taken to the nearest of the trial
 
-    // What was asked last while it is not shown yet, then what the replay shows.
+    // The last order until the replay shows its effect, then the replay's state.
     double position_s() const;
     bool paused() const;
     double speed() const;

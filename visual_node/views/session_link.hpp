@@ -38,7 +38,7 @@ class SessionLink {
     const Monitor& monitor() const { return receiver_.newest(); }
     bool running(SessionTime now) const;
 
-    // What must be read before anything else, empty if nothing: nobody speaks, or does not answer.
+    // The warning to read first: no session speaks, or it does not answer. Empty: none.
     TextLine alarm(SessionTime now) const;
 
   private:

@@ -1,4 +1,4 @@
-// A line of text without allocation: views write some thirty of them in each frame. What is too long is cut.
+// A line of text without allocation: views write some thirty of them in each frame. A text that is too long is cut.
 #pragma once
 
 #include <array>

@@ -23,8 +23,7 @@ struct ExperimenterLayout {
     Rect controls;
 };
 
-// `scale`: the monitor's content scale. What does not fit into a small window is cut at the plots' side; readings and
-// controls scroll.
+// `scale`: the monitor's content scale. A small window cuts the plots. Readings and controls scroll.
 ExperimenterLayout experimenter_layout(double width, double height, double scale);
 
 // The drawn box of a plot or of the side view in its rectangle, without title and numbers.

@@ -21,7 +21,7 @@ class FrameTimes {
         if (scene.sample_time == shown_sample_) return;  // nothing new: its light is out already
         shown_sample_ = scene.sample_time;
         arrival_to_frame.add(begun - scene.sample_time);
-        const bool replayed = scene.hand_time == SessionTime{};  // nobody's hand moved now
+        const bool replayed = scene.hand_time == SessionTime{};  // the hand did not move now
         if (!one_clock_ || replayed || scene.answer_time == SessionTime{}) return;
         hand_to_slave.add(scene.answer_time - scene.hand_time);
         slave_to_arrival.add(scene.sample_time - scene.answer_time);

@@ -26,7 +26,7 @@ struct WindowSettings {
     double content_scale = 0;  // instead of the monitor's; 0: as the monitor says
 };
 
-// What somebody did to the window. Only the fields of its kind are set.
+// The user's actions at the window. Only the fields of its kind are set.
 struct WindowEvent {
     enum class Kind : std::uint8_t {
         kKey,  // key, pressed, repeated
@@ -34,7 +34,7 @@ struct WindowEvent {
         kButton,  // button, pressed, x, y: the pointer
         kScroll,  // x, y: steps
         kResize,  // x, y: new size of the framebuffer
-        kClose,   // somebody asked for it; the window stays until it is destroyed
+        kClose,   // the user asked for it; the window stays until it is destroyed
         kFocus,   // pressed: it has the keyboard now
     };
     Kind kind = Kind::kKey;
@@ -68,11 +68,11 @@ class GlWindow {
     // Shows what was drawn: swaps, waiting for the monitor with vsync.
     void end_frame();
 
-    // Somebody asked to close it, or the screen is gone.
+    // The user asked to close it, or the screen is gone.
     bool should_close() const;
-    // As somebody does who clicks it away.
+    // As a click on the close button does.
     void ask_to_close();
-    // Whoever asked is not heard.
+    // A request to close it is not obeyed.
     void stay_open();
     // The connection to the screen broke: nothing can be drawn any more. Every call is then harmless and does nothing.
     bool lost() const;
@@ -89,7 +89,7 @@ class GlWindow {
     void set_size(int width, int height);  // of the framebuffer; the event comes with a later poll
     void set_title(const std::string& title);
 
-    // What has been drawn and not shown yet: call before end_frame().
+    // The picture that is drawn and not shown yet: call it before end_frame().
     Image read_pixels() const;
     // For ImGui's backend, which may put its own callbacks in front: they chain to this window's.
     GLFWwindow* handle() const;

@@ -1,4 +1,4 @@
-// What a view puts over the scene: text, panels, plots and buttons of Dear ImGui, and what they say to the session.
+// The parts of a view over the scene: text, panels, plots and buttons of Dear ImGui, and their orders to the session.
 // Lives in the thread of the window and may take its time; channels it has are its own.
 #pragma once
 
@@ -29,7 +29,7 @@ class Overlay {
     virtual void draw(SessionTime now, const OverlayFrame& frame) = 0;
     // How much of the window's right edge the scene leaves to it, pixels.
     virtual double right_margin(const GlWindow& /*window*/) const { return 0; }
-    // The window is about to close, because somebody asked for it or because its screen is gone.
+    // The window is about to close, because the user asked for it or because its screen is gone.
     virtual void closing(SessionTime /*now*/) {}
     // True: the program ends (in views without a node of their own).
     virtual bool done() const { return false; }

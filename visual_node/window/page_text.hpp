@@ -1,4 +1,4 @@
-// What a subject reads between trials. Never the modality's name, never anything of the fixture, unless a lab's own words do.
+// The text for a subject between trials. Never the modality's name, never anything of the fixture, unless a lab's own words do.
 #pragma once
 
 #include <string>

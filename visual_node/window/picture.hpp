@@ -1,4 +1,4 @@
-// What is to be seen of a Scene, in pixels: pure arithmetic, which painter.hpp turns into light. Pixels count from the
+// A Scene in pixels: pure arithmetic, which painter.hpp draws. Pixels count from the
 // top left corner of the framebuffer, y downwards. The inserted part of the needle and the fixture are in no Scene, so
 // they are in no Picture.
 #pragma once

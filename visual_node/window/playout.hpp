@@ -21,10 +21,10 @@ class Playout {
 
     // A scene that was never seen. One of another trial, or with an older stamp than the last, begins anew: what was is gone.
     void add(const Scene& scene);
-    // What to show at `now`; nothing before the first scene. Interpolated are needle and surface; force, contact and
+    // The scene to show at `now`; nothing before the first scene. Interpolated are needle and surface; force, contact and
     // stamps are those of the older neighbour. Past the newest sample the newest stands still.
     std::optional<Scene> at(SessionTime now);
-    // Of what at() gave last: from the arrival of its sample.
+    // The age of the scene that at() gave last, since the arrival of its sample.
     Duration age(SessionTime now) const { return now - shown_arrival_; }
 
   private:

@@ -1,4 +1,4 @@
-// What Xlib does when the X server dies: by default it ends the program. Here it only remembers.
+// Xlib's reaction to the end of the X server: by default it ends the program. Here it only remembers.
 #pragma once
 
 namespace thimble {

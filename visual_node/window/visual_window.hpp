@@ -17,7 +17,7 @@
 namespace thimble {
 
 struct VisualWindowOptions {
-    bool player = false;   // room for a panel, and whoever plays may close the window
+    bool player = false;   // room for a panel, and the player may close the window
     bool pointer = false;  // the pointer in the window moves the hand
     bool fullscreen = false;
     std::string screenshot{};  // file; empty: none

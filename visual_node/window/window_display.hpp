@@ -33,12 +33,12 @@ class WindowDisplay final : public Display {
     void presented(const Scene& scene, SessionTime swapped);
     // The subject asks to go on.
     void ask_to_go_on() { go_on_ = true; }
-    // Somebody at the window asks everything to stop.
+    // A person at the window asks everything to stop.
     void ask_to_stop() { stop_ = true; }
-    // Nobody looks any more.
+    // The window is closed.
     void close() { open_ = false; }
 
-    // Scenes that nobody took: the window was closed or had not come to fetch them for a second.
+    // Scenes that the window did not take: it was closed, or busy for a second.
     std::uint64_t unseen() const { return unseen_; }
 
   private:

@@ -250,7 +250,7 @@ void WindowLoop::draw_captions(SessionTime now, const std::optional<Picture>& pi
         parts_.overlay->draw(now, {*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_});
     }
     if (times_shown_ && parts_.display != nullptr) draw_times(times_);
-    // What is seen may be wrong by now, and nobody would know.
+    // The picture may be wrong by now, and nothing would show it.
     draw_notice(stale_ ? "no news from the needle: the picture stands still" : notice_, scene_width());
     if (page_.kind != PageKind::kNone) {
         static const Instructions kUnchanged;

@@ -1,5 +1,4 @@
-// What the main thread does while the node's thread does its work: events, frames, sound. Ends when it is told to, when somebody
-// closes the window, or when the screen is gone; the node goes on in each case.
+// The main thread's work beside the node's thread: events, frames, sound. It ends on request, when the user closes the window, or when the screen is gone. The node goes on in each case.
 #pragma once
 
 #include <filesystem>

@@ -7,7 +7,7 @@
 namespace thimble {
 namespace {
 
-// A report may come in two packets, or behind one that is empty. What is later than both belongs to the next turn.
+// A report may come in two packets, or behind one that is empty. Later work belongs to the next turn.
 constexpr int kReads = 2;
 constexpr Duration kRead = std::chrono::milliseconds{1};
 

@@ -2,8 +2,7 @@
 // the thread that reads the handle must not wait for it. What the two threads share are two words of 64 bits, each always whole, so
 // neither waits for the other, and nothing is torn: three motors or encoders of 16 bits, 8 bits of flags, 8 bits that count.
 //
-// A hand is not left to a force that nobody renews: after kUnattendedTurns exchanges without a word from the handle's side the
-// motors get zero. Nor to one that belongs to a place nobody knows any more: a command that is not answered within 2 ms, or by
+// A force that is not renewed ends: after kUnattendedTurns exchanges without a command the motors get zero. Nor to one that belongs to a place nobody knows any more: a command that is not answered within 2 ms, or by
 // garbage, is followed by commands without force until a report comes.
 // The light is red before homing, blue while some legs are homed, green once all are.
 #pragma once
@@ -28,7 +27,7 @@ class FalconExchange {
     FalconExchange(const FalconExchange&) = delete;
     FalconExchange& operator=(const FalconExchange&) = delete;
 
-    // The thread, which calls `prepare` first (scheduling belongs to threads). Without it (tests) somebody calls turn().
+    // The thread, which calls `prepare` first (scheduling belongs to threads). Without it a test calls turn().
     void start(std::function<void()> prepare = {});
     // Ends it, with a last command without force.
     void stop();

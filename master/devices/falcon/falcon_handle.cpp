@@ -85,7 +85,7 @@ void FalconHandle::command_force(SessionTime /*now*/, double force_hand_N) {
     apply();
 }
 
-// Also without force: each word from here says that somebody attends.
+// Also without force: each command shows that the handle's side is alive.
 void FalconHandle::apply() {
     FalconMotors motors;
     if (forced_ && fault_.empty()) {
@@ -99,7 +99,7 @@ void FalconHandle::apply() {
 void FalconHandle::enable_force(SessionTime now, bool enabled) {
     forced_ = false;
     force_hand_N_ = 0;
-    reading_ = false;  // between trials nobody looked
+    reading_ = false;  // between trials it was not read
     if (enabled && fault_.empty() && take_report(now)) {
         axis_.hold_here();
         forced_ = true;

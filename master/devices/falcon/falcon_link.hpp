@@ -20,7 +20,7 @@ class FalconLink {
     // A vendor's request to the chip, without data. False if it failed.
     virtual bool control(std::uint8_t request, std::uint16_t value) = 0;
     virtual bool write(std::span<const std::uint8_t> bytes) = 0;
-    // What has come, the chip's own status bytes taken out; waits at most `limit` for the first. Fewer than asked, or none, is no
+    // The bytes that have come, without the chip's own status bytes; waits at most `limit` for the first. Fewer than asked, or none, is no
     // failure: lost() tells.
     virtual std::size_t read(std::span<std::uint8_t> room, Duration limit) = 0;
     // The device is gone, or the last transfer failed for good.

@@ -1,4 +1,4 @@
-// What the Novint Falcon and its host say to each other: 16 bytes each way, one report for each command (docs/handles.md names the
+// The packets between the Novint Falcon and its host: 16 bytes each way, one report for each command (docs/handles.md names the
 // source). Pure: bytes in, values out.
 //
 // '<', three signed 16-bit numbers of four letters each ('A' + nibble, lowest first), a letter of flags, 'A', '>'. The flags are

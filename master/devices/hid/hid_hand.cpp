@@ -140,7 +140,7 @@ double HidMapping::beyond_dead_zone(double deflection) const {
 
 HandInput HidMapping::hand(SessionTime now, std::optional<double> deflection, double position_hand_m,
                            double reach_m) {
-    // After a stall the way that nobody steered is left out.
+    // After a stall the way without steering is left out.
     const double elapsed_s = to_seconds(std::clamp(now - reached_, Duration::zero(), kLongestPause));
     reached_ = now;
     if (!deflection) {

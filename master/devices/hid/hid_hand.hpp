@@ -15,8 +15,7 @@ class HidHand final : public HidUser {
   public:
     explicit HidHand(const HidHandSettings& settings) : settings_(settings) {}
 
-    // Of the chosen axis, -1 to 1, positive into the tissue; none while no device is there. Any thread. A device that says
-    // nothing is one that does not move: SpaceMouses report changes only.
+    // Of the chosen axis, -1 to 1, positive into the tissue; none while no device is there. Any thread. A silent device does not move: SpaceMouses report changes only.
     std::optional<double> deflection() const;
     // The button that the settings name is down, or has been since the last call. The node's thread.
     bool take_stop() { return stop_pressed_.exchange(false) || stop_down_; }

@@ -1,4 +1,4 @@
-// What a HID device says about its own reports: which bits of which report are which axis. Reads the report descriptor of
+// A HID device's description of its reports: the bits of each axis in each report. Reads the report descriptor of
 // "Device Class Definition for HID 1.11", section 6.2.2, as far as an input needs it: short items, input fields that are
 // variables. Offsets count bits from the byte after the report's number.
 #pragma once
@@ -26,7 +26,7 @@ struct HidField {
 };
 
 struct HidLayout {
-    // What the device is: the usages of its outermost application collections. A receiver is a keyboard, a mouse and a stick, and
+    // The device's kinds: the usages of its outermost application collections. A receiver is a keyboard, a mouse and a stick, and
     // the X of one is not that of another.
     std::vector<HidUsage> applications;
     bool numbered = false;         // each report begins with its number
