@@ -1,5 +1,4 @@
-// thimble-bench flood: how a node keeps its deadlines while somebody without the key floods its ports, beside the same without
-// (docs/security.md). Exit code 1 if a trial ended early, or the loop with real-time scheduling kept its deadlines worse.
+// thimble-bench flood: how a node keeps its deadlines while a stranger without the key floods its ports, beside the same without (docs/security.md). Exit code 1 if a trial ended early, or the loop with real-time scheduling kept its deadlines worse.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -217,7 +216,7 @@ void say_table(const Json& one) {
     for (const Json& problem : one.at("problems")) fmt::print("  {}\n", problem.get<std::string>());
 }
 
-// What of a flood broke a promise, in words.
+// The broken promises of a flood, in words.
 std::vector<std::string> problems_of_floods(const std::array<FloodFigures, kFloodNames.size()>& figures,
                                             bool realtime) {
     std::vector<std::string> problems;

@@ -1,4 +1,4 @@
-// What each stage of a link costs: a packet of 144 bytes each millisecond, in and out again.
+// The cost of each stage of a link: a packet of 144 bytes each millisecond, in and out again.
 //   build/release/bin/thimble-bench --benchmark_filter=link_stage
 #include <array>
 #include <cmath>

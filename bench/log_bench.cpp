@@ -1,4 +1,4 @@
-// What it costs a loop to have its messages written down.
+// The cost of logging its messages to a loop.
 //   build/release/bin/thimble-bench --benchmark_filter=log
 #include <benchmark/benchmark.h>
 

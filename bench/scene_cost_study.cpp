@@ -1,4 +1,4 @@
-// What a scene costs: nanoseconds per step against the number of layers, asleep and awake, with and without
+// The cost of a scene: nanoseconds per step against the number of layers, asleep and awake, with and without
 // fixtures, and for each scene that comes with the program.
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-// What protection costs, per datagram.
+// The cost of protection per datagram.
 //   build/release/bin/thimble-bench --benchmark_filter=security
 #include <algorithm>
 #include <array>

@@ -161,7 +161,7 @@ class Relaying {
     pid_t launcher_, process_;
 };
 
-// What the master does, without handle, codec and operator.
+// The master's work, without handle, codec and operator.
 class Sampler {
   public:
     Sampler(const Way& way, Duration length)

@@ -1,4 +1,4 @@
-// What thimble-bench chain has found out, window by window, and the table of it. Pure arithmetic.
+// The findings of thimble-bench chain, window by window, and their table. Pure arithmetic.
 #pragma once
 
 #include <string>

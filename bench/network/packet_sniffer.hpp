@@ -1,4 +1,4 @@
-// Hears what anybody sends to one UDP port over loopback, as who stands on the wire does.
+// Hears all datagrams to one UDP port over loopback, as an attacker on the wire does.
 #pragma once
 
 #include <cstdint>

@@ -25,8 +25,7 @@ using std::chrono::milliseconds;
 constexpr std::size_t kBytes = 144;  // a ForceFeedback
 constexpr Duration kPeriod = milliseconds{1};
 constexpr std::size_t kManyInFlight = 1'000'000;
-constexpr std::uint64_t kMostUnderWay =
-    8000;  // datagrams; what a socket has room for while nobody empties it
+constexpr std::uint64_t kMostUnderWay = 8000;  // datagrams; the room of a socket that is not read
 constexpr Duration kSpin = std::chrono::microseconds{300};
 constexpr Duration kWarmUp = milliseconds{200};  // in which a relay learns how late the timer is
 
@@ -278,7 +277,7 @@ LatenessRound timer_lateness(Duration length) {
     return round;
 }
 
-// What the machine itself adds to a moment that nobody sleeps before.
+// The time that the machine itself adds without sleeping.
 LatenessRound spinner_lateness(Duration length) {
     LatenessRound round;
     const UdpSocket sink = UdpSocket::listening(loopback()), out = UdpSocket::connected(sink.local());

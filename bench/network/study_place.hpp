@@ -1,4 +1,4 @@
-// What studies with the real programs share: where they write, which programs they start, with which scheduling.
+// The parts that studies with the real programs share: folder, programs, scheduling.
 #pragma once
 
 #include <filesystem>

@@ -12,7 +12,7 @@ namespace thimble {
 
 enum class CvodeMethod { kAdams, kBdf };
 
-// What to do where the needle's velocity jumps. Restarting costs some first-order steps each time; going on
+// The handling of jumps of the needle's velocity. Restarting costs some first-order steps each time; going on
 // leaves the jump, which is small for a smooth needle, to an error control that was not made for it.
 enum class CvodeJump { kGoOn, kRestart };
 

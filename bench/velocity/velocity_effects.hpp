@@ -1,4 +1,4 @@
-// What a velocity estimator does to the system behind it: the simulated slave is driven through the estimator
+// The effect of a velocity estimator on the system behind it: the simulated slave is driven through the estimator
 // and, as the ideal, with the needle's true position.
 #pragma once
 

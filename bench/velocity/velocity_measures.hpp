@@ -8,7 +8,7 @@
 
 namespace thimble {
 
-// What the study runs over.
+// The ranges of the study.
 struct VelocityStudy {
     NeedleEncoder encoder;
     std::uint64_t seed = 1;

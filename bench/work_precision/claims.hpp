@@ -1,4 +1,4 @@
-// What this project claims of `exact`, each with the measured value.
+// This project's claims about `exact`, each with the measured value.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What a solver costs: wall time per simulated millisecond.
+// The cost of a solver: wall time per simulated millisecond.
 #pragma once
 
 #include <vector>

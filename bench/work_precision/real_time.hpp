@@ -24,7 +24,7 @@ struct RealTimeRow {
 // Every solver at steps of 1, 0.1 and 0.01 ms, the needle sampled at that rate.
 std::vector<RealTimeRow> run_real_time(const Problem& problem, bool quick);
 
-// What two readings of the clock cost, which every figure above contains.
+// The cost of two readings of the clock, which every figure above contains.
 double clock_ns();
 
 }  // namespace thimble

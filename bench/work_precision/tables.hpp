@@ -1,4 +1,4 @@
-// What the study writes and prints.
+// The tables that the study writes and prints.
 #pragma once
 
 #include <filesystem>

@@ -19,7 +19,7 @@ class MockBed {
 
     // In umockdev's own words. Throws std::runtime_error, as the next.
     void add(const std::string& description);
-    // Who answers ioctl() on a file of /dev, until ignore().
+    // Answers ioctl() on a file of /dev, until ignore().
     void answer(const std::string& file, UMockdevIoctlBase* handler);
     void ignore(const std::string& file);
     // Where a file of /dev really lies; nothing is there afterwards.

@@ -28,7 +28,7 @@ struct PluggedMock {
 
 namespace {
 
-// What hidapi asks when it opens a device.
+// hidapi's questions when it opens a device.
 gboolean answer_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, gpointer data) {
     const auto& device = static_cast<const PluggedMock*>(data)->device;
     const gulong request = umockdev_ioctl_client_get_request(client);

@@ -30,7 +30,7 @@ class MockHid {
     void unplug(unsigned number);
     // The device says this.
     void say(unsigned number, std::span<const std::uint8_t> report);
-    // What it was told; empty if nothing within `longest`.
+    // The reports that it got; empty if none came within `longest`.
     std::vector<std::uint8_t> hear(unsigned number, std::size_t size, Duration longest);
 
   private:

@@ -1,4 +1,4 @@
-// What a hostile HID device may say: its descriptor, and reports of a hand and of a fingertip board.
+// The input of a hostile HID device: its descriptor, and reports of a hand and of a fingertip board.
 #pragma once
 
 #include <cstdint>

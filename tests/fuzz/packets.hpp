@@ -1,5 +1,4 @@
-// What the fuzzers and the hostile-bytes test share: valid messages to start from, and what must hold for
-// every message that decode() lets through.
+// Parts that the fuzzers and the hostile-bytes test share: valid messages to start from, and the promises of every message that decode() lets through.
 #pragma once
 
 #include <vector>

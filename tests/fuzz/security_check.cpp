@@ -81,7 +81,7 @@ class HandshakeCheck {
         hear(false);
     }
 
-    // Words are taken no more often than they were said, and none that nobody said. One datagram completes at most one handshake at
+    // A message is accepted no more often than it was sent, and no message that was not sent. One datagram completes at most one handshake at
     // each end: an accept that is let through completes it at the session, whose answer then does at the node.
     void hear(bool genuine) {
         const std::uint32_t node = rig_.node->generation(), session = rig_.session->generation();

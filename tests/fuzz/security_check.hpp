@@ -1,4 +1,4 @@
-// What somebody without the lab key may say on the wire, to both ends of a handshake and to the end of a sealed flow.
+// The input of an attacker without the lab key, to both ends of a handshake and to the end of a sealed flow.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What anybody may say at an end of the stop bus, with the lab key and without.
+// The input at an end of the stop bus, with the lab key and without.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,7 @@
 
 namespace thimble {
 
-// A script of moves at a sealed end: bytes made up, genuine stops and releases changed or repeated, genuine ones, and time. Nothing
-// stops that nobody stopped, and what is stopped is released by a genuine release alone. Accepted: it was stopped.
+// A script of moves at a sealed end: bytes made up, genuine stops and releases changed or repeated, genuine ones, and time. Only a genuine stop stops, and only a genuine release releases. Accepted: it was stopped.
 Verdict check_stop_script(std::span<const std::uint8_t> script);
 // One datagram at an open end: it stops if it is a stop, is refused by name, or does nothing.
 Verdict check_stop_bytes(std::span<const std::uint8_t> bytes);

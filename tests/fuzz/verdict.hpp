@@ -1,4 +1,4 @@
-// What came of one hostile text: what fuzzers abort on and tests report.
+// The result of one hostile text: fuzzers abort on it, tests report it.
 #pragma once
 
 #include <string>

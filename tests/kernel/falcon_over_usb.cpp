@@ -1,5 +1,5 @@
 // The Falcon's driver over a real kernel's USB, with an emulated device plugged into vhci_hcd: absent, found, forbidden, loaded, read and pushed for
-// two seconds, unplugged. What differs from what must be is said, and the exit code is 1. For the kernel lane, as root.
+// two seconds, unplugged. It prints each difference, and the exit code is 1. For the kernel lane, as root.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

@@ -16,7 +16,7 @@ struct PathRequest {
     double loss = 0;      // share from 0 to 1, each packet on its own
 };
 
-// What either way may add to each delay at the guest's 250 million instructions per second: stacks, forwarding, and for
+// The most that either way may add to each delay at the guest's 250 million instructions per second: stacks, forwarding, and for
 // thimble-netem a wake-up and two system calls. On average, and at most (something else ran just then).
 inline constexpr double kPathCost_s = 0.15e-3, kPathMost_s = 0.5e-3;
 

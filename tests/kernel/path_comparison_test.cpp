@@ -1,4 +1,4 @@
-// What kernel_path_peer would say of paths that are as asked, and of paths that are not.
+// The verdicts of kernel_path_peer on good and on bad paths.
 #include "tests/kernel/path_comparison.hpp"
 
 #include <algorithm>

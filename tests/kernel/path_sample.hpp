@@ -1,4 +1,4 @@
-// What became of numbered datagrams on one way through a network: the one-way delay of each, as a file and as a few numbers.
+// The fates of numbered datagrams on one way through a network: the one-way delay of each, as a file and as a few numbers.
 #pragma once
 
 #include <cstdint>

@@ -30,7 +30,7 @@ void check(bool good, const std::string& what) {
     std::printf("ok: %s\n", what.c_str());
 }
 
-// What the owner of the device was asked to play: of its effect, or stopped (both 0).
+// The last request to the owner of the device: of its effect, or stopped (both 0).
 class UinputPad {
   public:
     UinputPad() : file_(::open("/dev/uinput", O_RDWR | O_CLOEXEC | O_NONBLOCK)) {

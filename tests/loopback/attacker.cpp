@@ -21,7 +21,7 @@ NetworkSettings ports_of(const LoneNode& node) {
     return network;
 }
 
-// What a node says that it gave out; none while it gives out nothing.
+// The force that a node reports; none while it gives out nothing.
 std::optional<double> given_out(const Body& body) {
     if (const auto* answer = std::get_if<ForceFeedback>(&body))
         return answer->needle_held ? std::nullopt : std::optional{answer->position_needle_m};
@@ -145,7 +145,7 @@ void OverheardSession::send_command(SessionTime now) {
     } else {
         ForceFeedback command;
         command.force_total_N = command.force_fixture_N = -value;
-        command.echo_time = now;  // answers what has just been said: an old force presses nobody
+        command.echo_time = now;  // answers the newest message: an old force presses no finger
         commands_.send(now, trial_, command);
     }
 }

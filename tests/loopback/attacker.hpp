@@ -43,7 +43,7 @@ struct AttackTarget {
     Port answers_arrive, answers_for;  // where the test hears its answers, and whose they are in a session
     Modality modality;
 };
-// What a test of it is called.
+// The name of its test.
 inline void PrintTo(const AttackTarget& target, std::ostream* out) { *out << target.name; }
 // The needle's position, the handle's force, the finger's force: what each of them says it gave out.
 inline constexpr std::array kAttackTargets{
@@ -91,7 +91,7 @@ class OverheardSession {
     const Overheard& commands() const { return command_wire_.said; }
     Overheard heard() const;  // from it
     std::size_t answers() const { return answers_; }
-    std::size_t foreign() const { return foreign_; }  // answers that nobody commanded
+    std::size_t foreign() const { return foreign_; }  // answers without a command
     NodeState state() const { return state_; }
 
   private:

@@ -1,4 +1,4 @@
-// Sessions under a lab key: they run; whoever has no key, or another one, moves nothing and is counted by name.
+// Sessions under a lab key run. A program without the key, or with another one, moves nothing and is counted by name.
 #include "tests/loopback/attacker.hpp"
 
 #include <cstdlib>

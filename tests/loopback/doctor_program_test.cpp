@@ -1,5 +1,4 @@
-// `thimble doctor` as users start it. What it says of this machine is the machine's own: asked for are its form, and what the
-// test itself has arranged.
+// `thimble doctor` as users start it. Its findings depend on the machine. The test checks their form, and the facts that it has arranged.
 #include <unistd.h>
 
 #include <gmock/gmock.h>

@@ -78,7 +78,7 @@ TEST(EmergencyStop, WhoeverIsHeardByNobodyIsToldSo) {
     EXPECT_THAT(release.words, HasSubstr("nothing was stopped here"));
 }
 
-// Without the session file there is no key, and nobody hears.
+// Without the session file there is no key, and no program hears.
 TEST(EmergencyStop, UnderALabKeyTheSessionFileIsNamedAndWithoutItNobodyClaimsToHaveStopped) {
     const Folder folder;
     const auto key = folder / "lab.key";
@@ -109,7 +109,7 @@ TEST(EmergencyStop, BeforeTheFirstTrial) {
     EXPECT_FALSE(std::filesystem::is_empty(std::getenv("THIMBLE_STOP_DIR")));
 }
 
-// Where a stop cannot be kept, it stops all the same, and the words say what of it ends with the program.
+// A stop that cannot be kept still stops, and its text says that it ends with the program.
 TEST(EmergencyStop, AStopThatCannotBeKeptIsSaid) {
     RealRun run(endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
@@ -121,7 +121,7 @@ TEST(EmergencyStop, AStopThatCannotBeKeptIsSaid) {
     EXPECT_EQ(run.rows().at(0).reason, EndReason::kEmergencyStop);
 }
 
-// What else has the place of the file is a reason not to begin: a stop could not be kept there.
+// If something else has the place of the file, nothing begins: a stop could not be kept there.
 TEST(EmergencyStop, NothingBeginsWhereNoStopCouldBeKept) {
     const Folder folder;
     const PortBlock ports;

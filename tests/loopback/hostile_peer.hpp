@@ -1,4 +1,4 @@
-// Datagrams that nobody asked for: broken bytes, impossible numbers, orders from strangers.
+// Unexpected datagrams: broken bytes, impossible numbers, orders from strangers.
 #pragma once
 
 #include <memory>

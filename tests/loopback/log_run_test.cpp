@@ -23,7 +23,7 @@ std::filesystem::path log_of(const RealRun& run, const std::string& program) {
     return run.out() / "nodes" / (program + "_0ms.mcap");
 }
 
-// What the logs of both ends say is lost, and what the relay between them counted by name, are two books.
+// The losses by the logs of both ends and the relay's counts are two independent books.
 void expect_the_relay_agrees(const std::vector<FlowFinding>& flows, const std::filesystem::path& report) {
     const auto relayed = check_relay(flows, report);
     EXPECT_EQ(relayed.size(), 4U);
@@ -88,7 +88,7 @@ TEST(LogRun, AKilledNodesLogHasAllButTheLastMoments) {
     EXPECT_TRUE(LoggedFile(log_of(run, "session")).scan().finished);
 }
 
-// Files of one program may not grow beyond this: the disk that is full is nobody else's.
+// Files of one program may not grow beyond this: no other program's disk gets full.
 void limit_files(const Folder& programs, const std::string& program, unsigned blocks) {
     install_programs(programs / "bin");
     replace_program(programs / "bin" / program, fmt::format("ulimit -f {}\nexec {} \"$@\"\n", blocks,

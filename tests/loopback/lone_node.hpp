@@ -38,7 +38,7 @@ class LoneNode {
 
 inline constexpr std::uint32_t kPlayedTrial = 1;
 
-// What the session hears of a node without a word to it.
+// The messages that the session hears of a node without sending to it.
 class HeardHeartbeats {
   public:
     HeardHeartbeats(LoneNode& node, Role role);

@@ -1,4 +1,4 @@
-// What a node does to its peers when they fall silent: no force, and the trial given up. The peers are the
+// A node's reaction to silent peers: no force, and the trial given up. The peers are the
 // test.
 #include "tests/loopback/lone_node.hpp"
 
@@ -24,7 +24,8 @@ class PlayedSlave {
     PlayedSlave(LoneNode& node, Port to) : flow_(Role::kSlaveSim, kPeerInstance, {node.peers().outlet(to)}) {}
     void push(SessionTime now) {
         ForceFeedback feedback = pushing(1.0);
-        feedback.echo_time = now;  // as if the master's command had just come: an old answer presses nobody
+        feedback.echo_time =
+            now;  // as if the master's command had just come: an old answer presses no finger
         flow_.send(now, kPlayedTrial, feedback);
     }
 
@@ -146,7 +147,7 @@ TEST(LoneVisual, DropsTheBarWhenFeedbackStops) {
     EXPECT_EQ(node.terminate(), 0);
 }
 
-// A session that dies takes nobody's hand with it: each node notices on its own.
+// A session that dies leaves no hand under force: each node notices on its own.
 TEST(LoneNetem, GivesUpWithoutASession) {
     LoneNode node("thimble-netem");
     ASSERT_TRUE(node.ready()) << node.words();

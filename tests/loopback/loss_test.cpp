@@ -17,7 +17,7 @@ struct Victim {
     Role role;
 };
 
-// What ctest shows; without it, it would be the bytes of a pointer, others in every run.
+// The name that ctest shows. Without it ctest would show the bytes of a pointer, others in every run.
 std::ostream& operator<<(std::ostream& out, const Victim& victim) { return out << victim.program; }
 
 // Promised is about a second. Waiting for the dead to acknowledge the end would take five.

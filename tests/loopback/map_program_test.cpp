@@ -115,7 +115,7 @@ TEST(MapProgram, ADeadRankLeavesWhatWasDone) {
     EXPECT_EQ(read_text(out / "map.csv"), read_text(whole / "map.csv"));
 }
 
-// Once, by the first rank, and nobody is left waiting.
+// Once, by the first rank, and no rank is left waiting.
 TEST(MapProgram, AMistakeUnderMpirunIsSaidOnce) {
     SKIP_WITHOUT_MPI();
     const Outcome outcome = run_to_end(

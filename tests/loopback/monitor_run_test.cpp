@@ -1,4 +1,4 @@
-// `thimble run --monitor`: somebody watches, and asks for what the sitting has words for.
+// `thimble run --monitor`: a view watches, and sends the orders that a participant session knows.
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"

@@ -70,7 +70,7 @@ TEST(WholeRunOfPlay, AtFiftyMillisecondsTheHandleOscillatesUntilItIsLetGo) {
     hand.play_for(seconds{2});
     const double rest_m = hand.monitor().position_needle_m;
     hand.play_for(seconds{1});
-    EXPECT_TRUE(hand.running());  // the needle holds: nobody is lost
+    EXPECT_TRUE(hand.running());  // the needle holds: no peer is lost
     EXPECT_FALSE(hand.monitor().needle_held);
     EXPECT_NEAR(hand.monitor().position_needle_m, rest_m, 1e-4);
     hand.order(OrderKind::kQuit);
@@ -203,7 +203,7 @@ TEST(Play, AClosedWindowIsAGoodEnd) {
     ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();
     const auto pids = node_pids(hand.base_port(), "thimble-visual");
     ASSERT_EQ(pids.size(), 1U);
-    ::kill(pids.front(), SIGTERM);  // it says goodbye with 0, as when somebody closes it
+    ::kill(pids.front(), SIGTERM);  // it ends with 0, as when the user closes it
     EXPECT_EQ(hand.end(), 0) << hand.words();
     ASSERT_EQ(hand.rows().size(), 1U);
     EXPECT_EQ(hand.rows()[0].reason, EndReason::kInterrupted);

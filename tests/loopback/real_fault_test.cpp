@@ -88,7 +88,7 @@ void let_launcher_go_on(RealRun& run) {
     kill(run.launcher().pid(), SIGCONT);
 }
 
-// What the master's log says that was at its handle, against what it had received. Its own clock counts, so that a machine
+// The force at the handle by the master's log, against the forces that it had received. Its own clock counts, so that a machine
 // that gave it no processor for a while changes nothing.
 class HandleForces {
   public:
@@ -201,7 +201,7 @@ void take_descriptors(pid_t pid) {
     ASSERT_EQ(prlimit(pid, RLIMIT_NOFILE, &none, nullptr), 0) << std::strerror(errno);
 }
 
-// A node opens nothing while it runs: the trial goes on to its end. What it cannot write then, its report, is told.
+// A node opens nothing while it runs: the trial goes on to its end. It reports that it cannot write its report.
 TEST(RealFaults, NodesOutOfFileDescriptorsInARunKeepTheTrial) {
     if (kSanitizerNeedsDescriptors) GTEST_SKIP() << kWhyNot;
     RealRun run(SessionFile{});

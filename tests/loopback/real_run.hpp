@@ -31,7 +31,7 @@ class RealRun {
     std::string words() const { return read_text(folder_ / "words"); }
     std::vector<TrialRow> rows() const { return read_trial_table(out() / "trials.csv"); }
     std::filesystem::path trajectory_path(const TrialConditions& trial) const;
-    // What the node wrote at its end; null if it wrote nothing.
+    // The node's report; null if it wrote none.
     nlohmann::json report(const std::string& program, int delay_ms = 0) const;
 
     // As far as it is written; empty before.

@@ -118,7 +118,7 @@ TEST(WholeRun, JitterAndLossAreSurvivedAndCounted) {
     EXPECT_GT(run.report("thimble-master", 20).at("refused").at("outdated"), 0);
 }
 
-// Every node reads the same [control]; waves go there and back, and nobody refuses any.
+// Every node reads the same [control]; waves go there and back, and no node refuses any.
 TEST(RemedyRun, WavesGoBetweenRealProcesses) {
     SessionFile session;
     session.delays_s = "[0.02]";

@@ -123,7 +123,7 @@ TEST(SittingProgram, APersonsSittingIsCutAndGoesOn) {
     EXPECT_EQ(again.code, 2);
     EXPECT_THAT(again.words, HasSubstr("--resume"));
 
-    // Whatever the file says meanwhile, the order is the one that was begun with.
+    // The order stays as it began, though the file has changed.
     static_cast<void>(sittings.write("session.toml", std::string(kPerson) + "\nseed = 2"));
     std::vector<std::string> resume = person;
     resume.emplace_back("--resume");

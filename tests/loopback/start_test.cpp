@@ -75,7 +75,7 @@ TEST(Help, NumbersThatAreNoneAreUsageErrors) {
     }
 }
 
-// What bash offers, the last of `words` being typed.
+// bash's completions, the last of `words` being typed.
 std::string completed(const std::string& program, const std::vector<std::string>& arguments,
                       const std::string& words) {
     std::string command = "'" + (built_programs() / program).string() + "'";

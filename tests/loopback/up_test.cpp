@@ -1,5 +1,5 @@
 // `thimble up` with real processes on "machines" that are shells of this one, reached as ssh would reach them
-// (fake_ssh.sh). Whatever ends a session, nothing is left running and nothing is left lying about.
+// (fake_ssh.sh). However a session ends, no process and no file is left behind.
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>

@@ -60,7 +60,7 @@ std::filesystem::path Folder::write(const std::string& name, const std::string& 
     return path_ / name;
 }
 
-// Stops that programs of this test leave behind are nobody else's, and not of an earlier block of the same ports.
+// Stops that programs of this test leave behind belong to this test alone, not to an earlier block of the same ports.
 PortBlock::PortBlock() {
     static const Folder kStops;
     static int blocks = 0;

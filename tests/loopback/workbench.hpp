@@ -1,4 +1,4 @@
-// What every loopback test needs: a folder and UDP ports of its own, and patience. These tests run on
+// The needs of every loopback test: a folder and UDP ports of its own, and patience. These tests run on
 // machines that may stall for a second: they wait for what must happen and never measure how fast it did.
 #pragma once
 

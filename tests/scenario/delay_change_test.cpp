@@ -1,4 +1,4 @@
-// The delay changes while a trial runs: nobody is lost, forces get older and younger, and the record says when.
+// The delay changes while a trial runs: no peer is lost, forces get older and younger, and the record says when.
 #include <memory>
 
 #include <gtest/gtest.h>

@@ -115,7 +115,7 @@ class BadLink final : public Tap {
     Encoder encoder_;
 };
 
-// What has come to the handle, newest last: messages that a flow takes, with a sequence higher than all before.
+// The forces that came to the handle, newest last: messages that a flow takes, with a sequence higher than all before.
 struct Arrived {
     static constexpr std::size_t kKept = 8;
     std::deque<double> forces_N;  // as the master would give them to the handle
@@ -237,7 +237,7 @@ class FaultTrial {
         return check_forces(now_ - begin);
     }
 
-    // Nobody is left who could end the trial: the nodes give it up by themselves.
+    // Without a session the nodes give the trial up by themselves.
     bool orphaned() const {
         return began_ && plan_.fault == Fault::kKill && plan_.victim == Role::kSession &&
                rig_.now() > SessionTime{plan_.begin} + seconds{1};
@@ -269,7 +269,7 @@ class FaultTrial {
         return program_fails(plan_) && plan_.victim == Role::kMaster && began_ && !thawed_;
     }
 
-    // Whatever fails: none, or one of the last that came, or with nothing new for longer a part of the last one.
+    // With any fault: no force, or one of the last that came, or after a silence a part of the last one.
     void check_force_of_handle(double handle_N) {
         if (handle_N == 0) return;
         EXPECT_EQ(plan_.modality, Modality::kHF) << "a handle that pushes in another modality";
@@ -308,7 +308,7 @@ class FaultTrial {
         }
     }
 
-    // What failed works again: nothing of the trial before is left over.
+    // The failed part works again, and nothing of the trial before is left over.
     void second_trial(TrialConditions conditions) {
         // It has stepped ahead, and does not fall back. One that has stepped back is refused for as long.
         on_ = on_ && plan_.fault == Fault::kClock && !plan_.clock_back;
@@ -366,7 +366,7 @@ TEST(Faults, ClocksThatStepEitherWayOnEachWire) {
     }
 }
 
-// A program that comes up again knows nothing of the trial that runs, and takes part from the next one on.
+// A program that was started anew does not know the running trial. It takes part from the next one on.
 TEST(Faults, ARestartedMasterNeverActsInMidTrial) {
     Rig rig(paper());
     TrialConditions conditions = trial_of(Modality::kHF);

@@ -107,7 +107,7 @@ TEST(HostileNetwork, ReorderingLossAndTruncationAreSurvived) {
 }
 
 // A flipped bit in a number is a wrong number (the checksum against that is UDP's); in a sequence or a stamp
-// it may silence its flow. What must not happen: a NaN, a trial without end, a force that is not a number.
+// it may silence its flow. Forbidden: a NaN, a trial without end, a force that is not a number.
 TEST(HostileNetwork, FlippedBitsEndATrialCleanlyAtWorst) {
     FlowCounters sum;
     std::size_t longest = 0;
@@ -188,8 +188,7 @@ TEST(HostileNetwork, ARestartedMasterEndsItsTrialAndServesTheNext) {
     EXPECT_FALSE(std::isnan(next.beep_time_s));
 }
 
-// Somebody else on the needle's wire, a stranger with a NeedleCommand of his own: locked out, counted, no
-// effect.
+// A stranger on the needle's wire with a NeedleCommand of its own: locked out, counted, no effect.
 TEST(HostileNetwork, ASecondMasterIsLockedOut) {
     class SecondMaster final : public Tap {
       public:

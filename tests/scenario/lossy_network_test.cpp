@@ -42,7 +42,7 @@ TEST(LossyNetwork, TheTrialCompletesAndEveryPacketIsAccountedFor) {
             delivered += link.delivered;
         }
         EXPECT_EQ(rig.netem().relays()[0].model.counters().pushed, rig.master().samples());
-        // Who overtakes makes the others outdated; what is neither used nor counted does not exist.
+        // A packet that overtakes others makes them outdated. Every packet is used or counted.
         const FlowCounters counters = rig.counters();
         EXPECT_GT(counters.of(Refusal::kOutdated), delivered / 4);
         EXPECT_EQ(counters.refused_total(),
@@ -133,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(
                            {Wire::kNeedle, Wire::kForceMaster, Wire::kForceCutaneous, Wire::kForceVisual}}),
     [](const auto& test) { return std::string(test.param.name); });
 
-// A session that falls silent must not leave a hand at a force nobody watches.
+// A session that falls silent must not leave a hand under force.
 TEST(LossyNetwork, ASilentSessionStopsTheNodes) {
     Scissors scissors;
     scissors.wires = {Wire::kOrders};

@@ -1,5 +1,4 @@
-// A person's pointer instead of the virtual operator: a scripted hand that advances, presses, holds, withdraws. What delay
-// does to HF, and that it does nothing to CF and VF, with the model's own contact and the study's own measure.
+// A person's pointer instead of the virtual operator: a scripted hand that advances, presses, holds, withdraws. Delay changes HF, and not CF and VF, with the model's own contact and the study's own measure.
 #include <algorithm>
 #include <cmath>
 
@@ -111,7 +110,7 @@ TEST(Pointer, WithFiftyMillisecondsTheHandleIsThrownBackAndForth) {
     EXPECT_FALSE(felt.metrics.beeped);
     EXPECT_TRUE(felt.metrics.oscillates);
     EXPECT_GT(felt.metrics.contacts_lost, 20U);
-    EXPECT_LT(felt.energy_in_J, -1);  // the handle gives out what nobody put in
+    EXPECT_LT(felt.energy_in_J, -1);  // the handle gives out energy that the hand did not put in
 }
 
 TEST(Pointer, FingertipsAndBarDoNotMoveTheHandleWhateverTheDelay) {
@@ -194,7 +193,7 @@ void expect_rest_after(void (ScriptedHand::*leave)()) {
     double moved_m = 0;
     while (rig.now() < left + seconds{4} && hand.step())
         moved_m = std::max(moved_m, std::fabs(rig.pointer().position_hand_m() - rest_m));
-    EXPECT_TRUE(rig.session().running());  // nobody is lost: needle commands go on
+    EXPECT_TRUE(rig.session().running());  // no peer is lost: needle commands go on
     EXPECT_LT(moved_m, 1e-5);
     EXPECT_EQ(rig.session().newest()->force_fixture_N, 0);
 }

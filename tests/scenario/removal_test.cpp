@@ -1,4 +1,4 @@
-// Experiment 2: the fixture vanishes with the beep. Who pushed against it falls through, who stood still does not.
+// Experiment 2: the fixture vanishes with the beep. A hand that pushed against it falls through, a hand that stood still does not.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ TEST(FixtureRemoval, OnlyWhoPushedFallsThrough) {
     }
 }
 
-// Up to the beep nobody can know which trial it is.
+// Up to the beep the subject cannot know which trial it is.
 TEST(FixtureRemoval, ChangesNothingBeforeTheBeep) {
     const TrialRecord with = removal(Modality::kCF);
     TrialConditions trial = with.conditions;

@@ -28,7 +28,7 @@ enum class Wire {
     kPerceptVisual,     // visual -> master
 };
 
-// A sender's end of a wire. What it receives passes untouched.
+// A sender's end of a wire. Received datagrams pass untouched.
 class Tap : public Channel {
   public:
     explicit Tap(Channel& inner) : inner_(&inner) {}
@@ -107,19 +107,19 @@ class Rig {
     // waits, as in a socket), or come up again as another instance (restart_master).
     void freeze(Role role);
     void thaw(Role role);
-    // What the master really asks of the handle at this moment.
+    // The force that the master really asks of the handle at this moment.
     double force_at_handle_N() const;
     // The largest of all commands to the handle since the last call.
     double take_largest_at_handle_N();
     double force_at_finger_N() const;
     // Sends to the stop bus of a program of the rig.
     Channel& stop_channel(Role role);
-    // From now on somebody holds a stop button at the handle.
+    // From now on a stop button at the handle is held down.
     void press_handle_button(bool down);
 
     // From now on the simulated handle has failed, as a real one may, with these words.
     void break_handle(const std::string& words);
-    // The master's program dies and comes up again, as another instance that knows nothing.
+    // The master's program dies and starts anew, as another instance.
     void restart_master();
 
     // Over all nodes, since start.

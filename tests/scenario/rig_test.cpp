@@ -1,4 +1,4 @@
-// What the other tests see in the rig holds for the real session only if the two are the same.
+// The other tests' findings in the rig hold for the real session only if the two are the same.
 #include "tests/scenario/rig.hpp"
 
 #include <gtest/gtest.h>

@@ -181,7 +181,7 @@ TEST(Session, AMovedFixtureIsWhereItWasMoved) {
     }));
 }
 
-// A trial of which the rest was never recorded must not pass for a whole one.
+// A trial whose rest was never recorded must not pass for a whole one.
 TEST(Session, ATrialWhoseRecordBreaksOffIsNotCompleted) {
     struct Cut final : Tap {
         Cut(Channel& end, const bool& flag) : Tap(end), cut(&flag) {}

@@ -94,7 +94,7 @@ TEST_F(VirtualSitting, APowerCutCostsTheRunningTrialOnly) {
     }
 }
 
-// Nobody gets to the beep in a second and a half: every trial but practice is repeated as often as allowed.
+// No trial gets to the beep in a second and a half, so every trial but practice is repeated as often as allowed.
 TEST_F(VirtualSitting, TimeoutsAreRepeatedAndTheLastOneCounts) {
     use("[trial]\ntimeout_s = 1.5\n");
     settings_.protocol->repeats_limit = 2;
@@ -170,7 +170,7 @@ TEST_F(VirtualSitting, TheSubjectsKeyMovesItOn) {
         << "a key pressed in a break is not kept for its end";
 }
 
-// Session alone, and whoever speaks in the name of visual_node.
+// The session alone, and a test that speaks as visual_node.
 class WishTest : public testing::Test {
   protected:
     // Whether it is heard; if not, it is counted.

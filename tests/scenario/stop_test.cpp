@@ -113,7 +113,7 @@ std::shared_ptr<const LabKey> key_of_stops() {
     return std::make_shared<const LabKey>(bytes);
 }
 
-// What tools run, and not only the rig: a stop in mid-trial, pressed at each program, open and under a lab key.
+// The session that tools run, not only the rig: a stop in mid-trial, pressed at each program, open and under a lab key.
 class VirtualStop : public testing::TestWithParam<Role> {
   protected:
     static void press_in_contact(VirtualSession& session, Role at) {

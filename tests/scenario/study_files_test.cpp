@@ -1,4 +1,4 @@
-// What a study of all experiments leaves behind.
+// The files of a study of all experiments.
 #include <filesystem>
 #include <string>
 

@@ -1,4 +1,4 @@
-// What the operator may see: never the inserted part of the needle, never the fixture, a bar only in VF.
+// The operator never sees the inserted part of the needle nor the fixture, and a bar only in VF.
 #include <algorithm>
 #include <vector>
 

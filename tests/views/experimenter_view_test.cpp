@@ -1,5 +1,4 @@
-// The experimenter's view as a process: pictures by content, keys and mouse by xdotool. What it shows is known, because the
-// session here is a demonstration.
+// The experimenter's view as a process: pictures by content, keys and mouse by xdotool. Its picture is known, because the session here is a demonstration.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -152,7 +151,7 @@ TEST_F(ExperimenterView, ButtonsAndSliderAskTheSession) {
         const auto network = session.last(OrderKind::kNetwork);
         return network && network->network.view() == "geo";
     }));
-    // A machine that stalls may show the view two clicks at once; whoever presses sees that, and presses again.
+    // A machine that stalls may show the view two clicks at once. The user sees that, and clicks again.
     EXPECT_TRUE(wait_until([&] {
         click_control(bench, kModalityRow, 1, 4);
         click_control(bench, kTrialRow, 0, 3);

@@ -11,7 +11,7 @@
 namespace thimble {
 namespace {
 
-// What text and edges blend with.
+// The colour behind text and edges.
 constexpr int kColourTolerance = 12;
 
 }  // namespace

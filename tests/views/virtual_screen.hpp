@@ -9,7 +9,7 @@
 
 namespace thimble {
 
-// What is missing on this machine for such tests: a reason to skip them. Empty: nothing.
+// The reason to skip such tests on this machine; empty: none. Empty: nothing.
 std::string missing_for_windows();
 
 class VirtualScreen {

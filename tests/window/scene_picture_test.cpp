@@ -1,4 +1,4 @@
-// What is on the screen, judged by its pixels.
+// The screen, judged by its pixels.
 #include <cmath>
 #include <filesystem>
 

@@ -1,5 +1,4 @@
-// Both sides of a link test as users start them. What is measured here is this machine under whatever load it has: only
-// order and wide bounds are asked for.
+// Both sides of a link test as users start them. The test measures this machine under its present load, so it checks only order and wide bounds.
 #include <cmath>
 #include <csignal>
 
@@ -161,7 +160,7 @@ TEST_F(LinkTest, WhatMakesNoSenseIsRefused) {
     EXPECT_EQ(code({"link-test", "no.such.host.invalid"}), 3);
 }
 
-// In a network namespace of its own, where whoever runs the test may be root.
+// In a network namespace of its own, where the test's user may be root.
 class LinkTestNamespace : public LinkTest {
   protected:
     void SetUp() override {

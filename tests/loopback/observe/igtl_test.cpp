@@ -24,7 +24,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// What one client has understood, the newest of each kind.
+// The newest message of each kind at one client.
 struct HeardByIgtl {
     std::map<std::string, std::vector<double>> z_mm;
     std::vector<double> force_N;

@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 bool has_python() { return std::system("python3 -c 'import json, socket' > /dev/null 2>&1") == 0; }
 
-// What hear_plotjuggler.py prints of a run with such a session.
+// The output of hear_plotjuggler.py for a run with such a session.
 nlohmann::json heard_of(SessionFile session) {
     const Folder folder;
     Child listener(

@@ -1,4 +1,4 @@
-// What is kept of clocks: the raw file, the table made from it, and chrony's words.
+// The records of clocks: the raw file, the table made from it, and chrony's words.
 #include "session/clocks/clock_file.hpp"
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What figures are drawn from, and that gnuplot draws it.
+// The data of figures, and that gnuplot draws them.
 #include "analysis/report/study_figures.hpp"
 
 #include <array>
@@ -159,7 +159,7 @@ TEST(StudyFigures, WithoutGnuplotEverySectionSaysSo) {
     EXPECT_TRUE(std::filesystem::exists(directory / "figures" / "bars_all.gp"));
 }
 
-// What was drawn before the figure that fails is kept.
+// Figures drawn before the failing one are kept.
 TEST(DrawFigures, OneThatFailsDoesNotTakeTheOthersAlong) {
     try {
         run_program("gnuplot", {"-V"}, ".", "");

@@ -1,4 +1,4 @@
-// The reference solution against recorded needles that somebody else solved at 40 digits and printed with 20
+// The reference solution against recorded needles, solved elsewhere at 40 digits and printed with 20
 // (tests/golden/tissue.json).
 #include <fstream>
 #include <string>

@@ -1,4 +1,4 @@
-// Whatever a node may say arrives as it was said.
+// Every message of a node arrives as it was sent.
 #include <algorithm>
 #include <bit>
 #include <limits>

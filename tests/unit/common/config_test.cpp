@@ -24,7 +24,7 @@ using testing::StartsWith;
 
 ConfigFile parse(std::string_view text) { return ConfigFile::parse(text, "trial.toml"); }
 
-// What the refusal says; fails the test if there is none or it is no usage error.
+// The refusal's text. Fails the test if there is none or it is no usage error.
 std::string refusal_of(const std::function<void()>& read) {
     try {
         read();
@@ -160,7 +160,7 @@ TEST(Config, RefusesUnknownKeysAndTablesWithTheirPlace) {
     }
 }
 
-// A dot inside quotes belongs to the key: "a.b" is not b of [a], so nobody has read it.
+// A dot inside quotes belongs to the key: "a.b" is not b of [a], so no reader has asked for it.
 TEST(Config, AQuotedDotDoesNotPassForATable) {
     const ConfigFile file = parse("\"a.b\" = 3\n");
     EXPECT_EQ(file.table("a").number("b", 1, 0, 9), 1);

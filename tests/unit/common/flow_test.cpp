@@ -1,4 +1,4 @@
-// Who gets in: one sender, newest first, for the running trial.
+// A flow accepts one sender, newest first, for the running trial.
 #include "common/flow.hpp"
 
 #include <array>
@@ -16,7 +16,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-// Says anything in anybody's name.
+// Sends any message under any role.
 struct Speaker {
     Header header{7, at(seconds{1}), 100, 3, Role::kMaster};
     Encoder encoder;
@@ -138,7 +138,7 @@ TEST_F(InboundFlowTest, RefusedMessagesAreNoSignOfLife) {
     EXPECT_TRUE(admits(other.say()));
 }
 
-// Whoever was restarted between two trials need not wait, whatever its clock and numbers say now.
+// A program that was restarted between two trials need not wait, whatever its clock and numbers are now.
 TEST_F(InboundFlowTest, ATrialBelongsToWhoSpeaksFirstInIt) {
     Speaker restarted;
     restarted.header.instance = 8;
@@ -224,7 +224,7 @@ TEST_F(Drain, ALaterTrialIsNotTheRunningOneEither) {
     EXPECT_EQ(refused(Refusal::kWrongTrial), 1U);
 }
 
-// What is left of an earlier trial must neither take the seat nor spoil the numbers of the one that runs.
+// Rests of an earlier trial must neither lock the flow nor spoil the numbers of the running one.
 TEST_F(Drain, AnEarlierTrialLocksNobodyOut) {
     Speaker left_over;
     left_over.header.trial = 2;
@@ -296,7 +296,7 @@ TEST_F(InboundFlowTest, SilenceIsExcusedUntilANamedTimeAndTheUsualPatienceThen) 
     EXPECT_TRUE(flow.lost_for(now + milliseconds{501}, milliseconds{500}));
 }
 
-// A socket into which somebody writes faster than it can be read.
+// A socket that is filled faster than it can be read.
 class EndlessChannel final : public Channel {
   public:
     void send(Bytes /*datagram*/) override {}

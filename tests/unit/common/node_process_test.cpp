@@ -231,7 +231,7 @@ TEST_F(NodeProcessTest, ASilentSessionEndsTheTrial) {
     EXPECT_EQ(process.said, Said{"end 1"});
 }
 
-// Nobody ticks it: its own wake-ups must be enough to notice within the promised second.
+// Without messages its own wake-ups must be enough to notice within the promised second.
 TEST_F(NodeProcessTest, ItsOwnWakeUpsNoticeTheSilence) {
     start();
     while (process.state() == NodeState::kRunning) {

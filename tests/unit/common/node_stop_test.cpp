@@ -1,4 +1,4 @@
-// What a node does that is stopped, or that comes too late again and again.
+// The reactions of a node that is stopped, or late again and again.
 #include <string>
 #include <vector>
 
@@ -54,7 +54,7 @@ class StoppedNode : public testing::Test {
         Encoder encoder;
         line.a.send(encoder.encode(Header{9, now, 1, 0, Role::kExperimenter}, stop));
     }
-    // What the session was told since the last call.
+    // The messages to the session since the last call.
     std::vector<Message> heard() {
         std::vector<Message> messages;
         for (Bytes bytes = steering.a.receive(); !bytes.empty(); bytes = steering.a.receive())

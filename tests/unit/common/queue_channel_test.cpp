@@ -78,7 +78,7 @@ TEST(QueueChannel, WakesItsReader) {
     a.send(Packet{1});
     EXPECT_EQ(mask, 1U << 5);
     mask = 0;
-    a.send(Packet{2});  // full: nothing arrived, nobody to wake
+    a.send(Packet{2});  // full: nothing arrived, so no process wakes
     EXPECT_EQ(mask, 0U);
 }
 

@@ -111,7 +111,7 @@ TEST(RealtimeLoop, ADatagramWakesItBeforeItsDeadline) {
     EXPECT_EQ(loop.statistics().deadlines, 0U);
 }
 
-// What is sent to `receiver`, which listens on a port of the kernel's choice.
+// Datagrams to `receiver`, which listens on a port of the kernel's choice.
 void send_one(const UdpChannel& receiver) {
     sockaddr_in address{};
     socklen_t length = sizeof address;
@@ -130,7 +130,7 @@ TEST(RealtimeLoop, AChannelIsAskedOnlyWhenItHasMail) {
         EXPECT_TRUE(first.receive().empty());
         EXPECT_TRUE(second.receive().empty());
         send_one(first);
-        EXPECT_TRUE(first.known_empty());  // as far as anybody has looked
+        EXPECT_TRUE(first.known_empty());  // as far as the loop has looked
         EXPECT_TRUE(first.receive().empty());
         send_one(first);
         loop.step(ticker, kNever);
@@ -144,7 +144,7 @@ TEST(RealtimeLoop, AChannelIsAskedOnlyWhenItHasMail) {
         loop.step(ticker, kNever);
         EXPECT_EQ(second.receive().size(), 1U);
     }
-    send_one(first);  // nobody watches any more: it looks for itself
+    send_one(first);  // no loop watches any more: it looks for itself
     EXPECT_EQ(first.receive().size(), 1U);
 }
 

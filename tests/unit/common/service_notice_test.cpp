@@ -1,4 +1,4 @@
-// What a service manager hears on its socket.
+// The messages at a service manager's socket.
 #include "common/runtime/service_notice.hpp"
 
 #include <array>

@@ -69,7 +69,7 @@ TEST(StopBus, HoldsUntilReleasedAndIsNotTakenUpAgainByWhatComesLate) {
     party.of(0).release(party.now);
     party.tick(milliseconds{1001});
     EXPECT_EQ(party.stopped(), 0);
-    // What the first one said while the release was on its way.
+    // The first one's message while the release was on its way.
     for (int ms = 1002; ms < 3000; ++ms) {
         party.tick(milliseconds{ms});
         ASSERT_EQ(party.stopped(), 0);
@@ -114,7 +114,7 @@ TEST(StopBus, AStopWithoutANumberHoldsUntilReleasedToo) {
     EXPECT_EQ(party.stopped(), 0);
 }
 
-// Somebody presses again, at the same program, while a release of his first stop is on its way.
+// A second press at the same program, while a release of the first stop is on its way.
 TEST(StopBus, WhoeverPressesAgainBeforeTheReleaseComesHasStoppedOnceMore) {
     Party party;
     party.of(3).stop(party.now, EndReason::kEmergencyStop, "a button");
@@ -137,7 +137,7 @@ TEST(StopBus, WhoeverPressesAgainBeforeTheReleaseComesHasStoppedOnceMore) {
     EXPECT_EQ(party.stopped(), 0);
 }
 
-// Whoever is started anew, or was not told, hears of it from those who hold; whoever missed the release, from the session.
+// A program that is started anew hears of the stop from the holders. A program that missed the release hears it from the session.
 TEST(StopBus, WhatOneHoldsAllHoldAndLetGo) {
     Party party;
     party.send(3, StopOrder(7, StopKind::kStop, EndReason::kEmergencyStop, "a view"));

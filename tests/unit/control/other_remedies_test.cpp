@@ -184,7 +184,7 @@ TEST(TwoPort, TheSlaveLetsOutNoMoreThanItHasHeardOf) {
     }
 }
 
-// What the damper takes is no energy that the network got: told to the slave it would come out there.
+// The damper's energy did not go into the network. Reported to the slave, it would come out there.
 TEST(TwoPort, TheMastersDamperFeedsNobody) {
     TwoPortMaster master({kTick_s, 0}, 1000);
     master.observe(0, 0);

@@ -1,4 +1,4 @@
-// What the bounds promise, for motions and requests of all kinds: the work of the hand, with the device's damping, never falls below
+// The bounds' promise, for motions and wanted forces of all kinds: the work of the hand, with the device's damping, never falls below
 // zero.
 #include <algorithm>
 #include <array>

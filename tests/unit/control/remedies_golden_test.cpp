@@ -59,7 +59,7 @@ TEST(RemediesGolden, EachHoldsStillAtEveryDelay) {
     }
 }
 
-// What its damper cannot take is the limit of the passivity controller.
+// The passivity controller's limit is the energy that its damper cannot take.
 TEST(RemediesGolden, ThePassivityControllerEndsWhereItsDampingDoes) {
     EXPECT_GT(run_loop({}, named("tdpa", {}, 200), 8000).swing_m(), 0.5e-3);
     HandCase light;

@@ -29,7 +29,7 @@ ForceFeedback force(double total_N) {
     return feedback;
 }
 
-// A device that writes down what it is told and does it at once.
+// A device that records its commands and obeys at once.
 class NotingActuator final : public FingertipActuator {
   public:
     void command(SessionTime now, Finger finger, double force_N) override {

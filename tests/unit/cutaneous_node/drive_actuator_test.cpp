@@ -178,7 +178,7 @@ TEST_P(DriveFaults, CablesGoSlackAndTheFaultIsNamed) {
     }
     EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr(GetParam().said));
     EXPECT_LE(bench.now - since, milliseconds{GetParam().within_ms});
-    // Two ticks later nobody is told to press, though the commands go on.
+    // Two ticks later no drive is told to press, though the commands go on.
     bench.press(Finger::kIndex, 1.0, milliseconds{2});
     EXPECT_EQ(bench.actuator.output(bench.now).force_N, 0);
     for (const std::size_t drive : {0U, 1U}) {
@@ -264,7 +264,7 @@ TEST(DriveActuator, AQueueThatIsTooShortIsNamed) {
     EXPECT_THAT(std::string(bench.pressing.fault()), HasSubstr("ip link set can0 txqueuelen 100"));
 }
 
-// What nobody should say: other identifiers, lengths, kinds of frames. All of it is passed over.
+// Frames that do not belong here: other identifiers, lengths, kinds. All of it is passed over.
 TEST(DriveActuator, FramesThatAreNobodysChangeNothing) {
     DriveBench bench;
     ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();

@@ -1,4 +1,4 @@
-// Each check with machines that somebody has somewhere: what is said, how bad it is, and the command that mends it.
+// Each check with typical machines: its message, its severity, and the command that mends it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

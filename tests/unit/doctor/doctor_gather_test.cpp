@@ -1,4 +1,4 @@
-// What is read from /proc, /sys and /etc, of folders made for it; and from other programs' words.
+// Facts from /proc, /sys and /etc, in folders made for the test, and from other programs' output.
 #include <fstream>
 #include <unistd.h>
 

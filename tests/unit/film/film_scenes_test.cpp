@@ -1,4 +1,4 @@
-// What a film shows is what the screen showed: late by the delay, the bar in VF only, the needle to the surface.
+// A film shows the scenes of the screen: late by the delay, the bar in VF only, the needle to the surface.
 #include "session/film/film_scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ TEST(FilmScenes, ADelayThatFallsMakesNobodyOvertake) {
     trial.record.network_events.push_back({1.0, 0.0});
     FilmScenes scenes(trial, {});
     EXPECT_NEAR(scenes.at(0.9)->position_needle_m, -0.01 + 0.02 * 0.4, 2.1e-5);
-    // What was sent before 1.0 s arrives until 1.5 s; what was sent since, all at once after it.
+    // Samples sent before 1.0 s arrive until 1.5 s. Later ones arrive all at once after it.
     EXPECT_NEAR(scenes.at(1.498)->position_needle_m, 0, 1e-12);
     const SessionTime earlier = scenes.at(1.55)->sample_time;  // asked first: times must not fall
     EXPECT_NEAR(to_seconds(scenes.at(1.6)->sample_time - earlier), 0.05, 0.0011);

@@ -14,7 +14,7 @@ using std::chrono::milliseconds;
 
 class RumblePaceTest : public testing::Test {
   protected:
-    // What is said of these forces 20 ms after the last time.
+    // The command for these forces 20 ms after the last one.
     std::optional<RumbleLevels> later(double index_N, double thumb_N = 0) {
         now += milliseconds{20};
         return pace.next(now, index_N, thumb_N);

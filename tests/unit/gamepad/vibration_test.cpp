@@ -1,4 +1,4 @@
-// What becomes of gamepads that cannot vibrate. One that can is a real device of a kernel's: tests/kernel/jobs/rumble.
+// Gamepads that cannot vibrate. One that can is a real device of a kernel's: tests/kernel/jobs/rumble.
 #include "visual_node/gamepad/vibration.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // A Falcon that is not there: the FTDI chip's settings, the boot loader with its echo, the firmware's packets, three legs that stand
-// where a hand puts them. What it does wrong is set from outside. Pure; FalconLink, umockdev and vhci bring bytes to it and back.
+// where a hand puts them. The test sets its faults. Pure; FalconLink, umockdev and vhci bring bytes to it and back.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class FalconEmulator {
     // False: the chip stalls the request.
     bool control(std::uint8_t request, std::uint16_t value);
     void receive(std::span<const std::uint8_t> bytes);
-    // What waits for the host, at most so many bytes.
+    // The bytes that wait for the host, at most so many.
     std::vector<std::uint8_t> transmit(std::size_t at_most);
     bool has_something() const { return !waiting_.empty(); }
 

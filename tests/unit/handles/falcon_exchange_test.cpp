@@ -119,7 +119,7 @@ TEST_F(FalconExchangeTest, EndsWithoutForce) {
     EXPECT_TRUE(exchange.lost());
 }
 
-// What the reader gets is always one report, never parts of two.
+// The reader always gets one report, never parts of two.
 TEST_F(FalconExchangeTest, NothingIsTornBetweenThreads) {
     device.report = {{-1, -1, -1}, 0xf, 7};
     exchange.start();

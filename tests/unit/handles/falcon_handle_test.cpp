@@ -70,7 +70,7 @@ TEST_F(FalconHandleTest, ZIsTowardsTheBaseFromTheMiddle) {
     EXPECT_NEAR(step().position_hand_m, -0.005, 5e-5);
 }
 
-// Nobody can tell: the grip is then elsewhere around z, which is the needle's axis, and along it within a count (48 um).
+// The sensors cannot show it: the grip is then elsewhere around z, which is the needle's axis, and along it within a count (48 um).
 TEST_F(FalconHandleTest, SwappedEncodersAreTheSameAlongTheNeedle) {
     device.put_hand_at({0.01, -0.02, 0.115});
     step();

@@ -10,7 +10,7 @@ namespace thimble::test {
 
 using Report = std::vector<std::uint8_t>;
 
-// What one open device has to say, and what it was told.
+// The reports of one open device, and the reports that it got.
 struct FakeCable {
     std::deque<Report> said;
     std::vector<Report> told;

@@ -101,7 +101,7 @@ TEST(DescribedAxes, OfAReceiverAreTheCapsAndNotTheMouses) {
     EXPECT_EQ(axes->take(Report{3, 1, 2}), ReportVerdict::kBad);
 }
 
-// An adapter for two pads: axes of both would be a hand that nobody has.
+// An adapter for two pads: axes of both are not one hand.
 TEST(DescribedAxes, OfTwoSticksAreTheFirstOnes) {
     Report two{0x05, 0x01, 0x09, 0x05, 0xa1, 0x01, 0x85, 0x01, 0x09, 0x30, 0x15, 0x00,
                0x25, 0x7f, 0x75, 0x08, 0x95, 0x01, 0x81, 0x02, 0xc0, 0x09, 0x05, 0xa1,

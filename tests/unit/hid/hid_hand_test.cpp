@@ -1,4 +1,4 @@
-// What deflections do to the handle, and what a session file may say of them.
+// The effect of deflections on the handle, and their settings.
 #include "master/devices/hid/hid_hand.hpp"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,4 @@
-// The script, in a real shell, with programs that are shell scripts themselves. What it does to real nodes is in
-// tests/loopback/up_test.cpp.
+// The script, in a real shell, with programs that are shell scripts themselves. tests/loopback/up_test.cpp has its effect on real nodes.
 #include "session/launch/remote_script.hpp"
 
 #include <filesystem>

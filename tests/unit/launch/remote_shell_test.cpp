@@ -21,7 +21,7 @@ class Diverted : public testing::Test {
     }
     ~Diverted() override { fs::remove_all(folder_); }
 
-    // What is said in all, and how much of it went to `file`.
+    // The whole output, and its part that went to `file`.
     std::string run(const std::string& script, const fs::path& file) {
         RemoteShell shell({"sh", "-c", script}, folder_ / "log");
         shell.divert_after("turn:", file);

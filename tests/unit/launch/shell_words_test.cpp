@@ -1,4 +1,4 @@
-// What is quoted comes back whole from a real shell.
+// Quoted text comes back whole from a real shell.
 #include "session/launch/shell_words.hpp"
 
 #include <gtest/gtest.h>

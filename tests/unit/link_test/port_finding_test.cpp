@@ -1,4 +1,4 @@
-// What errors and silence mean.
+// The meaning of errors and silence.
 #include "thimble/link_test/port_finding.hpp"
 
 #include <cerrno>

@@ -60,7 +60,7 @@ class Ros2Logs : public testing::Test {
         log.write(folder_.path() / (name + ".mcap"));
         files_.push_back(std::make_unique<LoggedFile>(folder_.path() / (name + ".mcap")));
     }
-    // What comes to master and fingertip, what the finger feels, and an order.
+    // Messages to master and fingertip, the finger's percept, and an order.
     void add_arrivals() {
         ForceFeedback force;
         force.force_total_N = -4.5;
@@ -241,7 +241,7 @@ TEST_F(Ros2Logs, OnlyTheTopicsAskedFor) {
     EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "/slave_sim").topics, 7U);
 }
 
-// Whoever recorded orders alone, or forgot a log, is told what is not there and whose log has it.
+// With only orders recorded, or a log forgotten, the message names the missing data and the log that has them.
 TEST_F(Ros2Logs, WhatIsMissingIsNamed) {
     const Ros2Written two = export_ros2(files_, folder_.path() / "two.mcap", "");
     EXPECT_THAT(two.missing, ElementsAre(HasSubstr("/master/servo_cf"), HasSubstr("/cutaneous/servo_cf"),

@@ -306,12 +306,12 @@ TEST(LogTopics, BothSidesOfTheRelayHaveOneName) {
     }
 }
 
-// Each is named after whoever speaks: where netem does, after whoever spoke to it.
+// Each is named after its sender. Where netem sends, after the sender to netem.
 TEST(LogTopics, AreNamedAfterTheirSpeakers) {
     for (const Port port : kEveryPort) {
         const std::string topic = log_topic(port);
         if (flow(port).hears == Role::kNetem && flow(port).listens != Role::kSession) continue;
-        if (flow(port).from_all) continue;  // stop buses: after whoever listens
+        if (flow(port).from_all) continue;  // stop buses: after the receiver
         EXPECT_THAT(topic, testing::StartsWith(std::string("/") + to_string(flow(port).hears) + "/"));
     }
 }

@@ -82,7 +82,7 @@ TEST(Mcap, WhatIsWrittenIsRead) {
                             "1 #3 103 53 message 3", "0 #4 104 54 message 4", "0 #5 105 55 message 5"));
 }
 
-// A power cut: the file ends anywhere. Whatever ends before that is there, in the repaired file as well.
+// A power cut: the file ends anywhere. Every message that ends before that is there, in the repaired file as well.
 TEST(Mcap, CutAtEveryByteItGivesEveryWholeMessage) {
     const auto file = small_log();
     SaidByLog whole;

@@ -110,7 +110,7 @@ TEST(MessageLog, ItsLoopAllocatesNothing) {
     EXPECT_EQ(test::allocation_count(), before);
 }
 
-// Nobody drains it before start(): a disk that hangs looks the same.
+// Before start() the queue is not drained, as with a disk that hangs.
 TEST(MessageLog, OverflowIsCountedAndRecorded) {
     TappedMaster master;
     master.pass(20000);  // 8 MB into 4

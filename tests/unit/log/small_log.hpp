@@ -15,7 +15,7 @@ struct MemorySink final : McapSink {
     void write(Bytes more) override;
 };
 
-// What a scan finds, as text: one line for each thing, in order.
+// The findings of a scan as text: one line for each thing, in order.
 struct SaidByLog final : McapVisitor {
     std::vector<std::string> lines, messages;
     void library(std::string_view name) override { lines.emplace_back(name); }

@@ -68,7 +68,7 @@ TEST(RemediedLoop, JitterThatOvertakesAndLossInBursts) {
     EXPECT_EQ(hold_of(c).label, HoldClass::kOscillates);
 }
 
-// Whatever the network does, a bound lets no more energy out than the device's damping takes; without one there is no bound.
+// With any network a bound lets no more energy out than the device's damping takes. Without a bound there is no limit.
 TEST(RemediedLoop, ABoundHoldsOnAnyNetwork) {
     for (const double loss : {0.0, 0.3}) {
         for (const double jitter_s : {0.0, 0.02}) {

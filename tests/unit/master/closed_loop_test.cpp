@@ -86,7 +86,7 @@ TEST(ClosedLoop, WithoutDelayEverySubjectHoldsTheFixture) {
     }
 }
 
-// Who leans on goes deep: the handle swings between nothing and its 12 N. With little enough friction that no
+// A hand that leans on goes deep: the handle swings between nothing and its 12 N. With little enough friction that no
 // first touch sticks.
 TEST(ClosedLoop, FiftyMillisecondsMakeTheHandOscillate) {
     HandleSettings smooth;

@@ -1,4 +1,4 @@
-// What counts as the fixture, as its loss, and how long a decision takes.
+// The perception of the fixture and of its loss, and the time of a decision.
 #include "master/operator/perception.hpp"
 
 #include <cmath>

@@ -136,7 +136,7 @@ TEST_F(PointerHandleTest, ATrialBeginsAtRestAtZero) {
     handle.start_trial(now, {});
     EXPECT_EQ(handle.read(now).position_hand_m, 0);
     EXPECT_EQ(handle.read(now).force_hand_N, 0);
-    EXPECT_EQ(handle.read(now + seconds{1}).position_hand_m, 0);  // let go until somebody says otherwise
+    EXPECT_EQ(handle.read(now + seconds{1}).position_hand_m, 0);  // released until the next input
 }
 
 TEST_F(PointerHandleTest, AllocatesNothing) {

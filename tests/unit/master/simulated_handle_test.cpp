@@ -1,4 +1,4 @@
-// The device: encoder, force limit, time grid; and that whoever calls it, and when, does not matter.
+// The device: encoder, force limit, time grid. Callers and their times do not matter.
 #include "master/devices/simulated_handle.hpp"
 
 #include <cmath>

@@ -80,7 +80,7 @@ TEST(Slots, GapsLieWithinTheirRangeAndVary) {
     EXPECT_NEAR(sum_s / 20'000, 0.0054, 4 * 0.0092 / std::sqrt(12 * 20'000.0));
 }
 
-// The grid is the same whoever asks for it and when.
+// The grid is the same for every caller at any time.
 TEST(Slots, DoNotDependOnTheTraffic) {
     const SlotSettings settings{.least = milliseconds{1}, .most = milliseconds{9}};
     Slots busy = slots_of(settings);

@@ -1,4 +1,4 @@
-// What a sample is compared with.
+// The references for a sample.
 #pragma once
 
 #include <algorithm>

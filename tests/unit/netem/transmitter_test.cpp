@@ -131,7 +131,7 @@ TEST(Transmitter, LimitsTheQueueInBytes) {
         link.push(at({}), NumberedPacket(3, 10).bytes());
         EXPECT_EQ(link.counters().queue_full, 1U);
         EXPECT_EQ(link.in_flight(), 3U);
-        link.push(at({}), NumberedPacket(4, 501).bytes());  // never fits: nobody goes for it
+        link.push(at({}), NumberedPacket(4, 501).bytes());  // never fits: no packet makes room for it
         EXPECT_EQ(link.counters().queue_full, 2U);
         EXPECT_EQ(link.in_flight(), 3U);
     }

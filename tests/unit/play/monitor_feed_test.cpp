@@ -1,4 +1,4 @@
-// What a view is told, from a whole session in virtual time.
+// The state for a view, from a whole session in virtual time.
 #include "session/play/monitor_feed.hpp"
 
 #include <cmath>

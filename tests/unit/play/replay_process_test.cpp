@@ -102,7 +102,7 @@ TEST_F(ReplayProcessTest, PausesForMinutesAndGoesOn) {
     say(OrderKind::kPause);
     run_for(seconds{120});
     EXPECT_TRUE(newest.paused);
-    EXPECT_EQ(visual.state(), NodeState::kRunning);  // nobody thinks anybody dead
+    EXPECT_EQ(visual.state(), NodeState::kRunning);  // no peer counts as lost
     const double time_s = newest.time_s;
     say(OrderKind::kResume);
     run_for(seconds{1});

@@ -84,7 +84,7 @@ TEST_P(Batches, EveryReceiverGetsItsOwn) {
     EXPECT_EQ(received(other).size(), 17U);
 }
 
-// What no datagram can hold is refused, and only that.
+// Only more bytes than a datagram can hold are refused.
 TEST_P(Batches, ARefusalIsOfThatDatagramOnly) {
     const UdpSocket client = UdpSocket::connected(sink_.local());
     const auto good = numbered(0, 30);

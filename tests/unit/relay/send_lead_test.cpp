@@ -1,4 +1,4 @@
-// What may be begun before a due time, and how much is asked of a socket at a time.
+// The work that may begin before a due time, and the number of datagrams per read of a socket.
 #include "netem/relay/send_lead.hpp"
 
 #include <gtest/gtest.h>

@@ -62,7 +62,7 @@ TEST(SpinBudget, ComesBackAsTimePasses) {
     EXPECT_EQ(budget.left(at_ms(100000)), milliseconds{80});
 }
 
-// Whoever spins whenever it is allowed never exceeds the share in any window, wherever the window begins.
+// A thread that spins whenever it may never exceeds the share in any window.
 TEST(SpinBudget, HoldsInEveryWindow) {
     SpinBudget budget;
     std::vector<int> spun(2000, 0);

@@ -103,7 +103,7 @@ TEST(Protection, AKeyIsWipedWhenItGoes) {
     alignas(SecretKey) std::array<std::uint8_t, sizeof(SecretKey)> place{};
     auto* key = new (place.data()) SecretKey;
     key->bytes.fill(0xA5);
-    // Read as memory that somebody else may look at, so that the compiler cannot know what is there.
+    // Read as volatile memory, so that the compiler cannot know its content.
     const volatile std::uint8_t* bytes = place.data();
     ASSERT_EQ(bytes[7], 0xA5);
     key->~SecretKey();

@@ -20,7 +20,7 @@ struct Ends {
         sealer.arm(counting_key());
         opener.arm(counting_key());
     }
-    // What happens to it at the receiving end.
+    // Its fate at the receiving end.
     bool opens(const Datagram& datagram) {
         const auto header = read_seal_header(datagram);
         return header && opener.knows(*header) && opener.open(*header, datagram, text, counters).has_value();

@@ -13,7 +13,7 @@ namespace thimble {
 
 using Datagram = std::vector<std::uint8_t>;
 
-// One end. What it sends is said, and arrives at its peer unless it is cut.
+// One end. It records each datagram and passes it to its peer, unless it is cut.
 class TestWire final : public Channel {
   public:
     void connect(TestWire& peer) { peer_ = &peer; }
@@ -51,7 +51,7 @@ class PairRig {
   public:
     explicit PairRig(const SecurityTimes& times = {});
 
-    // Each in turn, until nobody has anything to say at this instant.
+    // Each in turn, until no end has anything to send at this instant.
     void turn(Duration later = {});
     // A new process in the place of the old one; what the old one was sent is lost.
     void restart_node(const std::shared_ptr<const LabKey>& lab = test_lab_key());

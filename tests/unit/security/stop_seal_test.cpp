@@ -85,7 +85,7 @@ struct SealedProgram {
         line.connect(inlet, {&nobody, &nobody, &nobody, &nobody, &nobody, &nobody});
     }
     void tick(int ms) { line.tick(SessionTime{std::chrono::milliseconds{ms}}); }
-    // Somebody who has just come, over 0.7 s from `ms`.
+    // An inquiry that has just begun, over 0.7 s from `ms`.
     std::size_t release_from(int ms) {
         StopRelease release(77, {&outlet, &nobody, &nobody, &nobody, &nobody, &nobody});
         for (int i = 0; i < StopRelease::kRounds; ++i) {
@@ -211,7 +211,7 @@ TEST(StopSeal, AStopFromOutsideIsAnsweredAtOnceAndOneOfAProgramIsNot) {
     }
 }
 
-// Questions and stops that were overheard are played on, to the program and to whoever releases.
+// Overheard questions and stops are replayed, to the program and to the releasing program.
 TEST(StopSeal, WhatIsOverheardNamesNoStopThatIsPressedDuringTheRelease) {
     ReleasedWhilePressed program(std::chrono::milliseconds{100});
     program.run([&] {

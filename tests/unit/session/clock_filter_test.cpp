@@ -225,7 +225,7 @@ TEST(ClockSummary, OneWayDelaysAreShownWhereTheyAreKnown) {
     EXPECT_TRUE(pinned.there->known());
     EXPECT_NEAR(pinned.there->median_s, 0.020, pinned.there->bound_s);
     EXPECT_NEAR(pinned.back->median_s, 0.030, pinned.back->bound_s);
-    // Without it nobody can say how 50 ms divide.
+    // Without it the division of 50 ms is unknown.
     exchanges.erase(exchanges.begin());
     const ClockSummary blind = summarize_clock(exchanges);
     EXPECT_FALSE(blind.there->known() && blind.back->known());

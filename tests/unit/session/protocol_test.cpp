@@ -1,4 +1,4 @@
-// Who does which trials in which order.
+// The trials of each subject, and their order.
 #include "session/settings/protocol.hpp"
 
 #include <algorithm>

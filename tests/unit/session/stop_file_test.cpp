@@ -1,4 +1,4 @@
-// A stop that outlives its session: kept once, taken away by whoever has read it and not by whoever has read an older one.
+// A stop that outlives its session: kept once, and taken away only by a program that has read this one, not an older one.
 #include "session/run/stop_file.hpp"
 
 #include <cstdlib>

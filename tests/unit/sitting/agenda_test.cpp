@@ -1,4 +1,4 @@
-// What comes next, from what stands in the files.
+// The next step, from the files.
 #include "session/sitting/agenda.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Which trials an analysis gets, and what it is told about the others.
+// The trials that an analysis gets, and the report about the others.
 #include "session/sitting/counted_trials.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What the experimenter types, and how long a break lasts.
+// The experimenter's commands, and the length of a break.
 #include "session/sitting/prompt.hpp"
 
 #include <array>

@@ -336,7 +336,7 @@ TEST_F(SittingTest, AWatcherMayStopOrPauseIt) {
     EXPECT_GE(trials_.clock, until + 3 * seconds{10});  // no trial before
 }
 
-// Whatever else is typed: nothing begins before the release, and the trial is repeated without counting as a failure.
+// With any other input nothing begins before the release, and the trial is repeated without counting as a failure.
 TEST_F(SittingTest, AfterAStopNothingBeginsUntilItIsReleased) {
     settings_.repeats_limit = 0;
     settings_.break_every = 0;

@@ -82,7 +82,7 @@ TEST(HardContactExact, TouchAtZeroVelocityChangesNothing) {
     EXPECT_EQ(tissue.unresolved_steps(), 0u);
 }
 
-// As pierce_and_wait, with a first step so short that nobody pierces late.
+// As pierce_and_wait, with a first step so short that no solver pierces late.
 void pierce_in_time(TissueSolver& tissue, double needle_m, Transitions& events) {
     tissue.reset(0);
     tissue.advance(2e-9, 2e-9, events);

@@ -1,6 +1,5 @@
 // Hard cases whose truth has no formula of one line: whole needles through hard tissue against a solution in
-// 100-digit numbers (bench/reference_tissue.hpp), for each solver. What was measured is printed, and stands in
-// docs/hard-cases.md.
+// 100-digit numbers (bench/reference_tissue.hpp), for each solver. The test prints its measures, which stand in docs/hard-cases.md.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -25,7 +25,7 @@ double PortEnergy::stored_J() const {
                   parameters_.mass_kg * velocity_surface_m_per_s_ * velocity_surface_m_per_s_);
 }
 
-// The needle makes the surface move at its own velocity, and nobody pays.
+// The needle makes the surface move at its own velocity, without work.
 void PortEnergy::carry(double velocity_m_per_s) {
     const double v = velocity_surface_m_per_s_;
     const double gift_J = 0.5 * parameters_.mass_kg * (velocity_m_per_s * velocity_m_per_s - v * v);

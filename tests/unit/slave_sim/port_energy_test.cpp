@@ -174,7 +174,7 @@ TEST(PortEnergy, TheModelReturnsHalfOfWhatATouchGave) {
     EXPECT_LE(std::abs(energy.imbalance_J()), 1e-12 * energy.turnover_J());
 }
 
-// What the operator feels of a stepped solver: the force of each sample, held over the step before it.
+// The operator's force with a stepped solver: that of each sample, held over the step before it.
 double felt_work_J(TissueSolver& tissue, double start_m, const Path& path,
                    Transitions&& events = Transitions()) {
     tissue.reset(start_m);

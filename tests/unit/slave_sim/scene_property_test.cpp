@@ -1,4 +1,4 @@
-// What must hold for any needle in any scene, with any solver.
+// Properties of any needle in any scene, with any solver.
 #include <cmath>
 #include <memory>
 #include <numbers>

@@ -1,4 +1,4 @@
-// What must hold for any needle in any tissue.
+// Properties of any needle in any tissue.
 #include <cmath>
 #include <vector>
 

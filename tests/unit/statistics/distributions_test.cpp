@@ -1,5 +1,4 @@
-// Tails and quantiles against closed forms and 40-digit values (mpmath). What they are used for is tested with
-// the tests that use them.
+// Tails and quantiles against closed forms and 40-digit values (mpmath). The tests of their users test their use.
 #include "analysis/statistics/distributions.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What R, SciPy and statsmodels say (tests/golden/statistics.json, made by make_statistics.py), and how close
-// one has to come to it.
+// Results of R, SciPy and statsmodels (tests/golden/statistics.json, made by make_statistics.py), and the allowed differences.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What must hold for any data.
+// Properties for any data.
 #include <algorithm>
 #include <cmath>
 

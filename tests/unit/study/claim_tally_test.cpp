@@ -58,7 +58,7 @@ TEST(ClaimTally, AnExperimentThatWasNotRunSaysNothing) {
     EXPECT_FALSE(to_json(tally.counts()[0]).contains("fraction"));
 }
 
-// Whose data a test refuses has not reproduced the claim, in the first study as in any other.
+// A study whose data a test refuses has not reproduced the claim, the first study included.
 TEST(ClaimTally, RefusedDataAreNoReproduction) {
     ClaimTally tally;
     tally.add({claim({}, {})});

@@ -1,4 +1,4 @@
-// What a killed study leaves behind is taken up again, and nothing else is.
+// A study goes on with the files of a killed study, and with no others.
 #include "study/study_folder.hpp"
 
 #include <fstream>

@@ -77,7 +77,7 @@ TEST(ExperimenterModel, ANetworkIsAskedByNameUntilItHoldsWithItsDelay) {
     (void)bench.session.heard(bench.now);
     bench.pass(200);
     EXPECT_TRUE(bench.session.heard(bench.now).empty());
-    bench.session.monitor.network_delay_s = 0.1;  // somebody has moved the slider
+    bench.session.monitor.network_delay_s = 0.1;  // the user has moved the slider
     bench.pass(8);
     EXPECT_FALSE(bench.model.link().holds(Command::kNetwork5));
 }

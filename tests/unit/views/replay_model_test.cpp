@@ -33,7 +33,7 @@ class ReplayBench {
         model.press(now, command);
         return session.heard(now);
     }
-    // What one press asks first.
+    // The first order of one press.
     Order first(Command command) {
         const auto heard = press(command);
         return heard.empty() ? Order{} : heard.front().order;

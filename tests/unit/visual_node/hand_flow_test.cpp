@@ -18,7 +18,7 @@ struct StillHand final : HandSource {
     HandInput input;
 };
 
-// What a channel was given, decoded by the flow that the master has.
+// The datagrams of a channel, decoded by the master's flow.
 struct Caught final : Channel {
     void send(Bytes datagram) override {
         if (const Message* message = flow.admit(time, datagram)) messages.push_back(*message);

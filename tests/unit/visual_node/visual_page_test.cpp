@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// What one end sends, the other takes.
+// Each end receives the other end's datagrams.
 struct Mailbox final : Channel {
     void send(Bytes datagram) override { waiting.emplace_back(datagram.begin(), datagram.end()); }
     Bytes take() override {
@@ -25,7 +25,7 @@ struct Mailbox final : Channel {
     std::vector<std::uint8_t> taken;
 };
 
-// What the node says to the session goes nowhere.
+// The node's messages to the session go nowhere.
 struct OneWay final : Channel {
     void send(Bytes) override {}
     Bytes take() override { return orders.take(); }

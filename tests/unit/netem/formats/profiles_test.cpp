@@ -38,7 +38,7 @@ std::string profile_refusal_of(std::string_view text) {
     return "accepted";
 }
 
-// What a link does, by the words that a source line begins with.
+// The link's effects, by the first words of a source line.
 std::vector<std::string> topics_of(const LinkSettings& link) {
     std::vector<std::string> topics;
     if (link.delay > Duration::zero()) topics.emplace_back("delay");
@@ -173,7 +173,7 @@ every_s = 20
     EXPECT_EQ(profile.up, link);
     EXPECT_NEAR(stationary_loss(profile.up.loss), 0.01, 1e-12);
     EXPECT_EQ(profile.down, LinkSettings{});
-    // Who adds a part must name it here, set it above, and have it written.
+    // A new part must be named here, set above, and written.
     const auto& [delay, jitter, loss, duplicate, corrupt, corrupt_bits, reorder, reorder_gap, in_order, rate,
                  slot, outages, trace, deliveries, capacity] = link;
     link.capacity = capacity + 1;
