@@ -13,6 +13,7 @@
 
 #include "common/config.hpp"
 #include "common/hid/hid_link.hpp"
+#include "common/shared_values.hpp"
 #include "common/stale_policy.hpp"
 #include "common/time.hpp"
 #include "cutaneous_node/drive_settings.hpp"
@@ -24,7 +25,7 @@ enum class FingertipDevice : std::uint8_t { kSimulated, kBoard, kDrives };
 struct CutaneousSettings {
     Duration dead_time = std::chrono::milliseconds{45};
     Duration time_constant{};
-    double force_limit_N = 1.5;
+    double force_limit_N = kFingerFullScale_N;
     StalePolicy stale{StaleMode::kZero};
     double guard_limit_N = 5;  // the last stage before the device
     Duration percept_period = std::chrono::milliseconds{1};

@@ -17,6 +17,7 @@
 #include <string_view>
 
 #include "common/config.hpp"
+#include "common/shared_values.hpp"
 #include "common/time.hpp"
 #include "master/devices/haptic_device.hpp"
 #include "master/port_energy.hpp"
@@ -24,7 +25,7 @@
 namespace thimble {
 
 struct GuardSettings {
-    double force_limit_N = 12;
+    double force_limit_N = kHandleFullScale_N;
     double force_rate_limit_N_per_s = 0;  // 0: none
     double energy_limit_J = 0;            // 0: none
     Duration energy_window = std::chrono::seconds{1};

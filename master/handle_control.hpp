@@ -14,14 +14,15 @@
 #include "common/control/two_port_passivity.hpp"
 #include "common/control/wave_variables.hpp"
 #include "common/messages.hpp"
+#include "common/shared_values.hpp"
 #include "master/devices/haptic_device.hpp"
 
 namespace thimble {
 
 struct HandleControlScale {
-    double position_scale = 3;  // needle = scale x hand
+    double position_scale = kPositionScale;  // needle = scale x hand
     double force_scale = 1;
-    double force_limit_N = 12;
+    double force_limit_N = kHandleFullScale_N;
     Duration sample_period = std::chrono::milliseconds{1};
 };
 

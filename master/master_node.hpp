@@ -9,6 +9,7 @@
 #include "common/config.hpp"
 #include "common/control/control_settings.hpp"
 #include "common/messages.hpp"
+#include "common/shared_values.hpp"
 #include "common/stale_policy.hpp"
 #include "common/velocity_estimator.hpp"
 #include "master/devices/haptic_device.hpp"
@@ -18,9 +19,9 @@
 namespace thimble {
 
 struct MasterSettings {
-    double position_scale = 3;  // needle = scale x hand
-    double force_scale = 1;     // handle force = scale x needle force
-    double force_limit_N = 12;  // at the handle, before the device's own limit
+    double position_scale = kPositionScale;     // needle = scale x hand
+    double force_scale = 1;                     // handle force = scale x needle force
+    double force_limit_N = kHandleFullScale_N;  // at the handle, before the device's own limit
     Duration sample_period = std::chrono::milliseconds{1};
     StalePolicy stale{StaleMode::kRamp};  // of the handle's force, without feedback
     // What is older, by stale.after, counts as no feedback. 0: the longest delay of needle and force path that the session

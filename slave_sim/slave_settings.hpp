@@ -5,6 +5,7 @@
 
 #include "common/config.hpp"
 #include "common/control/control_settings.hpp"
+#include "common/shared_values.hpp"
 #include "common/time.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
@@ -18,9 +19,9 @@ struct WaveEndSettings {
     bool two_port = false;  // two-port passivity
     double impedance_Ns_per_m = 20, damping_Ns_per_m = 20;
     WaveChannelSettings channel{};
-    double position_scale = 3;  // as MasterSettings
+    double position_scale = kPositionScale;
     double force_scale = 1;
-    double force_limit_N = 12;
+    double force_limit_N = kHandleFullScale_N;
     Duration sample_period = std::chrono::milliseconds{1};
 };
 

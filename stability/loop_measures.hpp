@@ -7,6 +7,7 @@
 
 #include <span>
 
+#include "common/shared_values.hpp"
 #include "stability/loop_simulator.hpp"
 
 namespace thimble {
@@ -52,7 +53,7 @@ struct HoldOutcome {
 
 struct HoldPlan {
     double duration_s = 12;
-    double position_scale = 3;  // handle to needle
+    double position_scale = kPositionScale;  // handle to needle
     double start_m = -5e-3, start_m_per_s = 0.1;
 };
 // Watches a hold sample by sample.

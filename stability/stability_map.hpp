@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/shared_values.hpp"
 #include "stability/loop_measures.hpp"
 
 namespace thimble {
@@ -14,7 +15,7 @@ struct MapPlan {
     std::vector<double> stiffness_N_per_m;
     double step_s = 1e-3;
     double press_N = 5;
-    double force_limit_N = 12;
+    double force_limit_N = kHandleFullScale_N;
     double encoder_step_m = 1e-5;
 };
 

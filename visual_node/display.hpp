@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/messages.hpp"
+#include "common/shared_values.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -13,7 +14,7 @@ struct Scene {
     double position_needle_m = 0;  // clipped to the surface once inside: the inserted part is never shown
     double position_surface_m = 0;
     double bar_N = 0;  // 0 unless the modality is VF
-    double bar_full_scale_N = 12;
+    double bar_full_scale_N = kBarFullScale_N;
     bool touching = false;      // the needle touches or has entered the tissue
     SessionTime sample_time{};  // when the shown sample arrived at the display node
 

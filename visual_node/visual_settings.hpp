@@ -21,6 +21,7 @@
 #include <string>
 
 #include "common/config.hpp"
+#include "common/shared_values.hpp"
 #include "common/stale_policy.hpp"
 #include "common/time.hpp"
 
@@ -29,7 +30,7 @@ namespace thimble {
 struct VisualSettings {
     double refresh_Hz = 60;
     Duration pipeline = std::chrono::milliseconds{25};
-    double bar_full_scale_N = 12;
+    double bar_full_scale_N = kBarFullScale_N;
     std::int64_t bar_resolution = 400;
     StalePolicy stale{StaleMode::kZero};
     bool window = false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/config.hpp"
+#include "common/shared_values.hpp"
 #include "master/devices/falcon/falcon_settings.hpp"
 #include "master/devices/force_dimension/force_dimension_settings.hpp"
 #include "master/devices/hid/hid_settings.hpp"
@@ -27,8 +28,8 @@ struct CouplingSettings {
 };
 
 struct HandleSettings {
-    double encoder_resolution_m = 1e-5;  // [P] rounded to nearest
-    double force_limit_N = 12;           // [V] omega.3; clips, both directions
+    double encoder_resolution_m = 1e-5;         // [P] rounded to nearest
+    double force_limit_N = kHandleFullScale_N;  // [V] clips, both directions
     HandleMechanics mechanics;
     HandleKind kind = HandleKind::kSimulated;
     CouplingSettings coupling{};  // kPointer, kHid

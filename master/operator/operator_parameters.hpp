@@ -11,6 +11,7 @@
 
 #include "common/config.hpp"
 #include "common/messages.hpp"
+#include "common/shared_values.hpp"
 
 namespace thimble {
 
@@ -43,16 +44,16 @@ struct NoiseParameters {
 struct PerceptionParameters {
     double criterion_N = 2.0;  // [A] geometric middle of 1-4 N; force at which a subject says "fixture"
     double criterion_cap_fraction =
-        0.9;                          // [A] of the full scale of the display, else it might never be reached
-    double full_scale_handle_N = 12;  // [V] omega.3, CHAI3D device table
-    double full_scale_cutaneous_N = 1.5;  // [V] Prattichizzo et al. 2013 "can exert up to 1.5 N"
-    double full_scale_bar_N = 12;         // [A]
-    double lost_N = 0.1;                  // [A] below this nothing is felt or seen
-    double lost_after_s = 0.02;           // [M] tactile gap detection
-    double weber_handle = 0.08;           // [V] Pang 1991: about 7 %
-    double weber_cutaneous = 0.16;        // [V] Wheat 2004 (tangential)
-    double weber_visual = 0.05;           // [M] of a length
-    double weber_correlation_s = 0.1;     // [A]
+        0.9;  // [A] of the full scale of the display, else it might never be reached
+    double full_scale_handle_N = kHandleFullScale_N;     // [V]
+    double full_scale_cutaneous_N = kFingerFullScale_N;  // [V]
+    double full_scale_bar_N = kBarFullScale_N;           // [A]
+    double lost_N = 0.1;                                 // [A] below this nothing is felt or seen
+    double lost_after_s = 0.02;                          // [M] tactile gap detection
+    double weber_handle = 0.08;                          // [V] Pang 1991: about 7 %
+    double weber_cutaneous = 0.16;                       // [V] Wheat 2004 (tangential)
+    double weber_visual = 0.05;                          // [M] of a length
+    double weber_correlation_s = 0.1;                    // [A]
 };
 
 // From the stimulus to the onset of the movement it triggers, medians.
@@ -73,7 +74,7 @@ struct ReactionParameters {
 enum class Recovery : std::uint8_t { kApproach, kPush };
 
 struct BehaviourParameters {
-    double position_scale = 3;                     // [P] needle per hand; the three speeds are the needle's
+    double position_scale = kPositionScale;        // [P] needle per hand; the three speeds are the needle's
     double speed_free_needle_m_per_s = 0.060;      // [A] must exceed F_p / B_t = 20 mm/s
     double speed_insert_needle_m_per_s = 0.015;    // [A] from 19.9 s per trial [P]
     double speed_withdraw_needle_m_per_s = 0.100;  // [A]

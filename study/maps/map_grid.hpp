@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/shared_values.hpp"
 #include "stability/critical_delay.hpp"
 
 namespace thimble {
@@ -30,7 +31,8 @@ struct MapGrid {
     std::vector<double> jitters_s, losses, delays_s, stiffness_N_per_m;
 
     double mean_burst = 1;
-    double step_s = 1e-3, press_N = 5, force_limit_N = 12, encoder_step_m = 1e-5, friction_N = 0;
+    double step_s = 1e-3, press_N = 5, force_limit_N = kHandleFullScale_N, encoder_step_m = 1e-5,
+           friction_N = 0;
     double full_stiffness_N_per_m = 9000;  // of gain 1
     std::uint64_t seed = 1;
     std::uint32_t trials = 1;  // of a virtual operator, each another subject

@@ -12,6 +12,7 @@
 
 #include "common/error.hpp"
 #include "common/json_text.hpp"
+#include "common/shared_values.hpp"
 #include "stability/limit_cycle.hpp"
 #include "stability/sampled_loop.hpp"
 #include "thimble/commands/commands.hpp"
@@ -26,7 +27,7 @@ constexpr std::size_t kMostListed = 64;
 struct StabilityArguments {
     DelayedLoop loop;
     std::optional<double> delay_s, step_s, press_N, lag_s;
-    double force_limit_N = 12, encoder_m = 0, friction_N = 0;
+    double force_limit_N = kHandleFullScale_N, encoder_m = 0, friction_N = 0;
     bool json = false;
 };
 

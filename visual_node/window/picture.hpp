@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "common/shared_values.hpp"
 #include "visual_node/display.hpp"
 #include "visual_node/window/colours.hpp"
 
@@ -21,7 +22,7 @@ struct Picture {
         double left = 0, top = 0, height = 0;
         double length = 0;       // of the force now
         double full_length = 0;  // of full_N
-        double full_N = 12;
+        double full_N = kBarFullScale_N;
         double tick_N = 2;  // between two marks of the scale
     };
     // A fingertip whose nail bed turns pale. Only a drawing: straight up to kBlanched_N.
