@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "netem/relay/control_desk.hpp"
+#include "netem/relay/control_handler.hpp"
 
 namespace thimble {
 

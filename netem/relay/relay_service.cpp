@@ -8,7 +8,7 @@
 
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "netem/relay/control_desk.hpp"
+#include "netem/relay/control_handler.hpp"
 #include "netem/relay/control_socket.hpp"
 #include "netem/relay/packet_log.hpp"
 #include "netem/relay/relay_engine.hpp"

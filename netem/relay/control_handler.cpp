@@ -1,4 +1,4 @@
-#include "netem/relay/control_desk.hpp"
+#include "netem/relay/control_handler.hpp"
 
 #include <cerrno>
 #include <cstdint>
