@@ -116,7 +116,7 @@ Sitting::Answer Sitting::before(const std::optional<Step>& step) {
     }
     if (!asks) {
         while (rest_ && !rest_->over_by_itself(runner_.now()) && !stopped()) wait(step);
-        if (const auto wished = hear_wishes(step)) return *wished;
+        if (const auto asked = take_requests(step)) return *asked;
         runner_.show(page(step));
         return Answer::kGo;
     }
@@ -125,7 +125,7 @@ Sitting::Answer Sitting::before(const std::optional<Step>& step) {
 }
 
 // Nothing: go on.
-std::optional<Sitting::Answer> Sitting::hear_wishes(const std::optional<Step>& step) {
+std::optional<Sitting::Answer> Sitting::take_requests(const std::optional<Step>& step) {
     if (options_.requests == nullptr) return std::nullopt;
     do {
         while (const auto line = options_.requests->take_line()) {

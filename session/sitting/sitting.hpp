@@ -83,7 +83,7 @@ class Sitting {
     Answer ask(const std::string& prompt, const std::optional<Step>& step);
     Page page(const std::optional<Step>& step) const;
     void wait(const std::optional<Step>& step);
-    std::optional<Answer> hear_wishes(const std::optional<Step>& step);
+    std::optional<Answer> take_requests(const std::optional<Step>& step);
     std::string who_goes_on(const std::optional<Step>& step) const;
     std::optional<std::string> take_line();
     bool paused() const { return options_.paused && options_.paused(); }

@@ -181,7 +181,7 @@ void RemediedLoop::set_force(double reading_m) {
     if (two_ports_) wanted_N = two_ports_->master.force_N(asked_N_, two_ports_->heard_J);
     if (waves_) wanted_N = waves_->master.force_N(waves_->receiver.play(static_cast<std::uint32_t>(sample_)));
     force_N_ = limit_N > 0 ? std::clamp(wanted_N, -limit_N, limit_N) : wanted_N;
-    wished_of_ = newest_;
+    asked_of_ = newest_;
 }
 
 Propagator RemediedLoop::propagator(double duration_s) {
@@ -198,8 +198,8 @@ void RemediedLoop::move(double from_s, double to_s) {
     const double duration_s = to_s - from_s, from_m = position_m();
     hand_.advance(propagator(duration_s), conditions_.loop.press_N - force_N_);
     energy_J_ += force_N_ * (position_m() - from_m);
-    if (wished_of_ < 0 || local_) return;
-    const double age_s = static_cast<double>(sample_ - wished_of_) * step_s_ + (from_s + to_s) / 2;
+    if (asked_of_ < 0 || local_) return;
+    const double age_s = static_cast<double>(sample_ - asked_of_) * step_s_ + (from_s + to_s) / 2;
     age_s2_ += age_s * duration_s;
     aged_s_ += duration_s;
 }

@@ -67,7 +67,7 @@ class RemediedLoop {
     bool losing_ = false;
     std::vector<std::vector<Packet>> arriving_;  // by sample modulo size
     std::vector<Propagator> known_;
-    std::int64_t sample_ = 0, newest_ = -1, wished_of_ = -1;
+    std::int64_t sample_ = 0, newest_ = -1, asked_of_ = -1;
     double asked_N_ = 0, force_N_ = 0, energy_J_ = 0;
     double age_s2_ = 0, aged_s_ = 0;
 };

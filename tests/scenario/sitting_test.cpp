@@ -171,7 +171,7 @@ TEST_F(VirtualSitting, TheSubjectsKeyMovesItOn) {
 }
 
 // The session alone, and a test that speaks as visual_node.
-class WishTest : public testing::Test {
+class RequestTest : public testing::Test {
   protected:
     // Whether it is heard; if not, it is counted.
     bool request(PageKind kind, OrderKind order, std::uint32_t trial = 0) {
@@ -203,7 +203,7 @@ class WishTest : public testing::Test {
     OutboundFlow visual_{Role::kVisual, 2, {&control_[3].b}};
 };
 
-TEST_F(WishTest, IsHeardWhereAPageWaitsForIt) {
+TEST_F(RequestTest, IsHeardWhereAPageWaitsForIt) {
     for (const PageKind waits : {PageKind::kWelcome, PageKind::kPractice, PageKind::kReady})
         EXPECT_TRUE(request(waits, OrderKind::kResume));
     for (const PageKind rests : {PageKind::kBreak, PageKind::kPaused, PageKind::kDone, PageKind::kWait})
@@ -211,14 +211,14 @@ TEST_F(WishTest, IsHeardWhereAPageWaitsForIt) {
     EXPECT_FALSE(request(PageKind::kReady, OrderKind::kResume, 7)) << "asked for another trial";
 }
 
-TEST_F(WishTest, NoOtherOrderIs) {
+TEST_F(RequestTest, NoOtherOrderIs) {
     for (int kind = 0; kind <= static_cast<int>(OrderKind::kSpeed); ++kind) {
         const auto other = static_cast<OrderKind>(kind);
         EXPECT_EQ(request(PageKind::kReady, other), other == OrderKind::kResume) << kind;
     }
 }
 
-TEST_F(WishTest, IsOfThePageOnWhichItWasSaid) {
+TEST_F(RequestTest, IsOfThePageOnWhichItWasSaid) {
     Page page;
     page.kind = PageKind::kReady;
     page.trial = 3;
