@@ -18,7 +18,7 @@ import time
 RANKS = (1, 2, 4)
 MAPS = {  # what, how many cells, of what
     "passive hand": (10000, ["--delay-s", "0:0.2:100", "--contact-stiffness-N-per-m", "50:20000:100"]),
-    "virtual operator": (100, ["--operator", "virtual", "--remedy", "none,CF", "--delay-s", "0:0.1:10",
+    "virtual operator": (100, ["--operator", "virtual", "--compensator", "none,CF", "--delay-s", "0:0.1:10",
                                "--gain", "0.1:1:5", "--trials", "5"]),
 }
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none", "-n"]

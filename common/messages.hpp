@@ -251,7 +251,7 @@ struct DeviceFault {
     std::string_view words() const;
 };
 
-// With [control] remedy = "wave" in HF these two go instead of a NeedleCommand, and of the ForceFeedback to the master.
+// With [control] compensator = "wave" in HF these two go instead of a NeedleCommand, and of the ForceFeedback to the master.
 struct NeedleWave {
     NeedleCommand command;
     WaveBurst waves;

@@ -32,7 +32,7 @@ struct CutaneousSettings {
     FingertipDevice device = FingertipDevice::kSimulated;
     HidChoice board{};       // kBoard
     DriveSettings drives{};  // kDrives
-    // Of the force in HF, what the handle gives: 1, but with [control] remedy = "scaled". The rest is for the skin.
+    // Of the force in HF, what the handle gives: 1, but with [control] compensator = "scaled". The rest is for the skin.
     double hand_share = 1;
 };
 

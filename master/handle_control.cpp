@@ -9,16 +9,16 @@
 namespace thimble {
 namespace {
 
-std::unique_ptr<PortRemedy> make_port_remedy(const ControlSettings& s, double period_s) {
+std::unique_ptr<PortCompensator> make_port_compensator(const ControlSettings& s, double period_s) {
     const PortSettings port{period_s, s.device_damping_Ns_per_m};
-    switch (s.remedy) {
-        case Remedy::kPassivity:
+    switch (s.compensator) {
+        case Compensator::kPassivity:
             return std::make_unique<PassivityController>(port, s.most_damping_Ns_per_m);
-        case Remedy::kMemorylessBound:
+        case Compensator::kMemorylessBound:
             return std::make_unique<MemorylessBound>(port);
-        case Remedy::kLeastConservative:
+        case Compensator::kLeastConservative:
             return std::make_unique<LeastConservativeBound>(port);
-        case Remedy::kTwoLayer:
+        case Compensator::kTwoLayer:
             return std::make_unique<TwoLayerTank>(port, s.tank);
         default:
             return nullptr;
@@ -35,17 +35,17 @@ LocalFixtureSettings with_period(LocalFixtureSettings settings, double period_s)
 HandleControl::HandleControl(const ControlSettings& settings, const HandleControlScale& scale)
     : settings_(settings),
       scale_(scale),
-      port_(make_port_remedy(settings, to_seconds(scale.sample_period))),
+      port_(make_port_compensator(settings, to_seconds(scale.sample_period))),
       local_(with_period(settings.local, to_seconds(scale.sample_period))),
       waves_(make_waves(settings, to_seconds(scale.sample_period))) {
-    if (settings.remedy != Remedy::kTwoPort) return;
+    if (settings.compensator != Compensator::kTwoPort) return;
     const PortSettings port{to_seconds(scale.sample_period), settings.device_damping_Ns_per_m};
     two_port_.emplace(port, settings.most_damping_Ns_per_m);
 }
 
 std::unique_ptr<HandleControl::Waves> HandleControl::make_waves(const ControlSettings& settings,
                                                                 double period_s) {
-    if (settings.remedy != Remedy::kWave) return nullptr;
+    if (settings.compensator != Compensator::kWave) return nullptr;
     WaveChannelSettings channel = settings.channel;
     channel.sample_period_s = period_s;
     return std::make_unique<Waves>(Waves{WaveMaster({settings.wave_impedance_Ns_per_m, period_s}),
@@ -53,7 +53,8 @@ std::unique_ptr<HandleControl::Waves> HandleControl::make_waves(const ControlSet
 }
 
 void HandleControl::start(bool kinesthetic, Duration network_delay) {
-    active_ = kinesthetic && settings_.remedy != Remedy::kNone && settings_.remedy != Remedy::kScaled;
+    active_ = kinesthetic && settings_.compensator != Compensator::kNone &&
+              settings_.compensator != Compensator::kScaled;
     if (port_) port_->reset();
     local_.reset();
     sampled_before_ = false;
@@ -101,7 +102,7 @@ void HandleControl::take(const WaveBurst& waves) {
 
 void HandleControl::take(const ForceFeedback& feedback) {
     if (feedback.needle_held) return forget();
-    if (settings_.remedy != Remedy::kLocalFixture) {
+    if (settings_.compensator != Compensator::kLocalFixture) {
         asked_N_ = -scale_.force_scale * feedback.force_total_N;
         return;
     }
@@ -116,11 +117,11 @@ void HandleControl::forget() {
 }
 
 double HandleControl::force_N() {
-    // Saturated before the remedy: what is wished for beyond the limit cannot be had.
+    // Saturated before the compensator: what is wished for beyond the limit cannot be had.
     const double limit_N = scale_.force_limit_N;
     double force_N = std::clamp(asked_N_, -limit_N, limit_N);
     if (port_) force_N = port_->force_N(force_N);
-    if (settings_.remedy == Remedy::kLocalFixture) force_N += local_.force_N(position_hand_m_);
+    if (settings_.compensator == Compensator::kLocalFixture) force_N += local_.force_N(position_hand_m_);
     if (two_port_) force_N = two_port_->force_N(force_N, energy_heard_J_);
     if (waves_) force_N = waves_->master.force_N(waves_->in_root_W);
     return std::clamp(force_N, -limit_N, limit_N);

@@ -1,8 +1,8 @@
-// A remedy against delay in the master's loop: what arrives becomes a request, and at each sample of the handle the force that
-// the remedy makes of it, held until the next sample. (A share for the hand needs no samples: MasterNode.) F positive pushes
+// A delay compensator in the master's loop: what arrives becomes a request, and at each sample of the handle the force that
+// the compensator makes of it, held until the next sample. (A share for the hand needs no samples: MasterNode.) F positive pushes
 // the hand out (-z). No clock, no device.
 //
-// Where an answer arrives between two samples its force waits for the next one, up to a sample period: what these remedies
+// Where an answer arrives between two samples its force waits for the next one, up to a sample period: what these compensators
 // promise is counted in held forces. An answer that arrives in the sample's own instant still counts for it.
 #pragma once
 
@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "common/control/control_settings.hpp"
-#include "common/control/port_remedy.hpp"
+#include "common/control/port_compensator.hpp"
 #include "common/control/two_port_passivity.hpp"
 #include "common/control/wave_variables.hpp"
 #include "common/messages.hpp"
@@ -38,7 +38,7 @@ class HandleControl {
     void network_changed(Duration network_delay);
     void end() { active_ = false; }
 
-    // A remedy that works at samples is in the loop of this trial.
+    // A compensator that works at samples is in the loop of this trial.
     bool active() const { return active_; }
     // Messages carry waves, or the energies of two-port passivity.
     bool waves() const { return active_ && (waves_ || two_port_); }
@@ -66,7 +66,7 @@ class HandleControl {
     ControlSettings settings_;
     HandleControlScale scale_;
     bool active_ = false;
-    std::unique_ptr<PortRemedy> port_;  // of the remedies at one port, else null
+    std::unique_ptr<PortCompensator> port_;  // of the compensators at one port, else null
     LocalFixture local_;
     std::unique_ptr<Waves> waves_;           // with kWave
     std::optional<TwoPortMaster> two_port_;  // with kTwoPort
@@ -75,7 +75,7 @@ class HandleControl {
     SessionTime sampled_{};
     bool sampled_before_ = false;
     double position_hand_m_ = 0;
-    double asked_N_ = 0;  // of the port's remedies: the whole force; of the local fixture: tissue
+    double asked_N_ = 0;  // of the port's compensators: the whole force; of the local fixture: tissue
 };
 
 }  // namespace thimble

@@ -48,11 +48,11 @@ class MasterNode {
     // One encoder sample. Velocities are estimated at the needle.
     NeedleCommand sample(SessionTime now, const HandleSample& handle);
 
-    // Force for the handle, of HF without a remedy or with a share of it; positive pushes the hand out (-z), within +-force_limit_N. Only HF drives the
+    // Force for the handle, of HF without a compensator or with a share of it; positive pushes the hand out (-z), within +-force_limit_N. Only HF drives the
     // handle.
     double handle_force_N(const ForceFeedback& feedback) const;
 
-    // The remedy of this trial, if one works at samples: then its force is the handle's.
+    // The compensator of this trial, if one works at samples: then its force is the handle's.
     HandleControl& control() { return control_; }
     const HandleControl& control() const { return control_; }
 

@@ -125,7 +125,7 @@ Duration MasterProcess::silence(SessionTime now) const {
     return std::max(now - force_flow_.last_accepted(), age_.late(now));
 }
 
-// How much of its force the handle is given: all of it while news come. A remedy that brakes by itself fades as well.
+// How much of its force the handle is given: all of it while news come. A compensator that brakes by itself fades as well.
 double MasterProcess::share(SessionTime now) const {
     return stood_still() ? 0 : node_.settings().stale.share(silence(now));
 }

@@ -60,8 +60,8 @@ WaveEndSettings read_wave_end(const ConfigFile& file) {
 }  // namespace
 
 WaveEndSettings wave_end_of(const ControlSettings& control, WaveEndSettings handle) {
-    handle.used = control.remedy == Remedy::kWave;
-    handle.two_port = control.remedy == Remedy::kTwoPort;
+    handle.used = control.compensator == Compensator::kWave;
+    handle.two_port = control.compensator == Compensator::kTwoPort;
     handle.impedance_Ns_per_m = control.wave_impedance_Ns_per_m;
     handle.damping_Ns_per_m = control.wave_slave_damping_Ns_per_m;
     handle.channel = control.channel;

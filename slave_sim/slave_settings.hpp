@@ -12,7 +12,7 @@
 
 namespace thimble {
 
-// The slave's end of a remedy that has two ([control] remedy = "wave" or "two-port"), with what the master's table says of the
+// The slave's end of a compensator that has two ([control] compensator = "wave" or "two-port"), with what the master's table says of the
 // handle.
 struct WaveEndSettings {
     bool used = false;      // waves
@@ -25,7 +25,7 @@ struct WaveEndSettings {
     Duration sample_period = std::chrono::milliseconds{1};
 };
 
-// The slave's part of a remedy; the handle's numbers are those of `handle`.
+// The slave's part of a compensator; the handle's numbers are those of `handle`.
 WaveEndSettings wave_end_of(const ControlSettings& control, WaveEndSettings handle);
 
 struct SlaveSettings {

@@ -17,7 +17,7 @@
 #include "session/virtual/virtual_session.hpp"
 #include "study/study_folder.hpp"
 #include "study/subject_table.hpp"
-#include "study/with_remedy.hpp"
+#include "study/with_compensator.hpp"
 
 namespace thimble {
 
@@ -38,7 +38,7 @@ class Study {
             run_table(all_trials({control}), "control");
         }
         if (options_.control && result_.complete) run_without_lag();
-        if (result_.complete) run_with_remedies();
+        if (result_.complete) run_with_compensators();
         // Not before a table: it is the one that refuses a folder with another study in it.
         write_subjects(options_.out / "subjects.csv", settings_.person, options_.protocols);
         result_.claims = judge_claims(result_.rows, no_lag_);
@@ -61,11 +61,11 @@ class Study {
         for (const char* name : {"control.csv", "control_curves.csv", "no_lag.csv", "no_lag_curves.csv"}) {
             std::filesystem::remove(options_.out / name);
         }
-        for (const std::string_view remedy : kRemedyNames) {
+        for (const std::string_view compensator : kCompensatorNames) {
             for (const char* end : {".csv", "_curves.csv"})
-                std::filesystem::remove(options_.out / fmt::format("hf_{}{}", remedy, end));
+                std::filesystem::remove(options_.out / fmt::format("hf_{}{}", compensator, end));
         }
-        std::filesystem::remove(options_.out / "remedies.json");
+        std::filesystem::remove(options_.out / "compensators.json");
     }
 
     // Its rows are no part of the study's: they only tell what the lag costs.
@@ -75,19 +75,19 @@ class Study {
         run_table(without_lag(settings_), planned, "no_lag", no_lag_, [](const TrialCurve&) {});
     }
 
-    void run_with_remedies() {
-        for (const Remedy remedy : options_.remedies) {
+    void run_with_compensators() {
+        for (const Compensator compensator : options_.compensators) {
             if (!result_.complete) return;
-            run_table(with_control(settings_, control_for(settings_, remedy)),
+            run_table(with_control(settings_, control_for(settings_, compensator)),
                       force_feedback_trials(options_.protocols),
-                      fmt::format("hf_{}", kRemedyNames[static_cast<std::size_t>(remedy)]), with_remedies_,
-                      [](const TrialCurve&) {});
+                      fmt::format("hf_{}", kCompensatorNames[static_cast<std::size_t>(compensator)]),
+                      with_compensators_, [](const TrialCurve&) {});
         }
     }
 
     void run_table(const SystemSettings& settings, std::vector<TrialConditions> planned,
                    const std::string& name, std::vector<TrialRow>& rows, const TakeCurve& take_curve) {
-        name_remedies(planned, settings);
+        name_compensators(planned, settings);
         StudyTables tables(options_.out, name, options_.if_exists, planned, take_curve);
         rows.insert(rows.end(), tables.rows().begin(), tables.rows().end());
         std::size_t done = tables.rows().size();
@@ -156,14 +156,14 @@ class Study {
         return section;
     }
 
-    // HF, each remedy, CF, CCF and VF, by the paper's rule for choosing tests.
-    ReportSection remedies_section() const {
+    // HF, each compensator, CF, CCF and VF, by the paper's rule for choosing tests.
+    ReportSection compensators_section() const {
         std::vector<TrialRow> rows = result_.rows;
-        rows.insert(rows.end(), with_remedies_.begin(), with_remedies_.end());
+        rows.insert(rows.end(), with_compensators_.begin(), with_compensators_.end());
         const std::vector<MeasureAnalysis> measures = analyse_trials(rows, options_.analysis);
-        write_analysis(measures, options_.analysis, options_.out / "remedies.json");
+        write_analysis(measures, options_.analysis, options_.out / "compensators.json");
         ReportSection section;
-        section.title = "Remedies against delay";
+        section.title = "Delay compensators";
         section.text =
             "The trials with HF again, with a controller in the handle's loop: the same subjects, fixtures "
             "and "
@@ -203,7 +203,7 @@ class Study {
         for (const auto& [experiment, panels] : panels_) {
             report.sections.push_back(section(experiment, figures, measures));
         }
-        if (!with_remedies_.empty()) report.sections.push_back(remedies_section());
+        if (!with_compensators_.empty()) report.sections.push_back(compensators_section());
         const Protocol& protocol = options_.protocols[0];
         report.provenance = {{"command", options_.command},
                              {"seed", std::to_string(protocol.seed)},
@@ -220,7 +220,7 @@ class Study {
     unsigned jobs_;
     Progress progress_;
     PanelsByExperiment panels_;
-    std::vector<TrialRow> no_lag_, with_remedies_;
+    std::vector<TrialRow> no_lag_, with_compensators_;
     StudyResult result_;
 };
 

@@ -29,8 +29,8 @@ struct StudyOptions {
     // its trials with CF, with actuators without lag, into no_lag.csv.
     bool control = true;
     // The trials with HF again, with each of these in the handle's loop, into hf_NAME.csv: HF, each of them, CF, CCF and VF are then
-    // compared (remedies.json). The paper's claims are about HF without.
-    std::vector<Remedy> remedies{};
+    // compared (compensators.json). The paper's claims are about HF without.
+    std::vector<Compensator> compensators{};
     AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
     const std::atomic<bool>* stop = nullptr;      // asked between trials
 };

@@ -16,7 +16,7 @@ bool same_trial(const TrialConditions& a, const TrialConditions& b) {
 
 bool same(const TrialConditions& a, const TrialConditions& b) {
     return same_trial(a, b) && a.study_seed == b.study_seed && a.fixture_position_m == b.fixture_position_m &&
-           a.removes_fixture == b.removes_fixture && a.remedy == b.remedy;
+           a.removes_fixture == b.removes_fixture && a.compensator == b.compensator;
 }
 
 void check_plan(const std::filesystem::path& table, const std::vector<TrialRow>& rows,

@@ -11,22 +11,22 @@ bool has_own_delay(const TrialRow& row) {
 }
 
 // In the order of their names. Empty if there is no trial of this modality.
-std::vector<Remedy> remedies_of(const std::vector<TrialRow>& rows, Modality modality) {
-    std::vector<Remedy> remedies;
+std::vector<Compensator> compensators_of(const std::vector<TrialRow>& rows, Modality modality) {
+    std::vector<Compensator> compensators;
     for (const TrialRow& row : rows) {
-        if (row.conditions.modality == modality) remedies.push_back(row.conditions.remedy);
+        if (row.conditions.modality == modality) compensators.push_back(row.conditions.compensator);
     }
-    std::sort(remedies.begin(), remedies.end());
-    remedies.erase(std::unique(remedies.begin(), remedies.end()), remedies.end());
-    if (remedies.empty()) remedies.push_back(Remedy::kNone);
-    return remedies;
+    std::sort(compensators.begin(), compensators.end());
+    compensators.erase(std::unique(compensators.begin(), compensators.end()), compensators.end());
+    if (compensators.empty()) compensators.push_back(Compensator::kNone);
+    return compensators;
 }
 
-std::string name_of(Modality modality, Remedy remedy, bool several) {
+std::string name_of(Modality modality, Compensator compensator, bool several) {
     std::string name = to_string(modality);
-    if (several && remedy != Remedy::kNone) {
+    if (several && compensator != Compensator::kNone) {
         name += '+';
-        name += kRemedyNames[static_cast<std::size_t>(remedy)];
+        name += kCompensatorNames[static_cast<std::size_t>(compensator)];
     }
     return name;
 }
@@ -39,17 +39,19 @@ StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t expe
     for (const TrialRow& row : rows_) subjects_.push_back(row.conditions.subject);
     std::sort(subjects_.begin(), subjects_.end());
     subjects_.erase(std::unique(subjects_.begin(), subjects_.end()), subjects_.end());
-    conditions_.reserve(kModalities.size() + kRemedyNames.size());
+    conditions_.reserve(kModalities.size() + kCompensatorNames.size());
     for (const Modality modality : kModalities) {
-        const std::vector<Remedy> remedies = remedies_of(rows_, modality);
-        for (const Remedy remedy : remedies) {
-            conditions_.push_back({modality, remedy, name_of(modality, remedy, remedies.size() > 1)});
+        const std::vector<Compensator> compensators = compensators_of(rows_, modality);
+        for (const Compensator compensator : compensators) {
+            conditions_.push_back(
+                {modality, compensator, name_of(modality, compensator, compensators.size() > 1)});
         }
     }
 }
 
 bool StudyColumns::is_of(const TrialRow& row, const Condition& condition) const {
-    return row.conditions.modality == condition.modality && row.conditions.remedy == condition.remedy;
+    return row.conditions.modality == condition.modality &&
+           row.conditions.compensator == condition.compensator;
 }
 
 std::vector<NamedValues> StudyColumns::subject_means(Metric metric) const {

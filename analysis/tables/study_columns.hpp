@@ -1,4 +1,4 @@
-// The data of one experiment's tests: per measure a table of subjects x modalities. Each subject's trials are averaged first, as in the paper. Where the rows have HF with several remedies against delay, each is a column of its own.
+// The data of one experiment's tests: per measure a table of subjects x modalities. Each subject's trials are averaged first, as in the paper. Where the rows have HF with several delay compensators, each is a column of its own.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class StudyColumns {
     std::uint32_t experiment() const { return experiment_; }
     const std::vector<std::uint32_t>& subjects() const { return subjects_; }  // ascending
 
-    // Each subject's mean per modality, columns in the order of kModalities (HF's remedies in the order of kRemedyNames, "HF" and
+    // Each subject's mean per modality, columns in the order of kModalities (HF's compensators in the order of kCompensatorNames, "HF" and
     // "HF+wave"), subjects as above; NaN: no trial of that modality came to that measure.
     std::vector<NamedValues> subject_means(Metric metric) const;
     // Columns as above, SI. A subject without a value in a modality (no trial of it came to
@@ -36,7 +36,7 @@ class StudyColumns {
   private:
     struct Condition {
         Modality modality;
-        Remedy remedy;
+        Compensator compensator;
         std::string name;
     };
     bool is_of(const TrialRow& row, const Condition& condition) const;

@@ -9,11 +9,11 @@ namespace {
 
 struct KeyUse {
     std::string_view key;
-    std::vector<Remedy> remedies;
+    std::vector<Compensator> compensators;
 };
 
 std::vector<KeyUse> key_uses() {
-    using R = Remedy;
+    using R = Compensator;
     return {{"share", {R::kScaled}},
             {"device_damping_Ns_per_m", {R::kMemorylessBound, R::kLeastConservative, R::kTwoLayer}},
             {"most_damping_Ns_per_m", {R::kPassivity, R::kTwoPort}},
@@ -30,17 +30,18 @@ std::vector<KeyUse> key_uses() {
             {"wave_jitter_s", {R::kWave}}};
 }
 
-void refuse_keys_of_others(const ConfigTable& table, Remedy chosen) {
+void refuse_keys_of_others(const ConfigTable& table, Compensator chosen) {
     for (const KeyUse& use : key_uses()) {
-        const bool used = std::find(use.remedies.begin(), use.remedies.end(), chosen) != use.remedies.end();
+        const bool used =
+            std::find(use.compensators.begin(), use.compensators.end(), chosen) != use.compensators.end();
         if (used || !table.has(use.key)) continue;
         std::string names;
-        for (const Remedy remedy : use.remedies) {
+        for (const Compensator compensator : use.compensators) {
             if (!names.empty()) names += " or ";
-            names += kRemedyNames[static_cast<std::size_t>(remedy)];
+            names += kCompensatorNames[static_cast<std::size_t>(compensator)];
         }
-        table.fail(use.key, "has no effect with remedy = \"" +
-                                std::string(kRemedyNames[static_cast<std::size_t>(chosen)]) +
+        table.fail(use.key, "has no effect with compensator = \"" +
+                                std::string(kCompensatorNames[static_cast<std::size_t>(chosen)]) +
                                 "\": remove it, or choose " + names);
     }
 }
@@ -49,8 +50,9 @@ void refuse_keys_of_others(const ConfigTable& table, Remedy chosen) {
 
 ControlSettings read_control_settings(const ConfigTable& table) {
     ControlSettings s;
-    s.remedy = static_cast<Remedy>(table.choice("remedy", 0, {kRemedyNames.begin(), kRemedyNames.end()}));
-    refuse_keys_of_others(table, s.remedy);
+    s.compensator = static_cast<Compensator>(
+        table.choice("compensator", 0, {kCompensatorNames.begin(), kCompensatorNames.end()}));
+    refuse_keys_of_others(table, s.compensator);
     const auto read = [&table](const char* key, double& value, double low, double high) {
         value = table.number(key, value, low, high);
     };

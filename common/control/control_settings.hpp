@@ -1,5 +1,5 @@
-// Table [control] of a session file: which remedy against the network's delay acts at the handle in HF. A key that the chosen
-// remedy does not use is refused: it would be without effect. docs/remedies.md.
+// Table [control] of a session file: which delay compensator acts at the handle in HF. A key that the chosen
+// compensator does not use is refused: it would be without effect. docs/compensators.md.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace thimble {
 
-enum class Remedy : std::uint8_t {
+enum class Compensator : std::uint8_t {
     kNone,
     kScaled,             // a share of the force for the hand, the rest for the skin
     kPassivity,          // passivity observer and controller
@@ -24,12 +24,12 @@ enum class Remedy : std::uint8_t {
     kWave,               // wave variables; needs both sides
     kTwoPort,            // two-port passivity, for comparison; needs both sides
 };
-inline constexpr std::array<std::string_view, 9> kRemedyNames{
+inline constexpr std::array<std::string_view, 9> kCompensatorNames{
     "none",          "scaled", "passivity", "energy-bound-memoryless", "energy-bound", "two-layer",
     "local-fixture", "wave",   "two-port"};
 
 struct ControlSettings {
-    Remedy remedy = Remedy::kNone;
+    Compensator compensator = Compensator::kNone;
     double share = 0.05;                      // kScaled, 0 to 1
     double device_damping_Ns_per_m = 0.5;     // bounds and tank
     double most_damping_Ns_per_m = 250;       // kPassivity, kTwoPort
@@ -42,7 +42,7 @@ struct ControlSettings {
         std::chrono::milliseconds{2};  // kWave: play-out allows so much beyond the network's delay
 
     // Of the force for the hand in HF; 1 but for kScaled.
-    double hand_share() const { return remedy == Remedy::kScaled ? share : 1; }
+    double hand_share() const { return compensator == Compensator::kScaled ? share : 1; }
 };
 
 // Throws Error (usage).

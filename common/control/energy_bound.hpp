@@ -4,18 +4,18 @@
 //     memoryless          |F_k| <= |F_{k-1} + c Dx_k|              stores F^2 / 2c; contains Colgate's K <= 2 b_d / h
 //     least conservative  E_k = E_{k-1} + F_{k-1} Dx_k + b_d Dx_k^2 / h,   |F_k| <= sqrt(4 b_d E_k / h)
 //
-// Both keep  sum F Dx + b_d sum Dx^2 / h >= 0  for ever. (Energy bounding: Kim and Ryu 2010; derivation: docs/remedies.md.) The
+// Both keep  sum F Dx + b_d sum Dx^2 / h >= 0  for ever. (Energy bounding: Kim and Ryu 2010; derivation: docs/compensators.md.) The
 // price is softness. Without device damping there is no force. With samples later than h the bound may be passed by what F
 // did in the excess time; the least conservative form then gives no force until that is made good.
 #pragma once
 
-#include "common/control/port_remedy.hpp"
+#include "common/control/port_compensator.hpp"
 
 namespace thimble {
 
-class MemorylessBound final : public PortRemedy {
+class MemorylessBound final : public PortCompensator {
   public:
-    using PortRemedy::PortRemedy;
+    using PortCompensator::PortCompensator;
     double reach_N() const { return reach_N_; }  // the most that |F| may be now
 
   private:
@@ -46,9 +46,10 @@ class EnergyStore {
     double energy_J_ = 0;
 };
 
-class LeastConservativeBound final : public PortRemedy {
+class LeastConservativeBound final : public PortCompensator {
   public:
-    explicit LeastConservativeBound(const PortSettings& settings) : PortRemedy(settings), store_(settings) {}
+    explicit LeastConservativeBound(const PortSettings& settings)
+        : PortCompensator(settings), store_(settings) {}
     double energy_J() const { return store_.energy_J(); }  // E_k
 
   private:

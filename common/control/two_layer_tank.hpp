@@ -15,10 +15,10 @@ struct TankSettings {
     double damping_Ns_per_m = 10;  // d_c, >= 0: how strongly free motion pays for it
 };
 
-class TwoLayerTank final : public PortRemedy {
+class TwoLayerTank final : public PortCompensator {
   public:
     TwoLayerTank(const PortSettings& settings, const TankSettings& tank)
-        : PortRemedy(settings), tank_(tank), store_(settings) {}
+        : PortCompensator(settings), tank_(tank), store_(settings) {}
     double energy_J() const { return store_.energy_J(); }  // E_k
 
   private:

@@ -8,13 +8,13 @@
 //             by beta F h = -O / F_{k-1},  E_PC^S -= O
 //
 // For comparison only. The slave's controller moves the proxy and nothing moves it back: it drifts out of a forbidden region
-// while the hand is inside, and the force is gone (docs/remedies.md). F positive pushes the hand out. SI units, frame: hand.
+// while the hand is inside, and the force is gone (docs/compensators.md). F positive pushes the hand out. SI units, frame: hand.
 // A reading that is not a number is no sample at the master; the slave hears of none, messages are refused before (common/codec.hpp).
 #pragma once
 
 #include <limits>
 
-#include "common/control/port_remedy.hpp"
+#include "common/control/port_compensator.hpp"
 
 namespace thimble {
 

@@ -5,7 +5,7 @@
 //              a damper, and whatever else pushes:  F = K (x - wall)^+ + b_s (x - x_{k-1}) / h + F_other
 //
 // The slave's end is lossless: F (x_k - x_{k-1}) = h (u^2 - w^2) / 2 whatever F is. The held force of the master leaks a little
-// (0.05 mJ at most in the standard approach of docs/remedies.md). Held against the wall with force F at a delay T there and
+// (0.05 mJ at most in the standard approach of docs/compensators.md). Held against the wall with force F at a delay T there and
 // back together, the hand is F (T + h) / (2b) further than the slave: the price. b: wave impedance, Ns/m; 10 to 50 suits a
 // hand, and b < 2 m / h, or the held damper chatters. F positive pushes the hand out. SI units, frame: hand.
 #pragma once

@@ -97,9 +97,9 @@ def written_tables(programs, scratch):
     said_by([thimble, 'replay', '--needle', 'needle.csv', '--out', 'forces.csv'], scratch)
     said_by([thimble, 'sweep', '--mass-kg', '1', '--damping-Ns-per-m', '20', '--stiffness-N-per-m', '500', '--delay-s',
              '0:0.1:2', '--contact-stiffness-N-per-m', '1000:2000:2', '--out', 'map'], scratch)
-    said_by([thimble, 'remedies', '--only', 'CF', '--subjects', '1', '--delays-ms', '0', '--out', 'remedies'], scratch)
+    said_by([thimble, 'compensators', '--only', 'CF', '--subjects', '1', '--delays-ms', '0', '--out', 'compensators'], scratch)
     trajectory = next((scratch / 's/trajectories').iterdir())
-    return [('trials.csv', 'run, study, sittings: a line per trial; also control.csv, no_lag.csv, virtual.csv', 's/trials.csv'),
+    return [('trials.csv', 'run, study, participant sessions: a line per trial; also control.csv, no_lag.csv, virtual.csv', 's/trials.csv'),
             ('*_curves.csv', 'study: a line per trial', 's/trials_curves.csv'),
             ('subjects.csv', 'study: a line per virtual subject', 's/subjects.csv'),
             ('trajectories/*.csv', 'run, study --trajectories: a line per millisecond', trajectory),
@@ -108,7 +108,7 @@ def written_tables(programs, scratch):
             ('OUT.csv', 'replay: a line per sample', 'forces.csv'),
             ('OUT.events.csv', 'replay: a line per transition', 'forces.events.csv'),
             ('map.csv', 'sweep: a line per point', 'map/map.csv'),
-            ('remedies.csv', 'remedies: a line per condition and delay', 'remedies/remedies.csv')]
+            ('compensators.csv', 'compensators: a line per condition and delay', 'compensators/compensators.csv')]
 
 
 def short(column):

@@ -18,15 +18,15 @@ constexpr double kPeriod_s = 1e-3;
 
 // The hand is let go 5 mm from its rest. How far it still swings in the last of five seconds, m; force positive pushes the
 // hand out (-z).
-double last_swing_m(double delay_s, thimble::PortRemedy* remedy) {
+double last_swing_m(double delay_s, thimble::PortCompensator* compensator) {
     double position_m = 0.005, velocity_m_per_s = 0, force_N = 0, swing_m = 0;
     std::vector<double> on_the_way(static_cast<std::size_t>(std::lround(delay_s / kPeriod_s)), 0.0);
     for (std::size_t step = 0; step < 5000; ++step) {
         double& late_m = on_the_way[step % on_the_way.size()];
         const double wanted_N = kSpring_N_per_m * late_m;
         late_m = position_m;
-        if (remedy != nullptr) remedy->observe(kPeriod_s, position_m, force_N);
-        force_N = remedy == nullptr ? wanted_N : remedy->force_N(wanted_N);
+        if (compensator != nullptr) compensator->observe(kPeriod_s, position_m, force_N);
+        force_N = compensator == nullptr ? wanted_N : compensator->force_N(wanted_N);
         const double own_N = kHand.damping_Ns_per_m * velocity_m_per_s + kHand.stiffness_N_per_m * position_m;
         velocity_m_per_s -= kPeriod_s * (force_N + own_N) / kHand.mass_kg;
         position_m += kPeriod_s * velocity_m_per_s;

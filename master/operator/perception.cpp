@@ -59,7 +59,8 @@ Perception::Perception(const PerceptionParameters& parameters, const Subject& su
 
 double Perception::stimulus_N(double force_hand_N, const Percept& percept) const {
     switch (modality_) {
-        case Modality::kHF:  // and skin, where a remedy presses a part of the force there (docs/remedies.md)
+        case Modality::
+            kHF:  // and skin, where a compensator presses a part of the force there (docs/compensators.md)
             return force_hand_N + percept.force_N;
         case Modality::kVF:
             return percept.bar_N;

@@ -1,4 +1,4 @@
-// An experimenter's orders in a sitting, as the lines of prompt.hpp: an order does what the typed command does, no more.
+// An experimenter's orders in a participant session, as the lines of prompt.hpp: an order does what the typed command does, no more.
 //   Start, Resume   an empty line: go on         Repeat   r        Exclude   x        Quit   q
 // Pause holds back the next trial where nobody is asked. It refuses orders that a participant session has no line for (another delay or network, ending a trial): the plan sets its conditions.
 #pragma once
@@ -6,9 +6,9 @@
 #include <atomic>
 #include <deque>
 
+#include "session/participant/line_source.hpp"
 #include "session/play/monitor_feed.hpp"
 #include "session/play/order_taker.hpp"
-#include "session/sitting/line_source.hpp"
 
 namespace thimble {
 

@@ -33,7 +33,7 @@ std::optional<Refusal> PlayHandler::obey(SessionTime now, const Order& order) {
         case OrderKind::kExclude:
         case OrderKind::kSeek:
         case OrderKind::kSpeed:
-            return Refusal::kUnexpectedKind;  // of sittings and of replays
+            return Refusal::kUnexpectedKind;  // of participant sessions and of replays
     }
     return Refusal::kUnexpectedKind;
 }

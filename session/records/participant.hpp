@@ -1,4 +1,4 @@
-// Whom a sitting is with. A participant is a number and nothing else: "P07" on the command line, sub-07 in
+// Whom a participant session is with. A participant is a number and nothing else: "P07" on the command line, sub-07 in
 // the data. Any other name is refused, so that no person's name gets into the data.
 #pragma once
 

@@ -20,7 +20,8 @@ struct TrialConditions {
     double delay_s = 0;             // one-way, virtual environment to handle, fingertips and bar
     double fixture_position_m = 0;  // drawn anew for every trial
     bool removes_fixture = false;   // it vanishes with the beep (experiment 2)
-    Remedy remedy = Remedy::kNone;  // against delay, in HF ([control]); the session says which one acted
+    Compensator compensator =
+        Compensator::kNone;  // against delay, in HF ([control]); the session says which one acted
 };
 
 // One answer of slave_sim. Forces act on the operator (negative resists insertion); z positive into the

@@ -76,16 +76,17 @@ void read_outcome(const CsvField& field, TrialRow& row) {
     }
 }
 
-void write_remedy(Out out, const TrialRow& row) {
-    fmt::format_to(out, "{}", kRemedyNames[static_cast<std::size_t>(row.conditions.remedy)]);
+void write_compensator(Out out, const TrialRow& row) {
+    fmt::format_to(out, "{}", kCompensatorNames[static_cast<std::size_t>(row.conditions.compensator)]);
 }
 
 // A table of an earlier version has no such field, so its value is unknown.
-void read_remedy(const CsvField& field, TrialRow& row) {
+void read_compensator(const CsvField& field, TrialRow& row) {
     if (field.text.empty()) return;
-    const auto* const name = std::find(kRemedyNames.begin(), kRemedyNames.end(), field.text);
-    if (name == kRemedyNames.end()) field.fail(fmt::format("is none of {}", fmt::join(kRemedyNames, ", ")));
-    row.conditions.remedy = static_cast<Remedy>(name - kRemedyNames.begin());
+    const auto* const name = std::find(kCompensatorNames.begin(), kCompensatorNames.end(), field.text);
+    if (name == kCompensatorNames.end())
+        field.fail(fmt::format("is none of {}", fmt::join(kCompensatorNames, ", ")));
+    row.conditions.compensator = static_cast<Compensator>(name - kCompensatorNames.begin());
 }
 
 using R = TrialRow;
@@ -117,7 +118,7 @@ constexpr std::array kColumns{
     number<&R::metrics, &M::puncture_time_s>("puncture_time_s"),
     number<&R::metrics, &M::first_contact_time_s>("first_contact_time_s"),
     number<&R::metrics, &M::duration_s>("duration_s"),
-    Column{"remedy", write_remedy, read_remedy},
+    Column{"remedy", write_compensator, read_compensator},
 };
 
 constexpr auto kColumnNames = [] {

@@ -63,7 +63,8 @@ SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& se
 
 void SessionProcess::start(const TrialConditions& conditions, std::uint32_t number) {
     record_.conditions = conditions;
-    record_.conditions.remedy = conditions.modality == Modality::kHF ? settings_.remedy : Remedy::kNone;
+    record_.conditions.compensator =
+        conditions.modality == Modality::kHF ? settings_.compensator : Compensator::kNone;
     record_.samples.clear();
     record_.network_events.clear();
     if (!network_.empty()) note_network(0, true);

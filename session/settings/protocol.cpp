@@ -146,8 +146,8 @@ std::vector<TrialConditions> subject_trials(const Protocol& protocol, std::uint3
     return trials;
 }
 
-std::vector<TrialConditions> sitting_trials(const Protocol& protocol, const Protocol* further,
-                                            std::uint32_t subject) {
+std::vector<TrialConditions> participant_trials(const Protocol& protocol, const Protocol* further,
+                                                std::uint32_t subject) {
     const std::vector<TrialConditions> own = subject_trials(protocol, subject);
     return further != nullptr ? interleaved(own, subject_trials(*further, subject)) : own;
 }
@@ -159,8 +159,9 @@ std::vector<TrialConditions> all_trials(const std::vector<Protocol>& protocols) 
                                       ? &protocols[i + 1]
                                       : nullptr;
         for (std::uint32_t subject = 1; subject <= protocols[i].subjects; ++subject) {
-            const std::vector<TrialConditions> sitting = sitting_trials(protocols[i], further, subject);
-            trials.insert(trials.end(), sitting.begin(), sitting.end());
+            const std::vector<TrialConditions> session_trials =
+                participant_trials(protocols[i], further, subject);
+            trials.insert(trials.end(), session_trials.begin(), session_trials.end());
         }
         if (further != nullptr) ++i;
     }

@@ -44,9 +44,9 @@ std::vector<std::vector<std::uint32_t>> williams_design(std::uint32_t conditions
 std::vector<TrialConditions> subject_trials(const Protocol& protocol, std::uint32_t subject);
 // The same with the removal trials of the same people (`further`, experiment 2 after 1) where they are done:
 // one after the first half of a subject's trials, one after the second, and so on. `further` may be null.
-std::vector<TrialConditions> sitting_trials(const Protocol& protocol, const Protocol* further,
-                                            std::uint32_t subject);
-// Subject after subject. The removal trials of the same people (experiment 2 after 1) stand in their sittings.
+std::vector<TrialConditions> participant_trials(const Protocol& protocol, const Protocol* further,
+                                                std::uint32_t subject);
+// Subject after subject. The removal trials of the same people (experiment 2 after 1) stand in their participant sessions.
 std::vector<TrialConditions> all_trials(const std::vector<Protocol>& protocols);
 
 }  // namespace thimble

@@ -20,7 +20,8 @@ std::vector<std::uint32_t> read_experiments(const ConfigTable& table) {
     const std::vector<std::vector<std::uint32_t>> allowed{{1}, {2}, {1, 2}, {3}};
     if (std::find(allowed.begin(), allowed.end(), experiments) == allowed.end()) {
         table.fail("experiments",
-                   "must be [1], [2], [1, 2] or [3]: 1 and 2 are without delay and 3 is with, and a sitting "
+                   "must be [1], [2], [1, 2] or [3]: 1 and 2 are without delay and 3 is with, and a "
+                   "participant session "
                    "has one delay; give other people, or another day, a file and a folder of their own");
     }
     return experiments;

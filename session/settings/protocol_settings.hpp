@@ -1,4 +1,4 @@
-// Tables [protocol] and [dataset] of a session file: the sitting of one participant after another, and what
+// Tables [protocol] and [dataset] of a session file: the participant session of one participant after another, and what
 // the data are called. Without [protocol] `thimble run` runs one trial per modality and delay.
 #pragma once
 
@@ -13,8 +13,9 @@ namespace thimble {
 enum class RepeatWhen : std::uint8_t { kEndOfBlock, kAtOnce };
 
 struct ProtocolSettings {
-    std::vector<std::uint32_t> experiments{3};  // [1], [2], [1, 2] or [3]: a sitting has one delay
-    std::uint32_t subjects = 10;                // planned: participants P01 to P<subjects>
+    std::vector<std::uint32_t> experiments{
+        3};                       // [1], [2], [1, 2] or [3]: a participant session has one delay
+    std::uint32_t subjects = 10;  // planned: participants P01 to P<subjects>
     std::uint32_t trials_per_modality = 6;
     std::uint32_t removals = 2;  // of the fixture, per participant; experiment 2
     std::uint32_t practice_trials = 4;

@@ -21,7 +21,7 @@ struct SessionSettings {
     // Of a person, whose handle may not know when a trial is over: it has also ended once the needle, after
     // the beep, was free of the tissue for kWithdrawnFor.
     bool ends_by_withdrawal = false;
-    Remedy remedy = Remedy::kNone;  // that acts in HF, for the record
+    Compensator compensator = Compensator::kNone;  // that acts in HF, for the record
     // The subject's window may ask to go on, while a page waits for that, and nothing else.
     bool subject_goes_on = false;
 };

@@ -139,7 +139,7 @@ SessionSettings session_settings(const SystemSettings& settings) {
     session.user_limit = user_limit(settings.handle);
     session.sample_period = settings.master.sample_period;
     session.force_delay = settings.netem.force.delay;
-    session.remedy = settings.master.control.remedy;
+    session.compensator = settings.master.control.compensator;
     session.network_delay += longest(settings.netem.needle, settings.netem.needle_timeline) +
                              longest(settings.netem.force, settings.netem.force_timeline);
     return session;

@@ -32,7 +32,7 @@ class CellWriter {
     std::vector<std::optional<double>> critical_N_per_m_;  // by hand and delay
 };
 
-// The theory of a column (all of its cells have the same): the stiffness at which the loop without remedy, jitter and loss becomes
+// The theory of a column (all of its cells have the same): the stiffness at which the loop without compensator, jitter and loss becomes
 // unstable, of the passive hand or of the virtual operator's nominal one.
 double passive_critical_N_per_m(const MapGrid& grid, const CellPlace& place);
 double virtual_critical_N_per_m(const MapGrid& grid, const CellPlace& place);

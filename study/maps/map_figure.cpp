@@ -25,7 +25,8 @@ std::string whole_table(const std::filesystem::path& path) {
 std::string title_of(const MapGrid& g, std::size_t panel) {
     const CellPlace p = place_of(g, panel * g.panel());
     std::string title = g.who == MapOperator::kVirtual ? "virtual operator" : "hand " + g.hands[p.hand].name;
-    if (g.remedies.size() > 1 || g.remedies[0] != "none") title += ", " + g.remedies[p.remedy];
+    if (g.compensators.size() > 1 || g.compensators[0] != "none")
+        title += ", " + g.compensators[p.compensator];
     if (g.jitters_s.size() > 1 || g.jitters_s[0] > 0)
         title += fmt::format(", jitter {:g} ms", 1e3 * g.jitters_s[p.jitter]);
     if (g.losses.size() > 1 || g.losses[0] > 0) title += fmt::format(", loss {:g} %", 100 * g.losses[p.loss]);

@@ -1,4 +1,4 @@
-// The picture of a map: outcomes as points, a panel for each hand, remedy, jitter and loss, the boundary of the theory over them.
+// The picture of a map: outcomes as points, a panel for each hand, compensator, jitter and loss, the boundary of the theory over them.
 #pragma once
 
 #include <filesystem>

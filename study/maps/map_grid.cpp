@@ -49,8 +49,9 @@ bool all_within(const std::vector<double>& values, double low, double high) {
            std::all_of(values.begin(), values.end(), [&](double v) { return v >= low && v <= high; });
 }
 
-bool known_remedy(const MapGrid& grid, const std::string& name) {
-    if (std::find(kRemedyNames.begin(), kRemedyNames.end(), name) != kRemedyNames.end()) return true;
+bool known_compensator(const MapGrid& grid, const std::string& name) {
+    if (std::find(kCompensatorNames.begin(), kCompensatorNames.end(), name) != kCompensatorNames.end())
+        return true;
     const auto same = [&](Modality modality) { return name == to_string(modality); };
     return grid.who == MapOperator::kVirtual && std::any_of(kModalities.begin(), kModalities.end(), same);
 }
@@ -75,7 +76,7 @@ CellPlace place_of(const MapGrid& g, std::size_t cell) {
     place.delay = take(g.delays_s.size());
     place.loss = take(g.losses.size());
     place.jitter = take(g.jitters_s.size());
-    place.remedy = take(g.remedies.size());
+    place.compensator = take(g.compensators.size());
     place.hand = take(g.hands.size());
     return place;
 }
@@ -112,12 +113,12 @@ void require_meaningful(const MapGrid& g) {
             "loss must be 0 to 0.5 (with longer bursts up to burst / (1 + burst))");
     require(std::isfinite(g.press_N + g.force_limit_N + g.encoder_step_m + g.friction_N + g.mean_burst),
             "press, force limit, encoder, friction and burst must be finite");
-    require(!g.hands.empty() && !g.remedies.empty(), "needs a hand and a remedy (none)");
+    require(!g.hands.empty() && !g.compensators.empty(), "needs a hand and a compensator (none)");
     require(static_cast<double>(g.panels()) * static_cast<double>(g.panel()) <= kMostCells,
             "at most 1e8 cells");
-    for (const std::string& name : g.remedies) {
-        require(known_remedy(g, name),
-                fmt::format("--remedy {}: choose from {}{}", name, fmt::join(kRemedyNames, ", "),
+    for (const std::string& name : g.compensators) {
+        require(known_compensator(g, name),
+                fmt::format("--compensator {}: choose from {}{}", name, fmt::join(kCompensatorNames, ", "),
                             g.who == MapOperator::kVirtual ? ", CF, CCF, VF" : "")
                     .c_str());
     }
@@ -129,8 +130,9 @@ std::string grid_text(const MapGrid& g) {
         text += fmt::format("hand {}: {} kg {} Ns/m {} N/m\n", h.name, h.hand.mass_kg,
                             h.hand.damping_Ns_per_m, h.hand.stiffness_N_per_m);
     text += fmt::format(
-        "remedy {}\njitter_s {}\nloss {}, in bursts of {}\ndelay_s {}\nstiffness_N_per_m {}, gain 1 is {}\n",
-        fmt::join(g.remedies, " "), fmt::join(g.jitters_s, " "), fmt::join(g.losses, " "), g.mean_burst,
+        "compensator {}\njitter_s {}\nloss {}, in bursts of {}\ndelay_s {}\nstiffness_N_per_m {}, gain 1 is "
+        "{}\n",
+        fmt::join(g.compensators, " "), fmt::join(g.jitters_s, " "), fmt::join(g.losses, " "), g.mean_burst,
         fmt::join(g.delays_s, " "), fmt::join(g.stiffness_N_per_m, " "), g.full_stiffness_N_per_m);
     text +=
         fmt::format("step {} s, press {} N, limit {} N, encoder {} m, friction {} N\nseed {}, trials {}\n",

@@ -1,4 +1,4 @@
-// A map: which loops are run. Cells are numbered; delay against stiffness makes a panel, panels are told apart by hand, remedy,
+// A map: which loops are run. Cells are numbered; delay against stiffness makes a panel, panels are told apart by hand, compensator,
 // jitter and loss. In a panel stiffness runs fastest, then delay. Everything here follows from the command line alone, so that
 // every rank and a later run number the same cells alike.
 #pragma once
@@ -27,7 +27,7 @@ struct MapGrid {
     MapOperator who = MapOperator::kPassive;
     std::vector<NamedHand> hands;
     std::vector<std::string>
-        remedies;  // "none" or a name of [control] remedy; virtual operator: CF, CCF, VF as well
+        compensators;  // "none" or a name of [control] compensator; virtual operator: CF, CCF, VF as well
     std::vector<double> jitters_s, losses, delays_s, stiffness_N_per_m;
 
     double mean_burst = 1;
@@ -40,12 +40,14 @@ struct MapGrid {
 
     std::size_t column() const { return stiffness_N_per_m.size(); }
     std::size_t panel() const { return delays_s.size() * column(); }
-    std::size_t panels() const { return hands.size() * remedies.size() * jitters_s.size() * losses.size(); }
+    std::size_t panels() const {
+        return hands.size() * compensators.size() * jitters_s.size() * losses.size();
+    }
     std::size_t cells() const { return panels() * panel(); }
 };
 
 struct CellPlace {
-    std::size_t hand, remedy, jitter, loss, delay, stiffness;
+    std::size_t hand, compensator, jitter, loss, delay, stiffness;
 };
 CellPlace place_of(const MapGrid& grid, std::size_t cell);
 

@@ -42,9 +42,9 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
         ->capture_default_str()
         ->check(CLI::PositiveNumber);
     command
-        .add_option("--remedy", a.remedies,
+        .add_option("--compensator", a.compensators,
                     "none, scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
-                    "local-fixture, wave, two-port (docs/remedies.md), several with commas")
+                    "local-fixture, wave, two-port (docs/compensators.md), several with commas")
         ->delimiter(',')
         ->capture_default_str();
 }
@@ -82,7 +82,7 @@ void add_operator_options(CLI::App& command, SweepArguments& a) {
     command
         .add_option("--operator", a.who,
                     "passive: a held hand presses; virtual: trials of experiment 3 by virtual subjects, "
-                    "who have hands of their own; --remedy may be CF, CCF, VF too")
+                    "who have hands of their own; --compensator may be CF, CCF, VF too")
         ->capture_default_str()
         ->check(CLI::IsMember({"passive", "virtual"}));
     command
@@ -109,8 +109,9 @@ void add_sweep_options(CLI::App& command, SweepArguments& a) {
     command.add_flag("--overwrite", a.overwrite, "begin anew; without it an interrupted sweep goes on");
     command.footer(
         "Examples:\n  thimble sweep --hand D --out out/map\n"
-        "  thimble sweep --hand A,D --remedy none,wave,energy-bound --jitter-s 0,0.005 --loss 0,0.05 --out "
-        "out/remedies\n"
+        "  thimble sweep --hand A,D --compensator none,wave,energy-bound --jitter-s 0,0.005 --loss 0,0.05 "
+        "--out "
+        "out/compensators\n"
         "  mpirun -n 4 thimble sweep --hand A,B,C,D,E --out out/hands\n"
         "What the classes mean, and why peak-to-peak alone is not one: docs/stability.md");
 }
@@ -131,7 +132,7 @@ MapGrid grid_of(const SweepArguments& a) {
     } else {
         for (const std::string& letter : a.hands) grid.hands.push_back(named_hand(letter));
     }
-    grid.remedies = a.remedies;
+    grid.compensators = a.compensators;
     grid.delays_s = parse_map_axis("--delay-s", a.delays, false);
     grid.jitters_s = parse_map_axis("--jitter-s", a.jitters, false);
     grid.losses = parse_map_axis("--loss", a.losses, false);

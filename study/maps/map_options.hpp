@@ -14,7 +14,7 @@ class App;
 namespace thimble {
 
 struct SweepArguments {
-    std::vector<std::string> hands{"D"}, remedies{"none"};
+    std::vector<std::string> hands{"D"}, compensators{"none"};
     HeldMass own_hand;  // a mass above 0: instead of `hands`
     std::string delays = "0:0.2:41", stiffness, gain, jitters = "0", losses = "0", who = "passive";
     std::string out;

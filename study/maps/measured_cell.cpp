@@ -6,7 +6,7 @@
 
 #include "stability/stability_map.hpp"
 #include "study/maps/cells.hpp"
-#include "study/maps/remedied_loop.hpp"
+#include "study/maps/compensated_loop.hpp"
 
 namespace thimble {
 namespace {
@@ -25,14 +25,14 @@ LoopConditions conditions_of(const MapGrid& g, const CellPlace& place) {
     return c;
 }
 
-Remedy remedy_named(const std::string& name) {
+Compensator compensator_named(const std::string& name) {
     std::size_t i = 0;
-    while (i + 1 < kRemedyNames.size() && kRemedyNames[i] != name) ++i;
-    return static_cast<Remedy>(i);
+    while (i + 1 < kCompensatorNames.size() && kCompensatorNames[i] != name) ++i;
+    return static_cast<Compensator>(i);
 }
 
 // The largest share of this stiffness that is stable with the longest delay, times a margin; 1 if all of it is.
-double stable_share_of(const RemediedConditions& c, double critical_N_per_m) {
+double stable_share_of(const CompensatedConditions& c, double critical_N_per_m) {
     SampledLoop longest = c.loop.loop;
     longest.delay_s += c.jitter_s;
     if (c.jitter_s > 0) critical_N_per_m = critical_sampled_stiffness(longest).stiffness_N_per_m;
@@ -45,10 +45,10 @@ struct HeldCell {
     double effective_delay_s = std::numeric_limits<double>::quiet_NaN();
 };
 
-HeldCell held(const RemediedConditions& conditions) {
+HeldCell held(const CompensatedConditions& conditions) {
     const HoldPlan plan;
     HoldWatch watch(plan, conditions.loop.loop.step_s);
-    RemediedLoop run(conditions, plan.start_m, plan.start_m_per_s);
+    CompensatedLoop run(conditions, plan.start_m, plan.start_m_per_s);
     for (double before_m = run.sampled_m(); !watch.over();) {
         run.step();
         const double now_m = run.sampled_m();
@@ -74,15 +74,15 @@ double passive_critical_N_per_m(const MapGrid& grid, const CellPlace& place) {
 }
 
 std::string passive_measures(const MapGrid& grid, const CellPlace& place, double critical_N_per_m) {
-    RemediedConditions c;
+    CompensatedConditions c;
     c.loop = conditions_of(grid, place);
-    c.control.remedy = remedy_named(grid.remedies[place.remedy]);
+    c.control.compensator = compensator_named(grid.compensators[place.compensator]);
     c.jitter_s = grid.jitters_s[place.jitter];
     c.loss = grid.losses[place.loss];
     c.mean_burst = grid.mean_burst;
     c.seed = grid.seed;
-    if (c.control.remedy == Remedy::kScaled) c.control.share = stable_share_of(c, critical_N_per_m);
-    const bool plain = c.control.remedy == Remedy::kNone && c.jitter_s == 0 && c.loss == 0;
+    if (c.control.compensator == Compensator::kScaled) c.control.share = stable_share_of(c, critical_N_per_m);
+    const bool plain = c.control.compensator == Compensator::kNone && c.jitter_s == 0 && c.loss == 0;
     const HeldCell cell =
         plain ? HeldCell{measured_hold(c.loop, {}), c.loop.loop.delay_s + grid.step_s / 2} : held(c);
     const HoldOutcome& h = cell.hold;
@@ -123,10 +123,11 @@ std::string CellWriter::rows(const CellRange& range) {
     for (std::size_t cell = range.first; cell < range.first + range.count; ++cell) {
         const CellPlace p = place_of(g, cell);
         const double stiffness = g.stiffness_N_per_m[p.stiffness], critical = critical_N_per_m(p);
-        rows += fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},", g.hands[p.hand].name,
-                            person ? "virtual" : "passive", g.remedies[p.remedy], g.jitters_s[p.jitter],
-                            g.losses[p.loss], g.delays_s[p.delay], stiffness / g.full_stiffness_N_per_m,
-                            stiffness, number_or_nothing(critical, "{:.9g}"));
+        rows +=
+            fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},", g.hands[p.hand].name,
+                        person ? "virtual" : "passive", g.compensators[p.compensator], g.jitters_s[p.jitter],
+                        g.losses[p.loss], g.delays_s[p.delay], stiffness / g.full_stiffness_N_per_m,
+                        stiffness, number_or_nothing(critical, "{:.9g}"));
         rows += person ? virtual_measures(g, p) : passive_measures(g, p, critical);
         rows += '\n';
     }

@@ -1,4 +1,4 @@
-// A cell with the virtual operator: experiment 3's trials with a remedy in the place of HF, or with CF, CCF, VF.
+// A cell with the virtual operator: experiment 3's trials with a compensator in the place of HF, or with CF, CCF, VF.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "study/compensators/compensator_study.hpp"
 #include "study/loop_limits.hpp"
 #include "study/maps/cells.hpp"
-#include "study/remedies/remedy_study.hpp"
 
 namespace thimble {
 namespace {
@@ -33,7 +33,7 @@ SystemSettings settings_of(const MapGrid& g, const CellPlace& place) {
     return settings;
 }
 
-char outcome_of(const RemedyRow& row) {
+char outcome_of(const CompensatorRow& row) {
     if (2 * row.oscillating > row.trials) return 'O';
     return row.oscillating == 0 && row.completed == row.trials ? 'S' : 'M';
 }
@@ -61,16 +61,16 @@ double virtual_critical_N_per_m(const MapGrid& g, const CellPlace& place) {
 
 std::string virtual_measures(const MapGrid& g, const CellPlace& place) {
     const SystemSettings settings = settings_of(g, place);
-    RemedyStudyOptions options;
+    CompensatorStudyOptions options;
     // Delays are drawn about their mean there, here from the least one up.
     const double delay_s = g.delays_s[place.delay] + g.jitters_s[place.jitter] / 2;
     options.networks = plain_networks({delay_s});
-    const std::string& remedy = g.remedies[place.remedy];
-    options.names = {remedy == kRemedyNames[0] ? to_string(Modality::kHF) : remedy};
+    const std::string& compensator = g.compensators[place.compensator];
+    options.names = {compensator == kCompensatorNames[0] ? to_string(Modality::kHF) : compensator};
     options.subjects = g.trials;
     options.seed = g.seed;
     options.jobs = 1;
-    const RemedyRow row = run_remedy_study(settings, options).at(0);
+    const CompensatorRow row = run_compensator_study(settings, options).at(0);
     return fmt::format(",,{},,{},,,{},{:.6g},{},{},{},{},{},{}", outcome_of(row),
                        field(row.oscillation_peak_to_peak_m / settings.master.position_scale),
                        field(delay_s + to_seconds(settings.master.sample_period) / 2), row.share, row.trials,

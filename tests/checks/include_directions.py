@@ -18,9 +18,9 @@ SUB_ROOMS = {
     "cutaneous_node": ("fingertip", "can", "board", "emulator"),
     "visual_node": ("gamepad", "window", "views"),
     "stability": (".",),
-    "session": ("records", "clocks", "log", "settings", "launch", "run", "virtual", "sitting", "play", "film", "observe"),
+    "session": ("records", "clocks", "log", "settings", "launch", "run", "virtual", "participant", "play", "render", "observe"),
     "analysis": ("statistics", "text", "tables", "claims", "figures", ".", "report"),
-    "study": (".", "remedies", "maps", "sweeps"),
+    "study": (".", "compensators", "maps", "sweeps"),
     "thimble": ("doctor", "link_test", "log", "commands", "."),
 }
 # Made by flatc from common/messages.fbs. The wire structs end at the codec.

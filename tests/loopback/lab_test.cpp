@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "common/security/lab_key_file.hpp"
-#include "session/sitting/dataset.hpp"
-#include "session/sitting/record_table.hpp"
+#include "session/participant/dataset.hpp"
+#include "session/participant/record_table.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {

@@ -27,9 +27,9 @@ const std::filesystem::path kMpirun = "/usr/bin/mpirun";
     if (!std::filesystem::exists(kMpirun)) GTEST_SKIP() << kMpirun << " is missing: package openmpi-bin"
 
 std::vector<std::string> map_words(const std::filesystem::path& out, std::vector<std::string> more) {
-    std::vector<std::string> words{"--hand",     "B",        "--remedy",  "none,wave",
-                                   "--jitter-s", "0,0.003",  "--delay-s", "0:0.1:3",
-                                   "--gain",     "0.02:2:4", "--out",     out.string()};
+    std::vector<std::string> words{"--hand",     "B",        "--compensator", "none,wave",
+                                   "--jitter-s", "0,0.003",  "--delay-s",     "0:0.1:3",
+                                   "--gain",     "0.02:2:4", "--out",         out.string()};
     words.insert(words.end(), more.begin(), more.end());
     return words;
 }
@@ -139,8 +139,8 @@ TEST(MapProgram, TheVirtualOperatorsCells) {
     const Folder folder;
     const Outcome outcome =
         run_to_end(built_programs() / "thimble",
-                   {"sweep", "--operator", "virtual", "--remedy", "none,CF", "--delay-s", "0.05", "--gain",
-                    "1", "--loss", "0.01", "--out", (folder / "map").string()});
+                   {"sweep", "--operator", "virtual", "--compensator", "none,CF", "--delay-s", "0.05",
+                    "--gain", "1", "--loss", "0.01", "--out", (folder / "map").string()});
     ASSERT_EQ(outcome.code, 0) << outcome.words;
     const std::string table = read_text(folder / "map/map.csv");
     EXPECT_THAT(table, HasSubstr("\nvirtual,virtual,none,0,0.01,0.05,1,9000,"));

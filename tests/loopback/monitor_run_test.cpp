@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
-#include "session/sitting/dataset.hpp"
-#include "session/sitting/record_table.hpp"
+#include "session/participant/dataset.hpp"
+#include "session/participant/record_table.hpp"
 #include "tests/loopback/played_view.hpp"
 #include "tests/loopback/real_run.hpp"
 
@@ -56,7 +56,7 @@ TEST(MonitorOfARun, WithoutItNobodyListens) {
     run.end();
 }
 
-TEST(MonitorOfASitting, ATrialIsRepeatedWhenTheViewAsks) {
+TEST(MonitorOfAParticipantSession, ATrialIsRepeatedWhenTheViewAsks) {
     const Folder folder;
     const PortBlock ports;
     const auto file =

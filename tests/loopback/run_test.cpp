@@ -119,10 +119,10 @@ TEST(WholeRun, JitterAndLossAreSurvivedAndCounted) {
 }
 
 // Every node reads the same [control]; waves go there and back, and no node refuses any.
-TEST(RemedyRun, WavesGoBetweenRealProcesses) {
+TEST(CompensatorRun, WavesGoBetweenRealProcesses) {
     SessionFile session;
     session.delays_s = "[0.02]";
-    session.more = "[control]\nremedy = \"wave\"\nwave_jitter_s = 0.02\n";
+    session.more = "[control]\ncompensator = \"wave\"\nwave_jitter_s = 0.02\n";
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words();
     const auto rows = run.rows();

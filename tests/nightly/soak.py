@@ -1,4 +1,4 @@
-"""A sitting of a virtual participant with the real programs, for as long as asked, over a network with jitter and loss.
+"""A participant session of a virtual participant with the real programs, for as long as asked, over a network with jitter and loss.
 
 usage: soak.py PROGRAMS SECONDS [BASE_PORT]
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "session/virtual/virtual_session.hpp"
-#include "study/with_remedy.hpp"
+#include "study/with_compensator.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -196,7 +196,7 @@ class WavesInATrial : public testing::Test {
     static SystemSettings with_waves(Duration force_delay) {
         SystemSettings s = paper_with_delays({}, force_delay);
         s.slave.contact_hold = s.session.contact_hold = seconds{100};
-        return with_control(s, control_for(s, Remedy::kWave));
+        return with_control(s, control_for(s, Compensator::kWave));
     }
     void begin(Duration force_delay) {
         rig = std::make_unique<Rig>(with_waves(force_delay));

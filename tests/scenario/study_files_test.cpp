@@ -47,34 +47,34 @@ TEST(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(StudyFiles, RemediesAreComparedByTheSameStatistics) {
-    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_study_remedies";
+TEST(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
+    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_study_compensators";
     std::filesystem::remove_all(folder);
     StudyOptions options;
     options.protocols = {experiment_3(paper(), 3, 1)};
     options.protocols[0].trials_per_modality = 1;
     options.control = false;
-    options.remedies = {Remedy::kWave, Remedy::kLeastConservative};
+    options.compensators = {Compensator::kWave, Compensator::kLeastConservative};
     options.out = folder;
     ASSERT_TRUE(run_study(paper(), options).complete);
     const auto plain = read_trial_table(folder / "trials.csv"),
                waves = read_trial_table(folder / "hf_wave.csv");
     ASSERT_EQ(plain.size(), 12U);
     ASSERT_EQ(waves.size(), 3U);
-    for (const TrialRow& row : plain) EXPECT_EQ(row.conditions.remedy, Remedy::kNone);
+    for (const TrialRow& row : plain) EXPECT_EQ(row.conditions.compensator, Compensator::kNone);
     for (const TrialRow& row : waves) {
-        EXPECT_EQ(row.conditions.remedy, Remedy::kWave);
+        EXPECT_EQ(row.conditions.compensator, Compensator::kWave);
         EXPECT_FALSE(row.metrics.oscillates);
     }
-    const auto analysis = nlohmann::json::parse(read_text(folder / "remedies.json"));
+    const auto analysis = nlohmann::json::parse(read_text(folder / "compensators.json"));
     const std::string text = analysis.dump();
     for (const char* name : {"HF+wave", "HF+energy-bound", "CCF"})
         EXPECT_NE(text.find(name), std::string::npos) << name;
     // The paper's claims are about HF as it is.
     EXPECT_EQ(read_text(folder / "analysis.json").find("HF+"), std::string::npos);
-    // A study with other remedies than these goes on, with its own beside them.
+    // A study with other compensators than these goes on, with its own beside them.
     options.if_exists = IfExists::kContinue;
-    options.remedies = {Remedy::kWave};
+    options.compensators = {Compensator::kWave};
     EXPECT_EQ(run_study(paper(), options).resumed, 15U);
     std::filesystem::remove_all(folder);
 }

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
-#include "session/film/film.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
+#include "session/render/render.hpp"
 #include "tests/loopback/played_view.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/views/pushed_needle.hpp"
@@ -113,10 +113,10 @@ TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAl
 
     // Its first trial again, as pictures.
     const auto frames = folder_ / "frames";
-    Child film(kThimble,
-               {"play", "--replay", out.string(), "--frames", frames.string(), "--frames-per-s", "5"},
-               folder_ / "film");
-    ASSERT_EQ(film.wait(kPatience), 0) << read_text(folder_ / "film");
+    Child video(kThimble,
+                {"play", "--replay", out.string(), "--frames", frames.string(), "--frames-per-s", "5"},
+                folder_ / "render");
+    ASSERT_EQ(video.wait(kPatience), 0) << read_text(folder_ / "render");
     const Trajectory trajectory = read_trajectory(first);
     const std::size_t count = frame_count(trajectory.samples.back().time_s, 5);
     EXPECT_TRUE(std::filesystem::exists(frame_file(frames, count - 1)));

@@ -12,8 +12,8 @@
 #include "analysis/analysis.hpp"
 #include "analysis/claims/claims.hpp"
 #include "common/json_text.hpp"
+#include "session/participant/counted_trials.hpp"
 #include "session/records/trial_table.hpp"
-#include "session/sitting/counted_trials.hpp"
 #include "thimble/commands/analysis_option.hpp"
 #include "thimble/commands/commands.hpp"
 

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "session/sitting/motion_export.hpp"
+#include "session/participant/motion_export.hpp"
 #include "thimble/commands/commands.hpp"
 
 namespace thimble {
@@ -28,10 +28,11 @@ int write_bids(const BidsArguments& a) {
 Subcommand add_bids(CLI::App& app) {
     const auto arguments = std::make_shared<BidsArguments>();
     BidsArguments& a = *arguments;
-    CLI::App* bids = app.add_subcommand(
-        "bids",
-        "a Motion-BIDS dataset of the trajectories of sittings, a study or a run (docs/interoperability.md)");
-    bids->add_option("folder", a.from, "of a sitting, of thimble study --trajectories, or of thimble run")
+    CLI::App* bids = app.add_subcommand("bids",
+                                        "a Motion-BIDS dataset of the trajectories of participant sessions, "
+                                        "a study or a run (docs/interoperability.md)");
+    bids->add_option("folder", a.from,
+                     "of a participant session, of thimble study --trajectories, or of thimble run")
         ->required();
     bids->add_option("-o,--out", a.out, "new folder")->required();
     bids->footer(

@@ -29,7 +29,7 @@ Subcommand add_config(CLI::App& app);
 Subcommand add_doctor(CLI::App& app);
 Subcommand add_bids(CLI::App& app);
 Subcommand add_exclude(CLI::App& app);
-Subcommand add_remedies(CLI::App& app);
+Subcommand add_compensators(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);
 Subcommand add_stability(CLI::App& app);
 Subcommand add_map(CLI::App& app);

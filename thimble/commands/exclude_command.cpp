@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "session/sitting/run_sitting.hpp"
+#include "session/participant/run_participant.hpp"
 #include "thimble/commands/commands.hpp"
 
 namespace thimble {

@@ -57,9 +57,9 @@ int run_sweep(const SweepArguments& arguments) {
 
 Subcommand add_map(CLI::App& app) {
     const auto arguments = std::make_shared<SweepArguments>();
-    CLI::App* command = app.add_subcommand(
-        "sweep",
-        "stability maps: delay against stiffness for hands, remedies and networks, measured and by theory");
+    CLI::App* command = app.add_subcommand("sweep",
+                                           "stability maps: delay against stiffness for hands, compensators "
+                                           "and networks, measured and by theory");
     add_sweep_options(*command, *arguments);
     return {command, [arguments] { return run_sweep(*arguments); }};
 }

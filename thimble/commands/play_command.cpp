@@ -14,8 +14,8 @@
 #include "session/play/replay_clock.hpp"
 #include "session/play/replay_session.hpp"
 #include "thimble/commands/commands.hpp"
-#include "thimble/commands/film_options.hpp"
 #include "thimble/commands/real_run.hpp"
+#include "thimble/commands/render_options.hpp"
 
 namespace thimble {
 namespace {
@@ -25,7 +25,7 @@ struct PlayArguments {
     double delay_s = 0.05, seconds = 0, speed = 1;
     std::size_t trial = 1;
     int base_port = 0;
-    FilmArguments film;
+    RenderArguments render;
 };
 
 std::vector<std::string> words_of(const std::string& command) {
@@ -67,11 +67,11 @@ int run_play(const PlayArguments& arguments) {
     options.record = arguments.record;
     if (arguments.seconds > 0) options.longest = from_seconds(arguments.seconds);
     options.stop = &stop_requested();
-    if (arguments.film.asked()) {
+    if (arguments.render.asked()) {
         install_stop_signals();
         const auto hold_s = to_seconds(settings.slave.contact_hold);
-        return film_and_say(find_recorded_trial(arguments.replay, arguments.trial, hold_s), settings.visual,
-                            arguments.film, options.stop);
+        return render_and_say(find_recorded_trial(arguments.replay, arguments.trial, hold_s), settings.visual,
+                              arguments.render, options.stop);
     }
     if (arguments.visual_command.empty()) check_window(program_folder());
     options.starter =
@@ -110,7 +110,7 @@ Subcommand add_play(CLI::App& app) {
         ->default_val(arguments->speed)
         ->check(CLI::Range(ReplayClock::kSlowest, ReplayClock::kFastest))
         ->needs(replay);
-    add_film_options(*sub, replay, arguments->film);
+    add_render_options(*sub, replay, arguments->render);
     sub->add_option("--base-port", arguments->base_port, "first UDP port, instead of [network].base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");

@@ -11,10 +11,10 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "session/observe/plotjuggler.hpp"
+#include "session/participant/dataset.hpp"
 #include "session/play/order_lines.hpp"
 #include "session/play/play_starter.hpp"
 #include "session/play/session_observer.hpp"
-#include "session/sitting/dataset.hpp"
 #include "thimble/commands/build_checks.hpp"
 #include "thimble/commands/run.hpp"
 #include "thimble/commands/say_results.hpp"
@@ -33,13 +33,13 @@ void check_screen(const SystemSettings& settings, const std::shared_ptr<NodeStar
     for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
 }
 
-int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings& settings,
-                         const std::shared_ptr<NodeStarter>& starter) {
+int run_participant_for_real(const RealRunArguments& arguments, const SystemSettings& settings,
+                             const std::shared_ptr<NodeStarter>& starter) {
     if (arguments.overwrite) {
         throw Error(ExitCode::kUsage,
                     "a participant's data are never overwritten: name another folder with --out");
     }
-    SittingRun run;
+    ParticipantRun run;
     run.starter = starter;
     run.out = arguments.out_option->count() > 0 ? arguments.out : "out/dataset";
     run.network = network_of(arguments);
@@ -48,7 +48,7 @@ int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings
     run.check_screen = [&] { check_screen(settings, starter); };
     OrderLines orders;
     if (arguments.monitor) {
-        run.view = SittingView{
+        run.view = ParticipantView{
             &orders, [&orders] { return orders.context().paused; },
             [&orders](std::size_t trials) { orders.context().trials = static_cast<std::uint32_t>(trials); },
             [&orders](SessionProcess& session, Sockets& sockets, const std::string&) {
@@ -59,7 +59,7 @@ int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings
     if (!arguments.plotjuggler.empty())
         run.make_observer = with_plotjuggler(run.view ? run.view->make_observer : nullptr,
                                              plotjuggler_at(arguments.plotjuggler, run.network));
-    return sit_and_say(settings, arguments.sitting, run, arguments.json);
+    return sit_and_say(settings, arguments.participant session, run, arguments.json);
 }
 
 }  // namespace
@@ -67,8 +67,10 @@ int run_sitting_for_real(const RealRunArguments& arguments, const SystemSettings
 void add_real_run_options(CLI::App& command, const std::string& default_out, RealRunArguments& a) {
     command.add_option("session", a.config, "session file (TOML), e.g. deploy/sessions/delay50.toml")
         ->required();
-    a.out_option = command.add_option("-o,--out", a.out, "folder for the results; of a sitting: out/dataset")
-                       ->default_val(default_out);
+    a.out_option =
+        command
+            .add_option("-o,--out", a.out, "folder for the results; of a participant session: out/dataset")
+            ->default_val(default_out);
     command.add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
@@ -82,7 +84,7 @@ void add_real_run_options(CLI::App& command, const std::string& default_out, Rea
                     "port is 9870)")
         ->type_name("[HOST:]PORT");
     command.add_flag("--json", a.json, "print summary.json on stdout");
-    add_sitting_options(command, a.sitting);
+    add_participant_options(command, a.participant session);
 }
 
 std::filesystem::path program_folder() {
@@ -104,8 +106,8 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
     const NetworkSettings network = network_of(arguments);
     require_protection(network);
     warn_if_unprotected(network);
-    if (settings.protocol) return run_sitting_for_real(arguments, settings, starter);
-    refuse_sitting(arguments.sitting, settings);
+    if (settings.protocol) return run_participant_for_real(arguments, settings, starter);
+    refuse_participant_options(arguments.participant session, settings);
     refuse_dataset(arguments.out);
     check_screen(settings, starter);
     RunOptions options;

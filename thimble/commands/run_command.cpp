@@ -1,4 +1,4 @@
-// thimble run: one trial per modality and delay, or a participant's sitting, by real processes over UDP.
+// thimble run: one trial per modality and delay, or a participant's session, by real processes over UDP.
 #include <memory>
 #include <string>
 
@@ -36,7 +36,7 @@ Subcommand add_run(CLI::App& app, const std::string& typed) {
     arguments->typed = typed;
     CLI::App* run = app.add_subcommand(
         "run",
-        "one trial per modality and delay, or, with a [protocol], one participant's sitting: "
+        "one trial per modality and delay, or, with a [protocol], one participant's session: "
         "five real processes over UDP");
     add_real_run_options(*run, "out/run", *arguments);
     run->add_flag(

@@ -12,9 +12,9 @@
 
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "session/sitting/dataset.hpp"
+#include "session/participant/dataset.hpp"
 #include "study/study.hpp"
-#include "study/with_remedy.hpp"
+#include "study/with_compensator.hpp"
 #include "thimble/commands/analysis_option.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/say_results.hpp"
@@ -26,7 +26,7 @@ namespace {
 struct StudyArguments {
     std::string config, out;
     std::string experiment = "3", order, analysis = "full";
-    std::vector<std::string> remedies;
+    std::vector<std::string> compensators;
     std::uint32_t subjects = 0, seeds = 1;
     std::uint64_t seed = 1;
     unsigned jobs = 0;
@@ -46,19 +46,20 @@ std::vector<Protocol> protocols_of(const StudyArguments& a, const SystemSettings
 }
 
 // Each once, and none that HF has already: it would be the same condition twice.
-std::vector<Remedy> remedies_of(const StudyArguments& a, const SystemSettings& settings) {
-    std::vector<Remedy> remedies;
-    remedies.reserve(a.remedies.size());
-    for (const std::string& name : a.remedies) {
-        const Remedy remedy = parse_remedy(name);
-        if (settings.master.control.remedy == remedy)
-            throw Error(ExitCode::kUsage,
-                        fmt::format("--remedies {}: HF has it already, by [control] of {}", name, a.config));
-        if (std::find(remedies.begin(), remedies.end(), remedy) != remedies.end())
-            throw Error(ExitCode::kUsage, fmt::format("--remedies: {} is there twice", name));
-        remedies.push_back(remedy);
+std::vector<Compensator> compensators_of(const StudyArguments& a, const SystemSettings& settings) {
+    std::vector<Compensator> compensators;
+    compensators.reserve(a.compensators.size());
+    for (const std::string& name : a.compensators) {
+        const Compensator compensator = parse_compensator(name);
+        if (settings.master.control.compensator == compensator)
+            throw Error(
+                ExitCode::kUsage,
+                fmt::format("--compensators {}: HF has it already, by [control] of {}", name, a.config));
+        if (std::find(compensators.begin(), compensators.end(), compensator) != compensators.end())
+            throw Error(ExitCode::kUsage, fmt::format("--compensators: {} is there twice", name));
+        compensators.push_back(compensator);
     }
-    return remedies;
+    return compensators;
 }
 
 // The command that gives the same results, without output folder and way of running: a resumed study equals another.
@@ -68,7 +69,7 @@ std::string study_command(const StudyArguments& a) {
     if (!a.order.empty()) command += " --order " + a.order;
     if (!a.config.empty()) command += " --config " + a.config;
     if (a.no_control) command += " --no-control";
-    if (!a.remedies.empty()) command += fmt::format(" --remedies {}", fmt::join(a.remedies, ","));
+    if (!a.compensators.empty()) command += fmt::format(" --compensators {}", fmt::join(a.compensators, ","));
     if (a.analysis != "full") command += " --analysis " + a.analysis;
     if (a.seeds > 1) command += fmt::format(" --seeds {}", a.seeds);
     for (const std::string& range : a.sweep.vary) command += " --vary " + range;
@@ -106,7 +107,7 @@ int run_one_study(const StudyArguments& arguments) {
     if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
     options.control = !arguments.no_control;
-    options.remedies = remedies_of(arguments, settings);
+    options.compensators = compensators_of(arguments, settings);
     options.analysis = *parse_analysis(arguments.analysis);
     options.stop = &stop_requested();
     const StudyResult result = run_study(settings, options);
@@ -153,11 +154,11 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
         "--no-control", a.no_control,
         "leave out the same trials without delay (control.csv) and without the actuators' lag (no_lag.csv)");
     CLI::Option* analysis = add_analysis_option(*study, a.analysis);
-    CLI::Option* remedies =
+    CLI::Option* compensators =
         study
-            ->add_option("--remedies", a.remedies,
+            ->add_option("--compensators", a.compensators,
                          "the trials with HF again with each of these controllers against delay, into "
-                         "hf_NAME.csv, and compared: wave,energy-bound,... (docs/remedies.md)")
+                         "hf_NAME.csv, and compared: wave,energy-bound,... (docs/compensators.md)")
             ->delimiter(',')
             ->type_name("NAME,...");
     CLI::Option* trajectories =
@@ -170,7 +171,7 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
                        "go on where an interrupted study of the same settings ended; the same bytes come out")
             ->excludes(overwrite);
     CLI::Option* json = study->add_flag("--json", a.json, "print summary.json on stdout");
-    for (CLI::Option* of_one_study : {no_control, remedies, analysis, trajectories, resume, json}) {
+    for (CLI::Option* of_one_study : {no_control, compensators, analysis, trajectories, resume, json}) {
         for (CLI::Option* of_many : sweeps) of_one_study->excludes(of_many);
     }
 }
@@ -202,7 +203,7 @@ Subcommand add_study(CLI::App& app) {
         "  thimble study --experiment all --seeds 100 --out out/seeds\n"
         "  thimble study --vary handle.friction_N=0.3:1:8 --seeds 12 --out out/friction\n"
         "  thimble study --experiment all --draws 300 --out out/robust\n"
-        "  thimble study --experiment 3 --remedies wave,energy-bound --out out/controllers\n"
+        "  thimble study --experiment 3 --compensators wave,energy-bound --out out/controllers\n"
         "  thimble study --experiment 3 --subjects 40 --order williams --out out/large\n"
         "  thimble study --experiment 3 --subjects 40 --order williams --out out/large --resume");
     return {study, [arguments] { return run_one_study(*arguments); }};

@@ -153,8 +153,8 @@ TEST(Claims, WhatTheLagCostsIsAPairedDifference) {
               std::string::npos);
 }
 
-// 4 + 2 trials of 12 s leave (517.8 - 72) / 6 s between trials; the sitting of experiment 3 has four.
-TEST(Claims, TheSecondSittingFollowsFromTheFirst) {
+// 4 + 2 trials of 12 s leave (517.8 - 72) / 6 s between trials; the participant session of experiment 3 has four.
+TEST(Claims, TheSecondSessionFollowsFromTheFirst) {
     Table table = the_papers();
     for (TrialRow& row : table.rows) row.metrics.duration_s = 12;
     const Claim length = claim_of(judge_claims(table.rows), "S.length");
@@ -276,13 +276,13 @@ TEST(StudyColumns, TakeAnExperimentsOwnTrials) {
     EXPECT_GT(max.at(0, 0), 0.03);
 }
 
-// HF with several remedies are several conditions; with one it is HF.
-TEST(StudyColumns, EachRemedyIsAColumnOfItsOwn) {
+// HF with several compensators are several conditions; with one it is HF.
+TEST(StudyColumns, EachCompensatorIsAColumnOfItsOwn) {
     Table table;
     table.add(3, 4, {0.03, 0.004, 0.005, 0.008}, {15, 11, 11, 11}, 0.05);
     std::vector<TrialRow> rows = table.rows;
     for (TrialRow& row : rows) {
-        if (row.conditions.modality == Modality::kHF) row.conditions.remedy = Remedy::kTwoLayer;
+        if (row.conditions.modality == Modality::kHF) row.conditions.compensator = Compensator::kTwoLayer;
     }
     EXPECT_EQ(StudyColumns(rows, 3).table(Metric::kPenetrationMean).table.name(0), "HF");
     for (TrialRow row : table.rows) {
@@ -322,7 +322,7 @@ TEST(Claims, JsonIsAListOfObjects) {
     ASSERT_GE(json.size(), 20U);
     for (const auto& entry : json) {
         for (const char* key : {"id", "claim", "paper", "ours"}) EXPECT_TRUE(entry.at(key).is_string());
-        // Neither the lag nor the sittings' length can be judged by this table.
+        // Neither the lag nor the participant sessions' length can be judged by this table.
         const bool open = entry.at("id") == "D.delay45" || entry.at("id") == "S.length";
         EXPECT_EQ(entry.at("reproduced").is_null(), open) << entry.at("id");
         EXPECT_TRUE(entry.contains("direction"));

@@ -124,7 +124,7 @@ TEST(UdpChannel, BothWays) {
     EXPECT_EQ(copy(b.receive()), (Packet{2}));
 }
 
-TEST(UdpChannel, APortInUseIsNamedWithARemedy) {
+TEST(UdpChannel, APortInUseIsNamedWithACompensator) {
     const UdpChannel first(Endpoint{kHere, 0}, Endpoint{kHere, 1});
     const std::uint16_t port = port_of(first);
     try {

@@ -1,4 +1,4 @@
-// The hand of tests/golden/remedies.json: m x" + b x' + k (x - x_d) = -F, exact for a held F and a straight x_d, read by an
+// The hand of tests/golden/compensators.json: m x" + b x' + k (x - x_d) = -F, exact for a held F and a straight x_d, read by an
 // encoder; it approaches a wall at 0 and pushes with F_0 there.
 #pragma once
 

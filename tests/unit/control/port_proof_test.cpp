@@ -47,17 +47,17 @@ double wish_N(int kind, double coming_m, RandomStream& random) {
     return coming_m > 0 ? -100 : 100;
 }
 
-double least_J(PortRemedy& remedy, Motion motion, int requests, double damping_Ns_per_m, bool gaps,
+double least_J(PortCompensator& compensator, Motion motion, int requests, double damping_Ns_per_m, bool gaps,
                RandomStream random) {
     double position_m = 0, force_N = 0, dissipated_J = 0, least = 0;
     PortObserver port;
-    remedy.reset();
+    compensator.reset();
     for (int tick = 0; tick < 1500; ++tick) {
         port.add(position_m, force_N);
         least = std::min(least, port.energy_in_J() + dissipated_J);
-        remedy.observe(kTickProof_s, gaps && random.uniform() < 0.02 ? kNaN : position_m, force_N);
+        compensator.observe(kTickProof_s, gaps && random.uniform() < 0.02 ? kNaN : position_m, force_N);
         const double guessed_m = travel_m(motion, 1, damping_Ns_per_m, tick, random);
-        force_N = remedy.force_N(wish_N(requests, guessed_m, random));
+        force_N = compensator.force_N(wish_N(requests, guessed_m, random));
         const double step_m = motion == Motion::kSine || motion == Motion::kRandom
                                   ? guessed_m
                                   : travel_m(motion, force_N, damping_Ns_per_m, tick, random);
@@ -67,7 +67,7 @@ double least_J(PortRemedy& remedy, Motion motion, int requests, double damping_N
     return least;
 }
 
-std::unique_ptr<PortRemedy> bound(int kind, double damping_Ns_per_m) {
+std::unique_ptr<PortCompensator> bound(int kind, double damping_Ns_per_m) {
     const PortSettings port{kTickProof_s, damping_Ns_per_m};
     if (kind == 0) return std::make_unique<MemorylessBound>(port);
     if (kind == 1) return std::make_unique<LeastConservativeBound>(port);
@@ -81,9 +81,10 @@ TEST(PortProof, BoundsNeverGiveOutMoreThanCameIn) {
             for (const Motion motion : kMotions) {
                 for (int requests = 0; requests < 2; ++requests) {
                     for (const bool gaps : {false, true}) {
-                        const auto remedy = bound(kind, damping_Ns_per_m);
-                        EXPECT_GE(least_J(*remedy, motion, requests, damping_Ns_per_m, gaps, draws(++run)),
-                                  -1e-9)
+                        const auto compensator = bound(kind, damping_Ns_per_m);
+                        EXPECT_GE(
+                            least_J(*compensator, motion, requests, damping_Ns_per_m, gaps, draws(++run)),
+                            -1e-9)
                             << kind << ' ' << damping_Ns_per_m << ' ' << static_cast<int>(motion) << ' '
                             << requests << ' ' << gaps;
                     }
@@ -95,8 +96,8 @@ TEST(PortProof, BoundsNeverGiveOutMoreThanCameIn) {
 
 // The same inputs take energy out of a handle that only observes: the test above can fail.
 TEST(PortProof, APassivityControllerIsNoBound) {
-    PassivityController remedy({kTickProof_s, 0.5}, 250);
-    EXPECT_LT(least_J(remedy, Motion::kWorst, 1, 0.5, false, draws(1)), -1e-3);
+    PassivityController compensator({kTickProof_s, 0.5}, 250);
+    EXPECT_LT(least_J(compensator, Motion::kWorst, 1, 0.5, false, draws(1)), -1e-3);
 }
 
 TEST(PortProof, AnEncoderIsWrongByNoMoreThanItsBound) {
@@ -119,33 +120,33 @@ TEST(PortProof, AnEncoderIsWrongByNoMoreThanItsBound) {
 
 TEST(PortProof, WithoutDeviceDampingThereIsNoForce) {
     for (int kind = 0; kind < 3; ++kind) {
-        const auto remedy = bound(kind, 0);
-        remedy->observe(kTickProof_s, 0, 0);
-        remedy->observe(kTickProof_s, 1e-3, 0);
-        EXPECT_EQ(remedy->force_N(5), 0) << kind;
+        const auto compensator = bound(kind, 0);
+        compensator->observe(kTickProof_s, 0, 0);
+        compensator->observe(kTickProof_s, 1e-3, 0);
+        EXPECT_EQ(compensator->force_N(5), 0) << kind;
     }
 }
 
 TEST(PortProof, WhatIsNoNumberIsRefusedAndGivesNoForce) {
     for (int kind = 0; kind < 3; ++kind) {
-        const auto remedy = bound(kind, 0.5);
-        remedy->observe(kTickProof_s, 0, 0);
-        remedy->observe(kTickProof_s, 1e-2, 0);
-        EXPECT_GT(remedy->force_N(5), 1) << kind;
-        EXPECT_EQ(remedy->force_N(kNaN), remedy->force_N(0)) << kind;
-        remedy->observe(kTickProof_s, kNaN, 5);
-        EXPECT_EQ(remedy->force_N(5), 0) << kind;
-        remedy->observe(kNaN, 1e-2, 0);
-        EXPECT_EQ(remedy->force_N(5), 0) << kind;
-        remedy->observe(kTickProof_s, 2e-2, 0);
-        EXPECT_EQ(remedy->refused(), 3U) << kind;
+        const auto compensator = bound(kind, 0.5);
+        compensator->observe(kTickProof_s, 0, 0);
+        compensator->observe(kTickProof_s, 1e-2, 0);
+        EXPECT_GT(compensator->force_N(5), 1) << kind;
+        EXPECT_EQ(compensator->force_N(kNaN), compensator->force_N(0)) << kind;
+        compensator->observe(kTickProof_s, kNaN, 5);
+        EXPECT_EQ(compensator->force_N(5), 0) << kind;
+        compensator->observe(kNaN, 1e-2, 0);
+        EXPECT_EQ(compensator->force_N(5), 0) << kind;
+        compensator->observe(kTickProof_s, 2e-2, 0);
+        EXPECT_EQ(compensator->refused(), 3U) << kind;
     }
 }
 
 // A late sample: the damping had more time for the way, so it took less.
 TEST(PortProof, ALateSampleIsCreditedWithLessDamping) {
     LeastConservativeBound in_time({kTickProof_s, 0.5}), late({kTickProof_s, 0.5});
-    for (LeastConservativeBound* remedy : {&in_time, &late}) remedy->observe(kTickProof_s, 0, 0);
+    for (LeastConservativeBound* compensator : {&in_time, &late}) compensator->observe(kTickProof_s, 0, 0);
     in_time.observe(kTickProof_s, 1e-3, 0);
     late.observe(5 * kTickProof_s, 1e-3, 0);
     EXPECT_DOUBLE_EQ(late.energy_J(), in_time.energy_J() / 5);

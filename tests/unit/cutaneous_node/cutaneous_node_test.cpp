@@ -88,7 +88,7 @@ TEST(CutaneousNode, OnlyCutaneousModalitiesPress) {
     }
 }
 
-// [control] remedy = "scaled"
+// [control] compensator = "scaled"
 TEST(CutaneousNode, PressesWhatTheHandleDoesNotGive) {
     NotingActuator actuator;
     CutaneousSettings settings;

@@ -7,7 +7,7 @@
 #include "stability/delayed_loop.hpp"
 #include "stability/loop_measures.hpp"
 #include "stability/stability_map.hpp"
-#include "study/maps/remedied_loop.hpp"
+#include "study/maps/compensated_loop.hpp"
 
 namespace thimble {
 namespace {
@@ -88,8 +88,8 @@ TEST(HardCases, StableAgainAtLargerDelays) {
     EXPECT_GE(decided, 4);
 }
 
-RemediedConditions pressed(double stiffness_N_per_m, double delay_s, double press_N) {
-    RemediedConditions c;
+CompensatedConditions pressed(double stiffness_N_per_m, double delay_s, double press_N) {
+    CompensatedConditions c;
     c.loop.loop = {{1, 20, 500}, stiffness_N_per_m, delay_s, 1e-3};
     c.loop.one_sided = true;
     c.loop.force_limit_N = 12;
@@ -104,9 +104,9 @@ struct WatchedHold {
     bool finite = true;
 };
 
-WatchedHold watched(const RemediedConditions& c) {
+WatchedHold watched(const CompensatedConditions& c) {
     const HoldPlan plan;
-    RemediedLoop run(c, plan.start_m, plan.start_m_per_s);
+    CompensatedLoop run(c, plan.start_m, plan.start_m_per_s);
     HoldWatch watch(plan, c.loop.loop.step_s);
     WatchedHold result;
     const double strip_m = c.loop.force_limit_N / c.loop.loop.stiffness_N_per_m;
@@ -135,9 +135,10 @@ TEST(HardCases, SaturationAlwaysOn) {
 // Packets that overtake each other by more than the delay, and bursts longer than it: numbers stay numbers, and what waits for the
 // late or bounds the energy still settles.
 TEST(HardCases, JitterBeyondTheDelayAndBurstsLongerThanIt) {
-    for (const Remedy remedy : {Remedy::kNone, Remedy::kLeastConservative, Remedy::kWave}) {
-        RemediedConditions c = pressed(9000, 0.01, 5);
-        c.control.remedy = remedy;
+    for (const Compensator compensator :
+         {Compensator::kNone, Compensator::kLeastConservative, Compensator::kWave}) {
+        CompensatedConditions c = pressed(9000, 0.01, 5);
+        c.control.compensator = compensator;
         c.jitter_s = 0.04;
         const WatchedHold shaken = watched(c);
         EXPECT_TRUE(shaken.finite);
@@ -146,23 +147,23 @@ TEST(HardCases, JitterBeyondTheDelayAndBurstsLongerThanIt) {
         c.mean_burst = 30;
         const WatchedHold burst = watched(c);
         EXPECT_TRUE(burst.finite);
-        if (remedy == Remedy::kNone) {
+        if (compensator == Compensator::kNone) {
             EXPECT_EQ(shaken.outcome.label, HoldClass::kOscillates);
             EXPECT_EQ(burst.outcome.label, HoldClass::kOscillates);
         } else {
             EXPECT_FALSE(shaken.outcome.energy_grows);
             EXPECT_FALSE(burst.outcome.energy_grows);
-            EXPECT_EQ(shaken.outcome.label, HoldClass::kSettles) << static_cast<int>(remedy);
+            EXPECT_EQ(shaken.outcome.label, HoldClass::kSettles) << static_cast<int>(compensator);
         }
     }
 }
 
-// 0 and infinity are refused (RemediedLoop.RefusesWhatIsNoNetworkAndNoImpedance). Towards 0 the wave is a soft contact, towards 2 m/h
+// 0 and infinity are refused (CompensatedLoop.RefusesWhatIsNoNetworkAndNoImpedance). Towards 0 the wave is a soft contact, towards 2 m/h
 // a stiff damper; both ends still settle.
 TEST(HardCases, WaveImpedancesOverDecades) {
     for (const double impedance : {0.01, 1.0, 20.0, 400.0}) {
-        RemediedConditions c = pressed(9000, 0.05, 5);
-        c.control.remedy = Remedy::kWave;
+        CompensatedConditions c = pressed(9000, 0.05, 5);
+        c.control.compensator = Compensator::kWave;
         c.control.wave_impedance_Ns_per_m = impedance;
         c.control.wave_slave_damping_Ns_per_m = impedance;
         const WatchedHold hold = watched(c);

@@ -26,7 +26,7 @@ using testing::ElementsAre;
 MapGrid small_grid() {
     MapGrid grid;
     grid.hands = {named_hand("A"), named_hand("D")};
-    grid.remedies = {"none", "wave", "scaled"};
+    grid.compensators = {"none", "wave", "scaled"};
     grid.jitters_s = {0, 0.005};
     grid.losses = {0};
     grid.delays_s = {0, 0.01, 0.05};
@@ -40,7 +40,7 @@ TEST(MapGrid, EveryCellIsAnotherOneAndPanelsAreStretches) {
     std::set<std::string> seen;
     for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
         const CellPlace p = place_of(grid, cell);
-        seen.insert(std::to_string(p.hand) + std::to_string(p.remedy) + std::to_string(p.jitter) +
+        seen.insert(std::to_string(p.hand) + std::to_string(p.compensator) + std::to_string(p.jitter) +
                     std::to_string(p.loss) + std::to_string(p.delay) + std::to_string(p.stiffness));
         EXPECT_EQ(p.hand, cell / (grid.cells() / 2));
         EXPECT_EQ(p.stiffness, cell % 2);
@@ -65,8 +65,8 @@ TEST(MapGrid, WhatNoCellCouldBeMadeOfIsRefused) {
         change(grid);
         EXPECT_THROW(require_meaningful(grid), Error);
     };
-    refused([](MapGrid& g) { g.remedies = {"magic"}; });
-    refused([](MapGrid& g) { g.remedies = {"CF"}; });
+    refused([](MapGrid& g) { g.compensators = {"magic"}; });
+    refused([](MapGrid& g) { g.compensators = {"CF"}; });
     refused([](MapGrid& g) { g.losses = {0.6}; });
     refused([](MapGrid& g) { g.delays_s = {-0.01}; });
     refused([](MapGrid& g) { g.stiffness_N_per_m = {0}; });

@@ -1,4 +1,4 @@
-// A remedy in the master's loop: which force a sample gets.
+// A compensator in the master's loop: which force a sample gets.
 #include "master/handle_control.hpp"
 
 #include <algorithm>
@@ -20,28 +20,30 @@ ForceFeedback pushes(double force_N, double needle_m = 0.12) {
     return feedback;
 }
 
-ControlSettings of(Remedy remedy) {
+ControlSettings of(Compensator compensator) {
     ControlSettings settings;
-    settings.remedy = remedy;
+    settings.compensator = compensator;
     return settings;
 }
 
 TEST(HandleControl, WorksInTheHandleModalityOnly) {
-    for (std::size_t i = 0; i < kRemedyNames.size(); ++i) {
-        const auto remedy = static_cast<Remedy>(i);
-        HandleControl control(of(remedy), kPaperScale);
+    for (std::size_t i = 0; i < kCompensatorNames.size(); ++i) {
+        const auto compensator = static_cast<Compensator>(i);
+        HandleControl control(of(compensator), kPaperScale);
         control.start(false, {});
         EXPECT_FALSE(control.active());
         control.start(true, {});
-        EXPECT_EQ(control.active(), remedy != Remedy::kNone && remedy != Remedy::kScaled) << kRemedyNames[i];
-        EXPECT_EQ(control.waves(), remedy == Remedy::kWave || remedy == Remedy::kTwoPort) << kRemedyNames[i];
+        EXPECT_EQ(control.active(), compensator != Compensator::kNone && compensator != Compensator::kScaled)
+            << kCompensatorNames[i];
+        EXPECT_EQ(control.waves(), compensator == Compensator::kWave || compensator == Compensator::kTwoPort)
+            << kCompensatorNames[i];
         control.end();
         EXPECT_FALSE(control.active());
     }
 }
 
 TEST(HandleControl, AWishIsMetAsFarAsTheBoundAllows) {
-    HandleControl control(of(Remedy::kLeastConservative), kPaperScale);
+    HandleControl control(of(Compensator::kLeastConservative), kPaperScale);
     control.start(true, {});
     control.sample(SessionTime{}, {0, 0});
     control.take(pushes(5));
@@ -59,7 +61,7 @@ TEST(HandleControl, AWishIsMetAsFarAsTheBoundAllows) {
 }
 
 TEST(HandleControl, ALocalFixtureActsAtOnceAndIsForgottenInSilence) {
-    HandleControl control(of(Remedy::kLocalFixture), kPaperScale);
+    HandleControl control(of(Compensator::kLocalFixture), kPaperScale);
     control.start(true, {});
     control.sample(SessionTime{}, {0.039, 0});
     EXPECT_EQ(control.force_N(), 0);
@@ -73,7 +75,7 @@ TEST(HandleControl, ALocalFixtureActsAtOnceAndIsForgottenInSilence) {
 
 // The tick of the sample cannot know its own answer: one wave later at the least.
 TEST(HandleControl, WavesArePlayedWhenTheNetworkWasExpectedToBringThem) {
-    ControlSettings settings = of(Remedy::kWave);
+    ControlSettings settings = of(Compensator::kWave);
     settings.jitter = {};
     settings.channel.repeats = 0;
     for (const int delay_ms : {0, 10}) {
@@ -124,7 +126,7 @@ class WavesOverANetwork {
         SessionTime comes;
         WaveBurst burst;
     };
-    HandleControl control_{of(Remedy::kWave), kPaperScale};
+    HandleControl control_{of(Compensator::kWave), kPaperScale};
     Duration delay_;
     SessionTime newest_{};
     std::deque<UnderWay> under_way_;
@@ -160,7 +162,7 @@ TEST(HandleControl, TheSameNetworkToldAgainChangesNothing) {
 }
 
 TEST(HandleControl, AHeldNeedleGivesNoForce) {
-    HandleControl control(of(Remedy::kNone), kPaperScale);
+    HandleControl control(of(Compensator::kNone), kPaperScale);
     control.start(true, {});
     ForceFeedback feedback = pushes(5);
     control.take(feedback);
@@ -171,7 +173,7 @@ TEST(HandleControl, AHeldNeedleGivesNoForce) {
 }
 
 TEST(HandleControl, GivesNoMoreThanTheHandleMayGet) {
-    HandleControl control(of(Remedy::kLocalFixture), kPaperScale);
+    HandleControl control(of(Compensator::kLocalFixture), kPaperScale);
     control.start(true, {});
     ForceFeedback feedback = pushes(3);
     feedback.force_tissue_N = -kPaperScale.force_limit_N;
@@ -181,9 +183,9 @@ TEST(HandleControl, GivesNoMoreThanTheHandleMayGet) {
 }
 
 TEST(HandleControl, ATrialKnowsNothingOfTheOneBefore) {
-    for (std::size_t i = 0; i < kRemedyNames.size(); ++i) {
-        HandleControl used(of(static_cast<Remedy>(i)), kPaperScale),
-            fresh(of(static_cast<Remedy>(i)), kPaperScale);
+    for (std::size_t i = 0; i < kCompensatorNames.size(); ++i) {
+        HandleControl used(of(static_cast<Compensator>(i)), kPaperScale),
+            fresh(of(static_cast<Compensator>(i)), kPaperScale);
         used.start(true, {});
         for (int ms = 0; ms < 20; ++ms) {
             used.sample(SessionTime{milliseconds{ms}}, {1e-3 * ms, 2});
@@ -192,13 +194,13 @@ TEST(HandleControl, ATrialKnowsNothingOfTheOneBefore) {
         used.end();
         used.start(true, {});
         fresh.start(true, {});
-        EXPECT_EQ(used.force_N(), fresh.force_N()) << kRemedyNames[i];
+        EXPECT_EQ(used.force_N(), fresh.force_N()) << kCompensatorNames[i];
         for (int ms = 1000; ms < 1020; ++ms) {
             for (HandleControl* each : {&used, &fresh}) {
                 each->sample(SessionTime{milliseconds{ms}}, {1e-3 * (ms - 990), 1});
                 each->take(pushes(3));
             }
-            ASSERT_EQ(used.force_N(), fresh.force_N()) << kRemedyNames[i];
+            ASSERT_EQ(used.force_N(), fresh.force_N()) << kCompensatorNames[i];
         }
     }
 }

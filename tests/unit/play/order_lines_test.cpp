@@ -1,9 +1,9 @@
-// An order in a sitting does what the typed line does.
+// An order in a participant session does what the typed line does.
 #include "session/play/order_lines.hpp"
 
 #include <gtest/gtest.h>
 
-#include "session/sitting/prompt.hpp"
+#include "session/participant/prompt.hpp"
 
 namespace thimble {
 namespace {

@@ -78,7 +78,7 @@ TEST_F(PlayHandlerTest, QuitEndsEverything) {
     EXPECT_FALSE(handler.take_due(now));
 }
 
-TEST_F(PlayHandlerTest, RefusesWhatIsOfSittingsOrReplaysAndDelaysBeyondReason) {
+TEST_F(PlayHandlerTest, RefusesWhatIsOfParticipantSessionsOrReplaysAndDelaysBeyondReason) {
     for (const OrderKind kind :
          {OrderKind::kRepeat, OrderKind::kExclude, OrderKind::kSeek, OrderKind::kSpeed})
         EXPECT_EQ(say(kind), Refusal::kUnexpectedKind);

@@ -170,16 +170,16 @@ TEST(TrialTable, DamageIsNamedWithLineAndColumn) {
     }
 }
 
-TEST(TrialTable, SaysWhichRemedyActed) {
+TEST(TrialTable, SaysWhichCompensatorActed) {
     const TemporaryDirectory directory;
     TrialRow row = sample_row();
-    row.conditions.remedy = Remedy::kWave;
+    row.conditions.compensator = Compensator::kWave;
     TrialTable(directory / "trials.csv").append(row);
-    EXPECT_EQ(read_trial_table(directory / "trials.csv").at(0).conditions.remedy, Remedy::kWave);
+    EXPECT_EQ(read_trial_table(directory / "trials.csv").at(0).conditions.compensator, Compensator::kWave);
 }
 
 // It is read, and not gone on with: its lines are shorter.
-TEST(TrialTable, ATableFromBeforeTheColumnOfRemedies) {
+TEST(TrialTable, ATableFromBeforeTheColumnOfCompensators) {
     const TemporaryDirectory directory;
     const auto path = directory / "trials.csv";
     TrialTable(path).append(sample_row());
@@ -188,7 +188,7 @@ TEST(TrialTable, ATableFromBeforeTheColumnOfRemedies) {
     write_text(path, text);
     const std::vector<TrialRow> rows = read_trial_table(path);
     ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows[0].conditions.remedy, Remedy::kNone);
+    EXPECT_EQ(rows[0].conditions.compensator, Compensator::kNone);
     EXPECT_EQ(rows[0].conditions.study_seed, ~std::uint64_t{0});
     EXPECT_NE(message_of([&] {
                   const TrialTable table(path, IfExists::kContinue);

@@ -1,0 +1,116 @@
+#include "session/participant/dataset.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+#include "common/json_text.hpp"
+#include "common/text_file.hpp"
+#include "common/version.hpp"
+#include "session/participant/sidecars.hpp"
+#include "session/participant/tsv.hpp"
+
+namespace thimble {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kKindKey = "SubjectKind";
+
+std::string description_text(SubjectKind kind, const DatasetSettings& settings) {
+    Json json{{"Name", settings.name}, {"BIDSVersion", "1.8.0"}, {"DatasetType", "raw"}};
+    if (!settings.license.empty()) json["License"] = settings.license;
+    if (!settings.authors.empty()) json["Authors"] = settings.authors;
+    if (!settings.ethics_approvals.empty()) json["EthicsApprovals"] = settings.ethics_approvals;
+    json["GeneratedBy"] = Json::array({Json{{"Name", "Thimble"}, {"Version", kVersion}}});
+    json[kKindKey] = to_string(kind);
+    return json_text(json, 2) + '\n';
+}
+
+bool has_text(const std::filesystem::path& path, const std::string& text) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {}) == text;
+}
+
+// But for what a crash left of open(): whole sidecars, and a file half written.
+bool holds_nothing(const std::filesystem::path& folder, const std::filesystem::path& description,
+                   const std::vector<Sidecar>& sidecars) {
+    const auto ours = [&](const std::filesystem::directory_entry& entry) {
+        return entry.path() == description.string() + ".new" ||
+               std::any_of(sidecars.begin(), sidecars.end(), [&](const Sidecar& sidecar) {
+                   const auto file = folder / sidecar.file;
+                   return entry.path() == file.string() + ".new" ||
+                          (entry.path() == file && has_text(file, sidecar.text));
+               });
+    };
+    std::error_code absent;
+    const std::filesystem::directory_iterator entries(folder, absent);
+    return std::all_of(begin(entries), end(entries), ours);
+}
+
+}  // namespace
+
+std::filesystem::path Dataset::order(std::uint32_t participant) const {
+    return folder_ / "orders" / (participant_id(participant) + "_order.tsv");
+}
+
+std::filesystem::path Dataset::records(std::uint32_t participant) const {
+    const std::string id = participant_id(participant);
+    return folder_ / id / "beh" / (id + "_task-needle_beh.tsv");
+}
+
+std::filesystem::path Dataset::source(std::uint32_t participant) const {
+    return folder_ / "sourcedata" / participant_id(participant);
+}
+
+std::optional<SubjectKind> Dataset::kind() const {
+    std::error_code absent;
+    if (!std::filesystem::exists(description(), absent)) return std::nullopt;
+    std::ifstream file(description());
+    const Json json = Json::parse(file, nullptr, false);
+    const bool has_kind = json.is_object() && json.contains(kKindKey) && json[kKindKey].is_string();
+    const auto kind = has_kind ? parse_subject_kind(json[kKindKey].get<std::string>()) : std::nullopt;
+    if (!kind) {
+        throw Error(ExitCode::kData,
+                    fmt::format("{}: does not say whether its subjects are virtual or human (key \"{}\"): it "
+                                "is no dataset of Thimble, or it was changed; restore it",
+                                description().string(), kKindKey));
+    }
+    return kind;
+}
+
+void Dataset::open(SubjectKind wanted, const DatasetSettings& settings) const {
+    if (const auto found = kind()) {
+        if (*found == wanted) return;
+        throw Error(ExitCode::kUsage, fmt::format("{}: holds data of {} subjects, and data of virtual and "
+                                                  "human subjects never share a folder; name another one "
+                                                  "with --out",
+                                                  folder_.string(), to_string(*found)));
+    }
+    const std::vector<Sidecar> sidecars = sidecars_of(wanted, settings.name);
+    if (!holds_nothing(folder_, description(), sidecars)) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: holds something that is no dataset of participants; name a new or an "
+                                "empty folder with --out",
+                                folder_.string()));
+    }
+    make_folder(folder_);
+    for (const Sidecar& sidecar : sidecars) write_whole(folder_ / sidecar.file, sidecar.text);
+    // Last: it makes the folder a dataset, and a crash may come before it.
+    write_whole(description(), description_text(wanted, settings));
+}
+
+void refuse_dataset(const std::filesystem::path& folder) {
+    const auto kind = Dataset(folder).kind();
+    if (!kind) return;
+    throw Error(ExitCode::kUsage,
+                fmt::format("{}: holds a dataset of {} participants, and nothing else is written there; "
+                            "name another folder with --out",
+                            folder.string(), to_string(*kind)));
+}
+
+}  // namespace thimble

@@ -1,0 +1,304 @@
+#include "session/participant/motion_export.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/csv/csv_file.hpp"
+#include "common/error.hpp"
+#include "common/json_text.hpp"
+#include "common/text_file.hpp"
+#include "common/version.hpp"
+#include "session/participant/participants_table.hpp"
+#include "session/participant/record_table.hpp"
+#include "session/participant/tsv.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
+
+namespace thimble {
+namespace {
+
+using MotionJson = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+// A trial, and what it is called there.
+struct MotionTrial {
+    std::string task;
+    std::uint32_t run = 1;
+    TrialRow row;
+    fs::path trajectory;
+};
+
+struct MotionColumn {
+    const char *name, *component, *type, *point, *units, *description;
+    double TrajectorySample::*member;
+};
+
+// BIDS has no type for forces.
+constexpr std::array kMotionColumns{
+    MotionColumn{"time", "n/a", "LATENCY", "n/a", "s", "Since the start of the trial",
+                 &TrajectorySample::time_s},
+    MotionColumn{"needle_pos", "z", "POS", "needle", "m", "Tip of the needle, positive into the tissue",
+                 &TrajectorySample::position_needle_m},
+    MotionColumn{"surface_pos", "z", "POS", "tissue_surface", "m", "Surface of the tissue at the needle",
+                 &TrajectorySample::position_surface_m},
+    MotionColumn{"force_tissue", "z", "MISC", "needle", "N",
+                 "Of the tissue on the operator; negative resists insertion",
+                 &TrajectorySample::force_tissue_N},
+    MotionColumn{"force_fixture", "z", "MISC", "needle", "N", "Of the virtual fixture on the operator",
+                 &TrajectorySample::force_fixture_N},
+    MotionColumn{"force_total", "z", "MISC", "needle", "N", "Sum of both forces",
+                 &TrajectorySample::force_total_N}};
+
+std::string samples_text(const std::vector<TrajectorySample>& samples) {
+    std::string text;
+    for (const TrajectorySample& sample : samples) {
+        for (std::size_t i = 0; i < kMotionColumns.size(); ++i) {
+            text += fmt::format("{}{}", sample.*kMotionColumns[i].member,
+                                i + 1 < kMotionColumns.size() ? '\t' : '\n');
+        }
+    }
+    return text;
+}
+
+std::string channels_text() {
+    std::string text = "name\tcomponent\ttype\ttracked_point\tunits\tdescription\n";
+    for (const MotionColumn& c : kMotionColumns) {
+        text += fmt::format("{}\t{}\t{}\t{}\t{}\t{}\n", c.name, c.component, c.type, c.point, c.units,
+                            c.description);
+    }
+    return text;
+}
+
+// Of the samples as they were planned: the middle one of their intervals, to the microsecond. Lost ones leave gaps.
+long sampling_frequency_Hz(const std::vector<TrajectorySample>& samples) {
+    std::vector<double> intervals_s;
+    for (std::size_t i = 1; i < samples.size(); ++i)
+        intervals_s.push_back(samples[i].time_s - samples[i - 1].time_s);
+    const auto middle = intervals_s.begin() + static_cast<std::ptrdiff_t>(intervals_s.size() / 2);
+    std::nth_element(intervals_s.begin(), middle, intervals_s.end());
+    return std::lround(1e6 / std::max(1.0, std::round(1e6 * *middle)));
+}
+
+std::string motion_json(const MotionTrial& trial, const std::vector<TrajectorySample>& samples) {
+    const double seconds = samples.back().time_s - samples.front().time_s;
+    MotionJson json{{"TaskName", trial.task},
+                    {"TaskDescription",
+                     "Insert a needle into simulated tissue until a virtual fixture is felt or seen, hold "
+                     "the contact until "
+                     "the beep, withdraw."},
+                    {"SamplingFrequency", sampling_frequency_Hz(samples)},
+                    {"TrackingSystemName", "slave"},
+                    {"Manufacturer", "Thimble"},
+                    {"SoftwareVersions", kVersion},
+                    {"MotionChannelCount", kMotionColumns.size()},
+                    {"TrackedPointsCount", 2},
+                    {"POSChannelCount", 2},
+                    {"LATENCYChannelCount", 1},
+                    {"MISCChannelCount", 3},
+                    {"MissingValues", "n/a"},
+                    {"RecordingDuration", seconds}};
+    if (seconds > 0) json["SamplingFrequencyEffective"] = static_cast<double>(samples.size() - 1) / seconds;
+    return json_text(json, 2) + '\n';
+}
+
+// Instants, so without a duration; the first one says what the trial was. `zero_s`: of the first sample, from which onsets count.
+std::string events_text(const TrialRow& row, double zero_s) {
+    const TrialConditions& c = row.conditions;
+    std::string text = "onset\tduration\ttrial_type\tmodality\tdelay_s\tfixture_position_m\toutcome\n";
+    text += fmt::format("0\t0\ttrial_start\t{}\t{}\t{}\t{}\n", to_string(c.modality), c.delay_s,
+                        c.fixture_position_m, outcome_text(row.reason, row.lost_peer));
+    const auto add = [&](double time_s, const char* what) {
+        if (!std::isnan(time_s))
+            text += fmt::format("{}\t0\t{}\tn/a\tn/a\tn/a\tn/a\n", time_s - zero_s, what);
+    };
+    add(row.metrics.puncture_time_s, "puncture");
+    add(row.metrics.first_contact_time_s, "fixture_contact");
+    if (row.metrics.beeped) add(row.metrics.puncture_time_s + row.metrics.completion_time_s, "beep");
+    return text;
+}
+
+std::string events_json() {
+    const MotionJson json{
+        {"trial_type",
+         {{"Description", "What happened"},
+          {"Levels",
+           {{"trial_start", "The first sample"},
+            {"puncture", "The needle has entered the tissue"},
+            {"fixture_contact", "The needle has reached the virtual fixture"},
+            {"beep", "Contact has been held long enough; the needle is to be withdrawn"}}}}},
+        {"modality",
+         {{"Description", "How the force was displayed"},
+          {"Levels",
+           {{"HF", "handle"},
+            {"CF", "fingers of the acting hand"},
+            {"CCF", "fingers of the other hand"},
+            {"VF", "bar on the screen"}}}}},
+        {"delay_s", {{"Description", "One-way delay of the force path that was asked for"}, {"Units", "s"}}},
+        {"fixture_position_m", {{"Description", "Depth of the virtual fixture"}, {"Units", "m"}}},
+        {"outcome", {{"Description", "How the trial ended; completed: after the beep"}}}};
+    return json_text(json, 2) + '\n';
+}
+
+void write_motion_text(const fs::path& path, const std::string& text) {
+    make_folder(path.parent_path());
+    CsvFile file(path, IfExists::kRefuse);
+    file.write(text);
+    file.flush();
+}
+
+class MotionDataset {
+  public:
+    MotionDataset(const fs::path& from, const fs::path& to) : from_(from), to_(to) {}
+
+    void add_trial(const MotionTrial& trial) {
+        std::error_code absent;
+        const Trajectory trajectory =
+            fs::exists(trial.trajectory, absent) ? read_trajectory(trial.trajectory) : Trajectory{};
+        if (trajectory.samples.size() < 2) {  // one alone is no movement
+            ++done_.without_trajectory;
+            return;
+        }
+        const std::string id = participant_id(trial.row.conditions.subject);
+        const std::string stem =
+            fmt::format("{}_task-{}_tracksys-slave_run-{:02}_", id, trial.task, trial.run);
+        const fs::path folder = to_ / id / "motion";
+        write_motion_text(folder / (stem + "motion.tsv"), samples_text(trajectory.samples));
+        write_motion_text(folder / (stem + "motion.json"), motion_json(trial, trajectory.samples));
+        write_motion_text(folder / (stem + "channels.tsv"), channels_text());
+        write_motion_text(folder / (stem + "events.tsv"),
+                          events_text(trial.row, trajectory.samples.front().time_s));
+        write_motion_text(folder / (stem + "events.json"), events_json());
+        subjects_.insert(trial.row.conditions.subject);
+        ++done_.trials;
+    }
+    void copy(const fs::path& name) const {
+        std::error_code absent;
+        if (!fs::exists(from_ / name, absent)) return;
+        make_folder((to_ / name).parent_path());
+        fs::copy_file(from_ / name, to_ / name);
+    }
+    const std::set<std::uint32_t>& subjects() const { return subjects_; }
+    MotionExport finish() {
+        if (done_.trials == 0) {
+            throw Error(
+                ExitCode::kData,
+                fmt::format("{}: no trial has a trajectory; of a study say --trajectories", from_.string()));
+        }
+        done_.subjects = subjects_.size();
+        return done_;
+    }
+
+  private:
+    fs::path from_, to_;
+    std::set<std::uint32_t> subjects_;
+    MotionExport done_;
+};
+
+MotionJson read_description(const fs::path& path) {
+    std::ifstream file(path);
+    MotionJson json = MotionJson::parse(file, nullptr, false);
+    if (json.is_object()) return json;
+    throw Error(ExitCode::kData, fmt::format("{}: is no JSON object; restore it", path.string()));
+}
+
+// BIDS knows movements since 1.9.
+void write_motion_description(const fs::path& to, MotionJson json) {
+    json["BIDSVersion"] = "1.9.0";
+    write_motion_text(to / "dataset_description.json", json_text(json, 2) + '\n');
+}
+
+std::string motion_condition(const TrialConditions& c) {
+    return fmt::format("{}_{:g}ms.csv", to_string(c.modality), 1000 * c.delay_s);
+}
+
+void export_participant_session(const Dataset& dataset, const fs::path& to, MotionDataset& out) {
+    for (const std::uint32_t participant : read_participants(dataset)) {
+        const fs::path folder = dataset.source(participant) / "trajectories";
+        for (const DatasetRecord& record : read_records(dataset.records(participant))) {
+            const TrialConditions& c = record.row.conditions;
+            const std::string name = fmt::format("record{:03}_experiment{}_trial{:02}_{}", record.record,
+                                                 c.experiment, c.trial, motion_condition(c));
+            out.add_trial({"needle", record.record, record.row, folder / name});
+        }
+        out.copy(fs::relative(dataset.records(participant), dataset.folder()));
+    }
+    for (const char* name : {"participants.tsv", "participants.json", "task-needle_beh.json", "README.md"})
+        out.copy(name);
+    write_motion_description(to, read_description(dataset.description()));
+}
+
+void export_study(const fs::path& from, const fs::path& to, MotionDataset& out) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> runs;
+    for (const TrialRow& row : read_trial_table(from / "trials.csv")) {
+        const TrialConditions& c = row.conditions;
+        const std::string of_run = fmt::format("trial{:02}_{}", c.trial, motion_condition(c));
+        const std::string of_study =
+            fmt::format("experiment{}_subject{:02}_{}", c.experiment, c.subject, of_run);
+        const fs::path folder = from / "trajectories";
+        std::error_code absent;
+        out.add_trial({fmt::format("needleExperiment{}", c.experiment), ++runs[{c.experiment, c.subject}],
+                       row, folder / (fs::exists(folder / of_study, absent) ? of_study : of_run)});
+    }
+    std::string participants = "participant_id\tspecies\tsubject_kind\n";
+    for (const std::uint32_t subject : out.subjects())
+        participants += participant_id(subject) + "\tn/a\tvirtual\n";
+    write_motion_text(to / "participants.tsv", participants);
+    write_motion_text(to / "participants.json",
+                      json_text(MotionJson{{"species", {{"Description", "n/a for a virtual subject"}}},
+                                           {"subject_kind",
+                                            {{"Description", "Who held the handle"},
+                                             {"Levels", {{"virtual", "a simulated operator"}}}}}},
+                                2) +
+                          '\n');
+    write_motion_text(to / "README.md",
+                      "# Virtual subjects inserting a needle\n\nTrajectories of `thimble study`: a simulated "
+                      "operator, simulated tissue, emulated network. No person took part.\n");
+    write_motion_description(
+        to, {{"Name", "Virtual subjects inserting a needle"},
+             {"DatasetType", "raw"},
+             {"GeneratedBy", MotionJson::array({MotionJson{{"Name", "Thimble"}, {"Version", kVersion}}})},
+             {"SubjectKind", "virtual"}});
+}
+
+MotionExport exported(const fs::path& from, const fs::path& to) {
+    const Dataset dataset(from);
+    MotionDataset out(from, to);
+    if (dataset.kind()) {
+        export_participant_session(dataset, to, out);
+    } else if (is_table(from / "trials.csv")) {
+        export_study(from, to, out);
+    } else {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: holds neither a participant session's dataset nor a study's trials.csv",
+                                from.string()));
+    }
+    return out.finish();
+}
+
+}  // namespace
+
+MotionExport export_motion(const fs::path& from, const fs::path& to) {
+    std::error_code absent;
+    if (fs::exists(to, absent) && !fs::is_empty(to, absent)) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}: is not empty; name a new folder with --out", to.string()));
+    }
+    try {
+        return exported(from, to);
+    } catch (...) {
+        // It was empty: whatever is there is half of what was asked for, and in the way of the next try.
+        for (const auto& entry : fs::directory_iterator(to, absent)) fs::remove_all(entry.path(), absent);
+        throw;
+    }
+}
+
+}  // namespace thimble

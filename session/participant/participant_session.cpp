@@ -1,0 +1,284 @@
+#include "session/participant/participant_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "session/records/condition_summary.hpp"
+
+namespace thimble {
+namespace {
+
+constexpr Duration kLook = std::chrono::milliseconds{20};  // for a line, for a stop
+constexpr unsigned kLostInARow = 3;                        // then it is not the trial
+
+// Files of an interrupted trial, which has no record, are kept under another name.
+void keep_aside(const std::filesystem::path& file) {
+    std::error_code absent;
+    if (!std::filesystem::exists(file, absent)) return;
+    for (unsigned i = 1;; ++i) {
+        const auto aside = file.parent_path() / fmt::format("{}_cut{}.csv", file.stem().string(), i);
+        if (std::filesystem::exists(aside, absent)) continue;
+        std::filesystem::rename(file, aside);
+        return;
+    }
+}
+
+}  // namespace
+
+ParticipantSession::ParticipantSession(ParticipantSessionOptions options, TrialRunner& runner)
+    : options_(std::move(options)), runner_(runner), table_(options_.dataset.records(options_.participant)) {
+    agenda_.participant = options_.participant;
+    agenda_.order = read_order(options_.dataset.order(options_.participant), options_.participant);
+    agenda_.records = read_records(options_.dataset.records(options_.participant));
+    agenda_.exclusions = read_exclusions(options_.dataset.exclusions());
+}
+
+ParticipantSessionResult ParticipantSession::run() {
+    if (agenda_.next(options_.protocol)) runner_.prepare();  // before the first question
+    for (;;) {
+        const std::optional<Step> step = agenda_.next(options_.protocol);
+        Answer answer = step ? await_release(step) : Answer::kGo;
+        if (answer == Answer::kGo) answer = before(step);
+        if (answer == Answer::kAskAgain) continue;
+        if (answer == Answer::kGo && step && !runner_.stop_words().empty())
+            continue;  // pressed while we asked
+        if (answer == Answer::kStop || stopped()) {
+            Page paused = page(step);
+            paused.kind = PageKind::kPaused;
+            runner_.show(paused);
+            return result(ExitCode::kRunFailed,
+                          "interrupted; the trials that had ended are kept: go on with --resume");
+        }
+        if (!step) return result(ExitCode::kOk, "");
+        do_trial(*step);
+        if (lost_in_a_row_ == kLostInARow) {
+            return result(
+                ExitCode::kNetwork,
+                fmt::format("{} trials in a row were lost: {}; put it right and go on with --resume",
+                            kLostInARow, runner_.problem()));
+        }
+    }
+}
+
+// After a stop no trial begins until the experimenter releases it. kAskAgain: the stop is released. The experimenter may have
+// marked the last trial, so another one may be next.
+ParticipantSession::Answer ParticipantSession::await_release(const std::optional<Step>& step) {
+    std::string said;
+    for (std::string words = runner_.stop_words(); !words.empty(); words = runner_.stop_words()) {
+        if (words != said) options_.say(words + ", or type 'release'");
+        said = words;
+        if (stopped()) return Answer::kStop;
+        const auto line = take_line();
+        if (line && obey_in_stop(*line) == Answer::kStop) return Answer::kStop;
+        Page paused = page(step);
+        paused.kind = PageKind::kPaused;
+        runner_.show(paused);
+        runner_.idle(kLook);
+    }
+    if (said.empty()) return Answer::kGo;
+    options_.say("released");
+    return Answer::kAskAgain;
+}
+
+ParticipantSession::Answer ParticipantSession::obey_in_stop(const std::string& line) {
+    if (line == "release") {
+        runner_.release_stop();
+    } else if (line.empty()) {
+        options_.say("nothing begins before the stop is released");
+    } else {
+        return obey(line);
+    }
+    return Answer::kAskAgain;
+}
+
+bool ParticipantSession::rest_is_due(const std::optional<Step>& step) const {
+    return step && last_block_ && *last_block_ != step->entry.block && options_.protocol.break_every > 0;
+}
+
+std::string ParticipantSession::name_of(const Step& step) const {
+    const TrialConditions& c = step.entry.conditions;
+    return fmt::format("trial {} of {} ({}experiment {}, {}){}", step.entry.position, agenda_.order.size(),
+                       step.entry.practice ? "practice, " : "", c.experiment, to_string(c.modality),
+                       step.repeat_of == 0 ? "" : fmt::format(" again: {}", step.reason));
+}
+
+ParticipantSession::Answer ParticipantSession::before(const std::optional<Step>& step) {
+    const bool asks = options_.lines != nullptr || (options_.subject_goes_on && step);
+    if (rest_is_due(step) && !rest_ && (asks || options_.rests)) {
+        const Duration minimum = options_.rests ? options_.protocol.break_minimum : Duration{0};
+        rest_.emplace(runner_.now(), minimum, asks);
+        options_.say(minimum > Duration{0} ? fmt::format("break, at least {:g} s. {}", to_seconds(minimum),
+                                                         options_.protocol.break_text)
+                                           : "break. " + options_.protocol.break_text);
+    }
+    if (!asks) {
+        while (rest_ && !rest_->over_by_itself(runner_.now()) && !stopped()) wait(step);
+        if (const auto asked = take_requests(step)) return *asked;
+        runner_.show(page(step));
+        return Answer::kGo;
+    }
+    if (!step && !last_block_) return Answer::kGo;  // it was complete before
+    return ask(step ? "next: " + name_of(*step) : "that was the last trial", step);
+}
+
+// Nothing: go on.
+std::optional<ParticipantSession::Answer> ParticipantSession::take_requests(const std::optional<Step>& step) {
+    if (options_.requests == nullptr) return std::nullopt;
+    do {
+        while (const auto line = options_.requests->take_line()) {
+            if (line->empty()) continue;  // go on: it does
+            // What they mark changes what comes next.
+            if (const Answer answer = obey(*line); answer != Answer::kGo) return answer;
+        }
+        if (step && paused()) wait(step);
+    } while (step && paused() && !stopped());
+    return std::nullopt;
+}
+
+// The participant must know neither modality nor fixture.
+Page ParticipantSession::page(const std::optional<Step>& step) const {
+    Page page;
+    page.trials = static_cast<std::uint32_t>(agenda_.order.size());
+    page.kind = PageKind::kDone;
+    if (!step) return page;
+    page.trial = step->entry.position;
+    if (rest_) page.remaining_s = to_seconds(rest_->left(runner_.now()));
+    if (paused()) {
+        page.kind = PageKind::kPaused;
+    } else if (page.remaining_s > 0) {
+        page.kind = PageKind::kBreak;
+    } else if (agenda_.records.empty()) {
+        page.kind = PageKind::kWelcome;
+    } else {
+        page.kind = step->entry.practice ? PageKind::kPractice : PageKind::kReady;
+    }
+    return page;
+}
+
+void ParticipantSession::wait(const std::optional<Step>& step) {
+    runner_.show(page(step));
+    runner_.idle(kLook);
+}
+
+ParticipantSession::Answer ParticipantSession::ask(const std::string& prompt,
+                                                   const std::optional<Step>& step) {
+    options_.say(fmt::format("{}. {}", prompt, who_goes_on(step)));
+    for (;;) {
+        if (stopped()) return Answer::kStop;
+        if (const auto line = take_line()) return obey(*line);
+        if (options_.lines != nullptr && options_.lines->ended()) {
+            options_.say("nobody answers any more: the input has ended");
+            return Answer::kStop;
+        }
+        if (options_.subject_goes_on && runner_.take_go_on() && waits_to_go_on(page(step).kind))
+            return go_on();
+        wait(step);
+    }
+}
+
+// The last word, after the last trial, is the experimenter's.
+std::string ParticipantSession::who_goes_on(const std::optional<Step>& step) const {
+    if (!options_.subject_goes_on || !step) return kPromptHelp;
+    return options_.lines == nullptr ? "The participant goes on"
+                                     : fmt::format("{}. The participant, too, may go on", kPromptHelp);
+}
+
+std::optional<std::string> ParticipantSession::take_line() {
+    if (options_.lines != nullptr) return options_.lines->take_line();
+    return options_.requests == nullptr ? std::nullopt : options_.requests->take_line();
+}
+
+ParticipantSession::Answer ParticipantSession::obey(const std::string& line) {
+    const PromptCommand command = parse_prompt_line(line);
+    switch (command.kind) {
+        case PromptKind::kGoOn:
+            return go_on();
+        case PromptKind::kQuit:
+            return Answer::kStop;
+        case PromptKind::kReject:
+            mark_last(ExclusionKind::kRejected, command.reason);
+            break;
+        case PromptKind::kExclude:
+            mark_last(ExclusionKind::kExcluded, command.reason);
+            break;
+        case PromptKind::kNoReason:
+            options_.say("say why, e.g.: r sneezed");
+            break;
+        case PromptKind::kUnknown:
+            options_.say(fmt::format("'{}' is no command", line));
+            break;
+    }
+    return Answer::kAskAgain;
+}
+
+ParticipantSession::Answer ParticipantSession::go_on() {
+    if (!rest_ || rest_->over_by_enter(runner_.now())) return Answer::kGo;
+    options_.say(
+        fmt::format("the break lasts another {:.0f} s", std::ceil(to_seconds(rest_->left(runner_.now())))));
+    return Answer::kAskAgain;
+}
+
+void ParticipantSession::mark_last(ExclusionKind kind, const std::string& reason) {
+    if (agenda_.records.empty()) return options_.say("there is no trial yet");
+    const DatasetRecord& last = agenda_.records.back();
+    const Exclusion mark{options_.participant, last.position, last.record, kind, reason};
+    const Exclusion* there = find_exclusion(agenda_.exclusions, options_.participant, last.record);
+    if (there != nullptr && (there->kind == kind || there->kind == ExclusionKind::kExcluded)) {
+        return options_.say(
+            fmt::format("trial {} is {} already: {}", last.position, to_string(there->kind), there->reason));
+    }
+    add_exclusion(options_.dataset.exclusions(), mark);
+    agenda_.exclusions.push_back(mark);
+    options_.say(fmt::format("trial {} is {}: {}", last.position, to_string(kind), reason));
+}
+
+void ParticipantSession::do_trial(const Step& step) {
+    rest_.reset();
+    runner_.prepare();
+    const TrialConditions& c = step.entry.conditions;
+    DatasetRecord record;
+    record.record = static_cast<std::uint32_t>(agenda_.records.size() + 1);
+    record.position = step.entry.position;
+    record.block = step.entry.block;
+    record.practice = step.entry.practice;
+    record.repeat_of = step.repeat_of;
+    record.repeat_reason = step.reason;
+    // The same for a trial that was begun before, unless nodes that went on running have seen it.
+    record.number = std::max({record.record, runner_.last_number() + 1, last_number_ + 1});
+    const auto trajectory = options_.dataset.source(options_.participant) / "trajectories" /
+                            fmt::format("record{:03}_experiment{}_trial{:02}_{}_{:g}ms.csv", record.record,
+                                        c.experiment, c.trial, to_string(c.modality), 1000 * c.delay_s);
+    keep_aside(trajectory);
+    const TrialRecord& trial = runner_.run(c, record.number, trajectory);
+    record.row = make_row(trial);
+    table_.append(record);
+    agenda_.records.push_back(record);
+    last_number_ = record.number;
+    last_block_ = step.entry.block;
+    const bool lost = record.row.reason == EndReason::kPeerLost ||
+                      record.row.reason == EndReason::kDeviceFault ||
+                      record.row.reason == EndReason::kSafetyStop;
+    lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
+    if (!trial.fault.empty()) options_.say(trial.fault);
+    options_.say(fmt::format("{}: {}, {:.1f} s, maximum penetration {:.2f} mm", name_of(step),
+                             outcome_text(record.row.reason, record.row.lost_peer),
+                             record.row.metrics.completion_time_s,
+                             1000 * record.row.metrics.penetration_max_m));
+}
+
+ParticipantSessionResult ParticipantSession::result(ExitCode code, std::string problem) const {
+    const auto repeats = std::count_if(agenda_.records.begin(), agenda_.records.end(),
+                                       [](const DatasetRecord& record) { return record.repeat_of != 0; });
+    return {code,
+            std::move(problem),
+            options_.participant,
+            agenda_.begun(),
+            agenda_.order.size(),
+            agenda_.records.size(),
+            static_cast<std::size_t>(repeats)};
+}
+
+}  // namespace thimble

@@ -1,0 +1,41 @@
+// The table of one participant's trials, sub-07_task-needle_beh.tsv: a line per trial that was begun and
+// ended, in the order of time. Lines are only ever added.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "session/participant/tsv.hpp"
+#include "session/records/trial_table.hpp"
+
+namespace thimble {
+
+struct DatasetRecord {
+    std::uint32_t record = 1;    // from 1, of this participant
+    std::uint32_t position = 1;  // in the order
+    std::uint32_t block = 1;
+    bool practice = false;
+    std::uint32_t repeat_of = 0;  // the record that this one replaces; 0: none
+    std::string repeat_reason;    // empty with 0
+    std::uint32_t number = 0;     // on the wire; it keyed what a virtual operator drew
+    TrialRow row;
+};
+
+class RecordTable {
+  public:
+    // New, or to be continued; half a line at the end goes. Throws Error as TsvFile.
+    explicit RecordTable(const std::filesystem::path& file);
+    // On the disk when it returns.
+    void append(const DatasetRecord& record);
+
+  private:
+    TsvFile file_;
+};
+
+std::vector<std::string_view> record_columns();
+// None if there is no file. Throws Error (data) naming line and column of what cannot be read.
+std::vector<DatasetRecord> read_records(const std::filesystem::path& file);
+
+}  // namespace thimble

@@ -1,0 +1,206 @@
+#include "session/participant/run_participant.hpp"
+
+#include <algorithm>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "session/participant/person_starter.hpp"
+#include "session/participant/real_trials.hpp"
+#include "session/participant/tsv.hpp"
+
+namespace thimble {
+namespace {
+
+std::uint32_t participant_of(const SystemSettings& settings, const std::string& said) {
+    const auto participant = said.empty() ? settings.plan.subject : parse_participant(said).value_or(0);
+    if (participant != 0) return participant;
+    throw Error(ExitCode::kUsage,
+                said.empty()
+                    ? "who is it? Say --participant P07, or [session] participant = \"P07\""
+                    : fmt::format("--participant {}: use P and a number, e.g. P07, never a name", said));
+}
+
+void check_person(const SystemSettings& settings, const ParticipantRun& run) {
+    if (run.starter && settings.handle.kind == HandleKind::kSimulated) {
+        throw Error(ExitCode::kUsage,
+                    "a person needs a handle to hold, and the one that thimble would start is in a virtual "
+                    "operator's hand. Say [handle] device = \"pointer\" in the session file for a "
+                    "participant session with "
+                    "the mouse; or start the nodes with a master that holds a real handle (on the ports of "
+                    "[network], docs/protocol.md), and say --attach");
+    }
+    if (!run.person.consent) {
+        throw Error(ExitCode::kUsage,
+                    "a person takes part with informed consent only: once you have it, say --consent");
+    }
+}
+
+void check_virtual_subject(const SystemSettings& settings, const ParticipantRun& run) {
+    if (!run.starter || settings.handle.kind == HandleKind::kSimulated) return;
+    throw Error(
+        ExitCode::kUsage,
+        "a virtual subject holds the simulated handle only, and [handle] device says otherwise: leave it "
+        "out, or say [session] subject = \"human\"");
+}
+
+// Nodes that run already have the delay of their own file, which is to be this one.
+void check_delay(const SystemSettings& settings, const std::vector<OrderEntry>& order, bool attach) {
+    const double delay_s = order.front().conditions.delay_s;
+    for (const OrderEntry& entry : order) {
+        if (entry.conditions.delay_s == delay_s) continue;
+        throw Error(ExitCode::kData,
+                    fmt::format("the order has two delays, {} s and {} s, but a participant session has one",
+                                delay_s, entry.conditions.delay_s));
+    }
+    const double theirs_s = to_seconds(settings.netem.force.delay);
+    if (!attach || theirs_s == delay_s) return;
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("experiment {} delays the force by {} s, but [netem.force] delay_s is {}: set it, "
+                    "in this file and in that of the running thimble-netem, and start that anew",
+                    order.front().conditions.experiment, delay_s, theirs_s));
+}
+
+// In what the settings would give another order than the written one; empty if in nothing.
+std::string what_differs(const SystemSettings& settings, std::uint32_t participant,
+                         const std::vector<OrderEntry>& written) {
+    try {
+        return difference(written, plan_order(settings, participant));
+    } catch (const Error& no_longer_planned) {
+        return no_longer_planned.what();
+    }
+}
+
+// The written one wins over what the settings would give now: the participant has begun with it, and cannot
+// begin anew.
+std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& dataset,
+                                 std::uint32_t participant, bool resume, bool& written) {
+    const auto file = dataset.order(participant);
+    if (!is_table(file)) {
+        if (!resume) return plan_order(settings, participant);
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{} has no order in {}: check the number and the folder, or "
+                                "leave --resume out",
+                                participant_id(participant), dataset.folder().string()));
+    }
+    std::vector<OrderEntry> order = read_order(file, participant);
+    if (order.empty()) throw Error(ExitCode::kData, fmt::format("{}: has no trials", file.string()));
+    if (!resume) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{} has begun already: say --resume to go on, or check the number",
+                                participant_id(participant)));
+    }
+    written = true;
+    return order;
+}
+
+ConditionPlan condition_plan(const SystemSettings& settings, const ParticipantRun& run,
+                             const Dataset& dataset, std::uint32_t participant, double delay_s) {
+    SystemSettings with_delay = settings;
+    set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
+    ConditionPlan plan;
+    const bool human = settings.plan.kind == SubjectKind::kHuman;
+    plan.starter = human && run.starter ? std::make_shared<PersonStarter>(run.starter) : run.starter;
+    plan.out = dataset.source(participant) / "nodes";
+    plan.network = run.network;
+    plan.session = session_settings(with_delay);
+    plan.session.ends_by_withdrawal = human;
+    plan.session.subject_goes_on = human && settings.protocol->subject_goes_on;
+    plan.delay_s = delay_s;
+    plan.runtime = settings.runtime;
+    plan.strict_rt = run.strict_rt;
+    plan.log = settings.log;
+    plan.session_file = settings.file;
+    if (run.view) plan.make_observer = run.view->make_observer;
+    if (run.make_observer) plan.make_observer = run.make_observer;
+    return plan;
+}
+
+ParticipantSessionResult sit(const SystemSettings& settings, const ParticipantRun& run,
+                             const Dataset& dataset, std::uint32_t participant, RealTrials& trials) {
+    const bool human = settings.plan.kind == SubjectKind::kHuman;
+    DescriptorLines typed(STDIN_FILENO);
+    const bool asks = run.commands || (human && isatty(STDIN_FILENO) == 1);
+    TwoLineSources both(typed, run.view ? *run.view->lines : typed);
+    LineSource* answers = run.view ? static_cast<LineSource*>(&both) : &typed;
+    ParticipantSessionOptions options{dataset,
+                                      participant,
+                                      *settings.protocol,
+                                      asks ? answers : nullptr,
+                                      human,
+                                      run.stop,
+                                      [&trials](const std::string& line) { trials.say(line); }};
+    if (run.view) {
+        options.requests = run.view->lines;
+        options.paused = run.view->paused;
+    }
+    options.subject_goes_on = human && settings.protocol->subject_goes_on;
+    return ParticipantSession(std::move(options), trials).run();
+}
+
+}  // namespace
+
+ParticipantSessionResult run_participant(const SystemSettings& settings, const ParticipantRun& run) {
+    const SubjectKind kind = settings.plan.kind;
+    const std::uint32_t participant = participant_of(settings, run.participant);
+    if (kind == SubjectKind::kHuman) check_person(settings, run);
+    if (kind == SubjectKind::kVirtual) check_virtual_subject(settings, run);
+    const Dataset dataset(run.out);
+    if (const auto found = dataset.kind(); found && *found != kind) dataset.open(kind, settings.dataset);
+    bool written = false;
+    const auto order = order_of(settings, dataset, participant, run.resume, written);
+    check_delay(settings, order, run.starter == nullptr);
+    if (run.check_screen) run.check_screen();
+
+    dataset.open(kind, settings.dataset);
+    if (run.view) run.view->planned(order.size());
+    RealTrials trials(condition_plan(settings, run, dataset, participant, order.front().conditions.delay_s),
+                      run.stop);
+    // The order first: an analysis asks for the order of every participant that is in the table.
+    if (!written) write_order(dataset.order(participant), order);
+    const std::string line = add_participant(dataset, participant, kind, run.person);
+    if (!line.empty()) trials.say(fmt::format("participants.tsv keeps what it says: {}", line));
+    const std::string other = written ? what_differs(settings, participant, order) : "";
+    if (!other.empty()) {
+        trials.say(
+            fmt::format("warning: the order in {} is not the one of this session file: {}. The written "
+                        "one is used",
+                        dataset.order(participant).string(), other));
+    }
+    ParticipantSessionResult result = sit(settings, run, dataset, participant, trials);
+    const ConditionResult closed = trials.close();
+    if (result.code == ExitCode::kOk && closed.code == ExitCode::kRealtime) {
+        result.code = closed.code;
+        result.problem = closed.problem;
+    }
+    return result;
+}
+
+void exclude_trial(const std::filesystem::path& folder, const std::string& name, std::uint32_t position,
+                   const std::string& reason) {
+    const Dataset dataset(folder);
+    if (!dataset.kind()) {
+        throw Error(ExitCode::kUsage, fmt::format("{}: is no dataset of participants", folder.string()));
+    }
+    const auto participant = parse_participant(name);
+    if (!participant) throw Error(ExitCode::kUsage, fmt::format("{}: is no participant, e.g. P07", name));
+    const auto records = read_records(dataset.records(*participant));
+    const auto last = std::find_if(records.rbegin(), records.rend(),
+                                   [&](const DatasetRecord& record) { return record.position == position; });
+    if (last == records.rend()) {
+        throw Error(ExitCode::kUsage, fmt::format("{} has no record of trial {}: see column 'position' of {}",
+                                                  name, position, dataset.records(*participant).string()));
+    }
+    const auto exclusions = read_exclusions(dataset.exclusions());
+    const Exclusion* there = find_exclusion(exclusions, *participant, last->record);
+    if (there != nullptr && there->kind == ExclusionKind::kExcluded) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("trial {} of {} is excluded already: {}", position, name, there->reason));
+    }
+    add_exclusion(dataset.exclusions(),
+                  {*participant, position, last->record, ExclusionKind::kExcluded, reason});
+}
+
+}  // namespace thimble

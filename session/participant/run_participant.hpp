@@ -1,0 +1,44 @@
+// `thimble run` with a session file that has a table [protocol]: one participant's whole session.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "common/network_settings.hpp"
+#include "session/launch/node_starter.hpp"
+#include "session/participant/participant_session.hpp"
+#include "session/participant/participant_view.hpp"
+#include "session/participant/participants_table.hpp"
+#include "session/settings/system_settings.hpp"
+
+namespace thimble {
+
+struct ParticipantRun {
+    std::shared_ptr<NodeStarter> starter;  // none: the nodes run already
+    std::filesystem::path out;
+    NetworkSettings network;
+    std::string participant;  // "P07"; empty: as in the session file
+    PersonDescription person;
+    bool strict_rt = false;
+    bool resume = false;
+    bool commands = false;  // read them from standard input, also if it is no terminal
+    const std::atomic<bool>* stop = nullptr;
+    std::optional<ParticipantView> view{};  // of an experimenter
+    MakeObserver make_observer{};           // instead of the view's, which it has within it; none: the view's
+    // Throws Error (usage) if this machine cannot show a person what the nodes would; may be empty.
+    std::function<void()> check_screen{};
+};
+
+// Throws Error: usage, if participant, order, folder and what was said do not fit together (nothing is
+// written then); network, if the nodes cannot be reached; data, if a file of the dataset is damaged.
+ParticipantSessionResult run_participant(const SystemSettings& settings, const ParticipantRun& run);
+
+// Marks a trial of a participant, by its position in the order, as excluded. Throws Error: usage, if there is
+// no such trial or it is excluded already.
+void exclude_trial(const std::filesystem::path& folder, const std::string& participant,
+                   std::uint32_t position, const std::string& reason);
+
+}  // namespace thimble

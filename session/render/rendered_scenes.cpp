@@ -1,0 +1,75 @@
+#include "session/render/rendered_scenes.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "session/render/render.hpp"
+
+namespace thimble {
+
+namespace {
+
+// Any video is slower, so that a scene is due whenever one is asked for.
+constexpr double kScenes_Hz = 1000;
+// Time zero is "never" to some; a video begins later.
+constexpr SessionTime kBegin = from_nanoseconds(1'000'000'000);
+
+VisualSettings for_videos(VisualSettings settings) {
+    settings.refresh_Hz = kScenes_Hz;
+    settings.fingertip = true;  // a video's viewer wears no device
+    return settings;
+}
+
+SessionControl start_of(const TrialConditions& conditions) {
+    SessionControl control;
+    control.study_seed = conditions.study_seed;
+    control.experiment = conditions.experiment;
+    control.subject = conditions.subject;
+    control.modality = conditions.modality;
+    return control;
+}
+
+}  // namespace
+
+RenderedScenes::RenderedScenes(const RecordedTrial& trial, VisualSettings settings)
+    : trial_(&trial), node_(for_videos(std::move(settings))) {
+    assert(!trial.record.samples.empty());
+    const TrialConditions& conditions = trial.record.conditions;
+    node_.start_trial(kBegin, start_of(conditions), conditions.trial);
+}
+
+double RenderedScenes::duration_s() const {
+    const TrajectorySample& last = trial_->record.samples.back();
+    return last.time_s + trial_->delay_s(last.time_s);
+}
+
+double RenderedScenes::arrival_s(const TrajectorySample& sample) const {
+    return std::max(sample.time_s + trial_->delay_s(sample.time_s), newest_s_);
+}
+
+std::optional<Scene> RenderedScenes::at(double time_s) {
+    const auto& samples = trial_->record.samples;
+    for (; next_ < samples.size() && arrival_s(samples[next_]) <= time_s; ++next_) {
+        newest_s_ = arrival_s(samples[next_]);
+        node_.on_feedback(kBegin + from_seconds(newest_s_), trial_->feedback(samples[next_]));
+    }
+    // A millisecond on: the first scene is due within the first one.
+    const SessionTime now = kBegin + from_seconds(std::max(time_s, 1 / kScenes_Hz));
+    if (const auto scene = node_.frame(now)) newest_ = scene;
+    return newest_;
+}
+
+std::size_t frame_count(double duration_s, double frames_per_s) {
+    // A duration that is a whole number of periods, but for rounding, has its last frame.
+    return static_cast<std::size_t>(std::floor(duration_s * frames_per_s + 1e-9)) + 1;
+}
+
+std::filesystem::path frame_file(const std::filesystem::path& folder, std::size_t frame) {
+    return folder / fmt::format("frame_{:06}.png", frame);
+}
+
+}  // namespace thimble

@@ -1,0 +1,253 @@
+#include "study/compensators/compensator_study.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "common/error.hpp"
+#include "session/records/condition_summary.hpp"
+#include "session/records/metrics.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/virtual/virtual_session.hpp"
+#include "study/loop_limits.hpp"
+#include "study/ordered_workers.hpp"
+#include "study/study.hpp"
+#include "study/with_compensator.hpp"
+
+namespace thimble {
+namespace {
+
+// The hand itself, which no record holds.
+struct HandSample {
+    double time_s, position_hand_m, force_hand_N, position_needle_m;
+};
+
+// From the end of arriving to the beep, or to the end of a trial without one.
+void measure_hand(const std::vector<HandSample>& samples, const TrialRecord& record, const SystemSettings& s,
+                  CompensatorTrial& trial) {
+    const double from_s = trial.metrics.first_contact_time_s + kHoldSettling_s;
+    const double surface_hand_m = record.conditions.fixture_position_m / s.master.position_scale;
+    double force_N = 0, depth_m = 0, drift_m = 0, count = 0;
+    for (const HandSample& sample : samples) {
+        if (!(sample.time_s >= from_s) || sample.time_s > record.beep_time_s) continue;
+        force_N += sample.force_hand_N;
+        depth_m += sample.position_hand_m - surface_hand_m;
+        drift_m += std::fabs(s.master.position_scale * sample.position_hand_m - sample.position_needle_m);
+        ++count;
+    }
+    if (count == 0) return;
+    trial.drift_needle_m = drift_m / count;
+    if (depth_m > 0) trial.rendered_stiffness = force_N / depth_m / true_stiffness_hand_N_per_m(s);
+}
+
+// Waves have to wait for the jitter too; everything else takes what comes.
+ControlSettings control_over(const CompensatorNetwork& network, ControlSettings control) {
+    control.jitter += 2 * from_seconds(network.jitter_spread_s);
+    return control;
+}
+
+void run_trial(const SystemSettings& settings, const CompensatorCondition& condition,
+               CompensatorTrial& trial) {
+    ControlSettings control = control_over(trial.network, condition.control);
+    control.share = trial.share;
+    VirtualSession session(with_control(over_network(settings, trial.network), control));
+    std::vector<HandSample> samples;
+    session.session().set_sample_hook([&](const TrajectorySample& sample) {
+        samples.push_back({sample.time_s, session.handle().position_hand_m(), session.handle().force_hand_N(),
+                           sample.position_needle_m});
+    });
+    const TrialRecord& record = session.run(trial.conditions);
+    trial.metrics = measure(record);
+    trial.completed = record.reason == EndReason::kCompleted && trial.metrics.beeped;
+    measure_hand(samples, record, settings, trial);
+}
+
+// There and back, jitter included.
+double longest_delay_s(const SystemSettings& settings, const CompensatorNetwork& network) {
+    return to_seconds(session_settings(over_network(settings, network)).network_delay);
+}
+
+// A mean of those that exist.
+class Mean {
+  public:
+    void add(double value) {
+        if (!std::isfinite(value)) return;
+        sum_ += value;
+        ++count_;
+    }
+    double value() const { return count_ == 0 ? TrialMetrics::kNone : sum_ / count_; }
+
+  private:
+    double sum_ = 0, count_ = 0;
+};
+
+CompensatorRow condensed(std::span<const CompensatorTrial> trials,
+                         const std::vector<CompensatorCondition>& conditions) {
+    CompensatorRow row;
+    row.name = conditions[trials.front().condition].name;
+    row.network = trials.front().network;
+    row.share = trials.front().share;
+    Mean peak, mean, most, time, rendered, drift;
+    for (const CompensatorTrial& trial : trials) {
+        ++row.trials;
+        row.completed += trial.completed ? 1 : 0;
+        row.oscillating += trial.metrics.oscillates ? 1 : 0;
+        peak.add(trial.metrics.oscillation_peak_to_peak_m);
+        mean.add(trial.metrics.penetration_mean_m);
+        most.add(trial.metrics.penetration_max_m);
+        time.add(trial.metrics.completion_time_s);
+        rendered.add(trial.rendered_stiffness);
+        drift.add(trial.drift_needle_m);
+    }
+    row.oscillation_peak_to_peak_m = peak.value();
+    row.penetration_mean_m = mean.value();
+    row.penetration_max_m = most.value();
+    row.completion_time_s = time.value();
+    row.rendered_stiffness = rendered.value();
+    row.drift_needle_m = drift.value();
+    return row;
+}
+
+}  // namespace
+
+std::vector<CompensatorCondition> compensator_conditions(const SystemSettings& settings) {
+    std::vector<CompensatorCondition> conditions;
+    conditions.reserve(kModalities.size() + kCompensatorNames.size());
+    for (const Modality modality : kModalities) conditions.push_back({to_string(modality), modality, {}});
+    for (std::size_t i = 1; i < kCompensatorNames.size(); ++i) {
+        conditions.push_back({std::string(kCompensatorNames[i]), Modality::kHF,
+                              control_for(settings, static_cast<Compensator>(i))});
+    }
+    return conditions;
+}
+
+double stable_share(const SystemSettings& settings, double delay_s, double margin) {
+    const HeldHandle held = held_handle(settings);
+    const double whole_N_per_m = true_stiffness_hand_N_per_m(settings);
+    const double loop_s = delay_s + 0.5 * to_seconds(settings.master.sample_period);
+    if (critical_delay_s(held, whole_N_per_m) > loop_s) return 1;
+    double stable = 0, unstable = 1;
+    for (int i = 0; i < 50; ++i) {
+        const double share = 0.5 * (stable + unstable);
+        (critical_delay_s(held, share * whole_N_per_m) > loop_s ? stable : unstable) = share;
+    }
+    return margin * stable;
+}
+
+std::vector<CompensatorCondition> chosen_conditions(const SystemSettings& settings,
+                                                    const std::vector<std::string>& names) {
+    std::vector<CompensatorCondition> all = compensator_conditions(settings);
+    if (names.empty()) return all;
+    std::vector<std::string> known;
+    known.reserve(all.size());
+    for (const CompensatorCondition& condition : all) known.push_back(condition.name);
+    for (const std::string& name : names) {
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw Error(ExitCode::kUsage,
+                        fmt::format("'{}' is neither a modality nor a compensator: choose from {}", name,
+                                    fmt::join(known, ", ")));
+    }
+    std::vector<CompensatorCondition> some;
+    for (const CompensatorCondition& condition : all) {
+        if (std::find(names.begin(), names.end(), condition.name) != names.end()) some.push_back(condition);
+    }
+    return some;
+}
+
+std::vector<CompensatorNetwork> plain_networks(const std::vector<double>& delays_s) {
+    std::vector<CompensatorNetwork> networks;
+    networks.reserve(delays_s.size());
+    for (const double delay_s : delays_s) networks.push_back({delay_text(delay_s), delay_s, 0, 0});
+    return networks;
+}
+
+double true_stiffness_hand_N_per_m(const SystemSettings& settings) {
+    return settings.master.position_scale * settings.master.force_scale *
+           fixture_stiffness_N_per_m(settings.slave);
+}
+
+SystemSettings over_network(SystemSettings settings, const CompensatorNetwork& network) {
+    set_delay(settings.netem.force, settings.netem.force_timeline, from_seconds(network.delay_s));
+    if (network.jitter_spread_s > 0)
+        settings.netem.force.jitter = {JitterShape::kUniform, from_seconds(network.jitter_spread_s)};
+    if (network.loss > 0)
+        settings.netem.force.loss = settings.netem.needle.loss = LossSettings::independent(network.loss);
+    return settings;
+}
+
+std::vector<CompensatorTrial> plan_compensator_trials(const SystemSettings& settings,
+                                                      const CompensatorStudyOptions& options) {
+    const std::vector<CompensatorCondition> conditions = chosen_conditions(settings, options.names);
+    const Protocol protocol = experiment_3(settings, options.subjects, options.seed);
+    std::vector<CompensatorTrial> trials;
+    trials.reserve(conditions.size() * options.networks.size() * options.subjects * options.trials);
+    for (std::size_t c = 0; c < conditions.size(); ++c) {
+        const bool scaled = conditions[c].control.compensator == Compensator::kScaled;
+        for (const CompensatorNetwork& network : options.networks) {
+            CompensatorTrial trial;
+            trial.condition = c;
+            trial.network = network;
+            if (scaled) trial.share = stable_share(settings, longest_delay_s(settings, network));
+            for (std::uint32_t subject = 1; subject <= options.subjects; ++subject) {
+                for (std::uint32_t number = 1; number <= options.trials; ++number) {
+                    trial.conditions = {options.seed,
+                                        protocol.experiment,
+                                        subject,
+                                        number,
+                                        conditions[c].modality,
+                                        network.delay_s,
+                                        draw_fixture_position_m(protocol, subject, number),
+                                        false,
+                                        conditions[c].control.compensator};
+                    trials.push_back(trial);
+                }
+            }
+        }
+    }
+    return trials;
+}
+
+bool run_compensator_trials(const SystemSettings& settings, const CompensatorStudyOptions& options,
+                            std::span<CompensatorTrial> trials,
+                            const std::function<void(const CompensatorTrial&)>& take) {
+    const std::vector<CompensatorCondition> conditions = chosen_conditions(settings, options.names);
+    OrderedWorkers<CompensatorTrial> workers(
+        trials.size(), thread_count(options.jobs),
+        [&](std::size_t i) {
+            CompensatorTrial trial = trials[i];
+            run_trial(settings, conditions[trial.condition], trial);
+            return trial;
+        },
+        options.stop);
+    for (CompensatorTrial& trial : trials) {
+        std::optional<CompensatorTrial> done = workers.take();
+        if (!done) return false;
+        trial = std::move(*done);
+        take(trial);
+    }
+    return true;
+}
+
+std::vector<CompensatorRow> condense(const SystemSettings& settings, const CompensatorStudyOptions& options,
+                                     const std::vector<CompensatorTrial>& trials) {
+    const std::vector<CompensatorCondition> conditions = chosen_conditions(settings, options.names);
+    const std::size_t each = std::size_t{options.subjects} * options.trials;
+    std::vector<CompensatorRow> rows;
+    rows.reserve(trials.size() / each);
+    for (std::size_t first = 0; first < trials.size(); first += each)
+        rows.push_back(condensed(std::span(trials).subspan(first, each), conditions));
+    return rows;
+}
+
+std::vector<CompensatorRow> run_compensator_study(const SystemSettings& settings,
+                                                  const CompensatorStudyOptions& options) {
+    std::vector<CompensatorTrial> trials = plan_compensator_trials(settings, options);
+    if (!run_compensator_trials(settings, options, trials, [](const CompensatorTrial&) {})) return {};
+    return condense(settings, options, trials);
+}
+
+}  // namespace thimble

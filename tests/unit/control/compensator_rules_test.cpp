@@ -1,0 +1,142 @@
+// Rules of the compensators that only resets, late samples and old news show, reckoned by hand.
+#include <cmath>
+#include <cstdint>
+
+#include <gtest/gtest.h>
+
+#include "common/control/energy_bound.hpp"
+#include "common/control/local_fixture.hpp"
+#include "common/control/two_port_passivity.hpp"
+#include "common/control/wave_channel.hpp"
+
+namespace thimble::test {
+namespace {
+
+constexpr double kRule_s = 1e-3;
+
+void learn_wall(LocalFixture& fixture, double stiffness_N_per_m) {
+    for (int i = 0; i < 400; ++i) {
+        const double inside_m = 5e-4 + 3e-4 * std::sin(0.1 * i);
+        fixture.learn(0.04 + inside_m, stiffness_N_per_m * inside_m);
+    }
+}
+
+TEST(CompensatorRules, AResetFixtureHasItsFirstStiffnessAgain) {
+    LocalFixture fixture{LocalFixtureSettings{}};
+    learn_wall(fixture, 5000);
+    fixture.reset();
+    EXPECT_FALSE(fixture.known());
+    fixture.learn(0.041, 4);
+    EXPECT_EQ(fixture.stiffness_N_per_m(), 3000);
+}
+
+TEST(CompensatorRules, AFixtureForgetsPairsOlderThanItsMemory) {
+    LocalFixtureSettings settings;
+    settings.memory = 20;
+    LocalFixture fixture{settings};
+    learn_wall(fixture, 5000);
+    learn_wall(fixture, 2000);
+    EXPECT_NEAR(fixture.stiffness_N_per_m(), 2000, 1e-3);
+}
+
+TEST(CompensatorRules, AResetPortKnowsNoPosition) {
+    LeastConservativeBound bound({kRule_s, 0.5});
+    bound.observe(0, 0, 0);
+    bound.observe(kRule_s, 1e-3, 10);
+    EXPECT_GT(bound.energy_J(), 0);
+    bound.reset();
+    bound.observe(0, 5e-3, 10);  // the first sample has no time before it
+    EXPECT_EQ(bound.refused(), 0U);
+    EXPECT_EQ(bound.energy_J(), 0);
+}
+
+TEST(CompensatorRules, ASampleWithoutTimeIsRefused) {
+    MemorylessBound bound({kRule_s, 0.5});
+    bound.observe(0, 0, 0);
+    bound.observe(kRule_s, 1e-3, 3);
+    EXPECT_GT(bound.force_N(5), 0);
+    bound.observe(0, 2e-3, 3);
+    EXPECT_EQ(bound.refused(), 1U);
+    EXPECT_EQ(bound.force_N(5), 0);
+}
+
+// c = 2 b / h = 1000 N/m: F^2 + 2 c F Dx + c^2 Dx^2 h / T = 9 + 6 + 0.5 N^2.
+TEST(CompensatorRules, ALateSampleReachesLess) {
+    MemorylessBound bound({kRule_s, 0.5});
+    bound.observe(0, 0, 0);
+    bound.observe(2 * kRule_s, 1e-3, 3);
+    EXPECT_DOUBLE_EQ(bound.reach_N(), std::sqrt(15.5));
+}
+
+TEST(CompensatorRules, AnOlderToldEnergyTakesNothingBack) {
+    TwoPortMaster master({kRule_s, 0}, 1000);
+    master.observe(0, 0);
+    master.observe(-1e-3, 5);
+    EXPECT_EQ(master.force_N(5, 0.01), 5);
+    EXPECT_EQ(master.force_N(5, 0), 5) << "0.01 J were heard of before";
+}
+
+// 5 N push out over 1 mm, twice, unpaid: the damper takes each 5 mJ, and its own force is none that the network sends.
+TEST(CompensatorRules, TheMastersDamperIsNoForceOfTheNetwork) {
+    TwoPortMaster master({kRule_s, 0}, 1000);
+    master.observe(0, 0);
+    master.observe(-1e-3, 5);
+    const double force_N = master.force_N(5, 0);
+    EXPECT_NEAR(force_N, 0, 1e-12);
+    master.observe(-2e-3, force_N);
+    EXPECT_NEAR(master.force_N(5, 0), 0, 1e-12);
+}
+
+TEST(CompensatorRules, AWallPushesFromWhereItStands) {
+    TwoPortWall wall(0.04, 1000, 12);
+    EXPECT_EQ(wall.force_N(0.039, 1), 0);
+    EXPECT_NEAR(wall.force_N(0.041, 1), 1, 1e-9);
+}
+
+WaveBurst one_wave(std::uint32_t number, double wave_root_W) {
+    WaveBurst burst;
+    burst.number = number;
+    burst.count = 1;
+    burst.wave_root_W.front() = wave_root_W;
+    return burst;
+}
+
+TEST(CompensatorRules, NoWaveOfTheLastTrialIsPlayed) {
+    WaveReceiver receiver({}, 0);
+    for (std::uint32_t n = 0; n < 5; ++n) receiver.receive(one_wave(n, 1));
+    receiver.reset(0);
+    for (std::uint32_t n = 0; n < 5; ++n) EXPECT_EQ(receiver.play(n), 0);
+    EXPECT_EQ(receiver.missing(), 5U);
+}
+
+// 16384 places: the two waves have the same one.
+TEST(CompensatorRules, AnOldWaveDoesNotTakeANewOnesPlace) {
+    WaveReceiver receiver({}, 0);
+    receiver.receive(one_wave(16385, 2));
+    receiver.receive(one_wave(1, 1));
+    EXPECT_EQ(receiver.play(16385), 2);
+}
+
+TEST(CompensatorRules, AWaveIsPlayedOnce) {
+    WaveReceiver receiver({}, 0);
+    receiver.receive(one_wave(5, 2));
+    EXPECT_EQ(receiver.play(5), 2);
+    receiver.play_out_after(1);
+    EXPECT_EQ(receiver.play(6), 0);
+    EXPECT_EQ(receiver.missing(), 0U);
+}
+
+TEST(CompensatorRules, AnEnergyLimitedWaveGivesOutWhatCameIn) {
+    WaveChannelSettings settings;
+    settings.reconstruction = WaveReconstruction::kEnergyLimited;
+    WaveReceiver receiver(settings, 0);
+    WaveBurst burst = one_wave(0, 2);
+    burst.sum_root_W_s = 1;  // far more than it may make good at once
+    burst.energy_J = 0.5 * 2 * 2 * settings.sample_period_s;
+    receiver.receive(burst);
+    EXPECT_DOUBLE_EQ(receiver.play(0), 2);
+    EXPECT_DOUBLE_EQ(receiver.energy_out_J(), burst.energy_J);
+}
+
+}  // namespace
+}  // namespace thimble::test

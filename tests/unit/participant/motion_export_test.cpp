@@ -1,0 +1,131 @@
+// Movements for others, in the layout of Motion-BIDS, judged by BIDS' own validator.
+#include "session/participant/motion_export.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "common/error.hpp"
+#include "session/records/trajectory_file.hpp"
+#include "session/records/trial_table.hpp"
+#include "tests/read_text.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+// A study of two subjects with a trial each, of which the second has no trajectory.
+class MotionBids : public testing::Test {
+  protected:
+    MotionBids() {
+        std::string name = (std::filesystem::temp_directory_path() / "thimble-bids-XXXXXX").string();
+        folder_ = mkdtemp(name.data());
+        std::filesystem::create_directories(study() / "trajectories");
+        TrialTable table(study() / "trials.csv");
+        for (const std::uint32_t subject : {1U, 2U}) {
+            TrialRow row;
+            row.conditions.subject = subject;
+            row.conditions.modality = Modality::kCF;
+            row.conditions.delay_s = 0.05;
+            row.reason = EndReason::kCompleted;
+            row.metrics.puncture_time_s = 0.002;
+            row.metrics.completion_time_s = 0.005;
+            row.metrics.beeped = true;
+            table.append(row);
+        }
+        std::vector<double> times_s;
+        for (int i = 0; i < 10; ++i) times_s.push_back(0.001 * i);
+        write_trajectory(times_s);
+    }
+    void write_trajectory(const std::vector<double>& times_s) const {
+        TrajectoryWriter writer(study() / "trajectories" / "experiment3_subject01_trial01_CF_50ms.csv",
+                                IfExists::kReplace);
+        for (const double time_s : times_s) writer.append({time_s, 10 * time_s, 0.02, -0.25, -0.5, -0.75, 0});
+        writer.end(EndReason::kCompleted);
+    }
+    ~MotionBids() override { std::filesystem::remove_all(folder_); }
+    std::filesystem::path study() const { return folder_ / "study"; }
+    std::filesystem::path bids() const { return folder_ / "bids"; }
+    std::string written(const std::string& ending) const {
+        return read_text(bids() / "sub-01" / "motion" /
+                         ("sub-01_task-needleExperiment3_tracksys-slave_run-01_" + ending));
+    }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(MotionBids, HoldsTheSamplesWithTheirUnits) {
+    const MotionExport done = export_motion(study(), bids());
+    EXPECT_EQ(done.subjects, 1U);
+    EXPECT_EQ(done.trials, 1U);
+    EXPECT_EQ(done.without_trajectory, 1U);
+    EXPECT_THAT(written("motion.tsv"), testing::StartsWith("0\t0\t0.02\t-0.25\t-0.5\t-0.75\n0.001\t0.01\t"));
+    EXPECT_THAT(written("channels.tsv"), HasSubstr("force_total\tz\tMISC\tneedle\tN\t"));
+    EXPECT_THAT(written("events.tsv"), HasSubstr("0\t0\ttrial_start\tCF\t0.05\t"));
+    EXPECT_THAT(written("events.tsv"), HasSubstr("0.007\t0\tbeep\t"));
+    EXPECT_EQ(nlohmann::json::parse(written("motion.json"))["MotionChannelCount"], 6);
+    EXPECT_THROW(export_motion(study(), bids()), Error);  // never into what is there
+}
+
+TEST_F(MotionBids, TheSamplingFrequencyIsThatOfTheTrial) {
+    for (const double period_s : {1e-3, 1e-4, 2.5e-4}) {
+        std::filesystem::remove_all(bids());
+        std::vector<double> times_s;
+        for (int i = 0; i < 100; ++i) {
+            if (i % 20 == 7) continue;                                 // lost
+            times_s.push_back(period_s * i + 1e-7 * (i * 7 % 5 - 2));  // a wake-up that is late or early
+        }
+        write_trajectory(times_s);
+        export_motion(study(), bids());
+        const auto motion = nlohmann::json::parse(written("motion.json"));
+        EXPECT_EQ(motion["SamplingFrequency"], std::lround(1 / period_s));
+        EXPECT_NEAR(motion["SamplingFrequencyEffective"].get<double>(), 1 / period_s, 0.2 / period_s);
+    }
+}
+
+TEST_F(MotionBids, WhatHoldsNothingIsRefused) {
+    write_trajectory({0.5});
+    EXPECT_THROW(export_motion(study(), bids()), Error);
+    std::filesystem::remove_all(study() / "trajectories");
+    EXPECT_THROW(export_motion(study(), bids()), Error);
+    EXPECT_THROW(export_motion(folder_ / "none", bids()), Error);
+}
+
+// The folder is as empty as it was, so that the same command works once there is something.
+TEST_F(MotionBids, WhatFailsLeavesNothingBehind) {
+    const auto kept = study() / "trajectories", away = folder_ / "away";
+    std::filesystem::rename(kept, away);
+    EXPECT_THROW(export_motion(study(), bids()), Error);
+    std::filesystem::rename(away, kept);
+    EXPECT_EQ(export_motion(study(), bids()).trials, 1U);
+}
+
+TEST_F(MotionBids, TheirValidatorFindsNoError) {
+    const std::string validator = THIMBLE_SOURCE_DIR "/build/bids_validator/cli-1.15.0.js";
+    if (!std::filesystem::exists(validator))
+        GTEST_SKIP()
+            << "bids-validator is not installed: deploy/install-bids-validator does that where there is npm";
+    export_motion(study(), bids());
+    const auto said = folder_ / "said";
+    const auto judge = [&] {
+        const std::string command = fmt::format(
+            "node -e 'require(\"{}\").default([\"{}\", \"--json\"]).catch(c => process.exit(c))' > '{}' 2> "
+            "'{}.err'",
+            validator, bids().string(), said.string(), said.string());
+        static_cast<void>(std::system(command.c_str()));
+        return nlohmann::json::parse(read_text(said), nullptr, false);
+    };
+    const auto found = judge();
+    ASSERT_TRUE(found.is_object()) << read_text(said.string() + ".err");
+    EXPECT_EQ(found["issues"]["errors"], nlohmann::json::array());
+    EXPECT_THAT(found["summary"]["dataTypes"].dump(), HasSubstr("motion"));
+}
+
+}  // namespace
+}  // namespace thimble

@@ -1,0 +1,85 @@
+// The experimenter's commands, and the length of a break.
+#include "session/participant/prompt.hpp"
+
+#include <array>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "session/participant/line_source.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::seconds;
+
+TEST(Prompt, Commands) {
+    const auto kind = [](const char* line) { return parse_prompt_line(line).kind; };
+    EXPECT_EQ(kind(""), PromptKind::kGoOn);
+    EXPECT_EQ(kind("  \r"), PromptKind::kGoOn);
+    EXPECT_EQ(kind("q"), PromptKind::kQuit);
+    EXPECT_EQ(kind("r"), PromptKind::kNoReason);
+    EXPECT_EQ(kind("x  "), PromptKind::kNoReason);
+    EXPECT_EQ(kind("rx"), PromptKind::kUnknown);
+    EXPECT_EQ(kind("quit"), PromptKind::kUnknown);
+    EXPECT_EQ(kind("R sneezed"), PromptKind::kUnknown);
+    EXPECT_EQ(kind("x sneezed"), PromptKind::kExclude);
+    const PromptCommand reject = parse_prompt_line(" r  the\tphone rang \r");
+    EXPECT_EQ(reject.kind, PromptKind::kReject);
+    EXPECT_EQ(reject.reason, "the phone rang");
+}
+
+TEST(Prompt, ARestEndsByItselfOnlyWhereNobodyIsAsked) {
+    const SessionTime begin{seconds{100}};
+    const Rest alone(begin, seconds{30}, false);
+    EXPECT_FALSE(alone.over_by_itself(begin + seconds{29}));
+    EXPECT_TRUE(alone.over_by_itself(begin + seconds{30}));
+    const Rest asked(begin, seconds{30}, true);
+    EXPECT_FALSE(asked.over_by_itself(begin + seconds{300}));
+    EXPECT_FALSE(asked.over_by_enter(begin + seconds{29}));
+    EXPECT_TRUE(asked.over_by_enter(begin + seconds{30}));
+    EXPECT_EQ(asked.left(begin + seconds{12}), seconds{18});
+    EXPECT_EQ(asked.left(begin + seconds{31}), seconds{0});
+}
+
+class Pipe {
+  public:
+    Pipe() { EXPECT_EQ(::pipe(ends_.data()), 0); }
+    ~Pipe() {
+        ::close(ends_[0]);
+        close();
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
+    int reading_end() const { return ends_[0]; }
+    void write(const std::string& text) {
+        EXPECT_EQ(::write(ends_[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+    }
+    void close() {
+        if (ends_[1] >= 0) ::close(ends_[1]);
+        ends_[1] = -1;
+    }
+
+  private:
+    std::array<int, 2> ends_{-1, -1};
+};
+
+TEST(DescriptorLines, LinesComeWhenTheyAreWhole) {
+    Pipe pipe;
+    DescriptorLines lines(pipe.reading_end());
+    EXPECT_FALSE(lines.take_line().has_value());
+    pipe.write("r sne");
+    EXPECT_FALSE(lines.take_line().has_value());
+    pipe.write("ezed\n\nx");
+    EXPECT_EQ(lines.take_line(), "r sneezed");
+    EXPECT_EQ(lines.take_line(), "");
+    EXPECT_FALSE(lines.take_line().has_value());
+    EXPECT_FALSE(lines.ended());
+    pipe.close();
+    EXPECT_EQ(lines.take_line(), "x");  // a last line without an end
+    EXPECT_FALSE(lines.take_line().has_value());
+    EXPECT_TRUE(lines.ended());
+}
+
+}  // namespace
+}  // namespace thimble

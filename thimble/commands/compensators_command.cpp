@@ -1,0 +1,179 @@
+// thimble compensators: experiment 3 with each delay compensator, beside HF, CF, CCF and VF.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include "common/csv/csv_file.hpp"
+#include "common/error.hpp"
+#include "common/process/progress.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/text_file.hpp"
+#include "study/compensators/compensator_report.hpp"
+#include "study/compensators/compensator_table.hpp"
+#include "thimble/commands/commands.hpp"
+
+namespace thimble {
+namespace {
+
+struct CompensatorsArguments {
+    std::string config, out;
+    std::vector<double> delays_ms;
+    CompensatorStudyOptions study;
+    bool overwrite = false;
+};
+
+std::string cell(double value, int decimals) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+void print_rows(const std::vector<CompensatorRow>& rows) {
+    fmt::print("{:<24}{:>22}{:>7}{:>7}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", "condition", "network", "done",
+               "osc.", "p-p mm", "pen mm", "max mm", "time s", "K / true", "drift", "share");
+    for (const CompensatorRow& row : rows) {
+        fmt::print("{:<24}{:>22}{:>7}{:>7}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", row.name, row.network.name,
+                   fmt::format("{}/{}", row.completed, row.trials),
+                   fmt::format("{}/{}", row.oscillating, row.trials),
+                   cell(1000 * row.oscillation_peak_to_peak_m, 2), cell(1000 * row.penetration_mean_m, 2),
+                   cell(1000 * row.penetration_max_m, 2), cell(row.completion_time_s, 2),
+                   cell(row.rendered_stiffness, 3), cell(1000 * row.drift_needle_m, 2), cell(row.share, 3));
+    }
+}
+
+// The settings that decide the trials: another one gives another table. A session file's own network and [control] among it.
+std::string plan_text(const CompensatorsArguments& a) {
+    const CompensatorStudyOptions& s = a.study;
+    std::string text =
+        fmt::format("seed {}\nsubjects {}\ntrials {}\nconditions {}\n", s.seed, s.subjects, s.trials,
+                    s.names.empty() ? "all" : fmt::format("{}", fmt::join(s.names, " ")));
+    for (const CompensatorNetwork& network : s.networks)
+        text += fmt::format("network {}: {} s, jitter {} s, loss {}\n", network.name, network.delay_s,
+                            network.jitter_spread_s, network.loss);
+    if (a.config.empty()) return text;
+    std::ifstream file(a.config, std::ios::binary);
+    return text + "session file:\n" + std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+// Goes on where the same comparison was interrupted; refuses another one's folder.
+IfExists prepare_folder(const CompensatorsArguments& a) {
+    const std::filesystem::path folder(a.out), plan = folder / "compensators.txt";
+    make_folder(folder);
+    const bool begun = std::filesystem::exists(folder / "compensator_trials.csv");
+    if (begun && !a.overwrite) {
+        std::ifstream file(plan, std::ios::binary);
+        if (std::string(std::istreambuf_iterator<char>(file), {}) != plan_text(a))
+            throw Error(ExitCode::kUsage,
+                        a.out + ": holds another comparison: choose another folder, or say --overwrite");
+        return IfExists::kContinue;
+    }
+    write_text_file(plan, plan_text(a));
+    return IfExists::kReplace;
+}
+
+// The command that gives the same results, without the output folder.
+std::string compensators_command(const CompensatorsArguments& a) {
+    std::string command = fmt::format("thimble compensators --subjects {} --trials {} --seed {}",
+                                      a.study.subjects, a.study.trials, a.study.seed);
+    if (!a.config.empty()) command += " --config " + a.config;
+    if (!a.delays_ms.empty()) command += fmt::format(" --delays-ms {}", fmt::join(a.delays_ms, " "));
+    if (!a.study.names.empty()) command += fmt::format(" --only {}", fmt::join(a.study.names, " "));
+    return command;
+}
+
+// All trials of the plan, done now or before. False if it was stopped.
+bool run_all(const SystemSettings& settings, const CompensatorsArguments& a,
+             std::vector<CompensatorTrial>& trials) {
+    std::optional<CompensatorTrialTable> table;
+    if (!a.out.empty()) {
+        const IfExists if_exists = prepare_folder(a);
+        table.emplace(std::filesystem::path(a.out) / "compensator_trials.csv", if_exists,
+                      chosen_conditions(settings, a.study.names), trials);
+    }
+    std::size_t done = table ? table->done() : 0;
+    if (done > 0) spdlog::info("{} of {} trials were there already", done, trials.size());
+    Progress progress;
+    const auto take = [&](const CompensatorTrial& trial) {
+        if (table) table->append(trial);
+        ++done;
+        progress.show(fmt::format("{}/{} trials, {}", done, trials.size(), trial.network.name),
+                      done % (trials.size() / 4 + 1) == 0);
+    };
+    const bool complete = run_compensator_trials(settings, a.study, std::span(trials).subspan(done), take);
+    progress.say(fmt::format("{} of {} trials", done, trials.size()));
+    if (!complete && table)
+        spdlog::error("interrupted; the {} trials that had ended are kept, the same command goes on", done);
+    return complete;
+}
+
+int compare_compensators(CompensatorsArguments arguments) {
+    const SystemSettings settings = load_system_settings(arguments.config);
+    if (held_by_person(settings.handle.kind))
+        throw Error(ExitCode::kUsage,
+                    "thimble compensators needs the virtual operator: remove [handle] device");
+    install_stop_signals();
+    arguments.study.stop = &stop_requested();
+    arguments.study.networks = standard_networks();
+    if (!arguments.delays_ms.empty()) {
+        std::vector<double> delays_s;
+        for (const double delay_ms : arguments.delays_ms) delays_s.push_back(delay_ms / 1000);
+        arguments.study.networks = plain_networks(delays_s);
+    }
+    std::vector<CompensatorTrial> trials = plan_compensator_trials(settings, arguments.study);
+    if (!run_all(settings, arguments, trials)) return static_cast<int>(ExitCode::kRunFailed);
+    print_rows(condense(settings, arguments.study, trials));
+    if (!arguments.out.empty()) {
+        write_compensator_report(settings, arguments.study, trials, compensators_command(arguments),
+                                 arguments.out);
+        fmt::print("report: {}\n", (std::filesystem::path(arguments.out) / "report.html").string());
+    }
+    return static_cast<int>(ExitCode::kOk);
+}
+
+}  // namespace
+
+Subcommand add_compensators(CLI::App& app) {
+    const auto arguments = std::make_shared<CompensatorsArguments>();
+    CompensatorsArguments& a = *arguments;
+    CLI::App* sub = app.add_subcommand(
+        "compensators",
+        "experiment 3 in virtual time with each delay compensator, beside HF, CF, CCF and VF");
+    sub->add_option("--config", a.config, "session file (TOML); its network holds, but for the force delay");
+    sub->add_option(
+        "--out", a.out,
+        "folder for report.html, figures/ and the tables; the same command goes on there after Ctrl-C");
+    sub->add_option(
+           "--delays-ms", a.delays_ms,
+           "delays of the force path, one way, instead of 0 10 25 50 100 200 and 50 with jitter and loss")
+        ->check(CLI::Range(0.0, 10000.0));
+    sub->add_option("--only", a.study.names, "these conditions alone, e.g. HF CF wave");
+    sub->add_option("--subjects", a.study.subjects, "virtual subjects")
+        ->check(CLI::Range(1, 10000))
+        ->capture_default_str();
+    sub->add_option("--trials", a.study.trials, "of each subject, condition and delay")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    sub->add_option("--seed", a.study.seed, "of subjects, fixtures and networks")->capture_default_str();
+    sub->add_option("--jobs", a.study.jobs, "threads; 0: one per core")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str();
+    sub->add_flag("--overwrite", a.overwrite, "begin anew in that folder");
+    sub->footer(
+        "done: completed trials; osc.: those in which the needle oscillates; K / true: stiffness that the "
+        "hand "
+        "feels over the fixture's; drift: between hand and needle, mm of needle; share: of the force for the "
+        "hand.\n"
+        "Example:\n  thimble compensators --subjects 10 --out out/compensators");
+    return {sub, [arguments] { return compare_compensators(*arguments); }};
+}
+
+}  // namespace thimble
