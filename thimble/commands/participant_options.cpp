@@ -45,8 +45,8 @@ void refuse_participant_options(const ParticipantArguments& a, const SystemSetti
                 "session file has no table [protocol]: add one, or leave them out");
 }
 
-int sit_and_say(const SystemSettings& settings, const ParticipantArguments& arguments, ParticipantRun run,
-                bool json) {
+int run_participant_and_say(const SystemSettings& settings, const ParticipantArguments& arguments,
+                            ParticipantRun run, bool json) {
     run.participant = arguments.participant;
     run.person = arguments.person;
     run.person.age = age_text(run.person.age);

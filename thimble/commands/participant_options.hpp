@@ -22,7 +22,7 @@ void add_participant_options(CLI::App& run, ParticipantArguments& arguments);
 // Throws Error (usage) if one was given: the session file has no [protocol], or its subject is a person.
 void refuse_participant_options(const ParticipantArguments& arguments, const SystemSettings& settings);
 // Returns the exit code.
-int sit_and_say(const SystemSettings& settings, const ParticipantArguments& arguments, ParticipantRun run,
-                bool json);
+int run_participant_and_say(const SystemSettings& settings, const ParticipantArguments& arguments,
+                            ParticipantRun run, bool json);
 
 }  // namespace thimble

@@ -59,7 +59,7 @@ int run_participant_for_real(const RealRunArguments& arguments, const SystemSett
     if (!arguments.plotjuggler.empty())
         run.make_observer = with_plotjuggler(run.view ? run.view->make_observer : nullptr,
                                              plotjuggler_at(arguments.plotjuggler, run.network));
-    return sit_and_say(settings, arguments.participant session, run, arguments.json);
+    return run_participant_and_say(settings, arguments.participant, run, arguments.json);
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ void add_real_run_options(CLI::App& command, const std::string& default_out, Rea
                     "port is 9870)")
         ->type_name("[HOST:]PORT");
     command.add_flag("--json", a.json, "print summary.json on stdout");
-    add_participant_options(command, a.participant session);
+    add_participant_options(command, a.participant);
 }
 
 std::filesystem::path program_folder() {
@@ -107,7 +107,7 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
     require_protection(network);
     warn_if_unprotected(network);
     if (settings.protocol) return run_participant_for_real(arguments, settings, starter);
-    refuse_participant_options(arguments.participant session, settings);
+    refuse_participant_options(arguments.participant, settings);
     refuse_dataset(arguments.out);
     check_screen(settings, starter);
     RunOptions options;

@@ -18,7 +18,7 @@ namespace thimble {
 struct RealRunArguments {
     std::string config, out, typed, plotjuggler;
     int base_port = 0;
-    ParticipantArguments participant session;
+    ParticipantArguments participant;
     CLI::Option* out_option = nullptr;
     bool overwrite = false, strict_rt = false, json = false, monitor = false;
 };
