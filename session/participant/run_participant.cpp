@@ -118,8 +118,8 @@ ConditionPlan condition_plan(const SystemSettings& settings, const ParticipantRu
     return plan;
 }
 
-ParticipantSessionResult sit(const SystemSettings& settings, const ParticipantRun& run,
-                             const Dataset& dataset, std::uint32_t participant, RealTrials& trials) {
+ParticipantSessionResult run_to_end(const SystemSettings& settings, const ParticipantRun& run,
+                                    const Dataset& dataset, std::uint32_t participant, RealTrials& trials) {
     const bool human = settings.plan.kind == SubjectKind::kHuman;
     DescriptorLines typed(STDIN_FILENO);
     const bool asks = run.commands || (human && isatty(STDIN_FILENO) == 1);
@@ -169,7 +169,7 @@ ParticipantSessionResult run_participant(const SystemSettings& settings, const P
                         "one is used",
                         dataset.order(participant).string(), other));
     }
-    ParticipantSessionResult result = sit(settings, run, dataset, participant, trials);
+    ParticipantSessionResult result = run_to_end(settings, run, dataset, participant, trials);
     const ConditionResult closed = trials.close();
     if (result.code == ExitCode::kOk && closed.code == ExitCode::kRealtime) {
         result.code = closed.code;

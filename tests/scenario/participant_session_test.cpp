@@ -61,7 +61,7 @@ class VirtualParticipantSession : public testing::Test {
         write_order(dataset.order(2), plan_order(settings_, 2));
         return dataset;
     }
-    ParticipantSessionResult sit(const Dataset& dataset, VirtualTrials& trials) const {
+    ParticipantSessionResult run_to_end(const Dataset& dataset, VirtualTrials& trials) const {
         ParticipantSessionOptions options{dataset, 2,       *settings_.protocol,      nullptr,
                                           false,   nullptr, [](const std::string&) {}};
         return ParticipantSession(std::move(options), trials).run();
@@ -75,12 +75,12 @@ TEST_F(VirtualParticipantSession, APowerCutCostsTheRunningTrialOnly) {
     use("[trial]\ncontact_hold_s = 1\n");
     const Dataset whole = dataset("whole");
     VirtualTrials trials(settings_);
-    EXPECT_EQ(sit(whole, trials).code, ExitCode::kOk);
+    EXPECT_EQ(run_to_end(whole, trials).code, ExitCode::kOk);
     const Dataset cut = dataset("cut");
     for (int start = 0; start < 10; ++start) {
         trials.cut_after(1);
         try {
-            if (sit(cut, trials).code == ExitCode::kOk) break;
+            if (run_to_end(cut, trials).code == ExitCode::kOk) break;
         } catch (const PowerCut&) {
         }
     }
@@ -100,7 +100,7 @@ TEST_F(VirtualParticipantSession, TimeoutsAreRepeatedAndTheLastOneCounts) {
     settings_.protocol->repeats_limit = 2;
     const Dataset timed_out = dataset("timed_out");
     VirtualTrials trials(settings_);
-    const ParticipantSessionResult result = sit(timed_out, trials);
+    const ParticipantSessionResult result = run_to_end(timed_out, trials);
     EXPECT_EQ(result.code, ExitCode::kOk);
     EXPECT_EQ(result.records, 1U + 4 * 3);
     const auto records = read_records(timed_out.records(2));

@@ -105,7 +105,7 @@ class ParticipantSessionTest : public testing::Test {
         write_order(dataset_.order(2), plan_order(short_settings(), 2));  // practice | 2, 3 | 4, 5
     }
 
-    ParticipantSessionResult sit(LineSource* lines = nullptr) {
+    ParticipantSessionResult run_to_end(LineSource* lines = nullptr) {
         ParticipantSessionOptions options{
             dataset_, 2, settings_, lines, rests_, &trials_.stop, [this](const std::string& line) {
                 said_.push_back(line);
@@ -117,7 +117,7 @@ class ParticipantSessionTest : public testing::Test {
     }
     ParticipantSessionResult sit_until_stopped(LineSource* lines, std::size_t trials) {
         trials_.stop_after = trials;
-        return sit(lines);
+        return run_to_end(lines);
     }
     std::vector<std::uint32_t> positions() const {
         std::vector<std::uint32_t> list;
@@ -138,7 +138,7 @@ class ParticipantSessionTest : public testing::Test {
 };
 
 TEST_F(ParticipantSessionTest, RunsTheOrderAndRests) {
-    const ParticipantSessionResult result = sit();
+    const ParticipantSessionResult result = run_to_end();
     EXPECT_EQ(result.code, ExitCode::kOk) << result.problem;
     EXPECT_EQ(result.trials_begun, 5U);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));
@@ -148,7 +148,7 @@ TEST_F(ParticipantSessionTest, RunsTheOrderAndRests) {
 }
 
 TEST_F(ParticipantSessionTest, TheScreenSaysWhatComesNext) {
-    sit();
+    run_to_end();
     using enum PageKind;
     std::vector<PageKind> kinds;
     std::vector<std::uint32_t> trials;
@@ -164,7 +164,7 @@ TEST_F(ParticipantSessionTest, TheScreenSaysWhatComesNext) {
 
 TEST_F(ParticipantSessionTest, AParticipantAloneBeginsEachTrialAndTheEndComesByItself) {
     subject_goes_on_ = trials_.presses = true;
-    EXPECT_EQ(sit().code, ExitCode::kOk);
+    EXPECT_EQ(run_to_end().code, ExitCode::kOk);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));
     EXPECT_THAT(said_, Contains(HasSubstr("The participant goes on")).Times(testing::Ge(5)));
     EXPECT_GE(trials_.clock - SessionTime{}, seconds{5 * 10 + 2 * 30}) << "a key shortens no break";
@@ -173,7 +173,7 @@ TEST_F(ParticipantSessionTest, AParticipantAloneBeginsEachTrialAndTheEndComesByI
 TEST_F(ParticipantSessionTest, WithoutTheProtocolsWordAKeyDoesNothing) {
     trials_.presses = true;
     WrittenLines lines({"", "q"});
-    EXPECT_EQ(sit(&lines).code, ExitCode::kRunFailed);
+    EXPECT_EQ(run_to_end(&lines).code, ExitCode::kRunFailed);
     EXPECT_THAT(positions(), ElementsAre(1));
 }
 
@@ -188,47 +188,47 @@ TEST_F(ParticipantSessionTest, BothMayGoOnAndTheLastWordIsTheExperimenters) {
 
 TEST_F(ParticipantSessionTest, TheScreenSaysThatItGoesOnLater) {
     trials_.stop_after = 1;
-    sit();
+    run_to_end();
     EXPECT_EQ(trials_.pages.back().kind, PageKind::kPaused);
     EXPECT_EQ(trials_.pages.back().trial, 2U);
 }
 
 TEST_F(ParticipantSessionTest, VirtualSubjectsDoNotRest) {
     rests_ = false;
-    sit();
+    run_to_end();
     EXPECT_EQ(trials_.clock - SessionTime{}, seconds{50});
 }
 
 TEST_F(ParticipantSessionTest, AMissingOrderIsNeverMadeUp) {
     std::filesystem::remove(dataset_.order(2));
-    EXPECT_THROW(sit(), Error);
+    EXPECT_THROW(run_to_end(), Error);
     EXPECT_TRUE(trials_.numbers.empty());
 }
 
 TEST_F(ParticipantSessionTest, GoesOnWhereItWasStoppedWithTheSameBytes) {
-    sit();
+    run_to_end();
     const std::string whole = table();
     for (std::size_t stop_after = 1; stop_after <= 4; ++stop_after) {
         std::filesystem::remove(dataset_.records(2));
         trials_.seen = 0;  // new programs
         trials_.stop_after = trials_.numbers.size() + stop_after;
-        const ParticipantSessionResult first = sit();
+        const ParticipantSessionResult first = run_to_end();
         EXPECT_EQ(first.code, ExitCode::kRunFailed);
         EXPECT_EQ(first.records, stop_after);
         EXPECT_THAT(first.problem, HasSubstr("--resume"));
         trials_.stop = false;
         trials_.seen = 0;
-        EXPECT_EQ(sit().code, ExitCode::kOk);
+        EXPECT_EQ(run_to_end().code, ExitCode::kOk);
         EXPECT_EQ(table(), whole) << stop_after;
     }
     const std::size_t trials = trials_.numbers.size();
-    EXPECT_EQ(sit().code, ExitCode::kOk);  // complete
+    EXPECT_EQ(run_to_end().code, ExitCode::kOk);  // complete
     EXPECT_EQ(trials_.numbers.size(), trials);
 }
 
 TEST_F(ParticipantSessionTest, NodesThatGoOnRunningNeverSeeANumberTwice) {
     trials_.seen = 3;  // the last one was cut off: no record
-    sit();
+    run_to_end();
     EXPECT_THAT(trials_.numbers, ElementsAre(4, 5, 6, 7, 8));
 }
 
@@ -239,14 +239,14 @@ TEST_F(ParticipantSessionTest, TheSamplesOfATrialThatWasCutOffAreKept) {
         fmt::format("record001_experiment1_trial1001_{}_0ms", to_string(first.conditions.modality));
     std::filesystem::create_directories(folder);
     std::ofstream(folder / (name + ".csv")) << "half a trial";
-    sit();
+    run_to_end();
     EXPECT_EQ(read_text(folder / (name + "_cut1.csv")), "half a trial");
     EXPECT_EQ(read_text(folder / (name + ".csv")), "samples\n");
 }
 
 TEST_F(ParticipantSessionTest, FailuresAreRepeatedAtTheEndOfTheirBlock) {
     trials_.outcomes = {EndReason::kCompleted, EndReason::kTimeout, EndReason::kPeerLost};
-    EXPECT_EQ(sit().repeats, 2U);
+    EXPECT_EQ(run_to_end().repeats, 2U);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 2, 3, 4, 5));
     const auto records = read_records(dataset_.records(2));
     EXPECT_EQ(records[1].row.reason, EndReason::kTimeout);  // its line stays
@@ -257,7 +257,7 @@ TEST_F(ParticipantSessionTest, FailuresAreRepeatedAtTheEndOfTheirBlock) {
 
 TEST_F(ParticipantSessionTest, GivesUpWhenPeersAreLostAgainAndAgain) {
     trials_.outcomes.assign(9, EndReason::kPeerLost);
-    const ParticipantSessionResult result = sit();
+    const ParticipantSessionResult result = run_to_end();
     EXPECT_EQ(result.code, ExitCode::kNetwork);
     EXPECT_EQ(result.records, 3U);
     EXPECT_THAT(result.problem, HasSubstr("the cable"));
@@ -267,7 +267,7 @@ TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
     settings_.break_minimum = seconds{0};
     // Before each trial a line is asked for; what marks the last trial comes before its Enter.
     WrittenLines lines({"r too early", "", "", "r sneezed", "", "x phone rang", "", "", "", "", ""});
-    EXPECT_EQ(sit(&lines).code, ExitCode::kOk);
+    EXPECT_EQ(run_to_end(&lines).code, ExitCode::kOk);
     EXPECT_THAT(said_, Contains(HasSubstr("there is no trial yet")));
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 2, 4, 5));
     const auto marks = read_exclusions(dataset_.exclusions());
@@ -283,21 +283,21 @@ TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
 TEST_F(ParticipantSessionTest, TheLastTrialCanBeRejectedToo) {
     rests_ = false;
     WrittenLines lines({"", "", "", "", "", "r slipped", "", ""});
-    EXPECT_EQ(sit(&lines).code, ExitCode::kOk);
+    EXPECT_EQ(run_to_end(&lines).code, ExitCode::kOk);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5, 5));
 }
 
 TEST_F(ParticipantSessionTest, EnterEndsABreakOnlyAfterItsMinimum) {
     settings_.break_minimum = std::chrono::hours{1};
     WrittenLines lines({"", "", "q"});
-    EXPECT_EQ(sit(&lines).code, ExitCode::kRunFailed);
+    EXPECT_EQ(run_to_end(&lines).code, ExitCode::kRunFailed);
     EXPECT_THAT(positions(), ElementsAre(1));
     EXPECT_THAT(said_, Contains(HasSubstr("another 3600 s")));
 }
 
 TEST_F(ParticipantSessionTest, WhoDoesNotAnswerAnyMoreEndsItInOrder) {
     WrittenLines lines({"", "nonsense", "r"});
-    const ParticipantSessionResult result = sit(&lines);
+    const ParticipantSessionResult result = run_to_end(&lines);
     EXPECT_EQ(result.code, ExitCode::kRunFailed);
     EXPECT_THAT(positions(), ElementsAre(1));
     EXPECT_THAT(said_, Contains(HasSubstr("'nonsense' is no command")));
@@ -306,7 +306,7 @@ TEST_F(ParticipantSessionTest, WhoDoesNotAnswerAnyMoreEndsItInOrder) {
 
 TEST_F(ParticipantSessionTest, NodesAreThereBeforeAnybodyIsAsked) {
     WrittenLines lines({"q"});
-    sit(&lines);
+    run_to_end(&lines);
     EXPECT_EQ(trials_.prepared, 1);
 }
 
@@ -316,7 +316,7 @@ TEST_F(ParticipantSessionTest, WhereNobodyIsAskedAWatcherMayHaveTheLastTrialAgai
         WishAfter request(trials_, after, "r sneezed");
         wishes_ = &request;
         settings_.repeat = RepeatWhen::kAtOnce;
-        sit();
+        run_to_end();
     }
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 3, 4, 5, 5));
 }
@@ -325,14 +325,14 @@ TEST_F(ParticipantSessionTest, AWatcherMayStopOrPauseIt) {
     rests_ = false;
     WishAfter quit(trials_, 2, "q");
     wishes_ = &quit;
-    EXPECT_EQ(sit().code, ExitCode::kRunFailed);
+    EXPECT_EQ(run_to_end().code, ExitCode::kRunFailed);
     EXPECT_EQ(trials_.numbers.size(), 2U);
 
     WishAfter nothing(trials_, 0, "");
     wishes_ = &nothing;
     const SessionTime until = trials_.clock + seconds{100};
     paused_ = [&] { return trials_.clock < until; };
-    EXPECT_EQ(sit().code, ExitCode::kOk);
+    EXPECT_EQ(run_to_end().code, ExitCode::kOk);
     EXPECT_GE(trials_.clock, until + 3 * seconds{10});  // no trial before
 }
 
@@ -342,7 +342,7 @@ TEST_F(ParticipantSessionTest, AfterAStopNothingBeginsUntilItIsReleased) {
     settings_.break_every = 0;
     trials_.outcomes = {EndReason::kEmergencyStop};
     WrittenLines lines({"", "", "go", "release", "", "", "", "", "", ""});
-    const ParticipantSessionResult result = sit(&lines);
+    const ParticipantSessionResult result = run_to_end(&lines);
     EXPECT_EQ(result.code, ExitCode::kOk) << result.problem;
     EXPECT_THAT(said_, Contains(HasSubstr("emergency stop (master): a key, or type 'release'")));
     EXPECT_THAT(said_, Contains("released"));
@@ -365,7 +365,7 @@ TEST_F(ParticipantSessionTest, WhileAStopHoldsTheLastTrialIsRejectedOrExcluded) 
         trials_.outcomes = {EndReason::kCompleted, EndReason::kEmergencyStop};
         const std::string mark = rejected ? "r a cable" : "x felt unwell";
         WrittenLines lines({"", "", mark, "", "nonsense", "release", "", "", "", "", "", ""});
-        const ParticipantSessionResult result = sit(&lines);
+        const ParticipantSessionResult result = run_to_end(&lines);
         EXPECT_EQ(result.code, ExitCode::kOk) << result.problem;
         const auto marks = read_exclusions(dataset_.exclusions());
         ASSERT_EQ(marks.size(), 1U);
@@ -387,7 +387,7 @@ TEST_F(ParticipantSessionTest, WhileAStopHoldsAWatcherMayHaveTheTrialLeftOut) {
     WishAfter release(trials_, 1, "release");
     TwoLineSources requests(exclude, release);
     wishes_ = &requests;
-    EXPECT_EQ(sit().code, ExitCode::kOk);
+    EXPECT_EQ(run_to_end().code, ExitCode::kOk);
     ASSERT_EQ(read_exclusions(dataset_.exclusions()).size(), 1U);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5));
 }
