@@ -28,7 +28,7 @@ int run_thimble(int argc, char** argv) {
     const std::array commands{
         add_run(app, typed), add_study(app),     add_replay(app),    add_report(app, typed), add_analyse(app),
         add_exclude(app),    add_check(app),     add_link_test(app), add_up(app, typed),     add_play(app),
-        add_doctor(app),     add_stability(app), add_map(app),       add_compensators(app),  add_log(app),
+        add_doctor(app),     add_stability(app), add_sweep(app),     add_compensators(app),  add_log(app),
         add_stop(app),       add_keygen(app),    add_config(app),    add_completion(app),    add_bids(app)};
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     const auto given = std::find_if(commands.begin(), commands.end(),

@@ -32,7 +32,7 @@ Subcommand add_exclude(CLI::App& app);
 Subcommand add_compensators(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);
 Subcommand add_stability(CLI::App& app);
-Subcommand add_map(CLI::App& app);
+Subcommand add_sweep(CLI::App& app);
 Subcommand add_log(CLI::App& app);
 Subcommand add_keygen(CLI::App& app);
 Subcommand add_completion(CLI::App& app);

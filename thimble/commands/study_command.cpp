@@ -18,7 +18,7 @@
 #include "thimble/commands/analysis_option.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/say_results.hpp"
-#include "thimble/commands/sweep.hpp"
+#include "thimble/commands/study_variations.hpp"
 
 namespace thimble {
 namespace {

@@ -1,4 +1,4 @@
-#include "thimble/commands/sweep.hpp"
+#include "thimble/commands/study_variations.hpp"
 
 #include <algorithm>
 

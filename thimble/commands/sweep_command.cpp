@@ -55,7 +55,7 @@ int run_sweep(const SweepArguments& arguments) {
 
 }  // namespace
 
-Subcommand add_map(CLI::App& app) {
+Subcommand add_sweep(CLI::App& app) {
     const auto arguments = std::make_shared<SweepArguments>();
     CLI::App* command = app.add_subcommand("sweep",
                                            "stability maps: delay against stiffness for hands, compensators "

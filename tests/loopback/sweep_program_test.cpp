@@ -59,7 +59,7 @@ std::vector<std::string> sweep(std::vector<std::string> words) {
     return words;
 }
 
-TEST(MapProgram, RanksAndThreadsMakeTheSameTable) {
+TEST(SweepProgram, RanksAndThreadsMakeTheSameTable) {
     SKIP_WITHOUT_MPI();
     const Folder folder;
     const Outcome threads =
@@ -88,7 +88,7 @@ std::vector<pid_t> children_of(pid_t parent) {
 }
 
 // mpirun ends all when one goes; the same command, with another number of them, goes on.
-TEST(MapProgram, ADeadRankLeavesWhatWasDone) {
+TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
     SKIP_WITHOUT_MPI();
     const Folder folder;
     const auto out = folder / "map", whole = folder / "whole";
@@ -116,7 +116,7 @@ TEST(MapProgram, ADeadRankLeavesWhatWasDone) {
 }
 
 // Once, by the first rank, and no rank is left waiting.
-TEST(MapProgram, AMistakeUnderMpirunIsSaidOnce) {
+TEST(SweepProgram, AMistakeUnderMpirunIsSaidOnce) {
     SKIP_WITHOUT_MPI();
     const Outcome outcome = run_to_end(
         kMpirun, with_ranks(2, built_programs() / "thimble", {"sweep", "--hand", "Z", "--out", "/nowhere"}));
@@ -126,7 +126,7 @@ TEST(MapProgram, AMistakeUnderMpirunIsSaidOnce) {
     EXPECT_EQ(outcome.words.find(words), outcome.words.rfind(words));
 }
 
-TEST(MapProgram, WithoutItsProgramForRanksThimbleSaysSo) {
+TEST(SweepProgram, WithoutItsProgramForRanksThimbleSaysSo) {
     const Folder folder;
     std::filesystem::copy(built_programs() / "thimble", folder / "thimble");
     const Outcome outcome =
@@ -135,7 +135,7 @@ TEST(MapProgram, WithoutItsProgramForRanksThimbleSaysSo) {
     EXPECT_THAT(outcome.words, HasSubstr("build with -DTHIMBLE_MPI=ON"));
 }
 
-TEST(MapProgram, TheVirtualOperatorsCells) {
+TEST(SweepProgram, TheVirtualOperatorsCells) {
     const Folder folder;
     const Outcome outcome =
         run_to_end(built_programs() / "thimble",
