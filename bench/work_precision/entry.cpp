@@ -9,36 +9,36 @@ namespace thimble {
 
 namespace {
 
-struct Lane {
+struct EnteredSolver {
     std::unique_ptr<TissueSolver> solver;
     std::unique_ptr<CostMeter> meter;  // null if there is nothing to time
 };
 
-Lane enter_contestant(const ReferenceSolution& solution, Entry& entry) {
-    Lane lane;
+EnteredSolver enter_contestant(const ReferenceSolution& solution, Entry& entry) {
+    EnteredSolver entered;
     try {
-        lane.solver = entry.contestant.make(entry.problem->tissue);
+        entered.solver = entry.contestant.make(entry.problem->tissue);
     } catch (const Error& refused) {
         entry.outcome = Outcome::kUnstable;
         entry.why = refused.what();
-        return lane;
+        return entered;
     }
     try {
-        entry.accuracy = judge(*entry.problem, solution, *lane.solver);
+        entry.accuracy = judge(*entry.problem, solution, *entered.solver);
     } catch (const std::exception& gave_up) {  // odeint has exceptions of its own
         entry.outcome = Outcome::kFailed;
         entry.why = gave_up.what();
-        return lane;
+        return entered;
     }
-    entry.evaluations_per_ms =
-        static_cast<double>(entry.contestant.evaluations(*lane.solver)) / (entry.problem->duration_s * 1e3);
+    entry.evaluations_per_ms = static_cast<double>(entry.contestant.evaluations(*entered.solver)) /
+                               (entry.problem->duration_s * 1e3);
     if (entry.accuracy.diverged) {
         entry.outcome = Outcome::kDiverged;
-        return lane;
+        return entered;
     }
     if (entry.accuracy.events_differ) entry.outcome = Outcome::kEventsDiffer;
-    lane.meter = std::make_unique<CostMeter>(*entry.problem, *lane.solver);
-    return lane;
+    entered.meter = std::make_unique<CostMeter>(*entry.problem, *entered.solver);
+    return entered;
 }
 
 }  // namespace
@@ -65,21 +65,22 @@ std::vector<Entry> run_problem(const Problem& problem, const std::vector<Contest
     constexpr unsigned kLeastRuns = 3;
     const ReferenceSolution solution = solve_reference(problem);
     std::vector<Entry> entries;
-    std::vector<Lane> lanes;
+    std::vector<EnteredSolver> solvers;
     for (const Contestant& contestant : contestants) {
         Entry entry;
         entry.problem = &problem;
         entry.contestant = contestant;
-        lanes.push_back(enter_contestant(solution, entry));
+        solvers.push_back(enter_contestant(solution, entry));
         entries.push_back(std::move(entry));
     }
     for (unsigned run = 0; run < runs; ++run) {
-        for (Lane& lane : lanes) {
-            if (lane.meter && (run < kLeastRuns || lane.meter->total_s() < kEnough_s)) lane.meter->run();
+        for (EnteredSolver& entered : solvers) {
+            if (entered.meter && (run < kLeastRuns || entered.meter->total_s() < kEnough_s))
+                entered.meter->run();
         }
     }
-    for (std::size_t i = 0; i < lanes.size(); ++i) {
-        if (lanes[i].meter) entries[i].cost = lanes[i].meter->cost();
+    for (std::size_t i = 0; i < solvers.size(); ++i) {
+        if (solvers[i].meter) entries[i].cost = solvers[i].meter->cost();
     }
     return entries;
 }

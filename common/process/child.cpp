@@ -123,7 +123,7 @@ std::optional<int> Child::wait(Duration limit) {
     return exit_code_;
 }
 
-std::string Child::last_words(std::size_t lines) const {
+std::string Child::last_lines(std::size_t lines) const {
     std::ifstream file(log_);
     std::vector<std::string> all;
     for (std::string line; std::getline(file, line);) all.push_back(line);

@@ -42,7 +42,7 @@ class Child {
     std::optional<int> wait(Duration limit);
     int wait_for_ever();
     // The last lines it wrote.
-    std::string last_words(std::size_t lines = 5) const;
+    std::string last_lines(std::size_t lines = 5) const;
     pid_t pid() const { return pid_; }
 
   private:

@@ -14,19 +14,19 @@ constexpr Duration kBeforeResults = std::chrono::milliseconds{500};
 
 Progress::Progress() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
-Progress::~Progress() { words_written_within(kBeforeResults); }
+Progress::~Progress() { stderr_written_within(kBeforeResults); }
 
 void Progress::show(const std::string& line, bool milestone) {
     if (terminal_) {
-        say_words(kOverTheLine + line);
+        write_stderr(kOverTheLine + line);
         open_ = true;
     } else if (milestone) {
-        say_words(line + "\n");
+        write_stderr(line + "\n");
     }
 }
 
 void Progress::say(const std::string& line) {
-    say_words((open_ ? kOverTheLine : "") + line + "\n");
+    write_stderr((open_ ? kOverTheLine : "") + line + "\n");
     open_ = false;
 }
 

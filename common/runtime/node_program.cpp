@@ -314,12 +314,12 @@ nlohmann::ordered_json quantiles(const Histogram& h) {
 
 int guarded_main(const std::string& name, const std::function<int()>& body) {
     open_standard_descriptors();
-    log_by_words(name);
+    log_to_stderr(name);
     std::signal(SIGPIPE, SIG_IGN);  // a reader that leaves ends no trial; lost results are noticed at the end
     const int ended = run_guarded(body);
-    words_written_within(kFarewell);  // before the results that wait in stdout's buffer
+    stderr_written_within(kFarewell);  // before the results that wait in stdout's buffer
     const int code = settle_results(ended);
-    words_written_within(kFarewell);
+    stderr_written_within(kFarewell);
     return code;
 }
 

@@ -122,10 +122,10 @@ class WordsSink final : public spdlog::sinks::base_sink<std::mutex> {
         spdlog::memory_buf_t formatted;
         formatter_->format(message, formatted);
         const std::string_view line(formatted.data(), formatted.size());
-        if (!coloured_ || message.color_range_end <= message.color_range_start) return say_words(line);
+        if (!coloured_ || message.color_range_end <= message.color_range_start) return write_stderr(line);
         const std::size_t begin = message.color_range_start, end = message.color_range_end;
-        say_words(fmt::format("{}{}{}\033[m{}", line.substr(0, begin), colour(message.level),
-                              line.substr(begin, end - begin), line.substr(end)));
+        write_stderr(fmt::format("{}{}{}\033[m{}", line.substr(0, begin), colour(message.level),
+                                 line.substr(begin, end - begin), line.substr(end)));
     }
     void flush_() override {}
 
@@ -148,11 +148,11 @@ void open_standard_descriptors() {
     }
 }
 
-void say_words(std::string_view words) { the_queue()->add(words); }
+void write_stderr(std::string_view words) { the_queue()->add(words); }
 
-bool words_written_within(Duration limit) { return the_queue()->empty_within(limit); }
+bool stderr_written_within(Duration limit) { return the_queue()->empty_within(limit); }
 
-void log_by_words(const std::string& program) {
+void log_to_stderr(const std::string& program) {
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(program, std::make_shared<WordsSink>()));
     spdlog::set_pattern("%n: %^%l%$: %v");
 }

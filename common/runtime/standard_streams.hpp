@@ -13,10 +13,10 @@ void open_standard_descriptors();
 
 // A separate thread writes these words to stderr, so that a held terminal (Ctrl-S) or a full pipe blocks no loop. A full queue
 // drops messages. The thread writes their number when there is room again.
-void say_words(std::string_view words);
+void write_stderr(std::string_view words);
 // Waits until all words are written, at most `limit`. False: some are not.
-bool words_written_within(Duration limit);
+bool stderr_written_within(Duration limit);
 // spdlog says its words that way, too, in the name of this program.
-void log_by_words(const std::string& program);
+void log_to_stderr(const std::string& program);
 
 }  // namespace thimble

@@ -50,7 +50,7 @@ int set(const ControlOptions& options) {
 
 int show(const ControlOptions& options) {
     const Json answer = ask_relay(options.control, "show");
-    fmt::print("{}", options.json ? json_text(answer, 2) + "\n" : in_words(answer));
+    fmt::print("{}", options.json ? json_text(answer, 2) + "\n" : report_text(answer));
     return 0;
 }
 

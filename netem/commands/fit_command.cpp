@@ -21,14 +21,14 @@ MeasuredPath load(const std::string& file) { return parse_path(read_whole_file(f
 PathFit fit_and_say(const MeasuredPath& path, const std::string& file) {
     PathFit fit = fit_path(path);
     fmt::print("{}\n", file);
-    for (const std::string& sentence : fit.in_words) fmt::print("  {}\n", sentence);
+    for (const std::string& sentence : fit.sentences) fmt::print("  {}\n", sentence);
     return fit;
 }
 
 std::vector<std::string> source_of(const std::string& file, const MeasuredPath& path, const PathFit& fit) {
     std::vector<std::string> source{fmt::format("fitted to {} ({} packets)", file, fit.packets)};
     source.insert(source.end(), path.remarks.begin(), path.remarks.end());
-    source.insert(source.end(), fit.in_words.begin(), fit.in_words.end());
+    source.insert(source.end(), fit.sentences.begin(), fit.sentences.end());
     return source;
 }
 

@@ -78,7 +78,7 @@ int relay(const RelayOptions& options) {
     service.length = from_seconds(options.seconds);
     const RelayState state = run_relay(service);
     const auto report = describe(state);
-    fmt::print("{}", options.json ? json_text(report, 2) + "\n" : in_words(report));
+    fmt::print("{}", options.json ? json_text(report, 2) + "\n" : report_text(report));
     return check_lateness(options, state, service.runtime);
 }
 
@@ -92,7 +92,7 @@ int selftest(const RelayOptions& options) {
     settings.precise = options.precise;
     settings.runtime.realtime_scheduling = !options.default_scheduling;
     const SelftestResult result = run_selftest(settings);
-    fmt::print("{}", options.json ? json_text(describe(result), 2) + "\n" : in_words(result));
+    fmt::print("{}", options.json ? json_text(describe(result), 2) + "\n" : selftest_text(result));
     return static_cast<int>(result.verdict == SelftestVerdict::kFail ? ExitCode::kRunFailed : ExitCode::kOk);
 }
 

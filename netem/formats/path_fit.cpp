@@ -225,16 +225,16 @@ std::string verdict_on(double distance) {
 
 void describe_delay(PathFit& fit) {
     if (fit.delay_mean_s == 0 && fit.shapes.empty()) {
-        fit.in_words.push_back("There are no delays in this path.");
+        fit.sentences.push_back("There are no delays in this path.");
         return;
     }
-    fit.in_words.push_back(
+    fit.sentences.push_back(
         fmt::format("Delay {:.6g} s in the mean, standard deviation {:.3g} s, from {:.6g} to {:.6g} s, 99 % "
                     "below {:.6g} s.",
                     fit.delay_mean_s, fit.delay_sd_s, fit.delay_least_s, fit.delay_most_s, fit.delay_99_s));
-    if (fit.delay_sd_s < kFlatSpread_s) return fit.in_words.push_back("It does not vary.");
+    if (fit.delay_sd_s < kFlatSpread_s) return fit.sentences.push_back("It does not vary.");
     if (fit.shapes.empty()) {
-        return fit.in_words.push_back(
+        return fit.sentences.push_back(
             "Most of it is near 0 and a few packets are far from that: no shape is like it; replay "
             "the trace.");
     }
@@ -246,10 +246,10 @@ void describe_delay(PathFit& fit) {
         line += fmt::format("{} {} {:.1f} %", i == 1 ? "" : ",", name_of(fit.shapes[i].shape),
                             100 * fit.shapes[i].distance);
     }
-    fit.in_words.push_back(line + '.');
-    fit.in_words.push_back(fmt::format("Successive delays correlate by {:.3f} (normal scores, lag 1){}.",
-                                       fit.correlation,
-                                       fit.link.jitter.correlation > 0 ? "" : ", which is taken for none"));
+    fit.sentences.push_back(line + '.');
+    fit.sentences.push_back(fmt::format("Successive delays correlate by {:.3f} (normal scores, lag 1){}.",
+                                        fit.correlation,
+                                        fit.link.jitter.correlation > 0 ? "" : ", which is taken for none"));
 }
 
 // How many losses in a row a chain with these parameters would show at most, in so many bursts: geometric.
@@ -261,25 +261,25 @@ double expected_longest(double bursts, double bad_to_good) {
 void describe_loss(PathFit& fit) {
     if (fit.lost == 0) {
         // The largest share that would leave no loss in so many packets once in twenty times ("rule of three").
-        fit.in_words.push_back(
+        fit.sentences.push_back(
             fmt::format("None of {} packets was lost, so less than {:.3g} % is (95 % confidence).",
                         fit.packets, 300.0 / static_cast<double>(fit.packets)));
         return;
     }
-    fit.in_words.push_back(
+    fit.sentences.push_back(
         fmt::format("{} of {} packets lost ({:.4g} %), {:.2f} in a row in the mean, {} at most.", fit.lost,
                     fit.packets, 100.0 * static_cast<double>(fit.lost) / static_cast<double>(fit.packets),
                     fit.mean_burst, fit.longest_burst));
     const LossSettings& loss = fit.link.loss;
     if (loss.shape != LossShape::kGilbertElliott) {
-        fit.in_words.push_back(
+        fit.sentences.push_back(
             fmt::format("They are independent of one another as far as they tell (G = {:.1f}; above {} "
                         "they would not be).",
                         fit.loss_g, kMemoryG));
         return;
     }
     if (!fit.burst_cut_at.empty()) {
-        fit.in_words.push_back(
+        fit.sentences.push_back(
             fmt::format("They are one burst that the path cuts off at its {} (G = {:.1f}, chance ends at "
                         "{}): Gilbert model with "
                         "its share and a mean burst of {}, which is a lower bound; measure for longer.",
@@ -288,7 +288,7 @@ void describe_loss(PathFit& fit) {
     }
     const double bursts = static_cast<double>(fit.lost) / fit.mean_burst;
     const double expected = expected_longest(bursts, loss.bad_to_good);
-    fit.in_words.push_back(fmt::format(
+    fit.sentences.push_back(fmt::format(
         "They come in bursts (G = {:.1f}, chance ends at {}): Gilbert model, p = {:.4g}, r = {:.4g}. Of "
         "{:.0f} bursts it "
         "lets the longest be about {:.0f} packets; here it is {}{}.",

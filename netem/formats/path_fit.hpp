@@ -36,7 +36,7 @@ struct PathFit {
     std::size_t longest_burst = 0;
     std::string_view
         burst_cut_at{};  // "beginning" or "end" of the path, where the only burst was not seen whole
-    std::vector<std::string> in_words;  // a sentence each, for people
+    std::vector<std::string> sentences;  // for people
 };
 
 // Throws Error (data) if there are fewer than two packets with a delay and none lost.

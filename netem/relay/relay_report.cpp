@@ -53,7 +53,7 @@ Json describe_direction(const LinkSettings& link, const DirectionTotals& totals)
             {"later_than_1ms", totals.late}};
 }
 
-std::string direction_in_words(const std::string& title, const Json& d) {
+std::string direction_text(const std::string& title, const Json& d) {
     const Json &p = d.at("packets"), &delay = d.at("delay"), &loss = d.at("loss"),
                &e = d.at("due_time_error");
     std::string text =
@@ -77,7 +77,7 @@ std::string direction_in_words(const std::string& title, const Json& d) {
     return text;
 }
 
-std::string machine_in_words(const Json& report) {
+std::string machine_text(const Json& report) {
     const Json& m = report.at("machine");
     std::string text = fmt::format("      {} stalls above 1 ms", m.at("stalls").get<std::uint64_t>());
     for (const char* key : {"dropped_by_kernel", "clock_steps", "untrusted_stamps", "spinning_gave_up"}) {
@@ -139,7 +139,7 @@ nlohmann::ordered_json describe(const RelayState& state) {
     return json;
 }
 
-std::string in_words(const nlohmann::ordered_json& report) {
+std::string report_text(const nlohmann::ordered_json& report) {
     const Json& flows = report.at("flows");
     std::string text =
         fmt::format("{:.1f} s, {} flows ({} open), {} waiting\n", report.at("running_s").get<double>(),
@@ -148,8 +148,8 @@ std::string in_words(const nlohmann::ordered_json& report) {
     if (const auto refused = flows.at("packets_refused").get<std::uint64_t>(); refused > 0) {
         text += fmt::format("{} packets of clients that found no free flow: see --max-flows\n", refused);
     }
-    return text + direction_in_words("up", report.at("up")) + direction_in_words("down", report.at("down")) +
-           machine_in_words(report);
+    return text + direction_text("up", report.at("up")) + direction_text("down", report.at("down")) +
+           machine_text(report);
 }
 
 }  // namespace thimble

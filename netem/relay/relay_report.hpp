@@ -24,6 +24,6 @@ nlohmann::ordered_json describe(const LinkSettings& link);
 nlohmann::ordered_json describe(const Histogram& error);  // of due times
 nlohmann::ordered_json describe(const RelayState& state);
 // For the JSON of describe(RelayState), perhaps from another process.
-std::string in_words(const nlohmann::ordered_json& report);
+std::string report_text(const nlohmann::ordered_json& report);
 
 }  // namespace thimble

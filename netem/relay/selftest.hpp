@@ -62,6 +62,6 @@ void judge(SelftestResult& result);
 SelftestResult run_selftest(const SelftestSettings& settings);
 
 nlohmann::ordered_json describe(const SelftestResult& result);
-std::string in_words(const SelftestResult& result);
+std::string selftest_text(const SelftestResult& result);
 
 }  // namespace thimble

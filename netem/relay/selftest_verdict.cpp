@@ -105,8 +105,8 @@ Json describe_findings(const SelftestDirection& d, const Histogram& error) {
     return json;
 }
 
-std::string findings_in_words(std::string_view name, const LinkSettings& link, const SelftestDirection& d,
-                              const Histogram& e) {
+std::string findings_text(std::string_view name, const LinkSettings& link, const SelftestDirection& d,
+                          const Histogram& e) {
     const ProportionInterval loss = wilson_95(d.dropped, d.received);
     std::string text = fmt::format(
         "{:<5} {} packets, {} dropped as asked ({:.3g} % [{:.3g}, {:.3g}]), {} by the machine\n", name,
@@ -159,12 +159,12 @@ nlohmann::ordered_json describe(const SelftestResult& result) {
     return json;
 }
 
-std::string in_words(const SelftestResult& result) {
+std::string selftest_text(const SelftestResult& result) {
     std::string text;
-    text += findings_in_words("up", result.state.links.up, result.direction[0],
-                              result.state.totals[RelayDirection::kUp].error);
-    text += findings_in_words("down", result.state.links.down, result.direction[1],
-                              result.state.totals[RelayDirection::kDown].error);
+    text += findings_text("up", result.state.links.up, result.direction[0],
+                          result.state.totals[RelayDirection::kUp].error);
+    text += findings_text("down", result.state.links.down, result.direction[1],
+                          result.state.totals[RelayDirection::kDown].error);
     text += fmt::format(
         "bare timer late by {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst; {} stalls\n",
         in_us(result.timer.quantile(0.5)), in_us(result.timer.quantile(0.99)),

@@ -19,7 +19,7 @@ class LocalNode final : public RunningNode {
     void stop() override { child_.signal(SIGTERM); }
     std::string exit_message() override {
         return fmt::format("{} ended with code {}: {}", program_, child_.poll().value_or(-1),
-                           child_.last_words());
+                           child_.last_lines());
     }
     ExitCode verdict() const override { return ExitCode::kNetwork; }
 

@@ -32,7 +32,7 @@ class RemoteShell {
     // All its output so far, and whether this line is in it.
     const std::string& said() const { return said_; }
     bool has_said(std::string_view line) const;
-    std::string last_words() const { return child_.last_words(); }
+    std::string last_lines() const { return child_.last_lines(); }
     // From the first line on that begins with this word its output goes to a new file, and no more to said().
     void divert_after(std::string_view word, std::filesystem::path file);
     // The rest of that line, once it has come; how many bytes came after it and are in the file.

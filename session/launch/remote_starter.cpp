@@ -95,7 +95,7 @@ class RemoteNode final : public RunningNode {
 
 std::string RemoteNode::exit_message() {
     const int code = poll().value_or(-1);
-    const std::string words = shell_.last_words();
+    const std::string words = shell_.last_lines();
     if (!shell_.has_said(kReached)) {
         return fmt::format("cannot reach '{}' for {}: '{}' ended with code {}: {}", machine_, order_.program,
                            fmt::join(command_, " "), code, words);
@@ -185,9 +185,9 @@ MachineVerdict check_machine(const LaunchSettings& launch, Role role, const std:
                 fmt::format("cannot reach '{}': '{}' {}: {}", machine, fmt::join(command, " "),
                             code ? fmt::format("ended with code {}", *code)
                                  : fmt::format("did not answer within {} s", to_seconds(launch.reach)),
-                            shell.last_words())};
+                            shell.last_lines())};
     }
-    return {ExitCode::kRunFailed, shell.last_words()};
+    return {ExitCode::kRunFailed, shell.last_lines()};
 }
 
 }  // namespace thimble

@@ -43,7 +43,7 @@ ParticipantSessionResult ParticipantSession::run() {
         Answer answer = step ? await_release(step) : Answer::kGo;
         if (answer == Answer::kGo) answer = before(step);
         if (answer == Answer::kAskAgain) continue;
-        if (answer == Answer::kGo && step && !runner_.stop_words().empty())
+        if (answer == Answer::kGo && step && !runner_.stop_text().empty())
             continue;  // pressed while we asked
         if (answer == Answer::kStop || stopped()) {
             Page paused = page(step);
@@ -67,7 +67,7 @@ ParticipantSessionResult ParticipantSession::run() {
 // marked the last trial, so another one may be next.
 ParticipantSession::Answer ParticipantSession::await_release(const std::optional<Step>& step) {
     std::string said;
-    for (std::string words = runner_.stop_words(); !words.empty(); words = runner_.stop_words()) {
+    for (std::string words = runner_.stop_text(); !words.empty(); words = runner_.stop_text()) {
         if (words != said) options_.say(words + ", or type 'release'");
         said = words;
         if (stopped()) return Answer::kStop;

@@ -41,7 +41,7 @@ class TrialRunner {
     // Why the last peer was lost.
     virtual std::string problem() const = 0;
     // Of a stop: its source and how to release it. Empty: no stop holds.
-    virtual std::string stop_words() const { return {}; }
+    virtual std::string stop_text() const { return {}; }
     virtual void release_stop() {}
 };
 

@@ -35,7 +35,7 @@ void RealTrials::prepare() {
     if (condition_ && !condition_->broken()) return;
     if (condition_ && plan_.starter && condition_->revive()) return;
     if (condition_) condition_->close();
-    const std::string stopped = stop_words();
+    const std::string stopped = stop_text();
     condition_.reset();
     plan_.out = next_start(nodes_);
     plan_.holds_stop = !stopped.empty();
@@ -45,7 +45,7 @@ void RealTrials::prepare() {
     if (!stopped.empty()) condition_->emergency_stop("stopped before all programs were started anew");
 }
 
-std::string RealTrials::stop_words() const { return condition_ ? condition_->stop_words() : std::string(); }
+std::string RealTrials::stop_text() const { return condition_ ? condition_->stop_text() : std::string(); }
 
 void RealTrials::release_stop() {
     if (condition_) condition_->release_stop();

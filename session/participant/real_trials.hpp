@@ -24,7 +24,7 @@ class RealTrials final : public TrialRunner {
     void idle(Duration limit) override;
     SessionTime now() const override;
     std::string problem() const override { return problem_; }
-    std::string stop_words() const override;
+    std::string stop_text() const override;
     void release_stop() override;
 
     void say(const std::string& line) { progress_.say(line); }

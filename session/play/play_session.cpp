@@ -58,7 +58,7 @@ class Play {
         say("move the pointer in the window; close it, or press Ctrl-C, to end");
         while (!over()) {
             condition.check();
-            if (const std::string stopped = condition.stop_words(); !stopped.empty()) {
+            if (const std::string stopped = condition.stop_text(); !stopped.empty()) {
                 if (stopped != stop_said_) say(stopped);
                 stop_said_ = stopped;
                 condition.show(waiting(PageKind::kPaused));
@@ -74,7 +74,7 @@ class Play {
             }
         }
         condition.close();
-        if (const std::string stopped = condition.stop_words(); !stopped.empty() && stopped != stop_said_)
+        if (const std::string stopped = condition.stop_text(); !stopped.empty() && stopped != stop_said_)
             say(stopped);
         return {trials_};
     }

@@ -65,7 +65,7 @@ void check_window(const std::filesystem::path& programs) {
     {
         Child child(programs / "thimble-visual", {"--help"}, words);
         child.wait(kHelpWithin);
-        help = child.last_words(1000);
+        help = child.last_lines(1000);
     }
     std::error_code ignored;
     std::filesystem::remove(words, ignored);

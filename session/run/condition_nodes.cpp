@@ -84,11 +84,11 @@ void ConditionNodes::wait_for_machines(const Turn& turn) {
     }
 }
 
-void ConditionNodes::pass_on_words() {
+void ConditionNodes::pass_on_messages() {
     std::ifstream file(files_.log_path(kNodes.size() - 1));
     std::size_t lines = 0;
     for (std::string line; std::getline(file, line);)
-        if (++lines > lines_passed_on_) say_words(line + "\n");
+        if (++lines > lines_passed_on_) write_stderr(line + "\n");
     lines_passed_on_ = std::max(lines_passed_on_, lines);
 }
 

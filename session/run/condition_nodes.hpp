@@ -35,7 +35,7 @@ class ConditionNodes {
     // Until each program runs. Throws Error (network) with the machine that does not answer.
     void wait_for_machines(const Turn& turn);
     // Repeats what the master's program has said since the last call.
-    void pass_on_words();
+    void pass_on_messages();
     // After the session has told them to end: their reports, and an exit code that matters.
     void end(ConditionResult& result);
 

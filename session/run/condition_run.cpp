@@ -107,7 +107,7 @@ void ConditionRun::wait_for_nodes() {
         // The user may have to make the handle ready first. The master's log says how.
         if (plan_.session.user_limit > Duration::zero() && now > next_words) {
             next_words = now + kWordsAfter;
-            nodes_.pass_on_words();
+            nodes_.pass_on_messages();
         }
         if (now < begin + limit) continue;
         throw Error(ExitCode::kNetwork,
@@ -194,7 +194,7 @@ void ConditionRun::judge(const TrialRecord& record) {
         fail(ExitCode::kRunFailed, fmt::format("{}: {}; {}", outcome_text(record.reason, record.lost_peer),
                                                record.fault, stop_.how_to_release()));
     } else if (record.reason == EndReason::kDeviceFault) {
-        fail(ExitCode::kRunFailed, words_of_fault(record));
+        fail(ExitCode::kRunFailed, fault_text(record));
     } else if (record.reason == EndReason::kPeerLost) {
         const auto dead = nodes_.dead();
         fail(ExitCode::kNetwork, dead ? nodes_.exit_message(*dead)
@@ -213,7 +213,7 @@ void ConditionRun::admit_write_fault(std::string_view words) {
 }
 
 // A file that cannot be written ends the trial as a failed device does.
-std::string ConditionRun::words_of_fault(const TrialRecord& record) const {
+std::string ConditionRun::fault_text(const TrialRecord& record) const {
     if (record.lost_peer == Role::kSession && !files_.fault().empty()) return files_.fault();
     if (record.lost_peer == Role::kSession && files_.log() != nullptr) return files_.log_fault();
     if (record.fault.starts_with("the log "))

@@ -44,7 +44,7 @@ class ConditionRun {
     // A node has ended, or was lost: this condition runs no further trial. After a stop it does, once that was released.
     bool broken() { return (result_.code != ExitCode::kOk && !halted_) || nodes_.dead(); }
     // Of a stop: its source, its reason and how to release it. Empty: no stop holds.
-    std::string stop_words() const { return stop_.words(); }
+    std::string stop_text() const { return stop_.words(); }
     void emergency_stop(std::string_view words);
     void release_stop();
     // Starts the ended nodes anew and waits for them. They take part from the next trial on. False if none had ended. Throws Error
@@ -79,7 +79,7 @@ class ConditionRun {
     void judge(const TrialRecord& record);
     void fail(ExitCode code, const std::string& problem);
     void admit_write_fault(std::string_view words);
-    std::string words_of_fault(const TrialRecord& record) const;
+    std::string fault_text(const TrialRecord& record) const;
     void take_last_stops();
 
     const ConditionPlan& plan_;

@@ -45,7 +45,7 @@ void SessionStop::keep() {
         fault_.clear();
     } catch (const Error& error) {
         if (fault_.empty())
-            say_words(fmt::format("a stop that is not kept ends with this program: {}\n", error.what()));
+            write_stderr(fmt::format("a stop that is not kept ends with this program: {}\n", error.what()));
         fault_ = fmt::format("; it ends with this program, since it could not be kept: {}", error.what());
     }
 }

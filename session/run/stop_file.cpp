@@ -22,7 +22,7 @@ std::filesystem::path folder_of_stops() {
     return value != nullptr && *value != '\0' ? value : "/tmp";
 }
 
-std::string time_in_words() {
+std::string time_text() {
     const auto seconds = static_cast<std::time_t>(read_clock_pair().realtime_ns / 1'000'000'000);
     std::tm broken_down{};
     std::array<char, 64> text{};
@@ -79,7 +79,7 @@ void StopFile::keep(std::string_view words) const {
     const int file = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
     if (file < 0 && errno == EEXIST && kept()) return;
     if (file < 0) fail_with("write", path_, errno);
-    const std::string text = fmt::format("{}, at {}", words, time_in_words());
+    const std::string text = fmt::format("{}, at {}", words, time_text());
     const bool written = write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
     const int error = errno;
     close(file);

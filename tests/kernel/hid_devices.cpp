@@ -78,9 +78,9 @@ class UhidDevice {
     int file_;
 };
 
-class Lane {
+class SteppedConnection {
   public:
-    explicit Lane(HidUser& user)
+    explicit SteppedConnection(HidUser& user)
         : connection_(*bus_, user, [](const std::string& words) { std::puts(words.c_str()); }) {}
     // Steps until the condition holds; how long that took, or kPatienceHere.
     Duration until(const std::function<bool()>& holds) {
@@ -98,39 +98,39 @@ class Lane {
 
 void try_hand() {
     HidHand hand{HidHandSettings{}};
-    Lane lane(hand);
+    SteppedConnection stepped(hand);
     {
         UhidDevice cap(mock_cap());
-        demand(lane.until([&] { return hand.deflection() == 0.0; }) < kPatienceHere,
+        demand(stepped.until([&] { return hand.deflection() == 0.0; }) < kPatienceHere,
                "a SpaceMouse is found, at rest");
         const std::array<std::uint8_t, 7> pushed{1, 0, 0, 0x5e, 0x01, 0, 0};
         cap.say(pushed);
-        const Duration late = lane.until([&] { return hand.deflection() == 1.0; });
+        const Duration late = stepped.until([&] { return hand.deflection() == 1.0; });
         demand(late < milliseconds{1}, "its report is in hand within 1 ms");
         const SessionTime silent_until = wall_now() + std::chrono::seconds{2};
-        lane.until([&] { return wall_now() >= silent_until; });
+        stepped.until([&] { return wall_now() >= silent_until; });
         demand(hand.deflection() == 1.0, "2 s of silence are no loss");
         cap.say(std::array<std::uint8_t, 7>{1, 0, 0, 0xff, 0x7f, 0, 0});
-        demand(lane.until([&] { return hand.bad_reports() == 1; }) < kPatienceHere,
+        demand(stepped.until([&] { return hand.bad_reports() == 1; }) < kPatienceHere,
                "a report of nonsense is counted");
         demand(hand.deflection() == 1.0, "and moves nothing");
     }
-    demand(lane.until([&] { return !hand.deflection(); }) < milliseconds{200},
+    demand(stepped.until([&] { return !hand.deflection(); }) < milliseconds{200},
            "pulled out, it lets go within 200 ms");
     const UhidDevice again(mock_cap());
-    demand(lane.until([&] { return hand.deflection() == 0.0; }) < kPatienceHere,
+    demand(stepped.until([&] { return hand.deflection() == 0.0; }) < kPatienceHere,
            "put back, it is found again");
 }
 
 void try_board() {
     BoardActuator actuator(HidChoice{}, 1.5);
-    Lane lane(actuator);
+    SteppedConnection stepped(actuator);
     {
         UhidDevice board(mock_board());
         std::vector<std::uint8_t> told;
         const auto hears_force = [&](std::uint16_t force_mN) {
             actuator.command(wall_now(), Finger::kIndex, 1e-3 * force_mN);
-            return lane.until([&] {
+            return stepped.until([&] {
                 if (auto report = board.hear(); !report.empty()) told = report;
                 const auto command = decode_board_command(told);
                 return command && command->index_mN == force_mN;
@@ -139,13 +139,13 @@ void try_board() {
         demand(hears_force(500) < kPatienceHere, "a board is found and told");
         demand(hears_force(1200) < milliseconds{5}, "a new force is with it within 5 ms");
         board.say(encode(BoardStatus{told[2], true, false, BoardFault::kNone, 1180, 0}));
-        demand(lane.until([&] { return actuator.output(wall_now()).force_N > 1; }) < milliseconds{5},
+        demand(stepped.until([&] { return actuator.output(wall_now()).force_N > 1; }) < milliseconds{5},
                "its answer is felt within 5 ms");
         demand(actuator.fault().empty(), "no trouble");
-        const Duration silent = lane.until([&] { return !actuator.fault().empty(); });
+        const Duration silent = stepped.until([&] { return !actuator.fault().empty(); });
         demand(silent > milliseconds{90} && silent < milliseconds{110}, "100 ms of silence are trouble");
     }
-    lane.until([&] { return actuator.fault().find("not plugged in") != std::string_view::npos; });
+    stepped.until([&] { return actuator.fault().find("not plugged in") != std::string_view::npos; });
     demand(actuator.output(wall_now()).force_N == 0, "pulled out, nothing is felt");
 }
 

@@ -112,7 +112,7 @@ TEST(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
     const auto enabled = [](const DriveEmulator& drive) {
         return drive.state() == DriveState::kOperationEnabled;
     };
-    ASSERT_TRUE(wait_until([&] { return each(enabled); })) << check.last_words();
+    ASSERT_TRUE(wait_until([&] { return each(enabled); })) << check.last_lines();
     check.signal(SIGINT);
     ASSERT_TRUE(
         wait_until([&] { return !each(enabled) && check.poll().has_value(); }, std::chrono::seconds{5}));

@@ -100,7 +100,7 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
     {
         Child mpirun(kMpirun, with_ranks(2, built_programs() / "thimble-sweep-mpi", words(out)),
                      folder / "mpirun.log");
-        ASSERT_TRUE(wait_until([&] { return lines_in(out / "map.csv") > 30; })) << mpirun.last_words();
+        ASSERT_TRUE(wait_until([&] { return lines_in(out / "map.csv") > 30; })) << mpirun.last_lines();
         const std::vector<pid_t> ranks = children_of(mpirun.pid());
         if (ranks.size() != 2) GTEST_SKIP() << "this kernel does not say who mpirun's children are";
         kill(ranks.back(), SIGKILL);

@@ -46,7 +46,7 @@ TEST(WindowProgram, ReportsItsFramesAndEndsBySignal) {
     ASSERT_TRUE(wait_for_words(server.folder() / "log", "ready"));
     wall_sleep(milliseconds{500});
     visual.signal(SIGTERM);
-    ASSERT_EQ(visual.wait(seconds{20}), 0) << visual.last_words();
+    ASSERT_EQ(visual.wait(seconds{20}), 0) << visual.last_lines();
     const auto json = nlohmann::json::parse(read_text(report));
     EXPECT_EQ(json["window"]["end"], "asked");
     EXPECT_GT(json["window"]["frames"], 2);
@@ -65,9 +65,9 @@ TEST(WindowProgram, OutlivesItsScreen) {
     server.kill();
     EXPECT_TRUE(wait_for_words(server.folder() / "log", "the node goes on"));
     wall_sleep(milliseconds{300});
-    EXPECT_FALSE(visual.poll()) << "it has ended: " << visual.last_words();
+    EXPECT_FALSE(visual.poll()) << "it has ended: " << visual.last_lines();
     visual.signal(SIGTERM);
-    EXPECT_EQ(visual.wait(seconds{20}), 0) << visual.last_words();
+    EXPECT_EQ(visual.wait(seconds{20}), 0) << visual.last_lines();
     EXPECT_EQ(nlohmann::json::parse(read_text(report))["window"]["end"], "screen_lost");
 }
 
@@ -91,10 +91,10 @@ TEST(WindowProgram, ItsStopKeyStopsASessionUnderALabKey) {
                std::to_string(ports.base())},
               folder / "log");
     const auto trajectory = folder / "out/trajectories/trial01_HF_0ms.csv";
-    ASSERT_TRUE(wait_for_words(trajectory, "\n0.2")) << run.last_words();
+    ASSERT_TRUE(wait_for_words(trajectory, "\n0.2")) << run.last_lines();
     ASSERT_TRUE(person({"search", "--onlyvisible", "--name", "Thimble", "windowfocus"}));
     ASSERT_TRUE(person({"key", "BackSpace"}));
-    EXPECT_EQ(run.wait(seconds{40}), 1) << run.last_words();
+    EXPECT_EQ(run.wait(seconds{40}), 1) << run.last_lines();
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("the stop key at the subject's screen"));
     EXPECT_THAT(read_text(folder / "out/trials.csv"), HasSubstr("emergency_stop"));
     const auto report = nlohmann::json::parse(read_text(folder / "out/nodes/thimble-visual_0ms.json"));

@@ -48,7 +48,7 @@ XServer::XServer() : folder_(fresh_folder()), number_(own_number()) {
     close(ends[1]);
     const bool up = read_display(ends[0]) == number_;
     close(ends[0]);
-    if (!up && missing_.empty()) missing_ = "Xvfb does not start: " + server_->last_words();
+    if (!up && missing_.empty()) missing_ = "Xvfb does not start: " + server_->last_lines();
     if (missing_.empty()) setenv("DISPLAY", (":" + number_).c_str(), 1);
 }
 

@@ -21,7 +21,7 @@ namespace {
 class QuietErrors {
   public:
     QuietErrors() : kept_(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)) {
-        words_written_within(std::chrono::milliseconds{500});  // those of before
+        stderr_written_within(std::chrono::milliseconds{500});  // those of before
         const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
         if (kept_ >= 0 && nowhere >= 0) dup2(nowhere, STDERR_FILENO);
         if (nowhere >= 0) close(nowhere);

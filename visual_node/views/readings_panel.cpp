@@ -79,7 +79,7 @@ void draw_scrub_bar(ReplayModel& model, double scale, SessionTime now) {
     list.AddRectFilled(point(here - half, row.y), point(here + half, row.bottom()), paint(kWhite));
 }
 
-void mark_in_words(Colour colour, const char* name, double time_s) {
+void mark_text(Colour colour, const char* name, double time_s) {
     if (time_s < 0) return;
     ImGui::TextColored(gui_colour(colour), "%s %.2f s", name, time_s);
     ImGui::SameLine();
@@ -91,8 +91,8 @@ void draw_words(const ReplayModel& model, const Monitor& monitor) {
     ImGui::SameLine();
     ImGui::Text("%.0f ms %s", monitor.network_delay_s * 1e3,
                 TextLine::of("{}", monitor.network.view()).c_str());
-    mark_in_words(kBluishGreen, "contact", state.contact_s);
-    mark_in_words(kYellow, "beep", state.beep_s);
+    mark_text(kBluishGreen, "contact", state.contact_s);
+    mark_text(kYellow, "beep", state.beep_s);
     if (state.changes > 0) {
         ImGui::TextColored(gui_colour(kSkyBlue), "network x%u", state.changes);
     } else {

@@ -47,14 +47,14 @@ std::string read_until(int from, const std::string& words) {
 int say_too_much() {
     const int reader = fill_stderr();
     constexpr int kLines = 3000;
-    for (int i = 0; i < kLines; ++i) say_words(fmt::format("line {:060}\n", i));
-    if (words_written_within(milliseconds{20})) return 2;
+    for (int i = 0; i < kLines; ++i) write_stderr(fmt::format("line {:060}\n", i));
+    if (stderr_written_within(milliseconds{20})) return 2;
     const std::string text = read_until(reader, "are missing here");
     if (text.find(fmt::format("line {:060}\n", 0)) == std::string::npos) return 3;
     if (text.find(fmt::format("line {:060}\n", kLines - 1)) != std::string::npos) return 4;
-    say_words("later\n");
+    write_stderr("later\n");
     if (read_until(reader, "later\n").find("later\n") == std::string::npos) return 5;
-    return words_written_within(seconds{20}) ? 0 : 6;
+    return stderr_written_within(seconds{20}) ? 0 : 6;
 }
 
 TEST(StandardStreamsDeathTest, WhoeverSpeaksToAFullPipeDoesNotWaitAndWhatIsMissingIsCounted) {

@@ -49,7 +49,7 @@ class InstantTrials final : public TrialRunner {
     void idle(Duration limit) override { clock += limit; }
     SessionTime now() const override { return clock; }
     std::string problem() const override { return "the cable"; }
-    std::string stop_words() const override { return stopped_by; }
+    std::string stop_text() const override { return stopped_by; }
     void release_stop() override { stopped_by.clear(); }
 
     std::deque<EndReason> outcomes;

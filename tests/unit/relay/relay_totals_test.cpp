@@ -50,7 +50,7 @@ TEST(RelayReport, SaysAskedAndAchieved) {
     EXPECT_DOUBLE_EQ(json.at("up").at("loss").at("asked").get<double>(), 0.25);
     EXPECT_DOUBLE_EQ(json.at("up").at("loss").at("achieved").get<double>(), 0.25);
     EXPECT_NEAR(json.at("up").at("due_time_error").at("median_us").get<double>(), 20, 0.1);
-    const std::string words = in_words(json);
+    const std::string words = report_text(json);
     EXPECT_NE(words.find("asked 50 ms"), std::string::npos) << words;
     EXPECT_NE(words.find("asked 25 %"), std::string::npos) << words;
     EXPECT_NE(words.find("1 refused_by_kernel"), std::string::npos) << words;

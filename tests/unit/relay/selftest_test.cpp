@@ -113,7 +113,7 @@ TEST(SelftestVerdict, PassesWhatIsGood) {
     EXPECT_EQ(result.verdict, SelftestVerdict::kPass);
     EXPECT_THAT(result.causes, IsEmpty());
     EXPECT_EQ(describe(result).at("verdict"), "PASS");
-    EXPECT_THAT(in_words(result), HasSubstr("PASS"));
+    EXPECT_THAT(selftest_text(result), HasSubstr("PASS"));
 }
 
 struct Fault {

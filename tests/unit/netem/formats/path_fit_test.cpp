@@ -59,7 +59,7 @@ TEST(PathFit, SaysWhenNoShapeIsLikeIt) {
     for (int i = 0; i < 1000; ++i) path.packets.push_back({i, milliseconds{i % 2 == 0 ? 10 : 40}, 0, 0});
     const PathFit fit = fit_path(path);
     EXPECT_GT(fit.shapes[0].distance, 0.2);
-    EXPECT_THAT(fit.in_words, Contains(HasSubstr("which is poor")));
+    EXPECT_THAT(fit.sentences, Contains(HasSubstr("which is poor")));
     EXPECT_LT(fit.correlation, -0.9);  // it alternates
     EXPECT_EQ(fit.link.jitter.correlation, 0);
     const std::vector<double> table = standardised_delays(path);
@@ -90,7 +90,7 @@ TEST(PathFit, AConstantDelayHasNoJitter) {
     const PathFit fit = fit_path(path);
     EXPECT_EQ(fit.link.jitter, JitterSettings{});
     EXPECT_EQ(fit.link.delay, milliseconds{10});
-    EXPECT_THAT(fit.in_words, Contains(HasSubstr("does not vary")));
+    EXPECT_THAT(fit.sentences, Contains(HasSubstr("does not vary")));
     EXPECT_THROW(standardised_delays(path), Error);
 }
 
@@ -114,7 +114,7 @@ TEST(PathFit, FindsGilbertsParameters) {
     EXPECT_NEAR(fit.link.loss.bad_to_good, 0.25, 4 * std::sqrt(0.25 * 0.75 / (kPackets * 0.038)));
     EXPECT_NEAR(stationary_loss(fit.link.loss), static_cast<double>(fit.lost) / kPackets, 0.001);
     EXPECT_NEAR(fit.mean_burst, 4, 0.5);
-    EXPECT_THAT(fit.in_words, Contains(HasSubstr("in bursts")));
+    EXPECT_THAT(fit.sentences, Contains(HasSubstr("in bursts")));
 }
 
 TEST(PathFit, IndependentLossIsNotMistakenForBursts) {
@@ -148,8 +148,8 @@ TEST(PathFit, ABurstAtAnEndOfThePathIsKept) {
         ASSERT_EQ(fit.link.loss.shape, LossShape::kGilbertElliott);
         EXPECT_NEAR(stationary_loss(fit.link.loss), 5.0 / 105, 1e-12);
         EXPECT_NEAR(mean_loss_burst(fit.link.loss), 5, 1e-9);
-        EXPECT_THAT(fit.in_words, Contains(HasSubstr(where)));
-        for (const std::string& sentence : fit.in_words) {
+        EXPECT_THAT(fit.sentences, Contains(HasSubstr(where)));
+        for (const std::string& sentence : fit.sentences) {
             EXPECT_THAT(sentence, testing::Not(testing::ContainsRegex("nan|inf|-0"))) << sentence;
         }
         const auto no_files = [](std::string_view) { return std::string(); };
@@ -186,7 +186,7 @@ TEST(PathFit, NoLossIsABoundAndTooLittleIsRefused) {
     MeasuredPath path;
     path.has_loss = true;
     for (int i = 0; i < 300; ++i) path.packets.push_back({i, {}, 0, 0});
-    EXPECT_THAT(fit_path(path).in_words, Contains(HasSubstr("less than 1 % is (95 % confidence)")));
+    EXPECT_THAT(fit_path(path).sentences, Contains(HasSubstr("less than 1 % is (95 % confidence)")));
     path.packets.resize(1);
     EXPECT_THROW(fit_path(path), Error);
 }
