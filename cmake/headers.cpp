@@ -1,0 +1,1 @@
+// Nothing: carries the precompiled headers that other targets share.

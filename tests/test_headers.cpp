@@ -1,1 +1,0 @@
-// Nothing: carries the precompiled headers that all tests share.
