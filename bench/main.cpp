@@ -19,14 +19,9 @@ struct Study {
     int (*run)(int argc, char** argv);
 };
 
-constexpr std::array<Study, 7> kStudies{{
-    {"chain", "the round trip through all five programs beside bare processes", &chain_study},
-    {"flood", "deadlines of a node under forged datagrams beside those without", &flood_study},
+constexpr std::array<Study, 3> kStudies{{
     {"netem", "the relay beside the bare machine: lateness, throughput, round trip", &network_study},
-    {"scene-cost", "what a scene costs, against the number of layers", &scene_cost_study},
-    {"stability", "the delayed force loop: critical delay and stiffness, theory beside the running loop",
-     &stability_study},
-    {"velocity", "velocity estimators: noise against lag, puncture, fixture force", &velocity_study},
+    {"stability", "the delayed force loop: theory beside the running loop", &stability_study},
     {"work-precision", "tissue solvers: cost against error", &work_precision_study},
 }};
 

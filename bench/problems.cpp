@@ -85,95 +85,61 @@ TissueParameters tissue(double mass_kg, double stiffness_N_per_m, double damping
     return p;
 }
 
-// The tissue of the paper.
-void add_plain(std::vector<Problem>& list) {
+std::vector<Problem> all_problems() {
     const TissueParameters paper;
-    const ProblemKind smooth = ProblemKind::kSmooth;
-    list.push_back({"press", "press and let go, no puncture", smooth, paper, 3, kMs,
-                    glides(0.015, {{0, 1.5, 0.024}, {1.5, 1.2, 0.012}})});
-    list.push_back({"slow_press", "press at some 10 mm/s until puncture", smooth, paper, 6, kMs,
-                    glides(0.018, {{0, 8, 0.064}})});
-    list.push_back({"insert_30mm_s", "insertion, hold, withdrawal at 30 mm/s", smooth, paper, 5.6, kMs,
-                    in_and_out(0.040, 0.030, 0.5)});
-    list.push_back({"insert_100mm_s", "at 100 mm/s", smooth, paper, 4.4, kMs, in_and_out(0.1, 0.1, 0.5)});
-    list.push_back({"insert_300mm_s", "at 300 mm/s", smooth, paper, 2, kMs, in_and_out(0.1, 0.3, 0.5)});
-    list.push_back({"pull_out", "out of a stretched surface, which returns to the waiting needle", smooth,
-                    paper, 7, kMs, glides(0.018, {{0, 6, 0.058}, {4.5, 0.6, 0.022}})});
-    list.push_back({"tremor", "8 Hz, 1 mm in the tissue", smooth, paper, 3, kMs,
-                    [in = glides(0, {{0, 0.8, 0.07}})](double t_s) {
-                        return in(t_s) + 1e-3 * glide((t_s - 0.8) / 0.2) * turn(8, t_s);
-                    }});
-}
-
-// 9 N/m and 5.5 + 0.5 N s/m at 1 kg are critically damped exactly, with the needle in it.
-void add_damping(std::vector<Problem>& list) {
-    const auto critical = [&list](std::string_view name, std::string_view about, double factor) {
-        list.push_back({name, about, ProblemKind::kSmooth, tissue(1, 9 * factor, 5.5, 0.5, 0.1), 3.5, kMs,
-                        glides(0.010, {{0, 1, 0.060}, {1.5, 1, 0.010}})});
+    const Needle in_and_back = glides(0.010, {{0, 1, 0.060}, {1.5, 1, 0.010}});
+    const Needle in_and_back_sooner = glides(0.010, {{0, 1, 0.060}, {1.4, 1, 0.010}});
+    // 9 N/m and 5.5 + 0.5 N s/m at 1 kg are critically damped exactly, with the needle in it.
+    const auto near_critical = [](double factor) { return tissue(1, 9 * factor, 5.5, 0.5, 0.1); };
+    const TissueParameters ringing = tissue(0.05, 200, 0.3, 0.1, 0.5);
+    const auto tremor = [in = glides(0, {{0, 0.8, 0.07}})](double t_s) {
+        return in(t_s) + 1e-3 * glide((t_s - 0.8) / 0.2) * turn(8, t_s);
     };
-    critical("critical", "critically damped beneath the surface", 1);
-    critical("critical_+1e-12", "stiffer by 1e-12 of it", 1 + 1e-12);
-    critical("critical_-1e-12", "softer by 1e-12 of it", 1 - 1e-12);
-    critical("critical_+1e-8", "stiffer by 1e-8 of it", 1 + 1e-8);
-    critical("critical_-1e-8", "softer by 1e-8 of it", 1 - 1e-8);
-    list.push_back({"underdamped", "rings at 10 Hz, damping ratio 0.05", ProblemKind::kSmooth,
-                    tissue(0.05, 200, 0.3, 0.1, 0.5), 3, kMs,
-                    glides(0.010, {{0, 0.8, 0.050}, {1.2, 0.8, 0.005}})});
-}
-
-void add_stiff(std::vector<Problem>& list) {
-    list.push_back({"massless", "1e-12 kg", ProblemKind::kSmooth, tissue(1e-12, 2, 5, 0.7, 0.1), 3, kMs,
-                    glides(0.010, {{0, 1, 0.060}, {1.4, 1, 0.010}})});
-    list.push_back({"heavy", "1e6 kg", ProblemKind::kSmooth, tissue(1e6, 2, 5, 0.7, 0.1), 3, kMs,
-                    glides(0.010, {{0, 1, 0.060}, {1.4, 1, 0.010}})});
-    list.push_back({"wall", "1e6 N/m on 50 g, rings at 712 Hz", ProblemKind::kSmooth,
-                    tissue(0.05, 1e6, 20, 2, 200), 1, kMs,
-                    glides(0.0198, {{0, 0.4, 0.0206}, {0.5, 0.3, 0.0195}})});
-}
-
-void add_rough(std::vector<Problem>& list) {
-    const TissueParameters paper;
-    list.push_back({"quantised", "insertion read by a 0.03 mm encoder at 1 kHz", ProblemKind::kRough, paper,
-                    2, kMs, quantised(in_and_out(0.1, 0.3, 0.5), 3e-5)});
-    list.push_back({"coarse", "a recording of one sample in 2 s", ProblemKind::kRough, paper, 20, 2,
-                    polygon({0.005, 0.015, 0.045, 0.09, 0.09, 0.05, 0.025, 0.028, 0.028, 0.005, 0.005}, 2)});
-    list.push_back({"grazing", "touches the surface by 0, 1 nm and 1 um", ProblemKind::kDiscontinuous,
-                    tissue(0.05, 200, 0.3, 0.1, 0.5), 1.5, kMs, &grazing});
-    list.push_back({"chatter", "a quantised needle trembles at the surface", ProblemKind::kDiscontinuous,
-                    tissue(0.05, 200, 0.3, 0.1, 0.5), 2, kMs,
-                    quantised([](double t_s) { return 0.0201 + 3e-4 * turn(9, t_s); }, 3e-5)});
+    const auto tremble = [](double t_s) { return 0.0201 + 3e-4 * turn(9, t_s); };
+    return {
+        {"press", "press and let go, no puncture", paper, 3, kMs,
+         glides(0.015, {{0, 1.5, 0.024}, {1.5, 1.2, 0.012}})},
+        {"slow_press", "press at some 10 mm/s until puncture", paper, 6, kMs, glides(0.018, {{0, 8, 0.064}})},
+        {"insert_30mm_s", "insertion, hold, withdrawal at 30 mm/s", paper, 5.6, kMs,
+         in_and_out(0.040, 0.030, 0.5)},
+        {"insert_100mm_s", "at 100 mm/s", paper, 4.4, kMs, in_and_out(0.1, 0.1, 0.5)},
+        {"insert_300mm_s", "at 300 mm/s", paper, 2, kMs, in_and_out(0.1, 0.3, 0.5)},
+        {"pull_out", "out of a stretched surface, which returns to the waiting needle", paper, 7, kMs,
+         glides(0.018, {{0, 6, 0.058}, {4.5, 0.6, 0.022}})},
+        {"tremor", "8 Hz, 1 mm in the tissue", paper, 3, kMs, tremor},
+        {"critical", "critically damped beneath the surface", near_critical(1), 3.5, kMs, in_and_back},
+        {"critical_+1e-12", "stiffer by 1e-12 of it", near_critical(1 + 1e-12), 3.5, kMs, in_and_back},
+        {"critical_-1e-12", "softer by 1e-12 of it", near_critical(1 - 1e-12), 3.5, kMs, in_and_back},
+        {"critical_+1e-8", "stiffer by 1e-8 of it", near_critical(1 + 1e-8), 3.5, kMs, in_and_back},
+        {"critical_-1e-8", "softer by 1e-8 of it", near_critical(1 - 1e-8), 3.5, kMs, in_and_back},
+        {"underdamped", "rings at 10 Hz, damping ratio 0.05", ringing, 3, kMs,
+         glides(0.010, {{0, 0.8, 0.050}, {1.2, 0.8, 0.005}})},
+        {"massless", "1e-12 kg", tissue(1e-12, 2, 5, 0.7, 0.1), 3, kMs, in_and_back_sooner},
+        {"heavy", "1e6 kg", tissue(1e6, 2, 5, 0.7, 0.1), 3, kMs, in_and_back_sooner},
+        {"wall", "1e6 N/m on 50 g, rings at 712 Hz", tissue(0.05, 1e6, 20, 2, 200), 1, kMs,
+         glides(0.0198, {{0, 0.4, 0.0206}, {0.5, 0.3, 0.0195}})},
+        // Needles with corners: the claims of docs/solvers.md were not made for these.
+        {"quantised", "insertion read by a 0.03 mm encoder at 1 kHz", paper, 2, kMs,
+         quantised(in_and_out(0.1, 0.3, 0.5), 3e-5)},
+        {"coarse", "a recording of one sample in 2 s", paper, 20, 2,
+         polygon({0.005, 0.015, 0.045, 0.09, 0.09, 0.05, 0.025, 0.028, 0.028, 0.005, 0.005}, 2)},
+        // In these two the number of transitions depends on the last bit.
+        {"grazing", "touches the surface by 0, 1 nm and 1 um", ringing, 1.5, kMs, &grazing},
+        {"chatter", "a quantised needle trembles at the surface", ringing, 2, kMs, quantised(tremble, 3e-5)},
+    };
 }
 
 }  // namespace
 
-std::string_view to_string(ProblemKind kind) {
-    switch (kind) {
-        case ProblemKind::kSmooth:
-            return "smooth";
-        case ProblemKind::kRough:
-            return "rough";
-        case ProblemKind::kDiscontinuous:
-            break;
-    }
-    return "discontinuous";
-}
-
-std::vector<double> Problem::needle_samples_m(double at_step_s) const {
-    const auto steps = static_cast<std::size_t>(std::round(duration_s / at_step_s));
+std::vector<double> Problem::needle_samples_m() const {
+    const auto steps = static_cast<std::size_t>(std::round(duration_s / step_s));
     std::vector<double> samples_m(steps + 1);
-    for (std::size_t i = 0; i <= steps; ++i) samples_m[i] = needle_m(static_cast<double>(i) * at_step_s);
+    for (std::size_t i = 0; i <= steps; ++i) samples_m[i] = needle_m(static_cast<double>(i) * step_s);
     return samples_m;
 }
 
 const std::vector<Problem>& problems() {
-    static const std::vector<Problem> list = [] {
-        std::vector<Problem> all;
-        add_plain(all);
-        add_damping(all);
-        add_stiff(all);
-        add_rough(all);
-        return all;
-    }();
+    static const std::vector<Problem> list = all_problems();
     return list;
 }
 

@@ -5,9 +5,14 @@
 #include <cstddef>
 #include <vector>
 
-#include "bench/reference_number.hpp"
+#include <boost/multiprecision/cpp_bin_float.hpp>
 
 namespace thimble {
+
+// 100 digits, of which a massless surface costs some 25 (its fast mode is 1e10 times shorter than a step)
+// and halving down to an event 50 more where it touches; 40 are wanted.
+using ReferenceNumber =
+    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
 
 // The constants of x'' = drive - a x' - w2 x.
 struct ReferenceLaw {

@@ -25,7 +25,6 @@ using std::chrono::milliseconds;
 constexpr std::size_t kBytes = 144;  // a ForceFeedback
 constexpr Duration kPeriod = milliseconds{1};
 constexpr std::size_t kManyInFlight = 1'000'000;
-constexpr std::uint64_t kMostUnderWay = 8000;  // datagrams; the room of a socket that is not read
 constexpr Duration kSpin = std::chrono::microseconds{300};
 constexpr Duration kWarmUp = milliseconds{200};  // in which a relay learns how late the timer is
 
@@ -34,6 +33,23 @@ double thread_cpu_s() {
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
+
+// Notes what this thread used while the object lives.
+class Usage {
+  public:
+    explicit Usage(LatenessRound& round) : round_(round) {}
+    ~Usage() {
+        round_.cpu_s = thread_cpu_s() - cpu_before_s_;
+        round_.wall_s = to_seconds(wall_now() - start);
+    }
+
+  private:
+    LatenessRound& round_;
+    double cpu_before_s_ = thread_cpu_s();
+
+  public:
+    const SessionTime start = wall_now();
+};
 
 // The last core, for round trips "on one core".
 void pin() {
@@ -80,8 +96,8 @@ Duration period_beside(Duration delay) { return 2 * delay / (2 * (delay / kPerio
 // Sends numbered datagrams and notes when the kernel had them at the sink.
 class Stream {
   public:
-    Stream(const UdpSocket& sink, Duration period, std::size_t packets, std::size_t at_once = 1)
-        : sink_(&sink), period_(period), at_once_(at_once), arrived(packets) {}
+    Stream(const UdpSocket& sink, Duration period, std::size_t packets)
+        : sink_(&sink), period_(period), arrived(packets) {}
 
     void run(const UdpAddress& relay, const std::atomic<bool>& stop) {
         be_ordinary();
@@ -94,9 +110,7 @@ class Stream {
             receive();
             if (wall_now() < next) continue;
             next += period_;
-            for (std::size_t i = 0; i < at_once_ && sent < arrived.size() && sent < received_ + kMostUnderWay;
-                 ++i)
-                send(client, sent++);
+            if (sent_ < arrived.size()) send(client, sent_++);
         }
     }
 
@@ -104,8 +118,7 @@ class Stream {
     void send(const UdpSocket& client, std::uint64_t number) {
         std::array<std::uint8_t, kBytes> bytes{};
         std::memcpy(bytes.data(), &number, sizeof number);
-        out_.add(bytes, nullptr);
-        out_.send(client.descriptor());
+        ::send(client.descriptor(), bytes.data(), bytes.size(), 0);
     }
     void receive() {
         stamps_.update(read_clock_pair());
@@ -114,24 +127,18 @@ class Stream {
         for (std::size_t i = 0; i < count; ++i) {
             std::uint64_t number = 0;
             std::memcpy(&number, in_[i].bytes.data(), sizeof number);
-            ++received_;
-            overtaken += number < latest_ ? 1 : 0;
-            latest_ = std::max(latest_, number);
             if (number < arrived.size()) arrived[number] = stamps_.to_session(in_[i].stamp_realtime_ns, now);
         }
     }
 
     const UdpSocket* sink_;
     Duration period_;
-    std::size_t at_once_;
     ReceiveBatch in_;
-    SendBatch out_;
     StampClock stamps_;
-    std::uint64_t latest_ = 0, received_ = 0;
+    std::uint64_t sent_ = 0;
 
   public:
     std::vector<SessionTime> arrived;
-    std::uint64_t sent = 0, overtaken = 0;
 };
 
 // As many as come, as fast as they come.
@@ -187,6 +194,16 @@ void make_blocking(const UdpSocket& socket) {
     fcntl(socket.descriptor(), F_SETFL, 0);
 }
 
+class Server {
+  public:
+    Server() { make_blocking(socket_); }
+    UdpAddress address() const { return socket_.local(); }
+
+  private:
+    UdpSocket socket_ = UdpSocket::listening(loopback());
+    Helper echoing_{[this](const std::atomic<bool>& stop) { echo(socket_, stop); }};
+};
+
 std::vector<double> round_trips(const UdpAddress& to, int count) {
     const Unpinned before;
     pin();
@@ -217,11 +234,9 @@ LatenessRound relay_lateness(Mode mode, Duration delay, Duration length) {
     LatenessRound round;
     {
         Helper sender([&](const std::atomic<bool>& stop) { stream.run(engine.inlet_address(0), stop); });
-        const SessionTime start = wall_now(), end = start + kWarmUp + length + delay + milliseconds{20};
-        const double cpu_before_s = thread_cpu_s();
-        for (SessionTime now = start; now < end; now = wall_now()) engine.step(end);
-        round.cpu_s = thread_cpu_s() - cpu_before_s;
-        round.wall_s = to_seconds(wall_now() - start);
+        const Usage usage(round);
+        const SessionTime end = usage.start + kWarmUp + length + delay + milliseconds{20};
+        while (wall_now() < end) engine.step(end);
     }
     for (std::size_t i = warm; i < times.due.size(); ++i) {
         if (stream.arrived[i] != SessionTime{})
@@ -230,74 +245,36 @@ LatenessRound relay_lateness(Mode mode, Duration delay, Duration length) {
     return round;
 }
 
-CarriedRound relay_carries(Mode mode, std::uint64_t packets) {
-    constexpr std::size_t kAtOnce = 100;
-    constexpr Duration kCarriedDelay = milliseconds{50}, kJitter = milliseconds{10},
-                       kRest = milliseconds{500};
-    const UdpSocket sink = UdpSocket::listening(loopback());
-    RelaySettings settings = settings_for(mode, kCarriedDelay, sink.local());
-    settings.links.up.jitter = {JitterShape::kUniform, kJitter};
-    DueTimes times(packets);
-    RelayEngine engine(settings, &times);
-    Stream stream(sink, kPeriod, packets, kAtOnce);
-    CarriedRound round;
-    {
-        Helper sender([&](const std::atomic<bool>& stop) { stream.run(engine.inlet_address(0), stop); });
-        const SessionTime longest = wall_now() + 10 * static_cast<int>(packets / kAtOnce) * kPeriod;
-        const auto relay_until = [&](SessionTime end, std::size_t enough) {
-            while (wall_now() < end && times.due.size() < enough) engine.step(wall_now() + milliseconds{10});
-        };
-        relay_until(longest, packets);
-        relay_until(wall_now() + kRest, packets + 1);  // the last ones are read meanwhile
-    }
-    round.sent = stream.sent;
-    round.overtaken = stream.overtaken;
-    for (std::size_t i = 0; i < round.sent; ++i) {
-        if (stream.arrived[i] == SessionTime{}) continue;
-        ++round.arrived;
-        // Without a loss the relay's records are in the order of the packets.
-        if (times.due.size() == round.sent && stream.arrived[i] < times.due[i]) ++round.early;
-    }
-    round.full = engine.totals(wall_now()).dropped_by_kernel + sink.dropped_by_kernel();
-    return round;
-}
-
 LatenessRound timer_lateness(Duration length) {
     LatenessRound round;
     EventWaiter waiter(false);
     std::array<epoll_event, 1> room{};
-    const SessionTime start = wall_now(), end = start + length;
-    const double cpu_before_s = thread_cpu_s();
-    for (SessionTime due = start + kPeriod; due < end; due += kPeriod) {
+    const Usage usage(round);
+    for (SessionTime due = usage.start + kPeriod; due < usage.start + length; due += kPeriod) {
         waiter.wait(due, due, room);
         round.errors_us.push_back(us(wall_now() - due));
     }
-    round.cpu_s = thread_cpu_s() - cpu_before_s;
-    round.wall_s = to_seconds(wall_now() - start);
     return round;
 }
 
-// The time that the machine itself adds without sleeping.
 LatenessRound spinner_lateness(Duration length) {
     LatenessRound round;
     const UdpSocket sink = UdpSocket::listening(loopback()), out = UdpSocket::connected(sink.local());
     const std::array<std::uint8_t, kBytes> bytes{};
-    StampClock stamps;
-    ReceiveBatch in;
-    const SessionTime start = wall_now(), end = start + length;
-    const double cpu_before_s = thread_cpu_s();
     std::vector<SessionTime> dues;
-    dues.reserve(static_cast<std::size_t>(length / kPeriod));
-    for (SessionTime due = start + kPeriod; due < end; due += kPeriod) {
-        wall_sleep(due - kSpin - wall_now());
-        while (wall_now() < due) {
+    {
+        const Usage usage(round);
+        for (SessionTime due = usage.start + kPeriod; due < usage.start + length; due += kPeriod) {
+            wall_sleep(due - kSpin - wall_now());
+            while (wall_now() < due) {
+            }
+            ::send(out.descriptor(), bytes.data(), bytes.size(), 0);
+            dues.push_back(due);
         }
-        ::send(out.descriptor(), bytes.data(), bytes.size(), 0);
-        dues.push_back(due);
     }
-    round.cpu_s = thread_cpu_s() - cpu_before_s;
-    round.wall_s = to_seconds(wall_now() - start);
+    StampClock stamps;
     stamps.update(read_clock_pair());
+    ReceiveBatch in;
     const SessionTime now = wall_now();
     for (std::size_t done = 0, count = 0; (count = in.receive(sink.descriptor())) > 0; done += count) {
         for (std::size_t i = 0; i < count; ++i)
@@ -342,11 +319,9 @@ double bare_throughput(Duration length) {
     return sent / to_seconds(wall_now() - start);
 }
 
-std::vector<double> relay_round_trips(Mode mode, int count) {
-    const UdpSocket server = UdpSocket::listening(loopback());
-    make_blocking(server);
-    const Helper echoing([&](const std::atomic<bool>& stop) { echo(server, stop); });
-    RelayEngine engine(settings_for(mode, Duration::zero(), server.local()), nullptr);
+std::vector<double> relay_round_trips(int count) {
+    const Server server;
+    RelayEngine engine(settings_for(Mode::kSleeping, Duration::zero(), server.address()), nullptr);
     const Helper relaying([&](const std::atomic<bool>& stop) {
         pin();
         while (!stop) engine.step(kNever);
@@ -356,19 +331,12 @@ std::vector<double> relay_round_trips(Mode mode, int count) {
 
 // Both ways through two watched sockets, as a relay has them, and nothing else.
 std::vector<double> forwarder_round_trips(int count) {
-    const UdpSocket server = UdpSocket::listening(loopback());
-    make_blocking(server);
-    const Helper echoing([&](const std::atomic<bool>& stop) { echo(server, stop); });
-    const UdpSocket inlet = UdpSocket::listening(loopback()), out = UdpSocket::connected(server.local());
+    const Server server;
+    const UdpSocket inlet = UdpSocket::listening(loopback()), out = UdpSocket::connected(server.address());
     const Helper forwarding([&](const std::atomic<bool>& stop) { forward(inlet, out, stop); });
     return round_trips(inlet.local(), count);
 }
 
-std::vector<double> bare_round_trips(int count) {
-    const UdpSocket server = UdpSocket::listening(loopback());
-    make_blocking(server);
-    const Helper echoing([&](const std::atomic<bool>& stop) { echo(server, stop); });
-    return round_trips(server.local(), count);
-}
+std::vector<double> bare_round_trips(int count) { return round_trips(Server().address(), count); }
 
 }  // namespace thimble

@@ -24,24 +24,16 @@ struct LatenessRound {
 LatenessRound relay_lateness(Mode mode, Duration delay, Duration length);
 // Deadlines at 1 kHz by timerfd and epoll.
 LatenessRound timer_lateness(Duration length);
-// The same by spinning, each with the sending of one datagram, to the kernel's stamp at the receiver: the least a relay could do
-// that begins when a packet is due, and a witness of the machine's stalls.
+// The same by spinning. Each deadline sends one datagram, and the error ends at the kernel's stamp at the receiver. No relay that
+// begins when a packet is due can be faster.
 LatenessRound spinner_lateness(Duration length);
-
-// So many numbered datagrams, 100 each millisecond, through a relay with 50 ms of delay and 10 ms of jitter that keeps the order.
-struct CarriedRound {
-    std::uint64_t sent = 0, arrived = 0, early = 0, overtaken = 0;
-    std::uint64_t full =
-        0;  // found no room in a socket while this machine did not run the program that empties it
-};
-CarriedRound relay_carries(Mode mode, std::uint64_t packets);
 
 // Datagrams per second that come out where more are offered than can be forwarded.
 double relay_throughput(Mode mode, Duration delay, Duration length);
 double bare_throughput(Duration length);  // recvmmsg, sendmmsg and nothing else
 
 // Round trips at 1 kHz, in microseconds.
-std::vector<double> relay_round_trips(Mode mode, int count);
+std::vector<double> relay_round_trips(int count);
 std::vector<double> bare_round_trips(int count);
 std::vector<double> forwarder_round_trips(int count);  // epoll, recvmmsg and sendmmsg both ways
 

@@ -20,15 +20,9 @@ double median_of(std::vector<double> values) {
 void ErrorWindows::add(std::vector<double> errors_us) {
     if (errors_us.size() < kFewest) return;
     std::sort(errors_us.begin(), errors_us.end());
-    add(WindowQuantiles{errors_us[(errors_us.size() - 1) / 2], errors_us[(errors_us.size() - 1) * 99 / 100],
-                        errors_us.back(), errors_us.size()});
-}
-
-void ErrorWindows::add(const WindowQuantiles& window) {
-    if (window.count < kFewest) return;
-    w50_us_.push_back(window.median_us);
-    w99_us_.push_back(window.p99_us);
-    if (window.worst_us > kStall_us) ++stalled_;
+    w50_us_.push_back(errors_us[(errors_us.size() - 1) / 2]);
+    w99_us_.push_back(errors_us[(errors_us.size() - 1) * 99 / 100]);
+    if (errors_us.back() > kStall_us) ++stalled_;
 }
 
 WindowErrors ErrorWindows::errors() const {

@@ -7,12 +7,6 @@
 
 namespace thimble {
 
-// Of one window.
-struct WindowQuantiles {
-    double median_us = 0, p99_us = 0, worst_us = 0;
-    std::size_t count = 0;
-};
-
 struct WindowErrors {
     double w50_us = 0, w99_us = 0;
     double stalled = 0;  // share of windows that hold an error above 1 ms
@@ -22,8 +16,6 @@ class ErrorWindows {
   public:
     // The errors of one window, a quarter of a second, in microseconds. Less than 20 are not judged.
     void add(std::vector<double> errors_us);
-    // The same where only quantiles are known.
-    void add(const WindowQuantiles& window);
     WindowErrors errors() const;
 
   private:

@@ -26,7 +26,7 @@ void require(int flag, const char* what) {
     throw Error(ExitCode::kRunFailed, fmt::format("CVODE: {} failed ({})", what, name.get()));
 }
 
-// The tolerances are swept over values at which CVODE must be expected to give up; it says so by its flag.
+// CVODE gives up at some of the tolerances of the sweep. Its flag says so.
 void silent(int /*code*/, const char* /*module*/, const char* /*function*/, char* /*text*/, void* /*data*/) {}
 
 }  // namespace

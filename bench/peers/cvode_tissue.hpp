@@ -18,11 +18,6 @@ enum class CvodeJump { kGoOn, kRestart };
 
 class CvodeTissue final : public PeerTissue {
   public:
-    static constexpr const char* kAdamsName = "cvode_adams";  // restarts at jumps
-    static constexpr const char* kBdfName = "cvode_bdf";
-    static constexpr const char* kAdamsGoesOnName = "cvode_adams_on";
-    static constexpr const char* kBdfGoesOnName = "cvode_bdf_on";
-
     // tolerance > 0: absolute (m, m/s) and relative. Throws Error (run failed) if SUNDIALS refuses.
     CvodeTissue(const TissueParameters& parameters, double tolerance, CvodeMethod method, CvodeJump jump);
     ~CvodeTissue() override;

@@ -11,8 +11,6 @@ namespace thimble {
 
 class OdeintTissue final : public PeerTissue {
   public:
-    static constexpr const char* kName = "boost_odeint";
-
     // tolerance > 0: absolute (m, m/s) and relative.
     OdeintTissue(const TissueParameters& parameters, double tolerance);
 

@@ -19,7 +19,7 @@ constexpr std::uint64_t kMostEvaluations = 200'000;
 }  // namespace
 
 void PeerTissue::check_effort() const {
-    if (evaluations_ - evaluations_before_ <= kMostEvaluations) return;
+    if (evaluations_ <= kMostEvaluations) return;
     throw Error(ExitCode::kRunFailed,
                 fmt::format("more than {} evaluations in one step: the tissue is too stiff for this method",
                             kMostEvaluations));
@@ -33,7 +33,7 @@ void PeerTissue::restart() {
 void PeerTissue::move(double duration_s, double needle_end_m, Transitions& transitions) {
     step_start_s_ = leg_start_s_ = t_s_;
     leg_needle_m_ = needle_m_;
-    evaluations_before_ = evaluations_;
+    evaluations_ = 0;
     search_ = true;
     const double end_s = t_s_ + duration_s;
     // A surface that came to rest was put there by TissueSolver.

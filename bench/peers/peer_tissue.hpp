@@ -1,9 +1,9 @@
-// What general-purpose integrators need to step the tissue automaton, so that they differ in nothing but the
-// integrator: the legs of contact in closed form (the force is a line in time), one smooth mode at a time, the
-// integrator's own root finding for needle and surface, and a restart at each transition.
+// A tissue for general-purpose integrators, so that peers differ in nothing but the integrator. It solves contact in closed form
+// (the force is a line in time) and gives the integrator one smooth phase at a time. The integrator finds the roots of needle and
+// surface itself, and restarts at each transition.
 //
-// Causality: the needle is known to the end of the current step only. A free surface does not feel it, and
-// the integrator may run ahead as far as it likes; beneath the surface it must stop at the end of the step.
+// Causality: the needle is known to the end of the current step only. A free surface does not feel the needle, and the integrator
+// may run ahead. Beneath the surface it must stop at the end of the step.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,6 @@ namespace thimble {
 class PeerTissue : public TissueSolver {
   public:
     using TissueSolver::TissueSolver;
-
-    // Evaluations of the right-hand side since construction.
-    std::uint64_t evaluations() const { return evaluations_; }
 
   protected:
     struct Surface {
@@ -62,9 +59,8 @@ class PeerTissue : public TissueSolver {
     void enter(TissuePhase phase, double t_s, Transitions& transitions);
     void prepare();
 
-    std::uint64_t evaluations_ = 0;
-    std::uint64_t evaluations_before_ = 0;  // the step
-    double t_s_ = 0;                        // since the reset
+    std::uint64_t evaluations_ = 0;  // of the right-hand side in this step
+    double t_s_ = 0;                 // since the reset
     double step_start_s_ = 0;
     double leg_start_s_ = 0;
     double leg_needle_m_ = 0;

@@ -154,7 +154,7 @@ TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
     EXPECT_THAT(read_text(run.out() / "report.html"), HasSubstr("Protection"));
 }
 
-// Order only: how fast it was, and what became of the deadlines, is a figure (thimble-bench flood, docs/security.md).
+// Order only: how fast it was, and what became of the deadlines, is a figure (docs/security.md).
 TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
     SessionFile file;
     file.more = under_key(key_);
