@@ -1,37 +1,154 @@
 #include "common/codec.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstring>
+#include <tuple>
+#include <utility>
 
-#include "common/codec_waves.hpp"
+#include "common/codec_fields.hpp"
+#include "messages_generated.h"
 
 namespace thimble {
 namespace {
 
+constexpr std::int64_t kMaxStamp_ns = std::int64_t{1} << 62;
+
+// In the order of Body.
+using WireBodies =
+    std::tuple<wire::NeedleCommand, wire::ForceFeedback, wire::Percept, wire::SessionControl, wire::Heartbeat,
+               wire::ClockProbe, wire::ClockReply, wire::HandInput, wire::Monitor, wire::Order, wire::Page,
+               wire::ReplayState, wire::DeviceFault, wire::NeedleWave, wire::ForceWave, wire::StopOrder>;
+constexpr std::size_t kKinds = std::variant_size_v<Body>;
+static_assert(std::tuple_size_v<WireBodies> == kKinds && wire::Packet::VT_STOP_ORDER == 4 + 2 * kKinds);
+
+// The field of Packet that holds this kind of body.
+constexpr flatbuffers::voffset_t field_of(std::size_t kind) {
+    return static_cast<flatbuffers::voffset_t>(wire::Packet::VT_NEEDLE_COMMAND + 2 * kind);
+}
+
+// Walks through a struct of the wire, which is aligned as ours are.
+class FieldPlace {
+  public:
+    template <class Value>
+    std::size_t next() {
+        const std::size_t at = (end_ + alignof(Value) - 1) / alignof(Value) * alignof(Value);
+        end_ = at + sizeof(Value);
+        return at;
+    }
+
+  private:
+    std::size_t end_ = 0;
+};
+
+class FieldWriter {
+  public:
+    explicit FieldWriter(std::uint8_t* out) : out_(out) {}
+
+    void operator()(double value, const NumberRange&) { put(value); }
+    void operator()(std::integral auto value) { put(value); }
+    void operator()(std::uint32_t count, std::uint32_t) { put(count); }
+    void operator()(SessionTime time) { put(to_nanoseconds(time)); }
+    void operator()(Duration duration) { put(duration.count()); }
+    void operator()(const NetworkName& name) { (*this)(name.text); }
+    template <class Enum, class... Limits>
+    requires std::is_enum_v<Enum>
+    void operator()(Enum value, Limits...) { put(static_cast<std::uint8_t>(value)); }
+    template <class Letter, std::size_t N>
+    void operator()(const std::array<Letter, N>& text) {
+        put(text);
+    }
+
+  private:
+    template <class Value>
+    void put(const Value& value) {
+        std::memcpy(out_ + place_.next<Value>(), &value, sizeof value);
+    }
+
+    std::uint8_t* out_;
+    FieldPlace place_;
+};
+
+// Collects the verdict over all fields of a message: not finite beats out of range. One comparison pair per
+// number, which NaN fails too, keeps the common path short.
+struct FieldVerdict {
+    bool finite = true, in_range = true;
+
+    void require(bool met) { in_range = in_range && met; }
+    void number(double value, const NumberRange& range) {
+        if (value >= range.low && value <= range.high) return;
+        (std::isfinite(value) ? in_range : finite) = false;
+    }
+    std::optional<Refusal> refusal() const {
+        if (!finite) return Refusal::kNotFinite;
+        return in_range ? std::nullopt : std::optional{Refusal::kOutOfRange};
+    }
+};
+
+class FieldReader {
+  public:
+    FieldReader(const std::uint8_t* in, FieldVerdict& verdict) : in_(in), verdict_(verdict) {}
+
+    void operator()(double& value, const NumberRange& range) { verdict_.number(take(value), range); }
+    void operator()(std::integral auto& value) { take(value); }
+    void operator()(bool& flag) { flag = byte() != 0; }
+    void operator()(std::uint32_t& count, std::uint32_t most) { verdict_.require(take(count) <= most); }
+    void operator()(SessionTime& time) { time = from_nanoseconds(stamp()); }
+    void operator()(Duration& duration) { duration = Duration{stamp()}; }
+    void operator()(NetworkName& name) {
+        take(name.text);
+        verdict_.require(name.well_formed());
+    }
+    template <class Enum>
+    void operator()(Enum& value, Enum last) {
+        (*this)(value, Enum{}, last);
+    }
+    template <class Enum>
+    void operator()(Enum& value, Enum first, Enum last) {
+        value = static_cast<Enum>(byte());
+        verdict_.require(value >= first && value <= last);
+    }
+    // The text has an end for any bytes.
+    template <std::size_t N>
+    void operator()(std::array<char, N>& text) {
+        take(text);
+        verdict_.require(text.back() == '\0');
+    }
+
+  private:
+    template <class Value>
+    const Value& take(Value& value) {
+        std::memcpy(&value, in_ + place_.next<Value>(), sizeof value);
+        return value;
+    }
+    std::uint8_t byte() {
+        std::uint8_t value = 0;
+        return take(value);
+    }
+    std::int64_t stamp() {
+        std::int64_t nanoseconds = 0;
+        verdict_.require(take(nanoseconds) >= 0 && nanoseconds <= kMaxStamp_ns);
+        return nanoseconds;
+    }
+
+    const std::uint8_t* in_;
+    FieldPlace place_;
+    FieldVerdict& verdict_;
+};
+
 // Returns how many there are; `body` becomes the last of them.
-int read_bodies(const wire::Packet& p, Judge& judge, Body& body) {
+template <std::size_t... Kinds>
+int read_bodies(const flatbuffers::Table& packet, FieldVerdict& verdict, Body& body,
+                std::index_sequence<Kinds...>) {
     int count = 0;
-    const auto read = [&](const auto* wire_body) {
-        if (wire_body == nullptr) return;
-        body = from_wire(*wire_body, judge);
+    const auto read = [&]<std::size_t kind>() {
+        const auto* in = packet.GetStruct<const std::uint8_t*>(field_of(kind));
+        if (in == nullptr) return;
+        FieldReader reader(in, verdict);
+        visit_fields(reader, body.emplace<kind>());
         ++count;
     };
-    read(p.needle_command());
-    read(p.force_feedback());
-    read(p.percept());
-    read(p.session_control());
-    read(p.heartbeat());
-    read(p.clock_probe());
-    read(p.clock_reply());
-    read(p.hand_input());
-    read(p.monitor());
-    read(p.order());
-    read(p.page());
-    read(p.replay_state());
-    read(p.device_fault());
-    read(p.needle_wave());
-    read(p.force_wave());
-    read(p.stop_order());
+    (read.template operator()<Kinds>(), ...);
     return count;
 }
 
@@ -50,11 +167,13 @@ std::optional<Refusal> decode_into(Bytes datagram, Message& message) {
     if (!has_identifier(datagram)) return Refusal::kForeignFormat;
     flatbuffers::Verifier verifier(datagram.data(), datagram.size(), 4, 8);
     if (!verifier.VerifyBuffer<wire::Packet>(nullptr)) return Refusal::kMalformed;
-    const wire::Packet& packet = *wire::GetPacket(datagram.data());
-    Judge judge;
-    message.header = from_wire(*packet.header(), judge);
-    if (read_bodies(packet, judge, message.body) != 1) return Refusal::kNotOneBody;
-    return judge.verdict();
+    const auto& packet = *flatbuffers::GetRoot<flatbuffers::Table>(datagram.data());
+    FieldVerdict verdict;
+    FieldReader header(packet.GetStruct<const std::uint8_t*>(wire::Packet::VT_HEADER), verdict);
+    visit_fields(header, message.header);
+    if (read_bodies(packet, verdict, message.body, std::make_index_sequence<kKinds>()) != 1)
+        return Refusal::kNotOneBody;
+    return verdict.refusal();
 }
 
 Decoded decode(Bytes datagram) {
@@ -64,52 +183,32 @@ Decoded decode(Bytes datagram) {
     return decoded;
 }
 
-// One finished buffer and where in it the two structs stand.
-template <class WireStruct>
-class Template {
-  public:
-    explicit Template(flatbuffers::voffset_t field) : builder_(kMaxDatagramBytes) {
-        const wire::Header header;
-        const WireStruct body;
-        const auto start = builder_.StartTable();
-        builder_.AddStruct(field, &body);
-        builder_.AddStruct(wire::Packet::VT_HEADER, &header);
-        builder_.Finish(flatbuffers::Offset<wire::Packet>(builder_.EndTable(start)),
-                        wire::PacketIdentifier());
-        auto* packet = flatbuffers::GetMutableRoot<flatbuffers::Table>(builder_.GetBufferPointer());
-        header_ = packet->GetStruct<std::uint8_t*>(wire::Packet::VT_HEADER);
-        body_ = packet->GetStruct<std::uint8_t*>(field);
-    }
-    Bytes fill(const Header& header, const WireStruct& body) {
-        const wire::Header wire_header = to_wire(header);
-        std::memcpy(header_, &wire_header, sizeof wire_header);
-        std::memcpy(body_, &body, sizeof body);
-        return {builder_.GetBufferPointer(), builder_.GetSize()};
-    }
-
-  private:
-    flatbuffers::FlatBufferBuilder builder_;
-    std::uint8_t* header_;
-    std::uint8_t* body_;
-};
-
+// A finished buffer of each kind, and where in it the two structs stand.
 struct Encoder::Templates {
-    Template<wire::NeedleCommand> needle_command{wire::Packet::VT_NEEDLE_COMMAND};
-    Template<wire::ForceFeedback> force_feedback{wire::Packet::VT_FORCE_FEEDBACK};
-    Template<wire::Percept> percept{wire::Packet::VT_PERCEPT};
-    Template<wire::SessionControl> session_control{wire::Packet::VT_SESSION_CONTROL};
-    Template<wire::Heartbeat> heartbeat{wire::Packet::VT_HEARTBEAT};
-    Template<wire::ClockProbe> clock_probe{wire::Packet::VT_CLOCK_PROBE};
-    Template<wire::ClockReply> clock_reply{wire::Packet::VT_CLOCK_REPLY};
-    Template<wire::HandInput> hand_input{wire::Packet::VT_HAND_INPUT};
-    Template<wire::Monitor> monitor{wire::Packet::VT_MONITOR};
-    Template<wire::Order> order{wire::Packet::VT_ORDER};
-    Template<wire::Page> page{wire::Packet::VT_PAGE};
-    Template<wire::ReplayState> replay_state{wire::Packet::VT_REPLAY_STATE};
-    Template<wire::DeviceFault> device_fault{wire::Packet::VT_DEVICE_FAULT};
-    Template<wire::NeedleWave> needle_wave{wire::Packet::VT_NEEDLE_WAVE};
-    Template<wire::ForceWave> force_wave{wire::Packet::VT_FORCE_WAVE};
-    Template<wire::StopOrder> stop_order{wire::Packet::VT_STOP_ORDER};
+    struct Template {
+        flatbuffers::FlatBufferBuilder builder{kMaxDatagramBytes};
+        std::uint8_t* header = nullptr;
+        std::uint8_t* body = nullptr;
+    };
+    std::array<Template, kKinds> of_kind;
+
+    Templates() { build(std::make_index_sequence<kKinds>()); }
+    template <std::size_t... Kinds>
+    void build(std::index_sequence<Kinds...>) {
+        (build(of_kind[Kinds], field_of(Kinds), std::tuple_element_t<Kinds, WireBodies>()), ...);
+    }
+    template <class WireBody>
+    static void build(Template& made, flatbuffers::voffset_t field, const WireBody& body) {
+        const wire::Header header;
+        const auto start = made.builder.StartTable();
+        made.builder.AddStruct(field, &body);
+        made.builder.AddStruct(wire::Packet::VT_HEADER, &header);
+        made.builder.Finish(flatbuffers::Offset<wire::Packet>(made.builder.EndTable(start)),
+                            wire::PacketIdentifier());
+        auto* packet = flatbuffers::GetMutableRoot<flatbuffers::Table>(made.builder.GetBufferPointer());
+        made.header = packet->GetStruct<std::uint8_t*>(wire::Packet::VT_HEADER);
+        made.body = packet->GetStruct<std::uint8_t*>(field);
+    }
 };
 
 Encoder::Encoder() : templates_(std::make_unique<Templates>()) {}
@@ -117,56 +216,12 @@ Encoder::~Encoder() = default;
 Encoder::Encoder(Encoder&&) noexcept = default;
 Encoder& Encoder::operator=(Encoder&&) noexcept = default;
 
-Bytes Encoder::encode(const Header& header, const NeedleCommand& body) {
-    return templates_->needle_command.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const ForceFeedback& body) {
-    return templates_->force_feedback.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const Percept& body) {
-    return templates_->percept.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const SessionControl& body) {
-    return templates_->session_control.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const Heartbeat& body) {
-    return templates_->heartbeat.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const ClockProbe& body) {
-    return templates_->clock_probe.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const ClockReply& body) {
-    return templates_->clock_reply.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const HandInput& body) {
-    return templates_->hand_input.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const Monitor& body) {
-    return templates_->monitor.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const Order& body) {
-    return templates_->order.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const Page& body) {
-    return templates_->page.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const ReplayState& body) {
-    return templates_->replay_state.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const DeviceFault& body) {
-    return templates_->device_fault.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const NeedleWave& body) {
-    return templates_->needle_wave.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const ForceWave& body) {
-    return templates_->force_wave.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Header& header, const StopOrder& body) {
-    return templates_->stop_order.fill(header, to_wire(body));
-}
-Bytes Encoder::encode(const Message& message) {
-    return std::visit([&](const auto& body) { return encode(message.header, body); }, message.body);
+Bytes Encoder::encode(const Header& header, const Body& body) {
+    Templates::Template& made = templates_->of_kind[body.index()];
+    FieldWriter header_writer(made.header), body_writer(made.body);
+    visit_fields(header_writer, header);
+    std::visit([&](const auto& message) { visit_fields(body_writer, message); }, body);
+    return {made.builder.GetBufferPointer(), made.builder.GetSize()};
 }
 
 const char* to_string(Refusal refusal) {

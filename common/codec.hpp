@@ -52,23 +52,8 @@ class Encoder {
     Encoder(Encoder&&) noexcept;
     Encoder& operator=(Encoder&&) noexcept;
 
-    Bytes encode(const Header& header, const NeedleCommand& body);
-    Bytes encode(const Header& header, const ForceFeedback& body);
-    Bytes encode(const Header& header, const Percept& body);
-    Bytes encode(const Header& header, const SessionControl& body);
-    Bytes encode(const Header& header, const Heartbeat& body);
-    Bytes encode(const Header& header, const ClockProbe& body);
-    Bytes encode(const Header& header, const ClockReply& body);
-    Bytes encode(const Header& header, const HandInput& body);
-    Bytes encode(const Header& header, const Monitor& body);
-    Bytes encode(const Header& header, const Order& body);
-    Bytes encode(const Header& header, const Page& body);
-    Bytes encode(const Header& header, const ReplayState& body);
-    Bytes encode(const Header& header, const DeviceFault& body);
-    Bytes encode(const Header& header, const NeedleWave& body);
-    Bytes encode(const Header& header, const ForceWave& body);
-    Bytes encode(const Header& header, const StopOrder& body);
-    Bytes encode(const Message& message);
+    Bytes encode(const Header& header, const Body& body);
+    Bytes encode(const Message& message) { return encode(message.header, message.body); }
 
   private:
     struct Templates;

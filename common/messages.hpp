@@ -91,6 +91,7 @@ struct Header {
     std::uint32_t sequence = 0;  // per flow, wraps
     std::uint32_t trial = 0;     // 0 before the first trial
     Role sender = Role::kSession;
+    bool operator==(const Header&) const = default;
 };
 
 // master -> slave_sim, one per encoder sample.
@@ -101,6 +102,7 @@ struct NeedleCommand {
     double position_hand_m = 0;             // encoder reading
     double velocity_hand_m_per_s = 0;
     double force_hand_N = 0;  // applied by the handle, positive pushes the hand out (towards -z)
+    bool operator==(const NeedleCommand&) const = default;
 };
 
 // slave_sim -> master, cutaneous_node, visual_node and the session's recorder: the answer to one command.
@@ -119,6 +121,7 @@ struct ForceFeedback {
     TissuePhase phase = TissuePhase::kFree;
     bool fixture_present = true;
     bool needle_held = false;  // commands stopped: needle stands still, every force is zero
+    bool operator==(const ForceFeedback&) const = default;
 };
 
 // cutaneous_node, visual_node -> the virtual operator: what skin and eyes get. Never delayed by the network.
@@ -131,6 +134,7 @@ struct Percept {
     Finger finger = Finger::kNone;
     bool touching_shown = false;  // the needle is seen to touch or enter the tissue
     bool beep = false;
+    bool operator==(const Percept&) const = default;
 };
 
 // session -> every node; slave_sim -> visual_node and session for kBeep.
@@ -147,6 +151,7 @@ struct SessionControl {
     EndReason reason = EndReason::kNone;
     double silence_s = 0;   // NetworkChange: both ways, jitter included; so long an input may be silent
     NetworkName network{};  // NetworkChange: the profile that holds, with network_delay_s on the force path
+    bool operator==(const SessionControl&) const = default;
 };
 
 // every node -> session, at 10 Hz and at once after each SessionControl (it is the acknowledgement).
@@ -163,23 +168,27 @@ struct Heartbeat {
     double energy_in_J = 0;
     NodeState state = NodeState::kIdle;
     EndReason reason = EndReason::kNone;
+    bool operator==(const Heartbeat&) const = default;
 };
 
 // session -> every node, on the control channel: what does your clock say? (clock_exchange.hpp)
 struct ClockProbe {
     SessionTime send_time{};  // on the asker's clock
+    bool operator==(const ClockProbe&) const = default;
 };
 
 // The answer, in the tick in which the probe arrived. When it was sent says its header.
 struct ClockReply {
     SessionTime probe_send_time{};     // which probe
     SessionTime probe_arrival_time{};  // on the replier's clock, never earlier than it came
+    bool operator==(const ClockReply&) const = default;
 };
 
 // visual_node -> master: where a person's hand is, by mouse, trackpad or gamepad. Never delayed by the network.
 struct HandInput {
     double position_hand_m = 0;  // where the hand wants the handle
     bool engaged = false;        // false: it has let go
+    bool operator==(const HandInput&) const = default;
 };
 
 // session -> the experimenter's view, at most 250 Hz. Undelayed truth, with the fixture: never to the subject's.
@@ -211,6 +220,7 @@ struct Monitor {
     bool beeped = false;
     bool paused = false;
     NetworkName network{};  // the profile that holds, its force path at network_delay_s
+    bool operator==(const Monitor&) const = default;
 };
 
 // A view -> session.
@@ -220,6 +230,7 @@ struct Order {
     OrderKind kind = OrderKind::kDelay;
     Modality modality = Modality::kHF;
     NetworkName network{};
+    bool operator==(const Order&) const = default;
 };
 
 // session -> visual_node, on its control channel.
@@ -228,6 +239,7 @@ struct Page {
     std::uint32_t trial = 0;   // the coming one
     std::uint32_t trials = 0;  // in all
     PageKind kind = PageKind::kNone;
+    bool operator==(const Page&) const = default;
 };
 
 // A replay -> the view that watches it.
@@ -240,6 +252,7 @@ struct ReplayState {
     double beep_s = -1;                           // negative: no beep
     std::array<double, kMostChanges> change_s{};  // when the network changed, in order
     std::uint32_t changes = 0;                    // how many of them; the rest is 0
+    bool operator==(const ReplayState&) const = default;
 };
 
 // A node whose device has failed -> session, behind each heartbeat that says kDeviceFault; and of a stop (is_stop), who and why.
@@ -249,16 +262,19 @@ struct DeviceFault {
     DeviceFault() = default;
     explicit DeviceFault(std::string_view words);  // cut where it is too long
     std::string_view words() const;
+    bool operator==(const DeviceFault&) const = default;
 };
 
 // With [control] compensator = "wave" in HF these two go instead of a NeedleCommand, and of the ForceFeedback to the master.
 struct NeedleWave {
     NeedleCommand command;
     WaveBurst waves;
+    bool operator==(const NeedleWave&) const = default;
 };
 struct ForceWave {
     ForceFeedback feedback;
     WaveBurst waves;
+    bool operator==(const ForceWave&) const = default;
 };
 
 // A program that stops everything -> all programs. Also a release, and the question which stops are held (stop_bus.hpp).
@@ -273,6 +289,7 @@ struct StopOrder {
     StopOrder() = default;
     StopOrder(std::uint64_t number, StopKind what, EndReason why, std::string_view words);
     std::string_view words() const;
+    bool operator==(const StopOrder&) const = default;
 };
 
 // Order as in Packet of messages.fbs.
@@ -283,6 +300,7 @@ using Body =
 struct Message {
     Header header;
     Body body;
+    bool operator==(const Message&) const = default;
 };
 
 const char* to_string(Role role);

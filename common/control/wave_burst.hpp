@@ -16,6 +16,8 @@ struct WaveBurst {
     double energy_J = 0;                      // of all waves until the newest, sum of u^2 h / 2
     std::uint32_t number = 0;                 // of the newest, from 0 in each trial
     std::uint32_t count = 0;                  // how many there are, at most kMost
+
+    bool operator==(const WaveBurst&) const = default;
 };
 
 }  // namespace thimble

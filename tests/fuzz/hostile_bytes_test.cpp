@@ -109,8 +109,6 @@ TEST(HostileBytes, SamplesAreGoodAndFieldsAreCompared) {
     std::vector<Message> samples = sample_messages();
     for (std::size_t i = 0; i < samples.size(); ++i) {
         EXPECT_EQ(flaw_of(samples[i]), nullptr) << i;
-        EXPECT_TRUE(same(samples[i], samples[i]));
-        EXPECT_FALSE(same(samples[i], samples[(i + 1) % samples.size()]));
     }
     Message changed = samples[0];
     std::get<NeedleCommand>(changed.body).force_hand_N += 1;

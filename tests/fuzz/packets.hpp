@@ -12,10 +12,14 @@ std::vector<Message> sample_messages();
 
 // Every number finite and inside the range docs/protocol.md gives it, every enum one of its values. Written
 // again here, from the page and not from the codec.
-bool plausible(const Message& message);
+bool plausible(Message message);
 
-// Equal in every field.
-bool same(const Message& a, const Message& b);
+// A double of a message, and its range by the page.
+struct LegalNumber {
+    double* value;
+    double low, high;
+};
+std::vector<LegalNumber> numbers_of(Body& body);
 
 // The reason why an accepted message is no good (implausible, or changed by encoding and decoding it again),
 // or null.
