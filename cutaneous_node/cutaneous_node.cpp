@@ -12,11 +12,12 @@ CutaneousNode::CutaneousNode(const CutaneousSettings& settings, FingertipActuato
     assert(settings.percept_period > Duration::zero());
 }
 
-void CutaneousNode::start_trial(SessionTime now, const SessionControl& control) {
+void CutaneousNode::start_trial(SessionTime now, const SessionControl& control, SessionTime first_force) {
     modality_ = control.modality;
     actuator_.use_hand(now, modality_ == Modality::kCCF ? Hand::kOther : Hand::kActing);
-    next_percept_ = presses(modality_) ? now : kNever;
-    last_feedback_ = now;
+    next_percept_ = presses() ? now : kNever;
+    last_feedback_ = first_force;
+    age_.begin(now, from_seconds(control.network_delay_s));
     release(now);
 }
 
@@ -25,9 +26,17 @@ void CutaneousNode::end_trial(SessionTime now) {
     release(now);
 }
 
-void CutaneousNode::on_feedback(SessionTime now, const ForceFeedback& feedback) {
-    if (!active()) return;
+void CutaneousNode::begin_tick(SessionTime now, Duration since_last_tick, bool resting) {
+    stood_still_ = since_last_tick > settings_.stale.after;
+    resting_ = resting;
+    if (stood_still_ || resting_) let_go(now);
+}
+
+void CutaneousNode::on_feedback(SessionTime now, SessionTime made, const ForceFeedback& feedback) {
+    age_.take_from_elsewhere(now, made);
+    if (stood_still_ || age_.late(now) >= settings_.stale.after) return;
     last_feedback_ = now;
+    if (!active() || resting_) return;
     if (feedback.needle_held) return let_go(now);
     double force_N = feedback.force_total_N;
     if (modality_ == Modality::kHF) force_N = ScaledForce{settings_.hand_share}.skin_N(force_N);

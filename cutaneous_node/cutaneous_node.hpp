@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "common/force_age.hpp"
 #include "common/messages.hpp"
 #include "common/time.hpp"
 #include "cutaneous_node/cutaneous_settings.hpp"
@@ -18,15 +19,17 @@ class CutaneousNode {
     // `actuator` must outlive the node.
     CutaneousNode(const CutaneousSettings& settings, FingertipActuator& actuator);
 
-    void start_trial(SessionTime now, const SessionControl& control);
+    // first_force: when the first force is due.
+    void start_trial(SessionTime now, const SessionControl& control, SessionTime first_force);
     void end_trial(SessionTime now);
-    // Feedback of this trial, in order (the caller's sequence tracking sees to both).
-    void on_feedback(SessionTime now, const ForceFeedback& feedback);
-
-    // The fingers are slack until the next feedback.
-    void let_go(SessionTime now) {
-        if (!released_) release(now);
-    }
+    // The network takes so long now, there and back.
+    void network_changed(Duration network_delay) { age_.allow(network_delay); }
+    // Before anything else in a tick. Messages that have waited for a long pause say nothing about now. `resting`: no force in
+    // this tick, whatever comes. In both cases the fingers are slack until the next feedback.
+    void begin_tick(SessionTime now, Duration since_last_tick, bool resting);
+    // Feedback of this trial, in order (the caller's sequence tracking sees to both). `made`: on the clock of its sender. One that
+    // is late counts as if it had not come.
+    void on_feedback(SessionTime now, SessionTime made, const ForceFeedback& feedback);
 
     // The percept of the skin, once per period while active; none before next_percept(). Also releases the fingers when the feedback has stopped.
     std::optional<Percept> percept(SessionTime now);
@@ -34,25 +37,30 @@ class CutaneousNode {
     SessionTime next_percept() const { return next_percept_; }
 
     // A trial runs in which the fingers are pressed.
-    // A trial of this modality presses the fingers.
-    bool presses(Modality modality) const {
-        return modality == Modality::kCF || modality == Modality::kCCF ||
-               (modality == Modality::kHF && settings_.hand_share < 1);
-    }
     bool active() const { return next_percept_ != kNever; }
-    bool acting_hand() const { return active() && modality_ != Modality::kCCF; }
-    bool contralateral() const { return active() && modality_ == Modality::kCCF; }
+    // The newest trial presses the fingers, of the hand that holds the handle or of the other one.
+    bool presses() const {
+        return modality_ == Modality::kCF || modality_ == Modality::kCCF ||
+               (modality_ == Modality::kHF && settings_.hand_share < 1);
+    }
+    // Without news: silent, or with forces that are too late.
+    bool stale(SessionTime now) const { return stood_still_ || now - last_feedback_ > settings_.stale.after; }
 
   private:
+    void let_go(SessionTime now) {
+        if (!released_) release(now);
+    }
     void fade(SessionTime now);
     void release(SessionTime now);
 
     CutaneousSettings settings_;
     FingertipActuator& actuator_;
     SessionTime next_percept_ = kNever;
-    SessionTime last_feedback_{};
-    Modality modality_ = Modality::kHF;
+    SessionTime last_feedback_{};  // that was not late
+    ForceAge age_;                 // of the newest force, beside the youngest of the trial
+    Modality modality_ = Modality::kVF;
     bool released_ = true;
+    bool stood_still_ = false, resting_ = false;
     Finger finger_ = Finger::kNone;  // of the newest command
     double force_N_ = 0;
 };

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "common/force_age.hpp"
 #include "common/node_process.hpp"
 #include "common/stale_record.hpp"
 #include "cutaneous_node/cutaneous_node.hpp"
@@ -36,17 +35,17 @@ class CutaneousProcess final : public NodeProcess {
     }
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
-        age_.allow(silence_of_change(control));
+        node_.network_changed(silence_of_change(control));
     }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return std::min(node_.next_percept(), actuator_.next_wakeup()); }
     // Of a trial whose fingers are pressed by it: the others can do without.
     std::string_view device_fault() const override {
-        return needed_ ? actuator_.fault() : std::string_view{};
+        return node_.presses() ? actuator_.fault() : std::string_view{};
     }
     StopRequest wants_stop(SessionTime /*now*/) override {
         if (!running() || !actuator_.tripped()) return {};
-        return {EndReason::kSafetyStop, GuardedActuator::kWords};
+        return {EndReason::kSafetyStop, actuator_.text()};
     }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
@@ -55,11 +54,7 @@ class CutaneousProcess final : public NodeProcess {
     Channels channels_;
     GuardedActuator actuator_;
     CutaneousNode node_;
-    Duration stale_after_;
     StaleRecord stale_record_;
-    ForceAge age_;         // of the newest force, beside the youngest of the trial
-    SessionTime fresh_{};  // the newest force that was not late
-    bool needed_ = false;  // CF, CCF: since the newest trial's beginning
     InboundFlow force_flow_{Role::kSlaveSim};
     OutboundFlow percept_flow_;
 };

@@ -1,12 +1,10 @@
-// The last stage before the fingertips: whoever asks, and however wrong, no finger is pressed harder than `limit_N`, and a force
-// that is no number lets go and trips. It knows the request and the device, no message and no network. It stays tripped until
-// clear(), with the cables slack.
+// The last stage before the fingertips: the rules of ForceGuard, with the limits 0 and `limit_N`. A guard that has tripped keeps
+// the cables slack until clear().
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <string_view>
 
+#include "common/force_guard.hpp"
 #include "cutaneous_node/fingertip_actuator.hpp"
 
 namespace thimble {
@@ -14,16 +12,18 @@ namespace thimble {
 class GuardedActuator final : public FingertipActuator {
   public:
     // `device` outlives the guard.
-    GuardedActuator(double limit_N, FingertipActuator& device) : limit_N_(limit_N), device_(&device) {}
+    GuardedActuator(double limit_N, FingertipActuator& device)
+        : rules_({0, limit_N, 0, {}}, "the fingertip device"), device_(&device) {}
 
-    void clear() { tripped_ = false; }
-    bool tripped() const { return tripped_; }
-    static constexpr std::string_view kWords = "a force was asked of the fingertip device that is no number";
+    // A trial begins: not tripped.
+    void clear(SessionTime now) { rules_.clear(now); }
+    bool tripped() const { return rules_.tripped(); }
+    std::string_view text() const { return rules_.text(); }
 
     void command(SessionTime now, Finger finger, double force_N) override {
-        if (!std::isfinite(force_N)) tripped_ = true;
-        if (tripped_) return device_->release(now);
-        device_->command(now, finger, std::clamp(force_N, 0.0, limit_N_));
+        const double allowed_N = rules_.pass(now, force_N);
+        if (tripped()) return device_->release(now);
+        device_->command(now, finger, allowed_N);
     }
     FingertipForce output(SessionTime now) override { return device_->output(now); }
     void release(SessionTime now) override { device_->release(now); }
@@ -33,9 +33,8 @@ class GuardedActuator final : public FingertipActuator {
     std::string_view fault() const override { return device_->fault(); }
 
   private:
-    double limit_N_;
+    ForceGuard rules_;
     FingertipActuator* device_;
-    bool tripped_ = false;
 };
 
 }  // namespace thimble

@@ -56,7 +56,7 @@ class Master final : public NodeInstance {
         report["samples_skipped"] = process_.samples_skipped();
         describe_stale(report, settings_.stale, process_.stale_record());
         report["guard"] = {{"tripped", process_.guard().tripped()},
-                           {"words", process_.guard().words()},
+                           {"words", process_.guard().text()},
                            {"cut", process_.guard().cut()},
                            {"most_given_out_J", process_.guard().most_given_out_J()}};
         report["round_trip"] = quantiles(process_.round_trip().age());  // of the last trial, as the next

@@ -1,6 +1,7 @@
 #include "master/master_node.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -43,22 +44,43 @@ MasterNode::MasterNode(const MasterSettings& settings)
       control_(settings.control, {settings.position_scale, settings.force_scale, settings.force_limit_N,
                                   settings.sample_period}) {}
 
-void MasterNode::start_trial(Modality modality, Duration network_delay) {
+void MasterNode::start_trial(SessionTime now, Modality modality, Duration network_delay) {
     control_.start(modality == Modality::kHF, network_delay);
     modality_ = modality;
-    running_ = true;
-    placed_ = false;
+    next_sample_ = now;
+    sampled_ = kNever;
+    heard_ = now + network_delay;
+    age_.begin(now, longest_age(network_delay));
+    asked_force_N_ = force_hand_N_ = 0;
+    percept_ = {};
+    round_trip_.clear();
+    newest_age_ = {};
 }
 
 void MasterNode::end_trial() {
-    running_ = false;
+    next_sample_ = kNever;
     control_.end();
+}
+
+void MasterNode::network_changed(Duration network_delay) {
+    age_.allow(longest_age(network_delay));
+    control_.network_changed(network_delay);
+}
+
+bool MasterNode::take_due(SessionTime now) {
+    if (now < next_sample_) return false;
+    next_sample_ += settings_.sample_period;
+    // After a stall the missed samples are gone: a handle cannot be read in the past.
+    for (; next_sample_ <= now; next_sample_ += settings_.sample_period) ++samples_skipped_;
+    return true;
 }
 
 NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
     const double position_needle_m = settings_.position_scale * handle.position_hand_m;
-    if (!placed_) estimator_.reset(position_needle_m);
-    placed_ = true;
+    if (sampled_ == kNever) estimator_.reset(position_needle_m);
+    sampled_ = now;
+    ++samples_;
+    force_hand_N_ = handle.force_hand_N;
     const auto estimate = estimator_.update(now, position_needle_m);
     if (control_.active()) control_.sample(now, handle);
     NeedleCommand command;
@@ -71,12 +93,71 @@ NeedleCommand MasterNode::sample(SessionTime now, const HandleSample& handle) {
     return command;
 }
 
+std::optional<double> MasterNode::force_at_sample_N(SessionTime now) {
+    if (!control_.active()) return std::nullopt;
+    return share(now) * control_.force_N();
+}
+
+std::optional<double> MasterNode::take(SessionTime now, const ForceWave& wave) {
+    control_.take(wave.waves);
+    return take(now, wave.feedback);
+}
+
+std::optional<double> MasterNode::take(SessionTime now, const ForceFeedback& feedback) {
+    heard_ = now;
+    round_trip_.add(now, feedback);
+    newest_age_ = now - feedback.echo_time;
+    // A held needle answers nothing, and has no force.
+    age_.take(feedback.needle_held ? now : feedback.echo_time);
+    if (control_.active()) {
+        control_.take(feedback);
+        return now == sampled_ ? force_at_sample_N(now) : std::nullopt;
+    }
+    if (stood_still_ || age_.late(now) >= settings_.stale.after)
+        return std::nullopt;  // as if it had not come
+    asked_force_N_ = handle_force_N(feedback);
+    return share(now) * asked_force_N_;
+}
+
+std::optional<double> MasterNode::fade(SessionTime now) {
+    if (stood_still_) asked_force_N_ = 0;
+    if (!stale(now)) return std::nullopt;
+    if (!control_.active()) return asked_force_N_ * share(now);
+    control_.forget();
+    return share(now) == 0 ? std::optional(0.0) : std::nullopt;
+}
+
+bool MasterNode::stale(SessionTime now) const { return stood_still_ || settings_.stale.stale(silence(now)); }
+
 double MasterNode::handle_force_N(const ForceFeedback& feedback) const {
-    if (!running_ || modality_ != Modality::kHF || feedback.needle_held) return 0;
+    if (modality_ != Modality::kHF || feedback.needle_held) return 0;
     // Feedback acts on the operator along +z; the handle's force counts positive when it pushes out, along
     // -z.
     const double force_hand_N = -settings_.force_scale * feedback.force_total_N;
     return ScaledForce{settings_.control.hand_share()}.hand_N(force_hand_N, settings_.force_limit_N);
+}
+
+// So old may a force become under a network that takes so long there and back.
+Duration MasterNode::longest_age(Duration network_delay) const {
+    return settings_.oldest_force > Duration::zero() ? settings_.oldest_force : network_delay;
+}
+
+Duration MasterNode::silence(SessionTime now) const { return std::max(now - heard_, age_.late(now)); }
+
+// How much of its force the handle is given: all of it while news come. A compensator that brakes by itself fades as well.
+double MasterNode::share(SessionTime now) const {
+    return stood_still_ ? 0 : settings_.stale.share(silence(now));
+}
+
+const Percept& MasterNode::feel(const Percept& skin) {
+    percept_.force_N = skin.force_N;
+    percept_.finger = skin.finger;
+    return percept_;
+}
+
+const Percept& MasterNode::see(const Percept& eyes) {
+    const Percept before = std::exchange(percept_, eyes);
+    return feel(before);
 }
 
 }  // namespace thimble

@@ -6,14 +6,18 @@
 // no network delay the force that acts from sample k on belongs to the position of sample k: d = 0.
 #pragma once
 
+#include <optional>
+
 #include "common/config.hpp"
 #include "common/control/control_settings.hpp"
+#include "common/force_age.hpp"
 #include "common/messages.hpp"
+#include "common/round_trip.hpp"
 #include "common/shared_values.hpp"
 #include "common/stale_policy.hpp"
 #include "common/velocity_estimator.hpp"
 #include "master/devices/haptic_device.hpp"
-#include "master/force_guard.hpp"
+#include "master/guarded_handle.hpp"
 #include "master/handle_control.hpp"
 
 namespace thimble {
@@ -41,30 +45,66 @@ class MasterNode {
   public:
     explicit MasterNode(const MasterSettings& settings);
 
-    // network_delay: there and back, as configured; what waves wait for.
-    void start_trial(Modality modality, Duration network_delay = {});
+    // network_delay: there and back, as configured. Waves and the first force wait for it, and a force may be as old.
+    void start_trial(SessionTime now, Modality modality, Duration network_delay = {});
     void end_trial();
+    // The network takes so long now, there and back.
+    void network_changed(Duration network_delay);
+    // Before anything else in a tick. After a long pause messages have waited that say nothing about now.
+    void begin_tick(Duration since_last_tick) { stood_still_ = since_last_tick > settings_.stale.after; }
 
+    // kNever outside of a trial.
+    SessionTime next_sample() const { return next_sample_; }
+    // True once for each sample that is due. Those that were missed are skipped.
+    bool take_due(SessionTime now);
     // One encoder sample. Velocities are estimated at the needle.
     NeedleCommand sample(SessionTime now, const HandleSample& handle);
+    // Messages carry waves, or the energies of two-port passivity: waves() goes with the sample's command.
+    bool has_waves() const { return control_.waves(); }
+    const WaveBurst& waves() const { return control_.burst(); }
 
-    // Force for the handle, of HF without a compensator or with a share of it; positive pushes the hand out (-z), within +-force_limit_N. Only HF drives the
-    // handle.
-    double handle_force_N(const ForceFeedback& feedback) const;
+    // Forces for the handle, positive pushes it out (-z), within +-force_limit_N; none: it keeps the one it has. Only HF drives
+    // the handle. First the force at the newest sample, which only a compensator computes; call it once per sample.
+    std::optional<double> force_at_sample_N(SessionTime now);
+    std::optional<double> take(SessionTime now, const ForceFeedback& feedback);
+    std::optional<double> take(SessionTime now, const ForceWave& wave);
+    // Once per tick of a trial, last.
+    std::optional<double> fade(SessionTime now);
+    // Without news: silent, or with forces that are too late.
+    bool stale(SessionTime now) const;
 
-    // The compensator of this trial, if one works at samples: then its force is the handle's.
-    HandleControl& control() { return control_; }
-    const HandleControl& control() const { return control_; }
+    // Skin and eyes report separately and at different rates. Both return the newest of both, for the operator.
+    const Percept& feel(const Percept& skin);
+    const Percept& see(const Percept& eyes);
 
-    const MasterSettings& settings() const { return settings_; }
+    const RoundTrip& round_trip() const { return round_trip_; }  // of this trial
+    Duration newest_age() const { return newest_age_; }          // of a force at the handle
+    double force_hand_N() const { return force_hand_N_; }        // of the newest sample
+    std::uint64_t samples() const { return samples_; }
+    std::uint64_t samples_skipped() const { return samples_skipped_; }
 
   private:
+    double handle_force_N(const ForceFeedback& feedback) const;
+    Duration longest_age(Duration network_delay) const;
+    Duration silence(SessionTime now) const;
+    double share(SessionTime now) const;
+
     MasterSettings settings_;
     VelocityEstimator estimator_;
-    HandleControl control_;
+    HandleControl control_;  // in charge of the force if it is active
     Modality modality_ = Modality::kHF;
-    bool running_ = false;
-    bool placed_ = false;  // the estimator knows where the needle starts
+    SessionTime next_sample_ = kNever;
+    SessionTime sampled_ =
+        kNever;  // the newest sample; kNever: the estimator does not know where the needle starts
+    bool stood_still_ = false;
+    SessionTime heard_{};       // the newest force
+    ForceAge age_;              // of it
+    double asked_force_N_ = 0;  // by it
+    Percept percept_;           // newest of skin and eyes
+    RoundTrip round_trip_;
+    Duration newest_age_{};
+    double force_hand_N_ = 0;
+    std::uint64_t samples_ = 0, samples_skipped_ = 0;
 };
 
 }  // namespace thimble

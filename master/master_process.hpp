@@ -4,16 +4,12 @@
 
 #include <algorithm>
 
-#include "common/force_age.hpp"
 #include "common/node_process.hpp"
-#include "common/round_trip.hpp"
 #include "common/stale_record.hpp"
 #include "master/devices/hand_follower.hpp"
-#include "master/devices/haptic_device.hpp"
-#include "master/force_guard.hpp"
+#include "master/guarded_handle.hpp"
 #include "master/master_node.hpp"
 #include "master/operator/operator_port.hpp"
-#include "master/port_energy.hpp"
 
 namespace thimble {
 
@@ -38,27 +34,24 @@ class MasterProcess final : public NodeProcess {
     // process.
     void follow_hand(Channel& hand_in, HandFollower& follower);
 
-    const ForceGuard& guard() const { return guard_; }
-    const PortEnergy& energy() const { return energy_; }  // of this trial
+    const GuardedHandle& guard() const { return handle_; }
+    const PortObserver& energy() const { return handle_.energy(); }  // of this trial
     const StaleRecord& stale_record() const { return stale_record_; }
-    const RoundTrip& round_trip() const { return round_trip_; }
-    std::uint64_t samples() const { return samples_; }
-    std::uint64_t samples_skipped() const { return samples_skipped_; }
+    const RoundTrip& round_trip() const { return node_.round_trip(); }
+    std::uint64_t samples() const { return node_.samples(); }
+    std::uint64_t samples_skipped() const { return node_.samples_skipped(); }
 
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime now) override;
     void network_changed(SessionTime now, const SessionControl& control) override {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
-        age_.allow(longest_age(silence_of_change(control)));
-        node_.control().network_changed(silence_of_change(control));
+        node_.network_changed(silence_of_change(control));
     }
     void work(SessionTime now) override;
-    SessionTime next_work() const override {
-        return std::min(running() ? next_sample_ : kNever, device_->next_look());
-    }
+    SessionTime next_work() const override { return std::min(node_.next_sample(), handle_.next_look()); }
     bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
-    std::string_view device_fault() const override { return device_->fault(); }
+    std::string_view device_fault() const override { return handle_.fault(); }
     StopRequest wants_stop(SessionTime now) override;
     void rest(SessionTime now) override { apply(now, 0); }
     void add_counters(FlowCounters& sum) const override;
@@ -68,27 +61,17 @@ class MasterProcess final : public NodeProcess {
     void take_hand(SessionTime now);
     void take_percepts(SessionTime now);
     void take_forces(SessionTime now);
-    void take_force(SessionTime now, const ForceFeedback& feedback);
+    template <class Body>
+    void take_forces_as(SessionTime now);
     void sample(SessionTime now);
     void send_needle(SessionTime now, const NeedleCommand& command);
-    void apply(SessionTime now, double force_hand_N);
-    // So old may a force become under a network that takes so long there and back.
-    Duration longest_age(Duration network_delay) const;
-    // Messages that waited while this program stood still say nothing about now.
-    bool stood_still() const { return since_last_tick() > node_.settings().stale.after; }
-    // Without news: silent, or with forces that are too late.
-    Duration silence(SessionTime now) const;
-    double share(SessionTime now) const;
-    void fade(SessionTime now);
+    void apply(SessionTime now, std::optional<double> force_hand_N);
 
     Channels channels_;
     MasterNode node_;
-    ForceGuard guard_;
-    StaleRecord stale_record_;
-    ForceAge age_;              // of the newest force
-    double asked_force_N_ = 0;  // by the newest feedback
-    HapticDevice* device_;
+    GuardedHandle handle_;
     OperatorPort* person_;
+    StaleRecord stale_record_;
     OutboundFlow needle_flow_;
     InboundFlow force_flow_{Role::kSlaveSim};
     InboundFlow cutaneous_flow_{Role::kCutaneous};
@@ -96,13 +79,6 @@ class MasterProcess final : public NodeProcess {
     Channel* hand_in_ = nullptr;
     HandFollower* follower_ = nullptr;
     InboundFlow hand_flow_{Role::kVisual};
-    RoundTrip round_trip_;
-    Duration newest_age_{};  // of a force at the handle
-    PortEnergy energy_;
-    Percept percept_;  // newest of skin and eyes
-    SessionTime next_sample_{};
-    SessionTime sampled_{};  // the newest sample
-    std::uint64_t samples_ = 0, samples_skipped_ = 0;
 };
 
 }  // namespace thimble

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <type_traits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
-#include "cutaneous_node/guarded_actuator.hpp"
+#include "common/queue_channel.hpp"
+#include "cutaneous_node/cutaneous_process.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 #include "tests/unit/session_time.hpp"
 
@@ -19,13 +21,15 @@ using std::chrono::milliseconds;
 
 SessionControl trial(Modality modality) {
     SessionControl control;
+    control.kind = ControlKind::kTrialStart;
     control.modality = modality;
     return control;
 }
 
-ForceFeedback force(double total_N) {
+ForceFeedback force(double total_N, bool held = false) {
     ForceFeedback feedback;
     feedback.force_total_N = total_N;
+    feedback.needle_held = held;
     return feedback;
 }
 
@@ -41,119 +45,147 @@ class NotingActuator final : public FingertipActuator {
         current = {Finger::kNone, 0, now};
         ++releases;
     }
-
     void use_hand(SessionTime, Hand which) override { hand = which; }
-    void tick(SessionTime) override {}
+    void tick(SessionTime) override { ticked_N = current.force_N; }
     SessionTime next_wakeup() const override { return kNever; }
     std::string_view fault() const override { return {}; }
 
     Hand hand = Hand::kActing;
     FingertipForce current;
+    double ticked_N = 0;  // that its own cycle, within a tick of the program, would send to motors
     int commands = 0;
     int releases = 0;
 };
 
+// The node before a device, both driven by milliseconds.
+template <class Actuator = NotingActuator>
 struct Bench {
-    NotingActuator actuator;
-    CutaneousNode node{CutaneousSettings{}, actuator};
+    explicit Bench(const CutaneousSettings& settings, Modality modality = Modality::kCF)
+        : actuator(make(settings)), node(settings, actuator) {
+        start(0, modality);
+    }
+    explicit Bench(Modality modality) : Bench(CutaneousSettings{}, modality) {}
+    static Actuator make(const CutaneousSettings& settings) {
+        if constexpr (std::is_same_v<Actuator, NotingActuator>) {
+            return {};
+        } else {
+            return Actuator(settings);
+        }
+    }
+    void start(int ms, Modality modality) {
+        const SessionTime now = at(milliseconds{ms});
+        node.start_trial(now, trial(modality), now);
+    }
+    void feed(int ms, const ForceFeedback& feedback) {
+        node.on_feedback(at(milliseconds{ms}), at(milliseconds{ms}), feedback);
+    }
+    void feed(int ms, double total_N) { feed(ms, force(total_N)); }
+    double felt_N(int ms) { return node.percept(at(milliseconds{ms}))->force_N; }
+
+    Actuator actuator;
+    CutaneousNode node;
 };
 
 TEST(CutaneousNode, PushingInPressesTheIndexFingerPullingOutTheThumb) {
-    Bench bench;
-    bench.node.start_trial(at({}), trial(Modality::kCF));
-    bench.node.on_feedback(at(milliseconds{1}), force(-0.7));
-    EXPECT_EQ(bench.actuator.current.finger, Finger::kIndex);
-    EXPECT_EQ(bench.actuator.current.force_N, 0.7);
-    bench.node.on_feedback(at(milliseconds{2}), force(0.3));
-    EXPECT_EQ(bench.actuator.current.finger, Finger::kThumb);
-    EXPECT_EQ(bench.actuator.current.force_N, 0.3);
-    bench.node.on_feedback(at(milliseconds{3}), force(0));
-    EXPECT_EQ(bench.actuator.current.finger, Finger::kNone);
-    EXPECT_EQ(bench.actuator.current.force_N, 0);
+    Bench bench(Modality::kCF);
+    int ms = 0;
+    for (const auto& [total_N, finger] :
+         {std::pair{-0.7, Finger::kIndex}, {0.3, Finger::kThumb}, {0.0, Finger::kNone}}) {
+        bench.feed(++ms, total_N);
+        EXPECT_EQ(bench.actuator.current.finger, finger);
+        EXPECT_EQ(bench.actuator.current.force_N, std::abs(total_N));
+    }
 }
 
 TEST(CutaneousNode, OnlyCutaneousModalitiesPress) {
     for (const Modality modality : kModalities) {
-        Bench bench;
-        bench.node.start_trial(at({}), trial(modality));
-        bench.node.on_feedback(at({}), force(-1));
+        Bench bench(modality);
+        bench.feed(0, -1);
         const bool pressed = modality == Modality::kCF || modality == Modality::kCCF;
         EXPECT_EQ(bench.node.active(), pressed);
         EXPECT_EQ(bench.actuator.commands, pressed ? 1 : 0);
         EXPECT_EQ(bench.node.percept(at({})).has_value(), pressed);
         EXPECT_EQ(bench.node.next_percept(), pressed ? at(milliseconds{1}) : kNever);
-        EXPECT_EQ(bench.node.acting_hand(), modality == Modality::kCF);
-        EXPECT_EQ(bench.node.contralateral(), modality == Modality::kCCF);
         EXPECT_EQ(bench.actuator.hand, modality == Modality::kCCF ? Hand::kOther : Hand::kActing);
     }
 }
 
 // [control] compensator = "scaled"
 TEST(CutaneousNode, PressesWhatTheHandleDoesNotGive) {
-    NotingActuator actuator;
     CutaneousSettings settings;
     settings.hand_share = 0.25;
-    CutaneousNode node(settings, actuator);
-    node.start_trial(at({}), trial(Modality::kHF));
-    EXPECT_TRUE(node.acting_hand());
-    node.on_feedback(at({}), force(-2));
-    EXPECT_EQ(actuator.current.force_N, 1.5);
-    node.start_trial(at(milliseconds{1}), trial(Modality::kCF));
-    node.on_feedback(at(milliseconds{1}), force(-2));
-    EXPECT_EQ(actuator.current.force_N, 2);
+    Bench bench(settings, Modality::kHF);
+    EXPECT_EQ(bench.actuator.hand, Hand::kActing);
+    bench.feed(0, -2);
+    EXPECT_EQ(bench.actuator.current.force_N, 1.5);
+    bench.start(1, Modality::kCF);
+    bench.feed(1, -2);
+    EXPECT_EQ(bench.actuator.current.force_N, 2);
 }
 
 TEST(CutaneousNode, IsSlackOutsideTrials) {
-    Bench bench;
-    EXPECT_FALSE(bench.node.active());
-    bench.node.on_feedback(at({}), force(-1));
-    EXPECT_EQ(bench.actuator.commands, 0);
-    bench.node.start_trial(at({}), trial(Modality::kCF));
-    bench.node.on_feedback(at({}), force(-1));
-    bench.node.end_trial(at(milliseconds{1}));
-    EXPECT_EQ(bench.actuator.current.finger, Finger::kNone);
-    EXPECT_FALSE(bench.node.active());
-    EXPECT_FALSE(bench.node.contralateral());
-    EXPECT_FALSE(bench.node.percept(at(milliseconds{2})).has_value());
-    bench.node.on_feedback(at(milliseconds{2}), force(-1));
-    EXPECT_EQ(bench.actuator.commands, 1);
+    NotingActuator actuator;
+    CutaneousNode node(CutaneousSettings{}, actuator);
+    EXPECT_FALSE(node.active());
+    EXPECT_FALSE(node.presses());
+    node.on_feedback(at({}), at({}), force(-1));
+    EXPECT_EQ(actuator.commands, 0);
+    node.start_trial(at({}), trial(Modality::kCF), at({}));
+    node.on_feedback(at({}), at({}), force(-1));
+    node.end_trial(at(milliseconds{1}));
+    EXPECT_EQ(actuator.current.finger, Finger::kNone);
+    EXPECT_FALSE(node.active());
+    EXPECT_FALSE(node.percept(at(milliseconds{2})).has_value());
+    node.on_feedback(at(milliseconds{2}), at(milliseconds{2}), force(-1));
+    EXPECT_EQ(actuator.commands, 1);
 }
 
 TEST(CutaneousNode, ChangeOfModalityReleasesTheFingers) {
-    Bench bench;
-    bench.node.start_trial(at({}), trial(Modality::kCCF));
-    bench.node.on_feedback(at({}), force(-1));
-    bench.node.start_trial(at(milliseconds{1}), trial(Modality::kHF));
+    Bench bench(Modality::kCCF);
+    bench.feed(0, -1);
+    bench.start(1, Modality::kHF);
     EXPECT_EQ(bench.actuator.current.finger, Finger::kNone);
 }
 
 TEST(CutaneousNode, LetsGoWhenFeedbackStops) {
-    Bench bench;
-    bench.node.start_trial(at({}), trial(Modality::kCF));
-    bench.node.on_feedback(at(milliseconds{10}), force(-1));
+    Bench bench(Modality::kCF);
+    bench.feed(10, -1);
     const int before = bench.actuator.releases;
     EXPECT_EQ(bench.node.percept(at(milliseconds{110} - Duration{1}))->force_N, 1);
-    EXPECT_EQ(bench.node.percept(at(milliseconds{110}))->force_N, 0);
-    bench.node.percept(at(milliseconds{150}));
+    EXPECT_EQ(bench.felt_N(110), 0);
+    bench.felt_N(150);
     EXPECT_EQ(bench.actuator.releases, before + 1) << "once is enough";
-    bench.node.on_feedback(at(milliseconds{160}), force(-0.5));
-    EXPECT_EQ(bench.node.percept(at(milliseconds{160}))->force_N, 0.5);
+    bench.feed(160, -0.5);
+    EXPECT_EQ(bench.felt_N(160), 0.5);
 }
 
 TEST(CutaneousNode, HoldsOrFadesWhereItIsToldTo) {
     for (const StaleMode mode : {StaleMode::kHold, StaleMode::kRamp}) {
-        NotingActuator actuator;
         CutaneousSettings settings;
         settings.stale.mode = mode;
-        CutaneousNode node(settings, actuator);
-        node.start_trial(at({}), trial(Modality::kCF));
-        node.on_feedback(at(milliseconds{0}), force(-0.8));
-        for (int ms = 0; ms <= 110; ++ms) static_cast<void>(node.percept(at(milliseconds{ms})));
-        EXPECT_EQ(actuator.current.finger, Finger::kIndex);
-        EXPECT_DOUBLE_EQ(actuator.current.force_N, mode == StaleMode::kHold ? 0.8 : 0.4);
-        for (int ms = 111; ms <= 121; ++ms) static_cast<void>(node.percept(at(milliseconds{ms})));
-        EXPECT_EQ(actuator.current.force_N, mode == StaleMode::kHold ? 0.8 : 0);
+        Bench bench(settings);
+        bench.feed(0, -0.8);
+        for (int ms = 0; ms <= 110; ++ms) bench.felt_N(ms);
+        EXPECT_EQ(bench.actuator.current.finger, Finger::kIndex);
+        EXPECT_DOUBLE_EQ(bench.actuator.current.force_N, mode == StaleMode::kHold ? 0.8 : 0.4);
+        for (int ms = 111; ms <= 121; ++ms) bench.felt_N(ms);
+        EXPECT_EQ(bench.actuator.current.force_N, mode == StaleMode::kHold ? 0.8 : 0);
     }
+}
+
+// The delay grows by 99 ms, then by 1 ms more: that is late.
+TEST(CutaneousNode, AForceThatIsTooLateCountsAsNone) {
+    Bench bench(Modality::kCF);
+    bench.feed(0, -1);
+    bench.node.on_feedback(at(milliseconds{100}), at(milliseconds{1}), force(-0.5));
+    EXPECT_EQ(bench.actuator.current.force_N, 0.5);
+    EXPECT_FALSE(bench.node.stale(at(milliseconds{200})));
+    bench.node.on_feedback(at(milliseconds{201}), at(milliseconds{1}), force(-0.7));
+    EXPECT_EQ(bench.actuator.current.force_N, 0.5);
+    EXPECT_TRUE(bench.node.stale(at(milliseconds{201})));
+    bench.node.network_changed(milliseconds{200});
+    bench.node.on_feedback(at(milliseconds{202}), at(milliseconds{2}), force(-0.7));
+    EXPECT_EQ(bench.actuator.current.force_N, 0.7);
 }
 
 TEST(GuardedActuator, NoFingerIsPressedHarderThanItsLimit) {
@@ -164,52 +196,49 @@ TEST(GuardedActuator, NoFingerIsPressedHarderThanItsLimit) {
         EXPECT_EQ(device.current.force_N, std::clamp(wanted_N, 0.0, 2.0));
     }
     for (const double no_number : {std::nan(""), std::numeric_limits<double>::infinity()}) {
-        guard.clear();
+        guard.clear({});
         guard.command({}, Finger::kThumb, 1);
         EXPECT_FALSE(guard.tripped());
         guard.command({}, Finger::kThumb, no_number);
         EXPECT_TRUE(guard.tripped());
-        EXPECT_EQ(device.current.force_N, 0);
+        EXPECT_EQ(guard.text(), "a force was asked of the fingertip device that is no number");
+        EXPECT_EQ(device.current.finger, Finger::kNone);
         guard.command({}, Finger::kThumb, 1);
-        EXPECT_EQ(device.current.force_N, 0) << "until it is cleared";
+        EXPECT_EQ(device.current.finger, Finger::kNone) << "until it is cleared";
     }
 }
 
 TEST(CutaneousNode, LetsGoWhenTheNeedleIsHeld) {
-    Bench bench;
-    bench.node.start_trial(at({}), trial(Modality::kCCF));
-    bench.node.on_feedback(at({}), force(-1));
-    ForceFeedback held = force(-1);
-    held.needle_held = true;
-    bench.node.on_feedback(at(milliseconds{1}), held);
+    Bench bench(Modality::kCCF);
+    bench.feed(0, -1);
+    bench.feed(1, force(-1, true));
     EXPECT_EQ(bench.actuator.current.finger, Finger::kNone);
     const int before = bench.actuator.releases;
-    bench.node.on_feedback(at(milliseconds{2}), held);
+    bench.feed(2, force(-1, true));
     EXPECT_EQ(bench.actuator.releases, before);
     EXPECT_EQ(bench.actuator.commands, 1);
 }
 
 TEST(CutaneousNode, PerceptsKeepTheirGrid) {
-    Bench bench;
+    NotingActuator actuator;
+    CutaneousNode node(CutaneousSettings{}, actuator);
     const SessionTime start = at(microseconds{250});
-    bench.node.start_trial(start, trial(Modality::kCF));
+    node.start_trial(start, trial(Modality::kCF), start);
     int percepts = 0;
     for (int i = 0; i < 1000; ++i) {
-        percepts += bench.node.percept(start + microseconds{100 * i}).has_value() ? 1 : 0;
+        percepts += node.percept(start + microseconds{100 * i}).has_value() ? 1 : 0;
     }
     EXPECT_EQ(percepts, 100);
     // A late call counts once and the grid stays.
-    EXPECT_TRUE(bench.node.percept(start + microseconds{110'300}).has_value());
-    EXPECT_EQ(bench.node.next_percept(), start + microseconds{111'000});
+    EXPECT_TRUE(node.percept(start + microseconds{110'300}).has_value());
+    EXPECT_EQ(node.next_percept(), start + microseconds{111'000});
 }
 
 TEST(CutaneousNode, PerceptCarriesForceFingerAndAge) {
-    SimulatedActuator actuator{CutaneousSettings{}};
-    CutaneousNode node(CutaneousSettings{}, actuator);
-    node.start_trial(at({}), trial(Modality::kCF));
+    Bench<SimulatedActuator> bench(CutaneousSettings{});
     for (int ms = 0; ms <= 100; ++ms) {
-        node.on_feedback(at(milliseconds{ms}), force(ms < 20 ? -9 : 0.25));
-        const auto percept = node.percept(at(milliseconds{ms}));
+        bench.feed(ms, ms < 20 ? -9 : 0.25);
+        const auto percept = bench.node.percept(at(milliseconds{ms}));
         ASSERT_TRUE(percept.has_value());
         const Finger expected = ms < 45 ? Finger::kNone : ms < 65 ? Finger::kIndex : Finger::kThumb;
         EXPECT_EQ(percept->finger, expected) << ms;
@@ -221,13 +250,71 @@ TEST(CutaneousNode, PerceptCarriesForceFingerAndAge) {
 }
 
 TEST(CutaneousNode, NothingOfAnEarlierTrialIsFelt) {
-    SimulatedActuator actuator{CutaneousSettings{}};
-    CutaneousNode node(CutaneousSettings{}, actuator);
-    node.start_trial(at({}), trial(Modality::kCF));
-    for (int ms = 0; ms < 60; ++ms) node.on_feedback(at(milliseconds{ms}), force(-1));
-    node.end_trial(at(milliseconds{60}));
-    node.start_trial(at(milliseconds{61}), trial(Modality::kCF));
-    for (int ms = 61; ms < 150; ++ms) EXPECT_EQ(node.percept(at(milliseconds{ms}))->force_N, 0) << ms;
+    Bench<SimulatedActuator> bench(CutaneousSettings{});
+    for (int ms = 0; ms < 60; ++ms) bench.feed(ms, -1);
+    bench.node.end_trial(at(milliseconds{60}));
+    bench.start(61, Modality::kCF);
+    for (int ms = 61; ms < 150; ++ms) EXPECT_EQ(bench.felt_N(ms), 0) << ms;
+}
+
+// The whole process, after a stall of the program and while the policy keeps its outputs at rest.
+class RunningCutaneous : public testing::Test {
+  protected:
+    RunningCutaneous() {
+        session.send(now, 1, trial(Modality::kCF));
+        tick(milliseconds{0});
+        for (int ms = 1; ms <= 10; ++ms) feed_and_tick(-1.2);
+    }
+    static CutaneousSettings ramping() {
+        CutaneousSettings settings;
+        settings.stale.mode = StaleMode::kRamp;
+        return settings;
+    }
+    void feed_and_tick(double force_N) {
+        slave.send(now, 1, force(force_N));
+        tick(milliseconds{1});
+    }
+    void tick(Duration later) {
+        now += later;
+        process.tick(now);
+    }
+
+    QueuePipe control, forces, percept;
+    NotingActuator actuator;
+    CutaneousProcess process{5, ramping(), {&control.b, &forces.b, &percept.a}, actuator};
+    OutboundFlow session{Role::kSession, 1, {&control.a}};
+    OutboundFlow slave{Role::kSlaveSim, 2, {&forces.a}};
+    SessionTime now{};
+};
+
+TEST_F(RunningCutaneous, AfterAStallTheFingersStaySlackUntilTheNextForce) {
+    ASSERT_EQ(actuator.current.force_N, 1.2);
+    const int commands = actuator.commands;
+    for (const Duration later : {milliseconds{102}, milliseconds{1}, milliseconds{1}}) {
+        tick(later);
+        EXPECT_EQ(actuator.current.force_N, 0);
+    }
+    EXPECT_EQ(actuator.commands, commands) << "not for an instant either";
+    feed_and_tick(-0.5);
+    EXPECT_EQ(actuator.current.force_N, 0.5);
+}
+
+TEST_F(RunningCutaneous, AtRestNoForceReachesTheFingersThatComesMeanwhile) {
+    process.set_overrun(OverrunPolicy::kRest, 3);
+    process.deadlines_missed(now, 3);
+    const int commands = actuator.commands;
+    for (int ms = 0; ms < 5; ++ms) {
+        feed_and_tick(-1.2);
+        EXPECT_EQ(actuator.current.force_N, 0);
+        EXPECT_EQ(actuator.ticked_N, 0);
+    }
+    EXPECT_EQ(actuator.commands, commands);
+    process.deadlines_missed(now, 0);
+    tick(milliseconds{1});
+    EXPECT_EQ(actuator.current.force_N, 0) << "until the next force";
+    feed_and_tick(-0.7);
+    EXPECT_EQ(actuator.current.force_N, 0.7);
+    EXPECT_EQ(process.stale_record().trials(), 0U) << "nothing was stale";
 }
 
 }  // namespace

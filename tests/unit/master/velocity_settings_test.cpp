@@ -120,7 +120,7 @@ TEST(MasterNode, UsesTheEstimatorItIsGiven) {
     settings.velocity.method = VelocityMethod::kWindowed;
     settings.velocity.window = milliseconds{10};
     MasterNode master(settings);
-    master.start_trial(Modality::kHF);
+    master.start_trial({}, Modality::kHF);
     NeedleCommand command;
     for (int ms = 0; ms <= 50; ++ms) {
         command = master.sample(SessionTime{milliseconds{ms}}, {1e-5 * ms, 0});
@@ -129,7 +129,7 @@ TEST(MasterNode, UsesTheEstimatorItIsGiven) {
     EXPECT_NEAR(command.velocity_hand_m_per_s, 0.01, 1e-12);
     EXPECT_NEAR(command.position_needle_estimate_m, 1.5e-3 - 0.03 * 0.0045, 1e-12);
     // A new trial starts at rest, wherever the handle is.
-    master.start_trial(Modality::kHF);
+    master.start_trial({}, Modality::kHF);
     command = master.sample(SessionTime{milliseconds{60}}, {0.02, 0});
     EXPECT_EQ(command.velocity_needle_m_per_s, 0);
     EXPECT_EQ(command.position_needle_estimate_m, 3 * 0.02);

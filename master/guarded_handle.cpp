@@ -1,4 +1,4 @@
-#include "master/force_guard.hpp"
+#include "master/guarded_handle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 namespace thimble {
 namespace {
 
-constexpr std::size_t kLongestWords = 200;
 constexpr double kNothingYet_J = -std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -28,34 +27,38 @@ GuardSettings read_guard_settings(const ConfigTable& table) {
     return s;
 }
 
-ForceGuard::ForceGuard(const GuardSettings& settings, Duration sample_period)
-    : settings_(settings), sample_period_(sample_period) {
+GuardedHandle::GuardedHandle(const GuardSettings& settings, Duration sample_period, HapticDevice& device)
+    : settings_(settings),
+      device_(&device),
+      rules_(
+          {-settings.force_limit_N, settings.force_limit_N, settings.force_rate_limit_N_per_s, sample_period},
+          "the handle") {
     clear({});
 }
 
-void ForceGuard::clear(SessionTime now) {
-    words_.clear();
-    words_.reserve(kLongestWords);
+void GuardedHandle::clear(SessionTime now) {
+    rules_.clear(now);
     energy_.clear();
     highest_J_.fill(kNothingYet_J);
     slot_ = 0;
     slot_end_ = now + settings_.energy_window / static_cast<std::int64_t>(kSlots);
-    given_at_ = now;
-    given_N_ = 0;
     most_given_out_J_ = 0;
 }
 
-void ForceGuard::observe(SessionTime now, const HandleSample& sample) {
-    if (!sample.valid || tripped()) return;
-    if (!std::isfinite(sample.position_hand_m) || !std::isfinite(sample.force_hand_N)) {
-        return trip("the handle's own measurement is no number");
+HandleSample GuardedHandle::read(SessionTime now) {
+    const HandleSample sample = device_->read(now);
+    if (!sample.valid || tripped()) return sample;
+    if (std::isfinite(sample.position_hand_m) && std::isfinite(sample.force_hand_N)) {
+        energy_.add(sample.position_hand_m, sample.force_hand_N);
+        watch_energy(now);
+    } else {
+        rules_.trip("the handle's own measurement is no number");
     }
-    energy_.add(sample);
-    watch_energy(now);
+    return sample;
 }
 
 // The window moves on by whole parts: it is at most a 64th longer than asked, so that it trips rather too early.
-void ForceGuard::watch_energy(SessionTime now) {
+void GuardedHandle::watch_energy(SessionTime now) {
     const Duration part = std::max(settings_.energy_window / static_cast<std::int64_t>(kSlots), Duration{1});
     if (now - slot_end_ > 2 * settings_.energy_window) {
         highest_J_.fill(kNothingYet_J);
@@ -70,40 +73,13 @@ void ForceGuard::watch_energy(SessionTime now) {
     const double given_out_J = *std::max_element(highest_J_.begin(), highest_J_.end()) - energy_J;
     most_given_out_J_ = std::max(most_given_out_J_, given_out_J);
     if (settings_.energy_limit_J <= 0 || given_out_J <= settings_.energy_limit_J) return;
-    std::array<char, kLongestWords> words{};
+    std::array<char, ForceGuard::kLongestText> text{};
     const auto end =
-        fmt::format_to_n(words.data(), words.size() - 1,
+        fmt::format_to_n(text.data(), text.size() - 1,
                          "the handle gave {:.3g} J to the hand within {:g} s; [guard] "
                          "energy_limit_J is {:g}",
                          given_out_J, to_seconds(settings_.energy_window), settings_.energy_limit_J);
-    trip({words.data(), static_cast<std::size_t>(end.out - words.data())});
-}
-
-double ForceGuard::pass(SessionTime now, double wanted_N) {
-    if (!std::isfinite(wanted_N)) trip("a force was asked of the handle that is no number");
-    if (tripped()) {
-        given_N_ = 0;
-        given_at_ = now;
-        return 0;
-    }
-    double force_N = std::clamp(wanted_N, -settings_.force_limit_N, settings_.force_limit_N);
-    if (settings_.force_rate_limit_N_per_s > 0) force_N = limited_rate(now, force_N);
-    if (force_N != wanted_N) ++cut_;
-    given_N_ = force_N;
-    given_at_ = std::max(given_at_, now);
-    return force_N;
-}
-
-// From one sign to the other it starts at zero.
-double ForceGuard::limited_rate(SessionTime now, double force_N) const {
-    const double before_N = given_N_ * force_N > 0 ? std::abs(given_N_) : 0;
-    const double elapsed_s = to_seconds(std::clamp(now - given_at_, Duration{}, sample_period_));
-    const double most_N = before_N + settings_.force_rate_limit_N_per_s * elapsed_s;
-    return std::copysign(std::min(std::abs(force_N), most_N), force_N);
-}
-
-void ForceGuard::trip(std::string_view words) {
-    if (!tripped()) words_.assign(words);
+    rules_.trip({text.data(), static_cast<std::size_t>(end.out - text.data())});
 }
 
 }  // namespace thimble
