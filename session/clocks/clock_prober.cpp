@@ -26,6 +26,7 @@ std::optional<ClockExchange> ClockProber::take(const ClockReply& reply, SessionT
         return std::nullopt;
     }
     ++counters_.exchanges;
+    filter_.add(exchange);
     return exchange;
 }
 

@@ -1,5 +1,5 @@
-// The asking side of clock exchanges with one peer: when the next probe is due, and which replies count. A reply must
-// name a probe that was sent and not yet answered; everything else is counted and otherwise harmless.
+// The clock of one peer, as the asking side measures it: when the next probe is due, which replies count, and the offset
+// that follows. A reply must name a probe that was sent and not yet answered. Every other reply is only counted.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "common/messages.hpp"
-#include "session/clocks/clock_exchange.hpp"
+#include "session/clocks/clock_filter.hpp"
 
 namespace thimble {
 
@@ -27,6 +27,7 @@ class ClockProber {
     // `replied`: send time of the reply's header; `answered`: when it arrived.
     std::optional<ClockExchange> take(const ClockReply& reply, SessionTime replied, SessionTime answered);
 
+    const ClockFilter& filter() const { return filter_; }
     const ClockProbeCounters& counters() const { return counters_; }
 
   private:
@@ -34,6 +35,7 @@ class ClockProber {
     std::array<SessionTime, 16> outstanding_ = none();
     std::size_t slot_ = 0;
     SessionTime next_{};
+    ClockFilter filter_;
     ClockProbeCounters counters_;
 
     static constexpr std::array<SessionTime, 16> none() {

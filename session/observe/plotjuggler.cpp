@@ -11,26 +11,6 @@
 #include "session/play/monitor_feed.hpp"
 
 namespace thimble {
-namespace {
-
-// Both called in turn, woken for either.
-class PlotJugglerBeside final : public Process {
-  public:
-    PlotJugglerBeside(std::unique_ptr<Process> other, std::unique_ptr<Process> feed)
-        : other_(std::move(other)), feed_(std::move(feed)) {}
-    void tick(SessionTime now) override {
-        other_->tick(now);
-        feed_->tick(now);
-    }
-    SessionTime next_wakeup() const override { return std::min(other_->next_wakeup(), feed_->next_wakeup()); }
-    bool stopped() const override { return false; }
-
-  private:
-    std::unique_ptr<Process> other_, feed_;
-};
-
-}  // namespace
-
 std::string plotjuggler_json(double date_s, const std::string& condition, std::uint32_t trial,
                              const Monitor& m) {
     // Unknown values are left out, so no curve begins at a value that was not measured.
@@ -69,6 +49,7 @@ Endpoint plotjuggler_at(const std::string& text, const NetworkSettings& network)
 }
 
 void PlotJugglerFeed::tick(SessionTime now) {
+    if (other_) other_->tick(now);
     if (now < next_) return;
     next_ = std::max(next_ + kPlotJugglerPeriod, now + kPlotJugglerPeriod / 2);
     const Monitor monitor = make_monitor(now, *session_, {});
@@ -82,9 +63,8 @@ MakeObserver with_plotjuggler(MakeObserver other, const Endpoint& to) {
                                           const std::string& condition) -> std::unique_ptr<Process> {
         const ClockPair clocks = read_clock_pair();
         const Duration ahead{clocks.realtime_ns - to_nanoseconds(clocks.before)};
-        auto feed = std::make_unique<PlotJugglerFeed>(to, session, ahead, condition);
-        if (!other) return feed;
-        return std::make_unique<PlotJugglerBeside>(other(session, sockets, condition), std::move(feed));
+        return std::make_unique<PlotJugglerFeed>(to, session, ahead, condition,
+                                                 other ? other(session, sockets, condition) : nullptr);
     };
 }
 

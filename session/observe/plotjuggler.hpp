@@ -1,6 +1,7 @@
 // The state of a session as JSON datagrams for PlotJuggler's "UDP Server" (docs/interoperability.md lists the keys).
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,12 +26,20 @@ Endpoint plotjuggler_at(const std::string& text, const NetworkSettings& network)
 // Sits beside a session and sends what it shows, undelayed and with the fixture. Reads only; what cannot be sent is lost.
 class PlotJugglerFeed final : public Process {
   public:
-    // `session` outlives the feed. `ahead`: of 1970's clock, of the session's. Throws Error (network) if the host is unknown.
-    PlotJugglerFeed(const Endpoint& to, const SessionProcess& session, Duration ahead, std::string condition)
-        : channel_(std::nullopt, to), session_(&session), ahead_(ahead), condition_(std::move(condition)) {}
+    // `session` outlives the feed. `ahead`: of 1970's clock, of the session's. `other`, which may be null, is
+    // called before it. Throws Error (network) if the host is unknown.
+    PlotJugglerFeed(const Endpoint& to, const SessionProcess& session, Duration ahead, std::string condition,
+                    std::unique_ptr<Process> other = nullptr)
+        : channel_(std::nullopt, to),
+          session_(&session),
+          ahead_(ahead),
+          condition_(std::move(condition)),
+          other_(std::move(other)) {}
 
     void tick(SessionTime now) override;
-    SessionTime next_wakeup() const override { return next_; }
+    SessionTime next_wakeup() const override {
+        return other_ ? std::min(next_, other_->next_wakeup()) : next_;
+    }
     bool stopped() const override { return false; }
 
   private:
@@ -38,6 +47,7 @@ class PlotJugglerFeed final : public Process {
     const SessionProcess* session_;
     Duration ahead_;
     std::string condition_;
+    std::unique_ptr<Process> other_;
     SessionTime next_{};
 };
 

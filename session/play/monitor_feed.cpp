@@ -9,7 +9,7 @@ namespace {
 constexpr Duration kFaultPeriod = std::chrono::milliseconds{100};
 
 void fill_in_newest(Monitor& monitor, const SessionProcess& session) {
-    const ForceFeedback* newest = session.newest();
+    const ForceFeedback* newest = session.recorder().newest();
     const TrialRecord& record = session.record();
     if (!record.samples.empty()) monitor.time_s = record.samples.back().time_s;
     if (newest == nullptr) return;
@@ -26,22 +26,23 @@ void fill_in_newest(Monitor& monitor, const SessionProcess& session) {
 
 void fill_in_nodes(Monitor& monitor, const SessionProcess& session) {
     for (const Role role : kNodeRoles) {
-        monitor.accepted += session.heartbeat_of(role).accepted;
-        monitor.refused += session.heartbeat_of(role).refused;
+        monitor.accepted += session.peer(role).newest().accepted;
+        monitor.refused += session.peer(role).newest().refused;
     }
-    const Heartbeat& master = session.heartbeat_of(Role::kMaster);
+    const Heartbeat& master = session.peer(Role::kMaster).newest();
     monitor.force_hand_N = master.force_hand_N;
     monitor.energy_in_J = master.energy_in_J;
     monitor.round_trip_s = master.round_trip_median_s;
 }
 
 void fill_in_one_way(SessionTime now, Monitor& monitor, const SessionProcess& session) {
-    const ForceFeedback* newest = session.newest();
+    const ForceFeedback* newest = session.recorder().newest();
     const auto slave = session.clock_of(Role::kSlaveSim).at(now);
     const auto master = session.clock_of(Role::kMaster).at(now);
     if (newest == nullptr || newest->needle_held || !slave || !master || monitor.round_trip_s == 0) return;
     const OffsetInterval ahead = between(*slave, *master);
-    const double needle_s = to_seconds(session.newest_sent() - newest->echo_time) - ahead.offset_s();
+    const double needle_s =
+        to_seconds(session.recorder().newest_sent() - newest->echo_time) - ahead.offset_s();
     monitor.one_way_s = std::max(0.0, monitor.round_trip_s - needle_s - to_seconds(newest->hold_time));
     monitor.one_way_bound_s = ahead.bound_s();
 }

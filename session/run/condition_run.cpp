@@ -7,7 +7,6 @@
 #include "common/runtime/node_report.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
-#include "session/records/trial_table.hpp"
 
 namespace thimble {
 namespace {
@@ -40,10 +39,6 @@ nlohmann::ordered_json session_report(const Sockets& sockets, bool realtime) {
 
 }  // namespace
 
-ConditionRun::SessionAndObserver::SessionAndObserver(SessionProcess& session,
-                                                     std::unique_ptr<Process> observer, Security* security)
-    : session_(&session), observer_(std::move(observer)), security_(security) {}
-
 void ConditionRun::SessionAndObserver::tick(SessionTime now) {
     if (security_ != nullptr) security_->tick(now);
     session_->tick(now);
@@ -68,7 +63,8 @@ ConditionRun::ConditionRun(const ConditionPlan& plan, const ConditionEvents& eve
             sockets_.security()),
       loop_(sockets_.listeners()),
       nodes_(plan, files_),
-      stop_(session_, plan) {
+      stop_(session_, plan),
+      outcome_(files_, nodes_, stop_) {
     session_.set_sample_hook([this](const TrajectorySample& sample) {
         last_ = sample;
         files_.add(sample);
@@ -94,8 +90,7 @@ void ConditionRun::turn(SessionTime until) {
 void ConditionRun::turn_before_trials() {
     turn(wall_now() + kPoll);
     nodes_.throw_if_dead();
-    if (events_.stop && events_.stop())
-        throw Error(ExitCode::kRunFailed, "interrupted before the first trial");
+    if (interrupted()) throw Error(ExitCode::kRunFailed, "interrupted before the first trial");
 }
 
 void ConditionRun::wait_for_nodes() {
@@ -126,8 +121,7 @@ std::string ConditionRun::why_silent() const {
 // A new program knows no trial: an old order, which has an older number, starts nothing.
 bool ConditionRun::revive() {
     if (!nodes_.restart_dead()) return false;
-    result_ = {};
-    halted_ = false;
+    outcome_.forget();
     nodes_.wait_for_machines([this] { turn_before_trials(); });
     // The session heard the old programs a moment ago. It hears the new ones only after a second of silence.
     const SessionTime forgotten = wall_now() + 2 * kPeerTimeout;
@@ -145,8 +139,7 @@ void ConditionRun::release_stop() { session_.release_stop(wall_now()); }
 const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::uint32_t number,
                                            const std::filesystem::path& trajectory) {
     files_.begin_trial(trial, number, trajectory);
-    if (halted_) result_ = {};
-    halted_ = false;
+    outcome_.begin_trial();
     session_.start(trial, number);
     SessionTime next_poll{}, next_flush{}, next_progress{};
     while (!session_.finished()) {
@@ -171,7 +164,7 @@ const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::ui
 
 void ConditionRun::look_around() {
     stop_.look();
-    if (events_.stop && events_.stop()) return session_.abort(EndReason::kInterrupted);
+    if (interrupted()) return session_.abort(EndReason::kInterrupted);
     const bool cannot_write = !files_.fault().empty() || !files_.log_fault().empty();
     if (cannot_write) return session_.abort(EndReason::kDeviceFault, Role::kSession);
     if (const auto dead = nodes_.dead()) session_.abort(EndReason::kPeerLost, kNodeRoles[*dead]);
@@ -180,45 +173,8 @@ void ConditionRun::look_around() {
 void ConditionRun::close_trial() {
     const TrialRecord& record = session_.record();
     files_.end_trial(record);
-    judge(record);
-    admit_write_fault(files_.fault());
+    outcome_.judge(record, interrupted());
     if (events_.trial_done) events_.trial_done(record);
-}
-
-void ConditionRun::judge(const TrialRecord& record) {
-    // If the observer has ended the trial, the run goes on.
-    if (record.reason == EndReason::kInterrupted && events_.stop && events_.stop()) {
-        fail(ExitCode::kRunFailed, "interrupted; what was recorded is kept");
-    } else if (is_stop(record.reason)) {
-        halted_ = true;
-        fail(ExitCode::kRunFailed, fmt::format("{}: {}; {}", outcome_text(record.reason, record.lost_peer),
-                                               record.fault, stop_.how_to_release()));
-    } else if (record.reason == EndReason::kDeviceFault) {
-        fail(ExitCode::kRunFailed, fault_text(record));
-    } else if (record.reason == EndReason::kPeerLost) {
-        const auto dead = nodes_.dead();
-        fail(ExitCode::kNetwork, dead ? nodes_.exit_message(*dead)
-                                      : fmt::format("lost contact with {}", to_string(record.lost_peer)));
-    }
-}
-
-void ConditionRun::fail(ExitCode code, const std::string& problem) {
-    result_.code = code;
-    result_.problem = problem;
-}
-
-// Also where a trial had ended well before: nothing is missing without a word.
-void ConditionRun::admit_write_fault(std::string_view words) {
-    if (!words.empty() && result_.code == ExitCode::kOk) fail(ExitCode::kRunFailed, std::string(words));
-}
-
-// A file that cannot be written ends the trial as a failed device does.
-std::string ConditionRun::fault_text(const TrialRecord& record) const {
-    if (record.lost_peer == Role::kSession && !files_.fault().empty()) return files_.fault();
-    if (record.lost_peer == Role::kSession && files_.log() != nullptr) return files_.log_fault();
-    if (record.fault.starts_with("the log "))
-        return fmt::format("{}: {}", to_string(record.lost_peer), record.fault);
-    return fmt::format("the device of {} failed: {}", to_string(record.lost_peer), record.fault);
 }
 
 void ConditionRun::idle(Duration limit) {
@@ -229,29 +185,26 @@ void ConditionRun::idle(Duration limit) {
     }
 }
 
-// A stop that comes while the nodes end still holds for the next session.
-void ConditionRun::take_last_stops() {
-    both_.tick(wall_now());
-    stop_.look();
-    if (stop_.stopped() && result_.code == ExitCode::kOk) fail(ExitCode::kRunFailed, stop_.words());
-}
-
 ConditionResult ConditionRun::close() {
     stop_.look();
-    result_.clocks = files_.close_clocks();
+    ConditionResult& result = outcome_.result();
+    result.clocks = files_.close_clocks();
     if (plan_.starter) {
         session_.shut_down(wall_now());
-        nodes_.end(result_);
+        nodes_.end(result);
     }
-    take_last_stops();
-    result_.reports.push_back(session_report(sockets_, realtime_.granted()));
-    files_.write_session_report(result_.reports.back());
-    admit_write_fault(files_.fault());
-    if (files_.log() != nullptr) admit_write_fault(files_.log()->close().fault);
-    for (const auto& report : result_.reports) {
-        if (report.contains("log")) admit_write_fault(report["log"].value("fault", ""));
+    // A stop that comes while the nodes end still holds for the next session.
+    both_.tick(wall_now());
+    stop_.look();
+    outcome_.add_last_stop();
+    result.reports.push_back(session_report(sockets_, realtime_.granted()));
+    files_.write_session_report(result.reports.back());
+    outcome_.add_write_fault(files_.fault());
+    if (files_.log() != nullptr) outcome_.add_write_fault(files_.log()->close().fault);
+    for (const auto& report : result.reports) {
+        if (report.contains("log")) outcome_.add_write_fault(report["log"].value("fault", ""));
     }
-    return std::move(result_);
+    return std::move(result);
 }
 
 ConditionResult run_condition(const ConditionPlan& plan, const ConditionEvents& events) {

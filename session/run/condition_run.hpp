@@ -11,6 +11,7 @@
 #include "session/run/condition_files.hpp"
 #include "session/run/condition_nodes.hpp"
 #include "session/run/condition_plan.hpp"
+#include "session/run/run_outcome.hpp"
 #include "session/run/session_process.hpp"
 #include "session/run/session_stop.hpp"
 
@@ -42,7 +43,7 @@ class ConditionRun {
     // Keeps in touch with the nodes between trials, for at most `limit`.
     void idle(Duration limit);
     // A node has ended, or was lost: this condition runs no further trial. After a stop it does, once that was released.
-    bool broken() { return (result_.code != ExitCode::kOk && !halted_) || nodes_.dead(); }
+    bool broken() { return (outcome_.failed() && !outcome_.halted()) || nodes_.dead(); }
     // Of a stop: its source, its reason and how to release it. Empty: no stop holds.
     std::string stop_text() const { return stop_.words(); }
     void emergency_stop(std::string_view words);
@@ -51,7 +52,7 @@ class ConditionRun {
     // as open() does.
     bool revive();
     // The result so far: not ok after a lost peer or a stop.
-    const ConditionResult& result() const { return result_; }
+    const ConditionResult& result() const { return outcome_.result(); }
     // Ends the nodes that open() started and collects their reports.
     ConditionResult close();
 
@@ -59,7 +60,8 @@ class ConditionRun {
     // Session and observer as one process, between the two halves of the sockets' protection.
     class SessionAndObserver final : public Process {
       public:
-        SessionAndObserver(SessionProcess& session, std::unique_ptr<Process> observer, Security* security);
+        SessionAndObserver(SessionProcess& session, std::unique_ptr<Process> observer, Security* security)
+            : session_(&session), observer_(std::move(observer)), security_(security) {}
         void tick(SessionTime now) override;
         SessionTime next_wakeup() const override;
         bool stopped() const override { return false; }
@@ -76,11 +78,7 @@ class ConditionRun {
     std::string why_silent() const;
     void look_around();
     void close_trial();
-    void judge(const TrialRecord& record);
-    void fail(ExitCode code, const std::string& problem);
-    void admit_write_fault(std::string_view words);
-    std::string fault_text(const TrialRecord& record) const;
-    void take_last_stops();
+    bool interrupted() const { return events_.stop && events_.stop(); }
 
     const ConditionPlan& plan_;
     const ConditionEvents& events_;
@@ -92,9 +90,8 @@ class ConditionRun {
     RealtimeLoop loop_;
     ConditionNodes nodes_;
     SessionStop stop_;
+    RunOutcome outcome_;
     TrajectorySample last_;
-    ConditionResult result_;
-    bool halted_ = false;  // by a stop, which the result names until the next trial
 };
 
 // Runs the trials of the plan. Throws Error as ConditionRun does.

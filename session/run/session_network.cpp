@@ -1,8 +1,6 @@
-// The part of a session that changes the network of a running trial.
-#include <utility>
+#include "session/run/session_network.hpp"
 
 #include "netem/profiles/profiles.hpp"
-#include "session/run/session_process.hpp"
 
 namespace thimble {
 namespace {
@@ -13,54 +11,41 @@ WayInShort in_short(const LinkSettings& link) {
 
 }  // namespace
 
-void SessionProcess::change_delay(Duration one_way) {
-    if (one_way == settings_.force_delay) return;
-    settings_.network_delay += one_way - settings_.force_delay;
-    settings_.force_delay = one_way;
-    delay_s_ = to_seconds(one_way);
-    tell_network();
-    if (under_way()) note_network(record_.samples.empty() ? 0 : record_.samples.back().time_s, false);
-}
-
-bool SessionProcess::change_network(const NetworkName& name) {
-    const LinkProfile* profile = built_in_profile(name.view());
-    if (profile == nullptr) return false;
-    if (name == network_ && profile->down.delay == settings_.force_delay) return true;
-    network_ = name;
-    settings_.network_delay = nearly_longest_delay(profile->up) + nearly_longest_delay(profile->down);
-    settings_.force_delay = profile->down.delay;
-    delay_s_ = to_seconds(settings_.force_delay);
-    tell_network();
-    if (under_way()) note_network(record_.samples.empty() ? 0 : record_.samples.back().time_s, true);
+bool SessionNetwork::change_delay(Duration one_way) {
+    if (one_way == force_delay_) return false;
+    both_ways_ += one_way - force_delay_;
+    force_delay_ = one_way;
     return true;
 }
 
-void SessionProcess::tell_network() {
-    network_changed_ = network_fresh_ = true;
-    next_send_ = {};
+bool SessionNetwork::change_profile(const NetworkName& name) {
+    const LinkProfile& profile = *built_in_profile(name.view());
+    if (name == name_ && profile.down.delay == force_delay_) return false;
+    name_ = name;
+    both_ways_ = nearly_longest_delay(profile.up) + nearly_longest_delay(profile.down);
+    force_delay_ = profile.down.delay;
+    return true;
 }
 
-void SessionProcess::note_network(double time_s, bool profile) {
+NetworkEvent SessionNetwork::event(double time_s, bool with_profile) const {
     NetworkEvent event;
     event.time_s = time_s;
-    event.delay_s = delay_s_;
-    const LinkProfile* chosen = profile ? built_in_profile(network_.view()) : nullptr;
-    if (chosen != nullptr) {
-        event.profile = chosen->name;
-        event.needle = in_short(chosen->up);
-        event.force = in_short(chosen->down);
-        event.force.delay_s = delay_s_;  // which may have been changed since the profile was chosen
-    }
-    record_.network_events.push_back(std::move(event));
+    event.delay_s = force_delay_s();
+    const LinkProfile* profile = with_profile ? built_in_profile(name_.view()) : nullptr;
+    if (profile == nullptr) return event;
+    event.profile = profile->name;
+    event.needle = in_short(profile->up);
+    event.force = in_short(profile->down);
+    event.force.delay_s = event.delay_s;  // which may have been changed since the profile was chosen
+    return event;
 }
 
-SessionControl SessionProcess::network_order() const {
-    SessionControl change = order_;
-    change.kind = ControlKind::kNetworkChange;
-    change.network = network_;
-    change.network_delay_s = delay_s_;
-    change.silence_s = to_seconds(settings_.network_delay);  // an answer waits for both ways
-    return change;
+SessionControl SessionNetwork::order(SessionControl order) const {
+    order.kind = ControlKind::kNetworkChange;
+    order.network = name_;
+    order.network_delay_s = force_delay_s();
+    order.silence_s = to_seconds(both_ways_);  // an answer waits for both ways
+    return order;
 }
 
 }  // namespace thimble

@@ -28,7 +28,7 @@ class LiveDelay : public testing::Test {
         return s;
     }
     void run_for(Duration time) { rig.run_until(rig.now() + time); }
-    double round_trip_s() { return rig.session().heartbeat_of(Role::kMaster).round_trip_median_s; }
+    double round_trip_s() { return rig.session().peer(Role::kMaster).newest().round_trip_median_s; }
 
     Rig rig;
 };

@@ -141,7 +141,7 @@ class PressedTrials final : public TrialRunner {
 
     std::vector<PageKind> pages;
     Duration shortest_read = Duration::max();
-    std::uint64_t refused() { return rig_.session().heard_from(Role::kVisual).refused_total(); }
+    std::uint64_t refused() { return rig_.session().peer(Role::kVisual).counters().refused_total(); }
 
   private:
     mutable Rig rig_;  // tells of its session by a way in
@@ -180,13 +180,13 @@ class RequestTest : public testing::Test {
         Page page;
         page.kind = kind;
         session_.show(page);
-        const std::uint64_t before = session_.heard_from(Role::kVisual).refused_total();
+        const std::uint64_t before = session_.peer(Role::kVisual).counters().refused_total();
         Order wished;
         wished.kind = order;
         visual_.send(now_ += std::chrono::milliseconds{1}, trial, wished);
         session_.tick(now_);
         const bool heard = session_.take_go_on();
-        EXPECT_EQ(session_.heard_from(Role::kVisual).refused_total() - before, heard ? 0U : 1U);
+        EXPECT_EQ(session_.peer(Role::kVisual).counters().refused_total() - before, heard ? 0U : 1U);
         return heard;
     }
     static SessionSettings settings() {

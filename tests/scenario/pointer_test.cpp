@@ -195,7 +195,7 @@ void expect_rest_after(void (ScriptedHand::*leave)()) {
         moved_m = std::max(moved_m, std::fabs(rig.pointer().position_hand_m() - rest_m));
     EXPECT_TRUE(rig.session().running());  // no peer is lost: needle commands go on
     EXPECT_LT(moved_m, 1e-5);
-    EXPECT_EQ(rig.session().newest()->force_fixture_N, 0);
+    EXPECT_EQ(rig.session().recorder().newest()->force_fixture_N, 0);
 }
 
 TEST(Pointer, LetGoItComesToRest) { expect_rest_after(&ScriptedHand::let_go); }
