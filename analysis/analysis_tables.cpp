@@ -144,8 +144,7 @@ ReportTable pair_table(const std::vector<MeasureAnalysis>& measures, bool full) 
                              {"95 % CI", "95 % CI, all at once", "P (Holm)", "d_z (95 % CI)"});
         table.note =
             "Intervals and Holm's P come from the subjects' own differences (paired t); in experiment 2 from "
-            "the "
-            "error of the ANOVA.";
+            "the error of the ANOVA.";
     }
     for (const MeasureAnalysis& m : measures) {
         for (const PairAnalysis& pair : m.pairs) table.rows.push_back(pair_row(m, pair, full));

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "analysis/analysis.hpp"
-#include "analysis/claims/claim_list.hpp"
+#include "analysis/claims/claim_findings.hpp"
 #include "analysis/claims/headline.hpp"
 
 namespace thimble {

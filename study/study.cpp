@@ -166,8 +166,7 @@ class Study {
         section.title = "Delay compensators";
         section.text =
             "The trials with HF again, with a controller in the handle's loop: the same subjects, fixtures "
-            "and "
-            "delays.";
+            "and delays.";
         for (const MeasureAnalysis& measure : measures) {
             section.findings.push_back(finding_text(measure));
             for (ReportTable& table : analysis_tables({measure})) section.tables.push_back(std::move(table));

@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char* kHeader =
     "cohort,subject,speed_insert_needle_m_per_s,arm_stiffness_N_per_m,grip_stiffness_N_per_m,criterion_N,"
-    "sway_m,push_m,reaction_factor,reaction_factor_HF,reaction_factor_CF,reaction_factor_CCF,"
-    "reaction_factor_VF,seed\n";
+    "sway_m,push_m,reaction_factor,reaction_factor_HF,reaction_factor_CF,reaction_factor_CCF,reaction_factor_"
+    "VF,seed\n";
 
 std::string line_of(const Subject& drawn, std::uint32_t cohort, std::uint32_t subject, std::uint64_t seed) {
     std::string line = fmt::format("{},{}", cohort, subject);

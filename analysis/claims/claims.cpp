@@ -1,28 +1,123 @@
 #include "analysis/claims/claims.hpp"
 
+#include <algorithm>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "analysis/claims/claim_list.hpp"
-#include "analysis/statistics/descriptive.hpp"
+#include "analysis/claims/claim_findings.hpp"
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {
+namespace {
+
+struct Experiments {
+    StudyColumns one, two, three, no_lag;
+};
+using E = Experiments;
+
+struct PaperClaim {
+    const char *id, *claim, *paper;
+    std::vector<StudyColumns E::*> needs;  // without trials of each of them the claim is not judged
+    std::function<Finding(const E&)> judge;
+};
+
+using Columns = StudyColumns;
+
+PaperClaim of(Columns E::*experiment, const char* id, const char* claim, const char* paper,
+              const std::function<Finding(const Columns&)>& judge) {
+    return {id, claim, paper, {experiment}, [=](const E& e) { return judge(e.*experiment); }};
+}
+
+PaperClaim dunn(const char* id, const char* claim, const char* paper, Metric metric, const char* larger,
+                const char* smaller, double level) {
+    return of(&E::three, id, claim, paper,
+              [=](const Columns& c) { return dunn_finding(c, metric, larger, smaller, level); });
+}
+
+std::vector<PaperClaim> paper_claims() {
+    constexpr Metric kMean = Metric::kPenetrationMean, kMax = Metric::kPenetrationMax,
+                     kTime = Metric::kCompletionTime;
+    return {
+        of(&E::one, "E1.mean.order", "mean penetration HF < CF < CCF < VF",
+           "RM-ANOVA F(3, 45) = 106.5, P < .0001", [](const Columns& c) { return order_finding(c, kMean); }),
+        of(&E::one, "E1.mean.pairs", "mean penetration: all six pairs differ", "Bonferroni, P < .001 each",
+           [](const Columns& c) { return pairs_finding(c, kMean, 1e-3); }),
+        of(&E::one, "E1.max.order", "maximum penetration HF < CF < CCF < VF",
+           "RM-ANOVA F(3, 45) = 81.89, P < .0001", [](const Columns& c) { return order_finding(c, kMax); }),
+        of(&E::one, "E1.max.pairs", "maximum penetration: all six pairs differ",
+           "Bonferroni, CF - CCF P < .05, others P < .001",
+           [](const Columns& c) { return pairs_finding(c, kMax, 0.05); }),
+        of(&E::one, "E1.normal", "penetration columns pass the normality test, time columns do not",
+           "D'Agostino-Pearson K2", normality_finding),
+        of(&E::one, "E1.time.same", "completion time does not differ", "Friedman, P > .1", same_time_finding),
+        of(&E::two, "E2.peak.differs", "peak displacement differs",
+           "one-way ANOVA F(3, 28) = 100.3, P < .0001", removal_finding),
+        of(&E::two, "E2.peak.hf", "HF's peak displacement is larger than each of the others'",
+           "Bonferroni, P < .001 each", [](const Columns& c) { return removal_pairs_finding(c, true); }),
+        of(&E::two, "E2.peak.rest", "VF, CF and CCF do not differ from each other",
+           "Bonferroni, not significant", [](const Columns& c) { return removal_pairs_finding(c, false); }),
+        of(&E::three, "E3.stable", "at 50 ms only HF oscillates; VF, CF and CCF hold a stable contact",
+           "figure", stability_finding),
+        of(&E::three, "E3.max.differs", "maximum penetration differs", "Friedman, P < .0001",
+           [](const Columns& c) { return friedman_finding(c, kMax); }),
+        dunn("E3.max.hf_cf", "maximum penetration HF > CF", "Dunn, P < .001", kMax, "HF", "CF", 1e-3),
+        dunn("E3.max.hf_ccf", "maximum penetration HF > CCF", "Dunn, P < .05", kMax, "HF", "CCF", 0.05),
+        dunn("E3.max.vf_cf", "maximum penetration VF > CF", "Dunn, P < .001", kMax, "VF", "CF", 1e-3),
+        of(&E::three, "E3.time.differs", "completion time differs", "Friedman, P < .0001",
+           [](const Columns& c) { return friedman_finding(c, kTime); }),
+        dunn("E3.time.hf_vf", "completion time HF > VF", "Dunn, P < .01", kTime, "HF", "VF", 0.01),
+        dunn("E3.time.hf_cf", "completion time HF > CF", "Dunn, P < .05", kTime, "HF", "CF", 0.05),
+        dunn("E3.time.hf_ccf", "completion time HF > CCF", "Dunn, P < .001", kTime, "HF", "CCF", 1e-3),
+        PaperClaim{"E3.time.only_delay",
+                   "HF's penalty in time is absent without delay",
+                   "E1.time.same with E3.time.differs",
+                   {&E::one, &E::three},
+                   [](const E& e) { return only_delay_finding(e.one, e.three); }},
+        of(&E::one, "D.indistinct", "inserting with CF is nearly indistinguishable from HF",
+           "abstract; here two one-sided tests of CF against HF in experiment 1", indistinct_finding),
+        PaperClaim{"D.delay45",
+                   "part of CF's larger penetration comes from the actuators' 45 ms",
+                   "discussion; here the same trials with actuators without lag, paired t test, P < .001",
+                   {&E::one, &E::no_lag},
+                   [](const E& e) { return lag_finding(e.one, e.no_lag); }},
+        PaperClaim{"S.length",
+                   "a sitting takes as long as the paper's",
+                   "text: 9.13 min with experiments 1 and 2 (26 trials), 8.39 min with experiment 3",
+                   {&E::one, &E::two, &E::three},
+                   [](const E& e) { return length_finding(e.one, e.two, e.three); }},
+    };
+}
+
+Claim judged(const PaperClaim& of, const Experiments& experiments) {
+    Claim claim{of.id, of.claim, of.paper};
+    claim.had_trials = std::none_of(of.needs.begin(), of.needs.end(),
+                                    [&](const auto need) { return (experiments.*need).empty(); });
+    if (!claim.had_trials) {
+        claim.ours = "no trials to judge it by";
+        return claim;
+    }
+    try {
+        Finding finding = of.judge(experiments);
+        claim.ours = std::move(finding.ours);
+        claim.reproduced = finding.reproduced;
+        claim.direction = finding.direction;
+    } catch (const Error& refused) {
+        claim.ours = fmt::format("not judged: {}", refused.what());
+    }
+    return claim;
+}
+
+}  // namespace
 
 std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows, const std::vector<TrialRow>& no_lag) {
-    const StudyColumns one(rows, 1);
-    const StudyColumns two(rows, 2);
-    const StudyColumns three(rows, 3);
+    const Experiments experiments{{rows, 1}, {rows, 2}, {rows, 3}, {no_lag, 1}};
     std::vector<Claim> claims;
-    claim_without_delay(one, claims);
-    claim_sudden_removal(two, claims);
-    claim_with_delay(one, three, claims);
-    claim_in_the_discussion(one, StudyColumns(no_lag, 1), claims);
-    claim_session_length(one, two, three, claims);
+    for (const PaperClaim& claim : paper_claims()) claims.push_back(judged(claim, experiments));
     return claims;
 }
 
@@ -41,35 +136,6 @@ void write_claims(const std::vector<Claim>& claims, const std::filesystem::path&
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Claim& claim : claims) list.push_back(to_json(claim));
     write_text_file(json, json_text(list, 2) + "\n");
-}
-
-void add_claim(std::vector<Claim>& claims, const StudyColumns& columns, Claim claim,
-               const std::function<Finding()>& judge) {
-    if (columns.empty()) {
-        claim.ours = "no trials to judge it by";
-    } else {
-        claim.had_trials = true;
-        try {
-            Finding finding = judge();
-            claim.ours = std::move(finding.ours);
-            claim.reproduced = finding.reproduced;
-            claim.direction = finding.direction;
-        } catch (const Error& refused) {
-            claim.ours = fmt::format("not judged: {}", refused.what());
-        }
-    }
-    claims.push_back(std::move(claim));
-}
-
-std::string p_text(double p) { return p > 0 ? fmt::format("P = {:.2g}", p) : "P < 1e-300"; }
-
-std::string means_text(const SampleTable& table, Metric metric) {
-    std::string text;
-    for (std::size_t i = 0; i < table.conditions(); ++i) {
-        text += fmt::format("{}{} {:.{}f}", i > 0 ? ", " : "", table.name(i),
-                            sample_mean(table.column(i)) * info(metric).shown_per_si, info(metric).decimals);
-    }
-    return fmt::format("{}: {}", info(metric).label, text);
 }
 
 ReportTable claims_table(const std::vector<Claim>& claims) {

@@ -17,14 +17,14 @@
 namespace thimble {
 
 struct Claim {
-    std::string id;                  // "E1.mean.order"
-    std::string claim;               // in words
-    std::string paper;               // the paper's test and figure
-    std::string ours;                // what came out here; why it could not be judged
-    std::optional<bool> reproduced;  // nothing: not judged
+    std::string id;                       // "E1.mean.order"
+    std::string claim;                    // in words
+    std::string paper;                    // the paper's test and figure
+    std::string ours = {};                // what came out here; why it could not be judged
+    std::optional<bool> reproduced = {};  // nothing: not judged
     // Whether the direction alone comes out, whatever its significance; nothing where a claim has none
     // ("differs", "does not differ") or was not judged.
-    std::optional<bool> direction;
+    std::optional<bool> direction = {};
     bool had_trials = false;  // false: its experiment was not run
 };
 

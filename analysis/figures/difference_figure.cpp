@@ -1,11 +1,9 @@
-#include <optional>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 
+#include "analysis/figures/figure_grid.hpp"
 #include "analysis/figures/figures.hpp"
-#include "analysis/figures/measure_panels.hpp"
 #include "analysis/statistics/pairwise.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "common/error.hpp"
@@ -19,35 +17,39 @@ constexpr std::string_view kAllAtOnce =
 constexpr std::string_view kMeanPoint =
     "with xerrorbars pointtype 7 pointsize 0.7 linewidth 3 linecolor '#0072B2'";
 
+// A panel.
 struct Differences {
     Metric metric;
     std::vector<MeanPair> pairs;
     std::vector<NamedValues> columns;  // of subjects that have all modalities; of groups: empty
 };
 
-// Nothing where the statistics refuse the data: the analysis says why.
-std::optional<Differences> differences_of(const StudyColumns& columns, Metric metric) {
+// The pairs with HF, and those without: an oscillating HF is ten times as far from the others as they are from
+// each other, so each has a scale of its own. None where the statistics refuse the data: the analysis says why.
+constexpr std::size_t kHalves = 2;
+void add_differences(std::vector<Differences>& panels, const StudyColumns& columns, Metric metric) {
+    Differences all{metric, {}, {}};
     try {
-        if (columns.experiment() == 2)
-            return Differences{metric, pairs_after_one_way_anova(columns.groups(metric)), {}};
-        const SampleTable table = columns.table(metric).table;
-        Differences differences{metric, paired_t_tests(table).pairs, {}};
-        for (std::size_t i = 0; i < table.conditions(); ++i) differences.columns.push_back(table.column(i));
-        return differences;
+        if (columns.experiment() == 2) {
+            all.pairs = pairs_after_one_way_anova(columns.groups(metric));
+        } else {
+            const SampleTable table = columns.table(metric).table;
+            all.pairs = paired_t_tests(table).pairs;
+            for (std::size_t i = 0; i < table.conditions(); ++i) all.columns.push_back(table.column(i));
+        }
     } catch (const Error&) {
-        return std::nullopt;
+        return;
+    }
+    for (const bool with_handle : {true, false}) {
+        panels.push_back(all);
+        std::erase_if(panels.back().pairs,
+                      [&](const MeanPair& pair) { return (pair.first == 0) != with_handle; });
     }
 }
 
-// The pairs with HF, and those without: an oscillating HF is ten times as far from the others as they are from
-// each other, so each has a scale of its own.
-constexpr std::size_t kHalves = 2;
-bool in_half(const MeanPair& pair, std::size_t half) { return (pair.first == 0) == (half == 0); }
-
-void write_means(std::string& data, const Differences& of, std::size_t half) {
+void write_means(std::string& data, const Differences& of) {
     double y = 0;
     for (const MeanPair& pair : of.pairs) {
-        if (!in_half(pair, half)) continue;
         write_cell(data, y--);
         for (const double value : {pair.difference, pair.interval.low, pair.interval.high,
                                    pair.interval_simultaneous.low, pair.interval_simultaneous.high})
@@ -57,10 +59,9 @@ void write_means(std::string& data, const Differences& of, std::size_t half) {
     if (y == 0) data += "NaN NaN NaN NaN NaN NaN\n";  // gnuplot does not count a block without numbers
 }
 
-void write_subjects(std::string& data, const Differences& of, std::size_t half) {
+void write_subjects(std::string& data, const Differences& of) {
     double y = 0;
     for (const MeanPair& pair : of.pairs) {
-        if (!in_half(pair, half)) continue;
         for (std::size_t s = 0; !of.columns.empty() && s < of.columns[0].values.size(); ++s) {
             write_cell(data, y + 0.25);
             write_shown(data, of.columns[pair.first].values[s] - of.columns[pair.second].values[s],
@@ -72,26 +73,23 @@ void write_subjects(std::string& data, const Differences& of, std::size_t half) 
     data += "NaN NaN\n";
 }
 
-std::string difference_data(const std::vector<Differences>& measures) {
+std::string difference_data(const std::vector<Differences>& panels) {
     std::string data;
-    for (const Differences& of : measures) {
-        for (std::size_t half = 0; half < kHalves; ++half) {
-            data += fmt::format("# {}: y, difference, 95 % interval, interval of all six at once\n",
-                                info(of.metric).label);
-            write_means(data, of, half);
-            data += "\n\n# y, difference of one subject\n";
-            write_subjects(data, of, half);
-            data += "\n\n";
-        }
+    for (const Differences& of : panels) {
+        data += fmt::format("# {}: y, difference, 95 % interval, interval of all six at once\n",
+                            info(of.metric).label);
+        write_means(data, of);
+        data += "\n\n# y, difference of one subject\n";
+        write_subjects(data, of);
+        data += "\n\n";
     }
     return data;
 }
 
-std::string pair_axis(const Differences& of, std::size_t half) {
+std::string pair_axis(const Differences& of) {
     std::string tics;
     int y = 0;
     for (const MeanPair& pair : of.pairs) {
-        if (!in_half(pair, half)) continue;
         tics += fmt::format("{}'{} − {}' {}", tics.empty() ? "" : ", ", to_string(kModalities[pair.first]),
                             to_string(kModalities[pair.second]), y--);
     }
@@ -99,8 +97,8 @@ std::string pair_axis(const Differences& of, std::size_t half) {
                        info(of.metric).label);
 }
 
-std::string difference_script(const std::vector<Differences>& measures, const std::string& name) {
-    FigureGrid grid = measure_grid(measures.size());
+std::string difference_script(const std::vector<Differences>& panels, const std::string& name) {
+    FigureGrid grid = measure_grid(panels.size() / kHalves);
     grid.rows = kHalves;
     grid.panel_height_px = 120;
     grid.between_px = 100;
@@ -110,9 +108,9 @@ std::string difference_script(const std::vector<Differences>& measures, const st
     script += "set yrange [-2.5:0.6]; set xrange [*<0:0<*]; set border 1 linecolor '#444444'\n";
     script += "set arrow 1 from 0, graph 0 to 0, graph 1 nohead dashtype (4,3) linecolor '#444444' back\n";
     script += "set offsets graph 0.03, graph 0.03, 0, 0\nunset key\nset multiplot\n";
-    for (std::size_t i = 0; i < measures.size() * kHalves; ++i) {
-        script += grid.margins(i % kHalves, i / kHalves) + pair_axis(measures[i / kHalves], i % kHalves);
-        const bool of_subjects = !measures[i / kHalves].columns.empty();
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        script += grid.margins(i % kHalves, i / kHalves) + pair_axis(panels[i]);
+        const bool of_subjects = !panels[i].columns.empty();
         script += fmt::format(
             "plot {subjects}'{name}.tsv' index {means} using 2:1:5:6 {all}, \\\n"
             "     '{name}.tsv' index {means} using 2:1:3:4 {mean}\n",
@@ -124,10 +122,9 @@ std::string difference_script(const std::vector<Differences>& measures, const st
     }
     // Lines: the key of an error bar needs a point within the range, which would also be drawn.
     script += grid.key(fmt::format(
-        "{}NaN with lines linewidth 3 linecolor '{}' title 'mean, 95 % CI', "
-        "NaN with lines linewidth 1 linecolor 'black' title '95 % CI, all six at once'",
-        measures[0].columns.empty() ? "" : fmt::format("NaN {} title 'one subject', ", kSubjectPoint),
-        kBlue));
+        "{}NaN with lines linewidth 3 linecolor '{}' title 'mean, 95 % CI', NaN with lines linewidth 1 "
+        "linecolor 'black' title '95 % CI, all six at once'",
+        panels[0].columns.empty() ? "" : fmt::format("NaN {} title 'one subject', ", kSubjectPoint), kBlue));
     return script + "unset multiplot\n";
 }
 
@@ -135,19 +132,16 @@ std::string difference_script(const std::vector<Differences>& measures, const st
 
 FigureSource difference_figure(const StudyColumns& columns, const std::vector<Metric>& metrics,
                                const std::string& name) {
-    std::vector<Differences> measures;
-    for (const Metric metric : metrics) {
-        if (auto differences = differences_of(columns, metric)) measures.push_back(std::move(*differences));
-    }
-    if (measures.empty()) return {};
-    return {
-        name, "Differences",
-        fmt::format("First minus second modality: mean with its 95 % confidence interval (thick), and the "
-                    "interval that holds for all six pairs at once (thin, Bonferroni). {} Pairs with HF and "
-                    "without it have scales of their own.",
-                    columns.experiment() == 2 ? "By the error of the one-way ANOVA, over trials."
-                                              : "By the subjects' own differences (paired t)."),
-        difference_data(measures), difference_script(measures, name)};
+    std::vector<Differences> panels;
+    for (const Metric metric : metrics) add_differences(panels, columns, metric);
+    if (panels.empty()) return {};
+    return {name, "Differences",
+            fmt::format("First minus second modality: mean with its 95 % confidence interval (thick), and "
+                        "the interval that holds for all six pairs at once (thin, Bonferroni). {} Pairs with "
+                        "HF and without it have scales of their own.",
+                        columns.experiment() == 2 ? "By the error of the one-way ANOVA, over trials."
+                                                  : "By the subjects' own differences (paired t)."),
+            difference_data(panels), difference_script(panels, name)};
 }
 
 }  // namespace thimble

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/figures/figure_grid.hpp"
 #include "analysis/figures/figures.hpp"
-#include "analysis/figures/measure_panels.hpp"
 #include "analysis/statistics/descriptive.hpp"
 #include "analysis/text/gnuplot.hpp"
 
@@ -95,11 +95,10 @@ FigureSource distribution_figure(const StudyColumns& columns, const std::vector<
                                  const std::string& name) {
     if (columns.empty() || metrics.empty()) return {};
     return {name, "Distributions",
-            fmt::format(
-                "All {} trials as points, spread sideways to be seen. Box: quartiles and median; cross: "
-                "mean; whiskers: last trial within 1.5 times the height of the box. Trials of one subject "
-                "are not independent: the tests average them first.",
-                columns.rows().size()),
+            fmt::format("All {} trials as points, spread sideways to be seen. Box: quartiles and median; "
+                        "cross: mean; whiskers: last trial within 1.5 times the height of the box. Trials of "
+                        "one subject are not independent: the tests average them first.",
+                        columns.rows().size()),
             distribution_data(columns, metrics), distribution_script(columns, metrics, name)};
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analysis/tables/study_columns.hpp"
+#include "analysis/text/gnuplot.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/records/mean_trajectory.hpp"
 
@@ -19,12 +20,6 @@ struct Figure {
     std::string title;
     std::string caption;
     std::string svg;  // the element alone, fit to stand in HTML; ids begin with the name
-};
-
-// The data and script of a figure.
-struct FigureSource {
-    std::string name, title, caption;
-    std::string data, script;  // NAME.tsv, NAME.gp
 };
 
 // A panel per delay (rows) and modality (columns): needle and surface, mean with a band of one SD, over
@@ -58,7 +53,7 @@ struct DrawnFigures {
 };
 // Into OUTPUT/figures, all in one gnuplot. A report without pictures is better than none: failure becomes
 // `problem`. Sources with an empty script are left out.
-DrawnFigures draw_figures(const std::vector<FigureSource>& sources, const std::filesystem::path& output);
+DrawnFigures draw_figures(std::vector<FigureSource> sources, const std::filesystem::path& output);
 // Trajectories and bars. `suffix` tells the figures of several sections apart ("_real").
 DrawnFigures draw_figures(const std::vector<TrajectoryPanel>& panels,
                           const std::vector<ConditionSummary>& conditions,

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "analysis/figures/figure_grid.hpp"
 #include "analysis/figures/figures.hpp"
-#include "analysis/figures/measure_panels.hpp"
 #include "analysis/statistics/descriptive.hpp"
 #include "analysis/text/gnuplot.hpp"
 

@@ -1,7 +1,6 @@
 #include "analysis/report/report.hpp"
 
 #include <fstream>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,11 +9,11 @@
 #include "analysis/report/report_tables.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 
 namespace thimble {
-
 namespace {
 
 const char* css_class(Verdict verdict) {
@@ -89,8 +88,7 @@ ReportSection agreement_section(const std::vector<TrialRow>& real,
     section.title = "Real processes against virtual time";
     section.text = fmt::format(
         "The class agrees in {} of {} trials that both have. {} real trials have no counterpart or did not "
-        "run to "
-        "their end.",
+        "run to their end.",
         agreement.same_class, agreement.compared, agreement.unmatched);
     section.tables = {std::move(agreement.metrics), std::move(agreement.classes)};
     return section;
@@ -105,7 +103,55 @@ void write_report(const ReportInput& report, const std::filesystem::path& html) 
 
 namespace {
 
+// Keeps the order of insertion. NaN becomes null.
 using Json = nlohmann::ordered_json;
+
+Json to_json(const Headline& headline) {
+    return {{"claim", headline.claim()},
+            {"delay_s", headline.delay_s},
+            {"verdict", to_string(headline.verdict)},
+            {"supported", headline.verdict == Verdict::kSupported},
+            {"reasons", headline.reasons},
+            {"sentence", headline.sentence()}};
+}
+
+Json to_json(const ConditionSummary& condition) {
+    Json json{{"modality", to_string(condition.modality)},
+              {"delay_s", condition.delay_s},
+              {"trials", condition.trials},
+              {"judged", condition.judged},
+              {"oscillating", condition.oscillating},
+              {"beeped", condition.beeped},
+              {"subjects", condition.subjects}};
+    for (std::size_t i = 0; i < kMetrics; ++i) {
+        const Statistic& statistic = condition.statistics[i];
+        json["metrics"][std::string(info(static_cast<Metric>(i)).name)] = {
+            {"mean", statistic.mean}, {"sd", statistic.sd}, {"n", statistic.n}};
+    }
+    return json;
+}
+
+Json to_json(const ReportTable& table) {
+    return {{"title", table.title}, {"note", table.note}, {"columns", table.columns}, {"rows", table.rows}};
+}
+
+Json to_json(const ReportSection& section) {
+    Json json{{"title", section.title}, {"text", section.text}};
+    if (!section.findings.empty()) json["findings"] = section.findings;
+    if (section.headline) json["headline"] = to_json(*section.headline);
+    json["conditions"] = Json::array();
+    for (const ConditionSummary& condition : section.conditions)
+        json["conditions"].push_back(to_json(condition));
+    json["figures"] = Json::array();
+    for (const Figure& figure : section.drawn.figures) {
+        json["figures"].push_back(
+            {{"name", figure.name}, {"title", figure.title}, {"caption", figure.caption}});
+    }
+    if (!section.drawn.problem.empty()) json["figures_problem"] = section.drawn.problem;
+    json["tables"] = Json::array();
+    for (const ReportTable& table : section.tables) json["tables"].push_back(to_json(table));
+    return json;
+}
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& why) {
     throw Error(ExitCode::kData, fmt::format("{}: {}; is this the --out folder of a thimble run or study?",
@@ -132,11 +178,9 @@ Figure read_figure(const Json& json, const std::filesystem::path& folder) {
     figure.name = json.at("name").get<std::string>();
     figure.title = json.at("title").get<std::string>();
     figure.caption = json.at("caption").get<std::string>();
-    const auto path = folder / "figures" / (figure.name + ".svg");
-    std::ifstream file(path);
-    std::ostringstream text;
-    if (!file || !(text << file.rdbuf())) fail(path, "this figure cannot be read");
-    figure.svg = embeddable_svg(text.str(), figure.name);
+    const auto svg = drawn_svg(folder / "figures", figure.name);
+    if (!svg) fail(folder / "figures" / (figure.name + ".svg"), "this figure cannot be read");
+    figure.svg = *svg;
     return figure;
 }
 
@@ -177,6 +221,15 @@ void add_folder(ReportInput& report, const std::filesystem::path& folder, const 
 }
 
 }  // namespace
+
+void write_summary(const ReportInput& report, const std::filesystem::path& json_path) {
+    Json json{{"title", report.title}};
+    json["provenance"] = Json::object();
+    for (const auto& [key, value] : report.provenance) json["provenance"][key] = value;
+    json["sections"] = Json::array();
+    for (const ReportSection& section : report.sections) json["sections"].push_back(to_json(section));
+    write_text_file(json_path, json_text(json, 2) + "\n");
+}
 
 void write_combined_report(const std::filesystem::path& run, const std::filesystem::path& study,
                            const std::filesystem::path& html, const std::string& command) {

@@ -1,13 +1,5 @@
 // The report of a study (virtual time), of a run (real processes) or of both: one HTML file that stands
 // alone, and the same numbers as summary.json.
-//
-//     ReportInput report{"Thimble: study"};
-//     const auto conditions = summarize(rows);
-//     report.sections.push_back(trials_section("Virtual time", rows, draw_figures(panels, conditions,
-//     output))); report.sections.push_back(agreement_section(real_rows, virtual_rows));   // thimble run,
-//     thimble report report.provenance = {{"seed", "1"}, {"command", "thimble study ..."}};
-//     write_report(report, output / "report.html");
-//     write_summary(report, output / "summary.json");
 #pragma once
 
 #include <filesystem>

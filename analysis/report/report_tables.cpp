@@ -81,9 +81,9 @@ const char* class_text(bool oscillates) { return oscillates ? "oscillates" : "ho
 ReportTable class_table(const std::vector<ConditionSummary>& conditions) {
     ReportTable table{
         "Who oscillates",
-        fmt::format("A trial oscillates if the needle leaves the fixture at least {} times and moves by "
-                    "more than {:g} mm rms during the hold ({:g} s after the first contact to the beep). "
-                    "Judged are trials that ran to their end and touched the fixture.",
+        fmt::format("A trial oscillates if the needle leaves the fixture at least {} times and moves by more "
+                    "than {:g} mm rms during the hold ({:g} s after the first contact to the beep). Judged "
+                    "are trials that ran to their end and touched the fixture.",
                     kOscillationContactsLost, kOscillationRms_m * 1e3, kHoldSettling_s),
         {"delay", "modality", "trials", "judged", "oscillating", "ended with the beep"},
         {}};

@@ -25,10 +25,11 @@ std::string program(const NodeReport& node) { return node.report.value("program"
 }  // namespace
 
 ReportTable deadline_table(const std::vector<NodeReport>& reports) {
-    ReportTable table;
-    table.title = "Deadlines";
-    table.note = "Lateness: wake-up after its absolute deadline, in microseconds. Missed: by more than 1 ms.";
-    table.columns = {"condition", "program", "deadlines", "missed", "median", "99 %", "worst"};
+    ReportTable table{
+        "Deadlines",
+        "Lateness: wake-up after its absolute deadline, in microseconds. Missed: by more than 1 ms.",
+        {"condition", "program", "deadlines", "missed", "median", "99 %", "worst"},
+        {}};
     for (const NodeReport& node : reports) {
         if (!node.report.contains("deadlines")) continue;  // the session's own: it has none
         const auto lateness = node.report.value("lateness", nlohmann::ordered_json::object());
@@ -42,13 +43,11 @@ ReportTable deadline_table(const std::vector<NodeReport>& reports) {
 }
 
 ReportTable refusal_table(const std::vector<NodeReport>& reports) {
-    ReportTable table;
-    table.title = "Refused datagrams";
-    table.note =
-        "Each is counted by its reason and otherwise harmless; counters at zero are left out. wrong_trial "
-        "counts "
-        "what was still on its way when a trial ended.";
-    table.columns = {"condition", "program", "reason", "count"};
+    ReportTable table{"Refused datagrams",
+                      "Each is counted by its reason and otherwise harmless; counters at zero are left out. "
+                      "wrong_trial counts what was still on its way when a trial ended.",
+                      {"condition", "program", "reason", "count"},
+                      {}};
     for (const NodeReport& node : reports) {
         const auto refused = node.report.value("refused", nlohmann::ordered_json::object());
         for (const auto& [reason, count] : refused.items()) {
@@ -62,13 +61,12 @@ ReportTable refusal_table(const std::vector<NodeReport>& reports) {
 ReportTable security_table(const std::vector<NodeReport>& reports) {
     constexpr std::array kRefusals{"forged", "replayed", "wrong_role",
                                    "no_key", "unsealed", "handshake_refused"};
-    ReportTable table;
-    table.title = "Protection";
-    table.note =
+    ReportTable table{
+        "Protection",
         "Datagrams that were sealed and opened, handshakes completed (one per program, one more for each "
-        "renewal "
-        "or restart), and what was refused, by its reason; thimble is the session.";
-    table.columns = {"condition", "program", "sealed", "opened", "handshakes"};
+        "renewal or restart), and what was refused, by its reason; thimble is the session.",
+        {"condition", "program", "sealed", "opened", "handshakes"},
+        {}};
     table.columns.insert(table.columns.end(), kRefusals.begin(), kRefusals.end());
     for (const NodeReport& node : reports) {
         const auto security = node.report.value("security", nlohmann::ordered_json::object());
@@ -84,11 +82,11 @@ ReportTable security_table(const std::vector<NodeReport>& reports) {
 }
 
 ReportTable stale_table(const std::vector<NodeReport>& reports) {
-    ReportTable table;
-    table.title = "Silent inputs";
-    table.note =
-        "Where an input fell silent for longer than its time: which policy acted, how often and how long.";
-    table.columns = {"condition", "program", "policy", "trial", "times", "acted, ms", "longest, ms"};
+    ReportTable table{
+        "Silent inputs",
+        "Where an input fell silent for longer than its time: which policy acted, how often and how long.",
+        {"condition", "program", "policy", "trial", "times", "acted, ms", "longest, ms"},
+        {}};
     for (const NodeReport& node : reports) {
         const auto acted = node.report.value("stale_acted", nlohmann::ordered_json::array());
         for (const auto& one : acted) {
@@ -107,12 +105,11 @@ bool runs_elsewhere(const NodeStarter& starter) {
 }
 
 ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network) {
-    ReportTable table;
-    table.title = "Machines";
-    table.note =
-        "Where each node ran. The bare round trip above is this machine's own, without a wire: a ratio to it "
-        "holds the wires as well.";
-    table.columns = {"program", "machine", "address"};
+    ReportTable table{"Machines",
+                      "Where each node ran. The bare round trip above is this machine's own, without a wire: "
+                      "a ratio to it holds the wires as well.",
+                      {"program", "machine", "address"},
+                      {}};
     const auto add = [&](const char* program, const std::string& machine, Role role) {
         table.rows.push_back({program, machine.empty() ? "this one" : machine, network.host(role)});
     };
@@ -122,16 +119,14 @@ ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& net
 }
 
 ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram& bare) {
-    ReportTable table;
-    table.title = "Round trip";
-    table.note = fmt::format(
-        "Encoder sample to its force at the handle: {} hops through netem and slave_sim, codec and all. "
-        "Bare: two "
-        "processes, blocking, {} exchanges in the same run, median {:.1f} us there and back (99 % {:.0f} "
-        "us), times {}.",
-        kHops, bare.count(), to_seconds(bare.quantile(0.5)) * 1e6, to_seconds(bare.quantile(0.99)) * 1e6,
-        kHops / 2);
-    table.columns = {"condition", "modality", "median, us", "bare x hops, us", "ratio"};
+    ReportTable table{"Round trip",
+                      fmt::format("Encoder sample to its force at the handle: {} hops through netem and "
+                                  "slave_sim, codec and all. Bare: two processes, blocking, {} exchanges in "
+                                  "the same run, median {:.1f} us there and back (99 % {:.0f} us), times {}.",
+                                  kHops, bare.count(), to_seconds(bare.quantile(0.5)) * 1e6,
+                                  to_seconds(bare.quantile(0.99)) * 1e6, kHops / 2),
+                      {"condition", "modality", "median, us", "bare x hops, us", "ratio"},
+                      {}};
     const double bare_us = to_seconds(bare.quantile(0.5)) * 1e6 * kHops / 2;
     for (const TrialRow& row : rows) {
         if (row.conditions.delay_s > 0 || std::isnan(row.round_trip_s)) continue;
@@ -139,6 +134,40 @@ ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram&
         table.rows.push_back({delay_text(row.conditions.delay_s), to_string(row.conditions.modality),
                               fmt::format("{:.0f}", loop_us), fmt::format("{:.0f}", bare_us),
                               fmt::format("{:.2f}", loop_us / bare_us)});
+    }
+    return table;
+}
+
+std::string one_way_text_us(const std::optional<OneWayDelay>& delay) {
+    if (!delay) return "not known";
+    const double bound_us = 1e6 * delay->bound_s;
+    if (!delay->known()) return fmt::format("not known: +-{:.1f}", bound_us);
+    return fmt::format("{:.1f} +-{:.1f}", 1e6 * delay->median_s, bound_us);
+}
+
+std::string rate_text_ppm(const ClockSummary& clock) {
+    if (!clock.even) return "not even";
+    if (!clock.rate_known()) return "not known";
+    return fmt::format("{:.2f} to {:.2f}", 1e6 * clock.rate_low, 1e6 * clock.rate_high);
+}
+
+ReportTable clock_table(const std::vector<NodeClock>& clocks) {
+    ReportTable table{
+        "Clocks",
+        "Each node's clock minus the session's at the last exchange: surely within offset +- bound, whatever "
+        "the network did. Rate: how fast the node's clock gains, all that the exchanges allow. Exchanges "
+        "pass the control channel, not the emulated network; one-way delays are its own, shown where the "
+        "bound is smaller than the value. Two nodes: difference of offsets, sum of bounds.",
+        {"condition", "node", "offset, s", "bound, us", "rate, ppm", "exchanges", "steps", "there, us",
+         "back, us"},
+        {}};
+    for (const NodeClock& clock : clocks) {
+        const ClockSummary& s = clock.summary;
+        table.rows.push_back({delay_text(clock.delay_s), to_string(clock.node),
+                              fmt::format("{:.6f}", s.offset ? s.offset->offset_s() : std::nan("")),
+                              fmt::format("{:.1f}", s.offset ? 1e6 * s.offset->bound_s() : std::nan("")),
+                              rate_text_ppm(s), std::to_string(s.exchanges), std::to_string(s.steps),
+                              one_way_text_us(s.there), one_way_text_us(s.back)});
     }
     return table;
 }

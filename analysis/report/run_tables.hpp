@@ -1,6 +1,8 @@
 // Tables of how well the machine kept time during a real-time run.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +10,7 @@
 #include "analysis/text/html.hpp"
 #include "common/histogram.hpp"
 #include "common/network_settings.hpp"
+#include "session/clocks/clock_summary.hpp"
 #include "session/launch/node_starter.hpp"
 #include "session/records/trial_table.hpp"
 
@@ -31,5 +34,13 @@ bool runs_elsewhere(const NodeStarter& starter);
 ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& network);
 // Handle to handle through all processes at 0 ms against a bare ping-pong times the number of hops.
 ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram& bare);
+
+// The clock of each node against the session's.
+ReportTable clock_table(const std::vector<NodeClock>& clocks);
+
+// "12.3", or "not known: +-40.1", in microseconds.
+std::string one_way_text_us(const std::optional<OneWayDelay>& delay);
+// "-0.12 to 3.40" in parts per million.
+std::string rate_text_ppm(const ClockSummary& clock);
 
 }  // namespace thimble

@@ -8,7 +8,6 @@
 #include "analysis/statistics/distributions.hpp"
 
 namespace thimble {
-
 namespace {
 
 Moments checked_moments(const NamedValues& column, std::size_t least, std::string_view what) {
@@ -48,6 +47,24 @@ ConfidenceInterval mean_interval(const NamedValues& column, double confidence) {
     const auto n = static_cast<double>(m.n);
     const double half = t_half_width(confidence, n - 1) * std::sqrt(m.variance() / n);
     return {m.mean - half, m.mean + half};
+}
+
+// The ends are the roots of (p - hits / n)^2 = z^2 p (1 - p) / n, the lower one in the form that only adds.
+ConfidenceInterval wilson_interval(std::size_t successes, std::size_t trials, double confidence) {
+    constexpr const char* kWhat = "Wilson interval";
+    require_confidence(confidence, kWhat);
+    if (trials == 0) refuse(kWhat, "0 trials have no proportion; run some");
+    if (successes > trials) {
+        refuse(kWhat, std::to_string(successes) + " successes in " + std::to_string(trials) + " trials");
+    }
+    const auto n = static_cast<double>(trials);
+    const auto hits = static_cast<double>(successes);
+    const double z = -normal_quantile((1 - confidence) / 2);
+    const double centre = 2 * hits + z * z;
+    const double both = centre + z * std::sqrt(z * z + 4 * hits * (n - hits) / n);
+    ConfidenceInterval interval{2 * hits * hits / (n * both), both / (2 * (n + z * z))};
+    if (successes == trials) interval.high = 1;  // and not one rounding beside it
+    return interval;
 }
 
 Moments moments(std::span<const double> values) {

@@ -1,4 +1,4 @@
-// One column described. In the unit of the column. Every function throws Error (kData) for a value that is
+// One column described, in its unit, and a proportion. Every function throws Error (kData) for a value that is
 // missing or infinite and for too few values.
 #pragma once
 
@@ -6,7 +6,6 @@
 #include <span>
 #include <string_view>
 
-#include "analysis/statistics/confidence_interval.hpp"
 #include "analysis/statistics/named_values.hpp"
 
 namespace thimble {
@@ -21,6 +20,12 @@ double sample_median(const NamedValues& column);
 
 // mean -+ t sd / sqrt(n), Student's t with n - 1 degrees of freedom; n >= 2. Equal values give no width.
 ConfidenceInterval mean_interval(const NamedValues& column, double confidence = 0.95);
+
+// Wilson's score interval of a proportion, without continuity correction: Wilson, "Probable inference, the law of
+// succession, and statistical inference", JASA 22, 1927. Sensible also at 0 and 1 and for few trials. Inside [0, 1];
+// starts at exactly 0 without a success and ends at exactly 1 without a failure. Throws Error (kData) for no trials and
+// for more successes than trials.
+ConfidenceInterval wilson_interval(std::size_t successes, std::size_t trials, double confidence = 0.95);
 
 // Mean and sum of squares in two passes (Chan, Golub and LeVeque, "Algorithms for computing the sample
 // variance", The American Statistician 37(3), 1983), the mean with twice the digits: a common offset then costs

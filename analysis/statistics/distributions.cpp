@@ -19,7 +19,6 @@
 #include "analysis/statistics/named_values.hpp"
 
 namespace thimble {
-
 namespace {
 
 namespace policies = boost::math::policies;
@@ -57,10 +56,6 @@ double tail(const char* what, const Compute& compute) {
 double normal_two_sided(double z) {
     return tail("normal tail",
                 [&] { return boost::math::erfc(std::abs(z) / std::numbers::sqrt2, InDouble()); });
-}
-
-double normal_upper(double z) {
-    return tail("normal tail", [&] { return cdf(complement(Normal(0, 1), z)); });
 }
 
 double normal_quantile(double p) {

@@ -3,12 +3,11 @@
 // Arguments must be numbers, degrees of freedom positive, probabilities in (0, 1). Each throws Error (kData) where it cannot compute a value.
 #pragma once
 
-#include "analysis/statistics/confidence_interval.hpp"
+#include "analysis/statistics/named_values.hpp"
 
 namespace thimble {
 
 double normal_two_sided(double z);    // P(|Z| >= |z|)
-double normal_upper(double z);        // P(Z >= z)
 double normal_quantile(double p);     // z with P(Z <= z) = p
 double t_upper(double t, double df);  // P(T >= t); the lower tail is t_upper(-t, df)
 double t_two_sided(double t, double df);

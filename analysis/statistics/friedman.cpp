@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "analysis/statistics/distributions.hpp"
-#include "analysis/statistics/ranks.hpp"
 
 namespace thimble {
-
 namespace {
 
 constexpr const char* kFriedman = "Friedman test";
@@ -60,6 +59,21 @@ std::vector<double> mean_ranks(const RankedTable& ranked) {
 }
 
 }  // namespace
+
+std::vector<std::int64_t> doubled_ranks(std::span<const double> values) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+    std::vector<std::int64_t> ranks(values.size());
+    for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+        while (last < order.size() && values[order[last]] == values[order[first]]) ++last;
+        // Mean of the ranks first + 1 to last.
+        for (std::size_t i = first; i < last; ++i)
+            ranks[order[i]] = static_cast<std::int64_t>(first + 1 + last);
+    }
+    return ranks;
+}
 
 Friedman friedman(const SampleTable& table) {
     const RankedTable ranked = checked_ranks(table);
@@ -118,12 +132,12 @@ class Packing {
     }
 
     void unpack(std::uint64_t key, std::int64_t total, Ranks& sums) const {
-        const std::uint64_t mask = bits_ == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits_) - 1;
+        const std::uint64_t mask = (std::uint64_t{1} << bits_) - 1;
         std::int64_t rest = total;
         for (std::size_t c = conditions_ - 1; c-- > 0;) {
             sums[c] = static_cast<std::int64_t>(key & mask);
             rest -= sums[c];
-            key = bits_ == 64 ? 0 : key >> bits_;
+            key >>= bits_;
         }
         sums[conditions_ - 1] = rest;
     }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "analysis/statistics/sample_table.hpp"
@@ -50,6 +51,10 @@ struct DunnPair {
 // rank sums", Technometrics 6(3), 1964. The standard error knows no ties: with many the test is conservative.
 // Errors as friedman's.
 std::vector<DunnPair> dunn_after_friedman(const SampleTable& table);
+
+// Twice the rank (1 for the smallest) of each value, in the values' order. Only equal doubles tie, and share their mean
+// rank: twice it is a whole number, so that sums compare exactly.
+std::vector<std::int64_t> doubled_ranks(std::span<const double> values);
 
 // The exact null distribution of Friedman's statistic, also with ties (given the ties).
 

@@ -14,6 +14,11 @@ struct NamedValues {
     std::vector<double> values;
 };
 
+struct ConfidenceInterval {
+    double low = 0;
+    double high = 0;
+};
+
 // Beyond this magnitude squares of differences overflow.
 inline constexpr double kLargestValue = 1e150;
 

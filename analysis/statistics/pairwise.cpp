@@ -11,7 +11,6 @@
 #include "common/error.hpp"
 
 namespace thimble {
-
 namespace {
 
 struct Difference {

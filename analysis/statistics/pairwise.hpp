@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/statistics/confidence_interval.hpp"
 #include "analysis/statistics/named_values.hpp"
 #include "analysis/statistics/sample_table.hpp"
 

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include <boost/algorithm/string/replace.hpp>
 #include <fmt/format.h>
 
 #include "common/error.hpp"
@@ -16,12 +17,6 @@ namespace thimble {
 namespace {
 
 constexpr const char* kRemedy = "install gnuplot (Debian: gnuplot-nox) to get the figures";
-
-void replace_all(std::string& text, std::string_view from, const std::string& to) {
-    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
-        text.replace(at, from.size(), to);
-    }
-}
 
 // Behind every script: the same again as PDF, a vector format that print shops and LaTeX take.
 std::string once_more_as_pdf(const std::string& name) {
@@ -50,19 +45,16 @@ void forget_date(const std::filesystem::path& pdf) {
     write_text_file(pdf, bytes);
 }
 
-}  // namespace
-
 // Without XML declaration, DOCTYPE and comments, which may not stand inside HTML or name outside addresses;
 // with ids of its own, since gnuplot gives the same ones to every figure.
 std::string embeddable_svg(std::string text, const std::string& name) {
     text.erase(0, text.find("<svg"));
-    replace_all(text, "id=\"", "id=\"" + name + "-");
-    replace_all(text, "id='", "id='" + name + "-");
-    replace_all(text, "xlink:href='#", "xlink:href='#" + name + "-");
-    replace_all(text, "xlink:href=\"#", "xlink:href=\"#" + name + "-");
-    replace_all(text, "url(#", "url(#" + name + "-");
+    for (const char* before : {"id=\"", "id='", "xlink:href='#", "xlink:href=\"#", "url(#"})
+        boost::replace_all(text, before, before + name + "-");
     return text;
 }
+
+}  // namespace
 
 std::string gnuplot_preamble(const std::string& name, int width_px, int height_px) {
     constexpr double kPixelsPerInch = 100;
@@ -90,28 +82,24 @@ std::string range_text(std::uint32_t low, std::uint32_t high) {
     return low == high ? fmt::format("{}", low) : fmt::format("{}-{}", low, high);
 }
 
-void write_gnuplot_files(const std::filesystem::path& directory, const std::vector<GnuplotFiles>& figures) {
+std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
+                                             const std::vector<FigureSource>& figures) {
     std::error_code failure;
     std::filesystem::create_directories(directory, failure);  // what went wrong shows when writing
-    for (const GnuplotFiles& figure : figures) {
+    std::vector<std::string> arguments{"-d"};
+    for (const FigureSource& figure : figures) {
         write_text_file(directory / (figure.name + ".tsv"), figure.data);
         write_text_file(directory / (figure.name + ".gp"), figure.script + once_more_as_pdf(figure.name));
         // A picture of an earlier run must not pass for this one.
-        for (const char* picture : {".svg", ".pdf"}) {
+        for (const char* picture : {".svg", ".pdf"})
             std::filesystem::remove(directory / (figure.name + picture), failure);
-        }
+        arguments.push_back(figure.name + ".gp");
     }
-}
-
-std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
-                                             const std::vector<std::string>& names) {
-    std::vector<std::string> arguments{"-d"};
-    for (const std::string& name : names) arguments.push_back(name + ".gp");
     const ProgramResult result = run_program("gnuplot", arguments, directory, kRemedy);
     std::string missing;
-    for (const std::string& name : names) {
-        if (!drawn_svg(directory, name)) missing += " " + name;
-        forget_date(directory / (name + ".pdf"));
+    for (const FigureSource& figure : figures) {
+        if (!drawn_svg(directory, figure.name)) missing += " " + figure.name;
+        forget_date(directory / (figure.name + ".pdf"));
     }
     if (result.exit_code == 0 && missing.empty()) return std::nullopt;
     return fmt::format(
@@ -128,10 +116,8 @@ std::optional<std::string> drawn_svg(const std::filesystem::path& directory, con
 
 std::string run_gnuplot(const std::filesystem::path& directory, const std::string& name,
                         const std::string& data, const std::string& script) {
-    write_gnuplot_files(directory, {{name, data, script}});
-    if (const auto complaint = draw_with_gnuplot(directory, {name})) {
+    if (const auto complaint = draw_with_gnuplot(directory, {{name, "", "", data, script}}))
         throw Error(ExitCode::kRunFailed, *complaint);
-    }
     return drawn_svg(directory, name).value_or("");
 }
 

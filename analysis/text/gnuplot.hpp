@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+
 namespace thimble {
 
 // Okabe and Ito (2008): told apart with every common form of colour blindness.
@@ -28,22 +30,27 @@ void write_cell(std::string& data, double value);
 // "10", or "9-10" where panels differ.
 std::string range_text(std::uint32_t low, std::uint32_t high);
 
-// The <svg> element of a whole SVG file, its ids prefixed with `name` so that several can stand in one page.
-std::string embeddable_svg(std::string text, const std::string& name);
+// "'HF' 0, 'CF' 1": the tics of an axis, label(i) at i.
+template <class Label>
+std::string numbered_tics(std::size_t count, const Label& label) {
+    std::string tics;
+    for (std::size_t i = 0; i < count; ++i) tics += fmt::format("{}'{}' {}", i > 0 ? ", " : "", label(i), i);
+    return tics;
+}
 
-// The data and script of one picture; NAME.svg is drawn by `gnuplot -d NAME.gp` beside NAME.tsv.
-struct GnuplotFiles {
-    std::string name, data, script;
+// A figure: NAME.svg is drawn by `gnuplot -d NAME.gp` beside NAME.tsv.
+struct FigureSource {
+    std::string name, title, caption;
+    std::string data, script;  // NAME.tsv, NAME.gp
 };
-// Writes NAME.tsv and NAME.gp of each into `directory`, made if missing; removes its pictures of earlier runs.
-// Throws Error (run failed) naming a file that cannot be written.
-void write_gnuplot_files(const std::filesystem::path& directory, const std::vector<GnuplotFiles>& figures);
-// Draws them in one process, since half of a small figure's time is gnuplot's start. Returns what gnuplot
-// complained about, nothing if all went well; what follows the one it failed on is not drawn. Throws Error (run
-// failed) that says what to install if it cannot be started.
+// Writes NAME.tsv and NAME.gp of each into `directory`, made if missing, removes its pictures of earlier runs, and draws all
+// in one process, since half of a small figure's time is gnuplot's start. Returns what gnuplot complained about, nothing
+// if all went well; what follows the one it failed on is not drawn. Throws Error (run failed) that names a file that
+// cannot be written, or says what to install if gnuplot cannot be started.
 std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
-                                             const std::vector<std::string>& names);
-// The <svg> element of NAME.svg, its ids prefixed with the name; nothing if it is not there to its end.
+                                             const std::vector<FigureSource>& figures);
+// The <svg> element of NAME.svg, its ids prefixed with the name so that several can stand in one page; nothing if it is
+// not there to its end.
 std::optional<std::string> drawn_svg(const std::filesystem::path& directory, const std::string& name);
 
 // All of it for one picture. Throws Error (run failed) that says what to install or what gnuplot complained

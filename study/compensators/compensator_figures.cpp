@@ -65,9 +65,8 @@ std::string measure_data(const std::vector<CompensatorRow>& rows, const Compensa
 std::string measure_script(const std::vector<CompensatorRow>& rows, const CompensatorMeasure& measure,
                            const std::string& name) {
     const std::vector<CompensatorNetwork> networks = plain_in(rows);
-    std::string tics;
-    for (std::size_t i = 0; i < networks.size(); ++i)
-        tics += fmt::format("{}'{:g}' {}", i > 0 ? ", " : "", 1000 * networks[i].delay_s, i);
+    const std::string tics = numbered_tics(
+        networks.size(), [&](std::size_t i) { return fmt::format("{:g}", 1000 * networks[i].delay_s); });
     std::string script = gnuplot_preamble(name, 860, 430);
     script += fmt::format(
         "set xtics ({})\nset xrange [-0.2:{:.1f}]\nset xlabel 'delay of the force path, one way (ms)'\n"
@@ -113,15 +112,14 @@ std::string matrix_data(const std::vector<CompensatorRow>& rows) {
 std::string matrix_script(const std::vector<CompensatorRow>& rows, const std::string& name) {
     const std::vector<std::string> conditions = conditions_in(rows);
     const std::vector<CompensatorNetwork> networks = networks_in(rows);
-    std::string x, y;
+    std::string x;
     for (std::size_t i = 0; i < networks.size(); ++i) {
         std::string broken = networks[i].name;
         for (std::size_t plus = broken.find(" + "); plus != std::string::npos; plus = broken.find(" + "))
             broken.replace(plus, 1, "\\n");
         x += fmt::format("{}\"{}\" {}", i > 0 ? ", " : "", broken, i);
     }
-    for (std::size_t i = 0; i < conditions.size(); ++i)
-        y += fmt::format("{}'{}' {}", i > 0 ? ", " : "", conditions[i], i);
+    const std::string y = numbered_tics(conditions.size(), [&](std::size_t i) { return conditions[i]; });
     std::string script = gnuplot_preamble(name, 960, 130 + 27 * static_cast<int>(conditions.size()));
     script += fmt::format(
         "set bmargin 4.5\nset xtics ({}) noenhanced\nset ytics ({}) noenhanced\nunset key\nset xrange "
@@ -176,8 +174,7 @@ FigureSource matrix_figure(const std::vector<CompensatorRow>& rows) {
     const std::string name = "compensators_matrix";
     return {name, "Who is stable where, and at what cost",
             "In each cell the maximum penetration in mm and the stiffness felt over the true one; the "
-            "darker, the "
-            "more trials were not completed or oscillated.",
+            "darker, the more trials were not completed or oscillated.",
             matrix_data(rows), matrix_script(rows, name)};
 }
 

@@ -112,8 +112,8 @@ class Findings {
         }
         if (!everywhere.empty())
             sentences_.push_back(
-                "Stable over every network compared, which is to say that every trial was "
-                "completed and none oscillated: " +
+                "Stable over every network compared, which is to say that every trial was completed and none "
+                "oscillated: " +
                 joined(everywhere) + ".");
         if (!somewhere.empty()) sentences_.push_back("Not everywhere: " + joined(somewhere) + ".");
     }

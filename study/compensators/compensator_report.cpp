@@ -65,8 +65,7 @@ ReportSection comparison_section(const std::vector<CompensatorRow>& rows,
     section.title = "Experiment 3 with compensators";
     section.text = fmt::format(
         "Insertion, stop at the fixture and five seconds of contact by the virtual operator: {} subjects, {} "
-        "trials each per condition "
-        "and network, the same people and fixtures in all. Compensators act in HF.",
+        "trials each per condition and network, the same people and fixtures in all. Compensators act in HF.",
         options.subjects, options.trials);
     section.findings = findings;
     std::vector<FigureSource> sources{matrix_figure(rows)};

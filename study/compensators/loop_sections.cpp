@@ -63,20 +63,19 @@ FigureSource loop_map_figure(const std::vector<std::vector<MapCell>>& columns) {
         "(N/m)'\nplot ";
     const auto points = [&](char label, std::string_view colour, const char* title) {
         return fmt::format(
-            "'{}.tsv' using 1:(strcol(3) eq '{}' ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{}' "
-            "title '{}', \\\n     ",
+            "'{}.tsv' using 1:(strcol(3) eq '{}' ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{}' title '{}', "
+            "\\\n     ",
             name, label, colour, title);
     };
     script += points('S', kSkyBlue, "settles") + points('M', kGrey, "in between") +
               points('O', kVermilion, "oscillates");
     script += fmt::format(
         "'{}.tsv' using 1:4 with lines lw 2 lc rgb 'black' title 'theory', \\\n     {} with lines dt 2 lw "
-        "1.5 lc rgb "
-        "'black' title 'the paper'\n",
+        "1.5 lc rgb 'black' title 'the paper'\n",
         name, kPaperLoop_N_per_m);
     return {name, "Delay against stiffness",
-            "A firm grip (D) at the fixture: what became of 12 s of holding, and the boundary "
-            "of the sampled loop by theory. The paper's fixture is the dashed line.",
+            "A firm grip (D) at the fixture: what became of 12 s of holding, and the boundary of the sampled "
+            "loop by theory. The paper's fixture is the dashed line.",
             data, script};
 }
 
@@ -85,8 +84,7 @@ ReportTable critical_delay_table() {
     table.title = "Critical delay at the paper's fixture, 9000 N/m at the handle";
     table.note =
         "Theory: closed form. Measured: the running loop at 10 kHz, by halving, half a step added. No hand "
-        "bears the "
-        "paper's 50 ms.";
+        "bears the paper's 50 ms.";
     table.columns = {"hand (kg, Ns/m, N/m)", "theory (ms)", "measured (ms)", "difference (us)",
                      "50 ms is too long by"};
     for (const TypicalHand& typical : kTypicalHands) {
@@ -141,8 +139,7 @@ FigureSource perceptual_figure(const SystemSettings& settings) {
     std::string script = gnuplot_preamble(name, 860, 430);
     script += fmt::format(
         "set xlabel 'reaction time (ms)'\nset ylabel 'gain of the correction (1/s)'\nset xrange "
-        "[40:435]\nset yrange "
-        "[0:13]\n"
+        "[40:435]\nset yrange [0:13]\n"
         "set key outside bottom center horizontal\n"
         "plot '{0}.tsv' using 1:($3 == 0 ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{1}' title 'dies out', "
         "\\\n"
@@ -152,8 +149,7 @@ FigureSource perceptual_figure(const SystemSettings& settings) {
         name, kSkyBlue, kVermilion);
     return {name, "A person's own loop",
             "The virtual operator's arm, corrected without pauses by what the skin says; the device and 50 "
-            "ms of network come on "
-            "top of the reaction.",
+            "ms of network come on top of the reaction.",
             data, script};
 }
 
@@ -162,8 +158,7 @@ ReportTable perceptual_table() {
     table.title = "The gain at which corrections by skin or eyes would oscillate";
     table.note =
         "Lag: delay, device and reaction together. Without pauses x_d' = -L x(t - lag), in 1/s; a person who "
-        "presses "
-        "against the paper's fixture corrects by L / 9000 m/s per N.";
+        "presses against the paper's fixture corrects by L / 9000 m/s per N.";
     table.columns = {"hand", "lag (ms)", "theory (1/s)", "measured (1/s)", "difference (%)"};
     for (const TypicalHand& typical : kTypicalHands) {
         for (const double lag_s : {0.195, 0.245, 0.395}) {
@@ -186,12 +181,10 @@ ReportTable operator_table(const SystemSettings& settings) {
     const double period_s = behaviour.refractory_s + behaviour.relax_s;
     table.note = fmt::format(
         "Without pauses: the same arm moved by x_d' = -L x(t - lag), the operator's feed-forward of speed "
-        "included, so that it bears "
-        "a little more than one mass on a spring. With pauses: a move of {:.0f} ms every {:.0f} ms "
-        "(refractory period and move), and "
-        "the part of the error that a move may correct. The built-in operator moves so, and only ever "
-        "forward or to rest: nobody "
-        "retreats from too deep a stop. Its own loop has no gain to oscillate with.",
+        "included, so that it bears a little more than one mass on a spring. With pauses: a move of {:.0f} "
+        "ms every {:.0f} ms (refractory period and move), and the part of the error that a move may correct. "
+        "The built-in operator moves so, and only ever forward or to rest: nobody retreats from too deep a "
+        "stop. Its own loop has no gain to oscillate with.",
         1000 * behaviour.relax_s, 1000 * period_s);
     table.columns = {"modality",
                      "delay (ms)",
@@ -257,8 +250,7 @@ ReportSection handle_loop_section(const std::filesystem::path& out, unsigned job
     section.title = "The handle's loop: theory and measurement";
     section.text = fmt::format(
         "A force rendered late drives the hand. Of {} cells of the map farther than 2 % from the boundary, "
-        "{} grow or fade on the "
-        "wrong side of it.",
+        "{} grow or fade on the wrong side of it.",
         cells, wrong);
     section.drawn = draw_figures({loop_map_figure(columns)}, out);
     section.tables = {critical_delay_table()};
@@ -270,8 +262,8 @@ ReportSection perceptual_loop_section(const SystemSettings& settings, const std:
     section.title = "The person's loop: fingertips and eyes";
     section.text =
         "CF, CCF and VF leave the handle alone, at any delay. What is left is a person who corrects by what "
-        "was felt or seen a lag "
-        "ago: beyond a gain, which falls with delay and reaction time, that loop would oscillate too.";
+        "was felt or seen a lag ago: beyond a gain, which falls with delay and reaction time, that loop "
+        "would oscillate too.";
     section.drawn = draw_figures({perceptual_figure(settings)}, out);
     section.tables = {operator_table(settings), perceptual_table()};
     return section;

@@ -43,8 +43,7 @@ const CompensatedConditions& checked(const CompensatedConditions& c) {
     if (network) return c;
     throw Error(ExitCode::kUsage,
                 "sweep: jitter must be 0 s or more, loss 0 to 0.5 (with longer bursts up to burst / (1 + "
-                "burst)), and "
-                "delay and jitter together below 1e7 steps");
+                "burst)), and delay and jitter together below 1e7 steps");
 }
 
 HandMotion checked_motion(const CompensatedConditions& c, double position_m, double velocity_m_per_s) {

@@ -81,8 +81,8 @@ void add_hold_options(CLI::App& command, SweepArguments& a) {
 void add_operator_options(CLI::App& command, SweepArguments& a) {
     command
         .add_option("--operator", a.who,
-                    "passive: a held hand presses; virtual: trials of experiment 3 by virtual subjects, "
-                    "who have hands of their own; --compensator may be CF, CCF, VF too")
+                    "passive: a held hand presses; virtual: trials of experiment 3 by virtual subjects, who "
+                    "have hands of their own; --compensator may be CF, CCF, VF too")
         ->capture_default_str()
         ->check(CLI::IsMember({"passive", "virtual"}));
     command
@@ -110,8 +110,7 @@ void add_sweep_options(CLI::App& command, SweepArguments& a) {
     command.footer(
         "Examples:\n  thimble sweep --hand D --out out/map\n"
         "  thimble sweep --hand A,D --compensator none,wave,energy-bound --jitter-s 0,0.005 --loss 0,0.05 "
-        "--out "
-        "out/compensators\n"
+        "--out out/compensators\n"
         "  mpirun -n 4 thimble sweep --hand A,B,C,D,E --out out/hands\n"
         "What the classes mean, and why peak-to-peak alone is not one: docs/stability.md");
 }

@@ -94,10 +94,8 @@ std::string passive_measures(const MapGrid& grid, const CellPlace& place, double
 
 std::string cells_header() {
     return "hand,operator,remedy,jitter_s,loss,delay_s,gain,stiffness_N_per_m,critical_stiffness_N_per_m,"
-           "growth_per_s,linear,"
-           "outcome,energy_grows,peak_to_peak_m,losses_per_s,energy_J,effective_delay_s,hand_share,trials,"
-           "completed,"
-           "oscillating,penetration_mean_m,penetration_max_m,completion_time_s\n";
+           "growth_per_s,linear,outcome,energy_grows,peak_to_peak_m,losses_per_s,energy_J,effective_delay_s,"
+           "hand_share,trials,completed,oscillating,penetration_mean_m,penetration_max_m,completion_time_s\n";
 }
 
 CellWriter::CellWriter(const MapGrid& grid)

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "analysis/statistics/wilson.hpp"
+#include "analysis/statistics/descriptive.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 
@@ -78,10 +78,9 @@ ReportTable tally_table(std::string title, const ClaimTally& tally, const std::s
                         bool only_fragile) {
     ReportTable table{
         std::move(title),
-        fmt::format("Reproduced: fraction of {0} in which direction and the paper's significance "
-                    "both come out, with its 95 % Wilson interval. Direction: fraction in which "
-                    "it comes out, whatever the significance. What came out with the first of "
-                    "the {0}.",
+        fmt::format("Reproduced: fraction of {0} in which direction and the paper's significance both come "
+                    "out, with its 95 % Wilson interval. Direction: fraction in which it comes out, whatever "
+                    "the significance. What came out with the first of the {0}.",
                     what),
         {"id", "claim", "the paper", what, "reproduced", "direction", "class", "with the first"},
         {}};

@@ -10,7 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "analysis/claims/claims.hpp"
-#include "analysis/statistics/confidence_interval.hpp"
+#include "analysis/statistics/named_values.hpp"
 #include "analysis/text/html.hpp"
 
 namespace thimble {

@@ -13,10 +13,11 @@ namespace thimble {
 namespace {
 
 [[noreturn]] void refuse_range(std::string_view text, const std::string& why) {
-    throw Error(ExitCode::kUsage,
-                fmt::format("--vary {}: {}; write NAME=LOW:HIGH or NAME=LOW:HIGH:POINTS, e.g. "
-                            "handle.friction_N=0.3:1:8",
-                            text, why));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format(
+            "--vary {}: {}; write NAME=LOW:HIGH or NAME=LOW:HIGH:POINTS, e.g. handle.friction_N=0.3:1:8",
+            text, why));
 }
 
 template <class T>

@@ -165,15 +165,12 @@ std::string cells(const Variation& variation, const std::vector<std::size_t>& in
 }
 
 std::string tics(const Variation& variation, const std::vector<std::size_t>& indices) {
-    std::string x, y;
-    for (std::size_t i = 0; i < variation.points.size(); ++i) {
-        x += fmt::format("{}'{:g}' {}", i > 0 ? ", " : "", variation.points[i].value, i);
-    }
     const auto& claims = variation.points.front().tally.counts();
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-        y += fmt::format("{}'{}' {}", i > 0 ? ", " : "", claims[indices[i]].claim.id, i);
-    }
-    return fmt::format("set xtics ({})\nset ytics ({})\n", x, y);
+    return fmt::format(
+        "set xtics ({})\nset ytics ({})\n",
+        numbered_tics(variation.points.size(),
+                      [&](std::size_t i) { return fmt::format("{:g}", variation.points[i].value); }),
+        numbered_tics(indices.size(), [&](std::size_t i) { return claims[indices[i]].claim.id; }));
 }
 
 std::string script(const Variation& variation, const std::vector<std::size_t>& indices,

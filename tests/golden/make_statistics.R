@@ -71,14 +71,6 @@ oneway <- function(name, groups) {
                sqrt(mse * (1 / length(groups[[i]]) + 1 / length(groups[[j]]))), table[2, "Df"], family))
 }
 
-ranksum <- function(name, a, b) {
-    u <- wilcox.test(a, b, exact = FALSE, correct = TRUE)
-    say(name, "ranksum", c(u$statistic, u$p.value))
-    if (!anyDuplicated(c(a, b)) && max(length(a), length(b)) <= 50) {
-        say(name, "exact", wilcox.test(a, b, exact = TRUE)$p.value)
-    }
-}
-
 interval <- function(name, x) {
     say(name, "interval_95", t.test(x)$conf.int)
     say(name, "interval_90", t.test(x, conf.level = 0.9)$conf.int)
@@ -115,8 +107,6 @@ for (line in readLines(file("stdin"))) {
     } else if (kind == "groups") {
         groups <- split(x, rep(seq_along(columns), columns))
         oneway(name, groups)
-    } else if (kind == "two") {
-        ranksum(name, x[1:columns[1]], x[-(1:columns[1])])
     } else if (kind == "interval") {
         interval(name, x)
     } else if (kind == "delta") {

@@ -174,24 +174,6 @@ def make_pairs():
     return pairs
 
 
-def make_two():
-    return {
-        "hand": ([1, 2, 3], [4, 5, 6]),
-        "null": (noise(10), noise(10)),
-        "shifted": (noise(16), [1 + x for x in noise(16)]),
-        "unequal_sizes": (noise(3), noise(30)),
-        "single": (noise(1), noise(8)),
-        "ties": ([draw.randrange(5) for _ in range(12)], [draw.randrange(1, 6) for _ in range(9)]),
-        "one_tie": ([1.5, 2, 3, 8], [2, 5, 6, 7, 9]),
-        "tiny_p": (noise(40), [10 + x for x in noise(45)]),
-        "at_limit": (noise(50), [0.4 + x for x in noise(50)]),
-        "beyond_limit": (noise(51), [0.4 + x for x in noise(20)]),
-        "offset": ([1e6 + x for x in noise(9, 1e-3)], [1e6 + x for x in noise(11, 1e-3)]),
-        "even": ([1, 4], [2, 3]),
-        "binary": ([0] * 9 + [1] * 3, [0] * 4 + [1] * 8),
-    }
-
-
 # ---- references written here ----------------------------------------------------------------------------------
 
 def repeated(rows):
@@ -418,19 +400,9 @@ def lambda_answers(r, name, case):
     return {"name": name, "f": f, "df": [a, b], "interval": [l / (l + a + b + 1) for l in ends]}
 
 
-def two_answers(r, name, first, second):
-    u, p = r.get(name, "ranksum")
-    peer = scipy.stats.mannwhitneyu(first, second, method="asymptotic")
-    same(list(peer), [u, p], 1e-9)
-    exact = r.get(name, "exact")
-    if exact:
-        same([scipy.stats.mannwhitneyu(first, second, method="exact").pvalue], exact, 1e-8)
-    return {"name": name, "first": list(first), "second": list(second), "u": u, "p": p, "p_exact": exact[0] if exact else None}
-
-
 def main():
     tables, groups, columns = make_tables(), make_groups(), make_columns()
-    pairs, two = make_pairs(), make_two()
+    pairs = make_pairs()
     r = R()
     for name, (_, near) in tables.items():
         flat = [x for row in near for x in row]
@@ -439,8 +411,6 @@ def main():
             r.ask("paired", "t." + name, [len(near[0])], flat)
     for name, (_, near) in groups.items():
         r.ask("groups", "g." + name, [len(g) for g in near], [x for g in near for x in g])
-    for name, (first, second) in two.items():
-        r.ask("two", "m." + name, [len(first), len(second)], [*first, *second])
     for name, pair in pairs.items():
         t = scipy.stats.ttest_rel(pair[4], pair[5]).statistic
         r.ask("interval", "d." + name, [0], [a - b for a, b in zip(pair[4], pair[5])])
@@ -460,7 +430,6 @@ def main():
         "columns": [column_answers(r, "c." + name, *both) for name, both in columns.items()],
         "pairs": [pair_case_answers(r, "d." + name, pair) for name, pair in pairs.items()],
         "f": [lambda_answers(r, f"f.{i}", case) for i, case in enumerate(F_CASES)],
-        "two": [two_answers(r, "m." + name, *both) for name, both in two.items()],
         "proportions": [{"successes": s, "trials": n, "interval": list(proportion_confint(s, n, method="wilson"))}
                         for s, n in PROPORTIONS],
         "adjustments": [{"p": p, "bonferroni": r.get(f"a.{i}", "bonferroni"), "holm": r.get(f"a.{i}", "holm")}

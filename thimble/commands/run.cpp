@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "analysis/report/clock_table.hpp"
 #include "analysis/report/report.hpp"
 #include "analysis/report/run_tables.hpp"
 #include "common/process/progress.hpp"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/report/clock_table.hpp"
+#include "analysis/report/run_tables.hpp"
 #include "analysis/text/html.hpp"
 #include "thimble/link_test/probe_packet.hpp"
 

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "analysis/report/clock_table.hpp"
+#include "analysis/report/run_tables.hpp"
 #include "common/error.hpp"
 #include "session/clocks/chrony.hpp"
 
@@ -87,8 +87,8 @@ TEST(ClockTable, ARowPerNodeThatAnswered) {
 
 TEST(Chrony, TrackingIsRead) {
     const auto tracking = parse_chrony_tracking(
-        "C0000201,192.0.2.1,3,1700000000.123,0.000001000,-0.000012500,0.000020000,-12.345,0.001,0.050,"
-        "0.012000000,0.000340000,64.2,Normal\n");
+        "C0000201,192.0.2.1,3,1700000000.123,0.000001000,-0.000012500,0.000020000,-12.345,0.001,0.050,0."
+        "012000000,0.000340000,64.2,Normal\n");
     ASSERT_TRUE(tracking);
     EXPECT_EQ(tracking->reference, "192.0.2.1");
     EXPECT_EQ(tracking->stratum, 3U);

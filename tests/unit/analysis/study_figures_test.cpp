@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "analysis/figures/measure_panels.hpp"
+#include "analysis/figures/figure_grid.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "common/error.hpp"
 #include "common/process/child.hpp"

@@ -14,7 +14,6 @@ TEST(Distributions, SmallTailsKeepTheirDigits) {
     EXPECT_TRUE(close(f_upper(1e6, 3, 45), 1.5760962092915585e-108, 1e-11));
     EXPECT_TRUE(close(t_upper(30, 40), 2.425453830295104e-29, 1e-12));
     EXPECT_TRUE(close(t_two_sided(-30, 40), 2 * 2.425453830295104e-29, 1e-12));
-    EXPECT_TRUE(close(normal_upper(10), 7.6198530241605261e-24, 1e-12));
     EXPECT_TRUE(close(normal_two_sided(-37), 1.1451142445049154e-299, 1e-11));
     EXPECT_TRUE(close(chi_squared_upper(500, 3), 4.7716720319127585e-108, 1e-11));
 }
@@ -25,7 +24,6 @@ TEST(Distributions, ClosedForms) {
         EXPECT_TRUE(close(f_upper(x, 2, 12), std::pow(1 + x / 6, -6), 1e-12));
         EXPECT_TRUE(close(t_upper(x, 2) + t_upper(-x, 2), 1, 1e-15));
     }
-    EXPECT_EQ(normal_upper(0), 0.5);
     EXPECT_EQ(normal_two_sided(0), 1);
     EXPECT_EQ(t_two_sided(0, 7), 1);
     EXPECT_TRUE(close(normal_quantile(0.975), 1.9599639845400542, 1e-14));

@@ -1,7 +1,6 @@
-#include "analysis/statistics/equivalence.hpp"
-
 #include <gtest/gtest.h>
 
+#include "analysis/statistics/effect_size.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "analysis/statistics/friedman.hpp"
-#include "analysis/statistics/ranks.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

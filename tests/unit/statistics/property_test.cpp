@@ -6,10 +6,9 @@
 #include <rapidcheck.h>
 
 #include "analysis/statistics/anova.hpp"
+#include "analysis/statistics/descriptive.hpp"
 #include "analysis/statistics/friedman.hpp"
-#include "analysis/statistics/mann_whitney.hpp"
 #include "analysis/statistics/pairwise.hpp"
-#include "analysis/statistics/wilson.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {
@@ -164,8 +163,6 @@ TEST(StatisticsProperty, ResultsStayInTheirRanges) {
         for (const DunnPair& pair : dunn_after_friedman(table(values))) {
             RC_ASSERT(is_probability(pair.p) && is_probability(pair.p_adjusted) && pair.p <= pair.p_adjusted);
         }
-        const MannWhitney two = mann_whitney({"a", values[0]}, {"b", values[1]});
-        RC_ASSERT(is_probability(two.p_asymptotic) && is_probability(two.p()));
     }));
 }
 
@@ -199,23 +196,6 @@ TEST(StatisticsProperty, HolmIsAtMostBonferroniAndKeepsTheOrder) {
             RC_ASSERT(p[i] <= by_holm[i] && by_holm[i] <= by_bonferroni[i] && by_bonferroni[i] <= 1);
             for (std::size_t j = 0; j < p.size(); ++j) RC_ASSERT(p[i] > p[j] || by_holm[i] <= by_holm[j]);
         }
-    }));
-}
-
-TEST(StatisticsProperty, SwappingTheGroupsMirrorsU) {
-    EXPECT_TRUE(rc::check("Mann-Whitney", [] {
-        const Columns values =
-            random_columns(*rc::gen::inRange<std::size_t>(2, 12), 2, *rc::gen::arbitrary<bool>());
-        const NamedValues a{"a", values[0]};
-        const NamedValues b{"b", values[1]};
-        RC_PRE(std::any_of(values.begin(), values.end(), [&](const auto& column) {
-            return std::any_of(column.begin(), column.end(), [&](double x) { return x != values[0][0]; });
-        }));
-        const MannWhitney one = mann_whitney(a, b);
-        const MannWhitney other = mann_whitney(b, a);
-        RC_ASSERT(one.u + other.u == static_cast<double>(values[0].size() * values[1].size()));
-        RC_ASSERT(one.p_asymptotic == other.p_asymptotic);
-        RC_ASSERT(one.p_exact == other.p_exact);
     }));
 }
 

@@ -1,7 +1,6 @@
-#include "analysis/statistics/wilson.hpp"
-
 #include <gtest/gtest.h>
 
+#include "analysis/statistics/descriptive.hpp"
 #include "tests/unit/statistics/golden.hpp"
 
 namespace thimble {

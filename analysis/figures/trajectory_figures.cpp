@@ -1,4 +1,4 @@
-#include "analysis/figures/trajectory_grid.hpp"
+// Mean trajectories in rows and columns: of one experiment by delay and modality, of several by modality and experiment.
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,25 @@
 
 #include <fmt/format.h>
 
+#include "analysis/figures/figure_grid.hpp"
+#include "analysis/figures/figures.hpp"
 #include "analysis/text/gnuplot.hpp"
 
 namespace thimble {
 namespace {
+
+struct TrajectoryCell {
+    std::size_t row = 0, column = 0;
+    std::string title;
+    const TrajectoryPanel* panel = nullptr;
+};
+
+struct TrajectoryGrid {
+    std::size_t columns = 1;
+    int panel_height_px = 237;
+    std::vector<std::string> row_labels;  // one per row
+    std::vector<TrajectoryCell> cells;    // a place without one stays empty
+};
 
 using Text = std::back_insert_iterator<std::string>;
 
@@ -173,23 +188,64 @@ std::string trajectory_caption(const std::vector<TrajectoryCell>& cells) {
     }
     return fmt::format(
         "Needle and tissue surface (dashed) in percent of the trial's fixture depth, from tissue entry (0 %) "
-        "to the "
-        "beep (100 %); mean with a band of one standard deviation over n = {} trials per panel. Grey: the "
-        "needle "
-        "of one "
-        "single trial, because averaging trials of different phase hides an oscillation. Of all trials {} "
-        "ended with a beep, {} without (their end counts as 100 %), {} never entered the tissue and are left "
-        "out. "
-        "Means are drawn where at least half of the trials have samples.",
+        "to the beep (100 %); mean with a band of one standard deviation over n = {} trials per panel. Grey: "
+        "the needle of one single trial, because averaging trials of different phase hides an oscillation. "
+        "Of all trials {} ended with a beep, {} without (their end counts as 100 %), {} never entered the "
+        "tissue and are left out. Means are drawn where at least half of the trials have samples.",
         range_text(std::min(low, high), high), with_beep, without_beep, without_entry);
 }
-
-}  // namespace
 
 FigureSource trajectory_source(const TrajectoryGrid& grid, const std::string& name,
                                const std::string& title) {
     return {name, title, trajectory_caption(grid.cells), trajectory_data(grid.cells),
             trajectory_script(grid, name)};
+}
+
+// Of an experiment that was run with and without delay, the one with.
+const TrajectoryPanel* own_panel(const TrajectoryPanels& experiment, Modality modality) {
+    const TrajectoryPanel* own = nullptr;
+    for (const TrajectoryPanel& panel : experiment.panels()) {
+        if (panel.modality != modality) continue;
+        if (own == nullptr || panel.delay_s > own->delay_s) own = &panel;
+    }
+    return own;
+}
+
+}  // namespace
+
+FigureSource trajectory_figure(const std::vector<TrajectoryPanel>& panels, const std::string& name) {
+    const std::vector<double> delays_s = delays_of(panels);
+    TrajectoryGrid grid;
+    grid.columns = kModalities.size();
+    for (std::size_t row = 0; row < delays_s.size(); ++row) {
+        grid.row_labels.push_back(delay_text(delays_s[row]));
+        for (std::size_t column = 0; column < kModalities.size(); ++column) {
+            const auto panel = find_condition(panels, kModalities[column], delays_s[row]);
+            if (panel == panels.end()) continue;
+            grid.cells.push_back({row, column, to_string(panel->modality), &*panel});
+        }
+    }
+    return trajectory_source(grid, name, "Trajectories");
+}
+
+FigureSource all_trajectories_figure(const PanelsByExperiment& experiments, const std::string& name) {
+    TrajectoryGrid grid;
+    grid.columns = experiments.size();
+    grid.panel_height_px = 165;
+    for (const Modality modality : kModalities) grid.row_labels.emplace_back(to_string(modality));
+    std::size_t column = 0;
+    for (const auto& [experiment, panels] : experiments) {
+        for (std::size_t row = 0; row < kModalities.size(); ++row) {
+            const TrajectoryPanel* panel = own_panel(panels, kModalities[row]);
+            if (panel == nullptr) continue;
+            grid.cells.push_back({row, column,
+                                  fmt::format("Experiment {} ({}), {}", experiment,
+                                              delay_text(panel->delay_s), to_string(panel->modality)),
+                                  panel});
+        }
+        ++column;
+    }
+    return trajectory_source(grid, name, "Trajectories, side by side");
 }
 
 }  // namespace thimble

@@ -1,0 +1,51 @@
+// What comes out of a study, for each kind of claim of the paper. Each throws Error (data) where a test refuses the data.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "analysis/tables/study_columns.hpp"
+
+namespace thimble {
+
+// Where the paper says P < .0001, and where it says that nothing differs, P > .1.
+inline constexpr double kHighlySignificant = 1e-4;
+inline constexpr double kNoDifference = 0.1;
+
+struct Finding {
+    std::string ours;
+    bool reproduced = false;
+    std::optional<bool> direction = {};
+};
+
+// The means of HF, CF, CCF and VF ascend, by ANOVA for repeated measures.
+Finding order_finding(const StudyColumns& columns, Metric metric);
+// All six pairs differ in the paper's direction, CF and CCF at a limit of their own.
+Finding pairs_finding(const StudyColumns& columns, Metric metric, double limit_cf_ccf);
+// Penetration is normal in every column, time is not: by this the paper chose its tests.
+Finding normality_finding(const StudyColumns& columns);
+Finding same_time_finding(const StudyColumns& columns);
+
+// After sudden removal: by one-way ANOVA, then the pairs with HF (HF larger), and those without (no difference).
+Finding removal_finding(const StudyColumns& columns);
+Finding removal_pairs_finding(const StudyColumns& columns, bool with_handle);
+
+// With delay: at most HF oscillates; the metric differs by Friedman's test; `larger` is larger than `smaller` by Dunn's.
+Finding stability_finding(const StudyColumns& columns);
+Finding friedman_finding(const StudyColumns& columns, Metric metric);
+Finding dunn_finding(const StudyColumns& columns, Metric metric, std::string_view larger,
+                     std::string_view smaller, double level);
+Finding only_delay_finding(const StudyColumns& without, const StudyColumns& with);
+
+// Statements of abstract, discussion and text that have no test of their own.
+Finding indistinct_finding(const StudyColumns& columns);
+Finding lag_finding(const StudyColumns& one, const StudyColumns& no_lag);
+Finding length_finding(const StudyColumns& one, const StudyColumns& two, const StudyColumns& three);
+
+// "P = 3.2e-05", "P < 1e-300".
+std::string p_text(double p);
+// "HF 0.59, CF 4.52, CCF 5.22, VF 6.06 mm": the columns' means, as shown.
+std::string means_text(const SampleTable& table, Metric metric);
+
+}  // namespace thimble
