@@ -1,5 +1,3 @@
-#include "tests/fuzz/can_check.hpp"
-
 #include <algorithm>
 #include <vector>
 
@@ -7,6 +5,7 @@
 #include "cutaneous_node/can/cannelloni.hpp"
 #include "cutaneous_node/drive_actuator.hpp"
 #include "cutaneous_node/emulator/drive_emulator.hpp"
+#include "tests/fuzz/checks.hpp"
 
 namespace thimble {
 namespace {
@@ -68,8 +67,6 @@ const char* flaw_of_datagram(Bytes bytes) {
     return nullptr;
 }
 
-}  // namespace
-
 const char* flaw_of_bus(Bytes bytes) {
     if (const char* flaw = flaw_of_datagram(bytes)) return flaw;
     static const DriveSettings settings = [] {  // once: reading it takes longer than all the rest
@@ -93,6 +90,13 @@ const char* flaw_of_bus(Bytes bytes) {
     if (actuator.output(now).force_N != 0) return "a force without drives";
     if (!to_master.well_formed || !to_drive.well_formed) return "a frame of more than 8 bytes is sent";
     return to_master.pressed ? "a torque above the drive's rated one" : nullptr;
+}
+
+}  // namespace
+
+Verdict check_can(Bytes bytes) {
+    const char* flaw = flaw_of_bus(bytes);
+    return {false, flaw != nullptr ? flaw : ""};
 }
 
 }  // namespace thimble

@@ -1,10 +1,9 @@
-#include "tests/fuzz/hid_check.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "cutaneous_node/board/board_reports.hpp"
 #include "master/devices/hid/hid_axes.hpp"
+#include "tests/fuzz/checks.hpp"
 
 namespace thimble {
 namespace {
@@ -26,7 +25,7 @@ std::string flaw_of_axes(const HidAxes& axes) {
 }
 
 // What is let in is what would be sent for it, but for bits that mean nothing.
-std::string flaw_of_board(std::span<const std::uint8_t> report) {
+std::string flaw_of_board(Bytes report) {
     const auto status = decode_board_status(report);
     if (status && decode_board_command(report)) return "a report that is both of the board's";
     if (!status) return "";
@@ -37,7 +36,7 @@ std::string flaw_of_board(std::span<const std::uint8_t> report) {
     return same ? "" : "a status that does not come back";
 }
 
-void read_reports(HidAxes axes, std::span<const std::uint8_t> bytes, std::size_t length, Verdict& verdict) {
+void read_reports(HidAxes axes, Bytes bytes, std::size_t length, Verdict& verdict) {
     while (!bytes.empty() && verdict.flaw.empty()) {
         const auto report = bytes.first(std::min(length, bytes.size()));
         bytes = bytes.subspan(report.size());
@@ -49,7 +48,7 @@ void read_reports(HidAxes axes, std::span<const std::uint8_t> bytes, std::size_t
 
 }  // namespace
 
-Verdict check_hid_bytes(std::span<const std::uint8_t> bytes) {
+Verdict check_hid(Bytes bytes) {
     Verdict verdict;
     if (bytes.empty()) return verdict;
     const std::size_t length = std::min<std::size_t>(bytes[0], bytes.size() - 1);

@@ -18,10 +18,10 @@ namespace thimble {
 namespace {
 
 constexpr int kCases = 100'000;
-using Packet = std::vector<std::uint8_t>;
+using Octets = std::vector<std::uint8_t>;
 
-std::vector<Packet> valid_packets() {
-    std::vector<Packet> packets;
+std::vector<Octets> valid_packets() {
+    std::vector<Octets> packets;
     Encoder encoder;
     for (const Message& message : sample_messages()) {
         const Bytes bytes = encoder.encode(message);
@@ -30,18 +30,18 @@ std::vector<Packet> valid_packets() {
     return packets;
 }
 
-void flip_bit(Packet& packet, RandomStream& random) {
+void flip_bit(Octets& packet, RandomStream& random) {
     packet[random.below(static_cast<std::uint32_t>(packet.size()))] ^=
         static_cast<std::uint8_t>(1U << random.below(8));
 }
 
-void set_byte(Packet& packet, RandomStream& random) {
+void set_byte(Octets& packet, RandomStream& random) {
     constexpr std::array<std::uint8_t, 6> kBytes{0x00, 0x01, 0x04, 0x7f, 0x80, 0xff};
     packet[random.below(static_cast<std::uint32_t>(packet.size()))] = kBytes[random.below(kBytes.size())];
 }
 
 // Aligned, since that is where numbers are.
-void set_number(Packet& packet, RandomStream& random) {
+void set_number(Octets& packet, RandomStream& random) {
     using Limits = std::numeric_limits<double>;
     constexpr std::array kNumbers{Limits::quiet_NaN(),
                                   Limits::infinity(),
@@ -61,45 +61,29 @@ void set_number(Packet& packet, RandomStream& random) {
     std::copy(bits.begin(), bits.end(), packet.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-void truncate(Packet& packet, RandomStream& random) {
+void truncate(Octets& packet, RandomStream& random) {
     packet.resize(1 + random.below(static_cast<std::uint32_t>(packet.size())));
 }
 
-void extend(Packet& packet, RandomStream& random) {
+void extend(Octets& packet, RandomStream& random) {
     for (std::uint32_t n = 1 + random.below(500); n > 0; --n)
         packet.push_back(static_cast<std::uint8_t>(random()));
 }
 
 // One to three wounds, small ones most often: a packet that is damaged too much is refused at the first look.
-void damage(Packet& packet, RandomStream& random) {
+void damage(Octets& packet, RandomStream& random) {
     for (std::uint32_t n = 1 + random.below(3); n > 0; --n) {
-        switch (random.below(16)) {
-            case 0:
-                truncate(packet, random);
-                break;
-            case 1:
-                extend(packet, random);
-                break;
-            case 2:
-            case 3:
-            case 4:
-                set_byte(packet, random);
-                break;
-            case 5:
-            case 6:
-            case 7:
-            case 8:
-                set_number(packet, random);
-                break;
-            default:
-                flip_bit(packet, random);
-                break;
-        }
+        const std::uint32_t wound = random.below(16);
+        if (wound == 0) truncate(packet, random);
+        if (wound == 1) extend(packet, random);
+        if (wound >= 2 && wound <= 4) set_byte(packet, random);
+        if (wound >= 5 && wound <= 8) set_number(packet, random);
+        if (wound > 8) flip_bit(packet, random);
     }
 }
 
 // In a heap block of exactly its size, so that AddressSanitizer sees a read past its end.
-Decoded decode_exact(const Packet& packet) {
+Decoded decode_exact(const Octets& packet) {
     const auto block = std::make_unique<std::uint8_t[]>(packet.size());
     std::copy(packet.begin(), packet.end(), block.get());
     return decode({block.get(), packet.size()});
@@ -118,12 +102,12 @@ TEST(HostileBytes, SamplesAreGoodAndFieldsAreCompared) {
 }
 
 TEST(HostileBytes, NothingImplausibleGetsIn) {
-    const std::vector<Packet> packets = valid_packets();
+    const std::vector<Octets> packets = valid_packets();
     RandomStream random(StreamKey{.study = 20, .purpose = Purpose::kLinkLoss});
     std::array<int, static_cast<std::size_t>(Refusal::kCount)> refused{};
     int accepted = 0;
     for (int i = 0; i < kCases; ++i) {
-        Packet packet = packets[random.below(static_cast<std::uint32_t>(packets.size()))];
+        Octets packet = packets[random.below(static_cast<std::uint32_t>(packets.size()))];
         damage(packet, random);
         const Decoded decoded = decode_exact(packet);
         if (decoded.message) {
@@ -146,7 +130,7 @@ TEST(HostileBytes, NothingImplausibleGetsIn) {
 TEST(HostileBytes, NoiseIsRefused) {
     RandomStream random(StreamKey{.study = 21, .purpose = Purpose::kLinkLoss});
     for (int i = 0; i < kCases / 10; ++i) {
-        Packet packet(random.below(kMaxDatagramBytes + 2));
+        Octets packet(random.below(kMaxDatagramBytes + 2));
         std::generate(packet.begin(), packet.end(), [&] { return static_cast<std::uint8_t>(random()); });
         EXPECT_FALSE(decode_exact(packet).message.has_value()) << "case " << i;
     }

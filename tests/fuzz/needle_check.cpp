@@ -1,5 +1,3 @@
-#include "tests/fuzz/needle_check.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +12,7 @@
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
+#include "tests/fuzz/checks.hpp"
 
 namespace thimble {
 namespace {
@@ -113,7 +112,8 @@ std::string flaw_of_refusal(const Error& error, std::string_view text) {
 
 }  // namespace
 
-Verdict check_needle_file(std::string_view text) {
+Verdict check_needle(Bytes bytes) {
+    const std::string_view text = text_of(bytes);
     NeedlePath path;
     try {
         path = parse_needle_path(text, kName, {});

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/codec.hpp"
+#include "tests/fuzz/checks.hpp"
 
 namespace thimble {
 namespace {
@@ -191,6 +192,13 @@ const char* flaw_of(const Message& accepted) {
     if (!again.message) return "an accepted message is refused after encoding it again";
     if (accepted != *again.message) return "an accepted message changes when it is encoded again";
     return nullptr;
+}
+
+Verdict check_decode(Bytes datagram) {
+    const Decoded decoded = decode(datagram);
+    if (!decoded.message) return {false, decoded.refusal ? "" : "refused without a reason"};
+    const char* flaw = flaw_of(*decoded.message);
+    return {true, flaw != nullptr ? flaw : ""};
 }
 
 }  // namespace thimble

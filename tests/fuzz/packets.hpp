@@ -1,4 +1,4 @@
-// Parts that the fuzzers and the hostile-bytes test share: valid messages to start from, and the promises of every message that decode() lets through.
+// Valid messages to start from, and the promises of every message that decode() lets through.
 #pragma once
 
 #include <vector>

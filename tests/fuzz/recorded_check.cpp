@@ -1,5 +1,3 @@
-#include "tests/fuzz/recorded_check.hpp"
-
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +11,7 @@
 #include "common/error.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
+#include "tests/fuzz/checks.hpp"
 
 namespace thimble {
 namespace {
@@ -82,7 +81,8 @@ Verdict check_with(const Read& read, std::string_view text, const char* reader) 
 
 }  // namespace
 
-Verdict check_recorded_file(std::string_view text) {
+Verdict check_recorded(Bytes bytes) {
+    const std::string_view text = text_of(bytes);
     const Verdict verdicts[]{check_with(read_trial_table, text, "trials"),
                              check_with(read_trajectory, text, "trajectory"),
                              check_with(read_events, text, "events")};

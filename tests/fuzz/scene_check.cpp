@@ -1,5 +1,3 @@
-#include "tests/fuzz/scene_check.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -15,6 +13,7 @@
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
+#include "tests/fuzz/checks.hpp"
 
 namespace thimble {
 namespace {
@@ -163,7 +162,8 @@ std::string flaw_of_scene(const SceneDeclaration& declaration) {
 
 }  // namespace
 
-Verdict check_scene_file(std::string_view text) {
+Verdict check_scene(Bytes bytes) {
+    const std::string_view text = text_of(bytes);
     SceneDeclaration declaration;
     try {
         const ConfigFile file = ConfigFile::parse(text, "fuzz.toml");

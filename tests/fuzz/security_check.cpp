@@ -1,7 +1,6 @@
-#include "tests/fuzz/security_check.hpp"
-
 #include <algorithm>
 
+#include "tests/fuzz/checks.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
 namespace thimble {
@@ -12,7 +11,7 @@ constexpr std::size_t kMostMoves = 40;
 // Reads a script; zeros behind its end.
 class Script {
   public:
-    explicit Script(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+    explicit Script(Bytes bytes) : bytes_(bytes) {}
     bool over() const { return at_ >= bytes_.size(); }
     std::uint8_t next() { return over() ? std::uint8_t{0} : bytes_[at_++]; }
     Datagram take(std::size_t size) {
@@ -23,13 +22,13 @@ class Script {
     }
 
   private:
-    std::span<const std::uint8_t> bytes_;
+    Bytes bytes_;
     std::size_t at_ = 0;
 };
 
 class HandshakeCheck {
   public:
-    explicit HandshakeCheck(std::span<const std::uint8_t> bytes) : script_(bytes) {}
+    explicit HandshakeCheck(Bytes bytes) : script_(bytes) {}
 
     Verdict run() {
         Verdict verdict;
@@ -108,9 +107,9 @@ class HandshakeCheck {
 
 }  // namespace
 
-Verdict check_handshake_bytes(std::span<const std::uint8_t> script) { return HandshakeCheck(script).run(); }
+Verdict check_handshake(Bytes script) { return HandshakeCheck(script).run(); }
 
-Verdict check_sealed_bytes(std::span<const std::uint8_t> bytes) {
+Verdict check_sealed(Bytes bytes) {
     SecretKey key;
     key.bytes.fill(5);
     Opener opener;

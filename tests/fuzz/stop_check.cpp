@@ -1,5 +1,3 @@
-#include "tests/fuzz/stop_check.hpp"
-
 #include <algorithm>
 #include <numeric>
 #include <variant>
@@ -7,6 +5,7 @@
 #include "common/codec.hpp"
 #include "common/security/stop_seal.hpp"
 #include "common/stop_bus.hpp"
+#include "tests/fuzz/checks.hpp"
 #include "tests/unit/security/security_rig.hpp"
 
 namespace thimble {
@@ -24,7 +23,7 @@ const std::shared_ptr<const LabKey>& stop_lab_key() {
 
 class StopCheck {
   public:
-    explicit StopCheck(std::span<const std::uint8_t> script) : script_(script) {
+    explicit StopCheck(Bytes script) : script_(script) {
         here_.connect(seal_here_, {&sink_, &sink_, &sink_, &sink_, &sink_, &sink_});
         there_.connect(seal_there_, {&seal_there_, &sink_, &sink_, &sink_, &sink_, &sink_});
     }
@@ -82,7 +81,7 @@ class StopCheck {
         wire_.a.deliver(datagram);
     }
 
-    std::span<const std::uint8_t> script_;
+    Bytes script_;
     std::size_t at_ = 0;
     SessionTime now_{std::chrono::hours{1}};
     TestPipe wire_;  // a: the program's end, b: the experimenter's
@@ -94,11 +93,7 @@ class StopCheck {
     bool released_ = false;  // in this move
 };
 
-}  // namespace
-
-Verdict check_stop_script(std::span<const std::uint8_t> script) { return StopCheck(script).run(); }
-
-Verdict check_stop_bytes(std::span<const std::uint8_t> bytes) {
+Verdict check_open_end(Bytes bytes) {
     TestWire wire;
     StopBus line(Role::kMaster, 1);
     line.connect(wire, {&wire, &wire, &wire, &wire, &wire, &wire});
@@ -114,6 +109,14 @@ Verdict check_stop_bytes(std::span<const std::uint8_t> bytes) {
         verdict.flaw = "words beyond their end";
     if (line.stopped() && !is_stop(line.reason())) verdict.flaw = "stopped for a reason that is no stop";
     return verdict;
+}
+
+}  // namespace
+
+Verdict check_stop(Bytes bytes) {
+    if (bytes.empty()) return {};
+    const Bytes rest = bytes.subspan(1);
+    return bytes[0] % 2 == 0 ? StopCheck(rest).run() : check_open_end(rest);
 }
 
 }  // namespace thimble

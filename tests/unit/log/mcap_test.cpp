@@ -8,7 +8,7 @@
 #include <rapidcheck.h>
 
 #include "common/error.hpp"
-#include "tests/fuzz/mcap_check.hpp"
+#include "tests/fuzz/checks.hpp"
 #include "tests/unit/log/small_log.hpp"
 #include "thimble/log/log_repair.hpp"
 
@@ -172,8 +172,8 @@ TEST(Mcap, AnythingIsReadWithoutHarm) {
                               const std::size_t place = at % file.size();
                               std::copy_n(tail.begin(), std::min(tail.size(), file.size() - place),
                                           file.begin() + static_cast<std::ptrdiff_t>(place));
-                              const char* flaw = flaw_of_log(file);
-                              if (flaw != nullptr) RC_FAIL(std::string(flaw));
+                              const std::string flaw = check_log(file).flaw;
+                              if (!flaw.empty()) RC_FAIL(flaw);
                           }));
 }
 
