@@ -10,7 +10,6 @@
 #include <string_view>
 #include <variant>
 
-#include "common/control/wave_burst.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -263,6 +262,20 @@ struct DeviceFault {
     explicit DeviceFault(std::string_view words);  // cut where it is too long
     std::string_view words() const;
     bool operator==(const DeviceFault&) const = default;
+};
+
+// Wave variables as they travel: the newest sample's and those of a few samples before it, so that single losses lose
+// nothing. A wave has the unit of a root of power; what travels in h is its square, half of it.
+struct WaveBurst {
+    static constexpr std::size_t kMost = 8;
+
+    std::array<double, kMost> wave_root_W{};  // newest first
+    double sum_root_W_s = 0;                  // of all waves until the newest, x h
+    double energy_J = 0;                      // of all waves until the newest, sum of u^2 h / 2
+    std::uint32_t number = 0;                 // of the newest, from 0 in each trial
+    std::uint32_t count = 0;                  // how many there are, at most kMost
+
+    bool operator==(const WaveBurst&) const = default;
 };
 
 // With [control] compensator = "wave" in HF these two go instead of a NeedleCommand, and of the ForceFeedback to the master.

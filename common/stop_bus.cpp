@@ -1,7 +1,6 @@
 #include "common/stop_bus.hpp"
 
 #include <algorithm>
-#include <cstddef>
 #include <limits>
 #include <variant>
 
@@ -39,14 +38,13 @@ void StopBus::say_what_is_due(SessionTime now) {
     if (saying_) out_.send(now, 0, own_);
     if (releases_left_ > 0) {
         --releases_left_;
-        for (std::size_t i = 0; i < releasing_count_; ++i)
-            out_.send(now, 0, StopOrder(releasing_[i], StopKind::kRelease, EndReason::kEmergencyStop, {}));
+        for (const std::uint64_t id : releasing_) repeat(now, id);
     }
     if (now >= next_passed_on_) {
-        for (std::size_t i = 0; i < held_count_; ++i) out_.send(now, 0, held_[i].order);
+        for (const Held& held : held_) out_.send(now, 0, held.order);
         next_passed_on_ = now + kStopPassedOn;
     }
-    if (held_count_ == 0) next_passed_on_ = kNever;
+    if (held_.empty()) next_passed_on_ = kNever;
     next_ = saying_ || releases_left_ > 0 ? std::min(now + kStopRepeat, next_passed_on_) : next_passed_on_;
 }
 
@@ -78,55 +76,52 @@ void StopBus::obey(SessionTime now, Role sender, const StopOrder& order) {
 
 void StopBus::hold(SessionTime now, Role sender, const StopOrder& order) {
     if (released(order.id)) return remind(now, order.id);
-    if (holds(order.id)) return;
-    if (held_count_ == kHeld) make_room(now);
-    if (held_count_ == 0) next_passed_on_ = now + kStopPassedOn;
-    held_[held_count_] = {order, sender, now};
-    held_[held_count_++].order.held_ms = 0;
+    if (find(order.id) != held_.end()) return;
+    if (held_.size() == kHeld) make_room(now);
+    if (held_.empty()) next_passed_on_ = now + kStopPassedOn;
+    held_.push_back({order, sender, now});
+    held_.back().order.held_ms = 0;
     next_ = std::min(next_, next_passed_on_);
 }
 
 // More at once than there are places: the two newest become one with a number of its own, which no release that was made before
 // can name.
 void StopBus::make_room(SessionTime now) {
-    --held_count_;
-    Held& last = held_[held_count_ - 1];
-    last.order.id = new_id();
-    last.since = now;
+    held_.pop_back();
+    held_.back().order.id = new_id();
+    held_.back().since = now;
 }
 
 // A second press meanwhile is another stop, which the release did not know.
 void StopBus::let_go(SessionTime now, std::uint64_t id) {
-    if (!released(id)) remember(id);
-    drop(id);
+    if (!released(id)) released_.push_back(id);
+    if (const auto found = find(id); found != held_.end()) {
+        last_ = *found;
+        held_.erase(found);
+    }
     if (!saying_ || own_.id != id) return;
     saying_ = false;
     if (now < pressed_until_) say(now, own_.reason, own_.words());
-}
-
-void StopBus::drop(std::uint64_t id) {
-    const auto end = held_.begin() + static_cast<std::ptrdiff_t>(held_count_);
-    const auto found =
-        std::find_if(held_.begin(), end, [id](const Held& held) { return held.order.id == id; });
-    if (found == end) return;
-    std::copy(found + 1, end, found);
-    --held_count_;
 }
 
 // A program still holds or repeats a released stop: the release has not reached it.
 void StopBus::remind(SessionTime now, std::uint64_t id) {
     if (!may_release(role_) || now < next_reminder_) return;
     next_reminder_ = now + kStopRepeat;
-    out_.send(now, 0, StopOrder(id, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    repeat(now, id);
+}
+
+void StopBus::repeat(SessionTime now, std::uint64_t release) {
+    out_.send(now, 0, StopOrder(release, StopKind::kRelease, EndReason::kEmergencyStop, {}));
 }
 
 void StopBus::answer(SessionTime now) {
     if (now < next_answer_) return;
     next_answer_ = now + kAnswerEvery;
-    for (std::size_t i = 0; i < held_count_; ++i) {
-        StopOrder held = held_[i].order;
-        held.held_ms = whole_milliseconds(now - held_[i].since);
-        in_->answer(encoder_.encode(Header{instance_, now, ++answers_, 0, role_}, held));
+    for (const Held& held : held_) {
+        StopOrder order = held.order;
+        order.held_ms = whole_milliseconds(now - held.since);
+        in_->answer(encoder_.encode(Header{instance_, now, ++answers_, 0, role_}, order));
     }
 }
 
@@ -148,30 +143,14 @@ void StopBus::say(SessionTime now, EndReason reason, std::string_view words) {
 }
 
 void StopBus::release(SessionTime now) {
-    releasing_count_ = 0;
-    for (std::size_t i = 0; i < held_count_; ++i) {
-        if (now - held_[i].since >= kHeldAtLeast) releasing_[releasing_count_++] = held_[i].order.id;
+    releasing_.clear();
+    for (const Held& held : held_) {
+        if (now - held.since >= kHeldAtLeast) releasing_.push_back(held.order.id);
     }
-    for (std::size_t i = 0; i < releasing_count_; ++i) let_go(now, releasing_[i]);
-    releases_left_ = releasing_count_ == 0 ? 0 : kReleaseTimes;
+    for (const std::uint64_t id : releasing_) let_go(now, id);
+    releases_left_ = releasing_.empty() ? 0 : kReleaseTimes;
     next_ = now;
     tick(now);
-}
-
-bool StopBus::holds(std::uint64_t id) const {
-    const auto end = held_.begin() + static_cast<std::ptrdiff_t>(held_count_);
-    return std::any_of(held_.begin(), end, [id](const Held& held) { return held.order.id == id; });
-}
-
-bool StopBus::released(std::uint64_t id) const {
-    const auto end = done_.begin() + static_cast<std::ptrdiff_t>(done_count_);
-    return std::find(done_.begin(), end, id) != end;
-}
-
-void StopBus::remember(std::uint64_t id) {
-    done_[done_next_] = id;
-    done_next_ = (done_next_ + 1) % done_.size();
-    done_count_ = std::min(done_count_ + 1, done_.size());
 }
 
 // Different between programs by their instance, within one by the count.

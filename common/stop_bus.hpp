@@ -8,9 +8,13 @@
 // Any program may stop. Only the session and the experimenter may release. No clock: `now` is the caller's.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string_view>
+
+#include <boost/circular_buffer.hpp>
+#include <boost/container/static_vector.hpp>
 
 #include "common/flow.hpp"
 #include "common/messages.hpp"
@@ -51,11 +55,11 @@ class StopBus {
     // Releases the stops that have been held for kHeldAtLeast.
     void release(SessionTime now);
 
-    bool stopped() const { return held_count_ > 0; }
+    bool stopped() const { return !held_.empty(); }
     // Of the oldest stop that holds, and once released of the last one.
-    EndReason reason() const { return held_.front().order.reason; }
-    std::string_view words() const { return held_.front().order.words(); }
-    Role raised_by() const { return held_.front().from; }
+    EndReason reason() const { return shown().order.reason; }
+    std::string_view words() const { return shown().order.words(); }
+    Role raised_by() const { return shown().from; }
     const FlowCounters& counters() const { return counters_; }
 
   private:
@@ -72,13 +76,17 @@ class StopBus {
     void make_room(SessionTime now);
     void say(SessionTime now, EndReason reason, std::string_view words);
     void let_go(SessionTime now, std::uint64_t id);
-    void drop(std::uint64_t id);
     void remind(SessionTime now, std::uint64_t id);
     void answer(SessionTime now);
     void say_what_is_due(SessionTime now);
-    bool holds(std::uint64_t id) const;
-    bool released(std::uint64_t id) const;
-    void remember(std::uint64_t id);
+    void repeat(SessionTime now, std::uint64_t release);
+    const Held& shown() const { return held_.empty() ? last_ : held_.front(); }
+    auto find(std::uint64_t id) {
+        return std::find_if(held_.begin(), held_.end(), [id](const Held& one) { return one.order.id == id; });
+    }
+    bool released(std::uint64_t id) const {
+        return std::find(released_.begin(), released_.end(), id) != released_.end();
+    }
     std::uint64_t new_id();
 
     Role role_;
@@ -86,15 +94,13 @@ class StopBus {
     std::uint64_t made_ = 0;
     Channel* in_ = nullptr;
     OutboundFlow out_;
-    std::array<Held, kHeld> held_{};  // oldest first
-    std::size_t held_count_ = 0;
-    std::array<std::uint64_t, kRemembered> done_{};  // stops that were released; a ring
-    std::size_t done_next_ = 0, done_count_ = 0;
+    boost::container::static_vector<Held, kHeld> held_;            // oldest first
+    Held last_;                                                    // that was released
+    boost::circular_buffer<std::uint64_t> released_{kRemembered};  // stops
     StopOrder own_;
-    bool saying_ = false;                           // own_
-    SessionTime pressed_until_{};                   // again, while saying; plus kPressedLately
-    std::array<std::uint64_t, kHeld> releasing_{};  // stops
-    std::size_t releasing_count_ = 0;
+    bool saying_ = false;          // own_
+    SessionTime pressed_until_{};  // again, while saying; plus kPressedLately
+    boost::container::static_vector<std::uint64_t, kHeld> releasing_;  // stops
     int releases_left_ = 0;
     SessionTime next_ = kNever, next_passed_on_ = kNever;
     SessionTime next_reminder_{}, next_answer_{};

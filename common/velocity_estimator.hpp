@@ -14,11 +14,7 @@
 #include <variant>
 
 #include "common/time.hpp"
-#include "common/velocity/foaw_velocity.hpp"
-#include "common/velocity/kalman_velocity.hpp"
-#include "common/velocity/low_pass_velocity.hpp"
-#include "common/velocity/raw_velocity.hpp"
-#include "common/velocity/windowed_velocity.hpp"
+#include "common/velocity/velocity_methods.hpp"
 
 namespace thimble {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/control/wave_burst.hpp"
+#include "common/messages.hpp"
 
 namespace thimble {
 

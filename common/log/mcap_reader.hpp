@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/log/mcap_records.hpp"
+#include "common/log/mcap_bytes.hpp"
 
 namespace thimble {
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "common/log/mcap_bytes.hpp"
-#include "common/log/mcap_records.hpp"
 
 namespace thimble {
 

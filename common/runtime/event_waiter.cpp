@@ -1,6 +1,7 @@
 #include "common/runtime/event_waiter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <sys/timerfd.h>
@@ -12,6 +13,7 @@
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
+
 namespace {
 
 constexpr std::uint64_t kTimerTag = UINT64_MAX;
@@ -100,6 +102,21 @@ std::span<const epoll_event> EventWaiter::spin_until(SessionTime due, SessionTim
     counters_.spun += now - start;
     budget_.spent(now, now - start);
     return events;
+}
+
+Histogram measure_timer(Duration period, Duration length) {
+    Histogram lateness;
+    EventWaiter waiter(false);
+    std::array<epoll_event, 1> room{};
+    const SessionTime end = wall_now() + length;
+    for (SessionTime due = wall_now() + period; due < end;) {
+        waiter.wait(due, due, room);
+        const SessionTime now = wall_now();
+        if (now < due) continue;  // a signal
+        lateness.add(now - due);
+        due += period * ((now - due) / period + 1);  // what a stall has swallowed is one lateness, not many
+    }
+    return lateness;
 }
 
 }  // namespace thimble

@@ -7,6 +7,7 @@
 #include <span>
 #include <sys/epoll.h>
 
+#include "common/histogram.hpp"
 #include "common/runtime/wait_margin.hpp"
 #include "common/time.hpp"
 
@@ -52,5 +53,9 @@ class EventWaiter {
     SpinBudget budget_;
     WaitCounters counters_;
 };
+
+// How late this machine's timer is when nothing else is asked of the program: the yardstick for anything that waits.
+// Absolute deadlines, one each `period`, for `length`, by timerfd and epoll, in the calling thread as it is scheduled.
+Histogram measure_timer(Duration period, Duration length);
 
 }  // namespace thimble

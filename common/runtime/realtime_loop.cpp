@@ -7,10 +7,8 @@
 #include <cstring>
 #include <poll.h>
 #include <sched.h>
-#include <sys/epoll.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
-#include <sys/timerfd.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -54,7 +52,6 @@ void install_stop_signals(QuitSignal quit) {
     sigaction(SIGTERM, &action, nullptr);
     if (quit == QuitSignal::kStopsEverything) action.sa_handler = request_emergency_stop;
     sigaction(SIGQUIT, &action, nullptr);
-    std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its writer
 }
 
@@ -94,55 +91,24 @@ RealtimeLease::~RealtimeLease() {
 }
 
 RealtimeLoop::RealtimeLoop(std::span<Listener* const> listeners)
-    : epoll_(epoll_create1(EPOLL_CLOEXEC)),
-      timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
-      listeners_(listeners.begin(), listeners.end()) {
-    if (epoll_ < 0 || timer_ < 0) {
-        throw Error(ExitCode::kRunFailed, fmt::format("cannot make a timer: {}", std::strerror(errno)));
+    : listeners_(listeners.begin(), listeners.end()) {
+    for (std::size_t i = 0; i < listeners_.size(); ++i) {
+        if (!waiter_.add(listeners_[i]->file_descriptor(), i))
+            throw Error(ExitCode::kRunFailed,
+                        fmt::format("cannot wait for events: {}", std::strerror(errno)));
     }
-    watch(timer_, nullptr);
-    for (Listener* listener : listeners_) watch(listener->file_descriptor(), listener);
     for (Listener* listener : listeners_) listener->set_watched(true);
 }
 
 RealtimeLoop::~RealtimeLoop() {
     for (Listener* listener : listeners_) listener->set_watched(false);
-    close(timer_);
-    close(epoll_);
-}
-
-void RealtimeLoop::watch(int descriptor, Listener* of) {
-    epoll_event event{};
-    event.events = EPOLLIN;
-    event.data.ptr = of;
-    if (epoll_ctl(epoll_, EPOLL_CTL_ADD, descriptor, &event) != 0) {
-        throw Error(ExitCode::kRunFailed, fmt::format("cannot wait for events: {}", std::strerror(errno)));
-    }
-}
-
-// A timer that is set to an earlier moment stays: waking up in vain now and then costs less than setting it each time
-// that a deadline moves on, as slave_sim's does with every command.
-void RealtimeLoop::arm(SessionTime deadline) {
-    if (armed_ <= deadline) return;
-    armed_ = deadline;
-    set_timer(timer_, deadline);
 }
 
 // Until that moment, or mail, or a signal; returns when that was.
 SessionTime RealtimeLoop::wait(SessionTime until) {
-    std::array<epoll_event, 16> events{};
-    for (;;) {
-        arm(until);
-        const int found = epoll_wait(epoll_, events.data(), static_cast<int>(events.size()), -1);
-        const SessionTime now = wall_now();
-        if (now >= armed_) armed_ = kNever;  // it has fired; the next wait must arm it anew
-        if (found == 1 && events[0].data.ptr == nullptr && now < until) continue;
-        for (int i = 0; i < found; ++i) {
-            void* of = events[static_cast<std::size_t>(i)].data.ptr;
-            if (of != nullptr) static_cast<Listener*>(of)->has_mail();
-        }
-        return now;
-    }
+    std::array<epoll_event, 16> room{};
+    for (const epoll_event& event : waiter_.wait(until, until, room)) listeners_[event.data.u64]->has_mail();
+    return wall_now();
 }
 
 void RealtimeLoop::step(Process& process, SessionTime latest) {

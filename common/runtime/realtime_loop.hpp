@@ -11,6 +11,7 @@
 
 #include "common/histogram.hpp"
 #include "common/process.hpp"
+#include "common/runtime/event_waiter.hpp"
 #include "common/runtime/listener.hpp"
 #include "common/runtime/runtime_settings.hpp"
 
@@ -82,14 +83,10 @@ class RealtimeLoop {
     const LoopStatistics& statistics() const { return statistics_; }
 
   private:
-    void watch(int descriptor, Listener* of);  // nobody's: the timer
-    void arm(SessionTime deadline);
     SessionTime wait(SessionTime until);
 
-    int epoll_ = -1;
-    int timer_ = -1;
+    EventWaiter waiter_{false};
     std::vector<Listener*> listeners_;
-    SessionTime armed_ = kNever;
     SessionTime woken_ = kNever;  // last, within run()
     LoopStatistics statistics_;
 };

@@ -1,39 +1,24 @@
-// Completion scripts for shells, made from the program's own command line, so that both always agree.
+// Completion of command lines in shells. A shell's script asks the program itself, so that both always agree.
 #pragma once
 
+#include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
+
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+}
 
 namespace thimble {
 
-struct CompletedWord {
-    std::string word;         // "study", "--out", "-o"
-    std::string description;  // one line
-};
-
-struct CompletedOption {
-    std::vector<std::string> names;  // "-o", "--out"
-    std::string description;
-    bool takes_value = false;
-    std::vector<std::string> choices{};  // of the value; empty: a file's name, or anything
-};
-
-// The program, or one of its subcommands.
-struct CompletedCommand {
-    std::string path;  // as typed: "thimble log cat"
-    std::vector<CompletedWord> subcommands{};
-    std::vector<CompletedOption> options{};
-    std::vector<std::string> choices{};  // of its positional words, where they are a few
-    bool takes_words = false;            // positional words
-};
-
-// The program first, each subcommand after the command it belongs to.
-using CommandTree = std::vector<CompletedCommand>;
-
 inline constexpr const char* kCompletedShells[] = {"bash", "zsh", "fish"};
 
-// A script for one of kCompletedShells.
-std::string completion_script(const CommandTree& tree, std::string_view shell);
+// The script for one of kCompletedShells; empty for another shell.
+std::string completion_script(const std::string& program, const std::string& shell);
+
+// Answers the two hidden calls of every program, and returns the exit code; nothing for any other call:
+//     --completion SHELL    prints the shell's script (the packages' build)
+//     --complete WORD...    prints a line of word, tab and description for each way in which the last word may go on (the
+//                           scripts). Exit code 1 if there is none: then the shell completes names of files
+std::optional<int> answer_shell(const CLI::App& app, int argc, char** argv);
 
 }  // namespace thimble

@@ -4,12 +4,15 @@
 #include <cerrno>
 #include <condition_variable>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <fcntl.h>
 #include <memory>
 #include <mutex>
 #include <poll.h>
 #include <pthread.h>
 #include <sched.h>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <unistd.h>
@@ -21,6 +24,7 @@
 #include <spdlog/spdlog.h>
 
 namespace thimble {
+
 namespace {
 
 constexpr std::size_t kMostWaiting = 1U << 16U;  // bytes
@@ -155,6 +159,33 @@ bool stderr_written_within(Duration limit) { return the_queue()->empty_within(li
 void log_to_stderr(const std::string& program) {
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(program, std::make_shared<WordsSink>()));
     spdlog::set_pattern("%n: %^%l%$: %v");
+}
+
+namespace {
+
+bool reader_has_left() {
+    pollfd output{STDOUT_FILENO, 0, 0};
+    return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+}
+
+}  // namespace
+
+void flush_results() {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw ResultsLost();
+}
+
+int settle_results(int exit_code) {
+    errno = 0;
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+    // stdio remembers that an earlier print failed, but not why.
+    const std::string reason = errno != 0 ? fmt::format(": {}", std::strerror(errno)) : std::string();
+    if (!reader_has_left()) {
+        spdlog::error(
+            "results are lost: standard output cannot be written{}; free space on its disk or redirect it, "
+            "and run the command again",
+            reason);
+    }
+    return exit_code == 0 ? static_cast<int>(ExitCode::kRunFailed) : exit_code;
 }
 
 }  // namespace thimble

@@ -1,13 +1,16 @@
-// The three standard descriptors: none of them stays closed, and a slow reader of stderr never blocks the program.
+// The three standard descriptors: none of them stays closed, a slow reader of stderr never blocks the program, and results that get
+// lost on stdout are noticed.
 #pragma once
 
 #include <string>
 #include <string_view>
 
+#include "common/error.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
 
+// The three standard descriptors: none of them stays closed, and a slow reader of stderr never blocks the program.
 // Opens /dev/null in the place of each one that is closed, or the next file would take its number. Comes first in every program.
 void open_standard_descriptors();
 
@@ -18,5 +21,19 @@ void write_stderr(std::string_view words);
 bool stderr_written_within(Duration limit);
 // spdlog says its words that way, too, in the name of this program.
 void log_to_stderr(const std::string& program);
+
+// Results go to standard output. If they get lost there, the program reports it and fails.
+// Ends the program: no reader is left. settle_results() reports the reason.
+class ResultsLost : public Error {
+  public:
+    ResultsLost() : Error(ExitCode::kRunFailed, "standard output cannot be written") {}
+};
+
+// Writes the buffered results, for a loop that prints while there is a reader. Throws ResultsLost.
+void flush_results();
+
+// Writes the buffered results at the end of a program. If results are lost, exit code 0 becomes 1, and standard error names the
+// reason. There is no message if the reader has closed its pipe (`| head`).
+int settle_results(int exit_code);
 
 }  // namespace thimble

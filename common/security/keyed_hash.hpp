@@ -1,6 +1,7 @@
 // BLAKE2b under a key, of what is said part by part; leaves nothing in memory.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <sodium.h>
 #include <span>
@@ -37,5 +38,18 @@ class KeyedHash {
     std::size_t size_;
     crypto_generichash_state state_{};
 };
+
+// Numbers as they stand in datagrams: little endian, byte by byte, wherever they lie.
+template <class Number>
+void write_little_endian(Number number, std::uint8_t* out) {
+    for (std::size_t i = 0; i < sizeof number; ++i) out[i] = static_cast<std::uint8_t>(number >> (8 * i));
+}
+
+template <class Number>
+Number read_little_endian(const std::uint8_t* in) {
+    Number number = 0;
+    for (std::size_t i = 0; i < sizeof number; ++i) number |= static_cast<Number>(Number{in[i]} << (8 * i));
+    return number;
+}
 
 }  // namespace thimble

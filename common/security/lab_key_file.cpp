@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -36,21 +37,6 @@ std::filesystem::path home() {
 }
 
 void wipe(Line& line) { sodium_memzero(line.data(), line.size()); }
-
-// An open file, closed when it goes.
-class Descriptor {
-  public:
-    explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
-    ~Descriptor() {
-        if (descriptor_ >= 0) close(descriptor_);
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    int get() const { return descriptor_; }
-
-  private:
-    int descriptor_;
-};
 
 // systemd makes the file readable for this service alone: it is root's, with an access list that counts as a group.
 bool is_credential(const std::filesystem::path& path, const struct stat& found) {
@@ -128,7 +114,7 @@ std::filesystem::path lab_key_file(std::string_view setting) {
 void create_lab_key(const std::filesystem::path& path, const RandomBytes& random) {
     std::error_code problem;  // seen when the file cannot be made
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), problem);
-    const Descriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+    const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
     if (file.get() < 0) {
         const int error = errno;
         throw Error(
@@ -146,7 +132,7 @@ void create_lab_key(const std::filesystem::path& path, const RandomBytes& random
 }
 
 LabKey read_lab_key(const std::filesystem::path& path) {
-    const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     struct stat found {};
     if (file.get() < 0 || fstat(file.get(), &found) != 0) {
         throw Error(ExitCode::kUsage,

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <sodium.h>
 
-#include "common/security/byte_order.hpp"
+#include "common/security/keyed_hash.hpp"
 
 namespace thimble {
 namespace {

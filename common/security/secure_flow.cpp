@@ -1,6 +1,6 @@
 #include "common/security/secure_flow.hpp"
 
-#include "common/security/refusing_receive.hpp"
+#include "common/security/sealing.hpp"
 
 namespace thimble {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/security/refusing_receive.hpp"
+#include "common/security/sealing.hpp"
 
 namespace thimble {
 namespace {

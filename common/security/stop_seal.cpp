@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "common/security/byte_order.hpp"
 #include "common/security/keyed_hash.hpp"
-#include "common/security/refusing_receive.hpp"
+#include "common/security/sealing.hpp"
 
 namespace thimble {
 namespace {

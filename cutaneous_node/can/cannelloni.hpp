@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "common/channel.hpp"
-#include "common/security/replay_window.hpp"
+#include "common/security/sealing.hpp"
 #include "cutaneous_node/can/can_bus.hpp"
 
 namespace thimble {

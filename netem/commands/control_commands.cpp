@@ -8,7 +8,7 @@
 
 #include "common/json_text.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "common/runtime/result_output.hpp"
+#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/commands/commands.hpp"
 #include "netem/relay/control_socket.hpp"

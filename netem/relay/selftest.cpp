@@ -4,7 +4,7 @@
 #include <arpa/inet.h>
 
 #include "common/runtime/realtime_loop.hpp"
-#include "common/runtime/timer_probe.hpp"
+#include "common/runtime/event_waiter.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/fates.hpp"
 #include "netem/relay/loss_law.hpp"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "common/process/take_until.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 

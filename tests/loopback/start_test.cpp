@@ -1,5 +1,6 @@
 // Starting: help, configuration, ports, missing programs. A bad start ends at once and says what is wrong and
 // where.
+#include <algorithm>
 #include <csignal>
 
 #include <gmock/gmock.h>
@@ -75,25 +76,27 @@ TEST(Help, NumbersThatAreNoneAreUsageErrors) {
     }
 }
 
-// bash's completions, the last of `words` being typed.
-std::string completed(const std::string& program, const std::vector<std::string>& arguments,
-                      const std::string& words) {
-    std::string command = "'" + (built_programs() / program).string() + "'";
-    for (const std::string& argument : arguments) command += " " + argument;
-    const std::string script = "eval \"$(" + command + ")\"; COMP_WORDS=(" + program + " " + words +
-                               "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _" +
-                               (program == "thimble" ? "thimble" : "thimble_netem") +
+// bash's completions of a program's words, of which the last is being typed.
+std::string completed(const std::string& program, const std::string& words) {
+    const std::string path = "'" + (built_programs() / program).string() + "'";
+    std::string function = "_complete_" + program;
+    std::replace(function.begin(), function.end(), '-', '_');
+    const std::string script = "eval \"$(" + path + " --completion bash)\"; COMP_WORDS=(" + path + " " +
+                               words + "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); " + function +
                                "; echo ${COMPREPLY[*]}";
     return run_to_end("/bin/bash", {"-c", script}).words;
 }
 
 TEST(Completion, KnowsSubcommandsOptionsAndChoices) {
-    const std::vector<std::string> bash{"completion", "bash"};
-    EXPECT_EQ(completed("thimble", bash, "st"), "study stability stop\n");
-    EXPECT_EQ(completed("thimble", bash, "log re"), "repair\n");
-    EXPECT_EQ(completed("thimble", bash, "run --over"), "--overwrite\n");
-    EXPECT_EQ(completed("thimble", bash, "study --analysis ''"), "paper full\n");
-    EXPECT_EQ(completed("thimble", bash, "run --out st"), "\n");  // a file's name: the shell's own business
+    EXPECT_EQ(completed("thimble", "st"), "study stability stop\n");
+    EXPECT_EQ(completed("thimble", "log re"), "repair\n");
+    EXPECT_EQ(completed("thimble", "run --over"), "--overwrite\n");
+    EXPECT_EQ(completed("thimble", "study --analysis ''"), "paper full\n");
+    EXPECT_EQ(completed("thimble", "study --analysis = p"), "paper\n");
+    EXPECT_EQ(completed("thimble", "study --analysis=p"), "--analysis=paper\n");
+    EXPECT_EQ(completed("thimble", "completion z"), "zsh\n");
+    EXPECT_EQ(completed("thimble", "run --out st"), "\n");  // a file's name: the shell's own business
+    EXPECT_EQ(completed("thimble-netem", "--max"), "--max-flows\n");
 }
 
 TEST(Completion, IsInEveryProgramForEveryShell) {
@@ -104,8 +107,8 @@ TEST(Completion, IsInEveryProgramForEveryShell) {
             EXPECT_THAT(outcome.words, HasSubstr("Completion of " + program + " for " + shell));
         }
     }
-    EXPECT_EQ(completed("thimble-netem", {"--completion", "bash"}, "--max"), "--max-flows\n");
     EXPECT_EQ(run_to_end(built_programs() / "thimble", {"completion", "csh"}).code, 2);
+    EXPECT_EQ(run_to_end(built_programs() / "thimble", {"--completion", "csh"}).code, 2);
 }
 
 // Every program reads [network] and [runtime]; each also has a table of its own.

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "common/runtime/command_line.hpp"
 #include "common/runtime/shell_completion.hpp"
 #include "thimble/commands/commands.hpp"
 
@@ -26,7 +25,7 @@ Subcommand add_completion(CLI::App& app) {
         "  thimble completion fish > ~/.config/fish/completions/thimble.fish\n\n"
         "The Debian package brings it for all programs (docs/install.md).");
     return {completion, [&app, shell] {
-                fmt::print("{}", completion_of(app, *shell));
+                fmt::print("{}", completion_script(app.get_name(), *shell));
                 return 0;
             }};
 }

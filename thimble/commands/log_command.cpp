@@ -14,7 +14,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
-#include "common/runtime/result_output.hpp"
+#include "common/runtime/standard_streams.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/log/log_check.hpp"
 #include "thimble/log/log_export.hpp"

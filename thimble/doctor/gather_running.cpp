@@ -14,7 +14,7 @@
 #include "common/process/child.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
-#include "common/runtime/timer_probe.hpp"
+#include "common/runtime/event_waiter.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"

@@ -8,12 +8,9 @@ constexpr std::size_t kShownScenes = 256;
 constexpr std::size_t kRareThings = 64;
 
 template <class T>
-std::optional<T> take_from(SpscRing<T>& ring) {
-    const T* const oldest = ring.front();
-    if (oldest == nullptr) return std::nullopt;
-    const T value = *oldest;
-    ring.pop();
-    return value;
+std::optional<T> take_from(boost::lockfree::spsc_queue<T>& ring) {
+    T oldest;
+    return ring.pop(oldest) ? std::optional{oldest} : std::nullopt;
 }
 
 }  // namespace
@@ -32,8 +29,7 @@ std::optional<ShownScene> WindowDisplay::shown(SessionTime now) {
 }
 
 SessionTime WindowDisplay::next_shown() const {
-    const ShownScene* const oldest = shown_.front();
-    return oldest == nullptr ? kNever : oldest->shown_at;
+    return shown_.read_available() == 0 ? kNever : shown_.front().shown_at;
 }
 
 void WindowDisplay::turn_page(SessionTime, const Page& page) {

@@ -6,8 +6,9 @@
 #include <atomic>
 #include <cstdint>
 
+#include <boost/lockfree/spsc_queue.hpp>
+
 #include "visual_node/display.hpp"
-#include "visual_node/window/spsc_ring.hpp"
 
 namespace thimble {
 
@@ -45,11 +46,11 @@ class WindowDisplay final : public Display {
     void offer_page();
 
     Duration pipeline_;
-    SpscRing<Scene> scenes_;
-    SpscRing<Page> pages_;
+    boost::lockfree::spsc_queue<Scene> scenes_;
+    boost::lockfree::spsc_queue<Page> pages_;
     std::optional<Page> newest_page_;  // the node's thread: did not fit
-    SpscRing<SessionTime> beeps_;
-    SpscRing<ShownScene> shown_;
+    boost::lockfree::spsc_queue<SessionTime> beeps_;
+    boost::lockfree::spsc_queue<ShownScene> shown_;
     std::atomic<bool> open_{true};
     std::atomic<bool> go_on_{false}, stop_{false};
     std::atomic<std::uint64_t> unseen_{0};

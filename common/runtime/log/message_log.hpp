@@ -12,7 +12,7 @@
 
 #include "common/log/byte_queue.hpp"
 #include "common/log/log_settings.hpp"
-#include "common/log/mcap_records.hpp"
+#include "common/log/mcap_bytes.hpp"
 #include "common/log/recorder.hpp"
 #include "common/network_settings.hpp"
 

@@ -134,59 +134,60 @@ TEST_F(NodeProcessTest, StartsAndAcknowledgesAtOnce) {
     expect_heartbeat(5, NodeState::kRunning);
 }
 
-TEST_F(NodeProcessTest, ARepeatedStartIsAcknowledgedButStartsNothing) {
+struct GivenOrder {
+    ControlKind kind;
+    std::uint32_t trial;
+    EndReason reason = EndReason::kNone;
+};
+// Orders to a node that runs trial 5.
+struct OrdersCase {
+    const char* name;
+    std::vector<GivenOrder> orders;
+    std::vector<std::string> said;
+    NodeState state;
+    EndReason reason = EndReason::kNone;
+};
+
+class OrderedNode : public NodeProcessTest, public testing::WithParamInterface<OrdersCase> {};
+
+TEST_P(OrderedNode, ObeysOnceAndAcknowledgesEachTime) {
     start(5);
-    order(ControlKind::kTrialStart, 5);
+    for (const GivenOrder& given : GetParam().orders) {
+        order(given.kind, given.trial, given.reason);
+        tick(now.time_since_epoch() + milliseconds{10});
+        EXPECT_EQ(heartbeats().size(), 1U);
+    }
+    order(ControlKind::kBeep, 99);  // another acknowledgement
+    tick(now.time_since_epoch() + milliseconds{10});
+    EXPECT_EQ(process.said, GetParam().said);
+    EXPECT_EQ(process.stopped(), GetParam().orders[0].kind == ControlKind::kShutdown);
+    expect_heartbeat(process.said.size() == 2 ? 6 : 5, GetParam().state, GetParam().reason);
+}
+
+using enum ControlKind;
+const GivenOrder kTimedOut{kTrialEnd, 5, EndReason::kTimeout};
+INSTANTIATE_TEST_SUITE_P(
+    Each, OrderedNode,
+    testing::Values(
+        OrdersCase{"ARepeatedStart", {{kTrialStart, 5}}, {}, NodeState::kRunning},
+        OrdersCase{"AnotherTrial", {{kTrialStart, 6}}, {"end 5", "begin 6 CF"}, NodeState::kRunning},
+        OrdersCase{"TwoEnds", {kTimedOut, kTimedOut}, {"end 5"}, NodeState::kIdle, EndReason::kTimeout},
+        OrdersCase{
+            "ALateStart", {kTimedOut, {kTrialStart, 5}}, {"end 5"}, NodeState::kIdle, EndReason::kTimeout},
+        OrdersCase{"TheEndOfAnotherTrial", {{kTrialEnd, 4}}, {}, NodeState::kRunning},
+        OrdersCase{"ChangesOfTwoTrials",
+                   {{kFixtureChange, 6}, {kFixtureChange, 5}},
+                   {"fixture"},
+                   NodeState::kRunning},
+        OrdersCase{"Shutdown", {{kShutdown, 5}}, {"end 5"}, NodeState::kIdle, EndReason::kInterrupted}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(NodeProcessTest, BetweenTrialsItObeysAShutdownAlone) {
+    order(kFixtureChange, 1);
+    order(kShutdown, 0);
     tick(milliseconds{20});
     EXPECT_EQ(process.said, Said{});
-    expect_heartbeat(5, NodeState::kRunning);
-}
-
-TEST_F(NodeProcessTest, AnotherTrialEndsTheRunningOne) {
-    start(5);
-    order(ControlKind::kTrialStart, 6);
-    tick(milliseconds{20});
-    EXPECT_EQ(process.said, (Said{"end 5", "begin 6 CF"}));
-}
-
-TEST_F(NodeProcessTest, EndsWithTheReasonGiven) {
-    start();
-    order(ControlKind::kTrialEnd, 1, EndReason::kTimeout);
-    tick(milliseconds{20});
-    EXPECT_EQ(process.said, Said{"end 1"});
-    expect_heartbeat(1, NodeState::kIdle, EndReason::kTimeout);
-    order(ControlKind::kTrialEnd, 1, EndReason::kTimeout);
-    tick(milliseconds{30});
-    EXPECT_EQ(process.said, Said{"end 1"});  // once is enough
-    expect_heartbeat(1, NodeState::kIdle, EndReason::kTimeout);
-}
-
-TEST_F(NodeProcessTest, AStartThatComesLateDoesNotReviveATrial) {
-    start();
-    order(ControlKind::kTrialEnd, 1, EndReason::kCompleted);
-    order(ControlKind::kTrialStart, 1);
-    tick(milliseconds{20});
-    EXPECT_EQ(process.said, Said{"end 1"});
-    EXPECT_EQ(process.state(), NodeState::kIdle);
-}
-
-TEST_F(NodeProcessTest, TheEndOfAnotherTrialIsNotMeant) {
-    start(5);
-    order(ControlKind::kTrialEnd, 4, EndReason::kCompleted);
-    tick(milliseconds{20});
-    EXPECT_EQ(process.said, Said{});
-    EXPECT_EQ(process.state(), NodeState::kRunning);
-}
-
-TEST_F(NodeProcessTest, ObeysDuringItsTrialOnly) {
-    order(ControlKind::kFixtureChange, 1);
-    tick(milliseconds{5});
-    EXPECT_EQ(process.said, Said{});
-    start(1);
-    order(ControlKind::kFixtureChange, 2);
-    order(ControlKind::kFixtureChange, 1);
-    tick(milliseconds{20});
-    EXPECT_EQ(process.said, Said{"fixture"});
+    EXPECT_TRUE(process.stopped());
 }
 
 TEST_F(NodeProcessTest, FinishingIsReportedAtOnceAndStillRunning) {
@@ -199,23 +200,6 @@ TEST_F(NodeProcessTest, FinishingIsReportedAtOnceAndStillRunning) {
     order(ControlKind::kTrialEnd, 1, EndReason::kCompleted);
     tick(milliseconds{20});
     EXPECT_EQ(process.said, Said{"end 1"});
-}
-
-TEST_F(NodeProcessTest, ShutdownEndsTheTrialAndStops) {
-    start();
-    EXPECT_FALSE(process.stopped());
-    order(ControlKind::kShutdown);
-    tick(milliseconds{20});
-    EXPECT_EQ(process.said, Said{"end 1"});
-    EXPECT_TRUE(process.stopped());
-    expect_heartbeat(1, NodeState::kIdle, EndReason::kInterrupted);
-}
-
-TEST_F(NodeProcessTest, ShutdownBetweenTrialsStopsToo) {
-    order(ControlKind::kShutdown, 0);
-    tick(milliseconds{20});
-    EXPECT_EQ(process.said, Said{});
-    EXPECT_TRUE(process.stopped());
 }
 
 TEST_F(NodeProcessTest, ASilentSessionEndsTheTrial) {
@@ -339,45 +323,26 @@ TEST_F(NodeProcessTest, CountsWhatItHearsAndReportsIt) {
     EXPECT_EQ(std::get<Heartbeat>(messages[0].body).refused, 3U);
 }
 
-TEST_F(NodeProcessTest, ADelayIsChangedOnceHoweverOftenItIsSaidAndAlsoBetweenTrials) {
-    const auto say = [&](double delay_s, std::uint32_t trial) {
-        SessionControl control;
-        control.kind = ControlKind::kNetworkChange;
-        control.network_delay_s = delay_s;
-        session.send(now, trial, control);
-        process.tick(now);
-    };
-    say(0.25, 0);  // before the first trial
-    order(ControlKind::kTrialStart);
-    tick(milliseconds{10});
-    process.said.clear();
-    say(0.25, 1);
-    say(0.5, 1);
-    say(0.5, 1);
-    say(0, 7);  // of another trial
-    say(0, 1);
-    const std::vector<std::string> expected{"delay 0.500000", "delay 0.000000"};
-    EXPECT_EQ(process.said, expected);
-}
-
-TEST_F(NodeProcessTest, ANetworkIsChangedOnceAndItsDelayOnceMore) {
-    const auto say = [&](const char* name, double delay_s) {
+TEST_F(NodeProcessTest, ANetworkIsChangedOnceHoweverOftenItIsSaidAndAlsoBetweenTrials) {
+    const auto say = [&](const char* name, double delay_s, std::uint32_t trial) {
         SessionControl control;
         control.kind = ControlKind::kNetworkChange;
         control.network = *NetworkName::of(name);
         control.network_delay_s = delay_s;
-        session.send(now, 1, control);
+        session.send(now, trial, control);
         process.tick(now);
     };
+    say("lte", 0.25, 0);  // before the first trial
     order(ControlKind::kTrialStart);
     tick(milliseconds{10});
+    EXPECT_EQ(process.said, (Said{"delay 0.250000lte", "begin 1 CF"}));
     process.said.clear();
-    say("lte", 0.25);
-    say("lte", 0.25);
-    say("geo", 0.25);
-    say("geo", 0.5);
-    const std::vector<std::string> expected{"delay 0.250000lte", "delay 0.250000geo", "delay 0.500000geo"};
-    EXPECT_EQ(process.said, expected);
+    say("lte", 0.25, 1);
+    for (int i = 0; i < 2; ++i) say("geo", 0.25, 1);
+    for (int i = 0; i < 2; ++i) say("geo", 0.5, 1);
+    say("geo", 0, 7);  // of another trial
+    say("geo", 0, 1);
+    EXPECT_EQ(process.said, (Said{"delay 0.250000geo", "delay 0.500000geo", "delay 0.000000geo"}));
 }
 
 }  // namespace

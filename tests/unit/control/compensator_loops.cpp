@@ -4,7 +4,6 @@
 
 #include "common/control/energy_bound.hpp"
 #include "common/control/passivity_controller.hpp"
-#include "common/control/two_layer_tank.hpp"
 #include "common/control/wave_variables.hpp"
 
 namespace thimble::test {

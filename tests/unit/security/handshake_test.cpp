@@ -1,6 +1,7 @@
 // Two that share a lab key, and those who do not, or come from the past.
 #include <algorithm>
 #include <deque>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -59,26 +60,23 @@ TEST(HandshakeMessages, KeysDependOnEverythingSaid) {
         agree(*lab, said, a.secret, PublicKey{}));  // a key that gives the same secret with everybody
 }
 
-TEST(Handshake, BothSpeakAfterOneExchange) {
+TEST(Handshake, BothSpeakAfterOneExchangeAndNothingIsSentBefore) {
     PairRig rig;
+    const auto speak = [&rig] {
+        rig.node->send(bytes_of("here"));
+        rig.session->send(bytes_of("go"));
+    };
+    speak();
+    EXPECT_TRUE(rig.wire.a.said.empty() && rig.wire.b.said.empty());
+    EXPECT_EQ(rig.node->counters().not_sent, 1U);
     rig.turn();
     ASSERT_TRUE(rig.node->established() && rig.session->established());
-    rig.node->send(bytes_of("here"));
-    rig.session->send(bytes_of("go"));
+    speak();
     EXPECT_EQ(received(*rig.session), "here");
     EXPECT_EQ(received(*rig.node), "go");
     EXPECT_EQ(rig.node->counters().handshakes, 1U);
     EXPECT_EQ(rig.wire.a.said.size(), 3U);  // an offer, the first word, "go"
     EXPECT_EQ(rig.node->trouble(), PairTrouble::kNone);
-}
-
-TEST(Handshake, NothingIsSentBeforeThereIsAKey) {
-    PairRig rig;
-    rig.node->send(bytes_of("here"));
-    rig.session->send(bytes_of("go"));
-    EXPECT_TRUE(rig.wire.a.said.empty());
-    EXPECT_TRUE(rig.wire.b.said.empty());
-    EXPECT_EQ(rig.node->counters().not_sent, 1U);
 }
 
 // Whichever of the first messages of either side are lost.
@@ -173,38 +171,31 @@ TEST(Handshake, AChangedBitInAnyMessageKeepsTheDoorShut) {
     }
 }
 
-TEST(Handshake, WhatASessionSaidBeforeIsNotTakenByANewNode) {
-    PairRig rig;
-    rig.turn();
-    rig.session->send(bytes_of("go"));
-    const auto recorded = rig.wire.a.said;
-    rig.restart_node();
-    rig.wire.a.cut = rig.wire.b.cut = true;
-    for (int i = 0; i < 5; ++i) {
-        rig.node->tick(rig.now += kMoment);
-        for (const Datagram& datagram : recorded) rig.wire.b.deliver(datagram);
-        EXPECT_EQ(received(*rig.node), "");
+// Whatever one side said before is played to a new process at the other side.
+TEST(Handshake, WhatWasSaidBeforeIsNotTakenByANewProcess) {
+    for (const bool node_is_new : {true, false}) {
+        SCOPED_TRACE(node_is_new);
+        PairRig rig;
+        rig.turn();
+        rig.session->send(bytes_of("go"));
+        rig.node->send(bytes_of("here"));
+        const auto recorded = node_is_new ? rig.wire.a.said : rig.wire.b.said;
+        if (node_is_new) rig.restart_node();
+        if (!node_is_new) rig.restart_session();
+        rig.wire.a.cut = rig.wire.b.cut = true;
+        SecurePair& fresh = node_is_new ? *rig.node : *rig.session;
+        for (int i = 0; i < 5; ++i) {
+            fresh.tick(rig.now += kMoment);
+            for (const Datagram& datagram : recorded)
+                (node_is_new ? rig.wire.b : rig.wire.a).deliver(datagram);
+            EXPECT_EQ(received(fresh), "");
+        }
+        EXPECT_FALSE(fresh.established());
+        EXPECT_EQ(fresh.generation(), 0U);
+        EXPECT_EQ(fresh.counters().opened, 0U);
+        EXPECT_GT(fresh.counters().no_key, 0U);
+        EXPECT_GT(fresh.counters().handshake_refused, 0U);
     }
-    EXPECT_FALSE(rig.node->established());
-    EXPECT_EQ(rig.node->counters().opened, 0U);
-    EXPECT_GT(rig.node->counters().no_key, 0U);
-    EXPECT_GT(rig.node->counters().handshake_refused, 0U);
-}
-
-TEST(Handshake, WhatANodeSaidBeforeIsNotTakenByANewSession) {
-    PairRig rig;
-    rig.turn();
-    rig.node->send(bytes_of("here"));
-    const auto recorded = rig.wire.b.said;
-    rig.restart_session();
-    rig.wire.a.cut = rig.wire.b.cut = true;
-    for (int i = 0; i < 5; ++i) {
-        rig.session->tick(rig.now += kMoment);
-        for (const Datagram& datagram : recorded) rig.wire.a.deliver(datagram);
-        EXPECT_EQ(received(*rig.session), "");
-    }
-    EXPECT_FALSE(rig.session->established());
-    EXPECT_EQ(rig.session->generation(), 0U);
 }
 
 TEST(Handshake, AReplayWithinTheSessionIsCountedAndChangesNothing) {
@@ -352,6 +343,46 @@ TEST(Handshake, AFloodIsWorkedOffInPortions) {
     for (int i = 0; i < 20 && heard.empty(); ++i) heard = received(*rig.session);
     EXPECT_EQ(heard, "here");
     EXPECT_EQ(rig.session->counters().unsealed, 1000U);
+}
+
+TEST(HandshakeLimits, AMessageIsForOnePort) {
+    const auto lab = test_lab_key();
+    const OneTimeKey key = make_one_time_key(seeded_bytes(1));
+    const HandshakeBytes hello =
+        write_handshake(*lab, {PacketKind::kHello, Port::kSessionMaster, key.open, {}});
+    EXPECT_TRUE(read_handshake(*lab, Port::kSessionMaster, hello));
+    EXPECT_FALSE(read_handshake(*lab, Port::kSessionVisual, hello));
+}
+
+// The offer may be of a session that is gone.
+TEST(HandshakeLimits, AfterThreeAcceptsInVainANodeSaysHelloAgain) {
+    PairRig rig;
+    rig.node->tick(rig.now);
+    received(*rig.session);  // it offers
+    rig.wire.b.cut = true;
+    received(*rig.node);
+    for (int i = 0; i < 3; ++i) {
+        rig.now += milliseconds{110};  // after which a lost message is said again
+        rig.node->tick(rig.now);
+    }
+    std::vector<PacketKind> said;
+    for (const Datagram& datagram : rig.wire.b.said) said.push_back(static_cast<PacketKind>(datagram[2]));
+    EXPECT_EQ(said, (std::vector{PacketKind::kHello, PacketKind::kAccept, PacketKind::kAccept,
+                                 PacketKind::kAccept, PacketKind::kHello}));
+}
+
+TEST(HandshakeLimits, AFloodUnderAnotherLabKeyIsAnsweredFourTimesASecond) {
+    PairRig rig;
+    rig.restart_node(test_lab_key(8));
+    rig.node->tick(rig.now);
+    const Datagram foreign = rig.wire.b.said.back();
+    for (int i = 0; i < 100; ++i) {
+        rig.now += milliseconds{10};
+        rig.wire.a.deliver(foreign);
+        rig.session->tick(rig.now);
+        received(*rig.session);
+    }
+    EXPECT_EQ(rig.wire.a.said.size(), 4U);
 }
 
 }  // namespace

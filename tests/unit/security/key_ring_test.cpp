@@ -1,5 +1,7 @@
 // Keys of one-way flows: each node has those of its roles and directions, and new ones after every start.
+#include <cstdint>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -68,6 +70,10 @@ class Rig {
             server->tick(now);
             for (Program* node : {master.get(), slave.get(), visual.get()}) node->tick(now);
         }
+    }
+    // Of the session, so that no node begins anew.
+    void show_life() {
+        for (Channel* channel : session) channel->send(bytes_of("alive"));
     }
     std::string across(const char* word) {
         needle_out->send(bytes_of(word));
@@ -185,9 +191,7 @@ TEST(FlowKeys, AreRenewedWithoutLoss) {
         rig.server->tick(rig.now);
         for (Channel* channel : rig.session) received(*channel);
         rig.server->tick(rig.now);
-        if (i % 100 == 0) {
-            for (Channel* channel : rig.session) channel->send(bytes_of("alive"));
-        }
+        if (i % 100 == 0) rig.show_life();
         for (Program* node : {rig.master.get(), rig.slave.get(), rig.visual.get()}) node->tick(rig.now);
         ASSERT_EQ(rig.across("needle"), "needle") << i;
         const Datagram& said = rig.needle.a.said.back();
@@ -206,7 +210,7 @@ TEST(FlowKeys, ThoseInUseAreNotForgottenWhileTheNextAreAgreedOn) {
         if (ms == 800) rig.start_visual();
         rig.control[1].b.cut = ms >= 800 && ms < 1060;
         if (ms % 100 == 99) {
-            for (Channel* channel : rig.session) channel->send(bytes_of("alive"));
+            rig.show_life();
             for (Program* node : {rig.master.get(), rig.slave.get(), rig.visual.get()})
                 node->channel->send(bytes_of("alive"));
         }
@@ -225,9 +229,7 @@ TEST(FlowKeys, AreRenewedAfterSoManyDatagrams) {
     rig.turn();
     for (int i = 0; i < 3500; ++i) {
         ASSERT_EQ(rig.across("needle"), "needle") << i;
-        if (i % 20 == 0) {
-            for (Channel* channel : rig.session) channel->send(bytes_of("alive"));
-        }
+        if (i % 20 == 0) rig.show_life();
         rig.turn(milliseconds{1});
     }
     EXPECT_LE(read_seal_header(rig.needle.a.said.back())->counter, 1010U);
@@ -287,6 +289,80 @@ TEST(KeyMessages, HoldWhatWasWritten) {
     ASSERT_TRUE(receipt);
     EXPECT_EQ(receipt->epoch, 5U);
     EXPECT_FALSE(read_grant(write_receipt({5, true}, text)));
+}
+
+// A server with nodes that hear grants and confirm none.
+struct DeafNodes {
+    explicit DeafNodes(std::size_t count) : rigs(count), heard(count) {
+        for (std::size_t i = 0; i < count; ++i) {
+            server.serve(*rigs[i].session);
+            rigs[i].node->set_keys_hook([this, i](Bytes text) {
+                if (const auto grant = read_grant(text)) heard[i].push_back(*grant);
+            });
+        }
+    }
+    // Nodes from `first` on are not there yet.
+    void turn(std::size_t first) {
+        now += milliseconds{1};
+        for (std::size_t i = 0; i < first; ++i) {
+            rigs[i].now = now;
+            rigs[i].node->send(bytes_of("alive"));
+            rigs[i].session->send(bytes_of("alive"));
+            rigs[i].turn();
+        }
+        server.tick(now);
+        for (std::size_t i = 0; i < first; ++i) rigs[i].turn();
+    }
+
+    SessionTime now{std::chrono::hours{5}};
+    FlowEnds ends;
+    KeyServer server{ends, seeded_bytes(1), SecurityTimes{}};
+    std::vector<PairRig> rigs;
+    std::vector<std::vector<KeyGrant>> heard;
+};
+
+TEST(KeyServer, RepeatsItselfTwentyTimesASecond) {
+    DeafNodes nodes(1);
+    for (int ms = 0; ms < 1000; ++ms) nodes.turn(1);
+    EXPECT_NEAR(static_cast<double>(nodes.heard[0].size()), 20, 2);
+}
+
+TEST(KeyServer, UsesItsKeysThoughANodeDoesNotConfirmThem) {
+    DeafNodes nodes(1);
+    for (int ms = 0; ms < 200; ++ms) nodes.turn(1);
+    EXPECT_FALSE(nodes.heard[0].back().in_use);
+    for (int ms = 200; ms < 400; ++ms) nodes.turn(1);
+    EXPECT_TRUE(nodes.heard[0].back().in_use);
+}
+
+// Recorded datagrams of an epoch that has begun would be new to it.
+TEST(KeyServer, ANodeThatComesWithinAnEpochGetsTheNextOnesKeys) {
+    DeafNodes nodes(2);
+    for (int ms = 0; ms < 100; ++ms) nodes.turn(1);
+    ASSERT_EQ(nodes.heard[0].back().epoch, 1U);
+    for (int ms = 100; ms < 600; ++ms) nodes.turn(2);
+    ASSERT_FALSE(nodes.heard[1].empty());
+    EXPECT_EQ(nodes.heard[1].front().epoch, 2U);
+}
+
+TEST(KeyRing, TakesNoEpochFromBefore) {
+    PairRig rig;
+    FlowEnds ends;
+    KeyRing ring(ends, *rig.node, SecurityTimes{});
+    std::vector<std::uint32_t> receipts;
+    rig.session->set_keys_hook([&receipts](Bytes text) {
+        if (const auto receipt = read_receipt(text)) receipts.push_back(receipt->epoch);
+    });
+    rig.turn();
+    KeyText text{};
+    for (const std::uint32_t epoch : {2U, 1U, 3U}) {
+        KeyGrant grant;
+        grant.session = 7;
+        grant.epoch = epoch;
+        rig.session->send_keys(write_grant(grant, text));
+        rig.turn();
+    }
+    EXPECT_EQ(receipts, (std::vector<std::uint32_t>{2, 3}));
 }
 
 }  // namespace

@@ -80,21 +80,22 @@ TEST(Protection, WithoutItsKeyAProgramDoesNotStart) {
 
 // In a child, because it cannot be taken back.
 TEST(Protection, AProgramWithAKeyLeavesNoCoreDump) {
-    const auto keep = [] {
-        hide_memory();
+    const auto end = [] {
         rlimit cores{1, 1};
         getrlimit(RLIMIT_CORE, &cores);
         std::_Exit(cores.rlim_cur == 0 && cores.rlim_max == 0 && prctl(PR_GET_DUMPABLE) == 0 ? 0 : 1);
     };
+    const auto keep = [&end] {
+        hide_memory();
+        end();
+    };
     EXPECT_EXIT(keep(), testing::ExitedWithCode(0), "");
-    const auto with_key = [] {
+    const auto with_key = [&end] {
         try {
             make_security(network("[security]\nmode = 'lab-key'\nkey_file = '/nowhere/lab.key'\n").security);
         } catch (const Error&) {  // hidden before the key is read
         }
-        rlimit cores{1, 1};
-        getrlimit(RLIMIT_CORE, &cores);
-        std::_Exit(cores.rlim_cur == 0 && cores.rlim_max == 0 && prctl(PR_GET_DUMPABLE) == 0 ? 0 : 1);
+        end();
     };
     EXPECT_EXIT(with_key(), testing::ExitedWithCode(0), "");
 }

@@ -57,23 +57,18 @@ TEST(StopSeal, EveryFlippedBitIsRefused) {
     EXPECT_EQ(rig.there.counters().opened, 1U);
 }
 
-TEST(StopSeal, AnotherLabsStopIsNone) {
+TEST(StopSeal, AnotherLabsStopAndAnotherPortsOrderAreNone) {
     StopRig rig;
     StopSeal stranger(rig.pipe.a, test_lab_key(8), kStopPort, StopEnd::kSpeaks);
-    stranger.send(rig.order(StopKind::kStop));
-    EXPECT_TRUE(rig.there.receive().empty());
+    StopSeal beside(rig.pipe.a, test_lab_key(), kStopPort + 33, StopEnd::kSpeaks);
+    for (StopSeal* other : {&stranger, &beside}) {
+        other->send(rig.order(StopKind::kRelease));
+        EXPECT_TRUE(rig.there.receive().empty());
+    }
     rig.pipe.b.deliver(rig.order(StopKind::kStop));  // in the clear
     EXPECT_TRUE(rig.there.receive().empty());
-    EXPECT_EQ(rig.there.counters().forged, 1U);
+    EXPECT_EQ(rig.there.counters().forged, 2U);
     EXPECT_EQ(rig.there.counters().unsealed, 1U);
-}
-
-TEST(StopSeal, AnotherPortsOrderIsNone) {
-    StopRig rig;
-    StopSeal beside(rig.pipe.a, test_lab_key(), kStopPort + 33, StopEnd::kSpeaks);
-    beside.send(rig.order(StopKind::kRelease));
-    EXPECT_TRUE(rig.there.receive().empty());
-    EXPECT_EQ(rig.there.counters().forged, 1U);
 }
 
 // A program on a stop bus under a lab key, and the end at which others reach it.
@@ -83,6 +78,11 @@ struct SealedProgram {
           outlet(wire.a, test_lab_key(), port, StopEnd::kSpeaks),
           line(Role::kMaster, instance) {
         line.connect(inlet, {&nobody, &nobody, &nobody, &nobody, &nobody, &nobody});
+    }
+    void say(StopKind kind, std::uint64_t id, const char* words) {
+        Encoder encoder;
+        outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
+                                   StopOrder(id, kind, EndReason::kEmergencyStop, words)));
     }
     void tick(int ms) { line.tick(SessionTime{std::chrono::milliseconds{ms}}); }
     // An inquiry that has just begun, over 0.7 s from `ms`.
@@ -108,9 +108,7 @@ struct SealedProgram {
 };
 
 std::vector<Datagram> recorded_stop_and_release(SealedProgram& program) {
-    Encoder encoder;
-    program.outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
-                                       StopOrder(5, StopKind::kStop, EndReason::kEmergencyStop, "smoke")));
+    program.say(StopKind::kStop, 5, "smoke");
     program.tick(1);
     EXPECT_TRUE(program.line.stopped());
     EXPECT_EQ(program.release_from(100), 1U) << "once it has been held for 200 ms";
@@ -140,18 +138,15 @@ TEST(StopSeal, ARecordedReleaseLetsGoOfNothing) {
 TEST(StopSeal, RecordedStopsDoNotCrowdOutAnother) {
     std::vector<Datagram> stops, releases;
     SealedProgram recorder(1);
-    Encoder encoder;
     for (std::uint64_t id = 1; id <= 20; ++id) {
         for (const StopKind kind : {StopKind::kStop, StopKind::kRelease}) {
-            recorder.outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
-                                                StopOrder(id, kind, EndReason::kEmergencyStop, "old")));
+            recorder.say(kind, id, "old");
             (kind == StopKind::kStop ? stops : releases).push_back(recorder.wire.a.said.back());
         }
     }
     SealedProgram program(2);
     program.hear_again(stops, 1);
-    program.outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
-                                       StopOrder(99, StopKind::kStop, EndReason::kEmergencyStop, "real")));
+    program.say(StopKind::kStop, 99, "real");
     program.tick(2);
     program.hear_again(stops, 3);
     program.hear_again(releases, 300);
@@ -171,15 +166,10 @@ struct ReleasedWhilePressed : SealedProgram {
         for (int i = 0; i < StopRelease::kRounds; ++i) {
             const SessionTime now{std::chrono::milliseconds{1000} + i * round_};
             release.round(now);
-            if (i == 0) press();
+            if (i == 0) say(StopKind::kStop, 6, "second");
             meanwhile();
             line.tick(now + round_ / 2);
         }
-    }
-    void press() {
-        Encoder encoder;
-        outlet.send(encoder.encode(Header{3, {}, 1, 0, Role::kExperimenter},
-                                   StopOrder(6, StopKind::kStop, EndReason::kEmergencyStop, "second")));
     }
     StopRelease release{77, {&outlet, &nobody, &nobody, &nobody, &nobody, &nobody}};
 

@@ -17,37 +17,6 @@ Scene stamped(std::int64_t i) {
     return scene;
 }
 
-TEST(SpscRing, HoldsWhatItWasMadeForAndNoMore) {
-    SpscRing<int> ring(2);
-    EXPECT_EQ(ring.front(), nullptr);
-    EXPECT_TRUE(ring.push(1));
-    EXPECT_TRUE(ring.push(2));
-    EXPECT_FALSE(ring.push(3));
-    EXPECT_EQ(*ring.front(), 1);
-    ring.pop();
-    EXPECT_TRUE(ring.push(3));
-    ring.pop();
-    EXPECT_EQ(*ring.front(), 3);
-}
-
-TEST(SpscRing, LosesNothingBetweenTwoThreads) {
-    constexpr int kMany = 200'000;
-    SpscRing<int> ring(64);
-    std::thread giver([&] {
-        for (int i = 0; i < kMany; ++i) {
-            while (!ring.push(i)) std::this_thread::yield();
-        }
-    });
-    int wrong = 0;
-    for (int i = 0; i < kMany; ++i) {
-        while (ring.front() == nullptr) std::this_thread::yield();
-        wrong += *ring.front() == i ? 0 : 1;
-        ring.pop();
-    }
-    giver.join();
-    EXPECT_EQ(wrong, 0);
-}
-
 TEST(WindowDisplay, TellsThePresentedWhenLightLeaves) {
     WindowDisplay display(milliseconds{10});
     EXPECT_EQ(display.next_shown(), kNever);
