@@ -20,7 +20,7 @@ using namespace thimble;
 constexpr Duration kLookAgain = std::chrono::milliseconds{20};
 
 // Until its user has made it ready (homing), saying how far that is.
-void await_user(OpenHandle& handle, Duration limit) {
+void await_user(Handle& handle, Duration limit) {
     const SessionTime end = wall_now() + limit;
     std::string said;
     for (std::string request = handle.awaits(); !request.empty(); request = handle.awaits()) {
@@ -34,8 +34,7 @@ void await_user(OpenHandle& handle, Duration limit) {
         said = request;
         wall_sleep(kLookAgain);
     }
-    if (!handle.device().fault().empty())
-        throw Error(ExitCode::kRunFailed, std::string(handle.device().fault()));
+    if (!handle.fault().empty()) throw Error(ExitCode::kRunFailed, std::string(handle.fault()));
 }
 
 class Master final : public NodeInstance {
@@ -45,7 +44,7 @@ class Master final : public NodeInstance {
           handle_(open_handle(settings, read_operator_parameters(file.table("operator")),
                               read_runtime_settings(file))),
           settings_(read_master_settings(file)),
-          process_(instance, settings_, sockets, handle_->device(), handle_->person(), handle_->follower()) {
+          process_(instance, settings_, sockets, *handle_, *handle_, handle_->follower()) {
         if (!handle_->name().empty()) spdlog::info("handle: {}", handle_->name());
     }
 
@@ -66,7 +65,7 @@ class Master final : public NodeInstance {
 
   private:
     Duration user_limit_;
-    std::unique_ptr<OpenHandle> handle_;
+    std::shared_ptr<Handle> handle_;
     MasterSettings settings_;
     MasterProcess process_;
 };

@@ -4,29 +4,19 @@
 
 namespace thimble {
 
-MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& settings, const Channels& channels,
-                             HapticDevice& device, OperatorPort& person)
-    : NodeProcess(Role::kMaster, instance, *channels.control),
-      channels_(channels),
+MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& settings, Ports& ports,
+                             HapticDevice& device, OperatorPort& person, HandFollower* follower)
+    : NodeProcess(Role::kMaster, instance, *ports.between(Port::kMasterControl, Port::kSessionMaster)),
+      needle_flow_(Role::kMaster, instance, {ports.outlet(Port::kNetemNeedle)}),
+      force_in_(ports.inlet(Port::kMasterForce)),
+      cutaneous_in_(ports.inlet(Port::kMasterPerceptCutaneous)),
+      visual_in_(ports.inlet(Port::kMasterPerceptVisual)),
       node_(settings),
       handle_(settings.guard, settings.sample_period, device),
       person_(&person),
-      needle_flow_(Role::kMaster, instance, {channels.needle_out}) {}
-
-MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& settings, Ports& ports,
-                             HapticDevice& device, OperatorPort& person, HandFollower* follower)
-    : MasterProcess(instance, settings,
-                    {ports.between(Port::kMasterControl, Port::kSessionMaster),
-                     ports.outlet(Port::kNetemNeedle), ports.inlet(Port::kMasterForce),
-                     ports.inlet(Port::kMasterPerceptCutaneous), ports.inlet(Port::kMasterPerceptVisual)},
-                    device, person) {
+      follower_(follower) {
     join_stop_bus(ports);
-    if (follower != nullptr) follow_hand(*ports.inlet(Port::kMasterHand), *follower);
-}
-
-void MasterProcess::follow_hand(Channel& hand_in, HandFollower& follower) {
-    hand_in_ = &hand_in;
-    follower_ = &follower;
+    if (follower != nullptr) hand_in_ = ports.inlet(Port::kMasterHand);
 }
 
 void MasterProcess::begin_trial(SessionTime now, const SessionControl& control) {
@@ -64,16 +54,16 @@ void MasterProcess::take_hand(SessionTime now) {
 
 void MasterProcess::take_percepts(SessionTime now) {
     cutaneous_flow_.drain<Percept>(
-        now, *channels_.percept_cutaneous, running(), trial(),
+        now, *cutaneous_in_, running(), trial(),
         [&](const Header&, const Percept& skin) { person_->perceive(now, node_.feel(skin)); });
     visual_flow_.drain<Percept>(
-        now, *channels_.percept_visual, running(), trial(),
+        now, *visual_in_, running(), trial(),
         [&](const Header&, const Percept& eyes) { person_->perceive(now, node_.see(eyes)); });
 }
 
 template <class Body>
 void MasterProcess::take_forces_as(SessionTime now) {
-    force_flow_.drain<Body>(now, *channels_.force_in, running(), trial(),
+    force_flow_.drain<Body>(now, *force_in_, running(), trial(),
                             [&](const Header&, const Body& body) { apply(now, node_.take(now, body)); });
 }
 

@@ -6,7 +6,6 @@
 
 #include "common/node_process.hpp"
 #include "common/stale_record.hpp"
-#include "master/devices/hand_follower.hpp"
 #include "master/guarded_handle.hpp"
 #include "master/master_node.hpp"
 #include "master/operator/operator_port.hpp"
@@ -15,24 +14,10 @@ namespace thimble {
 
 class MasterProcess final : public NodeProcess {
   public:
-    struct Channels {
-        Channel* control;
-        Channel* needle_out;         // to slave_sim, through netem
-        Channel* force_in;           // from slave_sim, through netem
-        Channel* percept_cutaneous;  // from cutaneous_node, never delayed
-        Channel* percept_visual;     // from visual_node, never delayed
-    };
-
-    // `person` holds `device`; both outlive the process.
-    MasterProcess(std::uint64_t instance, const MasterSettings& settings, const Channels& channels,
-                  HapticDevice& device, OperatorPort& person);
-    // Opens its channels. `follower`, where there is one, learns what a person's pointer draws.
+    // Opens its channels. `person` holds `device`; both outlive the process. `follower`, where there is one, outlives it too and
+    // learns what a person's pointer draws.
     MasterProcess(std::uint64_t instance, const MasterSettings& settings, Ports& ports, HapticDevice& device,
                   OperatorPort& person, HandFollower* follower = nullptr);
-
-    // From now on `follower` learns what comes in at `hand_in` (a person's pointer, never delayed). Both outlive the
-    // process.
-    void follow_hand(Channel& hand_in, HandFollower& follower);
 
     const GuardedHandle& guard() const { return handle_; }
     const PortObserver& energy() const { return handle_.energy(); }  // of this trial
@@ -67,16 +52,16 @@ class MasterProcess final : public NodeProcess {
     void send_needle(SessionTime now, const NeedleCommand& command);
     void apply(SessionTime now, std::optional<double> force_hand_N);
 
-    Channels channels_;
+    OutboundFlow needle_flow_;  // to slave_sim, through netem
+    // From slave_sim through netem; from cutaneous_node, visual_node and a person's pointer without delay.
+    Channel *force_in_, *cutaneous_in_, *visual_in_, *hand_in_ = nullptr;
     MasterNode node_;
     GuardedHandle handle_;
     OperatorPort* person_;
     StaleRecord stale_record_;
-    OutboundFlow needle_flow_;
     InboundFlow force_flow_{Role::kSlaveSim};
     InboundFlow cutaneous_flow_{Role::kCutaneous};
     InboundFlow visual_flow_{Role::kVisual};
-    Channel* hand_in_ = nullptr;
     HandFollower* follower_ = nullptr;
     InboundFlow hand_flow_{Role::kVisual};
 };

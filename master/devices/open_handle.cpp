@@ -16,70 +16,25 @@
 namespace thimble {
 namespace {
 
-// No device with a name, nothing to wait for.
-class OpenWithoutDevice : public OpenHandle {
-  public:
-    HandFollower* follower() override { return nullptr; }
-    std::string name() const override { return {}; }
-    std::string awaits() override { return {}; }
-    void describe(nlohmann::ordered_json& /*report*/) const override {}
-};
-
-class OpenSimulated final : public OpenWithoutDevice {
-  public:
-    OpenSimulated(const HandleSettings& settings, const OperatorParameters& person)
-        : handle_(settings, person) {}
-    HapticDevice& device() override { return handle_; }
-    OperatorPort& person() override { return handle_; }
-
-  private:
-    SimulatedHandle handle_;
-};
-
-class OpenPointer final : public OpenWithoutDevice {
-  public:
-    explicit OpenPointer(const HandleSettings& settings) : handle_(settings) {}
-    HapticDevice& device() override { return handle_; }
-    OperatorPort& person() override { return handle_; }
-    HandFollower* follower() override { return &handle_; }
-
-  private:
-    PointerHandle handle_;
-};
-
 // A person's SpaceMouse or gamepad, and the thread that talks to it.
-class OpenHid final : public OpenWithoutDevice {
+struct HidParts {
+    HidParts(const HandleSettings& settings, const RuntimeSettings& runtime)
+        : hand(settings.hid), thread(hand, runtime) {}
+    HidHand hand;
+    HidThread thread;
+};
+
+class OpenedHid final : private HidParts, public HidHandle {
   public:
-    OpenHid(const HandleSettings& settings, const RuntimeSettings& runtime)
-        : hand_(settings.hid), handle_(settings, settings.hid, hand_), thread_(hand_, runtime) {}
-    HapticDevice& device() override { return handle_; }
-    OperatorPort& person() override { return handle_; }
+    OpenedHid(const HandleSettings& settings, const RuntimeSettings& runtime)
+        : HidParts(settings, runtime), HidHandle(settings, settings.hid, hand) {}
     void describe(nlohmann::ordered_json& report) const override {
-        report["hid"] = {{"attachments", hand_.attachments()}, {"bad_reports", hand_.bad_reports()}};
+        report["hid"] = {{"attachments", hand.attachments()}, {"bad_reports", hand.bad_reports()}};
     }
-
-  private:
-    HidHand hand_;
-    HidHandle handle_;
-    HidThread thread_;
 };
 
-class OpenReal final : public OpenHandle {
-  public:
-    explicit OpenReal(std::unique_ptr<RealHandle> handle) : handle_(std::move(handle)) {}
-    HapticDevice& device() override { return *handle_; }
-    OperatorPort& person() override { return *handle_; }
-    HandFollower* follower() override { return nullptr; }
-    std::string name() const override { return handle_->name(); }
-    std::string awaits() override { return handle_->awaits(); }
-    void describe(nlohmann::ordered_json& report) const override { handle_->describe(report["handle"]); }
-
-  private:
-    std::unique_ptr<RealHandle> handle_;
-};
-
-std::unique_ptr<RealHandle> open_falcon_here([[maybe_unused]] const HandleSettings& settings,
-                                             [[maybe_unused]] const RuntimeSettings& runtime) {
+std::shared_ptr<Handle> open_falcon_here([[maybe_unused]] const HandleSettings& settings,
+                                         [[maybe_unused]] const RuntimeSettings& runtime) {
 #ifdef THIMBLE_DEVICES
     return open_falcon(settings.falcon, settings.force_limit_N, [runtime] { ask_for_realtime(runtime); });
 #else
@@ -92,23 +47,22 @@ std::unique_ptr<RealHandle> open_falcon_here([[maybe_unused]] const HandleSettin
 
 }  // namespace
 
-std::unique_ptr<OpenHandle> open_handle(const HandleSettings& settings, const OperatorParameters& person,
-                                        const RuntimeSettings& runtime) {
+std::shared_ptr<Handle> open_handle(const HandleSettings& settings, const OperatorParameters& person,
+                                    const RuntimeSettings& runtime) {
     switch (settings.kind) {
         case HandleKind::kPointer:
-            return std::make_unique<OpenPointer>(settings);
+            return std::make_shared<PointerHandle>(settings);
         case HandleKind::kHid:
-            return std::make_unique<OpenHid>(settings, runtime);
+            return std::make_shared<OpenedHid>(settings, runtime);
         case HandleKind::kForceDimension:
-            return std::make_unique<OpenReal>(
-                std::make_unique<ForceDimensionHandle>(settings.force_dimension, settings.force_limit_N,
-                                                       DhdLibrary(settings.force_dimension.library)));
+            return std::make_shared<ForceDimensionHandle>(settings.force_dimension, settings.force_limit_N,
+                                                          DhdLibrary(settings.force_dimension.library));
         case HandleKind::kFalcon:
-            return std::make_unique<OpenReal>(open_falcon_here(settings, runtime));
+            return open_falcon_here(settings, runtime);
         case HandleKind::kSimulated:
             break;
     }
-    return std::make_unique<OpenSimulated>(settings, person);
+    return std::make_shared<SimulatedHandle>(settings, person);
 }
 
 }  // namespace thimble

@@ -11,25 +11,6 @@ constexpr Duration kLongestStall = std::chrono::seconds(1);
 
 }  // namespace
 
-PointerHandle::PointerHandle(const HandleSettings& settings)
-    : settings_(settings), counts_per_m_(1 / settings.encoder_resolution_m) {}
-
-HandleSample PointerHandle::read(SessionTime now) {
-    advance(now);
-    const double counts = position_m_ * counts_per_m_;
-    const auto nearest = static_cast<std::int64_t>(counts + (counts < 0 ? -0.5 : 0.5));
-    return {static_cast<double>(nearest) * settings_.encoder_resolution_m, force_hand_N_};
-}
-
-void PointerHandle::command_force(SessionTime now, double force_hand_N) {
-    advance(now);
-    if (!std::isfinite(force_hand_N)) {
-        ++refused_forces_;
-        force_hand_N = 0;
-    }
-    force_hand_N_ = std::clamp(force_hand_N, -settings_.force_limit_N, settings_.force_limit_N);
-}
-
 void PointerHandle::start_trial(SessionTime now, const OperatorTask& /*task*/) {
     in_trial_ = true;
     reached_ = let_go_ = now;

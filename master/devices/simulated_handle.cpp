@@ -1,7 +1,6 @@
 #include "master/devices/simulated_handle.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace thimble {
 namespace {
@@ -12,26 +11,7 @@ constexpr Duration kLongestGap = std::chrono::seconds(1);
 }  // namespace
 
 SimulatedHandle::SimulatedHandle(const HandleSettings& settings, const OperatorParameters& parameters)
-    : settings_(settings),
-      parameters_(parameters),
-      counts_per_m_(1 / settings.encoder_resolution_m),
-      limb_(settings.mechanics, parameters.hand) {}
-
-HandleSample SimulatedHandle::read(SessionTime now) {
-    advance(now);
-    const double counts = limb_.position_hand_m() * counts_per_m_;
-    const auto nearest = static_cast<std::int64_t>(counts + (counts < 0 ? -0.5 : 0.5));
-    return {static_cast<double>(nearest) * settings_.encoder_resolution_m, force_hand_N_};
-}
-
-void SimulatedHandle::command_force(SessionTime now, double force_hand_N) {
-    advance(now);
-    if (!std::isfinite(force_hand_N)) {
-        ++refused_forces_;
-        force_hand_N = 0;
-    }
-    force_hand_N_ = std::clamp(force_hand_N, -settings_.force_limit_N, settings_.force_limit_N);
-}
+    : SoftwareHandle(settings), parameters_(parameters), limb_(settings.mechanics, parameters.hand) {}
 
 void SimulatedHandle::start_trial(SessionTime now, const OperatorTask& task) {
     operator_.emplace(parameters_, task);

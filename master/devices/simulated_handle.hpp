@@ -7,52 +7,36 @@
 
 #include <optional>
 
-#include "master/devices/handle_settings.hpp"
-#include "master/devices/haptic_device.hpp"
+#include "master/devices/software_handle.hpp"
 #include "master/operator/virtual_operator.hpp"
 
 namespace thimble {
 
-class SimulatedHandle final : public HapticDevice, public OperatorPort {
+class SimulatedHandle final : public SoftwareHandle {
   public:
     SimulatedHandle(const HandleSettings& settings, const OperatorParameters& parameters);
-
-    HandleSample read(SessionTime now) override;
-    // A force that is not a number counts as zero.
-    void command_force(SessionTime now, double force_hand_N) override;
-    // No motors to switch off, no button, and nothing that fails.
-    void enable_force(SessionTime /*now*/, bool /*enabled*/) override {}
-    bool take_stop(SessionTime /*now*/) override { return false; }
-    SessionTime next_look() const override { return kNever; }
-    std::string_view fault() const override { return {}; }
 
     void start_trial(SessionTime now, const OperatorTask& task) override;
     // Each percept replaces the last one whole; touch and beep are remembered.
     void perceive(SessionTime now, const Percept& percept) override;
     bool finished() const override;
 
-    // Values that no real device has. All of the last grid point that was reached.
-    double position_hand_m() const { return limb_.position_hand_m(); }  // before the encoder
-    double force_hand_N() const { return force_hand_N_; }
-    std::uint64_t refused_forces() const { return refused_forces_; }
+    double position_hand_m() const override { return limb_.position_hand_m(); }
     // Milliseconds left out because no call came for longer than a second.
     std::uint64_t skipped_ms() const { return skipped_ms_; }
     // Null before the first trial.
     const VirtualOperator* operator_in_trial() const { return operator_ ? &*operator_ : nullptr; }
 
   private:
-    void advance(SessionTime now);
+    void advance(SessionTime now) override;
 
-    HandleSettings settings_;
     OperatorParameters parameters_;
-    double counts_per_m_;
     Limb limb_;
     std::optional<VirtualOperator> operator_;
     Percept percept_;
     SessionTime reached_{};  // grid point
     unsigned substep_ = 0;   // of the millisecond under way
-    double force_hand_N_ = 0;
-    std::uint64_t refused_forces_ = 0, skipped_ms_ = 0;
+    std::uint64_t skipped_ms_ = 0;
 };
 
 }  // namespace thimble

@@ -56,21 +56,12 @@ const Intention& Behaviour::step(const Sensation& sensation, bool touching, bool
 
 void Behaviour::perceive(const Sensation& sensation, bool touching, bool beep) {
     if (beep && withdraw_ == kUndecided) withdraw_ = now_ + reaction_.to_beep();
-    switch (phase_) {
-        case BehaviourPhase::kApproach:
-            if (touching && next_ == kUndecided) next_ = now_ + reaction_.to_touch();
-            break;
-        case BehaviourPhase::kInsert:
-            if (sensation.fixture_felt && next_ == kUndecided) next_ = now_ + reaction_.to_fixture();
-            break;
-        case BehaviourPhase::kBrake:
-        case BehaviourPhase::kHold:
-        case BehaviourPhase::kPush:
-        case BehaviourPhase::kRelax:
-            perceive_loss(sensation);
-            break;
-        default:
-            break;
+    if (phase_ == BehaviourPhase::kApproach) {
+        if (touching && next_ == kUndecided) next_ = now_ + reaction_.to_touch();
+    } else if (phase_ == BehaviourPhase::kInsert) {
+        if (sensation.fixture_felt && next_ == kUndecided) next_ = now_ + reaction_.to_fixture();
+    } else if (phase_ != BehaviourPhase::kWithdraw) {
+        perceive_loss(sensation);
     }
 }
 
@@ -89,31 +80,26 @@ void Behaviour::perceive_loss(const Sensation& sensation) {
 
 void Behaviour::decide(double position_arm_m) {
     const std::int64_t spent = now_ - entered_;
+    const bool decided = next_ <= now_;
     if (withdraw_ <= now_ && phase_ != BehaviourPhase::kWithdraw) return enter(BehaviourPhase::kWithdraw);
     switch (phase_) {
         case BehaviourPhase::kApproach:
-            if (next_ <= now_) enter(BehaviourPhase::kInsert);
-            break;
+            return enter_if(decided, BehaviourPhase::kInsert);
         case BehaviourPhase::kInsert:
-            if (next_ <= now_) enter(BehaviourPhase::kBrake);
-            break;
+            return enter_if(decided, BehaviourPhase::kBrake);
         case BehaviourPhase::kBrake:
-            if (spent >= brake_ticks_) enter(BehaviourPhase::kHold);
-            break;
+            return enter_if(spent >= brake_ticks_, BehaviourPhase::kHold);
         case BehaviourPhase::kHold:
-            if (next_ <= now_) recover(position_arm_m);
-            break;
+            if (decided) recover(position_arm_m);
+            return;
         case BehaviourPhase::kPush:
-            if (spent >= stride_ticks_) enter(BehaviourPhase::kHold);
-            break;
+            return enter_if(spent >= stride_ticks_, BehaviourPhase::kHold);
         case BehaviourPhase::kRelax:
-            if (spent >= stride_ticks_) enter(BehaviourPhase::kInsert);
-            break;
+            return enter_if(spent >= stride_ticks_, BehaviourPhase::kInsert);
         case BehaviourPhase::kWithdraw:
-            if (intention_.position_m < 0) enter(BehaviourPhase::kDone);
-            break;
+            return enter_if(intention_.position_m < 0, BehaviourPhase::kDone);
         case BehaviourPhase::kDone:
-            break;
+            return;
     }
 }
 
@@ -172,28 +158,6 @@ void Behaviour::move() {
 
 void Behaviour::approach_speed(double target_m_per_s) {
     intention_.velocity_m_per_s += lag_gain_ * (target_m_per_s - intention_.velocity_m_per_s);
-}
-
-const char* to_string(BehaviourPhase phase) {
-    switch (phase) {
-        case BehaviourPhase::kApproach:
-            return "approach";
-        case BehaviourPhase::kInsert:
-            return "insert";
-        case BehaviourPhase::kBrake:
-            return "brake";
-        case BehaviourPhase::kHold:
-            return "hold";
-        case BehaviourPhase::kPush:
-            return "push";
-        case BehaviourPhase::kRelax:
-            return "relax";
-        case BehaviourPhase::kWithdraw:
-            return "withdraw";
-        case BehaviourPhase::kDone:
-            return "done";
-    }
-    return "?";
 }
 
 }  // namespace thimble

@@ -56,6 +56,9 @@ class Behaviour {
     void perceive_loss(const Sensation& sensation);
     void decide(double position_arm_m);
     void enter(BehaviourPhase phase);
+    void enter_if(bool due, BehaviourPhase phase) {
+        if (due) enter(phase);
+    }
     void recover(double position_arm_m);
     void move();
     void approach_speed(double target_m_per_s);
@@ -83,7 +86,5 @@ class Behaviour {
     bool was_lost_ = false;
     unsigned contact_losses_ = 0, recoveries_ = 0;
 };
-
-const char* to_string(BehaviourPhase phase);
 
 }  // namespace thimble

@@ -2,6 +2,10 @@
 // their length. Each owns its stream, so switching one off changes no other.
 #pragma once
 
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
 #include "common/random.hpp"
 #include "common/time.hpp"
 
@@ -11,7 +15,13 @@ namespace thimble {
 //     n(t + dt) = a n(t) + sqrt(1 - a^2) xi,  a = exp(-dt / tau). Starts in its stationary distribution.
 class OrnsteinUhlenbeck {
   public:
-    OrnsteinUhlenbeck(const StreamKey& key, double correlation_s, Duration tick);
+    OrnsteinUhlenbeck(const StreamKey& key, double correlation_s, Duration tick)
+        : random_(key),
+          keep_(std::exp(-to_seconds(tick) / correlation_s)),
+          add_(std::sqrt(1 - keep_ * keep_)),
+          value_(random_.normal()) {
+        assert(correlation_s > 0);
+    }
     double next() {
         value_ = keep_ * value_ + add_ * random_.normal();
         return value_;
@@ -27,7 +37,18 @@ class OrnsteinUhlenbeck {
 // scaled to unit variance (Yule-Walker). Starts in its stationary distribution.
 class Tremor {
   public:
-    Tremor(const StreamKey& key, double frequency_Hz, double damping_ratio, Duration tick);
+    Tremor(const StreamKey& key, double frequency_Hz, double damping_ratio, Duration tick) : random_(key) {
+        assert(damping_ratio > 0 && damping_ratio < 1);
+        const double angle = 2 * std::numbers::pi * frequency_Hz * to_seconds(tick);
+        const double radius = std::exp(-damping_ratio * angle);
+        recent_ = 2 * radius * std::cos(angle * std::sqrt(1 - damping_ratio * damping_ratio));
+        older_ = -radius * radius;
+        // Yule-Walker: correlation between neighbours, then the innovation that leaves unit variance.
+        const double neighbours = recent_ / (1 - older_);
+        add_ = std::sqrt(1 - recent_ * neighbours - older_ * (recent_ * neighbours + older_));
+        before_ = random_.normal();
+        value_ = neighbours * before_ + std::sqrt(1 - neighbours * neighbours) * random_.normal();
+    }
     double next() {
         const double fresh = recent_ * value_ + older_ * before_ + add_ * random_.normal();
         before_ = value_;

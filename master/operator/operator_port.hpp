@@ -32,4 +32,16 @@ class OperatorPort {
     virtual bool finished() const = 0;
 };
 
+// Receives the place of a person's hand by mouse, trackpad or gamepad, for a device without a handle.
+class HandFollower {
+  public:
+    virtual ~HandFollower() = default;
+    HandFollower() = default;
+    HandFollower(const HandFollower&) = delete;
+    HandFollower& operator=(const HandFollower&) = delete;
+
+    // Each input replaces the last one whole.
+    virtual void follow(SessionTime now, const HandInput& input) = 0;
+};
+
 }  // namespace thimble

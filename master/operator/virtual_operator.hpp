@@ -2,6 +2,8 @@
 // is the limb (limb.hpp), which the simulated handle integrates together with the device.
 #pragma once
 
+#include <cmath>
+
 #include "master/operator/behaviour.hpp"
 #include "master/operator/limb.hpp"
 
@@ -9,12 +11,32 @@ namespace thimble {
 
 class VirtualOperator {
   public:
-    VirtualOperator(const OperatorParameters& parameters, const OperatorTask& task);
+    VirtualOperator(const OperatorParameters& parameters, const OperatorTask& task)
+        : subject_(draw_subject(parameters, task.study_seed, task.experiment, task.subject)),
+          tremor_m_(parameters.noise.tremor_m),
+          force_noise_fraction_(parameters.noise.force_noise_fraction),
+          perception_(parameters.perception, subject_, task),
+          behaviour_(parameters, subject_, task),
+          sway_(stream_key(task, Purpose::kPositionNoise), parameters.noise.sway_correlation_s, kBrainTick),
+          force_noise_(stream_key(task, Purpose::kForceNoise), parameters.noise.force_noise_correlation_s,
+                       kBrainTick),
+          tremor_(stream_key(task, Purpose::kTremor), parameters.noise.tremor_frequency_Hz,
+                  parameters.noise.tremor_damping_ratio, kBrainTick) {}
 
     // One brain tick. The sensory side sees only the handle's force and the percept; `position_arm_m` sets
     // how hard the muscles pull, and with that their noise; it is also where the limb relaxes to.
     //     x_eq = x_cmd + sway + tremor + CV |x_cmd - x_a| n_F          (force noise divided by k_a)
-    LimbCommand tick(double force_hand_N, const Percept& percept, double position_arm_m);
+    LimbCommand tick(double force_hand_N, const Percept& percept, double position_arm_m) {
+        const Intention& intention = behaviour_.step(perception_.sense(force_hand_N, percept),
+                                                     percept.touching_shown, percept.beep, position_arm_m);
+        if (finished()) return {0, 0, intention.stiffness_factor};
+        const double effort_m = std::fabs(intention.position_m - position_arm_m);
+        double equilibrium_m = intention.position_m;
+        equilibrium_m += subject_.sway_m * sway_.next();
+        equilibrium_m += tremor_m_ * tremor_.next();
+        equilibrium_m += force_noise_fraction_ * effort_m * force_noise_.next();
+        return {equilibrium_m, intention.velocity_m_per_s, intention.stiffness_factor};
+    }
 
     const Subject& subject() const { return subject_; }
     const Behaviour& behaviour() const { return behaviour_; }

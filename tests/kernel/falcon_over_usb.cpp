@@ -93,7 +93,7 @@ void forbidden_to_nobody() {
 }
 
 // 1 kHz for two seconds, as the master does it; how many exchanges there were, per second.
-void read_and_push(RealHandle& handle, VhciFalcon& falcon) {
+void read_and_push(Handle& handle, VhciFalcon& falcon) {
     const auto exchanges = [&] {
         return falcon.with([](FalconEmulator& device) { return device.commands; });
     };
@@ -114,7 +114,7 @@ void read_and_push(RealHandle& handle, VhciFalcon& falcon) {
            fmt::format("the motors push outwards: {} {} {}", motors[0], motors[1], motors[2]));
 }
 
-void unplug_in_trial(RealHandle& handle, VhciFalcon& falcon) {
+void unplug_in_trial(Handle& handle, VhciFalcon& falcon) {
     const SessionTime unplugged = wall_now();
     falcon.unplug();
     const bool noticed = comes([&] { return !handle.read(wall_now()).valid; }, seconds{1});

@@ -12,7 +12,7 @@
 #include "common/error.hpp"
 #include "common/process/child.hpp"
 #include "cutaneous_node/board/board_reports.hpp"
-#include "master/devices/hid/hid_models.hpp"
+#include "master/devices/hid/hid_axes.hpp"
 #include "master/devices/hid/report_descriptor.hpp"
 #include "thimble/doctor/gather.hpp"
 

@@ -78,7 +78,6 @@ bool FalconHandle::take_report(SessionTime now) {
 }
 
 void FalconHandle::command_force(SessionTime /*now*/, double force_hand_N) {
-    if (!std::isfinite(force_hand_N)) ++refused_forces_;
     const double wanted_N = forced_ && fault_.empty() ? axis_.clipped_N(force_hand_N) : 0;
     if (wanted_N == force_hand_N_) return;
     force_hand_N_ = wanted_N;
@@ -123,11 +122,12 @@ bool FalconHandle::take_stop(SessionTime /*now*/) {
 }
 
 void FalconHandle::describe(nlohmann::ordered_json& report) const {
-    report["device"] = name_;
-    report["reads"] = reads_;
-    report["reads_without_report"] = silent_reads_;
-    report["saturated"] = saturated_;
-    if (!fault_.empty()) report["fault"] = fault_;
+    nlohmann::ordered_json& own = report["handle"];
+    own["device"] = name_;
+    own["reads"] = reads_;
+    own["reads_without_report"] = silent_reads_;
+    own["saturated"] = saturated_;
+    if (!fault_.empty()) own["fault"] = fault_;
 }
 
 }  // namespace thimble

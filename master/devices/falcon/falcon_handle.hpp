@@ -10,11 +10,11 @@
 
 #include "master/devices/falcon/falcon_exchange.hpp"
 #include "master/devices/falcon/falcon_settings.hpp"
-#include "master/devices/real_handle.hpp"
+#include "master/devices/handle.hpp"
 
 namespace thimble {
 
-class FalconHandle final : public RealHandle {
+class FalconHandle : public Handle {
   public:
     // No report for so long: the device stands still.
     static constexpr Duration kStalledAfter = std::chrono::milliseconds{20};
@@ -36,9 +36,8 @@ class FalconHandle final : public RealHandle {
     std::string name() const override { return name_; }
     std::string awaits() override;
     void describe(nlohmann::ordered_json& report) const override;
-    std::uint64_t saturated() const {
-        return saturated_;
-    }  // forces that were scaled down to the motors' limit
+    // Forces that were scaled down to the motors' limit.
+    std::uint64_t saturated() const { return saturated_; }
 
   private:
     bool take_report(SessionTime now);
@@ -56,12 +55,12 @@ class FalconHandle final : public RealHandle {
     std::uint8_t count_ = 0;
     SessionTime heard_{};
     bool reading_ = false;  // heard_ is of this trial
-    std::uint64_t reads_ = 0, silent_reads_ = 0, saturated_ = 0, refused_forces_ = 0;
+    std::uint64_t reads_ = 0, silent_reads_ = 0, saturated_ = 0;
 };
 
 // Finds the device, loads its firmware if it has none, and starts the exchange. Its thread calls
 // `prepare_thread` first. Throws Error with what is missing and what to do.
-std::unique_ptr<RealHandle> open_falcon(const FalconSettings& settings, double force_limit_N,
-                                        const std::function<void()>& prepare_thread = {});
+std::unique_ptr<Handle> open_falcon(const FalconSettings& settings, double force_limit_N,
+                                    const std::function<void()>& prepare_thread = {});
 
 }  // namespace thimble

@@ -1,5 +1,3 @@
-#include "master/devices/falcon/falcon_setup.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -11,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "master/devices/falcon/falcon_link.hpp"
 #include "master/devices/falcon/falcon_packet.hpp"
 
 namespace thimble {

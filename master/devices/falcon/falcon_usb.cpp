@@ -11,7 +11,7 @@
 
 #include "common/error.hpp"
 #include "master/devices/falcon/falcon_handle.hpp"
-#include "master/devices/falcon/falcon_setup.hpp"
+#include "master/devices/falcon/falcon_link.hpp"
 #include "master/devices/usb_presence.hpp"
 
 namespace thimble {
@@ -88,7 +88,7 @@ std::string usb_text(libusb_device_handle* handle, std::uint8_t index) {
     return length <= 0 ? "" : std::string(text.begin(), text.begin() + length);
 }
 
-std::string advice() {
+std::string falcon_advice() {
     return usb_advice(look_for_usb(kVendor, kProduct), "Novint Falcon", "70-thimble-handles.rules");
 }
 
@@ -131,10 +131,11 @@ class OpenedUsb {
                 fmt::format("no Novint Falcon{} to be had{}: {}",
                             wanted_serial.empty() ? "" : fmt::format(" with serial '{}'", wanted_serial),
                             serials.empty() ? "" : fmt::format(" (there are {})", fmt::join(serials, ", ")),
-                            advice()));
+                            falcon_advice()));
         }
         libusb_set_auto_detach_kernel_driver(handle_, 1);
-        if (libusb_claim_interface(handle_, 0) != LIBUSB_SUCCESS) throw Error(ExitCode::kUsage, advice());
+        if (libusb_claim_interface(handle_, 0) != LIBUSB_SUCCESS)
+            throw Error(ExitCode::kUsage, falcon_advice());
     }
     void consider(libusb_device* device, const std::string& wanted_serial,
                   std::vector<std::string>& serials) {
@@ -161,36 +162,18 @@ class OpenedUsb {
     std::string serial_;
 };
 
-// Owns from the USB up; the handle goes first, then the exchange with its last command, then the device.
-class OpenedFalcon final : public RealHandle {
-  public:
-    OpenedFalcon(const FalconSettings& settings, double force_limit_N,
-                 const std::function<void()>& prepare_thread)
-        : usb_(settings.serial), link_(usb_.handle()), exchange_(link_) {
+// From the USB up, ready for the handle.
+struct FalconParts {
+    FalconParts(const FalconSettings& settings, const std::function<void()>& prepare_thread)
+        : usb(settings.serial), link(usb.handle()), exchange(link) {
         make_ready(settings);
-        exchange_.start(prepare_thread);
-        handle_ = std::make_unique<FalconHandle>(
-            settings, force_limit_N, fmt::format("Novint Falcon, serial {}", usb_.serial()), exchange_);
+        exchange.start(prepare_thread);
     }
-
-    HandleSample read(SessionTime now) override { return handle_->read(now); }
-    void command_force(SessionTime now, double force_hand_N) override {
-        handle_->command_force(now, force_hand_N);
-    }
-    void enable_force(SessionTime now, bool enabled) override { handle_->enable_force(now, enabled); }
-    bool take_stop(SessionTime now) override { return handle_->take_stop(now); }
-    SessionTime next_look() const override { return handle_->next_look(); }
-    std::string_view fault() const override { return handle_->fault(); }
-    std::string name() const override { return handle_->name(); }
-    std::string awaits() override { return handle_->awaits(); }
-    void describe(nlohmann::ordered_json& report) const override { handle_->describe(report); }
-
-  private:
     void make_ready(const FalconSettings& settings) {
-        if (!set_falcon_running(link_))
-            throw Error(ExitCode::kRunFailed, "the Falcon's USB chip does not obey: " + link_.last_error());
-        if (falcon_answers(link_)) {
-            exchange_.turn();  // what it says first decides whether it is homed
+        if (!set_falcon_running(link))
+            throw Error(ExitCode::kRunFailed, "the Falcon's USB chip does not obey: " + link.last_error());
+        if (falcon_answers(link)) {
+            exchange.turn();  // what it says first decides whether it is homed
             return;
         }
         if (settings.firmware.empty()) {
@@ -201,19 +184,28 @@ class OpenedFalcon final : public RealHandle {
         }
         const auto image = read_falcon_firmware(settings.firmware, settings.firmware_sha256);
         spdlog::info("loading the Falcon's firmware, {} bytes", image.size());
-        load_falcon_firmware(link_, image);
+        load_falcon_firmware(link, image);
     }
 
-    OpenedUsb usb_;
-    UsbFalconLink link_;
-    FalconExchange exchange_;
-    std::unique_ptr<FalconHandle> handle_;
+    OpenedUsb usb;
+    UsbFalconLink link;
+    FalconExchange exchange;
+};
+
+// The handle goes first, then the exchange with its last command, then the device.
+class OpenedFalcon final : private FalconParts, public FalconHandle {
+  public:
+    OpenedFalcon(const FalconSettings& settings, double force_limit_N,
+                 const std::function<void()>& prepare_thread)
+        : FalconParts(settings, prepare_thread),
+          FalconHandle(settings, force_limit_N, fmt::format("Novint Falcon, serial {}", usb.serial()),
+                       exchange) {}
 };
 
 }  // namespace
 
-std::unique_ptr<RealHandle> open_falcon(const FalconSettings& settings, double force_limit_N,
-                                        const std::function<void()>& prepare_thread) {
+std::unique_ptr<Handle> open_falcon(const FalconSettings& settings, double force_limit_N,
+                                    const std::function<void()>& prepare_thread) {
     return std::make_unique<OpenedFalcon>(settings, force_limit_N, prepare_thread);
 }
 

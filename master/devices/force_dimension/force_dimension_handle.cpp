@@ -34,6 +34,11 @@ const char* force_off_cause(int cause) {
     return index < kCauses.size() ? kCauses[index] : kCauses[0];
 }
 
+std::string force_dimension_advice() {
+    return usb_advice(look_for_usb(kForceDimensionVendor, std::nullopt), "Force Dimension device",
+                      "70-thimble-handles.rules");
+}
+
 constexpr const char* kOnceMore =
     "put it right and start thimble-master again: no force comes back by itself";
 
@@ -76,10 +81,8 @@ int ForceDimensionHandle::serial_of(int id) const {
 void ForceDimensionHandle::open(int wanted_serial) {
     const int count = dhd_.device_count();
     if (count <= 0) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("no Force Dimension handle found by {}: {}", library_.file(),
-                                usb_advice(look_for_usb(kForceDimensionVendor, std::nullopt),
-                                           "Force Dimension device", "70-thimble-handles.rules")));
+        throw Error(ExitCode::kUsage, fmt::format("no Force Dimension handle found by {}: {}",
+                                                  library_.file(), force_dimension_advice()));
     }
     if (count > 1 && wanted_serial == 0) {
         throw Error(
@@ -107,9 +110,7 @@ void ForceDimensionHandle::open(int wanted_serial) {
     throw Error(ExitCode::kUsage,
                 fmt::format("cannot open the Force Dimension handle{}: {}. {}",
                             wanted_serial == 0 ? "" : fmt::format(" with serial {}", wanted_serial),
-                            fmt::join(others, "; "),
-                            usb_advice(look_for_usb(kForceDimensionVendor, std::nullopt),
-                                       "Force Dimension device", "70-thimble-handles.rules")));
+                            fmt::join(others, "; "), force_dimension_advice()));
 }
 
 void ForceDimensionHandle::prepare() {
@@ -232,7 +233,6 @@ void ForceDimensionHandle::watch_status() {
 }
 
 void ForceDimensionHandle::command_force(SessionTime /*now*/, double force_hand_N) {
-    if (!std::isfinite(force_hand_N)) ++refused_forces_;
     const double wanted_N = forced_ && fault_.empty() ? axis_.clipped_N(force_hand_N) : 0;
     if (wanted_N == force_hand_N_) return;
     force_hand_N_ = wanted_N;
@@ -284,13 +284,14 @@ void ForceDimensionHandle::fail(const std::string& what, const std::string& reme
 }
 
 void ForceDimensionHandle::describe(nlohmann::ordered_json& report) const {
-    report["device"] = name_;
-    report["library"] = library_.file();
-    report["reads"] = reads_;
-    report["reads_without_position"] = held_reads_;
-    report["saturated"] = saturated_;
-    report["velocity_difference_m_per_s"] = velocity_difference_m_per_s();
-    if (!fault_.empty()) report["fault"] = fault_;
+    nlohmann::ordered_json& own = report["handle"];
+    own["device"] = name_;
+    own["library"] = library_.file();
+    own["reads"] = reads_;
+    own["reads_without_position"] = held_reads_;
+    own["saturated"] = saturated_;
+    own["velocity_difference_m_per_s"] = velocity_difference_m_per_s();
+    if (!fault_.empty()) own["fault"] = fault_;
 }
 
 }  // namespace thimble

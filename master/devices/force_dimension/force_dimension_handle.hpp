@@ -13,11 +13,11 @@
 #include "master/devices/axis_constraint.hpp"
 #include "master/devices/force_dimension/dhd_library.hpp"
 #include "master/devices/force_dimension/force_dimension_settings.hpp"
-#include "master/devices/real_handle.hpp"
+#include "master/devices/handle.hpp"
 
 namespace thimble {
 
-class ForceDimensionHandle final : public RealHandle {
+class ForceDimensionHandle final : public Handle {
   public:
     // How long the same cached position may come before the force is held at zero, in the second tick of 1 ms, and before the
     // device counts as stalled.
@@ -44,7 +44,6 @@ class ForceDimensionHandle final : public RealHandle {
     }
 
     std::string name() const override { return name_; }
-    std::string awaits() override { return {}; }  // calibrated, or not opened
     void describe(nlohmann::ordered_json& report) const override;
 
     std::uint64_t saturated() const { return saturated_; }  // forces that the motors could not give whole
@@ -79,7 +78,7 @@ class ForceDimensionHandle final : public RealHandle {
     bool held_ = false;  // the position is too old to push for
     unsigned reads_until_status_ = kReadsPerStatus;
     VelocityEstimator velocity_;
-    std::uint64_t reads_ = 0, held_reads_ = 0, saturated_ = 0, refused_forces_ = 0, compared_ = 0;
+    std::uint64_t reads_ = 0, held_reads_ = 0, saturated_ = 0, compared_ = 0;
     double squared_difference_ = 0;
 };
 

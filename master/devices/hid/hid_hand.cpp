@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "master/devices/hid/hid_models.hpp"
-
 namespace thimble {
 namespace {
 
@@ -156,18 +154,18 @@ HandInput HidMapping::hand(SessionTime now, std::optional<double> deflection, do
 }
 
 HidHandle::HidHandle(const HandleSettings& handle, const HidHandSettings& settings, HidHand& hand)
-    : pointer_(handle),
+    : PointerHandle(handle),
       mapping_(settings),
       hand_(hand),
       reach_m_(handle.force_limit_N / handle.coupling.stiffness_N_per_m) {}
 
 HandleSample HidHandle::read(SessionTime now) {
-    pointer_.follow(now, mapping_.hand(now, hand_.deflection(), pointer_.position_hand_m(), reach_m_));
-    return pointer_.read(now);
+    follow(now, mapping_.hand(now, hand_.deflection(), position_hand_m(), reach_m_));
+    return PointerHandle::read(now);
 }
 
 void HidHandle::start_trial(SessionTime now, const OperatorTask& task) {
-    pointer_.start_trial(now, task);
+    PointerHandle::start_trial(now, task);
     mapping_.start(now);
 }
 

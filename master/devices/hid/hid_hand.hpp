@@ -60,26 +60,17 @@ class HidMapping {
 
 // The simulated handle of a pointer, drawn by that hand: with force limits, friction and letting go as there. A device that is
 // unplugged lets go at once; one that comes back takes the handle where it then is (kRate).
-class HidHandle final : public HapticDevice, public OperatorPort {
+class HidHandle : public PointerHandle {
   public:
     // `hand` outlives it.
     HidHandle(const HandleSettings& handle, const HidHandSettings& settings, HidHand& hand);
 
     HandleSample read(SessionTime now) override;
-    void command_force(SessionTime now, double force_hand_N) override {
-        pointer_.command_force(now, force_hand_N);
-    }
-    void enable_force(SessionTime now, bool enabled) override { pointer_.enable_force(now, enabled); }
     bool take_stop(SessionTime /*now*/) override { return hand_.take_stop(); }
-    SessionTime next_look() const override { return kNever; }
-    // A device that is gone lets go, and may come back: no fault.
-    std::string_view fault() const override { return pointer_.fault(); }
     void start_trial(SessionTime now, const OperatorTask& task) override;
-    void perceive(SessionTime /*now*/, const Percept& /*percept*/) override {}
-    bool finished() const override { return false; }  // as PointerHandle
+    HandFollower* follower() override { return nullptr; }
 
   private:
-    PointerHandle pointer_;
     HidMapping mapping_;
     HidHand& hand_;
     double reach_m_;

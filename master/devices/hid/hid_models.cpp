@@ -1,7 +1,6 @@
-#include "master/devices/hid/hid_models.hpp"
-
 #include <algorithm>
-#include <array>
+
+#include "master/devices/hid/hid_axes.hpp"
 
 namespace thimble {
 namespace {

@@ -1,6 +1,4 @@
 // Setting up a Falcon: what is running, what is loaded, and what is refused with which words.
-#include "master/devices/falcon/falcon_setup.hpp"
-
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "master/devices/falcon/falcon_link.hpp"
 #include "tests/unit/handles/falcon_emulator.hpp"
 
 namespace thimble {

@@ -129,7 +129,7 @@ TEST_F(ForceDimension, SaturationIsCountedAndGoesOn) {
     EXPECT_GE(handle->saturated(), 15U);
     nlohmann::ordered_json report;
     handle->describe(report);
-    EXPECT_EQ(report["saturated"], handle->saturated());
+    EXPECT_EQ(report["handle"]["saturated"], handle->saturated());
 }
 
 struct Fault {

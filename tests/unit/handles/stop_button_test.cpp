@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "common/queue_channel.hpp"
 #include "master/devices/force_dimension/force_dimension_handle.hpp"
 #include "master/devices/hid/hid_hand.hpp"
 #include "master/master_process.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
+#include "tests/unit/queue_ports.hpp"
 #include "tests/unit/session_time.hpp"
 #ifdef THIMBLE_DEVICES
 #include "master/devices/falcon/falcon_handle.hpp"
@@ -31,9 +31,8 @@ using Turn = std::function<void(bool down)>;
 // Whether a master without a session, which ticks only when it wants to, has stopped after a press.
 template <class Handle>
 bool is_heard(Handle& handle, const Turn& turn, Duration begin, Duration press) {
-    QueuePipe control, needle, force, skin, eyes;
-    MasterProcess master(1, MasterSettings{}, {&control.b, &needle.a, &force.b, &skin.b, &eyes.b}, handle,
-                         handle);
+    QueuePorts ports;
+    MasterProcess master(1, MasterSettings{}, ports, handle, handle);
     for (Duration time{}; time < milliseconds{400}; time += milliseconds{1}) {
         turn(time >= begin && time < begin + press);
         if (at(time) >= master.next_wakeup()) master.tick(at(time));

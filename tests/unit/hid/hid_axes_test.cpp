@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "master/devices/hid/hid_models.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
 
 namespace thimble::test {

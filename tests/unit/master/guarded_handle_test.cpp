@@ -12,8 +12,8 @@
 #include <rapidcheck.h>
 
 #include "common/error.hpp"
-#include "common/queue_channel.hpp"
 #include "master/master_process.hpp"
+#include "tests/unit/queue_ports.hpp"
 
 namespace thimble {
 namespace {
@@ -329,12 +329,12 @@ class RestingMaster : public testing::Test {
     }
     double commanded_N() const { return handle.sample.force_hand_N; }
 
-    QueuePipe control, needle, force, skin, eyes;
+    QueuePorts ports;
     NotingHandle handle;
     NobodyAtTheHandle nobody;
-    MasterProcess process{5, settings(), {&control.b, &needle.a, &force.b, &skin.b, &eyes.b}, handle, nobody};
-    OutboundFlow session{Role::kSession, 1, {&control.a}};
-    OutboundFlow slave{Role::kSlaveSim, 2, {&force.a}};
+    MasterProcess process{5, settings(), ports, handle, nobody};
+    OutboundFlow session{Role::kSession, 1, {ports.far_end(Port::kMasterControl)}};
+    OutboundFlow slave{Role::kSlaveSim, 2, {ports.far_end(Port::kMasterForce)}};
     SessionTime now{milliseconds{10}};
 };
 
