@@ -2,20 +2,14 @@
 
 namespace thimble {
 
-CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings,
-                                   const Channels& channels, FingertipActuator& actuator)
-    : NodeProcess(Role::kCutaneous, instance, *channels.control),
-      channels_(channels),
-      actuator_(settings.guard_limit_N, actuator),
-      node_(settings, actuator_),
-      percept_flow_(Role::kCutaneous, instance, {channels.percept_out}) {}
-
 CutaneousProcess::CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, Ports& ports,
                                    FingertipActuator& actuator)
-    : CutaneousProcess(instance, settings,
-                       {ports.between(Port::kCutaneousControl, Port::kSessionCutaneous),
-                        ports.inlet(Port::kCutaneousForce), ports.outlet(Port::kMasterPerceptCutaneous)},
-                       actuator) {
+    : NodeProcess(Role::kCutaneous, instance,
+                  *ports.between(Port::kCutaneousControl, Port::kSessionCutaneous)),
+      force_in_(ports.inlet(Port::kCutaneousForce)),
+      percept_flow_(Role::kCutaneous, instance, {ports.outlet(Port::kMasterPerceptCutaneous)}),
+      actuator_(settings.guard_limit_N, actuator),
+      node_(settings, actuator_) {
     join_stop_bus(ports);
 }
 
@@ -27,7 +21,7 @@ void CutaneousProcess::begin_trial(SessionTime now, const SessionControl& contro
 
 void CutaneousProcess::work(SessionTime now) {
     node_.begin_tick(now, since_last_tick(), resting());
-    force_flow_.drain<ForceFeedback>(now, *channels_.force_in, running(), trial(),
+    force_flow_.drain<ForceFeedback>(now, *force_in_, running(), trial(),
                                      [&](const Header& header, const ForceFeedback& feedback) {
                                          node_.on_feedback(now, header.send_time, feedback);
                                      });

@@ -12,16 +12,7 @@ namespace thimble {
 
 class CutaneousProcess final : public NodeProcess {
   public:
-    struct Channels {
-        Channel* control;
-        Channel* force_in;     // from slave_sim, through netem
-        Channel* percept_out;  // to the virtual operator: skin, not network
-    };
-
-    // `actuator` outlives the process.
-    CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, const Channels& channels,
-                     FingertipActuator& actuator);
-    // Opens its channels.
+    // Opens its channels. `actuator` outlives the process.
     CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, Ports& ports,
                      FingertipActuator& actuator);
 
@@ -51,12 +42,12 @@ class CutaneousProcess final : public NodeProcess {
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 
   private:
-    Channels channels_;
+    Channel* force_in_;          // from slave_sim, through netem
+    OutboundFlow percept_flow_;  // to the virtual operator: skin, not network
     GuardedActuator actuator_;
     CutaneousNode node_;
     StaleRecord stale_record_;
     InboundFlow force_flow_{Role::kSlaveSim};
-    OutboundFlow percept_flow_;
 };
 
 }  // namespace thimble

@@ -67,7 +67,7 @@ double DriveActuator::drawn_in_m(double tension_N, double share) const {
 
 double DriveActuator::measured_N(std::size_t finger) const {
     const std::size_t first = settings_.fingers[finger].first;
-    return geometry_.force({tension_N(first), tension_N(first + 1), tension_N(first + 2)}).normal_N;
+    return geometry_.normal_N({tension_N(first), tension_N(first + 1), tension_N(first + 2)});
 }
 
 FingertipForce DriveActuator::output(SessionTime now) {
@@ -100,10 +100,8 @@ void DriveActuator::set_targets() {
     const bool known = !master_.unanswered();
     for (const FingerDevice& device : settings_.fingers) {
         const bool pressed = known && device.hand == hand_ && device.finger == finger_;
-        const CableTensions tensions_N = geometry_.tensions_N({pressed ? force_N_ : 0, 0, 0});
-        for (std::size_t i = 0; i < kCablesPerFinger; ++i) {
-            set_tension(device.first + i, tensions_N[i] + settings_.pretension_N);
-        }
+        const double tension_N = geometry_.tension_N(pressed ? force_N_ : 0) + settings_.pretension_N;
+        for (std::size_t i = 0; i < kCablesPerFinger; ++i) set_tension(device.first + i, tension_N);
     }
 }
 

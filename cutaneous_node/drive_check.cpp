@@ -1,4 +1,6 @@
 // thimble-drive-check: presses one finger after the other without a session, to see whether a device works.
+#include <memory>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -10,7 +12,6 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
-#include "cutaneous_node/can/bus_from_settings.hpp"
 #include "cutaneous_node/cutaneous_settings.hpp"
 #include "cutaneous_node/drive_run.hpp"
 
@@ -21,18 +22,6 @@ using namespace thimble;
 struct CheckOptions {
     std::string config;
     double force_N = 0.5, press_s = 1;
-};
-
-// However the check ends, no drive is left with voltage: it would keep it until it misses the heartbeat.
-class SlackAtEnd {
-  public:
-    explicit SlackAtEnd(DriveActuator& actuator) : actuator_(&actuator) {}
-    ~SlackAtEnd() { actuator_->stop(); }
-    SlackAtEnd(const SlackAtEnd&) = delete;
-    SlackAtEnd& operator=(const SlackAtEnd&) = delete;
-
-  private:
-    DriveActuator* actuator_;
 };
 
 // The measures at the end of the time. Throws Error (run failed) if a drive fails.
@@ -49,7 +38,6 @@ double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOpt
 }
 
 void press_each(DriveActuator& actuator, const DriveSettings& settings, const CheckOptions& options) {
-    const SlackAtEnd slack(actuator);
     bring_up_drives(actuator);
     fmt::print("{} drives in operation, every cable taut\n", actuator.master().drives());
     for (const FingerDevice& finger : settings.fingers) {
@@ -72,6 +60,9 @@ int check(const CheckOptions& options) {
     Sockets sockets{network};
     const auto bus = open_bus(settings.drives, sockets);
     DriveActuator actuator(settings.drives, settings.force_limit_N, *bus);
+    // However the check ends, no drive is left with voltage: it would keep it until it misses the heartbeat.
+    const std::unique_ptr<DriveActuator, void (*)(DriveActuator*)> slack_at_end(
+        &actuator, [](DriveActuator* drives) { drives->stop(); });
     install_stop_signals();
     press_each(actuator, settings.drives, options);
     fmt::print("{}\n", json_text(describe_drives(actuator)));

@@ -4,8 +4,21 @@
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/can/socket_can_bus.hpp"
 
 namespace thimble {
+
+std::unique_ptr<CanBus> open_bus(const DriveSettings& settings, Sockets& sockets) {
+    if (settings.cannelloni) {
+        const CannelloniAddress& address = *settings.cannelloni;
+        return std::make_unique<CannelloniBus>(
+            *sockets.device({"0.0.0.0", address.listen_port}, {address.host, address.port}));
+    }
+    auto bus = std::make_unique<SocketCanBus>(settings.bus);
+    sockets.listen_to(*bus);
+    return bus;
+}
 
 void bring_up_drives(DriveActuator& actuator) {
     while (!actuator.ready()) {

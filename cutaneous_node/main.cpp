@@ -17,17 +17,17 @@ class Cutaneous final : public NodeInstance {
               std::uint64_t instance)
         : open_(open_actuator(settings, runtime, sockets)),
           stale_(settings.stale),
-          process_(instance, settings, sockets, open_->actuator()) {}
+          process_(instance, settings, sockets, *open_.actuator) {}
 
     NodeProcess& process() override { return process_; }
-    void bring_up() override { open_->bring_up(); }
+    void bring_up() override { open_.bring_up(); }
     void describe(nlohmann::ordered_json& report) const override {
         describe_stale(report, stale_, process_.stale_record());
-        open_->describe(report);
+        open_.describe(report);
     }
 
   private:
-    std::unique_ptr<OpenActuator> open_;
+    OpenActuator open_;
     StalePolicy stale_;
     CutaneousProcess process_;
 };

@@ -5,7 +5,6 @@
 #include "common/runtime/hid/hid_thread.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "cutaneous_node/board/board_actuator.hpp"
-#include "cutaneous_node/can/bus_from_settings.hpp"
 #include "cutaneous_node/drive_run.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 
@@ -14,69 +13,61 @@ namespace {
 
 constexpr Duration kFirstWord = std::chrono::seconds{1};
 
-class OpenSimulated final : public OpenActuator {
-  public:
-    explicit OpenSimulated(const CutaneousSettings& settings) : actuator_(settings) {}
-    FingertipActuator& actuator() override { return actuator_; }
-    void bring_up() override {}
-    void describe(nlohmann::ordered_json& /*report*/) const override {}
-
-  private:
-    SimulatedActuator actuator_;
-};
+// The first trial may begin as soon as this node is ready: a board that is there has spoken by then.
+void await_first_word(const BoardActuator& board) {
+    const SessionTime end = wall_now() + kFirstWord;
+    while (!board.fault().empty() && wall_now() < end) wall_sleep(std::chrono::milliseconds{5});
+}
 
 // A fingertip board, and the thread that talks to it.
-class OpenBoard final : public OpenActuator {
-  public:
-    OpenBoard(const CutaneousSettings& settings, const RuntimeSettings& runtime)
-        : actuator_(settings.board, settings.force_limit_N), thread_(actuator_, runtime) {}
+OpenActuator open_board(const CutaneousSettings& settings, const RuntimeSettings& runtime) {
+    struct Board {
+        BoardActuator actuator;
+        HidThread thread;
+        Board(const CutaneousSettings& s, const RuntimeSettings& r)
+            : actuator(s.board, s.force_limit_N), thread(actuator, r) {}
+    };
+    const auto board = std::make_shared<Board>(settings, runtime);
+    BoardActuator& actuator = board->actuator;
+    return {{board, &actuator},
+            [&actuator] { await_first_word(actuator); },
+            [&actuator](auto& report) {
+                report["board"] = {{"bad_reports", actuator.bad_reports()}};
+            }};
+}
 
-    FingertipActuator& actuator() override { return actuator_; }
-    // The first trial may begin as soon as this node is ready: a board that is there has spoken by then.
-    void bring_up() override {
-        const SessionTime end = wall_now() + kFirstWord;
-        while (!actuator_.fault().empty() && wall_now() < end) wall_sleep(std::chrono::milliseconds{5});
-    }
-    void describe(nlohmann::ordered_json& report) const override {
-        report["board"] = {{"bad_reports", actuator_.bad_reports()}};
-    }
-
-  private:
-    BoardActuator actuator_;
-    HidThread thread_;
-};
-
-class OpenDrives final : public OpenActuator {
-  public:
-    OpenDrives(const CutaneousSettings& settings, Sockets& sockets)
-        : bus_(open_bus(settings.drives, sockets)),
-          actuator_(settings.drives, settings.force_limit_N, *bus_) {}
-    ~OpenDrives() override { actuator_.stop(); }
-
-    FingertipActuator& actuator() override { return actuator_; }
-    void bring_up() override { bring_up_drives(actuator_); }
-    void describe(nlohmann::ordered_json& report) const override {
-        report["drives"] = describe_drives(actuator_);
-    }
-
-  private:
-    std::unique_ptr<CanBus> bus_;
-    DriveActuator actuator_;
-};
+OpenActuator open_drives(const CutaneousSettings& settings, Sockets& sockets) {
+    struct Drives {
+        std::unique_ptr<CanBus> bus;
+        DriveActuator actuator;
+        Drives(const CutaneousSettings& s, Sockets& sockets)
+            : bus(open_bus(s.drives, sockets)), actuator(s.drives, s.force_limit_N, *bus) {}
+        ~Drives() { actuator.stop(); }
+        Drives(const Drives&) = delete;
+        Drives& operator=(const Drives&) = delete;
+    };
+    const auto drives = std::make_shared<Drives>(settings, sockets);
+    DriveActuator& actuator = drives->actuator;
+    return {{drives, &actuator},
+            [&actuator] { bring_up_drives(actuator); },
+            [&actuator](auto& report) { report["drives"] = describe_drives(actuator); }};
+}
 
 }  // namespace
 
-std::unique_ptr<OpenActuator> open_actuator(const CutaneousSettings& settings, const RuntimeSettings& runtime,
-                                            Sockets& sockets) {
+OpenActuator open_actuator(const CutaneousSettings& settings, const RuntimeSettings& runtime,
+                           Sockets& sockets) {
     switch (settings.device) {
         case FingertipDevice::kBoard:
-            return std::make_unique<OpenBoard>(settings, runtime);
+            return open_board(settings, runtime);
         case FingertipDevice::kDrives:
-            return std::make_unique<OpenDrives>(settings, sockets);
+            return open_drives(settings, sockets);
         case FingertipDevice::kSimulated:
             break;
     }
-    return std::make_unique<OpenSimulated>(settings);
+    OpenActuator open;
+    open.actuator = std::make_shared<SimulatedActuator>(settings);
+    return open;
 }
 
 }  // namespace thimble

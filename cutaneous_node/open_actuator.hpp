@@ -1,6 +1,7 @@
 // The fingertip actuator that a session file names, opened: the one place that chooses.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,24 +13,18 @@
 
 namespace thimble {
 
-class OpenActuator {
-  public:
-    virtual ~OpenActuator() = default;  // releases the finger
-    OpenActuator() = default;
-    OpenActuator(const OpenActuator&) = delete;
-    OpenActuator& operator=(const OpenActuator&) = delete;
-
-    virtual FingertipActuator& actuator() = 0;
+struct OpenActuator {
+    std::shared_ptr<FingertipActuator> actuator;  // with all it needs; releases the finger at its end
     // Before the node says that it is ready, with time limits of its own. Throws Error with which device, which step, why and what
     // to do.
-    virtual void bring_up() = 0;
+    std::function<void()> bring_up = [] {};
     // Adds its part, if it has one, to the node's report.
-    virtual void describe(nlohmann::ordered_json& report) const = 0;
+    std::function<void(nlohmann::ordered_json& report)> describe = [](nlohmann::ordered_json&) {};
 };
 
 // A driver with a thread is scheduled as `runtime` says; one that talks over UDP takes its sockets from `sockets`. Throws Error with
 // what is missing and what to do about it; usage, if this build has no driver for it (THIMBLE_DEVICES=OFF).
-std::unique_ptr<OpenActuator> open_actuator(const CutaneousSettings& settings, const RuntimeSettings& runtime,
-                                            Sockets& sockets);
+OpenActuator open_actuator(const CutaneousSettings& settings, const RuntimeSettings& runtime,
+                           Sockets& sockets);
 
 }  // namespace thimble

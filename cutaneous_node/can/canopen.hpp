@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "cutaneous_node/can/can_frame.hpp"
+#include "cutaneous_node/can/can_bus.hpp"
 
 namespace thimble {
 

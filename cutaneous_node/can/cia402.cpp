@@ -5,53 +5,41 @@
 
 namespace thimble {
 
-const char* to_string(DriveState state) {
-    static constexpr std::array kNames{
-        "not ready",         "switch-on disabled", "ready to switch on", "switched on",
-        "operation enabled", "quick stop",         "fault reaction",     "fault"};
-    return kNames[static_cast<std::size_t>(state)];
-}
+namespace {
+
+constexpr std::uint16_t kVoltage = 1U << 4U, kRemote = 1U << 9U, kFollows = 1U << 12U;
+
+// `mask` and `bits` tell the state from a statusword, `statusword` is what a drive says, `next` leads towards operation.
+struct StateRow {
+    const char* name;
+    std::uint16_t mask, bits, statusword, next;
+};
+// By DriveState.
+constexpr std::array<StateRow, 8> kStates{{
+    {"not ready", 0x4f, 0x00, 0, kControlDisableVoltage},
+    {"switch-on disabled", 0x4f, 0x40, 0x40 | kRemote, kControlShutdown},
+    {"ready to switch on", 0x6f, 0x21, 0x21 | kRemote, kControlSwitchOn},
+    {"switched on", 0x6f, 0x23, 0x23 | kVoltage | kRemote, kControlEnable},
+    {"operation enabled", 0x6f, 0x27, 0x27 | kVoltage | kRemote | kFollows, kControlEnable},
+    {"quick stop", 0x6f, 0x07, 0x07 | kVoltage | kRemote, kControlDisableVoltage},
+    {"fault reaction", 0x4f, 0x0f, 0x0f | kVoltage | kRemote, kControlDisableVoltage},
+    {"fault", 0x4f, 0x08, 0x08 | kRemote, kControlFaultReset},
+}};
+
+const StateRow& row_of(DriveState state) { return kStates[static_cast<std::size_t>(state)]; }
+
+}  // namespace
+
+const char* to_string(DriveState state) { return row_of(state).name; }
 
 DriveState state_of(std::uint16_t statusword) {
-    switch (statusword & 0x4fU) {
-        case 0x40:
-            return DriveState::kSwitchOnDisabled;
-        case 0x0f:
-            return DriveState::kFaultReaction;
-        case 0x08:
-            return DriveState::kFault;
-        default:
-            break;
+    for (std::size_t i = 0; i < kStates.size(); ++i) {
+        if ((statusword & kStates[i].mask) == kStates[i].bits) return static_cast<DriveState>(i);
     }
-    switch (statusword & 0x6fU) {
-        case 0x21:
-            return DriveState::kReadyToSwitchOn;
-        case 0x23:
-            return DriveState::kSwitchedOn;
-        case 0x27:
-            return DriveState::kOperationEnabled;
-        case 0x07:
-            return DriveState::kQuickStop;
-        default:
-            return DriveState::kNotReady;
-    }
+    return DriveState::kNotReady;
 }
 
-std::uint16_t control_towards_operation(DriveState state) {
-    switch (state) {
-        case DriveState::kFault:
-            return kControlFaultReset;
-        case DriveState::kSwitchOnDisabled:
-            return kControlShutdown;
-        case DriveState::kReadyToSwitchOn:
-            return kControlSwitchOn;
-        case DriveState::kSwitchedOn:
-        case DriveState::kOperationEnabled:
-            return kControlEnable;
-        default:
-            return kControlDisableVoltage;
-    }
-}
+std::uint16_t control_towards_operation(DriveState state) { return row_of(state).next; }
 
 std::optional<InterpolationTime> interpolation_time(Duration cycle) {
     Duration unit = std::chrono::milliseconds{1};
@@ -64,28 +52,7 @@ std::optional<InterpolationTime> interpolation_time(Duration cycle) {
     return std::nullopt;
 }
 
-std::uint16_t DriveAutomaton::statusword() const {
-    constexpr std::uint16_t kVoltage = 1U << 4U, kRemote = 1U << 9U, kFollows = 1U << 12U;
-    switch (state_) {
-        case DriveState::kNotReady:
-            return 0;
-        case DriveState::kSwitchOnDisabled:
-            return 0x40 | kRemote;
-        case DriveState::kReadyToSwitchOn:
-            return 0x21 | kRemote;
-        case DriveState::kSwitchedOn:
-            return 0x23 | kVoltage | kRemote;
-        case DriveState::kOperationEnabled:
-            return 0x27 | kVoltage | kRemote | kFollows;
-        case DriveState::kQuickStop:
-            return 0x07 | kVoltage | kRemote;
-        case DriveState::kFaultReaction:
-            return 0x0f | kVoltage | kRemote;
-        case DriveState::kFault:
-            return 0x08 | kRemote;
-    }
-    return 0;
-}
+std::uint16_t DriveAutomaton::statusword() const { return row_of(state_).statusword; }
 
 void DriveAutomaton::obey(std::uint16_t controlword) {
     const bool reset = (controlword & kControlFaultReset) != 0 && (last_ & kControlFaultReset) == 0;

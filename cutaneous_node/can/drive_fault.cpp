@@ -1,5 +1,7 @@
 #include "cutaneous_node/can/drive_fault.hpp"
 
+#include <array>
+
 #include <fmt/format.h>
 
 #include "cutaneous_node/can/canopen.hpp"
@@ -8,97 +10,52 @@
 namespace thimble {
 namespace {
 
-std::string of_start(const DriveFault& f, const std::string& device, const std::string& bus) {
-    switch (f.kind) {
-        case DriveFaultKind::kNoBootUp:
-            return fmt::format(
-                "{}: no boot-up on {} after its reset; is it powered, wired, terminated, and is that its "
-                "node id and bit rate?",
-                device, bus);
-        case DriveFaultKind::kNoAnswer:
-            return fmt::format("{}: no answer to '{}'; check cable and termination of {}", device, f.step,
-                               bus);
-        case DriveFaultKind::kAborted:
-            return fmt::format(
-                "{}: refused '{}' with SDO abort {:#010x} ({}); does its firmware know CiA 402?", device,
-                f.step, f.code, abort_text(f.code));
-        case DriveFaultKind::kNotThatDrive:
-            return fmt::format("{}: device type {:#010x} is no CiA 402 drive; check the node ids", device,
-                               f.code);
-        case DriveFaultKind::kNoMode:
-            return fmt::format("{}: its modes {:#x} lack the one asked for; set [cutaneous.drives] mode",
-                               device, f.code);
-        case DriveFaultKind::kNoRatedTorque:
-            return fmt::format("{}: rated torque (0x6076) is 0; set the motor's data in the drive", device);
-        case DriveFaultKind::kStuck:
-            return fmt::format(
-                "{}: stays at '{}' at the step '{}'; look at its error (0x603F) and its power stage", device,
-                to_string(state_of(static_cast<std::uint16_t>(f.code))), f.step);
-        case DriveFaultKind::kNoTakeUp:
-            return fmt::format(
-                "{}: the cable does not get taut; is the device worn, the cable on its pulley, the sign "
-                "(reversed) right?",
-                device);
-        default:
-            return {};
-    }
-}
+// By DriveFaultKind. {means}: the code in words.
+constexpr std::array<const char*, 20> kFaultTexts{
+    "{device}: no boot-up on {bus} after its reset; is it powered, wired, terminated, and is that its node "
+    "id "
+    "and bit rate?",
+    "{device}: no answer to '{step}'; check cable and termination of {bus}",
+    "{device}: refused '{step}' with SDO abort {code:#010x} ({means}); does its firmware know CiA 402?",
+    "{device}: device type {code:#010x} is no CiA 402 drive; check the node ids",
+    "{device}: its modes {code:#x} lack the one asked for; set [cutaneous.drives] mode",
+    "{device}: rated torque (0x6076) is 0; set the motor's data in the drive",
+    "{device}: stays at '{means}' at the step '{step}'; look at its error (0x603F) and its power stage",
+    "{device}: the cable does not get taut; is the device worn, the cable on its pulley, the sign (reversed) "
+    "right?",
+    "{device}: heartbeat lost; check its power and the cable of {bus}",
+    "{device}: lives, but sends no process data; is {bus} overloaded (longer cycle_s)?",
+    "{device}: process data of {code} bytes, not 8; has something else changed its mapping?",
+    "{device}: EMCY {code:#06x} ({means}); remove the cause, then start again",
+    "{device}: has restarted, or a second device has its node id; check the supply, then start again",
+    "{device}: two devices have this node id; give one of them another",
+    "{device}: left operation, now '{means}'; look at its error (0x603F), then start again",
+    "{device}: the cable is slack or torn, or the device came off; check it, then start again",
+    "no device for a finger that this trial presses; name its drives in [cutaneous.drives], or choose "
+    "another "
+    "modality",
+    "{bus}: bus-off; check termination, bit rate and cables, then set the interface down and up",
+    "{bus}: the interface is gone or down; 'ip link set {bus} up', then start again",
+    "{bus}: frames cannot be sent, its queue is full; 'ip link set {bus} txqueuelen 100', or is it not "
+    "connected?"};
 
-std::string of_bus(const DriveFault& f, const std::string& bus) {
+const char* meaning(const DriveFault& f) {
     switch (f.kind) {
-        case DriveFaultKind::kBusOff:
-            return fmt::format(
-                "{}: bus-off; check termination, bit rate and cables, then set the interface down and up",
-                bus);
-        case DriveFaultKind::kQueueFull:
-            return fmt::format(
-                "{}: frames cannot be sent, its queue is full; 'ip link set {} txqueuelen 100', or is it not "
-                "connected?",
-                bus, bus);
+        case DriveFaultKind::kAborted:
+            return abort_text(f.code);
+        case DriveFaultKind::kEmergency:
+            return emergency_text(static_cast<std::uint16_t>(f.code));
         default:
-            return fmt::format("{}: the interface is gone or down; 'ip link set {} up', then start again",
-                               bus, bus);
+            return to_string(state_of(static_cast<std::uint16_t>(f.code)));
     }
 }
 
 }  // namespace
 
 std::string describe(const DriveFault& f, const std::string& device, const std::string& bus) {
-    switch (f.kind) {
-        case DriveFaultKind::kHeartbeatLost:
-            return fmt::format("{}: heartbeat lost; check its power and the cable of {}", device, bus);
-        case DriveFaultKind::kDataLost:
-            return fmt::format("{}: lives, but sends no process data; is {} overloaded (longer cycle_s)?",
-                               device, bus);
-        case DriveFaultKind::kDataLength:
-            return fmt::format("{}: process data of {} bytes, not 8; has something else changed its mapping?",
-                               device, f.code);
-        case DriveFaultKind::kEmergency:
-            return fmt::format("{}: EMCY {:#06x} ({}); remove the cause, then start again", device, f.code,
-                               emergency_text(static_cast<std::uint16_t>(f.code)));
-        case DriveFaultKind::kRebooted:
-            return fmt::format(
-                "{}: has restarted, or a second device has its node id; check the supply, then start again",
-                device);
-        case DriveFaultKind::kDuplicate:
-            return fmt::format("{}: two devices have this node id; give one of them another", device);
-        case DriveFaultKind::kLeftOperation:
-            return fmt::format("{}: left operation, now '{}'; look at its error (0x603F), then start again",
-                               device, to_string(state_of(static_cast<std::uint16_t>(f.code))));
-        case DriveFaultKind::kSlack:
-            return fmt::format(
-                "{}: the cable is slack or torn, or the device came off; check it, then start again", device);
-        case DriveFaultKind::kNoDevice:
-            return fmt::format(
-                "no device for a finger that this trial presses; name its drives in [cutaneous.drives], or "
-                "choose another modality");
-        case DriveFaultKind::kBusOff:
-        case DriveFaultKind::kBusDown:
-        case DriveFaultKind::kQueueFull:
-            return of_bus(f, bus);
-        default:
-            return of_start(f, device, bus);
-    }
+    return fmt::format(fmt::runtime(kFaultTexts.at(static_cast<std::size_t>(f.kind))),
+                       fmt::arg("device", device), fmt::arg("bus", bus), fmt::arg("step", f.step),
+                       fmt::arg("code", f.code), fmt::arg("means", meaning(f)));
 }
 
 }  // namespace thimble

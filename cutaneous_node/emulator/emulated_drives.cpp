@@ -1,8 +1,11 @@
 #include "cutaneous_node/emulator/emulated_drives.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <iterator>
 #include <optional>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -13,15 +16,19 @@ namespace {
 constexpr double kPressed_N = 0.2;
 constexpr std::uint32_t kErrorBusOff = kCanError | 0x40, kErrorController = kCanError | 0x04;
 
-std::vector<std::string_view> words_of(std::string_view line) {
-    std::vector<std::string_view> words;
-    for (std::size_t at = line.find_first_not_of(" \t\r\n"); at != std::string_view::npos;) {
-        const std::size_t end = std::min(line.find_first_of(" \t\r\n", at), line.size());
-        words.push_back(line.substr(at, end - at));
-        at = line.find_first_not_of(" \t\r\n", end);
-    }
-    return words;
+std::vector<std::string> words_of(std::string_view line) {
+    std::istringstream in{std::string(line)};
+    return {std::istream_iterator<std::string>(in), {}};
 }
+
+// Faults without a number.
+constexpr std::array<std::pair<std::string_view, void (DriveEmulator::*)()>, 6> kFaults{
+    {{"silence", &DriveEmulator::fall_silent},
+     {"no-heartbeat", &DriveEmulator::stop_heartbeat},
+     {"no-data", &DriveEmulator::stop_data},
+     {"short-data", &DriveEmulator::shorten_data},
+     {"duplicate", &DriveEmulator::double_itself},
+     {"cut", &DriveEmulator::cut_cable}}};
 
 // Decimal, or hexadecimal with 0x.
 std::optional<std::uint32_t> whole_number(std::string_view text) {
@@ -131,33 +138,22 @@ bool EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_vie
                           const std::vector<std::uint32_t>& numbers) {
     if (what == "emcy" && numbers.size() == 1) {
         drive.emergency(static_cast<std::uint16_t>(numbers[0]), *bus_);
-    } else if (what == "refuse" && (numbers.size() == 1 || numbers.size() == 2)) {
+        return true;
+    }
+    if (what == "refuse" && (numbers.size() == 1 || numbers.size() == 2)) {
         const auto sub = static_cast<std::uint8_t>(numbers.size() == 2 ? numbers[1] : 0);
         drive.refuse({static_cast<std::uint16_t>(numbers[0]), sub}, SdoAbort::kNoObject);
-    } else {
-        return numbers.empty() && obey(now, drive, what);
+        return true;
     }
-    return true;
-}
-
-bool EmulatedDrives::obey(SessionTime now, DriveEmulator& drive, std::string_view what) {
+    if (!numbers.empty()) return false;
     if (what == "reboot") {
         drive.reset(now, *bus_);
-    } else if (what == "silence") {
-        drive.fall_silent();
-    } else if (what == "no-heartbeat") {
-        drive.stop_heartbeat();
-    } else if (what == "no-data") {
-        drive.stop_data();
-    } else if (what == "short-data") {
-        drive.shorten_data();
-    } else if (what == "duplicate") {
-        drive.double_itself();
-    } else if (what == "cut") {
-        drive.cut_cable();
-    } else {
-        return false;
+        return true;
     }
+    const auto* const found =
+        std::find_if(kFaults.begin(), kFaults.end(), [&](const auto& fault) { return fault.first == what; });
+    if (found == kFaults.end()) return false;
+    (drive.*found->second)();
     return true;
 }
 

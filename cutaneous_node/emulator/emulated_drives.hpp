@@ -39,7 +39,6 @@ class EmulatedDrives final : public Process {
     };
     bool obey(SessionTime now, DriveEmulator& drive, std::string_view what,
               const std::vector<std::uint32_t>& numbers);
-    bool obey(SessionTime now, DriveEmulator& drive, std::string_view what);
     DriveEmulator* find(std::string_view node);
     void look_at_force(SessionTime now);
 

@@ -1,10 +1,23 @@
 #include "cutaneous_node/fingertip/cable_command.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
 namespace thimble {
+
+FingerGeometry::FingerGeometry(double cable_angle_rad) : cosine_(std::cos(cable_angle_rad)) {
+    assert(cable_angle_rad > 0 && cosine_ > 0);
+}
+
+double FingerGeometry::tension_N(double normal_N) const { return std::max(normal_N, 0.0) / (3 * cosine_); }
+
+double FingerGeometry::normal_N(const CableTensions& tensions_N) const {
+    double normal_N = 0;
+    for (const double tension_N : tensions_N) normal_N += cosine_ * tension_N;
+    return normal_N;
+}
 
 double ForceShape::shaped_N(double force_N) const {
     // Written so that a NaN is no force.

@@ -1,11 +1,33 @@
 // From the force for a finger to the commands of its drives, and back: deadband and limit, pretension, pulley and gear.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
-#include "cutaneous_node/fingertip/finger_geometry.hpp"
-
 namespace thimble {
+
+inline constexpr std::size_t kCablesPerFinger = 3;
+using CableTensions = std::array<double, kCablesPerFinger>;  // N
+
+// A fingertip device: three cables draw a platform against the pad, along its normal. Each leaves the platform at the angle
+// `cable_angle_rad` from the normal, 120 degrees from the next one around it.
+class FingerGeometry {
+  public:
+    // 0 < cable_angle_rad < pi/2.
+    explicit FingerGeometry(double cable_angle_rad);
+
+    // Of each cable; >= 0: cables cannot push.
+    double tension_N(double normal_N) const;
+    double normal_N(const CableTensions& tensions_N) const;
+    // Of one cable that is drawn in by so much, the platform's end of it goes into the pad.
+    double indentation_m(double wound_m) const { return wound_m * cosine_; }
+    double wound_m(double indentation_m) const { return indentation_m / cosine_; }
+    double normal_per_tension() const { return cosine_; }
+
+  private:
+    double cosine_;
+};
 
 struct ForceShape {
     double deadband_N = 0.02;  // less is no force

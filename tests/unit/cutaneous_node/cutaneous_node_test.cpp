@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "common/queue_channel.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
+#include "tests/unit/queue_ports.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -279,11 +279,11 @@ class RunningCutaneous : public testing::Test {
         process.tick(now);
     }
 
-    QueuePipe control, forces, percept;
+    QueuePorts ports;
     NotingActuator actuator;
-    CutaneousProcess process{5, ramping(), {&control.b, &forces.b, &percept.a}, actuator};
-    OutboundFlow session{Role::kSession, 1, {&control.a}};
-    OutboundFlow slave{Role::kSlaveSim, 2, {&forces.a}};
+    CutaneousProcess process{5, ramping(), ports, actuator};
+    OutboundFlow session{Role::kSession, 1, {ports.far_end(Port::kCutaneousControl)}};
+    OutboundFlow slave{Role::kSlaveSim, 2, {ports.far_end(Port::kCutaneousForce)}};
     SessionTime now{};
 };
 

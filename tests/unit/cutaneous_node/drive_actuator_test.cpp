@@ -1,6 +1,4 @@
-// The actuator over twelve emulated drives on a queue, in virtual time: bringing up, pressing, and every fault on command.
-#include "cutaneous_node/drive_actuator.hpp"
-
+// The actuator over emulated drives: bringing up, pressing, and every fault on command.
 #include <cmath>
 #include <ostream>
 #include <string>
@@ -9,10 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "common/queue_channel.hpp"
-#include "cutaneous_node/can/cannelloni.hpp"
-#include "cutaneous_node/can/canopen.hpp"
-#include "cutaneous_node/emulator/emulated_drives.hpp"
+#include "tests/unit/cutaneous_node/drive_bench.hpp"
 
 namespace thimble {
 namespace {
@@ -21,58 +16,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-DriveSettings drive_settings(const std::string& more = "") {
-    const ConfigFile file = ConfigFile::parse("[drives]\nbus = \"can0\"\n" + more, "drives.toml");
-    DriveSettings settings = read_drive_settings(file.table("drives"));
-    file.finish();
-    return settings;
-}
-
-class DriveBench {
-  public:
-    explicit DriveBench(const std::string& more = "", const PlantParameters& plant = {})
-        : settings(drive_settings(more)),
-          drives(settings.master.nodes, plant, far_),
-          actuator(settings, 1.5, near_) {
-        here_.connect(there_);
-        there_.connect(here_);
-    }
-
-    // A millisecond, as the node ticks; the drives answer in the same one.
-    void tick() {
-        now += milliseconds{1};
-        actuator.tick(now);
-        drives.tick(now);
-        actuator.tick(now);
-    }
-    void run(Duration time) {
-        for (const SessionTime end = now + time; now < end;) tick();
-    }
-    void stall(Duration time, bool drives_alone) {
-        for (const SessionTime end = now + time; drives_alone && now < end; now += milliseconds{1})
-            actuator.tick(now);
-        if (!drives_alone) now += time;
-    }
-    bool come_up() {
-        while (!actuator.ready() && actuator.fault().empty() && now < SessionTime{seconds{10}}) tick();
-        return actuator.ready();
-    }
-    void press(Finger finger, double force_N, Duration time) {
-        for (const SessionTime end = now + time; now < end; tick()) actuator.command(now, finger, force_N);
-    }
-    void order(const std::string& words) { EXPECT_EQ(drives.obey(now, words), ""); }
-
-    QueueChannel here_{1024}, there_{1024};
-    CannelloniBus near_{here_}, far_{there_};
-    DriveSettings settings;
-    EmulatedDrives drives;
-    DriveActuator actuator;
-    SessionTime now{};
-};
-
 TEST(DriveActuator, BringsTwelveDrivesUpAndTheirCablesTaut) {
-    DriveBench bench;
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench;
     EXPECT_LT(bench.now, SessionTime{seconds{3}});
     for (std::size_t i = 0; i < 12; ++i) {
         EXPECT_EQ(bench.drives.drive(i).state(), DriveState::kOperationEnabled);
@@ -82,8 +27,7 @@ TEST(DriveActuator, BringsTwelveDrivesUpAndTheirCablesTaut) {
 }
 
 TEST(DriveActuator, PressesTheFingerThatIsAskedForAndSaysWhatIsMeasured) {
-    DriveBench bench;
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench;
     bench.press(Finger::kThumb, 1.0, milliseconds{500});
     EXPECT_NEAR(bench.drives.force_N(1), 1.0 + 3 * 0.03 * std::cos(0.35), 0.03);
     EXPECT_LT(bench.drives.force_N(0), 0.1);
@@ -92,42 +36,39 @@ TEST(DriveActuator, PressesTheFingerThatIsAskedForAndSaysWhatIsMeasured) {
     EXPECT_NEAR(felt.force_N, 1.0, 0.01);
     EXPECT_LE(bench.now - felt.sample_time, milliseconds{5});
     bench.press(Finger::kIndex, 9.0, milliseconds{500});
-    EXPECT_NEAR(bench.actuator.output(bench.now).force_N, 1.5, 0.01) << "the limit";
+    EXPECT_NEAR(bench.felt_N(), 1.5, 0.01) << "the limit";
     EXPECT_LT(bench.drives.force_N(1), 0.1) << "the other finger is let go";
     bench.actuator.release(bench.now);
     bench.run(milliseconds{200});
     EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kNone);
-    EXPECT_EQ(bench.actuator.fault(), "");
+    EXPECT_EQ(bench.fault(), "");
 }
 
 // A finger is let go of, and in every third millisecond of that both processes, or the drives alone, stand still for 90 ms.
 TEST(DriveActuator, AStalledMachineIsNoSlackCable) {
     for (int stalls_after_ms = 0; stalls_after_ms < 40; stalls_after_ms += 3) {
         for (const bool drives_alone : {false, true}) {
-            DriveBench bench("silent_after_s = 3");
-            ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+            ReadyDrives bench("silent_after_s = 3");
             bench.press(Finger::kIndex, 1.5, milliseconds{300});
             bench.actuator.release(bench.now);
             bench.run(milliseconds{stalls_after_ms});
             bench.stall(milliseconds{90}, drives_alone);
             bench.run(milliseconds{100});
-            EXPECT_EQ(bench.actuator.fault(), "") << stalls_after_ms << " ms, alone " << drives_alone;
+            EXPECT_EQ(bench.fault(), "") << stalls_after_ms << " ms, alone " << drives_alone;
         }
     }
 }
 
 // 225 answers come at once, after a silence that this session allows.
 TEST(DriveActuator, DrivesThatStoodStillAreNoSecondDevices) {
-    DriveBench bench("silent_after_s = 3");
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench("silent_after_s = 3");
     bench.stall(milliseconds{900}, true);
     bench.run(milliseconds{100});
-    EXPECT_EQ(bench.actuator.fault(), "");
+    EXPECT_EQ(bench.fault(), "");
 }
 
 TEST(DriveActuator, TheOtherHandWearsTheOtherSixDrives) {
-    DriveBench bench;
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench;
     bench.actuator.use_hand(bench.now, Hand::kOther);
     bench.press(Finger::kIndex, 1.0, milliseconds{300});
     EXPECT_GT(bench.drives.force_N(2), 0.9);
@@ -136,23 +77,21 @@ TEST(DriveActuator, TheOtherHandWearsTheOtherSixDrives) {
 }
 
 TEST(DriveActuator, ByPositionThePadsModelMakesTheForceOfTheFirstMoment) {
-    DriveBench bench("mode = \"position\"");
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench("mode = \"position\"");
     bench.press(Finger::kIndex, 1.0, milliseconds{60});
     // The held pad relaxes, to 40 % in the end.
     EXPECT_GT(bench.drives.force_N(0), 0.4);
     EXPECT_LT(bench.drives.force_N(0), 1.2);
     EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kIndex);
-    EXPECT_EQ(bench.actuator.fault(), "");
+    EXPECT_EQ(bench.fault(), "");
 }
 
 TEST(DriveActuator, AReversedMotorIsTheSameToTheFinger) {
     PlantParameters plant;
     plant.cable.reversed = true;
-    DriveBench bench("reversed = true", plant);
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench("reversed = true", plant);
     bench.press(Finger::kIndex, 1.0, milliseconds{300});
-    EXPECT_NEAR(bench.actuator.output(bench.now).force_N, 1.0, 0.01);
+    EXPECT_NEAR(bench.felt_N(), 1.0, 0.01);
     EXPECT_NEAR(bench.drives.force_N(0), 1.09, 0.05);
 }
 
@@ -167,20 +106,19 @@ void PrintTo(const FaultCase& fault, std::ostream* out) { *out << fault.words; }
 class DriveFaults : public testing::TestWithParam<FaultCase> {};
 
 TEST_P(DriveFaults, CablesGoSlackAndTheFaultIsNamed) {
-    DriveBench bench;
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench;
     bench.press(Finger::kIndex, 1.0, milliseconds{300});
     ASSERT_GT(bench.drives.force_N(0), 0.9);
     bench.order(GetParam().words);
     const SessionTime since = bench.now;
-    while (bench.actuator.fault().empty() && bench.now - since < seconds{1}) {
+    while (bench.fault().empty() && bench.now - since < seconds{1}) {
         bench.press(Finger::kIndex, 1.0, milliseconds{1});
     }
-    EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr(GetParam().said));
+    EXPECT_THAT(bench.fault(), HasSubstr(GetParam().said));
     EXPECT_LE(bench.now - since, milliseconds{GetParam().within_ms});
     // Two ticks later no drive is told to press, though the commands go on.
     bench.press(Finger::kIndex, 1.0, milliseconds{2});
-    EXPECT_EQ(bench.actuator.output(bench.now).force_N, 0);
+    EXPECT_EQ(bench.felt_N(), 0);
     for (const std::size_t drive : {0U, 1U}) {
         EXPECT_NE(bench.drives.drive(drive).state(), DriveState::kOperationEnabled) << drive;
     }
@@ -223,25 +161,18 @@ class WatchedBus final : public CanBus {
     CanBus* bus_;
 };
 
+struct WatchedQueue : DriveQueue {
+    WatchedBus bus{near_};
+    CanBus& near_end() { return bus; }
+};
+
 // Presses, brought up, on a bus that is watched.
-struct WatchedBench : DriveBench {
-    explicit WatchedBench(const std::string& more = "") : DriveBench(more), pressing(settings, 1.5, bus) {
-        while (!pressing.ready() && now < SessionTime{seconds{10}}) step();
-        EXPECT_TRUE(pressing.ready()) << pressing.fault();
-        step(milliseconds{300});
+struct WatchedBench : DriveBench<WatchedQueue> {
+    explicit WatchedBench(const std::string& more = "") : DriveBench(more) {
+        EXPECT_TRUE(come_up()) << fault();
+        press(Finger::kIndex, 1, milliseconds{300});
         EXPECT_GT(bus.target_per_mille, 400);
     }
-    void step(Duration time = milliseconds{1}) {
-        for (const SessionTime end = now + time; now < end;) {
-            now += milliseconds{1};
-            pressing.command(now, Finger::kIndex, pressing.ready() ? 1.0 : 0.0);
-            pressing.tick(now);
-            drives.tick(now);
-        }
-    }
-
-    WatchedBus bus{near_};
-    DriveActuator pressing;
 };
 
 // Long before it counts as dead: the others stop pressing.
@@ -249,8 +180,8 @@ TEST(DriveActuator, ADriveThatDoesNotAnswerCostsTheForceInTwoCycles) {
     for (const char* fault : {"silence 3", "no-data 3"}) {
         WatchedBench bench("silent_after_s = 0.5");
         bench.order(fault);
-        bench.step(3 * bench.settings.master.cycle + milliseconds{1});
-        EXPECT_EQ(bench.pressing.fault(), "") << "not yet";
+        bench.press(Finger::kIndex, 1, 3 * bench.settings.master.cycle + milliseconds{1});
+        EXPECT_EQ(bench.fault(), "") << "not yet";
         EXPECT_LT(bench.bus.target_per_mille, 50) << fault;
     }
 }
@@ -258,16 +189,15 @@ TEST(DriveActuator, ADriveThatDoesNotAnswerCostsTheForceInTwoCycles) {
 TEST(DriveActuator, AQueueThatIsTooShortIsNamed) {
     WatchedBench bench;
     bench.bus.full = true;
-    bench.step(milliseconds{16});
-    EXPECT_EQ(bench.pressing.fault(), "") << "it may have been for a moment";
-    bench.step(milliseconds{10});
-    EXPECT_THAT(std::string(bench.pressing.fault()), HasSubstr("ip link set can0 txqueuelen 100"));
+    bench.press(Finger::kIndex, 1, milliseconds{16});
+    EXPECT_EQ(bench.fault(), "") << "it may have been for a moment";
+    bench.press(Finger::kIndex, 1, milliseconds{10});
+    EXPECT_THAT(bench.fault(), HasSubstr("ip link set can0 txqueuelen 100"));
 }
 
 // Frames that do not belong here: other identifiers, lengths, kinds. All of it is passed over.
 TEST(DriveActuator, FramesThatAreNobodysChangeNothing) {
-    DriveBench bench;
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench;
     for (int i = 0; i < 300; ++i) {
         CanFrame stray;
         stray.id =
@@ -279,25 +209,23 @@ TEST(DriveActuator, FramesThatAreNobodysChangeNothing) {
         bench.far_.send(stray);
         bench.press(Finger::kIndex, 1.0, milliseconds{1});
     }
-    EXPECT_EQ(bench.actuator.fault(), "");
-    EXPECT_NEAR(bench.actuator.output(bench.now).force_N, 1.0, 0.01);
+    EXPECT_EQ(bench.fault(), "");
+    EXPECT_NEAR(bench.felt_N(), 1.0, 0.01);
 }
 
 TEST(DriveActuator, ABusThatIsOffIsNamedAndTheDrivesHelpThemselves) {
-    DriveBench bench;
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench;
     bench.press(Finger::kIndex, 1.0, milliseconds{300});
     CanFrame off;
     off.id = kCanError | 0x40;
     bench.far_.send(off);
     bench.far_.flush();
     bench.tick();
-    EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr("can0: bus-off; check termination"));
+    EXPECT_THAT(bench.fault(), HasSubstr("can0: bus-off; check termination"));
     // Nothing gets through any more: what stops the drives is the master's heartbeat that they miss.
-    DriveBench lonely;
-    ASSERT_TRUE(lonely.come_up());
+    ReadyDrives lonely;
     lonely.press(Finger::kIndex, 1.0, milliseconds{300});
-    for (int ms = 0; ms < 400; ++ms) lonely.drives.tick(lonely.now += milliseconds{1});
+    lonely.drives_alone(milliseconds{400});
     EXPECT_EQ(lonely.drives.drive(0).state(), DriveState::kFault);
     EXPECT_LT(lonely.drives.force_N(0), 0.05);
 }
@@ -315,8 +243,8 @@ TEST_P(DriveStartFaults, AreNamedWithTheirStep) {
     DriveBench bench;
     bench.order(GetParam().words);
     EXPECT_FALSE(bench.come_up());
-    EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr(GetParam().said));
-    EXPECT_LE(bench.actuator.fault().size(), sizeof(DeviceFault::text)) << "fits into a message";
+    EXPECT_THAT(bench.fault(), HasSubstr(GetParam().said));
+    EXPECT_LE(bench.fault().size(), sizeof(DeviceFault::text)) << "fits into a message";
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -331,8 +259,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(DriveActuator, ADriveThatIsNotThereIsNamed) {
     DriveBench bench;
-    const DriveSettings thirteenth = drive_settings("other_thumb = [10, 11, 13]");
-    DriveActuator actuator(thirteenth, 1.5, bench.near_);
+    DriveActuator actuator(drive_settings("other_thumb = [10, 11, 13]"), 1.5, bench.near_);
     for (int ms = 0; ms < 4000 && actuator.fault().empty(); ++ms) {
         actuator.tick(bench.now += milliseconds{1});
         bench.drives.tick(bench.now);
@@ -344,28 +271,65 @@ TEST(DriveActuator, ADriveThatIsNotThereIsNamed) {
 }
 
 TEST(DriveActuator, AFingerWithoutADeviceIsAFaultOnlyWhenItIsPressed) {
-    DriveBench bench("other_index = []\nother_thumb = []");
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench("other_index = []\nother_thumb = []");
     bench.actuator.use_hand(bench.now, Hand::kOther);
     bench.run(milliseconds{10});
-    EXPECT_EQ(bench.actuator.fault(), "");
+    EXPECT_EQ(bench.fault(), "");
     bench.press(Finger::kIndex, 1.0, milliseconds{2});
-    EXPECT_THAT(std::string(bench.actuator.fault()), HasSubstr("no device for a finger"));
+    EXPECT_THAT(bench.fault(), HasSubstr("no device for a finger"));
 }
 
 TEST(DriveActuator, StopLeavesNobodyPressed) {
-    DriveBench bench;
-    ASSERT_TRUE(bench.come_up()) << bench.actuator.fault();
+    ReadyDrives bench;
     bench.press(Finger::kIndex, 1.0, milliseconds{300});
     bench.actuator.stop();
-    const auto drives_alone = [&] {
-        for (int ms = 0; ms < 50; ++ms) bench.drives.tick(bench.now += milliseconds{1});
-    };
-    drives_alone();
+    bench.drives_alone(milliseconds{50});
     for (std::size_t i = 0; i < 12; ++i)
         EXPECT_EQ(bench.drives.drive(i).state(), DriveState::kSwitchOnDisabled) << i;
-    for (int i = 0; i < 5; ++i) drives_alone();
+    bench.drives_alone(milliseconds{250});
     EXPECT_LT(bench.drives.force_N(0), 0.05);
+}
+
+// The master writes the cycle time into each drive, which interpolates for so long.
+TEST(DriveCycle, ByPositionEachDriveIsToldForHowLongToInterpolate) {
+    struct Case {
+        const char* text;
+        std::uint32_t cycle_us, count, unit;
+    };
+    for (const Case& c : {Case{"mode = \"position\"", 4000, 4, 0xfd},
+                          {"mode = \"position\"\ncycle_s = 0.0025", 2500, 25, 0xfc},
+                          {"", 0, 1, 0xfd}}) {
+        const ReadyDrives bench(c.text);
+        for (std::size_t i = 0; i < 12; ++i) {
+            EXPECT_EQ(bench.drives.drive(i).object({0x1006, 0}), c.cycle_us) << c.text;
+            EXPECT_EQ(bench.drives.drive(i).object({0x60c2, 1}), c.count) << c.text;
+            EXPECT_EQ(bench.drives.drive(i).object({0x60c2, 2}), c.unit) << c.text;
+        }
+    }
+}
+
+TEST(DriveCycle, ADriveWithoutTheObjectsGoesOn) {
+    for (const char* lacks : {"refuse 3 0x1006", "refuse 3 0x60c2 1", "refuse 3 0x60c2 2"}) {
+        DriveBench bench("mode = \"position\"");
+        bench.order(lacks);
+        EXPECT_TRUE(bench.come_up()) << lacks << ": " << bench.fault();
+    }
+}
+
+TEST(DriveCycle, ATimeIsSaidInTheLargestUnitThatFits) {
+    const auto said = [](Duration cycle) {
+        const auto time = interpolation_time(cycle);
+        return time ? std::pair<int, int>{time->count, time->exponent} : std::pair<int, int>{};
+    };
+    EXPECT_EQ(said(milliseconds{1}), (std::pair{1, -3}));
+    EXPECT_EQ(said(milliseconds{100}), (std::pair{100, -3}));
+    EXPECT_EQ(said(std::chrono::microseconds{500}), (std::pair{5, -4}));
+    EXPECT_EQ(said(std::chrono::microseconds{1250}), (std::pair{125, -5}));
+    EXPECT_EQ(said(std::chrono::microseconds{2560}), (std::pair<int, int>{})) << "256 hundredths";
+    EXPECT_EQ(said(Duration{0}), (std::pair<int, int>{}));
+    EXPECT_THROW(drive_settings("mode = \"position\"\ncycle_s = 0.00256"), Error);
+    EXPECT_EQ(drive_settings("cycle_s = 0.00256").master.cycle, std::chrono::microseconds{2560})
+        << "by torque";
 }
 
 TEST(DriveSettings, RefusesWhatCannotBe) {

@@ -15,36 +15,13 @@ namespace {
 constexpr double kAngle_rad = 0.35;
 constexpr double kRated_Nm = 150e-6;
 
-TEST(FingerGeometry, ANormalForceIsSharedEvenly) {
+TEST(FingerGeometry, ANormalForceIsSharedEvenlyAndNeverPushed) {
     const FingerGeometry geometry(kAngle_rad);
-    const auto tensions_N = geometry.tensions_N({1.5, 0, 0});
-    for (const double tension_N : tensions_N) EXPECT_NEAR(tension_N, 1.5 / (3 * std::cos(kAngle_rad)), 1e-12);
-    EXPECT_NEAR(geometry.force(tensions_N).normal_N, 1.5, 1e-12);
-}
-
-TEST(FingerGeometry, ADirectionComesBackAsLongAsNoCableWouldHaveToPush) {
-    const FingerGeometry geometry(kAngle_rad);
-    EXPECT_TRUE(rc::check([&] {
-        const double normal_N = *rc::gen::inRange(1, 1500) * 1e-3;
-        const double azimuth_rad = *rc::gen::inRange(0, 6283) * 1e-3;
-        // In this cone every cable still pulls.
-        const double lateral_N = normal_N * std::tan(kAngle_rad) / 2 * *rc::gen::inRange(0, 1000) * 1e-3;
-        const PadForce asked{normal_N, lateral_N * std::cos(azimuth_rad), lateral_N * std::sin(azimuth_rad)};
-        const PadForce made = geometry.force(geometry.tensions_N(asked));
-        RC_ASSERT(std::abs(made.normal_N - asked.normal_N) < 1e-9);
-        RC_ASSERT(std::abs(made.x_N - asked.x_N) < 1e-9);
-        RC_ASSERT(std::abs(made.y_N - asked.y_N) < 1e-9);
-    }));
-}
-
-TEST(FingerGeometry, NeverPushesAndKeepsTheNormalForce) {
-    const FingerGeometry geometry(kAngle_rad);
-    const auto tensions_N = geometry.tensions_N({0.5, 3, -1});
-    double least_N = 1;
-    for (const double tension_N : tensions_N) least_N = std::min(least_N, tension_N);
-    EXPECT_NEAR(least_N, 0, 1e-12);
-    EXPECT_NEAR(geometry.force(tensions_N).normal_N, 0.5, 1e-12);
-    for (const double tension_N : geometry.tensions_N({-1, 0, 0})) EXPECT_EQ(tension_N, 0);
+    const double tension_N = geometry.tension_N(1.5);
+    EXPECT_NEAR(tension_N, 1.5 / (3 * std::cos(kAngle_rad)), 1e-12);
+    EXPECT_NEAR(geometry.normal_N({tension_N, tension_N, tension_N}), 1.5, 1e-12);
+    EXPECT_NEAR(geometry.normal_N({3, 0, 0}), 3 * std::cos(kAngle_rad), 1e-12);
+    EXPECT_EQ(geometry.tension_N(-1), 0);
 }
 
 TEST(PadModel, ElasticForceAndIndentationAreInverse) {

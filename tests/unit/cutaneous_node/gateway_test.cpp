@@ -7,17 +7,13 @@
 
 #include <gtest/gtest.h>
 
-#include "common/queue_channel.hpp"
-#include "cutaneous_node/can/cannelloni.hpp"
-#include "cutaneous_node/drive_actuator.hpp"
-#include "cutaneous_node/emulator/emulated_drives.hpp"
+#include "tests/unit/cutaneous_node/drive_bench.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 using Datagram = std::vector<std::uint8_t>;
 
@@ -122,61 +118,41 @@ TEST_F(Gateway, OneThatIsStartedAnewIsHeardAndItsDataAreNewer) {
     EXPECT_EQ(bus.counters().repeated, 1U);
 }
 
-class DrivesBehindAGateway : public testing::Test {
-  protected:
-    static DriveSettings read_settings() {
-        const ConfigFile file = ConfigFile::parse("[drives]\nbus = \"can0\"\n", "drives.toml");
-        return read_drive_settings(file.table("drives"));
-    }
-    void tick() {
-        now += milliseconds{1};
-        actuator.tick(now);
-        drives.tick(now);
-        actuator.tick(now);
-    }
-    void come_up_and_press() {
-        while (!actuator.ready() && actuator.fault().empty() && now < at(seconds{10})) tick();
-        ASSERT_TRUE(actuator.ready()) << actuator.fault();
-        for (const SessionTime end = now + seconds{2}; now < end; tick())
-            actuator.command(now, Finger::kIndex, 1);
-        EXPECT_EQ(actuator.fault(), "");
-        EXPECT_NEAR(actuator.output(now).force_N, 1, 0.02);
-    }
-
-    QueuePipe pipe;
-    UnrulyNetwork network{pipe.a};
-    CannelloniBus near{network}, far{pipe.b};
-    DriveSettings settings = read_settings();
-    EmulatedDrives drives{settings.master.nodes, PlantParameters{}, far};
-    DriveActuator actuator{settings, 1.5, near};
-    SessionTime now{};
+struct UnrulyQueue : DriveQueue {
+    UnrulyNetwork network{here_};
+    CannelloniBus bus{network};
+    CanBus& near_end() { return bus; }
 };
 
-TEST_F(DrivesBehindAGateway, RepeatedDatagramsAreNoSecondDevice) {
-    network.repeats = true;
-    come_up_and_press();
-    EXPECT_GT(near.counters().repeated, 1000U);
+TEST(DrivesBehindAGateway, RepeatedDatagramsAreNoSecondDevice) {
+    DriveBench<UnrulyQueue> bench;
+    bench.network.repeats = true;
+    ASSERT_TRUE(bench.come_up()) << bench.fault();
+    bench.press(Finger::kIndex, 1, std::chrono::seconds{2});
+    EXPECT_EQ(bench.fault(), "");
+    EXPECT_NEAR(bench.felt_N(), 1, 0.02);
+    EXPECT_GT(bench.bus.counters().repeated, 1000U);
 }
 
-TEST_F(DrivesBehindAGateway, AnOldMeasurementIsNotTakenAsNew) {
-    while (!actuator.ready() && actuator.fault().empty() && now < at(seconds{10})) tick();
-    ASSERT_TRUE(actuator.ready()) << actuator.fault();
-    network.swaps = true;
+TEST(DrivesBehindAGateway, AnOldMeasurementIsNotTakenAsNew) {
+    DriveBench<UnrulyQueue> bench;
+    ASSERT_TRUE(bench.come_up()) << bench.fault();
+    bench.network.swaps = true;
     // The force grows from one SYNC to the next, so an older measurement shows as
     // a smaller one.
     double before_N = 0;
     for (int cycle = 0; cycle < 100; ++cycle) {
-        actuator.command(now, Finger::kIndex, 0.01 * cycle);
+        bench.actuator.command(bench.now, Finger::kIndex, 0.01 * cycle);
         for (int ms = 0; ms < 4; ++ms) {
-            tick();
-            const double measured_N = actuator.measured_N(0);
+            bench.tick();
+            const double measured_N = bench.actuator.measured_N(0);
             ASSERT_GE(measured_N, before_N - 1e-9) << cycle;
             before_N = measured_N;
         }
     }
     EXPECT_GT(before_N, 0.8);
-    EXPECT_GT(near.counters().late, 20U);
-    EXPECT_EQ(actuator.fault(), "");
+    EXPECT_GT(bench.bus.counters().late, 20U);
+    EXPECT_EQ(bench.fault(), "");
 }
 
 }  // namespace
