@@ -17,7 +17,6 @@ bool within_reach(double position_m) { return std::abs(position_m) <= SlaveNode:
 }  // namespace
 
 SlaveNode::SlaveNode(const SlaveSettings& settings)
-
     : settings_(settings), scene_(settings.scene, settings.make_tissue), timer_(settings.contact_hold) {
     if (settings.wave.used) wave_.emplace(settings.wave);
     if (settings.wave.two_port) two_port_.emplace(kMostCorrection_m);

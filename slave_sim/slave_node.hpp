@@ -61,7 +61,6 @@ class SlaveNode {
         return due;
     }
 
-    bool in_trial() const { return in_trial_; }
     // The changes during the last command's step; offsets from the previous sample.
     const Transitions& events() const { return scene_.transitions(); }
     std::uint64_t refused() const { return refused_; }

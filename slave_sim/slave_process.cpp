@@ -9,25 +9,16 @@ constexpr Duration kBeepInterval = std::chrono::milliseconds{20};
 
 }  // namespace
 
-SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, const Channels& channels)
-    : NodeProcess(Role::kSlaveSim, instance, *channels.control),
-      channels_(channels),
-      settings_(settings),
-      node_(settings),
-      // The master's copy leaves first: the loop waits for that one.
-      force_flow_(Role::kSlaveSim, instance,
-                  {channels.force_master, channels.force_cutaneous, channels.force_visual, channels.record}),
-      wave_flow_(Role::kSlaveSim, instance, {channels.force_master}),
-      force_flow_beside_waves_(Role::kSlaveSim, instance,
-                               {channels.force_cutaneous, channels.force_visual, channels.record}),
-      beep_flow_(Role::kSlaveSim, instance, {channels.beep_visual}) {}
-
 SlaveProcess::SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, Ports& ports)
-    : SlaveProcess(instance, settings,
-                   {ports.between(Port::kSlaveControl, Port::kSessionSlave), ports.inlet(Port::kSlaveNeedle),
-                    ports.outlet(Port::kNetemForceMaster), ports.outlet(Port::kNetemForceCutaneous),
-                    ports.outlet(Port::kNetemForceVisual), ports.outlet(Port::kVisualBeep),
-                    ports.outlet(Port::kSessionRecord)}) {
+    : NodeProcess(Role::kSlaveSim, instance, *ports.between(Port::kSlaveControl, Port::kSessionSlave)),
+      needle_in_(ports.inlet(Port::kSlaveNeedle)),
+      to_master_(Role::kSlaveSim, instance, {ports.outlet(Port::kNetemForceMaster)}),
+      to_others_(Role::kSlaveSim, instance,
+                 {ports.outlet(Port::kNetemForceCutaneous), ports.outlet(Port::kNetemForceVisual),
+                  ports.outlet(Port::kSessionRecord)}),
+      beep_flow_(Role::kSlaveSim, instance, {ports.outlet(Port::kVisualBeep)}),
+      stale_after_(settings.stale_after),
+      node_(settings) {
     join_stop_bus(ports);
 }
 
@@ -52,22 +43,20 @@ void SlaveProcess::obey(SessionTime /*now*/, const SessionControl& control) {
 void SlaveProcess::work(SessionTime now) {
     if (node_.waves()) {
         needle_flow_.drain<NeedleWave>(
-            now, *channels_.needle_in, running(), trial(),
-            [&](const Header& header, const NeedleWave& message) {
+            now, *needle_in_, running(), trial(), [&](const Header& header, const NeedleWave& message) {
                 const auto take = node_.two_port() ? &SlaveNode::on_two_port : &SlaveNode::on_wave;
                 answer(now, (node_.*take)(header.send_time, header.sequence, message));
             });
     } else {
         needle_flow_.drain<NeedleCommand>(
-            now, *channels_.needle_in, running(), trial(),
-            [&](const Header& header, const NeedleCommand& command) {
+            now, *needle_in_, running(), trial(), [&](const Header& header, const NeedleCommand& command) {
                 answer(now, node_.on_needle(header.send_time, header.sequence, command));
             });
     }
     if (running() && now >= next_hold_) {
         stale_record_.watch(now, trial(), true);
         send(now, node_.hold());
-        next_hold_ = now + settings_.stale_after;
+        next_hold_ = now + stale_after_;
     }
     if (running() && now >= next_beep_) send_beep(now);
 }
@@ -75,7 +64,7 @@ void SlaveProcess::work(SessionTime now) {
 void SlaveProcess::answer(SessionTime now, const ForceFeedback& feedback) {
     stale_record_.watch(now, trial(), false);
     send(now, feedback);  // hold time 0: answered in the tick of its arrival
-    next_hold_ = now + settings_.stale_after;
+    next_hold_ = now + stale_after_;
     if (node_.take_beep()) {
         beeps_left_ = kBeeps;
         send_beep(now);
@@ -83,9 +72,12 @@ void SlaveProcess::answer(SessionTime now, const ForceFeedback& feedback) {
 }
 
 void SlaveProcess::send(SessionTime now, const ForceFeedback& feedback) {
-    if (!node_.waves()) return force_flow_.send(now, trial(), feedback);
-    wave_flow_.send(now, trial(), ForceWave{feedback, node_.wave_burst()});
-    force_flow_beside_waves_.send(now, trial(), feedback);
+    if (node_.waves()) {
+        to_master_.send(now, trial(), ForceWave{feedback, node_.wave_burst()});
+    } else {
+        to_master_.send(now, trial(), feedback);
+    }
+    to_others_.send(now, trial(), feedback);
 }
 
 void SlaveProcess::send_beep(SessionTime now) {

@@ -10,17 +10,6 @@ namespace thimble {
 
 class SlaveProcess final : public NodeProcess {
   public:
-    struct Channels {
-        Channel* control;
-        Channel* needle_in;     // from the master, through netem
-        Channel* force_master;  // these three through netem
-        Channel* force_cutaneous;
-        Channel* force_visual;
-        Channel* beep_visual;  // the experiment's beep is not part of the delayed path
-        Channel* record;       // every answer, undelayed, to the session's recorder
-    };
-
-    SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, const Channels& channels);
     // Opens its channels.
     SlaveProcess(std::uint64_t instance, const SlaveSettings& settings, Ports& ports);
 
@@ -36,7 +25,7 @@ class SlaveProcess final : public NodeProcess {
     void work(SessionTime now) override;
     SessionTime next_work() const override { return running() ? std::min(next_hold_, next_beep_) : kNever; }
     bool peer_lost(SessionTime now) const override { return needle_flow_.lost_for(now, kPeerTimeout); }
-    void rest(SessionTime now) override { force_flow_.send(now, trial(), node_.hold()); }
+    void rest(SessionTime now) override { send(now, node_.hold()); }
     void add_counters(FlowCounters& sum) const override { sum.add(needle_flow_.counters()); }
 
   private:
@@ -44,14 +33,14 @@ class SlaveProcess final : public NodeProcess {
     void send(SessionTime now, const ForceFeedback& feedback);
     void send_beep(SessionTime now);
 
-    Channels channels_;
-    SlaveSettings settings_;
+    Channel* needle_in_;  // from the master, through netem
+    // Answers, through netem but for the session's recorder. The master's copy leaves first: the loop waits for that one.
+    OutboundFlow to_master_, to_others_;
+    OutboundFlow beep_flow_;  // the experiment's beep is not part of the delayed path
+    Duration stale_after_;
     SlaveNode node_;
     StaleRecord stale_record_;
     InboundFlow needle_flow_{Role::kMaster};
-    OutboundFlow force_flow_;
-    OutboundFlow wave_flow_, force_flow_beside_waves_;  // with waves: to the master, to the others
-    OutboundFlow beep_flow_;
     SessionTime next_hold_ = kNever;
     SessionTime next_beep_ = kNever;
     int beeps_left_ = 0;

@@ -44,13 +44,15 @@ TEST(ForbiddenRegion, MovesWhereItIsPut) {
     EXPECT_NEAR(fixture.touch(0.123).force_N, -69, 1e-10);
 }
 
-// Steps of 1 ms from where the needle is; collects what changes.
+using Events = std::vector<std::pair<double, std::string>>;
+
+// Steps from where the needle is; collects what changes.
 struct FixtureWalker {
     ForbiddenRegion fixture;
     double time_s = 0;
     double needle_m;
     Transitions transitions{64};
-    std::vector<std::pair<double, std::string>> events{};
+    Events events{};
 
     FixtureWalker(const FixtureParameters& parameters, double start_m)
         : fixture(parameters), needle_m(start_m) {
@@ -97,16 +99,6 @@ TEST(ForbiddenRegion, EachTrialHasItsChanges) {
     }
 }
 
-TEST(ForbiddenRegion, TouchedAndLeftWhereTheLineCrosses) {
-    FixtureWalker w({1000, 0, 0.5, {}}, 0.25);
-    w.to(0.75, 2);
-    w.to(0.5, 1);
-    w.to(0.25, 1);
-    ASSERT_EQ(w.events.size(), 2u);
-    EXPECT_EQ(w.events[0], std::make_pair(1.0, std::string("touched")));
-    EXPECT_EQ(w.events[1], std::make_pair(3.0, std::string("left")));
-}
-
 TEST(ForbiddenRegion, DampingResistsButNeverPulls) {
     FixtureWalker w({1000, 100, 0.5, {}}, 0.5);
     w.to(0.51, 0.1);
@@ -117,83 +109,84 @@ TEST(ForbiddenRegion, DampingResistsButNeverPulls) {
     EXPECT_EQ(w.fixture.force_N(), 0);
 }
 
-TEST(ForbiddenRegion, VanishesAfterUnbrokenContact) {
-    FixtureWalker w(with_change({{}, 5.0, false, {}}), 0.25);
-    w.to(0.75, 1);  // touches at 0.5 s
-    w.to(0.75, 4);
-    EXPECT_LT(w.fixture.force_N(), 0);
-    w.to(0.75, 1);  // 5.5 s lies within
-    EXPECT_EQ(w.fixture.force_N(), 0);
-    EXPECT_FALSE(w.fixture.present());
-    ASSERT_EQ(w.events.size(), 3u);
-    EXPECT_EQ(w.events[1], std::make_pair(5.5, std::string("removed")));
-    EXPECT_EQ(w.events[2], std::make_pair(5.5, std::string("left")));
-}
+struct Way {
+    double to_m, duration_s;
+};
+struct ChangeCase {
+    const char* what;
+    double plane_m;
+    std::vector<FixtureChange> changes;
+    double start_m;
+    std::vector<Way> ways;
+    Events events;
+    double force_N;  // at the end, of 3000 N/m
+};
 
-TEST(ForbiddenRegion, ABreakStartsTheContactAnew) {
-    FixtureWalker w(with_change({{}, 2.0, false, {}}), 0.5);
-    w.to(0.75, 1.5);
-    w.to(0.25, 1);  // leaves at 2.0 s, before the 2 s are over... which end at 2.0 s: leaving comes first
-    w.to(0.75, 1);
-    EXPECT_TRUE(w.fixture.present());
-    w.to(0.75, 3);
-    EXPECT_FALSE(w.fixture.present());
-    EXPECT_EQ(w.events.back().first, 5.0);  // touched again at 3.0 s
-}
-
-TEST(ForbiddenRegion, ChangesAtATimeWhetherOrNotTheNeedleIsNear) {
-    FixtureWalker w(with_change({1.5, {}, true, 0.125}), 0.25);
-    EXPECT_EQ(w.fixture.rests_above_m(), -std::numeric_limits<double>::infinity());
-    w.to(0.25, 1);
-    EXPECT_EQ(w.fixture.force_N(), 0);
-    w.to(0.25, 1);
-    EXPECT_NEAR(w.fixture.force_N(), -3000 * 0.125, 1e-9);
-    ASSERT_EQ(w.events.size(), 2u);
-    EXPECT_EQ(w.events[0], std::make_pair(1.5, std::string("moved")));
-    EXPECT_EQ(w.events[1], std::make_pair(1.5, std::string("touched")));
-}
-
-TEST(ForbiddenRegion, ChangesWaitForTheOneBefore) {
-    FixtureParameters p;
-    p.position_m = 0.5;
-    p.changes = {{2.0, {}, false, {}}, {1.0, {}, true, {}}};
-    FixtureWalker w(p, 0.75);
-    w.to(0.75, 1.5);
-    EXPECT_TRUE(w.fixture.present());
-    w.to(0.75, 1.5);  // gone and back at 2 s
-    EXPECT_TRUE(w.fixture.present());
-    std::vector<std::string> phases;
-    for (const auto& [time_s, phase] : w.events) phases.push_back(phase);
-    EXPECT_EQ(phases, (std::vector<std::string>{"touched", "removed", "left", "placed", "touched"}));
-}
-
-using Events = std::vector<std::pair<double, std::string>>;
-
-// The plane jumps inwards past a needle that goes inwards: contact ends then, not with the step.
-TEST(ForbiddenRegion, APlaneThatJumpsAwayIsLeftThen) {
-    FixtureParameters p = with_change({0.5, {}, true, 0.875});
-    p.position_m = 0.375;
-    FixtureWalker w(p, 0.25);
-    w.to(0.75, 1);
-    EXPECT_EQ(w.events, (Events{{0.25, "touched"}, {0.5, "moved"}, {0.5, "left"}}));
-}
-
-// It jumps outwards past a needle that retreats but does not reach it.
-TEST(ForbiddenRegion, APlaneThatJumpsInFrontIsTouchedThen) {
-    FixtureParameters p = with_change({0.25, {}, true, 0.25});
-    p.position_m = 0.875;
-    FixtureWalker w(p, 0.75);
-    w.to(0.5, 1);
-    EXPECT_EQ(w.events, (Events{{0.25, "moved"}, {0.25, "touched"}}));
-}
-
-// The contact lies wholly within the step: where the needle ends says nothing about it.
-TEST(ForbiddenRegion, AContactWithinAStepIsTouchedAndLeft) {
-    FixtureParameters p = with_change({0.25, {}, true, 0.5});
-    p.position_m = 0.875;
-    FixtureWalker w(p, 0.75);
-    w.to(0.25, 1);
-    EXPECT_EQ(w.events, (Events{{0.25, "moved"}, {0.25, "touched"}, {0.5, "left"}}));
+TEST(ForbiddenRegion, EventsComeWhenTheyAreDue) {
+    const std::vector<ChangeCase> cases{
+        {"touched and left where the line crosses",
+         0.5,
+         {},
+         0.25,
+         {{0.75, 2}, {0.5, 1}, {0.25, 1}},
+         {{1, "touched"}, {3, "left"}},
+         0},
+        {"vanishes after unbroken contact",
+         0.5,
+         {{{}, 5.0, false, {}}},
+         0.25,
+         {{0.75, 1}, {0.75, 4}, {0.75, 1}},
+         {{0.5, "touched"}, {5.5, "removed"}, {5.5, "left"}},
+         0},
+        {"a break starts the contact anew; it comes first where the time is over just then",
+         0.5,
+         {{{}, 2.0, false, {}}},
+         0.5,
+         {{0.75, 1.5}, {0.25, 1}, {0.75, 1}, {0.75, 3}},
+         {{0, "touched"}, {2, "left"}, {3, "touched"}, {5, "removed"}, {5, "left"}},
+         0},
+        {"a time comes whether or not the needle is near",
+         0.5,
+         {{1.5, {}, true, 0.125}},
+         0.25,
+         {{0.25, 1}, {0.25, 1}},
+         {{1.5, "moved"}, {1.5, "touched"}},
+         -375},
+        {"changes wait for the one before",
+         0.5,
+         {{2.0, {}, false, {}}, {1.0, {}, true, {}}},
+         0.75,
+         {{0.75, 1.5}, {0.75, 1.5}},
+         {{0, "touched"}, {2, "removed"}, {2, "left"}, {2, "placed"}, {2, "touched"}},
+         -750},
+        {"the plane jumps inwards past a needle that goes inwards: contact ends then, not with the step",
+         0.375,
+         {{0.5, {}, true, 0.875}},
+         0.25,
+         {{0.75, 1}},
+         {{0.25, "touched"}, {0.5, "moved"}, {0.5, "left"}},
+         0},
+        {"it jumps outwards past a needle that retreats but does not reach it",
+         0.875,
+         {{0.25, {}, true, 0.25}},
+         0.75,
+         {{0.5, 1}},
+         {{0.25, "moved"}, {0.25, "touched"}},
+         -750},
+        {"a contact wholly within the step: where the needle ends says nothing about it",
+         0.875,
+         {{0.25, {}, true, 0.5}},
+         0.75,
+         {{0.25, 1}},
+         {{0.25, "moved"}, {0.25, "touched"}, {0.5, "left"}},
+         0}};
+    for (const ChangeCase& c : cases) {
+        SCOPED_TRACE(c.what);
+        FixtureWalker w({3000, 0, c.plane_m, c.changes}, c.start_m);
+        for (const Way& way : c.ways) w.to(way.to_m, way.duration_s);
+        EXPECT_EQ(w.events, c.events);
+        EXPECT_NEAR(w.fixture.force_N(), c.force_N, 1e-9);
+    }
 }
 
 TEST(ForbiddenRegion, ResetBringsBackWhatWasPlaced) {
@@ -214,6 +207,8 @@ TEST(ForbiddenRegion, SleepsUntilTheNeedleIsThere) {
     EXPECT_EQ(w.fixture.rests_above_m(), 0.5);
     w.fixture.place(0.5, false, 0);
     EXPECT_EQ(w.fixture.rests_above_m(), std::numeric_limits<double>::infinity());
+    const FixtureWalker timed(with_change({1.5, {}, true, 0.125}), 0.25);
+    EXPECT_EQ(timed.fixture.rests_above_m(), -std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

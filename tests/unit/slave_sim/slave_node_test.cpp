@@ -267,7 +267,6 @@ TEST(SlaveNode, NoForceAndNoBeepOutsideATrial) {
     Bench bench;
     bench.stay(0.124, 4000);
     bench.node.end_trial();
-    EXPECT_FALSE(bench.node.in_trial());
     const ForceFeedback f = bench.stay(0.126, 6000);
     EXPECT_EQ(f.force_total_N, 0);
     EXPECT_EQ(f.contact_time_s, 0);
