@@ -1,18 +1,18 @@
 // thimble-visual: what the operator may see.
-#include <csignal>
+#include <utility>
 
 #include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/node_report.hpp"
+#include "visual_node/instructions.hpp"
 #include "visual_node/recording_display.hpp"
 #include "visual_node/visual_process.hpp"
 #ifdef THIMBLE_GUI
-#include "visual_node/views/experimenter_program.hpp"
-#include "visual_node/views/player_overlay.hpp"
-#include "visual_node/window/fonts.hpp"
+#include "visual_node/views/experimenter_panels.hpp"
+#include "visual_node/views/player_panel.hpp"
+#include "visual_node/window/gui_layer.hpp"
 #include "visual_node/window/visual_window.hpp"
 #endif
-#include "visual_node/instructions.hpp"
 
 namespace {
 
@@ -44,59 +44,26 @@ class RecordingVisual final : public NodeInstance {
 
 #ifdef THIMBLE_GUI
 
-// The overlay of a view. Its sockets are its own: the node's wake the node's thread.
-std::unique_ptr<Overlay> make_overlay(const Choices& choices, const NetworkSettings& network,
-                                      std::uint64_t instance) {
-    if (choices.view != "player") return nullptr;
-    return std::make_unique<PlayerOverlay>(instance, network);
-}
-
-class WindowVisual final : public NodeInstance {
-  public:
-    WindowVisual(const VisualSettings& settings, const Instructions& instructions, const Choices& choices,
-                 Sockets& sockets, std::uint64_t instance)
-        : subject_points_(settings.pointer && choices.view != "player"),
-          window_(settings,
-                  {choices.view == "player", settings.pointer, settings.fullscreen, choices.screenshot,
-                   make_overlay(choices, sockets.settings(), instance), instructions},
-                  sockets.settings()),
-          stale_(settings.stale),
-          process_(instance, settings, sockets, window_.display(), window_.hand()) {}
-
-    NodeProcess& process() override { return process_; }
-    void describe(nlohmann::ordered_json& report) const override {
-        describe_stale(report, stale_, process_.stale_record());
-        window_.describe(report);
-    }
-    bool has_foreground() const override { return true; }
-    void foreground(const std::function<bool()>& stopped) override {
-        if (window_.run(stopped) != WindowEnd::kScreenLost || !subject_points_) return;
-        // A subject without eyes and hand only waits for the trial's timeout: let the session know.
-        static_cast<void>(std::raise(SIGTERM));
-        throw Error(ExitCode::kRunFailed, "the subject's screen is gone, and with it the pointer");
-    }
-
-  private:
-    bool subject_points_;
-    VisualWindow window_;
-    StalePolicy stale_;
-    VisualProcess process_;
-};
-
-std::unique_ptr<NodeInstance> build_window(VisualSettings settings, const Instructions& instructions,
+std::unique_ptr<NodeInstance> build_window(VisualSettings settings, Instructions instructions,
                                            const Choices& choices, Sockets& sockets, std::uint64_t instance) {
     check_drawable(instructions.text());
+    const bool player = choices.view == "player";
     // The screen has its own rate; a scene that waits for a second clock would only be older.
     if (!settings.refresh_given) settings.refresh_Hz = 1000;
-    if (choices.view == "player") settings.fingertip = settings.pointer = true;
+    if (player) settings.fingertip = settings.pointer = true;
     settings.fullscreen = settings.fullscreen || choices.fullscreen;
-    return std::make_unique<WindowVisual>(settings, instructions, choices, sockets, instance);
+    std::unique_ptr<Overlay> overlay;
+    // Its sockets are its own: the node's wake the node's thread.
+    if (player) overlay = std::make_unique<PlayerOverlay>(instance, sockets.settings());
+    return open_visual_window(settings,
+                              {player, choices.screenshot, std::move(overlay), std::move(instructions)},
+                              sockets, instance);
 }
 
 #else
 
-std::unique_ptr<NodeInstance> build_window(const VisualSettings&, const Instructions&, const Choices&,
-                                           Sockets&, std::uint64_t) {
+std::unique_ptr<NodeInstance> build_window(const VisualSettings&, Instructions, const Choices&, Sockets&,
+                                           std::uint64_t) {
     throw Error(ExitCode::kUsage,
                 "this build has no windows (THIMBLE_GUI is off): use [visual] display = \"recording\", "
                 "without --window "
@@ -108,9 +75,9 @@ std::unique_ptr<NodeInstance> build_window(const VisualSettings&, const Instruct
 std::unique_ptr<NodeInstance> build(const Choices& choices, const ConfigFile& file, Sockets& sockets,
                                     std::uint64_t instance) {
     const VisualSettings settings = read_visual_settings(file);
-    const Instructions instructions = read_instructions(file.table("instructions"));
+    Instructions instructions = read_instructions(file.table("instructions"));
     if (settings.window || choices.window || choices.view != "subject") {
-        return build_window(settings, instructions, choices, sockets, instance);
+        return build_window(settings, std::move(instructions), choices, sockets, instance);
     }
     return std::make_unique<RecordingVisual>(settings, sockets, instance);
 }

@@ -9,8 +9,8 @@
 #include "session/records/condition_summary.hpp"
 #include "session/render/rendered_scenes.hpp"
 #include "visual_node/window/captions.hpp"
+#include "visual_node/window/image.hpp"
 #include "visual_node/window/painter.hpp"
-#include "visual_node/window/png_file.hpp"
 
 namespace thimble {
 namespace {

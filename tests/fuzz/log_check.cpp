@@ -2,7 +2,7 @@
 
 #include "session/log/packet_fields.hpp"
 #include "tests/fuzz/checks.hpp"
-#include "thimble/log/log_repair.hpp"
+#include "thimble/log/log_tools.hpp"
 
 namespace thimble {
 namespace {

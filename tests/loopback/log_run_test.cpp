@@ -9,7 +9,7 @@
 
 #include "common/runtime/wall_clock.hpp"
 #include "tests/loopback/real_run.hpp"
-#include "thimble/log/log_check.hpp"
+#include "thimble/log/log_tools.hpp"
 
 namespace thimble {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "tests/views/demonstration.hpp"
 #include "tests/views/view_bench.hpp"
-#include "visual_node/views/controls_panel.hpp"
+#include "visual_node/views/experimenter_panels.hpp"
 
 namespace thimble {
 namespace {

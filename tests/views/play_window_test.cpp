@@ -10,8 +10,8 @@
 #include "tests/loopback/workbench.hpp"
 #include "tests/views/pushed_needle.hpp"
 #include "tests/views/virtual_screen.hpp"
+#include "visual_node/window/image.hpp"
 #include "visual_node/window/picture.hpp"
-#include "visual_node/window/png_file.hpp"
 
 namespace thimble {
 namespace {

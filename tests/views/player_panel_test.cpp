@@ -10,7 +10,6 @@
 #include "tests/unit/views/played_session.hpp"
 #include "tests/views/demonstration.hpp"
 #include "tests/views/view_bench.hpp"
-#include "visual_node/views/player_overlay.hpp"
 
 namespace thimble {
 namespace {
@@ -46,7 +45,6 @@ class PlayerWindow {
         WindowSettings settings;
         settings.title = "Thimble, panel under test";
         settings.content_scale = 1;
-        settings.samples = 0;
         settings.vsync = false;
         return settings;
     }

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "common/runtime/wall_clock.hpp"
-#include "visual_node/window/png_file.hpp"
+#include "visual_node/window/image.hpp"
 
 namespace thimble {
 namespace {

@@ -10,7 +10,6 @@
 #include "tests/views/fake_session.hpp"
 #include "tests/views/virtual_screen.hpp"
 #include "visual_node/views/view_layout.hpp"
-#include "visual_node/window/colours.hpp"
 #include "visual_node/window/image.hpp"
 
 namespace thimble {

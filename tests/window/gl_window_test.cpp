@@ -1,5 +1,7 @@
 #include "visual_node/window/gl_window.hpp"
 
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
 #include <cstdlib>
 
 #include <gmock/gmock.h>
@@ -7,7 +9,7 @@
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "tests/window/x_server.hpp"
-#include "visual_node/window/png_file.hpp"
+#include "visual_node/window/image.hpp"
 
 namespace thimble {
 namespace {
@@ -77,7 +79,7 @@ TEST(GlWindow, TellsItsNewSize) {
     XServer server;
     if (!server.missing().empty()) GTEST_SKIP() << server.missing();
     GlWindow window{WindowSettings{}};
-    window.set_size(1000, 500);
+    glfwSetWindowSize(window.handle(), 1000, 500);
     bool told = false;
     EXPECT_TRUE(comes_true(window, [&] {
         for (const WindowEvent& event : window.poll_events()) {

@@ -6,7 +6,7 @@
 
 #include "tests/window/x_server.hpp"
 #include "visual_node/visual_node.hpp"
-#include "visual_node/window/png_file.hpp"
+#include "visual_node/window/image.hpp"
 #include "visual_node/window/window_loop.hpp"
 
 namespace thimble {

@@ -14,8 +14,8 @@
 #include "common/json_text.hpp"
 #include "session/participant/counted_trials.hpp"
 #include "session/records/trial_table.hpp"
-#include "thimble/commands/analysis_option.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {

@@ -1,12 +1,11 @@
-#include "thimble/commands/build_checks.hpp"
-
 #include <string>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "thimble/commands/shared.hpp"
 #ifdef THIMBLE_GUI
-#include "visual_node/window/fonts.hpp"
+#include "visual_node/window/gui_layer.hpp"
 #endif
 
 namespace thimble {

@@ -8,8 +8,8 @@
 #include <spdlog/spdlog.h>
 
 #include "session/settings/system_settings.hpp"
-#include "thimble/commands/build_checks.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {

@@ -11,10 +11,9 @@
 #include "common/network_settings.hpp"
 #include "session/settings/system_settings.hpp"
 #include "thimble/commands/commands.hpp"
-#include "thimble/commands/real_run.hpp"
+#include "thimble/commands/shared.hpp"
 #include "thimble/doctor/checks.hpp"
-#include "thimble/doctor/doctor_report.hpp"
-#include "thimble/doctor/gather.hpp"
+#include "thimble/doctor/facts.hpp"
 
 namespace thimble {
 namespace {
@@ -87,9 +86,7 @@ Subcommand add_doctor(CLI::App& app) {
     CLI::App* command = app.add_subcommand(
         "doctor", "what keeps a session from running well on this machine, and the command that mends it");
     command->add_option("session", a.session, "session file (TOML); without it the default session");
-    command->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
-        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
-        ->type_name("PORT");
+    add_base_port_option(*command, a.base_port);
     command->add_option("--seconds", a.seconds_s, "how long to measure the timer")
         ->check(CLI::Range(0.01, 3600.0))
         ->capture_default_str();

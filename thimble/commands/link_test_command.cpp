@@ -14,9 +14,9 @@
 #include "common/runtime/runtime_settings.hpp"
 #include "session/clocks/chrony.hpp"
 #include "thimble/commands/commands.hpp"
-#include "thimble/link_test/echo_server.hpp"
+#include "thimble/commands/shared.hpp"
+#include "thimble/link_test/echo_responder.hpp"
 #include "thimble/link_test/link_report.hpp"
-#include "thimble/link_test/link_tester.hpp"
 
 namespace thimble {
 namespace {
@@ -36,12 +36,6 @@ std::vector<Port> chosen_ports(const LinkTestArguments& arguments, std::vector<P
     return ports;
 }
 
-NetworkSettings network_of(const LinkTestArguments& arguments, const ConfigFile& file) {
-    NetworkSettings network = read_network_settings(file);
-    if (arguments.base_port != 0) network.base_port = static_cast<std::uint16_t>(arguments.base_port);
-    return network;
-}
-
 void ask_scheduler(const ConfigFile& file) {
     install_stop_signals();
     const std::string warning = ask_for_realtime(read_runtime_settings(file));
@@ -50,7 +44,7 @@ void ask_scheduler(const ConfigFile& file) {
 
 int listen(const LinkTestArguments& arguments, const ConfigFile& file) {
     EchoPlan plan;
-    plan.base_port = network_of(arguments, file).base_port;
+    plan.base_port = network_of(arguments.session, arguments.base_port).base_port;
     plan.ports = chosen_ports(arguments, ports_on({}, ""));
     plan.limit = from_seconds(arguments.for_s);
     plan.stop = &stop_requested();
@@ -66,7 +60,7 @@ int listen(const LinkTestArguments& arguments, const ConfigFile& file) {
 
 int test(const LinkTestArguments& arguments, const ConfigFile& file) {
     const SystemSettings settings = load_system_settings(arguments.session);
-    const NetworkSettings network = network_of(arguments, file);
+    const NetworkSettings network = network_of(arguments.session, arguments.base_port);
     LinkTestPlan plan;
     plan.host = arguments.host;
     plan.base_port = network.base_port;
@@ -76,7 +70,7 @@ int test(const LinkTestArguments& arguments, const ConfigFile& file) {
     ask_scheduler(file);
     LinkReport report;
     report.chrony = describe_chrony();
-    report.link = LinkTester(plan).run();
+    report.link = test_link(plan);
     if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted: nothing is judged by half a test");
     report.verdicts = judge_all(settings.plan.modalities, report.link, loop_limits(settings));
     fmt::print("{}", arguments.json ? json_text(to_json(report), 2) + "\n" : to_text(report));
@@ -108,9 +102,7 @@ Subcommand add_link_test(CLI::App& app) {
         "fixture, its modalities");
     command->add_flag("--listen", a.listen,
                       "be the far machine: echo what a test sends, never more than it sends");
-    command->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
-        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
-        ->type_name("PORT");
+    add_base_port_option(*command, a.base_port);
     command
         ->add_option("--ports", a.offsets,
                      "only these offsets from the base port (docs/protocol.md), as 11,14")

@@ -16,10 +16,8 @@
 #include "common/error.hpp"
 #include "common/runtime/standard_streams.hpp"
 #include "thimble/commands/commands.hpp"
-#include "thimble/log/log_check.hpp"
 #include "thimble/log/log_export.hpp"
-#include "thimble/log/log_info.hpp"
-#include "thimble/log/log_repair.hpp"
+#include "thimble/log/log_tools.hpp"
 
 namespace thimble {
 namespace {
@@ -211,8 +209,7 @@ Subcommand add_log(CLI::App& app) {
     a.repair->add_option("-o,--out", a.out, "the new file")->required();
     for (CLI::App* part : {a.cat, a.share}) part->add_option("--topic", a.topic, "only topics that begin so");
     a.share->add_option("--csv", a.csv, "folder for one table per log, topic and kind of message");
-    a.share->add_option("--hdf5", a.hdf5,
-                        "new file with the same tables, units as attributes (needs the HDF5 library)");
+    a.share->add_option("--hdf5", a.hdf5, "new file with the same tables, units as attributes");
     a.share->add_option("--json", a.json, "file for one object per message and line; - is standard output");
     a.share->add_option("--ros2", a.ros2,
                         "new MCAP file of ROS 2 messages for ros2 bag, PlotJuggler, Foxglove, MATLAB "

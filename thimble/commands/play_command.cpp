@@ -5,20 +5,30 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/process/progress.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "session/play/play_handler.hpp"
 #include "session/play/play_session.hpp"
 #include "session/play/replay_clock.hpp"
 #include "session/play/replay_session.hpp"
+#include "session/render/render.hpp"
 #include "thimble/commands/commands.hpp"
-#include "thimble/commands/real_run.hpp"
-#include "thimble/commands/render_options.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
+
+struct RenderArguments {
+    std::string frames, video;
+    double frames_per_s = 30;
+    bool overwrite = false;
+
+    bool asked() const { return !frames.empty() || !video.empty(); }
+};
 
 struct PlayArguments {
     std::string config, record, modality = "HF", visual_command, replay;
@@ -49,6 +59,28 @@ int run_recorded(const PlayArguments& arguments, const SystemSettings& settings,
     return static_cast<int>(ExitCode::kOk);
 }
 
+int render_recorded(const PlayArguments& a, const SystemSettings& settings) {
+    RenderPlan plan;
+    plan.frames = a.render.frames.empty() ? a.render.video + "_frames" : a.render.frames;
+    if (!a.render.video.empty()) plan.video = a.render.video;
+    plan.frames_per_s = a.render.frames_per_s;
+    plan.overwrite = a.render.overwrite;
+    plan.visual = settings.visual;
+    plan.stop = &stop_requested();
+    const RecordedTrial trial =
+        find_recorded_trial(a.replay, a.trial, to_seconds(settings.slave.contact_hold));
+    std::optional<Progress> progress{std::in_place};
+    plan.progress = [&](std::size_t done, std::size_t all) {
+        progress->show(fmt::format("frame {} of {}", done, all), done % 100 == 0);
+    };
+    const RenderResult result = render_trial(trial, plan);
+    progress.reset();  // before anything on stdout
+    fmt::print("{} frames: {}{}\n", result.frames, plan.frames.string(),
+               plan.video && result.complete ? ", " + plan.video->string() : "");
+    if (!result.complete) spdlog::error("interrupted; the {} frames done are kept", result.frames);
+    return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
+}
+
 int run_play(const PlayArguments& arguments) {
     const SystemSettings settings = load_system_settings(arguments.config);
     if (settings.launch.anywhere_else()) {
@@ -57,11 +89,8 @@ int run_play(const PlayArguments& arguments) {
                     "this one: "
                     "leave [launch] out");
     }
-    RealRunArguments network;
-    network.config = arguments.config;
-    network.base_port = arguments.base_port;
     PlayOptions options;
-    options.network = network_of(network);
+    options.network = network_of(arguments.config, arguments.base_port);
     options.modality = *find_modality(arguments.modality);
     options.delay_s = arguments.delay_s;
     options.record = arguments.record;
@@ -69,9 +98,7 @@ int run_play(const PlayArguments& arguments) {
     options.stop = &stop_requested();
     if (arguments.render.asked()) {
         install_stop_signals();
-        const auto hold_s = to_seconds(settings.slave.contact_hold);
-        return render_and_say(find_recorded_trial(arguments.replay, arguments.trial, hold_s), settings.visual,
-                              arguments.render, options.stop);
+        return render_recorded(arguments, settings);
     }
     if (arguments.visual_command.empty()) check_window(program_folder());
     options.starter =
@@ -84,6 +111,24 @@ int run_play(const PlayArguments& arguments) {
     const PlayResult result = play(settings, options);
     fmt::print("{} trials{}\n", result.trials, arguments.record.empty() ? "" : ": " + arguments.record);
     return static_cast<int>(ExitCode::kOk);
+}
+
+void add_render_options(CLI::App& play, CLI::Option* replay, RenderArguments& a) {
+    const auto group = "Pictures of a replay";
+    play.add_option("--frames", a.frames, "folder for one PNG file per frame; nothing is shown")
+        ->needs(replay)
+        ->group(group);
+    play.add_option("--video", a.video, "a video by ffmpeg, e.g. trial.mp4; frames beside it unless --frames")
+        ->needs(replay)
+        ->group(group);
+    play.add_option("--frames-per-s", a.frames_per_s, "of the trial's time")
+        ->default_val(a.frames_per_s)
+        ->check(CLI::Range(1.0, 1000.0))
+        ->needs(replay)
+        ->group(group);
+    play.add_flag("--overwrite", a.overwrite, "replace frames and video that are there")
+        ->needs(replay)
+        ->group(group);
 }
 
 }  // namespace
@@ -111,9 +156,7 @@ Subcommand add_play(CLI::App& app) {
         ->check(CLI::Range(ReplayClock::kSlowest, ReplayClock::kFastest))
         ->needs(replay);
     add_render_options(*sub, replay, arguments->render);
-    sub->add_option("--base-port", arguments->base_port, "first UDP port, instead of [network].base_port")
-        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
-        ->type_name("PORT");
+    add_base_port_option(*sub, arguments->base_port);
     sub->add_option("--seconds", arguments->seconds, "end by itself after so long")
         ->check(CLI::PositiveNumber);
     sub->add_option("--visual-command", arguments->visual_command,

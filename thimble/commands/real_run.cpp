@@ -1,11 +1,12 @@
 #include "thimble/commands/real_run.hpp"
 
-#include <system_error>
-
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
+#include "common/json_text.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -15,16 +16,10 @@
 #include "session/play/order_lines.hpp"
 #include "session/play/play_starter.hpp"
 #include "session/play/session_observer.hpp"
-#include "thimble/commands/build_checks.hpp"
-#include "thimble/commands/run.hpp"
-#include "thimble/commands/say_results.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
-
-ConfigFile file_of(const RealRunArguments& arguments) {
-    return arguments.config.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.config);
-}
 
 // Faults that otherwise only thimble-visual's log would show, after the folder is written.
 void check_screen(const SystemSettings& settings, const std::shared_ptr<NodeStarter>& starter) {
@@ -33,19 +28,74 @@ void check_screen(const SystemSettings& settings, const std::shared_ptr<NodeStar
     for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
 }
 
-int run_participant_for_real(const RealRunArguments& arguments, const SystemSettings& settings,
-                             const std::shared_ptr<NodeStarter>& starter) {
-    if (arguments.overwrite) {
+void add_participant_options(CLI::App& command, ParticipantRun& run) {
+    const auto group = "A participant's session (session files with [protocol])";
+    PersonDescription& person = run.person;
+    command.add_option("--participant", run.participant, "P and a number, e.g. P07: which row of the order")
+        ->group(group);
+    command.add_flag("--resume", run.resume, "go on where this participant's session was interrupted")
+        ->group(group);
+    command.add_flag("--consent", person.consent, "the person gave informed consent")->group(group);
+    command
+        .add_flag("--commands", run.commands,
+                  "ask before each trial and read the answers from standard input, also if it is no terminal")
+        ->group(group);
+    command.add_option("--age", person.age, "whole years")->group(group);
+    command.add_option("--sex", person.sex, "M, F or O")
+        ->check(CLI::IsMember({"M", "F", "O", "n/a"}))
+        ->group(group);
+    command.add_option("--handedness", person.handedness, "left, right or ambidextrous")
+        ->check(CLI::IsMember({"left", "right", "ambidextrous", "n/a"}))
+        ->group(group);
+    command.add_option("--haptic-experience", person.haptic_experience, "none, some or expert")
+        ->check(CLI::IsMember({"none", "some", "expert", "n/a"}))
+        ->group(group);
+}
+
+// The session file has no [protocol]: throws Error (usage) if its subject is a person, or one of the options above was given.
+void refuse_participant_options(const ParticipantRun& run, const SystemSettings& settings) {
+    if (settings.plan.kind == SubjectKind::kHuman) {
+        throw Error(
+            ExitCode::kUsage,
+            "[session] subject is \"human\", but there is no table [protocol] to say what a person is to "
+            "do: add one, e.g. as in deploy/sessions/human.toml");
+    }
+    if (run.participant.empty() && !run.resume && !run.person.consent && !run.commands) return;
+    throw Error(ExitCode::kUsage,
+                "--participant, --resume, --consent and --commands are of a participant's session, and this "
+                "session file has no table [protocol]: add one, or leave them out");
+}
+
+void say_participant(const ParticipantSessionResult& result, const std::filesystem::path& out, bool json) {
+    const std::string id = participant_id(result.participant);
+    if (!json) {
+        fmt::print("{}: {} of {} trials, {} records of which {} repeat another: {}\n", id,
+                   result.trials_begun, result.trials_planned, result.records, result.repeats, out.string());
+        return;
+    }
+    const nlohmann::ordered_json summary{{"participant_id", id},
+                                         {"complete", result.code == ExitCode::kOk && result.problem.empty()},
+                                         {"trials_planned", result.trials_planned},
+                                         {"trials_begun", result.trials_begun},
+                                         {"records", result.records},
+                                         {"repeats", result.repeats},
+                                         {"dataset", out.string()}};
+    fmt::print("{}\n", json_text(summary, 2));
+}
+
+int run_participant_for_real(RealRunArguments& arguments, const SystemSettings& settings) {
+    if (arguments.run.overwrite) {
         throw Error(ExitCode::kUsage,
                     "a participant's data are never overwritten: name another folder with --out");
     }
-    ParticipantRun run;
-    run.starter = starter;
-    run.out = arguments.out_option->count() > 0 ? arguments.out : "out/dataset";
-    run.network = network_of(arguments);
-    run.strict_rt = arguments.strict_rt;
-    run.stop = &stop_requested();
-    run.check_screen = [&] { check_screen(settings, starter); };
+    ParticipantRun& run = arguments.participant;
+    run.starter = arguments.run.starter;
+    run.out = arguments.out_option->count() > 0 ? arguments.run.out : "out/dataset";
+    run.network = arguments.run.network;
+    run.person.age = age_text(run.person.age);
+    run.strict_rt = arguments.run.strict_rt;
+    run.stop = arguments.run.stop;
+    run.check_screen = [&] { check_screen(settings, run.starter); };
     OrderLines orders;
     if (arguments.monitor) {
         run.view = ParticipantView{
@@ -59,7 +109,10 @@ int run_participant_for_real(const RealRunArguments& arguments, const SystemSett
     if (!arguments.plotjuggler.empty())
         run.make_observer = with_plotjuggler(run.view ? run.view->make_observer : nullptr,
                                              plotjuggler_at(arguments.plotjuggler, run.network));
-    return run_participant_and_say(settings, arguments.participant, run, arguments.json);
+    const ParticipantSessionResult result = run_participant(settings, run);
+    say_participant(result, run.out, arguments.json);
+    if (result.code != ExitCode::kOk) spdlog::error(result.problem);
+    return static_cast<int>(result.code);
 }
 
 }  // namespace
@@ -67,15 +120,13 @@ int run_participant_for_real(const RealRunArguments& arguments, const SystemSett
 void add_real_run_options(CLI::App& command, const std::string& default_out, RealRunArguments& a) {
     command.add_option("session", a.config, "session file (TOML), e.g. deploy/sessions/delay50.toml")
         ->required();
-    a.out_option =
-        command
-            .add_option("-o,--out", a.out, "folder for the results; of a participant session: out/dataset")
-            ->default_val(default_out);
-    command.add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
-        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
-        ->type_name("PORT");
-    command.add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
-    command.add_flag("--strict-rt", a.strict_rt, "exit with 4 if a node missed too many deadlines");
+    a.out_option = command
+                       .add_option("-o,--out", a.run.out,
+                                   "folder for the results; of a participant session: out/dataset")
+                       ->default_val(default_out);
+    add_base_port_option(command, a.base_port);
+    command.add_flag("--overwrite", a.run.overwrite, "replace earlier results in that folder");
+    command.add_flag("--strict-rt", a.run.strict_rt, "exit with 4 if a node missed too many deadlines");
     command.add_flag("--monitor", a.monitor,
                      "feed an experimenter's view and take its orders (ports 23 and 24 of docs/protocol.md)");
     command
@@ -87,38 +138,21 @@ void add_real_run_options(CLI::App& command, const std::string& default_out, Rea
     add_participant_options(command, a.participant);
 }
 
-std::filesystem::path program_folder() {
-    std::error_code error;
-    const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-    return error ? std::filesystem::path("/usr/bin") : self.parent_path();
-}
-
-NetworkSettings network_of(const RealRunArguments& arguments) {
-    NetworkSettings network = read_network_settings(file_of(arguments));
-    if (arguments.base_port != 0) network.base_port = static_cast<std::uint16_t>(arguments.base_port);
-    return network;
-}
-
-int run_for_real(const RealRunArguments& arguments, const SystemSettings& settings,
+int run_for_real(RealRunArguments arguments, const SystemSettings& settings,
                  const std::shared_ptr<NodeStarter>& starter) {
     install_stop_signals(QuitSignal::kStopsEverything);
     if (starter) check_build(settings);
-    const NetworkSettings network = network_of(arguments);
-    require_protection(network);
-    warn_if_unprotected(network);
-    if (settings.protocol) return run_participant_for_real(arguments, settings, starter);
-    refuse_participant_options(arguments.participant, settings);
-    refuse_dataset(arguments.out);
-    check_screen(settings, starter);
-    RunOptions options;
+    RunOptions& options = arguments.run;
     options.starter = starter;
-    options.out = arguments.out;
-    options.command = arguments.typed;
-    options.network = network;
-    options.runtime = read_runtime_settings(file_of(arguments));
-    options.overwrite = arguments.overwrite;
-    options.strict_rt = arguments.strict_rt;
+    options.network = network_of(arguments.config, arguments.base_port);
     options.stop = &stop_requested();
+    require_protection(options.network);
+    warn_if_unprotected(options.network);
+    if (settings.protocol) return run_participant_for_real(arguments, settings);
+    refuse_participant_options(arguments.participant, settings);
+    refuse_dataset(options.out);
+    check_screen(settings, starter);
+    options.runtime = read_runtime_settings(ConfigFile::load(arguments.config));
     QuitHandler handler;
     const MonitorContext context{static_cast<std::uint32_t>(settings.plan.modalities.size())};
     if (arguments.monitor) {
@@ -130,7 +164,7 @@ int run_for_real(const RealRunArguments& arguments, const SystemSettings& settin
     }
     if (!arguments.plotjuggler.empty())
         options.make_observer =
-            with_plotjuggler(options.make_observer, plotjuggler_at(arguments.plotjuggler, network));
+            with_plotjuggler(options.make_observer, plotjuggler_at(arguments.plotjuggler, options.network));
     const RunResult result = run_session(settings, options);
     say_results(arguments.json, options.out, result.rows);
     if (result.code != ExitCode::kOk) spdlog::error(result.problem);

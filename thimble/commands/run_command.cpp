@@ -8,6 +8,7 @@
 #include "session/launch/local_starter.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/real_run.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
@@ -33,7 +34,7 @@ int run_here(const RunArguments& arguments) {
 
 Subcommand add_run(CLI::App& app, const std::string& typed) {
     const auto arguments = std::make_shared<RunArguments>();
-    arguments->typed = typed;
+    arguments->run.command = typed;
     CLI::App* run = app.add_subcommand(
         "run",
         "one trial per modality and delay, or, with a [protocol], one participant's session: "

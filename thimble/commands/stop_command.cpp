@@ -16,12 +16,13 @@
 #include "common/stop_inquiry.hpp"
 #include "session/run/stop_file.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
 
 // The most that [session] parallel_conditions allows. A stop to ports without a session does no harm.
-constexpr int kMostLanes = 64;
+constexpr int kMostConditions = 64;
 constexpr int kMoreRounds = 40;  // for the answer of a machine that is busy
 
 struct StopArguments {
@@ -31,10 +32,9 @@ struct StopArguments {
 };
 
 NetworkSettings condition_network(const StopArguments& a, int condition) {
-    const ConfigFile file = a.config.empty() ? ConfigFile::empty() : ConfigFile::load(a.config);
-    NetworkSettings network = read_network_settings(file);
-    const int base = a.base_port != 0 ? a.base_port : network.base_port;
-    network.base_port = static_cast<std::uint16_t>(base + condition * static_cast<int>(Port::kCount));
+    NetworkSettings network = network_of(a.config, a.base_port);
+    network.base_port =
+        static_cast<std::uint16_t>(network.base_port + condition * static_cast<int>(Port::kCount));
     return network;
 }
 
@@ -183,11 +183,9 @@ Subcommand add_stop(CLI::App& app) {
     sub->add_option("session", a.config, "session file (TOML), for its [network]; without it this machine");
     sub->add_flag("--release", a.release, "let trials begin again");
     sub->add_option("--reason", a.reason, "goes into the record's words; no names");
-    sub->add_option("--base-port", a.base_port, "first UDP port, instead of [network].base_port")
-        ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
-        ->type_name("PORT");
+    add_base_port_option(*sub, a.base_port);
     sub->add_option("--parallel-conditions", a.conditions, "so many conditions of a run side by side (8)")
-        ->check(CLI::Range(1, kMostLanes));
+        ->check(CLI::Range(1, kMostConditions));
     sub->footer(
         "Says which programs hold the stop; exit code 3 if none answers. Where thimble runs in this "
         "terminal, "

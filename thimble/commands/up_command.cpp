@@ -19,6 +19,7 @@
 #include "session/launch/unit_files.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/real_run.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
@@ -40,15 +41,15 @@ LaunchSettings launch_of(const UpArguments& arguments, const SystemSettings& set
 int print_units(const UpArguments& arguments, const LaunchSettings& launch) {
     const bool to_files = arguments.out_option->count() > 0;
     const std::filesystem::path session(arguments.config);
-    const UnitPlan plan{launch, network_of(arguments), read_runtime_settings(ConfigFile::load(session)),
-                        session.filename().string()};
+    const UnitPlan plan{launch, network_of(arguments.config, arguments.base_port),
+                        read_runtime_settings(ConfigFile::load(session)), session.filename().string()};
     for (const UnitFile& unit : unit_files(plan)) {
         if (!to_files) {
             fmt::print("{}\n", unit.text);
             continue;
         }
-        const auto folder = std::filesystem::path(arguments.out) /
-                            (unit.machine.empty() ? std::string("this machine") : unit.machine);
+        const auto folder =
+            arguments.run.out / (unit.machine.empty() ? std::string("this machine") : unit.machine);
         make_folder(folder);
         write_text_file(folder / unit.name, unit.text);
         fmt::print("{}\n", (folder / unit.name).string());
@@ -65,7 +66,7 @@ MachineVerdict check_here(const std::string& program) {
 
 // A line per node; as JSON one object of machine and problem per node.
 int check_machines(const UpArguments& arguments, const LaunchSettings& launch) {
-    const auto folder = std::filesystem::path(arguments.out) / "check";
+    const auto folder = arguments.run.out / "check";
     make_folder(folder);
     ExitCode worst = ExitCode::kOk;
     nlohmann::ordered_json all;
@@ -88,7 +89,7 @@ int check_machines(const UpArguments& arguments, const LaunchSettings& launch) {
 int go_up(const UpArguments& arguments) {
     const SystemSettings settings = load_system_settings(arguments.config);
     const LaunchSettings launch = launch_of(arguments, settings);
-    const NetworkSettings network = network_of(arguments);
+    const NetworkSettings network = network_of(arguments.config, arguments.base_port);
     check_hosts(launch, network);
     if (arguments.print == "systemd") return print_units(arguments, launch);
     if (arguments.print == "ports") {
@@ -106,7 +107,7 @@ int go_up(const UpArguments& arguments) {
 Subcommand add_up(CLI::App& app, const std::string& typed) {
     const auto arguments = std::make_shared<UpArguments>();
     UpArguments& a = *arguments;
-    a.typed = typed;
+    a.run.command = typed;
     CLI::App* up =
         app.add_subcommand("up",
                            "the same as run, with each node on the machine that the session file's [launch] "

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "thimble/doctor/checks.hpp"
 
@@ -43,132 +44,103 @@ std::string list_of(const std::vector<Device>& devices) {
 }
 
 // `wanted`: the session does not run, or runs without a hand, if there is none that may be opened.
-void judge_devices(const DeviceFacts& facts, const std::vector<Device>& devices, bool wanted,
-                   Diagnosis& finding) {
-    const auto closed = std::find_if(devices.begin(), devices.end(), [](const Device& device) {
-        return device.use != DeviceUse::kUnusable && !device.accessible;
-    });
-    const bool usable = std::any_of(devices.begin(), devices.end(), [](const Device& device) {
-        return device.use != DeviceUse::kUnusable && device.accessible;
-    });
-    if (closed != devices.end() && !(wanted && usable)) {
-        finding.severity = wanted ? Severity::kFault : Severity::kNote;
-        finding.says +=
+Diagnosis judge_devices(const DeviceFacts& facts, const std::vector<Device>& devices, bool wanted,
+                        Diagnosis finding) {
+    const auto with_access = [&](bool accessible) {
+        return std::find_if(devices.begin(), devices.end(), [&](const Device& device) {
+            return device.use != DeviceUse::kUnusable && device.accessible == accessible;
+        });
+    };
+    const auto closed = with_access(false);
+    const bool usable = with_access(true) != devices.end();
+    if (wanted && usable) return finding;
+    if (closed != devices.end()) {
+        const bool rules = !facts.rules.empty();
+        return finding.adds(
+            wanted ? Severity::kFault : Severity::kNote,
             fmt::format("; {} at {} may not be opened by this user ({})", closed->name, closed->node,
-                        facts.rules.empty() ? "no udev rule of Thimble's is installed"
-                                            : "log in at this machine's own screen, or plug it in anew");
-        finding.remedy = facts.rules.empty() ? kRulesCommand : "sudo udevadm trigger --action=add";
-    } else if (wanted && !usable) {
-        finding.severity = Severity::kFault;
-        finding.says += "; the one that this session asks for is not plugged in";
-        finding.remedy = "lsusb";
+                        rules ? "log in at this machine's own screen, or plug it in anew"
+                              : "no udev rule of Thimble's is installed"),
+            rules ? "sudo udevadm trigger --action=add" : kRulesCommand);
     }
+    if (!wanted) return finding;
+    return finding.adds(Severity::kFault, "; the one that this session asks for is not plugged in", "lsusb");
 }
 
 }  // namespace
 
-Diagnosis check_handle(const DeviceFacts& devices, const SessionFacts& session) {
-    Diagnosis finding{"handle", Severity::kOk, "", "", ExitCode::kRunFailed};
-    const auto use = use_of_handle(session.handle);
-    const auto found = devices_for(devices, use, false);
-    finding.says = fmt::format("[handle] device = \"{}\"; plugged in: {}", session.handle, list_of(found));
-    judge_devices(devices, found, use.has_value(), finding);
-    return finding;
-}
-
-Diagnosis check_fingertip(const DeviceFacts& devices, const SessionFacts& session) {
-    Diagnosis finding{"fingertip", Severity::kOk, "", "", ExitCode::kRunFailed};
-    const auto found = devices_for(devices, std::nullopt, true);
+Diagnosis check_handle(const Facts& facts) {
+    const auto use = use_of_handle(facts.session.handle);
+    const auto found = devices_for(facts.devices, use, false);
+    Diagnosis finding{"handle"};
     finding.says =
-        fmt::format("[cutaneous] device = \"{}\"; boards plugged in: {}", session.fingertip, list_of(found));
-    judge_devices(devices, found, session.fingertip == "board", finding);
-    return finding;
+        fmt::format("[handle] device = \"{}\"; plugged in: {}", facts.session.handle, list_of(found));
+    return judge_devices(facts.devices, found, use.has_value(), std::move(finding));
 }
 
-Diagnosis check_can(const CanFacts& can, const KernelFacts& kernel, const SessionFacts& session) {
-    Diagnosis finding{"CAN", Severity::kOk, "", "", ExitCode::kRunFailed};
-    const bool wanted = session.fingertip == "drives";
-    const auto up = std::find_if(can.interfaces.begin(), can.interfaces.end(),
+Diagnosis check_fingertip(const Facts& facts) {
+    const std::string& device = facts.session.fingertip;
+    const auto found = devices_for(facts.devices, std::nullopt, true);
+    Diagnosis finding{"fingertip"};
+    finding.says = fmt::format("[cutaneous] device = \"{}\"; boards plugged in: {}", device, list_of(found));
+    return judge_devices(facts.devices, found, device == "board", std::move(finding));
+}
+
+Diagnosis check_can(const Facts& facts) {
+    Diagnosis finding{"CAN"};
+    const bool wanted = facts.session.fingertip == "drives";
+    const auto& interfaces = facts.can.interfaces;
+    const auto up = std::find_if(interfaces.begin(), interfaces.end(),
                                  [](const CanFacts::Interface& interface) { return interface.up; });
-    if (up != can.interfaces.end()) {
+    if (up != interfaces.end()) {
         finding.says = fmt::format("{} is up", up->name);
         if (!wanted || up->queue_frames == 0 || up->queue_frames >= kQueueFrames) return finding;
-        finding.severity = Severity::kWarning;
-        finding.says += fmt::format(", and {} frames may wait there; twelve drives need {} at once",
-                                    up->queue_frames, kQueueFrames);
-        finding.remedy = fmt::format("sudo ip link set {} txqueuelen 100", up->name);
-        return finding;
+        return finding.adds(Severity::kWarning,
+                            fmt::format(", and {} frames may wait there; twelve drives need {} at once",
+                                        up->queue_frames, kQueueFrames),
+                            fmt::format("sudo ip link set {} txqueuelen 100", up->name));
     }
-    finding.severity = wanted ? Severity::kWarning : Severity::kNote;
-    if (!can.interfaces.empty()) {
-        finding.says = fmt::format("{} is down", can.interfaces.front().name);
-        finding.remedy =
-            fmt::format("sudo ip link set {} up type can bitrate 1000000", can.interfaces.front().name);
-    } else if (kernel.can) {
-        finding.says = "no interface; a fingertip device with CAN drives needs one";
-        finding.remedy = "sudo ip link add vcan0 type vcan   # one without hardware, to try";
-    } else {
-        finding.says =
-            "this kernel has none; a fingertip device with CAN drives needs it, or its bus over UDP";
-        finding.remedy = "sudo modprobe can_raw";
+    const Severity lacking = wanted ? Severity::kWarning : Severity::kNote;
+    if (!interfaces.empty()) {
+        const std::string& name = interfaces.front().name;
+        return finding.is(lacking, fmt::format("{} is down", name),
+                          fmt::format("sudo ip link set {} up type can bitrate 1000000", name));
     }
-    return finding;
+    if (facts.kernel.can) {
+        return finding.is(lacking, "no interface; a fingertip device with CAN drives needs one",
+                          "sudo ip link add vcan0 type vcan   # one without hardware, to try");
+    }
+    return finding.is(
+        lacking, "this kernel has none; a fingertip device with CAN drives needs it, or its bus over UDP",
+        "sudo modprobe can_raw");
 }
 
-Diagnosis check_screen(const ScreenFacts& screen, bool window_wanted) {
-    Diagnosis finding{"OpenGL", Severity::kOk, "", "", ExitCode::kUsage};
-    const Severity lacking = window_wanted ? Severity::kFault : Severity::kNote;
+Diagnosis check_screen(const Facts& facts) {
+    const ScreenFacts& screen = facts.screen;
+    Diagnosis finding{"OpenGL", ExitCode::kUsage};
+    const Severity lacking = facts.session.window ? Severity::kFault : Severity::kNote;
     if (!screen.built) {
-        finding.severity = lacking;
-        finding.says = "this build has no windows (THIMBLE_GUI is off); thimble play needs them";
-        finding.remedy = "cmake --preset release -DTHIMBLE_GUI=ON && cmake --build --preset release";
-    } else if (!screen.problem.empty()) {
-        finding.severity = lacking;
-        finding.says = "thimble play and windows: " + screen.problem;
-        finding.remedy = screen.problem.rfind("no screen", 0) == 0
-                             ? "export DISPLAY=:0   # where this user's desktop runs on this machine"
-                             : "sudo apt-get install libgl1-mesa-dri";
-    } else {
-        finding.says = fmt::format("{}, drawn by {}", screen.version, screen.renderer);
-        if (screen.renderer.find("llvmpipe") == std::string::npos) return finding;
-        finding.severity = Severity::kWarning;
-        finding.says += ": in software, on the processors that the force loop needs";
-        finding.remedy = "glxinfo -B   # which driver is used, and why";
+        return finding.is(lacking, "this build has no windows (THIMBLE_GUI is off); thimble play needs them",
+                          "cmake --preset release -DTHIMBLE_GUI=ON && cmake --build --preset release");
     }
-    return finding;
+    if (!screen.problem.empty()) {
+        return finding.is(lacking, "thimble play and windows: " + screen.problem,
+                          screen.problem.rfind("no screen", 0) == 0
+                              ? "export DISPLAY=:0   # where this user's desktop runs on this machine"
+                              : "sudo apt-get install libgl1-mesa-dri");
+    }
+    finding.says = fmt::format("{}, drawn by {}", screen.version, screen.renderer);
+    if (screen.renderer.find("llvmpipe") == std::string::npos) return finding;
+    return finding.adds(Severity::kWarning, ": in software, on the processors that the force loop needs",
+                        "glxinfo -B   # which driver is used, and why");
 }
 
-Diagnosis check_sound(const SoundFacts& sound) {
-    Diagnosis finding{"sound", Severity::kOk, "", "", ExitCode::kRunFailed};
-    if (sound.built && sound.problem.empty()) {
-        finding.says = "a device for the beep was opened";
-        return finding;
-    }
-    finding.severity = Severity::kNote;
-    finding.says = sound.built ? "the beep is shown only: " + sound.problem
-                               : "this build has no sound (THIMBLE_GUI or THIMBLE_AUDIO is off)";
-    finding.remedy = sound.built ? "aplay -l" : "";
-    return finding;
-}
-
-std::vector<Diagnosis> examine(const Facts& facts) {
-    const bool several = facts.session.several_machines;
-    return {check_session(facts.session),
-            check_programs(facts.programs),
-            check_ports(facts.ports),
-            check_firewall(facts.firewall, facts.ports, several),
-            check_realtime(facts.realtime),
-            check_timer(facts.timer, facts.realtime),
-            check_governor(facts.processors),
-            check_clock_source(facts.processors),
-            check_kernel(facts.kernel),
-            check_clock(facts.clock, several),
-            check_handle(facts.devices, facts.session),
-            check_fingertip(facts.devices, facts.session),
-            check_can(facts.can, facts.kernel, facts.session),
-            check_screen(facts.screen, facts.session.window),
-            check_sound(facts.sound),
-            check_software(facts.programs)};
+Diagnosis check_sound(const Facts& facts) {
+    Diagnosis finding{"sound"};
+    if (!facts.sound.built)
+        return finding.is(Severity::kNote, "this build has no sound (THIMBLE_GUI or THIMBLE_AUDIO is off)");
+    if (facts.sound.problem.empty()) return finding.is(Severity::kOk, "a device for the beep was opened");
+    return finding.is(Severity::kNote, "the beep is shown only: " + facts.sound.problem, "aplay -l");
 }
 
 }  // namespace thimble

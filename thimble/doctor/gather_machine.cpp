@@ -14,7 +14,7 @@
 #include "cutaneous_node/board/board_reports.hpp"
 #include "master/devices/hid/hid_axes.hpp"
 #include "master/devices/hid/report_descriptor.hpp"
-#include "thimble/doctor/gather.hpp"
+#include "thimble/doctor/facts.hpp"
 
 namespace thimble {
 namespace {

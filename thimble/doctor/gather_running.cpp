@@ -20,7 +20,7 @@
 #include "common/version.hpp"
 #include "session/clocks/chrony.hpp"
 #include "session/launch/node_kinds.hpp"
-#include "thimble/doctor/gather.hpp"
+#include "thimble/doctor/facts.hpp"
 
 namespace thimble {
 namespace {

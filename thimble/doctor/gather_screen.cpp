@@ -1,4 +1,4 @@
-#include "thimble/doctor/gather.hpp"
+#include "thimble/doctor/facts.hpp"
 
 #ifdef THIMBLE_GUI
 #include <epoxy/gl.h>

@@ -1,13 +1,12 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "thimble/doctor/checks.hpp"
 
 namespace thimble {
 namespace {
-
-constexpr const char* kBuildCommand = "cmake --build --preset release --target programs";
 
 std::string last_port(const PortFacts& ports) { return std::to_string(ports.first + ports.count - 1); }
 
@@ -33,107 +32,97 @@ std::string free_ports_command(const PortFacts& ports) {
 
 }  // namespace
 
-Diagnosis check_session(const SessionFacts& session) {
-    Diagnosis finding{"session", Severity::kOk, "", "", ExitCode::kUsage};
-    if (session.problem.empty()) {
-        finding.says = session.file.empty() ? "the default session (give a session file to look at another)"
-                                            : fmt::format("{} is good", session.file);
-        return finding;
-    }
-    finding.severity = Severity::kFault;
-    finding.says = session.problem;
-    finding.remedy = fmt::format("thimble check {}", session.file);
-    return finding;
+Diagnosis check_session(const Facts& facts) {
+    const SessionFacts& session = facts.session;
+    Diagnosis finding{"session", ExitCode::kUsage};
+    if (!session.problem.empty())
+        return finding.is(Severity::kFault, session.problem, fmt::format("thimble check {}", session.file));
+    return finding.is(Severity::kOk, session.file.empty()
+                                         ? "the default session (give a session file to look at another)"
+                                         : fmt::format("{} is good", session.file));
 }
 
-Diagnosis check_programs(const ProgramFacts& programs) {
-    Diagnosis finding{"programs", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_programs(const Facts& facts) {
+    const ProgramFacts& programs = facts.programs;
+    Diagnosis finding{"programs", ExitCode::kRunFailed};
     std::vector<std::string> missing, others;
     for (const auto& node : programs.nodes) {
-        if (node.version.empty()) missing.push_back(node.name);
-        if (!node.version.empty() && node.version != programs.own_version)
+        if (node.version.empty()) {
+            missing.push_back(node.name);
+        } else if (node.version != programs.own_version) {
             others.push_back(fmt::format("{} {}", node.name, node.version));
+        }
     }
-    if (missing.empty() && others.empty()) {
-        finding.says =
-            fmt::format("thimble {} and its {} nodes", programs.own_version, programs.nodes.size());
-        return finding;
-    }
-    finding.severity = Severity::kFault;
-    finding.remedy = kBuildCommand;
-    if (!missing.empty()) {
-        finding.says = fmt::format("no {} that runs in {}, where thimble looks for its nodes",
-                                   fmt::join(missing, ", "), programs.folder);
-    } else {
-        finding.says = fmt::format("{} beside thimble {}: all must be of one version",
-                                   fmt::join(others, ", "), programs.own_version);
-    }
-    return finding;
+    if (missing.empty() && others.empty())
+        return finding.is(Severity::kOk, fmt::format("thimble {} and its {} nodes", programs.own_version,
+                                                     programs.nodes.size()));
+    return finding.is(Severity::kFault,
+                      missing.empty()
+                          ? fmt::format("{} beside thimble {}: all must be of one version",
+                                        fmt::join(others, ", "), programs.own_version)
+                          : fmt::format("no {} that runs in {}, where thimble looks for its nodes",
+                                        fmt::join(missing, ", "), programs.folder),
+                      "cmake --build --preset release --target programs");
 }
 
-Diagnosis check_ports(const PortFacts& ports) {
-    Diagnosis finding{"ports", Severity::kOk, "", "", ExitCode::kNetwork};
-    finding.says = fmt::format("UDP ports {} to {} are free, and the loopback passes datagrams", ports.first,
-                               last_port(ports));
-    if (!ports.loopback_passes) {
-        finding.severity = Severity::kFault;
-        finding.says = "a datagram sent to 127.0.0.1 did not arrive: the loopback is down, or filtered";
-        finding.remedy = "sudo ip link set lo up";
-    }
+Diagnosis check_ports(const Facts& facts) {
+    const PortFacts& ports = facts.ports;
+    Diagnosis finding{"ports", ExitCode::kNetwork};
     if (!ports.taken.empty()) {
-        finding.severity = Severity::kFault;
-        finding.says = fmt::format("{} of UDP ports {} to {} taken: {}", ports.taken.size(), ports.first,
-                                   last_port(ports), holder_of(ports.taken.front()));
-        if (ports.taken.size() > 1) finding.says += " and others";
-        finding.remedy = free_ports_command(ports);
+        return finding.is(Severity::kFault,
+                          fmt::format("{} of UDP ports {} to {} taken: {}{}", ports.taken.size(), ports.first,
+                                      last_port(ports), holder_of(ports.taken.front()),
+                                      ports.taken.size() > 1 ? " and others" : ""),
+                          free_ports_command(ports));
     }
-    return finding;
+    if (!ports.loopback_passes) {
+        return finding.is(Severity::kFault,
+                          "a datagram sent to 127.0.0.1 did not arrive: the loopback is down, or filtered",
+                          "sudo ip link set lo up");
+    }
+    return finding.is(Severity::kOk,
+                      fmt::format("UDP ports {} to {} are free, and the loopback passes datagrams",
+                                  ports.first, last_port(ports)));
 }
 
-Diagnosis check_firewall(const FirewallFacts& firewall, const PortFacts& ports, bool several_machines) {
-    Diagnosis finding{"firewall", Severity::kOk, "", "", ExitCode::kNetwork};
-    const std::string first = std::to_string(ports.first), last = last_port(ports);
-    switch (firewall.kind) {
+Diagnosis check_firewall(const Facts& facts) {
+    Diagnosis finding{"firewall", ExitCode::kNetwork};
+    const std::string first = std::to_string(facts.ports.first), last = last_port(facts.ports);
+    switch (facts.firewall.kind) {
         case FirewallKind::kNone:
-            finding.says = "none was seen (nftables' rules can be read by root only)";
-            return finding;
+            return finding.is(Severity::kOk, "none was seen (nftables' rules can be read by root only)");
         case FirewallKind::kUfw:
-            finding.says = "ufw is active";
-            finding.remedy = fmt::format("sudo ufw allow {}:{}/udp", first, last);
+            finding.is(Severity::kWarning, "ufw is active",
+                       fmt::format("sudo ufw allow {}:{}/udp", first, last));
             break;
         case FirewallKind::kFirewalld:
-            finding.says = "firewalld is active";
-            finding.remedy = fmt::format(
-                "sudo firewall-cmd --permanent --add-port={}-{}/udp && "
-                "sudo firewall-cmd --reload",
-                first, last);
+            finding.is(Severity::kWarning, "firewalld is active",
+                       fmt::format("sudo firewall-cmd --permanent --add-port={}-{}/udp && "
+                                   "sudo firewall-cmd --reload",
+                                   first, last));
             break;
         case FirewallKind::kNftables:
-            finding.says = fmt::format("the nftables chain {} drops what no rule accepts", firewall.chain);
-            finding.remedy =
-                fmt::format("sudo nft insert rule {} udp dport {}-{} accept", firewall.chain, first, last);
+            finding.is(Severity::kWarning,
+                       fmt::format("the nftables chain {} drops what no rule accepts", facts.firewall.chain),
+                       fmt::format("sudo nft insert rule {} udp dport {}-{} accept", facts.firewall.chain,
+                                   first, last));
             break;
     }
-    if (several_machines) {
-        finding.severity = Severity::kWarning;
-        finding.says += ", and this session needs UDP from other machines ('thimble link-test' shows which)";
-    } else {
-        finding.says += "; a session on this machine alone does not pass it";
-        finding.remedy.clear();
-    }
-    return finding;
+    if (!facts.session.several_machines)
+        return finding.adds(Severity::kOk, "; a session on this machine alone does not pass it");
+    return finding.adds(Severity::kWarning,
+                        ", and this session needs UDP from other machines ('thimble link-test' shows which)",
+                        finding.remedy);
 }
 
-Diagnosis check_software(const ProgramFacts& programs) {
-    Diagnosis finding{"software", Severity::kOk, "", "", ExitCode::kRunFailed};
+Diagnosis check_software(const Facts& facts) {
+    const ProgramFacts& programs = facts.programs;
+    Diagnosis finding{"software", ExitCode::kRunFailed};
     finding.says = fmt::format("{}, {}", programs.system.empty() ? "unknown system" : programs.system,
                                programs.gnuplot.empty() ? "no gnuplot" : programs.gnuplot);
-    if (programs.gnuplot.empty()) {
-        finding.severity = Severity::kWarning;
-        finding.says += ": reports would be without figures";
-        finding.remedy = "sudo apt-get install gnuplot-nox";
-    }
-    return finding;
+    if (!programs.gnuplot.empty()) return finding;
+    return finding.adds(Severity::kWarning, ": reports would be without figures",
+                        "sudo apt-get install gnuplot-nox");
 }
 
 }  // namespace thimble

@@ -4,7 +4,6 @@
 #include <utility>
 
 namespace thimble {
-
 namespace {
 
 // A hello may come under a false address: its answer is kept short.

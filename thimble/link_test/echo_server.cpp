@@ -1,5 +1,3 @@
-#include "thimble/link_test/echo_server.hpp"
-
 #include <arpa/inet.h>
 #include <memory>
 #include <sys/socket.h>
@@ -9,7 +7,8 @@
 #include "common/runtime/event_waiter.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/datagram_batch.hpp"
-#include "thimble/link_test/probe_socket.hpp"
+#include "thimble/link_test/echo_responder.hpp"
+#include "thimble/link_test/port_probe.hpp"
 
 namespace thimble {
 namespace {

@@ -1,15 +1,32 @@
-// Measures of a link, port by port.
+// The measures of a link, port by port, and the meaning of a port's silence or errors.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "session/clocks/clock_summary.hpp"
-#include "thimble/link_test/port_finding.hpp"
 #include "thimble/link_test/port_traffic.hpp"
 
 namespace thimble {
+
+enum class PortAnswer : std::uint8_t { kAnswers, kNobodyListens, kNoRoute, kProhibited, kSilent };
+const char* to_string(PortAnswer answer);
+
+// Of one port, after a few hellos.
+struct PortEvidence {
+    std::uint32_t welcomes = 0;
+    int error = 0;  // errno of the last failed send or of the last ICMP message about one; 0: none
+    bool by_icmp = false;
+    int icmp_code = 0;  // of "destination unreachable" (RFC 792, RFC 1812)
+};
+
+PortAnswer classify(const PortEvidence& evidence);
+
+// One sentence about all ports: where the fault lies and what to do. Empty if every port answers.
+std::string diagnose(std::span<const PortAnswer> ports, const std::string& host, unsigned base_port);
 
 struct PortFigures {
     PortTraffic traffic;
@@ -60,5 +77,17 @@ struct LoopFigures {
     double longest_gap_s = 0;
 };
 LoopFigures loop_figures(const LinkFigures& link);
+
+struct LinkTestPlan {
+    std::string host;
+    std::uint16_t base_port = 0;
+    std::vector<Port> ports;
+    Duration duration = std::chrono::seconds{5};  // of the traffic
+    const std::atomic<bool>* stop = nullptr;
+};
+
+// The near side of a link test: knocks at every port, finds the largest datagram that passes, then sends a session's traffic and
+// listens to the echo. Throws Error: usage or network, if the host is unknown or there is no route to it.
+LinkFigures test_link(const LinkTestPlan& plan);
 
 }  // namespace thimble

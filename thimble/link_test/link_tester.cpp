@@ -1,5 +1,3 @@
-#include "thimble/link_test/link_tester.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -7,6 +5,9 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/runtime/event_waiter.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "thimble/link_test/port_probe.hpp"
 
 namespace thimble {
 namespace {
@@ -18,7 +19,31 @@ constexpr Duration kBetweenKnocks = milliseconds{100};
 constexpr int kTries = 3;  // of a size
 constexpr std::size_t kMostExchanges = 100'000;
 
-}  // namespace
+class LinkTester {
+  public:
+    explicit LinkTester(const LinkTestPlan& plan);
+
+    LinkFigures run();
+
+  private:
+    bool going_on() const { return plan_.stop == nullptr || !*plan_.stop; }
+    void pump(SessionTime until);
+    void listen(SessionTime latest);
+    void knock();
+    void find_mtu();
+    bool passes(PortProbe& probe, std::size_t bytes, bool& refused_here);
+    void load();
+    void count();
+    Duration patience() const;
+    LinkFigures figures();
+
+    const LinkTestPlan& plan_;
+    EventWaiter waiter_{false};
+    std::vector<PortProbe> probes_;
+    MtuFigures mtu_;
+    std::vector<ClockExchange> exchanges_;
+    std::uint32_t stalls_ = 0;
+};
 
 LinkTester::LinkTester(const LinkTestPlan& plan) : plan_(plan) {
     const auto traffic = session_traffic();
@@ -152,5 +177,9 @@ LinkFigures LinkTester::figures() {
     link.stalls = stalls_;
     return link;
 }
+
+}  // namespace
+
+LinkFigures test_link(const LinkTestPlan& plan) { return LinkTester(plan).run(); }
 
 }  // namespace thimble

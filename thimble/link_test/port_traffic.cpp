@@ -8,98 +8,88 @@
 namespace thimble {
 namespace {
 
-constexpr double kSamples_Hz = 1000;  // of the handle
-constexpr double kFrames_Hz = 60;     // of the screen
-constexpr double kBeeps_Hz = 50;      // five at once, 20 ms apart
-constexpr double kStops_Hz = 20;      // from each program that stops, until released
-constexpr double kMonitor_Hz = 250;
-// A heartbeat ten times a second, and a clock probe or its reply five times.
-constexpr double kControl_Hz = 1e9 / static_cast<double>(kHeartbeatPeriod.count()) + 5;
+enum class Traffic : std::uint8_t {
+    kControl,
+    kNeedle,
+    kForce,
+    kTouch,
+    kSight,
+    kBeep,
+    kHand,
+    kOrders,
+    kMonitor,
+    kStop
+};
 
-constexpr std::array<const char*, kPortCount> kPortNames{"session_master",
-                                                         "session_slave_sim",
-                                                         "session_cutaneous",
-                                                         "session_visual",
-                                                         "session_netem",
-                                                         "session_record",
-                                                         "master_control",
-                                                         "slave_sim_control",
-                                                         "cutaneous_control",
-                                                         "visual_control",
-                                                         "netem_control",
-                                                         "master_force",
-                                                         "master_percept_cutaneous",
-                                                         "master_percept_visual",
-                                                         "slave_sim_needle",
-                                                         "cutaneous_force",
-                                                         "visual_force",
-                                                         "visual_beep",
-                                                         "netem_needle",
-                                                         "netem_force_master",
-                                                         "netem_force_cutaneous",
-                                                         "netem_force_visual",
-                                                         "master_hand",
-                                                         "session_orders",
-                                                         "experimenter_monitor",
-                                                         "session_player_orders",
-                                                         "player_monitor",
-                                                         "session_stop",
-                                                         "master_stop",
-                                                         "slave_sim_stop",
-                                                         "cutaneous_stop",
-                                                         "visual_stop",
-                                                         "netem_stop"};
+struct PortRow {
+    const char* name;
+    Traffic traffic;
+};
 
-PortTraffic traffic_of(Port port, Encoder& encoder) {
-    const Header header;
-    const auto sized = [&](const auto& body, double rate_Hz, bool haptic) {
-        return PortTraffic{port, encoder.encode(header, body).size(), rate_Hz, haptic};
-    };
-    switch (port) {
-        case Port::kSlaveNeedle:
-        case Port::kNetemNeedle:
-            return sized(NeedleCommand{}, kSamples_Hz, true);
-        case Port::kSessionRecord:
-        case Port::kMasterForce:
-        case Port::kCutaneousForce:
-        case Port::kVisualForce:
-        case Port::kNetemForceMaster:
-        case Port::kNetemForceCutaneous:
-        case Port::kNetemForceVisual:
-            return sized(ForceFeedback{}, kSamples_Hz, true);
-        case Port::kMasterPerceptCutaneous:
-            return sized(Percept{}, kSamples_Hz, true);
-        case Port::kMasterPerceptVisual:
-            return sized(Percept{}, kFrames_Hz, false);
-        case Port::kVisualBeep:
-            return sized(SessionControl{}, kBeeps_Hz, false);
-        case Port::kMasterHand:
-            return sized(HandInput{}, kSamples_Hz, true);
-        case Port::kSessionOrders:
-        case Port::kSessionPlayerOrders:
-            return sized(Order{}, kBeeps_Hz, false);
-        case Port::kExperimenterMonitor:
-        case Port::kPlayerMonitor:
-            return sized(Monitor{}, kMonitor_Hz, false);
-        case Port::kSessionStop:
-        case Port::kMasterStop:
-        case Port::kSlaveStop:
-        case Port::kCutaneousStop:
-        case Port::kVisualStop:
-        case Port::kNetemStop:
-            return sized(StopOrder{}, kStops_Hz, false);
-        default:
-            return sized(Heartbeat{}, kControl_Hz,
-                         false);  // the longest of what control channels carry often
-    }
-}
+// As docs/protocol.md lists them.
+constexpr std::array<PortRow, kPortCount> kPortRows{{
+    {"session_master", Traffic::kControl},
+    {"session_slave_sim", Traffic::kControl},
+    {"session_cutaneous", Traffic::kControl},
+    {"session_visual", Traffic::kControl},
+    {"session_netem", Traffic::kControl},
+    {"session_record", Traffic::kForce},
+    {"master_control", Traffic::kControl},
+    {"slave_sim_control", Traffic::kControl},
+    {"cutaneous_control", Traffic::kControl},
+    {"visual_control", Traffic::kControl},
+    {"netem_control", Traffic::kControl},
+    {"master_force", Traffic::kForce},
+    {"master_percept_cutaneous", Traffic::kTouch},
+    {"master_percept_visual", Traffic::kSight},
+    {"slave_sim_needle", Traffic::kNeedle},
+    {"cutaneous_force", Traffic::kForce},
+    {"visual_force", Traffic::kForce},
+    {"visual_beep", Traffic::kBeep},
+    {"netem_needle", Traffic::kNeedle},
+    {"netem_force_master", Traffic::kForce},
+    {"netem_force_cutaneous", Traffic::kForce},
+    {"netem_force_visual", Traffic::kForce},
+    {"master_hand", Traffic::kHand},
+    {"session_orders", Traffic::kOrders},
+    {"experimenter_monitor", Traffic::kMonitor},
+    {"session_player_orders", Traffic::kOrders},
+    {"player_monitor", Traffic::kMonitor},
+    {"session_stop", Traffic::kStop},
+    {"master_stop", Traffic::kStop},
+    {"slave_sim_stop", Traffic::kStop},
+    {"cutaneous_stop", Traffic::kStop},
+    {"visual_stop", Traffic::kStop},
+    {"netem_stop", Traffic::kStop},
+}};
 
 }  // namespace
 
 std::array<PortTraffic, kPortCount> session_traffic() {
     Encoder encoder;
+    const auto of = [&](const auto& body, double rate_Hz, bool haptic = false) {
+        return PortTraffic{Port::kCount, encoder.encode(Header{}, body).size(), rate_Hz, haptic};
+    };
+    constexpr double kSamples_Hz = 1000;  // of the handle
+    // A heartbeat, the longest of what control channels carry often, ten times a second; a clock probe or its reply five times.
+    constexpr double kControl_Hz = 1e9 / static_cast<double>(kHeartbeatPeriod.count()) + 5;
+    const std::array kinds{
+        of(Heartbeat{}, kControl_Hz),
+        of(NeedleCommand{}, kSamples_Hz, true),
+        of(ForceFeedback{}, kSamples_Hz, true),
+        of(Percept{}, kSamples_Hz, true),
+        of(Percept{}, 60),         // frames of the screen
+        of(SessionControl{}, 50),  // five at once, 20 ms apart
+        of(HandInput{}, kSamples_Hz, true),
+        of(Order{}, 50),
+        of(Monitor{}, 250),
+        of(StopOrder{}, 20),  // from each program that stops, until released
+    };
     std::array<PortTraffic, kPortCount> traffic;
-    for (const Port port : kEveryPort) traffic[static_cast<std::size_t>(port)] = traffic_of(port, encoder);
+    for (std::size_t i = 0; i < kPortCount; ++i) {
+        traffic[i] = kinds.at(static_cast<std::size_t>(kPortRows[i].traffic));
+        traffic[i].port = static_cast<Port>(i);
+    }
     return traffic;
 }
 
@@ -114,7 +104,7 @@ std::vector<Port> ports_on(const NetworkSettings& network, const std::string& ho
 
 const char* to_string(Port port) {
     const auto index = static_cast<std::size_t>(port);
-    return index < kPortNames.size() ? kPortNames[index] : "none";
+    return index < kPortRows.size() ? kPortRows[index].name : "none";
 }
 
 }  // namespace thimble

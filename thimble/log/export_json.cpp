@@ -7,15 +7,13 @@
 namespace thimble {
 namespace {
 
-nlohmann::ordered_json json_of(const FieldValue& value) {
-    return std::visit([](const auto& v) { return nlohmann::ordered_json(v); },
-                      value);  // null where it is not finite
-}
-
 nlohmann::ordered_json part_of(Bytes packet, const PacketPart& part, const PacketFields& fields) {
     nlohmann::ordered_json object = nlohmann::ordered_json::object();
     const std::vector<FieldValue> values = fields.values(packet, part);
-    for (std::size_t i = 0; i < values.size(); ++i) object[part.fields[i].name] = json_of(values[i]);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        // A number that is not finite becomes null.
+        std::visit([&](const auto& v) { object[part.fields[i].name] = v; }, values[i]);
+    }
     return object;
 }
 
@@ -23,6 +21,12 @@ std::string hexadecimal(Bytes bytes) {
     std::string text;
     for (const std::uint8_t byte : bytes) text += fmt::format("{:02x}", byte);
     return text;
+}
+
+// Null where the message is none; else its kind, and `packet` may be read as long as `aligned` lives.
+const PacketPart* read_packet(const MergedMessage& m, const PacketFields& fields,
+                              std::vector<std::uint64_t>& aligned, Bytes& packet) {
+    return verify_packet(m.message.data, aligned, packet) ? fields.kind_of(packet) : nullptr;
 }
 
 }  // namespace
@@ -36,8 +40,7 @@ std::string to_json(const MergedMessage& m, const PacketFields& fields) {
                                 {"session_time_ns", m.session_time_ns}};
     std::vector<std::uint64_t> aligned;
     Bytes packet;
-    const bool good = verify_packet(m.message.data, aligned, packet);
-    const PacketPart* kind = good ? fields.kind_of(packet) : nullptr;
+    const PacketPart* kind = read_packet(m, fields, aligned, packet);
     if (kind == nullptr) {
         line["bytes"] = hexadecimal(m.message.data);
     } else {
@@ -54,8 +57,7 @@ std::string to_line(const MergedMessage& m, const PacketFields& fields, std::int
                     m.file->name(), m.topic->sent ? "->" : "<-", m.topic->topic);
     std::vector<std::uint64_t> aligned;
     Bytes packet;
-    const bool good = verify_packet(m.message.data, aligned, packet);
-    const PacketPart* kind = good ? fields.kind_of(packet) : nullptr;
+    const PacketPart* kind = read_packet(m, fields, aligned, packet);
     if (kind == nullptr) return line + " bytes=" + hexadecimal(m.message.data);
     line += fmt::format(" #{} {}", m.message.sequence, kind->name);
     const std::vector<FieldValue> values = fields.values(packet, *kind);

@@ -200,7 +200,7 @@ class Ros2Export {
 // A message may stand in two logs. Arrivals are taken from the receiver's log, all else from the sender's, or without that from the other's.
 class CopyChoice {
   public:
-    explicit CopyChoice(const std::vector<std::unique_ptr<LoggedFile>>& files) {
+    explicit CopyChoice(const LoggedFiles& files) {
         for (const auto& file : files) {
             for (const auto& [id, topic] : file->topics()) {
                 if (topic.sent) sent_.insert(topic.topic);
@@ -216,7 +216,7 @@ class CopyChoice {
     std::set<std::string> sent_;
 };
 
-const LoggedFile* sessions_file(const std::vector<std::unique_ptr<LoggedFile>>& files) {
+const LoggedFile* sessions_file(const LoggedFiles& files) {
     for (const auto& file : files) {
         if (file->value("thimble", "program") == "session") return file.get();
     }
@@ -225,8 +225,8 @@ const LoggedFile* sessions_file(const std::vector<std::unique_ptr<LoggedFile>>& 
 
 }  // namespace
 
-Ros2Written export_ros2(const std::vector<std::unique_ptr<LoggedFile>>& files,
-                        const std::filesystem::path& path, const std::string& topic) {
+Ros2Written export_ros2(const LoggedFiles& files, const std::filesystem::path& path,
+                        const std::string& topic) {
     const LoggedFile* const session = sessions_file(files);
     std::map<const LoggedFile*, DateClock> clocks;
     for (const auto& file : files)

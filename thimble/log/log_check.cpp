@@ -1,5 +1,3 @@
-#include "thimble/log/log_check.hpp"
-
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -15,7 +13,7 @@
 #include "common/error.hpp"
 #include "common/flow.hpp"
 #include "session/log/packet_fields.hpp"
-#include "thimble/log/log_info.hpp"
+#include "thimble/log/log_tools.hpp"
 
 namespace thimble {
 namespace {
@@ -83,7 +81,7 @@ class FileCheck {
         for (const std::string& flaw : scan.flaws) say(true, flaw);
         say(!scan.finished, describe_end(file_));
         say(finding_.unreadable > 0,
-            fmt::format("{} messages are no {}", finding_.unreadable, "thimble.wire.Packet"));
+            fmt::format("{} messages are no thimble.wire.Packet", finding_.unreadable));
         say(finding_.backward > 0, fmt::format("log times go back {} times", finding_.backward));
         say(finding_.stamps_backward > 0,
             fmt::format("senders' stamps go back {} times", finding_.stamps_backward));
@@ -107,9 +105,7 @@ struct BothEnds {
     bool has_sender = false, has_receiver = false;
 };
 
-FlowFinding compare(const std::string& topic, BothEnds& ends) {
-    FlowFinding finding;
-    finding.topic = topic;
+void compare(BothEnds& ends, FlowFinding& sum) {
     std::sort(ends.sent.begin(), ends.sent.end());
     const std::uint32_t first = ends.sent.front(), last = ends.sent.back();
     const auto outside = [&](std::uint32_t sequence) { return sequence < first || sequence > last; };
@@ -117,29 +113,19 @@ FlowFinding compare(const std::string& topic, BothEnds& ends) {
                         ends.received.end());
     std::uint32_t newest = 0;
     for (const std::uint32_t sequence : ends.received) {
-        if (sequence < newest) ++finding.out_of_order;
+        if (sequence < newest) ++sum.out_of_order;
         newest = std::max(newest, sequence);
     }
     std::sort(ends.received.begin(), ends.received.end());
     const auto repeated = std::unique(ends.received.begin(), ends.received.end());
-    finding.repeated = static_cast<std::uint64_t>(ends.received.end() - repeated);
+    sum.repeated += static_cast<std::uint64_t>(ends.received.end() - repeated);
     ends.received.erase(repeated, ends.received.end());
     for (const std::uint32_t sequence : ends.received) {
         const bool known = std::binary_search(ends.sent.begin(), ends.sent.end(), sequence);
-        ++(known ? finding.received : finding.foreign);
+        ++(known ? sum.received : sum.foreign);
     }
-    finding.sent = ends.sent.size();
-    finding.lost = finding.sent - finding.received;
-    return finding;
-}
-
-void add(FlowFinding& sum, const FlowFinding& more) {
-    sum.sent += more.sent;
-    sum.received += more.received;
-    sum.lost += more.lost;
-    sum.repeated += more.repeated;
-    sum.out_of_order += more.out_of_order;
-    sum.foreign += more.foreign;
+    sum.sent += ends.sent.size();
+    sum.lost = sum.sent - sum.received;
 }
 
 // In the order of the report's links.
@@ -197,7 +183,7 @@ std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFil
         if (!ends.has_sender || !ends.has_receiver) continue;
         FlowFinding& sum = by_topic[key.first];
         sum.topic = key.first;
-        add(sum, compare(key.first, ends));
+        compare(ends, sum);
     }
     std::vector<FlowFinding> findings;
     findings.reserve(by_topic.size());

@@ -12,16 +12,18 @@
 
 namespace thimble {
 
+using LoggedFiles = std::vector<std::unique_ptr<LoggedFile>>;
+
 // One table per file, topic and kind of message in the folder, which is made: FILE.TOPIC.KIND.csv, of topics that begin with `topic`. Returns how
 // many. FILE is the name that open_logs() gave.
 // Throws Error: usage, if one exists; run failed, if one cannot be written.
-std::size_t export_csv(const std::vector<std::unique_ptr<LoggedFile>>& files,
-                       const std::filesystem::path& folder, const std::string& topic);
+std::size_t export_csv(const LoggedFiles& files, const std::filesystem::path& folder,
+                       const std::string& topic);
 
 // One group per file, topic and kind of message, one dataset per column, with attributes `unit` and `values` (of enums), in the
-// new file. Throws Error: usage, if it exists; run failed, if it cannot be written, or there is no HDF5 library.
-std::size_t export_hdf5(const std::vector<std::unique_ptr<LoggedFile>>& files,
-                        const std::filesystem::path& path, const std::string& topic);
+// new file. Throws Error: usage, if it exists; run failed, if it cannot be written.
+std::size_t export_hdf5(const LoggedFiles& files, const std::filesystem::path& path,
+                        const std::string& topic);
 
 struct Ros2Written {
     std::size_t topics = 0;
@@ -32,8 +34,8 @@ struct Ros2Written {
 
 // The same movements, forces and events as ROS 2 messages (docs/interoperability.md) in a new MCAP file of profile "ros2"; the logs' topics
 // that begin with `topic`. Throws Error: usage, if it exists; run failed, if it cannot be written.
-Ros2Written export_ros2(const std::vector<std::unique_ptr<LoggedFile>>& files,
-                        const std::filesystem::path& path, const std::string& topic);
+Ros2Written export_ros2(const LoggedFiles& files, const std::filesystem::path& path,
+                        const std::string& topic);
 
 // One message as a JSON object, or for people; `zero_ns` is what their times count from.
 std::string to_json(const MergedMessage& message, const PacketFields& fields);

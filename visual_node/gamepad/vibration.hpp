@@ -2,12 +2,33 @@
 // session file names. Belongs to the window's thread. A device that cannot vibrate gives one notice in the log, and no error.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 
-#include "visual_node/gamepad/event_device.hpp"
-#include "visual_node/gamepad/rumble_device.hpp"
+#include "visual_node/gamepad/rumble.hpp"
 
 namespace thimble {
+
+// Which /dev/input/eventN is the joystick that GLFW has opened: GLFW does not say, so name and identity decide.
+struct JoystickIdentity {
+    std::string name;  // glfwGetJoystickName
+    // Of USB or Bluetooth, as glfwGetJoystickGUID has them; both 0: not known.
+    std::uint16_t vendor = 0, product = 0;
+
+    bool operator==(const JoystickIdentity&) const = default;
+};
+
+// GLFW's (and SDL's) GUID: 32 hexadecimal digits; bus, vendor, product and version as words of 16 bits, low byte first, each
+// followed by four zeros. Any other text: nothing is known but the name.
+JoystickIdentity identity_of(std::string name, std::string_view guid);
+
+// The first by name of the devices in `classes` (/sys/class/input) that are this joystick and can play force feedback; their
+// files are in /dev/input. None: nullopt.
+std::optional<std::string> find_event_device(const std::filesystem::path& classes,
+                                             const JoystickIdentity& joystick);
 
 class Vibration {
   public:
@@ -21,7 +42,7 @@ class Vibration {
     // At once, whatever the pace.
     void stop();
 
-    bool ready() const { return motors_.ready(); }
+    bool ready() const { return motors_ && motors_->ready(); }
     const std::string& notice() const { return notice_; }
 
   private:
@@ -30,7 +51,7 @@ class Vibration {
 
     std::string device_;
     std::filesystem::path classes_;
-    RumbleDevice motors_;
+    std::optional<RumbleDevice> motors_;
     RumblePace pace_;
     std::string notice_;
 };

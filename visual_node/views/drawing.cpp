@@ -1,5 +1,6 @@
 #include "visual_node/views/drawing.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace thimble {
@@ -9,6 +10,19 @@ namespace {
 constexpr float kSmallText = 0.8F;
 
 float small_text_size() { return std::floor(ImGui::GetFontSize() * kSmallText); }
+
+void add(TypedCommands& typed, std::span<const Key> keys, Command command) {
+    const bool known =
+        std::any_of(keys.begin(), keys.end(), [&](const Key& key) { return key.command == command; });
+    if (known && typed.count < typed.commands.size()) typed.commands[typed.count++] = command;
+}
+
+TextLine key_name(const Key& key) {
+    const std::string_view special = special_key_name(key.character);
+    return special.empty() ? TextLine::of("{}", key.character) : TextLine::of("{}", special);
+}
+
+bool pressed(ImGuiKey_ key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); }
 
 }  // namespace
 
@@ -52,6 +66,99 @@ void begin_fixed(const char* name, const Rect& rect, Ground ground) {
     ImGui::SetNextWindowPos(corner(rect));
     ImGui::SetNextWindowSize(extent(rect));
     ImGui::Begin(name, nullptr, ground == Ground::kBare ? kFixed | ImGuiWindowFlags_NoBackground : kFixed);
+}
+
+TypedCommands typed_commands(std::span<const Key> keys) {
+    TypedCommands typed;
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantTextInput) return typed;
+    for (const ImWchar character : io.InputQueueCharacters) {
+        if (const auto command = find_command(keys, character)) add(typed, keys, *command);
+    }
+    const auto type = [&](ImGuiKey_ key, char special, Command otherwise) {
+        if (pressed(key))
+            add(typed, keys, find_command(keys, static_cast<unsigned>(special)).value_or(otherwise));
+    };
+    type(ImGuiKey_LeftArrow, io.KeyShift ? kShiftLeftKey : kLeftKey, Command::kDelayDown);
+    type(ImGuiKey_RightArrow, io.KeyShift ? kShiftRightKey : kRightKey, Command::kDelayUp);
+    type(ImGuiKey_Home, kHomeKey, Command::kCount);
+    type(ImGuiKey_End, kEndKey, Command::kCount);
+    if (pressed(ImGuiKey_Escape)) add(typed, keys, Command::kNo);
+    return typed;
+}
+
+bool draw_button(std::span<const Key> keys, Command command, const Rect& cell, bool chosen,
+                 const char* name) {
+    const Key& key = key_of(keys, command);
+    ImGui::SetCursorScreenPos(corner(cell));
+    if (chosen) {
+        ImGui::PushStyleColor(ImGuiCol_Button, gui_colour(kBlue));
+        ImGui::PushStyleColor(ImGuiCol_ButtonHovered, gui_colour(kBlue));
+    }
+    // Arrows and the like are named in the help only: their names are longer than the buttons.
+    const char* shown = name == nullptr ? key.button : name;
+    const bool plain = special_key_name(key.character).empty() || key.character == ' ';
+    const int id = static_cast<int>(command);
+    const TextLine label = plain ? TextLine::of("{} [{}]##{}", shown, key_name(key).view(), id)
+                                 : TextLine::of("{}##{}", shown, id);
+    const bool hit = ImGui::Button(label.c_str(), extent(cell));
+    if (chosen) ImGui::PopStyleColor(2);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", key.help);
+    return hit;
+}
+
+Rect row_here(double height) {
+    const ImVec2 here = ImGui::GetCursorScreenPos();
+    return {static_cast<double>(here.x), static_cast<double>(here.y),
+            static_cast<double>(ImGui::GetContentRegionAvail().x), height};
+}
+
+std::optional<Command> draw_button_row(std::span<const Key> keys, std::initializer_list<Command> commands,
+                                       const Rect& row, double scale,
+                                       const std::function<bool(Command)>& chosen) {
+    std::optional<Command> hit;
+    ImGui::SetWindowFontScale(0.9F);  // four beside one another
+    const double pitch = row.width / static_cast<double>(commands.size());
+    Rect cell{row.x, row.y, pitch - 2 * scale, row.height - 4 * scale};
+    for (const Command command : commands) {
+        if (draw_button(keys, command, cell, chosen && chosen(command))) hit = command;
+        cell.x += pitch;
+    }
+    ImGui::SetWindowFontScale(1);
+    return hit;
+}
+
+bool draw_delay_slider(const Rect& cell, double& delay_s) {
+    ImGui::SetCursorScreenPos(corner(cell));
+    ImGui::SetNextItemWidth(static_cast<float>(cell.width));
+    auto delay_ms = static_cast<float>(delay_s * 1e3);
+    const bool moved = ImGui::SliderFloat("##delay", &delay_ms, 0, static_cast<float>(kDelayLimit_s * 1e3),
+                                          "delay %.0f ms", ImGuiSliderFlags_AlwaysClamp);
+    if (moved) delay_s = std::round(static_cast<double>(delay_ms)) * 1e-3;
+    return moved;
+}
+
+void draw_key_help(std::span<const Key> keys, double scale) {
+    const ImVec2 middle{ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y / 2};
+    ImGui::SetNextWindowPos(middle, ImGuiCond_Always, {0.5F, 0.5F});
+    ImGui::SetNextWindowFocus();
+    ImGui::Begin("Keys", nullptr,
+                 ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                     ImGuiWindowFlags_NoSavedSettings);
+    for (const Key& key : keys) {
+        ImGui::TextColored(gui_colour(kOrange), "%s", key_name(key).c_str());
+        ImGui::SameLine(static_cast<float>(96 * scale));
+        ImGui::Text("%s", key.button);
+        ImGui::SameLine(static_cast<float>(200 * scale));
+        ImGui::TextUnformatted(key.help);
+    }
+    ImGui::TextColored(gui_colour(kOrange),
+                       "Backspace: EMERGENCY STOP; release it with: thimble stop --release");
+    const bool networks = std::any_of(keys.begin(), keys.end(),
+                                      [](const Key& key) { return key.command == Command::kNetwork0; });
+    if (networks)
+        ImGui::TextUnformatted("The slider changes a network's delay alone; its jitter and loss stay.");
+    ImGui::End();
 }
 
 }  // namespace thimble

@@ -4,7 +4,8 @@
 #include <array>
 
 #include "visual_node/views/experimenter_model.hpp"
-#include "visual_node/views/plot_panel.hpp"
+#include "visual_node/views/panels.hpp"
+#include "visual_node/views/view_layout.hpp"
 #include "visual_node/window/overlay.hpp"
 
 namespace thimble {
@@ -25,5 +26,29 @@ class ExperimenterPanels final : public Overlay {
     ExperimenterModel model_;
     std::array<PlotPanel, kPlotCount> plots_;
 };
+
+// The experimenter's buttons, in rows of control_cell().
+enum ControlRow : int {
+    kSliderRow,
+    kStepRow,
+    kNetworkRow,  // and the next one
+    kModalityRow = kNetworkRow + 2,
+    kTrialRow,
+    kAfterRow,
+    kNoticeRow
+};
+inline constexpr int kNetworksPerRow = 3;
+
+void draw_controls(const Rect& rect, double scale, ExperimenterModel& model, SessionTime now);
+// The question that excluding asks, over everything; nothing while there is none.
+void draw_question(double scale, ExperimenterModel& model, SessionTime now);
+
+// `thimble-visual --view experimenter`: a window of its own, which hears the session and asks it, and is no node of it: it
+// may come and go while the session runs, and sessions may come and go while it runs.
+
+// Whether the command line asks for this view, before it is parsed.
+bool asks_for_experimenter_view(int argc, char** argv);
+// Until the window is closed, SIGINT or SIGTERM; returns the exit code.
+int run_experimenter_view(int argc, char** argv);
 
 }  // namespace thimble

@@ -58,66 +58,40 @@ void join(std::span<Column> columns, std::size_t from, std::size_t to, double va
 }  // namespace
 
 MonitorHistory::MonitorHistory(double window_s)
-    : window_s_(window_s),
-      capacity_(static_cast<std::size_t>((window_s + 1) * kMonitorRate_Hz)),
-      times_s_(capacity_) {
+    : window_s_(window_s), samples_(static_cast<std::size_t>((window_s + 1) * kMonitorRate_Hz)) {
     assert(window_s > 0);
-    for (auto& ring : values_) ring.resize(capacity_);
 }
-
-void MonitorHistory::clear() { first_ = size_ = 0; }
 
 void MonitorHistory::add(SessionTime now, std::uint32_t trial, const Monitor& monitor) {
     running_ = monitor.state == NodeState::kRunning;
-    if (trial != trial_ || (size_ > 0 && monitor.time_s < times_s_[slot(size_ - 1)])) clear();
+    if (trial != trial_ || (size() > 0 && monitor.time_s < samples_.back().time_s)) clear();
     trial_ = trial;
-    const bool again = size_ > 0 && monitor.time_s == times_s_[slot(size_ - 1)];
+    const bool again = size() > 0 && monitor.time_s == samples_.back().time_s;
     const bool begun = running_ || monitor.time_s > 0;
-    if (begun && !again) push(now, monitor.time_s, monitor);
-}
-
-void MonitorHistory::push(SessionTime now, double time_s, const Monitor& monitor) {
-    if (size_ == capacity_) {
-        first_ = (first_ + 1) % capacity_;
-    } else {
-        ++size_;
-    }
-    const std::size_t newest = slot(size_ - 1);
-    times_s_[newest] = time_s;
-    for (std::size_t i = 0; i < kQuantityCount; ++i) {
-        values_[i][newest] = value_of(static_cast<Quantity>(i), monitor);
-    }
+    if (!begun || again) return;
+    Sample sample{monitor.time_s};
+    for (std::size_t i = 0; i < kQuantityCount; ++i)
+        sample.values[i] = value_of(static_cast<Quantity>(i), monitor);
+    samples_.push_back(sample);
     advanced_ = now;
 }
 
 double MonitorHistory::end_s(SessionTime now) const {
-    if (size_ == 0) return 0;
-    const double newest_s = times_s_[slot(size_ - 1)];
+    if (size() == 0) return 0;
+    const double newest_s = samples_.back().time_s;
     return running_ ? newest_s + std::max(0.0, to_seconds(now - advanced_)) : newest_s;
-}
-
-std::size_t MonitorHistory::first_at(double begin_s) const {
-    std::size_t low = 0, high = size_;
-    while (low < high) {
-        const std::size_t middle = (low + high) / 2;
-        if (times_s_[slot(middle)] < begin_s) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
 }
 
 void MonitorHistory::decimate(Quantity quantity, double begin_s, double column_s,
                               std::span<Column> columns) const {
     assert(column_s > 0);
     std::fill(columns.begin(), columns.end(), Column{});
-    const auto& ring = values_[static_cast<std::size_t>(quantity)];
     std::size_t before = columns.size();  // column of the sample before; none
     double before_s = 0;
-    for (std::size_t i = first_at(begin_s); i < size_; ++i) {
-        const double time_s = times_s_[slot(i)], value = ring[slot(i)];
+    auto sample = std::partition_point(samples_.begin(), samples_.end(),
+                                       [&](const Sample& one) { return one.time_s < begin_s; });
+    for (; sample != samples_.end(); ++sample) {
+        const double time_s = sample->time_s, value = sample->values[static_cast<std::size_t>(quantity)];
         const double place = std::floor((time_s - begin_s) / column_s);
         if (place >= static_cast<double>(columns.size())) break;
         if (std::isnan(value)) {

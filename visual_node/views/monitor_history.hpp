@@ -1,12 +1,12 @@
-// The last seconds of Monitor messages, as curves: one ring of times and one per quantity, filled at up to 250 Hz, read
-// at each frame. Memory is taken once.
+// The last seconds of Monitor messages, as curves: a ring of samples, filled at up to 250 Hz, read at each frame. Memory is taken once.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
+
+#include <boost/circular_buffer.hpp>
 
 #include "common/messages.hpp"
 #include "common/time.hpp"
@@ -48,13 +48,13 @@ class MonitorHistory {
     // A new trial, or a time that goes back (a replay's seek), starts anew. The same time again adds nothing, and
     // neither does a message whose trial has not begun.
     void add(SessionTime now, std::uint32_t trial, const Monitor& monitor);
-    void clear();
+    void clear() { samples_.clear(); }
 
     // Where the right edge of a plot is, s since the trial's start: it moves on while the trial runs, even when no
     // message comes, so that silence shows as a gap that grows.
     double end_s(SessionTime now) const;
     double window_s() const { return window_s_; }
-    std::size_t size() const { return size_; }
+    std::size_t size() const { return samples_.size(); }
     std::uint32_t trial() const { return trial_; }
 
     // Smallest and largest sample of each of `columns`, which divide [begin_s, begin_s + columns x column_s), so that no
@@ -64,15 +64,13 @@ class MonitorHistory {
     void decimate(Quantity quantity, double begin_s, double column_s, std::span<Column> columns) const;
 
   private:
-    void push(SessionTime now, double time_s, const Monitor& monitor);
-    std::size_t slot(std::size_t i) const { return (first_ + i) % capacity_; }
-    std::size_t first_at(double begin_s) const;
+    struct Sample {
+        double time_s = 0;
+        std::array<double, kQuantityCount> values{};  // NaN: not known
+    };
 
     double window_s_;
-    std::size_t capacity_;
-    std::vector<double> times_s_;
-    std::array<std::vector<double>, kQuantityCount> values_;  // NaN: not known
-    std::size_t first_ = 0, size_ = 0;
+    boost::circular_buffer<Sample> samples_;
     std::uint32_t trial_ = 0;
     bool running_ = false;
     SessionTime advanced_{};  // when the newest sample came

@@ -43,19 +43,28 @@ class MonitorReceiver {
     // True as well where nothing has been heard at all.
     bool silent(SessionTime now) const { return !heard_ || age(now) > kMonitorSilence; }
     // Of the newest message; Duration::max() without one.
-    Duration age(SessionTime now) const;
+    Duration age(SessionTime now) const { return heard_ ? now - arrived_ : Duration::max(); }
 
     const Monitor& newest() const { return monitor_; }  // as constructed before the first
     std::uint32_t trial() const { return trial_; }      // of the newest
     // Where what speaks is a recorded trial; else null.
-    const ReplayState* replay() const;
+    const ReplayState* replay() const {
+        const bool said = replay_arrived_ != kNever && arrived_ - replay_arrived_ <= kReplaySilence;
+        return said ? &replay_ : nullptr;
+    }
     // Why a device has ended the newest trial: which one, what happened, what to do; empty if none has. It stays where the
     // session ends with it, until another one speaks.
     std::string_view fault() const { return fault_.words(); }
     const FlowCounters& counters() const { return flow_.counters(); }
 
   private:
-    void keep(SessionTime now, const Header& header, const Monitor& monitor);
+    void keep(SessionTime now, const Header& header, const Monitor& monitor) {
+        heard_ = true;
+        arrived_ = now;
+        trial_ = header.trial;
+        monitor_ = monitor;
+        if (monitor.reason != EndReason::kDeviceFault) fault_ = {};
+    }
 
     Channel* channel_;
     InboundFlow flow_{Role::kSession};

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "visual_node/views/energy.hpp"
-
 namespace thimble {
 namespace {
 
@@ -108,6 +106,17 @@ std::array<Reading, kReadingCount> read_monitor(const Monitor& monitor, std::uin
         {"delay asked", time_text(monitor.network_delay_s)},
         {"packets", TextLine::of("{} in, {} refused", monitor.accepted, monitor.refused)},
     }};
+}
+
+EnergyBalance judge_energy(double energy_in_J) {
+    if (energy_in_J < -kEnergyResolution_J) return EnergyBalance::kActive;
+    if (energy_in_J > kEnergyResolution_J) return EnergyBalance::kPassive;
+    return EnergyBalance::kNone;
+}
+
+const char* to_string(EnergyBalance energy) {
+    static constexpr std::array kNames{"none yet", "passive", "gives out more than it got"};
+    return kNames.at(static_cast<std::size_t>(energy));
 }
 
 }  // namespace thimble

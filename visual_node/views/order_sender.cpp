@@ -108,31 +108,9 @@ bool OrderSender::asking() const {
 }
 
 const char* to_string(OrderKind kind) {
-    switch (kind) {
-        case OrderKind::kDelay:
-            return "delay";
-        case OrderKind::kStart:
-            return "start";
-        case OrderKind::kPause:
-            return "pause";
-        case OrderKind::kResume:
-            return "resume";
-        case OrderKind::kEndTrial:
-            return "end trial";
-        case OrderKind::kQuit:
-            return "quit";
-        case OrderKind::kRepeat:
-            return "repeat";
-        case OrderKind::kExclude:
-            return "exclude";
-        case OrderKind::kSeek:
-            return "seek";
-        case OrderKind::kSpeed:
-            return "speed";
-        case OrderKind::kNetwork:
-            return "network";
-    }
-    return "";
+    static constexpr std::array kNames{"delay",  "start",   "pause", "resume", "end trial", "quit",
+                                       "repeat", "exclude", "seek",  "speed",  "network"};
+    return kNames.at(static_cast<std::size_t>(kind));
 }
 
 }  // namespace thimble

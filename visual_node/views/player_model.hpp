@@ -1,12 +1,46 @@
-// The player's panel without a screen: a modality starts as soon as its button is pressed, because a player wants to feel it and not to plan it. Where a recorded trial is shown instead, its keys are those of replay_model.hpp.
+// The player's panel without a screen.
 #pragma once
 
 #include "visual_node/views/commands.hpp"
-#include "visual_node/views/replay_model.hpp"
 #include "visual_node/views/session_link.hpp"
+#include "visual_node/views/view_layout.hpp"
 
 namespace thimble {
 
+// A recorded trial: what is asked when something is pressed or the scrub bar is dragged.
+class ReplayModel {
+  public:
+    // The link outlives the model. All below makes sense while its receiver has a replay().
+    explicit ReplayModel(SessionLink& link) : link_(&link) {}
+
+    void press(SessionTime now, Command command);
+    void seek(SessionTime now, double time_s);  // taken to the nearest of the trial
+
+    // The last order until the replay shows its effect, then the replay's state.
+    double position_s() const;
+    bool paused() const;
+    double speed() const;
+    const ReplayState& state() const;
+
+  private:
+    void play_or_pause(SessionTime now);
+    void stop_and_step(SessionTime now, double step_s);
+    bool asking(OrderKind kind) const { return link_->orders().progress(kind) == OrderProgress::kAsking; }
+
+    SessionLink* link_;
+};
+
+// Between times of a trial and pixels of its scrub bar.
+struct ScrubScale {
+    Rect bar;
+    double duration_s = 0;
+
+    double x(double time_s) const;
+    double time_s(double x) const;  // taken to the nearest of the trial
+};
+
+// A modality starts as soon as its button is pressed, because a player wants to feel it and not to plan it. Where a recorded trial
+// is shown instead, its keys are those of ReplayModel.
 class PlayerModel {
   public:
     PlayerModel(std::uint64_t instance, const SessionLink::Channels& channels)

@@ -1,12 +1,13 @@
 // What whoever plays may change and see, over the scene of `thimble play`: delay and network, modality with what to expect of it,
-// the last seconds, the round trip as measured, and a hint of what to do; of a recorded trial the controls of readings_panel.hpp.
+// the last seconds, the round trip as measured, and a hint of what to do; of a recorded trial the controls of draw_replay().
 // It never draws the fixture.
 #pragma once
 
 #include <initializer_list>
 
+#include "common/runtime/sockets.hpp"
+#include "visual_node/views/panels.hpp"
 #include "visual_node/views/player_model.hpp"
-#include "visual_node/views/plot_panel.hpp"
 #include "visual_node/window/overlay.hpp"
 
 namespace thimble {
@@ -35,6 +36,24 @@ class PlayerPanel final : public Overlay {
 
     PlayerModel model_;
     PlotPanel plot_;
+};
+
+// The player's panel with sockets of its own, as `thimble-visual --view player` puts it over the scene. Closing the window ends the
+// game: the session gets Quit.
+class PlayerOverlay final : public Overlay {
+  public:
+    // `instance`: random per program start. Throws Error (network) if the port of Monitors is taken.
+    PlayerOverlay(std::uint64_t instance, const NetworkSettings& network);
+
+    void tick(SessionTime now) override;
+    void draw(SessionTime now, const OverlayFrame& frame) override { panel_.draw(now, frame); }
+    double right_margin(const GlWindow& window) const override;
+    void closing(SessionTime now) override;
+
+  private:
+    Sockets sockets_;
+    Channel* link_;
+    PlayerPanel panel_;
 };
 
 }  // namespace thimble

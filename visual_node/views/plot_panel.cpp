@@ -1,9 +1,8 @@
-#include "visual_node/views/plot_panel.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "visual_node/views/drawing.hpp"
+#include "visual_node/views/panels.hpp"
 
 namespace thimble {
 namespace {

@@ -1,7 +1,9 @@
 #include "visual_node/views/view_layout.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <initializer_list>
 
 namespace thimble {
 namespace {
@@ -13,6 +15,10 @@ constexpr double kTitleHeight = 16, kNumberWidth = 44, kMargin = 6;
 constexpr std::array kPlotShares{0.34, 0.24, 0.21, 0.21};
 constexpr double kRowHeight = 30, kRowGap = 4;
 constexpr double kSideViewStep_m = 0.02;
+
+PlotScale around(double low, double high, double step) {
+    return {std::floor(low / step) * step, std::ceil(high / step) * step, step};
+}
 
 }  // namespace
 
@@ -54,6 +60,20 @@ SideViewScale side_view_scale(const Rect& box, double position_needle_m, double 
     const double high_m = std::max(position_needle_m, position_deepest_m);
     return {std::floor(low_m / kSideViewStep_m) * kSideViewStep_m - kSideViewStep_m,
             std::ceil(std::max(high_m, 0.0) / kSideViewStep_m) * kSideViewStep_m + kSideViewStep_m, box};
+}
+
+PlotScale round_scale(double low, double high, double span, int lines) {
+    assert(span > 0 && lines >= 1);
+    if (low > high) low = high = 0;
+    if (high - low < span) high = low + span;
+    // Rounding outwards adds up to two steps, so the first power to try is one that is too fine.
+    double power = std::pow(10, std::floor(std::log10((high - low) / lines)));
+    for (;; power *= 10) {
+        for (const double factor : {1.0, 2.0, 5.0}) {
+            const PlotScale scale = around(low, high, factor * power);
+            if (std::lround((scale.high - scale.low) / scale.step) <= lines + 1) return scale;
+        }
+    }
 }
 
 }  // namespace thimble

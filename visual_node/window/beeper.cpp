@@ -1,12 +1,31 @@
 #include "visual_node/window/beeper.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#ifdef THIMBLE_AUDIO
 #include <AL/al.h>
 #include <AL/alc.h>
 #include <AL/alext.h>
-#include <array>
-#include <cassert>
+#endif
 
 namespace thimble {
+
+std::vector<std::int16_t> samples_of(const Tone& tone, int rate_Hz) {
+    const auto count = static_cast<std::size_t>(std::lround(tone.length_s * rate_Hz));
+    std::vector<std::int16_t> samples(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double time_s = static_cast<double>(i) / rate_Hz;
+        const double fade = std::clamp(std::min(time_s, tone.length_s - time_s) / tone.fade_s, 0.0, 1.0);
+        const double wave = std::sin(2 * std::numbers::pi * tone.frequency_Hz * time_s);
+        samples[i] = static_cast<std::int16_t>(std::lround(32767 * tone.loudness * fade * wave));
+    }
+    return samples;
+}
+
+#ifdef THIMBLE_AUDIO
 
 struct Beeper::Impl {
     ALCdevice* device = nullptr;
@@ -43,8 +62,6 @@ Beeper::Beeper(const Tone& tone, Loopback) {
     if (open != nullptr && impl->render != nullptr) impl->device = open(nullptr);
     prepare(tone, std::move(impl));
 }
-
-Beeper::~Beeper() = default;
 
 bool Beeper::built() { return true; }
 
@@ -84,5 +101,20 @@ void Beeper::render(std::span<std::int16_t> samples) {
     assert(impl_ != nullptr && impl_->render != nullptr);
     impl_->render(impl_->device, samples.data(), static_cast<ALCsizei>(samples.size()));
 }
+
+#else
+
+struct Beeper::Impl {};
+
+Beeper::Beeper(const Tone& /*tone*/)
+    : notice_("no sound: THIMBLE_AUDIO is off in this build, the beep will be silent") {}
+Beeper::Beeper(const Tone& tone, Loopback /*loopback*/) : Beeper(tone) {}
+bool Beeper::built() { return false; }
+void Beeper::beep() {}
+void Beeper::render(std::span<std::int16_t> /*samples*/) {}
+
+#endif
+
+Beeper::~Beeper() = default;
 
 }  // namespace thimble

@@ -1,14 +1,27 @@
-// Text over the scene, by Dear ImGui's draw lists: between GuiLayer::begin() and end().
+// Text over the scene, and the pages between trials, by Dear ImGui's draw lists: the draw_ functions are called between
+// GuiLayer::begin() and end().
 #pragma once
 
 #include <string>
 
+#include "common/messages.hpp"
+#include "visual_node/instructions.hpp"
 #include "visual_node/window/frame_times.hpp"
 #include "visual_node/window/gui_layer.hpp"
-#include "visual_node/window/page_text.hpp"
 #include "visual_node/window/picture.hpp"
 
 namespace thimble {
+
+// The text for a subject between trials. Never the modality's name, never anything of the fixture, unless a lab's own words do.
+struct PageText {
+    std::string title;
+    std::string body;  // lines; may be empty
+};
+
+// Empty for kNone.
+PageText page_text(const Page& page);
+// With a lab's own words where it has some. `subject_goes_on`: a text that is not its own says how, where the page waits for that.
+PageText page_text(const Page& page, const Instructions& instructions, bool subject_goes_on);
 
 // The numbers of the bar's scale, "N" behind the last.
 void draw_bar_scale(const Picture& picture);

@@ -5,15 +5,16 @@
 #include <GLFW/glfw3.h>
 // clang-format on
 
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
+#include <dlfcn.h>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "visual_node/window/gl_window.hpp"
-#include "visual_node/window/screen_loss.hpp"
 
 namespace thimble {
 namespace {
@@ -46,7 +47,6 @@ void set_hints(const WindowSettings& settings) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    glfwWindowHint(GLFW_SAMPLES, settings.samples);
     glfwWindowHint(GLFW_VISIBLE, settings.visible ? GLFW_TRUE : GLFW_FALSE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, settings.content_scale > 0 ? GLFW_FALSE : GLFW_TRUE);
     glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);  // a subject's screen stays when another gets the keyboard
@@ -71,28 +71,47 @@ GLFWwindow* open_window(const WindowSettings& settings) {
                     glfw_reason()));
 }
 
+std::atomic<bool> screen_lost{false};
+
+// Xlib asks the first what to say and the second how to end.
+int say_nothing(void* /*display*/) { return 0; }
+void remember_loss(void* /*display*/, void* /*data*/) { screen_lost = true; }
+
+template <class Function>
+Function find(const char* name) {
+    return reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, name));
+}
+
+// Looked up by name: GLFW for Wayland has no X11 display, and Xlib before 1.7 no such handler (it then ends the program).
+// Xlib ends the program at the end of the X server, by default. Here it only remembers. Nothing to do under Wayland.
+void survive_screen_loss() {
+    using Handler = void (*)(void* display, void* data);
+    const auto display_of_glfw = find<void* (*)()>("glfwGetX11Display");
+    const auto set_handler =
+        find<void (*)(void* display, Handler handler, void* data)>("XSetIOErrorExitHandler");
+    const auto set_words = find<void* (*)(int (*words)(void* display))>("XSetIOErrorHandler");
+    if (display_of_glfw == nullptr || set_handler == nullptr || set_words == nullptr) return;
+    void* const display = display_of_glfw();
+    if (display == nullptr) return;
+    set_words(say_nothing);
+    set_handler(display, remember_loss, nullptr);
+}
+
 }  // namespace
 
 struct GlWindow::Impl {
     GLFWwindow* window = nullptr;
     std::vector<WindowEvent> events;
-    std::uint64_t lost_events = 0;
-    int width = 0;
-    int height = 0;
+    int width = 0, height = 0;
     double content_scale = 1;
-    bool fixed_scale = false;
-    bool grabbed = false;
-    double pointer_x = 0;
-    double pointer_y = 0;
+    bool fixed_scale = false, grabbed = false;
+    double pointer_x = 0, pointer_y = 0;
     double pixels_per_unit = 1;  // of window coordinates
 
     static Impl& of(GLFWwindow* window) { return *static_cast<Impl*>(glfwGetWindowUserPointer(window)); }
 
     WindowEvent* add(WindowEvent::Kind kind) {
-        if (events.size() == kMaxEvents) {
-            ++lost_events;
-            return nullptr;
-        }
+        if (events.size() == kMaxEvents) return nullptr;
         WindowEvent& event = events.emplace_back();
         event.kind = kind;
         event.time = wall_now();
@@ -118,8 +137,7 @@ struct GlWindow::Impl {
         glfwGetWindowSize(window, &units, nullptr);
         pixels_per_unit = units > 0 ? static_cast<double>(width) / units : 1;
         if (fixed_scale) return;
-        float scale_x = 1;
-        float scale_y = 1;
+        float scale_x = 1, scale_y = 1;
         glfwGetWindowContentScale(window, &scale_x, &scale_y);
         content_scale = std::max(1.0, static_cast<double>(scale_y));
     }
@@ -207,8 +225,6 @@ std::span<const WindowEvent> GlWindow::wait_events(Duration longest) {
     return impl_->events;
 }
 
-std::uint64_t GlWindow::lost_events() const { return impl_->lost_events; }
-
 void GlWindow::begin_frame(float red, float green, float blue) {
     if (lost()) return;
     glfwMakeContextCurrent(impl_->window);
@@ -228,7 +244,7 @@ void GlWindow::ask_to_close() {
 void GlWindow::stay_open() {
     if (!lost()) glfwSetWindowShouldClose(impl_->window, GLFW_FALSE);
 }
-bool GlWindow::lost() const { return screen_lost(); }
+bool GlWindow::lost() const { return screen_lost; }
 int GlWindow::width() const { return impl_->width; }
 int GlWindow::height() const { return impl_->height; }
 double GlWindow::content_scale() const { return impl_->content_scale; }
@@ -252,17 +268,6 @@ void GlWindow::grab_pointer(bool grabbed) {
 }
 
 bool GlWindow::pointer_grabbed() const { return impl_->grabbed; }
-
-void GlWindow::set_size(int width, int height) {
-    if (lost()) return;
-    const double units = impl_->pixels_per_unit;
-    glfwSetWindowSize(impl_->window, static_cast<int>(std::lround(width / units)),
-                      static_cast<int>(std::lround(height / units)));
-}
-
-void GlWindow::set_title(const std::string& title) {
-    if (!lost()) glfwSetWindowTitle(impl_->window, title.c_str());
-}
 
 Image GlWindow::read_pixels() const {
     Image image;

@@ -12,7 +12,6 @@
 #include "visual_node/window/image.hpp"
 
 struct GLFWwindow;
-
 namespace thimble {
 
 struct WindowSettings {
@@ -22,7 +21,6 @@ struct WindowSettings {
     bool visible = true;
     bool fullscreen = false;   // on the primary monitor, in its own resolution
     bool vsync = true;         // end_frame() waits for the monitor
-    int samples = 0;           // per pixel, against jagged edges; several are slow where OpenGL is software
     double content_scale = 0;  // instead of the monitor's; 0: as the monitor says
 };
 
@@ -56,12 +54,11 @@ class GlWindow {
     GlWindow& operator=(const GlWindow&) = delete;
 
     // Takes what the window system has; the events are valid until the next call. More than kMaxEvents between two
-    // calls: the rest is lost (and counted).
+    // calls: the rest is lost.
     std::span<const WindowEvent> poll_events();
     // The same, but sleeps until there is an event, at most `longest`.
     std::span<const WindowEvent> wait_events(Duration longest);
     static constexpr std::size_t kMaxEvents = 1024;
-    std::uint64_t lost_events() const;
 
     // Makes the context current and clears the whole framebuffer. Colours 0 to 1.
     void begin_frame(float red, float green, float blue);
@@ -86,8 +83,6 @@ class GlWindow {
     // Hides the pointer and keeps it in the window: motion is then relative, and raw where the system offers that.
     void grab_pointer(bool grabbed);
     bool pointer_grabbed() const;
-    void set_size(int width, int height);  // of the framebuffer; the event comes with a later poll
-    void set_title(const std::string& title);
 
     // The picture that is drawn and not shown yet: call it before end_frame().
     Image read_pixels() const;

@@ -31,8 +31,6 @@ class Overlay {
     virtual double right_margin(const GlWindow& /*window*/) const { return 0; }
     // The window is about to close, because the user asked for it or because its screen is gone.
     virtual void closing(SessionTime /*now*/) {}
-    // True: the program ends (in views without a node of their own).
-    virtual bool done() const { return false; }
 };
 
 }  // namespace thimble

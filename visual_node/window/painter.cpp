@@ -3,9 +3,6 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "visual_node/window/flat_shapes.hpp"
-#include "visual_node/window/tissue_block.hpp"
-
 namespace thimble {
 namespace {
 
@@ -49,14 +46,6 @@ void add_fingertip(FlatShapes& shapes, const Picture::Fingertip& finger) {
 
 }  // namespace
 
-struct Painter::Impl {
-    TissueBlock tissue;
-    FlatShapes shapes;
-};
-
-Painter::Painter() : impl_(std::make_unique<Impl>()) {}
-Painter::~Painter() = default;
-
 void Painter::paint(const Picture& picture) {
     const PictureSize& size = picture.size;
     const glm::mat4 to_clip =
@@ -65,11 +54,11 @@ void Painter::paint(const Picture& picture) {
     glDisable(GL_DEPTH_TEST);  // the tissue is painted from back to front, the needle and the rest over it
     glDisable(GL_CULL_FACE);
     glDisable(GL_BLEND);
-    impl_->tissue.paint(picture, to_clip);
-    add_needle(impl_->shapes, picture);
-    if (picture.bar) add_bar(impl_->shapes, *picture.bar, size.content_scale);
-    if (picture.fingertip) add_fingertip(impl_->shapes, *picture.fingertip);
-    impl_->shapes.paint(to_clip);
+    tissue_.paint(picture, to_clip);
+    add_needle(shapes_, picture);
+    if (picture.bar) add_bar(shapes_, *picture.bar, size.content_scale);
+    if (picture.fingertip) add_fingertip(shapes_, *picture.fingertip);
+    shapes_.paint(to_clip);
 }
 
 }  // namespace thimble

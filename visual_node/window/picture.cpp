@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace thimble {
 namespace {
@@ -64,11 +63,6 @@ Picture picture_of(const Scene& scene, const PictureSize& size) {
     if (scene.bar_shown && scene.bar_full_scale_N > 0) picture.bar = bar_of(scene, size);
     if (scene.fingertip_shown) picture.fingertip = fingertip_of(scene, size);
     return picture;
-}
-
-double dimple_at(const Picture& picture, double distance) {
-    if (distance <= picture.dimple_radius) return picture.dimple_depth;
-    return picture.dimple_depth * (2 / std::numbers::pi) * std::asin(picture.dimple_radius / distance);
 }
 
 }  // namespace thimble

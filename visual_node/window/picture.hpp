@@ -7,7 +7,7 @@
 
 #include "common/shared_values.hpp"
 #include "visual_node/display.hpp"
-#include "visual_node/window/colours.hpp"
+#include "visual_node/window/image.hpp"
 
 namespace thimble {
 
@@ -52,10 +52,5 @@ inline constexpr double kBlanched_N = 4;
 
 // `scene` with any numbers, NaN included: what cannot be drawn stays at the picture's edges.
 Picture picture_of(const Scene& scene, const PictureSize& size);
-
-// How deep the dimple is at `distance` pixels from the needle's axis: the surface of an elastic half-space under a rigid flat
-// punch of radius a, u = u0 (2 / pi) arcsin(a / r) (Johnson, Contact Mechanics, 1985, eq. 3.38). With a radius chosen to be
-// seen, ten times a needle's, so that it is a drawing and no measurement.
-double dimple_at(const Picture& picture, double distance);
 
 }  // namespace thimble

@@ -18,27 +18,26 @@ Scene between(const Scene& older, const Scene& newer, SessionTime stamp) {
 
 }  // namespace
 
-Playout::Playout(Duration smoothing, std::size_t capacity) : smoothing_(smoothing), ring_(capacity) {
+Playout::Playout(Duration smoothing, std::size_t capacity) : smoothing_(smoothing), scenes_(capacity) {
     assert(smoothing >= Duration::zero() && capacity >= 2);
 }
 
 void Playout::add(const Scene& scene) {
-    if (added_ > 0 && scene.trial != recent(0).trial) added_ = 0;
-    if (added_ > 0 && scene.hand_time == recent(0).hand_time) {
-        ring_[(added_ - 1) % ring_.size()] = scene;  // the same sample once more: its bar may have fallen
+    if (!scenes_.empty() && scene.trial != recent(0).trial) scenes_.clear();
+    if (!scenes_.empty() && scene.hand_time == recent(0).hand_time) {
+        scenes_.back() = scene;  // the same sample once more: its bar may have fallen
         return;
     }
-    if (added_ > 0 && scene.hand_time < recent(0).hand_time) added_ = 0;
+    if (!scenes_.empty() && scene.hand_time < recent(0).hand_time) scenes_.clear();
     learn_delay(scene);
-    ring_[added_ % ring_.size()] = scene;
-    ++added_;
+    scenes_.push_back(scene);
 }
 
 // A delay that was once less says nothing about the network of now.
 void Playout::learn_delay(const Scene& scene) {
     const Duration took = scene.sample_time - scene.hand_time;
-    if (added_ == 0 || scene.hand_time - span_began_ >= kRemembered) {
-        quickest_before_ = added_ == 0 ? took : quickest_;
+    if (scenes_.empty() || scene.hand_time - span_began_ >= kRemembered) {
+        quickest_before_ = scenes_.empty() ? took : quickest_;
         quickest_ = took;
         span_began_ = scene.hand_time;
     }
@@ -46,11 +45,11 @@ void Playout::learn_delay(const Scene& scene) {
 }
 
 std::optional<Scene> Playout::at(SessionTime now) {
-    if (added_ == 0) return std::nullopt;
-    const std::size_t kept = std::min(added_, ring_.size());
+    if (scenes_.empty()) return std::nullopt;
     const SessionTime stamp = now - smoothing_ - std::min(quickest_, quickest_before_);
     std::size_t older = 0;
-    while (smoothing_ > Duration::zero() && older + 1 < kept && recent(older).hand_time > stamp) ++older;
+    while (smoothing_ > Duration::zero() && older + 1 < scenes_.size() && recent(older).hand_time > stamp)
+        ++older;
     const Scene& from = recent(older);
     shown_arrival_ = from.sample_time;
     if (older == 0 || from.hand_time > stamp) return from;

@@ -5,7 +5,8 @@
 
 #include <cstddef>
 #include <optional>
-#include <vector>
+
+#include <boost/circular_buffer.hpp>
 
 #include "visual_node/display.hpp"
 
@@ -29,11 +30,10 @@ class Playout {
 
   private:
     void learn_delay(const Scene& scene);
-    const Scene& recent(std::size_t i) const { return ring_[(added_ - 1 - i) % ring_.size()]; }
+    const Scene& recent(std::size_t i) const { return scenes_[scenes_.size() - 1 - i]; }
 
     Duration smoothing_;
-    std::vector<Scene> ring_;
-    std::size_t added_ = 0;
+    boost::circular_buffer<Scene> scenes_;
     // Arrival minus stamp, the least of this and the last span of kRemembered: where jitter begins.
     Duration quickest_{}, quickest_before_{};
     SessionTime span_began_{};

@@ -1,18 +1,24 @@
 #include "visual_node/window/visual_window.hpp"
 
+#include <csignal>
+#include <optional>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
-#include "common/runtime/node_program.hpp"
+#include "common/error.hpp"
+#include "common/runtime/node_report.hpp"
+#include "visual_node/visual_process.hpp"
+#include "visual_node/window/window_display.hpp"
+#include "visual_node/window/window_loop.hpp"
 
 namespace thimble {
 namespace {
 
-WindowSettings window_settings(const VisualWindowOptions& options) {
+WindowSettings window_settings(const VisualSettings& visual, bool player) {
     WindowSettings settings;
-    settings.fullscreen = options.fullscreen;
-    if (options.player) settings.width = 1100;  // a panel beside a scene as large as the subject's
+    settings.fullscreen = visual.fullscreen;
+    if (player) settings.width = 1100;  // a panel beside a scene as large as the subject's
     return settings;
 }
 
@@ -43,27 +49,57 @@ nlohmann::ordered_json beeps_of(const std::vector<BeepTimes>& beeps) {
     return list;
 }
 
-}  // namespace
+class WindowVisual final : public NodeInstance {
+  public:
+    WindowVisual(const VisualSettings& settings, VisualWindowOptions options, Sockets& sockets,
+                 std::uint64_t instance);
 
-VisualWindow::VisualWindow(const VisualSettings& settings, VisualWindowOptions options,
-                           const NetworkSettings& network)
-    : pointer_(options.pointer),
-      window_(window_settings(options)),
+    NodeProcess& process() override { return process_; }
+    void describe(nlohmann::ordered_json& report) const override;
+    bool has_foreground() const override { return true; }
+    void foreground(const std::function<bool()>& stopped) override {
+        if (loop_.run(stopped) != WindowEnd::kScreenLost || !subject_points_) return;
+        // A subject without eyes and hand only waits for the trial's timeout: let the session know.
+        static_cast<void>(std::raise(SIGTERM));
+        throw Error(ExitCode::kRunFailed, "the subject's screen is gone, and with it the pointer");
+    }
+
+  private:
+    bool subject_points_;  // nothing that a subject does closes the window
+    GlWindow window_;      // before all else: without a screen nothing else is worth trying
+    WindowDisplay display_;
+    PointerHand hand_;
+    std::unique_ptr<Beeper> beeper_;
+    std::unique_ptr<Overlay> overlay_;
+    Instructions instructions_;
+    std::optional<Vibration> vibration_;
+    WindowLoop loop_;
+    StalePolicy stale_;
+    VisualProcess process_;
+};
+
+WindowVisual::WindowVisual(const VisualSettings& settings, VisualWindowOptions options, Sockets& sockets,
+                           std::uint64_t instance)
+    : subject_points_(settings.pointer && !options.player),
+      window_(window_settings(settings, options.player)),
       display_(settings.pipeline),
       hand_(settings.pointer_m_per_count),
       beeper_(make_beeper(settings)),
       overlay_(std::move(options.overlay)),
       instructions_(std::move(options.instructions)),
       vibration_(make_vibration(settings, options.player)),
-      loop_({&window_, &display_, pointer_ ? &hand_ : nullptr, overlay_.get(), beeper_.get(), &instructions_,
-             settings.subject_goes_on && !options.player, pointer_ && !options.player,
+      loop_({&window_, &display_, settings.pointer ? &hand_ : nullptr, overlay_.get(), beeper_.get(),
+             &instructions_, settings.subject_goes_on && !options.player, subject_points_,
              vibration_ ? &*vibration_ : nullptr},
-            settings.smoothing, one_clock(network)) {
+            settings.smoothing, one_clock(sockets.settings())),
+      stale_(settings.stale),
+      process_(instance, settings, sockets, display_, settings.pointer ? &hand_ : nullptr) {
     if (!options.screenshot.empty()) loop_.set_screenshot(options.screenshot);
-    if (pointer_ && beeper_ != nullptr) loop_.set_notice(beeper_->notice());
+    if (settings.pointer && beeper_ != nullptr) loop_.set_notice(beeper_->notice());
 }
 
-void VisualWindow::describe(nlohmann::ordered_json& report) const {
+void WindowVisual::describe(nlohmann::ordered_json& report) const {
+    describe_stale(report, stale_, process_.stale_record());
     const FrameTimes& times = loop_.times();
     nlohmann::ordered_json window;
     window["end"] = to_string(loop_.end());
@@ -83,6 +119,13 @@ void VisualWindow::describe(nlohmann::ordered_json& report) const {
                       : Beeper::built()      ? "no_device"
                                              : "not_built";
     report["window"] = window;
+}
+
+}  // namespace
+
+std::unique_ptr<NodeInstance> open_visual_window(const VisualSettings& settings, VisualWindowOptions options,
+                                                 Sockets& sockets, std::uint64_t instance) {
+    return std::make_unique<WindowVisual>(settings, std::move(options), sockets, instance);
 }
 
 }  // namespace thimble

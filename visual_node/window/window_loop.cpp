@@ -9,9 +9,8 @@
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "visual_node/window/captions.hpp"
-#include "visual_node/window/page_text.hpp"
-#include "visual_node/window/png_file.hpp"
-#include "visual_node/window/shader.hpp"
+#include "visual_node/window/gl_shapes.hpp"
+#include "visual_node/window/image.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -29,17 +28,8 @@ std::string text_of(const char* text) { return text == nullptr || *text == '\0' 
 }  // namespace
 
 const char* to_string(WindowEnd end) {
-    switch (end) {
-        case WindowEnd::kNone:
-            return "none";
-        case WindowEnd::kAsked:
-            return "asked";
-        case WindowEnd::kClosed:
-            return "closed";
-        case WindowEnd::kScreenLost:
-            return "screen_lost";
-    }
-    return "?";
+    static constexpr std::array kNames{"none", "asked", "closed", "screen_lost"};
+    return kNames.at(static_cast<std::size_t>(end));
 }
 
 WindowLoop::WindowLoop(const Parts& parts, Duration smoothing, bool one_clock)

@@ -10,7 +10,6 @@
 #include "visual_node/instructions.hpp"
 #include "visual_node/visual_settings.hpp"
 #include "visual_node/window/beeper.hpp"
-#include "visual_node/window/frame_pace.hpp"
 #include "visual_node/window/frame_times.hpp"
 #include "visual_node/window/overlay.hpp"
 #include "visual_node/window/painter.hpp"

@@ -1,9 +1,10 @@
 // Each check with typical machines: its message, its severity, and the command that mends it.
+#include <type_traits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "thimble/doctor/checks.hpp"
-#include "thimble/doctor/doctor_report.hpp"
 
 namespace thimble {
 namespace {
@@ -12,204 +13,207 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-void expect_finding(const Diagnosis& finding, Severity severity, const std::string& words,
-                    const std::string& remedy) {
-    EXPECT_EQ(finding.severity, severity) << finding.says;
-    EXPECT_THAT(finding.says, HasSubstr(words));
-    if (remedy.empty()) {
-        EXPECT_THAT(finding.remedy, IsEmpty());
-    } else {
-        EXPECT_THAT(finding.remedy, HasSubstr(remedy));
+constexpr auto kOk = Severity::kOk, kNote = Severity::kNote, kWarning = Severity::kWarning,
+               kFault = Severity::kFault;
+
+// What is said of a machine. An empty remedy: there is none.
+struct Case {
+    Facts machine;
+    Severity severity = kOk;
+    const char *says = "", *remedy = "";
+};
+
+template <class Part>
+Facts with(Part Facts::*member, std::type_identity_t<Part> value, Facts facts = {}) {
+    facts.*member = std::move(value);
+    return facts;
+}
+
+void expect_findings(Diagnosis (*check)(const Facts&), const std::vector<Case>& cases) {
+    for (const Case& one : cases) {
+        const Diagnosis finding = check(one.machine);
+        SCOPED_TRACE(one.says + (" | " + finding.says));
+        EXPECT_EQ(finding.severity, one.severity);
+        EXPECT_THAT(finding.says, HasSubstr(one.says));
+        EXPECT_THAT(finding.remedy, HasSubstr(one.remedy));
+        EXPECT_EQ(finding.remedy.empty(), *one.remedy == '\0') << finding.remedy;
     }
 }
 
-TEST(DoctorSession, ABadFileIsAFaultWithItsOwnWords) {
-    expect_finding(check_session({}), Severity::kOk, "default session", "");
-    SessionFacts bad;
-    bad.file = "mine.toml";
-    bad.problem = "mine.toml:3: unknown key";
-    expect_finding(check_session(bad), Severity::kFault, "mine.toml:3", "thimble check mine.toml");
-    EXPECT_EQ(check_session(bad).code, ExitCode::kUsage);
+SessionFacts session_with(const char* handle, const char* fingertip = "simulated") {
+    return {"", "", false, handle, fingertip};
 }
 
-TEST(DoctorPrograms, MustBeThereAndOfOneVersion) {
-    ProgramFacts programs{"0.1.0", "bin", {{"thimble-master", "0.1.0"}, {"thimble-netem", "0.1.0"}}, "", ""};
-    expect_finding(check_programs(programs), Severity::kOk, "thimble 0.1.0 and its 2 nodes", "");
-    programs.nodes[1].version = "0.0.9";
-    expect_finding(check_programs(programs), Severity::kFault, "thimble-netem 0.0.9 beside thimble 0.1.0",
-                   "cmake --build");
-    programs.nodes[1].version = "";
-    expect_finding(check_programs(programs), Severity::kFault, "no thimble-netem that runs in bin",
-                   "cmake --build");
+const SessionFacts kSeveral{"", "", true};
+
+TEST(DoctorChecks, ABadSessionFileIsAFaultWithItsOwnWords) {
+    const auto session = [](const char* problem) { return with(&Facts::session, {"mine.toml", problem}); };
+    expect_findings(check_session,
+                    {{{}, kOk, "default session"},
+                     {session(""), kOk, "mine.toml is good"},
+                     {session("mine.toml:3: unknown"), kFault, "mine.toml:3", "thimble check mine.toml"}});
 }
 
-TEST(DoctorPorts, OurOwnProgramsAreEndedOthersAreAvoided) {
-    PortFacts ports{27000, 50, 25, {}, true};
-    expect_finding(check_ports(ports), Severity::kOk, "27000 to 27049 are free", "");
-    ports.taken = {{27003, 4711, "thimble-visual"}, {27009, 4711, "thimble-visual"}};
-    expect_finding(check_ports(ports), Severity::kFault, "27003 (by thimble-visual, process 4711) and others",
-                   "kill 4711");
-    ports.taken.push_back({27010, 12, "jackd"});
-    expect_finding(check_ports(ports), Severity::kFault, "3 of UDP ports", "--base-port 27050");
-    ports.taken = {{27001, 0, ""}};
-    expect_finding(check_ports(ports), Severity::kFault, "another user's program", "--base-port 27050");
-    EXPECT_EQ(check_ports(ports).code, ExitCode::kNetwork);
+TEST(DoctorChecks, ProgramsMustBeThereAndOfOneVersion) {
+    const auto netem = [](const char* version) {
+        return with(&Facts::programs,
+                    {"0.1.0", "bin", {{"thimble-master", "0.1.0"}, {"thimble-netem", version}}, "", ""});
+    };
+    expect_findings(check_programs,
+                    {{netem("0.1.0"), kOk, "thimble 0.1.0 and its 2 nodes"},
+                     {netem("0.0.9"), kFault, "thimble-netem 0.0.9 beside thimble 0.1.0", "cmake --build"},
+                     {netem(""), kFault, "no thimble-netem that runs in bin", "cmake --build"}});
+    expect_findings(check_software,
+                    {{with(&Facts::programs, {"", "", {}, "gnuplot 5.4", "Debian"}), kOk, "Debian, gnuplot"},
+                     {{}, kWarning, "without figures", "gnuplot-nox"}});
 }
 
-TEST(DoctorPorts, ALoopbackThatPassesNothingIsAFault) {
-    expect_finding(check_ports({27000, 25, 25, {}, false}), Severity::kFault, "did not arrive",
-                   "ip link set lo up");
+TEST(DoctorChecks, OurOwnProgramsAreEndedAtAPortOthersAreAvoided) {
+    const auto taken = [](std::vector<TakenPort> by) {
+        return with(&Facts::ports, {27000, 50, 25, std::move(by), true});
+    };
+    const TakenPort ours{27003, 4711, "thimble-visual"}, also_ours{27009, 4711, "thimble-visual"};
+    expect_findings(
+        check_ports,
+        {{taken({}), kOk, "27000 to 27049 are free"},
+         {taken({ours, also_ours}), kFault, "27003 (by thimble-visual, process 4711) and others",
+          "kill 4711"},
+         {taken({ours, also_ours, {27010, 12, "jackd"}}), kFault, "3 of UDP ports", "--base-port 27050"},
+         {taken({{27001, 0, ""}}), kFault, "another user's program", "--base-port 27050"},
+         {with(&Facts::ports, {27000, 25, 25, {}, false}), kFault, "did not arrive", "ip link set lo up"}});
 }
 
-TEST(DoctorFirewall, MattersToSeveralMachinesOnly) {
-    const PortFacts ports{27000, 25, 25, {}, true};
-    expect_finding(check_firewall({}, ports, true), Severity::kOk, "none was seen", "");
-    expect_finding(check_firewall({FirewallKind::kUfw, ""}, ports, false), Severity::kOk, "ufw is active",
-                   "");
-    expect_finding(check_firewall({FirewallKind::kUfw, ""}, ports, true), Severity::kWarning,
-                   "other machines", "sudo ufw allow 27000:27024/udp");
-    expect_finding(check_firewall({FirewallKind::kFirewalld, ""}, ports, true), Severity::kWarning,
-                   "firewalld", "--add-port=27000-27024/udp");
-    expect_finding(check_firewall({FirewallKind::kNftables, "inet filter input"}, ports, true),
-                   Severity::kWarning, "inet filter input",
-                   "nft insert rule inet filter input udp dport 27000-27024 accept");
+TEST(DoctorChecks, AFirewallMattersToSeveralMachinesOnly) {
+    const Facts one = with(&Facts::ports, {27000, 25, 25, {}, true});
+    const Facts several = with(&Facts::session, kSeveral, one);
+    expect_findings(
+        check_firewall,
+        {{several, kOk, "none was seen"},
+         {with(&Facts::firewall, {FirewallKind::kUfw, ""}, one), kOk, "ufw is active"},
+         {with(&Facts::firewall, {FirewallKind::kUfw, ""}, several), kWarning, "other machines",
+          "sudo ufw allow 27000:27024/udp"},
+         {with(&Facts::firewall, {FirewallKind::kFirewalld, ""}, several), kWarning, "firewalld",
+          "--add-port=27000-27024/udp"},
+         {with(&Facts::firewall, {FirewallKind::kNftables, "inet filter input"}, several), kWarning,
+          "inet filter input", "nft insert rule inet filter input udp dport 27000-27024 accept"}});
 }
 
-TEST(DoctorRealtime, TellsALimitThatCanBeRaisedFromOneThatCannot) {
-    expect_finding(check_realtime({}), Severity::kOk, "priority 60, is granted", "");
-    expect_finding(check_realtime({false, true, 60, 0}), Severity::kOk, "not asked for", "");
-    expect_finding(check_realtime({true, false, 60, 0}), Severity::kWarning, "may not have SCHED_FIFO",
-                   "rtprio 70");
-    expect_finding(check_realtime({true, false, 60, 95}), Severity::kWarning, "", "ulimit -r 60");
-    expect_finding(check_realtime({true, false, 60, -1}), Severity::kWarning, "", "ulimit -r 60");
+TEST(DoctorChecks, ALimitOfPrioritiesThatCanBeRaisedIsToldFromOneThatCannot) {
+    const auto realtime = [](RealtimeFacts facts) { return with(&Facts::realtime, facts); };
+    expect_findings(check_realtime,
+                    {{{}, kOk, "priority 60, is granted"},
+                     {realtime({false, true, 60, 0}), kOk, "not asked for"},
+                     {realtime({true, false, 60, 0}), kWarning, "may not have SCHED_FIFO", "rtprio 70"},
+                     {realtime({true, false, 60, 95}), kWarning, "", "ulimit -r 60"},
+                     {realtime({true, false, 60, -1}), kWarning, "", "ulimit -r 60"}});
 }
 
-TEST(DoctorTimer, IsJudgedByTheSamplesItMisses) {
-    TimerFacts timer{0.001, 1000, 30e-6, 200e-6, 900e-6, 0.004, 0.001};
-    expect_finding(check_timer(timer, {}), Severity::kOk, "late by 30 us (median), 200 us (99 %)", "");
-    timer.allowed_s = 0.002;
-    expect_finding(check_timer(timer, {}), Severity::kWarning, "more than 0.1 % miss", "top");
-    expect_finding(check_timer(timer, {true, false, 60, 0}), Severity::kWarning, "", "rtprio 70");
-    timer.median_s = 0.0015;
-    expect_finding(check_timer(timer, {}), Severity::kFault, "half of them", "top");
-    EXPECT_EQ(check_timer(timer, {}).code, ExitCode::kRealtime);
-    expect_finding(check_timer({}, {}), Severity::kNote, "not measured", "");
+TEST(DoctorChecks, ATimerIsJudgedByTheSamplesItMisses) {
+    const auto late = [](double median_s, double allowed_s, bool granted = true) {
+        return with(&Facts::timer, {0.001, 1000, median_s, 200e-6, allowed_s, 0.004, 0.001},
+                    with(&Facts::realtime, {true, granted, 60, 0}));
+    };
+    expect_findings(check_timer, {{late(30e-6, 900e-6), kOk, "late by 30 us (median), 200 us (99 %)"},
+                                  {late(30e-6, 0.002), kWarning, "more than 0.1 % miss", "top"},
+                                  {late(30e-6, 0.002, false), kWarning, "", "rtprio 70"},
+                                  {late(0.0015, 0.002), kFault, "half of them", "top"},
+                                  {{}, kNote, "not measured"}});
 }
 
-TEST(DoctorGovernor, OneSlowProcessorIsEnough) {
-    expect_finding(check_governor({4, {}, "tsc", {}}), Severity::kOk, "not the kernel's to choose", "");
-    expect_finding(check_governor({4, {"performance"}, "tsc", {}}), Severity::kOk, "governor performance",
-                   "");
-    expect_finding(check_governor({4, {"performance", "powersave"}, "tsc", {}}), Severity::kWarning,
-                   "performance, powersave", "echo performance");
-    expect_finding(check_governor({1, {}, "tsc", {}}), Severity::kWarning, "1 processors", "thimble up");
+TEST(DoctorChecks, SlowProcessorsAndClocksAreTold) {
+    const auto machine = [](ProcessorFacts facts) { return with(&Facts::processors, std::move(facts)); };
+    expect_findings(check_governor, {{machine({4, {}, "tsc", {}}), kOk, "not the kernel's to choose"},
+                                     {machine({4, {"performance"}, "tsc", {}}), kOk, "governor performance"},
+                                     {machine({4, {"performance", "powersave"}, "tsc", {}}), kWarning,
+                                      "performance, powersave", "echo performance"},
+                                     {machine({1, {}, "tsc", {}}), kWarning, "1 processors", "thimble up"}});
+    expect_findings(check_clock_source,
+                    {{machine({2, {}, "tsc", {"tsc", "hpet"}}), kOk, "tsc"},
+                     {machine({2, {}, "hpet", {"hpet", "acpi_pm", "tsc"}}), kWarning, "hpet", "echo tsc |"},
+                     {machine({2, {}, "acpi_pm", {"acpi_pm"}}), kWarning, "no other"}});
+    expect_findings(check_kernel, {{with(&Facts::kernel, {"6.1", "PREEMPT_DYNAMIC", 1e-9, true, false}), kOk,
+                                    "timers of 1 ns, CAN: yes, hidraw: no"},
+                                   {with(&Facts::kernel, {"6.1", "no PREEMPT", 0.004, true, true}), kWarning,
+                                    "CONFIG_HIGH_RES_TIMERS", "linux-image"}});
 }
 
-TEST(DoctorClockSource, ASlowOneIsReplacedByOneThatIsThere) {
-    expect_finding(check_clock_source({2, {}, "tsc", {"tsc", "hpet"}}), Severity::kOk, "tsc", "");
-    expect_finding(check_clock_source({2, {}, "hpet", {"hpet", "acpi_pm", "tsc"}}), Severity::kWarning,
-                   "hpet", "echo tsc |");
-    expect_finding(check_clock_source({2, {}, "acpi_pm", {"acpi_pm"}}), Severity::kWarning, "no other", "");
+TEST(DoctorChecks, NobodyNeedsTheClockOnOneMachine) {
+    const auto clock = [](ClockFacts facts) {
+        return with(&Facts::clock, std::move(facts), with(&Facts::session, kSeveral));
+    };
+    expect_findings(check_clock, {{clock({true, true, 0.002, "chrony follows x"}), kOk, "within 2.0 ms"},
+                                  {with(&Facts::clock, {true, false, 0, ""}), kOk, "needs nothing else"},
+                                  {clock({true, false, 0, ""}), kNote, "bounded more widely", "chrony"},
+                                  {clock({false, false, 0, ""}), kNote, "does not say", "chrony"}});
 }
 
-TEST(DoctorKernel, WithoutHighResolutionTimersDeadlinesAreRounded) {
-    expect_finding(check_kernel({"6.1", "PREEMPT_DYNAMIC", 1e-9, true, false}), Severity::kOk,
-                   "timers of 1 ns, CAN: yes, hidraw: no", "");
-    expect_finding(check_kernel({"6.1", "no PREEMPT", 0.004, true, true}), Severity::kWarning,
-                   "CONFIG_HIGH_RES_TIMERS", "linux-image");
-}
-
-TEST(DoctorClock, NobodyNeedsItOnOneMachine) {
-    expect_finding(check_clock({true, true, 0.002, "chrony follows x"}, true), Severity::kOk, "within 2.0 ms",
-                   "");
-    expect_finding(check_clock({true, false, 0, ""}, false), Severity::kOk, "needs nothing else", "");
-    expect_finding(check_clock({true, false, 0, ""}, true), Severity::kNote, "bounded more widely", "chrony");
-    expect_finding(check_clock({false, false, 0, ""}, true), Severity::kNote, "does not say", "chrony");
-}
-
-const DeviceFacts::Device kClosedCap{DeviceUse::kHidHand, "SpaceMouse Compact (256f:c635)", "/dev/hidraw3",
-                                     false};
-
-SessionFacts session_with(const std::string& handle, const std::string& fingertip = "simulated") {
-    SessionFacts session;
-    session.handle = handle;
-    session.fingertip = fingertip;
-    return session;
-}
-
-TEST(DoctorHandle, AClosedDeviceIsAFaultWhereItIsWanted) {
-    DeviceFacts devices{{kClosedCap}, {}};
-    expect_finding(check_handle(devices, session_with("hid")), Severity::kFault,
-                   "SpaceMouse Compact (256f:c635) at /dev/hidraw3 may not be opened",
-                   "deploy/udev/70-thimble");
-    expect_finding(check_handle(devices, session_with("simulated")), Severity::kNote, "may not be opened",
-                   "deploy/udev/70-thimble");
-    devices.rules = {"70-thimble-hid.rules"};
-    expect_finding(check_handle(devices, session_with("hid")), Severity::kFault, "log in at this machine",
-                   "udevadm trigger");
-    devices.devices[0].accessible = true;
-    expect_finding(check_handle(devices, session_with("hid")), Severity::kOk, "SpaceMouse Compact", "");
-}
-
-TEST(DoctorHandle, AnAbsentOrWrongDeviceIsTold) {
-    expect_finding(check_handle({}, session_with("simulated")), Severity::kOk, "plugged in: none", "");
-    expect_finding(check_handle({}, session_with("falcon")), Severity::kFault, "not plugged in", "lsusb");
+TEST(DoctorChecks, ADeviceThatIsWantedMustBeThereAndOpen) {
+    const auto cap = [](bool open) {
+        return DeviceFacts::Device{DeviceUse::kHidHand, "SpaceMouse Compact (256f:c635)", "/dev/hidraw3",
+                                   open};
+    };
+    const auto plugged = [](const SessionFacts& session, DeviceFacts devices) {
+        return with(&Facts::devices, std::move(devices), with(&Facts::session, session));
+    };
     const DeviceFacts mouse{{{DeviceUse::kUnusable, "CadMouse (256f:c650)", "/dev/hidraw0", true}}, {}};
-    expect_finding(check_handle(mouse, session_with("simulated")), Severity::kOk, "no hand's input", "");
-    expect_finding(check_handle(mouse, session_with("hid")), Severity::kFault, "not plugged in", "lsusb");
-    // One that is asked for and open is enough, whatever else is plugged in.
-    DeviceFacts two{{kClosedCap, kClosedCap}, {}};
-    two.devices[1].accessible = true;
-    expect_finding(check_handle(two, session_with("hid")), Severity::kOk, "SpaceMouse", "");
-}
-
-TEST(DoctorFingertip, ABoardIsNoHandle) {
     const DeviceFacts board{{{DeviceUse::kFingertipBoard, "Board (1209:0001)", "/dev/hidraw1", true}}, {}};
-    expect_finding(check_handle(board, session_with("simulated")), Severity::kOk, "plugged in: none", "");
-    expect_finding(check_fingertip(board, session_with("simulated", "board")), Severity::kOk, "Board", "");
-    expect_finding(check_fingertip({}, session_with("simulated", "board")), Severity::kFault,
-                   "not plugged in", "lsusb");
+    const SessionFacts hid = session_with("hid"), none;
+    const std::vector<std::string> rules{"70-thimble-hid.rules"};
+    expect_findings(
+        check_handle,
+        {{plugged(hid, {{cap(false)}, {}}), kFault,
+          "SpaceMouse Compact (256f:c635) at /dev/hidraw3 may not be opened", "deploy/udev/70-thimble"},
+         {plugged(none, {{cap(false)}, {}}), kNote, "may not be opened", "deploy/udev/70-thimble"},
+         {plugged(hid, {{cap(false)}, rules}), kFault, "log in at this machine", "udevadm trigger"},
+         {plugged(hid, {{cap(true)}, rules}), kOk, "SpaceMouse Compact"},
+         // One that is asked for and open is enough, whatever else is plugged in.
+         {plugged(hid, {{cap(false), cap(true)}, {}}), kOk, "SpaceMouse"},
+         {{}, kOk, "plugged in: none"},
+         {plugged(session_with("falcon"), {}), kFault, "not plugged in", "lsusb"},
+         {plugged(none, mouse), kOk, "no hand's input"},
+         {plugged(hid, mouse), kFault, "not plugged in", "lsusb"},
+         {plugged(none, board), kOk, "plugged in: none"}});
+    expect_findings(check_fingertip,
+                    {{plugged(session_with("simulated", "board"), board), kOk, "Board"},
+                     {plugged(session_with("simulated", "board"), {}), kFault, "not plugged in", "lsusb"}});
 }
 
-TEST(DoctorCan, IsNeededByDrivesOnly) {
-    KernelFacts kernel;
-    expect_finding(check_can({}, kernel, {}), Severity::kNote, "this kernel has none", "modprobe can_raw");
-    kernel.can = true;
-    expect_finding(check_can({}, kernel, {}), Severity::kNote, "no interface", "type vcan");
-    expect_finding(check_can({{{"can0", false, 10}}}, kernel, session_with("simulated", "drives")),
-                   Severity::kWarning, "can0 is down", "ip link set can0 up type can bitrate 1000000");
-    expect_finding(check_can({{{"can0", false, 10}, {"can1", true, 10}}}, kernel, {}), Severity::kOk,
-                   "can1 is up", "");
-    expect_finding(check_can({{{"can0", true, 10}}}, kernel, session_with("simulated", "drives")),
-                   Severity::kWarning, "10 frames may wait there", "ip link set can0 txqueuelen 100");
-    expect_finding(check_can({{{"can0", true, 100}}}, kernel, session_with("simulated", "drives")),
-                   Severity::kOk, "can0 is up", "");
+TEST(DoctorChecks, CanIsNeededByDrivesOnly) {
+    const Facts able = with(&Facts::kernel, {"", "", 1e-9, true});
+    const Facts drives = with(&Facts::session, session_with("simulated", "drives"), able);
+    expect_findings(
+        check_can, {{{}, kNote, "this kernel has none", "modprobe can_raw"},
+                    {able, kNote, "no interface", "type vcan"},
+                    {with(&Facts::can, {{{"can0", false, 10}}}, drives), kWarning, "can0 is down",
+                     "ip link set can0 up type can bitrate 1000000"},
+                    {with(&Facts::can, {{{"can0", false, 10}, {"can1", true, 10}}}, able), kOk, "can1 is up"},
+                    {with(&Facts::can, {{{"can0", true, 10}}}, drives), kWarning, "10 frames may wait there",
+                     "ip link set can0 txqueuelen 100"},
+                    {with(&Facts::can, {{{"can0", true, 100}}}, drives), kOk, "can0 is up"}});
 }
 
-TEST(DoctorScreen, IsAFaultOnlyWhereAWindowIsWanted) {
+TEST(DoctorChecks, AScreenIsAFaultOnlyWhereAWindowIsWanted) {
+    const auto screen = [](ScreenFacts facts, bool window) {
+        return with(&Facts::screen, std::move(facts), with(&Facts::session, {"", "", false, "", "", window}));
+    };
     const ScreenFacts none{true, "no screen: DISPLAY is not set", "", ""};
-    expect_finding(check_screen(none, false), Severity::kNote, "no screen", "DISPLAY");
-    expect_finding(check_screen(none, true), Severity::kFault, "no screen", "DISPLAY");
-    expect_finding(check_screen({true, "no window with OpenGL 3.3", "", ""}, true), Severity::kFault,
-                   "OpenGL 3.3", "libgl1-mesa-dri");
-    expect_finding(check_screen({false, "", "", ""}, false), Severity::kNote, "THIMBLE_GUI", "cmake");
-    expect_finding(check_screen({true, "", "Mesa Intel", "OpenGL 4.6"}, true), Severity::kOk, "Mesa Intel",
-                   "");
-    expect_finding(check_screen({true, "", "llvmpipe (LLVM 15)", "OpenGL 4.5"}, true), Severity::kWarning,
-                   "in software", "glxinfo");
+    expect_findings(
+        check_screen,
+        {{screen(none, false), kNote, "no screen", "DISPLAY"},
+         {screen(none, true), kFault, "no screen", "DISPLAY"},
+         {screen({true, "no window with OpenGL 3.3", "", ""}, true), kFault, "OpenGL 3.3", "libgl1-mesa-dri"},
+         {screen({false, "", "", ""}, false), kNote, "THIMBLE_GUI", "cmake"},
+         {screen({true, "", "Mesa Intel", "OpenGL 4.6"}, true), kOk, "Mesa Intel"},
+         {screen({true, "", "llvmpipe (LLVM 15)", "OpenGL 4.5"}, true), kWarning, "in software", "glxinfo"}});
+    expect_findings(check_sound, {{{}, kOk, "beep"},
+                                  {with(&Facts::sound, {true, "no device"}), kNote, "no device", "aplay"},
+                                  {with(&Facts::sound, {false, ""}), kNote, "THIMBLE_GUI"}});
 }
 
-TEST(DoctorSound, IsNeverAFault) {
-    expect_finding(check_sound({true, ""}), Severity::kOk, "beep", "");
-    expect_finding(check_sound({true, "no device"}), Severity::kNote, "no device", "aplay");
-    expect_finding(check_sound({false, ""}), Severity::kNote, "THIMBLE_GUI", "");
-}
-
-TEST(DoctorSoftware, ReportsNeedGnuplot) {
-    expect_finding(check_software({"0.1.0", "", {}, "gnuplot 5.4", "Debian"}), Severity::kOk,
-                   "Debian, gnuplot", "");
-    expect_finding(check_software({"0.1.0", "", {}, "", ""}), Severity::kWarning, "without figures",
-                   "gnuplot-nox");
+TEST(DoctorChecks, ExitCodesAreThoseOfTheManual) {
+    EXPECT_EQ(check_session({}).code, ExitCode::kUsage);
+    EXPECT_EQ(check_ports({}).code, ExitCode::kNetwork);
+    EXPECT_EQ(check_timer({}).code, ExitCode::kRealtime);
 }
 
 Facts healthy() {

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "thimble/doctor/gather.hpp"
+#include "thimble/doctor/facts.hpp"
 
 namespace thimble {
 namespace {

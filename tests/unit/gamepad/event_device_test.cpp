@@ -1,9 +1,8 @@
 // Which event device a joystick is, by a folder like the kernel's /sys/class/input.
-#include "visual_node/gamepad/event_device.hpp"
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/gamepad/fake_input_classes.hpp"
+#include "visual_node/gamepad/vibration.hpp"
 
 namespace thimble {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "visual_node/gamepad/event_device.hpp"
+#include "visual_node/gamepad/vibration.hpp"
 
 namespace thimble {
 

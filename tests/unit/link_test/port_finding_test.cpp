@@ -1,11 +1,11 @@
 // The meaning of errors and silence.
-#include "thimble/link_test/port_finding.hpp"
-
 #include <cerrno>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "thimble/link_test/link_figures.hpp"
 
 namespace thimble {
 namespace {

@@ -10,7 +10,7 @@
 #include <rapidcheck.h>
 
 #include "common/codec.hpp"
-#include "thimble/link_test/arrival_counter.hpp"
+#include "thimble/link_test/echo_responder.hpp"
 #include "thimble/link_test/port_traffic.hpp"
 
 namespace thimble {

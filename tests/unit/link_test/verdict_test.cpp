@@ -1,6 +1,4 @@
 // Verdicts from made-up figures: each rule, on both sides of its limit.
-#include "thimble/link_test/verdict.hpp"
-
 #include <cmath>
 
 #include <gmock/gmock.h>

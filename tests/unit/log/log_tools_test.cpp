@@ -1,4 +1,6 @@
 // What `thimble log` makes of files: checks, merging, tables, JSON, repair.
+#include "thimble/log/log_tools.hpp"
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -20,10 +22,7 @@
 #include "tests/unit/log/log_folder.hpp"
 #include "tests/unit/log/small_log.hpp"
 #include "tests/unit/log/written_log.hpp"
-#include "thimble/log/log_check.hpp"
 #include "thimble/log/log_export.hpp"
-#include "thimble/log/log_info.hpp"
-#include "thimble/log/log_repair.hpp"
 
 namespace thimble {
 namespace {

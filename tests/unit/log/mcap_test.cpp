@@ -10,7 +10,7 @@
 #include "common/error.hpp"
 #include "tests/fuzz/checks.hpp"
 #include "tests/unit/log/small_log.hpp"
-#include "thimble/log/log_repair.hpp"
+#include "thimble/log/log_tools.hpp"
 
 namespace thimble {
 

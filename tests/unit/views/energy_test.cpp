@@ -1,8 +1,8 @@
-#include "visual_node/views/energy.hpp"
-
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "visual_node/views/monitor_text.hpp"
 
 namespace thimble {
 namespace {

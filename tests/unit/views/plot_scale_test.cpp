@@ -1,9 +1,9 @@
-#include "visual_node/views/plot_scale.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
+
+#include "visual_node/views/view_layout.hpp"
 
 namespace thimble {
 namespace {

@@ -1,5 +1,3 @@
-#include "visual_node/views/replay_model.hpp"
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/views/played_session.hpp"

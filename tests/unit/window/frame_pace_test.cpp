@@ -1,5 +1,3 @@
-#include "visual_node/window/frame_pace.hpp"
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/session_time.hpp"

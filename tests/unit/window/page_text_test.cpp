@@ -1,11 +1,10 @@
-#include "visual_node/window/page_text.hpp"
-
 #include <filesystem>
 
 #include <gmock/gmock.h>
 
 #include "common/error.hpp"
-#include "visual_node/window/fonts.hpp"
+#include "visual_node/window/captions.hpp"
+#include "visual_node/window/gui_layer.hpp"
 
 namespace thimble {
 namespace {

@@ -1,7 +1,5 @@
 #include "visual_node/window/window_display.hpp"
 
-#include <thread>
-
 #include <gtest/gtest.h>
 
 #include "tests/unit/session_time.hpp"

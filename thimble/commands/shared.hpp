@@ -1,0 +1,38 @@
+// What several commands of `thimble` share: options, the programs beside this one, checks before a run, results.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/network_settings.hpp"
+#include "session/records/trial_table.hpp"
+#include "session/settings/system_settings.hpp"
+
+namespace CLI {  // NOLINT(readability-identifier-naming): theirs
+class App;
+class Option;
+}  // namespace CLI
+
+namespace thimble {
+
+// --analysis: `name` gets "paper" or "full"; parse_analysis (analysis.hpp) reads both.
+CLI::Option* add_analysis_option(CLI::App& command, std::string& name);
+// --base-port; 0 unless it is given.
+void add_base_port_option(CLI::App& command, int& base_port);
+
+// [network] and [security] of a session file, or of none where it is empty, at `base_port` unless that is 0.
+NetworkSettings network_of(const std::string& session_file, int base_port);
+
+// The nodes' programs lie beside this one.
+std::filesystem::path program_folder();
+
+// Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF), or letters of
+// [instructions] that the window's font lacks (where there are windows).
+void check_build(const SystemSettings& settings);
+
+// The results of a run or a study on stdout: a line per condition, the headline if there was a delay, and where the report lies in
+// `folder`; as JSON the folder's summary.json instead.
+void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows);
+
+}  // namespace thimble
