@@ -180,23 +180,10 @@ bool LinkModel::make_room(std::size_t bytes) {
 }
 
 void LinkModel::drop(std::uint64_t packet, SessionTime received, DropReason reason) {
-    switch (reason) {
-        case DropReason::kLost:
-            ++counters_.lost;
-            break;
-        case DropReason::kOutage:
-            ++counters_.outage;
-            break;
-        case DropReason::kOversized:
-            ++counters_.oversized;
-            break;
-        case DropReason::kQueueFull:
-            ++counters_.queue_full;
-            break;
-        case DropReason::kOverflowed:
-            ++counters_.overflowed;
-            break;
-    }
+    constexpr std::array<std::uint64_t LinkCounters::*, 5> kByReason{
+        &LinkCounters::lost, &LinkCounters::outage, &LinkCounters::oversized, &LinkCounters::queue_full,
+        &LinkCounters::overflowed};
+    ++(counters_.*kByReason[static_cast<std::size_t>(reason)]);
     if (observer_ != nullptr) observer_->on_drop(packet, received, reason);
 }
 
@@ -240,17 +227,8 @@ Departure LinkModel::pop_departure(SessionTime now) {
 }
 
 LinkCounters& LinkCounters::operator+=(const LinkCounters& other) {
-    pushed += other.pushed;
-    lost += other.lost;
-    outage += other.outage;
-    oversized += other.oversized;
-    queue_full += other.queue_full;
-    overflowed += other.overflowed;
-    delivered += other.delivered;
-    duplicated += other.duplicated;
-    corrupted += other.corrupted;
+    for (const LinkCounter& counter : kReportedCounters) this->*counter.value += other.*counter.value;
     skipped += other.skipped;
-    reordered += other.reordered;
     return *this;
 }
 

@@ -4,8 +4,10 @@
 //   loss -> outage -> corruption -> duplication -> transmitter (rate, slots or recorded deliveries) -> delay -> order
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "common/channel.hpp"
@@ -36,6 +38,22 @@ struct LinkCounters {
 
     LinkCounters& operator+=(const LinkCounters& other);
 };
+
+// By name, in the order of reports.
+struct LinkCounter {
+    std::string_view name;
+    std::uint64_t LinkCounters::*value;
+};
+inline constexpr std::array<LinkCounter, 10> kReportedCounters{{{"pushed", &LinkCounters::pushed},
+                                                                {"delivered", &LinkCounters::delivered},
+                                                                {"lost", &LinkCounters::lost},
+                                                                {"outage", &LinkCounters::outage},
+                                                                {"queue_full", &LinkCounters::queue_full},
+                                                                {"overflowed", &LinkCounters::overflowed},
+                                                                {"oversized", &LinkCounters::oversized},
+                                                                {"duplicated", &LinkCounters::duplicated},
+                                                                {"corrupted", &LinkCounters::corrupted},
+                                                                {"reordered", &LinkCounters::reordered}}};
 
 // The real waiting times of delivered packets, from push to pop, since the last restart.
 struct LinkDelays {

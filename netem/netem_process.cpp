@@ -5,31 +5,18 @@
 #include "netem/profiles/profiles.hpp"
 
 namespace thimble {
-namespace {
-
-std::vector<RelayPlan> plans_of(const NetemSettings& s, Ports& ports) {
-    std::vector<RelayPlan> plans;
-    const auto add = [&](Port in, Port out, const LinkSettings& link, Direction direction,
-                         const Timeline& timeline) {
+NetemProcess::NetemProcess(std::uint64_t instance, const NetemSettings& s, Ports& ports)
+    : NodeProcess(Role::kNetem, instance, *ports.between(Port::kNetemControl, Port::kSessionNetem)) {
+    const auto add = [&](Port in, Port out, Direction direction) {
+        const bool up = direction == kDirectionNeedle;
         Channel* const from = ports.inlet(in);
-        plans.push_back({from, ports.outlet(out), link, direction, timeline});
+        relays_.emplace_back(from, ports.outlet(out), up ? s.needle : s.force, direction,
+                             up ? s.needle_timeline : s.force_timeline);
     };
-    add(Port::kNetemNeedle, Port::kSlaveNeedle, s.needle, kDirectionNeedle, s.needle_timeline);
-    add(Port::kNetemForceMaster, Port::kMasterForce, s.force, kDirectionForceMaster, s.force_timeline);
-    add(Port::kNetemForceCutaneous, Port::kCutaneousForce, s.force, kDirectionForceCutaneous,
-        s.force_timeline);
-    add(Port::kNetemForceVisual, Port::kVisualForce, s.force, kDirectionForceVisual, s.force_timeline);
-    return plans;
-}
-
-}  // namespace
-
-NetemProcess::NetemProcess(std::uint64_t instance, Channel& control, const std::vector<RelayPlan>& plans)
-    : NodeProcess(Role::kNetem, instance, control), relays_(plans.begin(), plans.end()) {}
-
-NetemProcess::NetemProcess(std::uint64_t instance, const NetemSettings& settings, Ports& ports)
-    : NetemProcess{instance, *ports.between(Port::kNetemControl, Port::kSessionNetem),
-                   plans_of(settings, ports)} {
+    add(Port::kNetemNeedle, Port::kSlaveNeedle, kDirectionNeedle);
+    add(Port::kNetemForceMaster, Port::kMasterForce, kDirectionForceMaster);
+    add(Port::kNetemForceCutaneous, Port::kCutaneousForce, kDirectionForceCutaneous);
+    add(Port::kNetemForceVisual, Port::kVisualForce, kDirectionForceVisual);
     join_stop_bus(ports);
 }
 

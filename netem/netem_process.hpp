@@ -11,35 +11,26 @@
 namespace thimble {
 
 // A datagram from `from` leaves at `to`, later.
-struct RelayPlan {
-    Channel* from = nullptr;
-    Channel* to = nullptr;
-    LinkSettings link;
-    std::uint32_t direction = 0;  // tells the links of a session apart in random draws
-    Timeline timeline{};          // of each trial
-};
-
 struct Relay {
-    explicit Relay(const RelayPlan& plan)
-        : from(plan.from),
-          to(plan.to),
-          delayed(plan.direction != kDirectionNeedle),
-          start(plan.link),
-          model(plan.link, StreamKey{}, plan.direction, plan.timeline) {}
+    Relay(Channel* in, Channel* out, const LinkSettings& link, Direction direction, const Timeline& timeline)
+        : from(in),
+          to(out),
+          delayed(direction != kDirectionNeedle),
+          start(link),
+          model(link, StreamKey{}, direction, timeline) {}
 
     Channel* from;
     Channel* to;
     bool delayed;  // on the force path, whose delay may be changed alone
     bool changed = false;
     LinkSettings start;   // what each trial begins with
-    NetworkName network;  // the profile that holds; empty: the plan's own link
+    NetworkName network;  // the profile that holds; empty: the link of the session file
     LinkModel model;
     LinkCounters before;  // of the trials before this one: the model starts anew with each
 };
 
 class NetemProcess final : public NodeProcess {
   public:
-    NetemProcess(std::uint64_t instance, Channel& control, const std::vector<RelayPlan>& plans);
     // Opens its channels: the needle's link and three for the force.
     NetemProcess(std::uint64_t instance, const NetemSettings& settings, Ports& ports);
 
@@ -48,7 +39,10 @@ class NetemProcess final : public NodeProcess {
   protected:
     void begin_trial(SessionTime now, const SessionControl& control) override;
     void end_trial(SessionTime /*now*/) override {}  // what is in flight still arrives, as in a real network
-    // A profile's two ways, by its name among those that come with the program, and the force path's delay. Packets in flight keep their fate. On a link in order none overtakes them: after a shorter delay the new packets wait for the old ones. Where the profile stays, so do all settings but the delay. The next trial begins with the same. An unknown name changes the delay alone.
+    // A profile's two ways, by its name among those that come with the program, and the force path's delay. Packets in
+    // flight keep their fate. On a link in order none overtakes them: after a shorter delay the new packets wait for the
+    // old ones. Where the profile stays, so do all settings but the delay. The next trial begins with the same. An
+    // unknown name changes the delay alone.
     void network_changed(SessionTime now, const SessionControl& control) override;
     void work(SessionTime now) override;
     SessionTime next_work() const override;

@@ -8,8 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/runtime/udp_socket.hpp"
 #include "common/time.hpp"
-#include "netem/relay/udp_address.hpp"
 
 namespace thimble {
 

@@ -55,6 +55,12 @@ void install_stop_signals(QuitSignal quit) {
     std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its writer
 }
 
+void block_signals() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+}
+
 unsigned emergency_stops() { return emergencies; }
 
 // A launcher that died before the first line sends no signal. A parent that is not the launcher may be a wrapper between

@@ -36,6 +36,8 @@ enum class QuitSignal { kEnds, kStopsEverything };
 // Set by SIGINT and SIGTERM once install_stop_signals() was called.
 const std::atomic<bool>& stop_requested();
 void install_stop_signals(QuitSignal quit = QuitSignal::kEnds);
+// In a thread beside the loop: signals are for the loop's own.
+void block_signals();
 // How many emergency stops SIGQUIT has asked for since the program began. A loop that obeys them counts from 0: one that
 // came while devices were made ready still holds.
 unsigned emergency_stops();

@@ -47,4 +47,12 @@ SessionTime StampClock::to_session(std::int64_t stamp_realtime_ns, SessionTime n
     return std::min(stamp, now);
 }
 
+SessionTime ArrivalClock::arrival(std::int64_t stamp_realtime_ns) {
+    const ClockPair pair = read_clock_pair();
+    if (stamp_realtime_ns == 0 || pair.after - pair.before > kTornPair) return pair.after;
+    clock_.update(pair);
+    // A pair tells the offset to half its width.
+    return std::min(clock_.to_session(stamp_realtime_ns, pair.after) + kTornPair, pair.after);
+}
+
 }  // namespace thimble

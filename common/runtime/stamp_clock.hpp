@@ -27,4 +27,14 @@ class StampClock {
     std::uint64_t steps_ = 0, untrusted_ = 0;
 };
 
+// For one datagram at a time; reads both clocks itself. A stamp (0: there is none) becomes session time that is never before
+// the arrival, and at most a few microseconds after it.
+class ArrivalClock {
+  public:
+    SessionTime arrival(std::int64_t stamp_realtime_ns);
+
+  private:
+    StampClock clock_;
+};
+
 }  // namespace thimble

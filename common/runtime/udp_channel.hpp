@@ -2,16 +2,15 @@
 #pragma once
 
 #include <array>
-#include <netinet/in.h>
 #include <optional>
 #include <string>
-#include <sys/socket.h>
 #include <vector>
 
 #include "common/channel.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/listener.hpp"
 #include "common/runtime/stamp_clock.hpp"
+#include "common/runtime/udp_socket.hpp"
 
 namespace thimble {
 
@@ -36,8 +35,6 @@ class UdpChannel final : public Channel, public Listener {
     // host that is listened to. Throws Error (network) with the address if the port is taken or a name cannot
     // be resolved.
     UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote);
-    ~UdpChannel() override;
-
     void send(Bytes datagram) override;
     void answer(Bytes datagram) override;
 
@@ -49,7 +46,7 @@ class UdpChannel final : public Channel, public Listener {
     void listen_also_to(const std::vector<std::string>& hosts);
 
     // To wait on; readable when a datagram is there.
-    int file_descriptor() const override { return socket_; }
+    int file_descriptor() const override { return socket_.descriptor(); }
     // Asking an empty socket is a system call for nothing. Once watched, the channel counts as empty from the moment
     // that nothing was left until the watcher says has_mail().
     void set_watched(bool watched) override {
@@ -64,16 +61,15 @@ class UdpChannel final : public Channel, public Listener {
     void bind_to(const Endpoint& local);
     bool from_peer(std::size_t size);
     void send_to(const sockaddr_in& address, Bytes datagram);
-    SessionTime arrival_of(const msghdr& message);
 
-    int socket_ = -1;
+    UdpSocket socket_;
     sockaddr_in remote_{};
     sockaddr_in source_{};           // of what was taken last
     std::vector<in_addr_t> others_;  // hosts
     UdpCounters counters_;
     bool stamping_ = false;
     bool watched_ = false;
-    StampClock stamp_clock_;
+    ArrivalClock arrival_clock_;
     std::optional<SessionTime> arrival_;
     alignas(16) std::array<std::uint8_t, kMaxDatagramBytes + 1> buffer_{};
 };

@@ -11,7 +11,7 @@
 #include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/commands/commands.hpp"
-#include "netem/relay/control_socket.hpp"
+#include "netem/relay/control_server.hpp"
 #include "netem/relay/relay_report.hpp"
 
 namespace thimble {

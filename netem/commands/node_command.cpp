@@ -22,16 +22,8 @@ class Netem final : public NodeInstance {
         for (const Relay& relay : process_.relays()) {
             LinkCounters counters = relay.before;
             counters += relay.model.counters();
-            report["links"].push_back({{"pushed", counters.pushed},
-                                       {"delivered", counters.delivered},
-                                       {"lost", counters.lost},
-                                       {"outage", counters.outage},
-                                       {"queue_full", counters.queue_full},
-                                       {"overflowed", counters.overflowed},
-                                       {"oversized", counters.oversized},
-                                       {"duplicated", counters.duplicated},
-                                       {"corrupted", counters.corrupted},
-                                       {"reordered", counters.reordered}});
+            nlohmann::ordered_json& link = report["links"].emplace_back();
+            for (const auto& [name, value] : kReportedCounters) link[std::string(name)] = counters.*value;
         }
     }
 
@@ -47,8 +39,7 @@ int run_node(int argc, char** argv) {
     program.name = "thimble-netem";
     program.description =
         "Relays the datagrams between master and slave_sim through a delay, jitter and loss model: one link "
-        "for the "
-        "needle, one each for the force to handle, fingertips and screen.";
+        "for the needle, one each for the force to handle, fingertips and screen.";
     program.example = "thimble-netem --config deploy/sessions/delay50.toml --force-delay-s 0.05";
     program.options = {
         {"--force-delay-s", "one-way delay of the force path, instead of [netem.force].delay_s",

@@ -10,7 +10,9 @@
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "netem/commands/commands.hpp"
-#include "netem/commands/profile_option.hpp"
+#include "netem/formats/tc_text.hpp"
+#include "netem/profiles/profiles.hpp"
+#include "netem/relay/control_text.hpp"
 #include "netem/relay/relay_service.hpp"
 #include "netem/relay/selftest.hpp"
 
@@ -19,7 +21,8 @@ namespace {
 
 struct RelayOptions {
     std::vector<std::string> listen, to;
-    ProfileOptions profile;
+    std::string profile;            // a name, a file or tc's words (profiles.hpp)
+    std::vector<std::string> link;  // assignments as for `thimble-netem set`, on top of it
     std::uint64_t seed = 1;
     std::size_t most_flows = 1000;
     double idle_s = 60, seconds = 0;
@@ -28,6 +31,35 @@ struct RelayOptions {
 };
 
 constexpr double kSelftestDefault_s = 10;
+
+struct Network {
+    LinkPair links;
+    TimelinePair timelines;
+};
+
+// Throws Error (usage; data for a file that a profile names).
+Network read_network(const RelayOptions& options) {
+    Network network;
+    if (!options.profile.empty()) {
+        LinkProfile profile = load_profile(options.profile);
+        for (const std::string& note : profile.notes) spdlog::info(note);
+        network.links = {std::move(profile.up), std::move(profile.down)};
+        network.timelines = {std::move(profile.up_changes), std::move(profile.down_changes)};
+    }
+    network.links = assign(network.links, options.link);
+    return network;
+}
+
+// The same for the kernel's netem on `device`, and what it does not do.
+void print_tc_commands(const LinkPair& links, const std::string& device) {
+    const auto print_way = [&](const char* way, const LinkSettings& link) {
+        const TcCommands tc = print_tc(link, device);
+        fmt::print("# {}\n{}\n", way, tc.command);
+        for (const std::string& gap : tc.cannot) fmt::print("# not the same: {}\n", gap);
+    };
+    print_way("up", links.up);
+    print_way("down", links.down);
+}
 
 RelaySettings relay_settings(const RelayOptions& options) {
     if (options.listen.size() != options.to.size() || options.listen.empty()) {
@@ -45,7 +77,7 @@ RelaySettings relay_settings(const RelayOptions& options) {
         }
         relay.inlets.push_back({read_udp_address(options.listen[i], "--listen"), to});
     }
-    Network network = read_profile(options.profile);
+    Network network = read_network(options);
     relay.links = std::move(network.links);
     relay.timelines = std::move(network.timelines);
     relay.seed = options.seed;
@@ -62,8 +94,8 @@ int check_lateness(const RelayOptions& options, const RelayState& state, const R
         late += d.late;
         sent += d.error.count();
     }
-    const double share = sent == 0 ? 0 : static_cast<double>(late) / static_cast<double>(sent);
-    if (!options.strict_rt || share <= runtime.allowed_miss_fraction) return static_cast<int>(ExitCode::kOk);
+    if (!options.strict_rt || share_of(late, sent) <= runtime.allowed_miss_fraction)
+        return static_cast<int>(ExitCode::kOk);
     spdlog::error("{} of {} packets left more than 1 ms late; --strict-rt allows a fraction of {}", late,
                   sent, runtime.allowed_miss_fraction);
     return static_cast<int>(ExitCode::kRealtime);
@@ -84,7 +116,7 @@ int relay(const RelayOptions& options) {
 
 int selftest(const RelayOptions& options) {
     SelftestSettings settings;
-    Network network = read_profile(options.profile);
+    Network network = read_network(options);
     settings.links = std::move(network.links);
     settings.timelines = std::move(network.timelines);
     settings.seed = options.seed;
@@ -103,6 +135,14 @@ void add_traffic_options(CLI::App& app, RelayOptions& o) {
     app.add_option("--to", o.to, "the server behind, one for each --listen")
         ->type_name("HOST:PORT")
         ->take_all();
+    app.add_option("-p,--profile", o.profile,
+                   "the network: a name (" + fmt::format("{}", fmt::join(profile_names(), ", ")) +
+                       "), a TOML file, or tc's words in quotes")
+        ->type_name("NAME|FILE|WORDS");
+    app.add_option(
+           "--link", o.link,
+           "single settings on top of it, e.g. up.delay_s=0.05 loss=0.01; both ways without up. or down.")
+        ->type_name("KEY=VALUE");
     app.add_option("--seed", o.seed, "the same seed gives each packet the same fate")->capture_default_str();
     app.add_option("--max-flows", o.most_flows, "clients at the same time")
         ->check(CLI::Range(1, 100000))
@@ -132,11 +172,10 @@ void add_run_options(CLI::App& app, RelayOptions& o) {
 std::function<int()> add_relay(CLI::App& app) {
     const auto options = std::make_shared<RelayOptions>();
     add_traffic_options(app, *options);
-    add_profile_options(app, options->profile);
     add_run_options(app, *options);
     return [options] {
         if (options->print_tc.empty()) return options->selftest ? selftest(*options) : relay(*options);
-        print_tc_commands(read_profile(options->profile).links, options->print_tc);
+        print_tc_commands(read_network(*options).links, options->print_tc);
         return 0;
     };
 }

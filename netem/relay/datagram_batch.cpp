@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <netinet/udp.h>
 
 namespace thimble {
@@ -12,17 +11,6 @@ namespace {
 
 constexpr std::size_t kRoomBytes = 65536;  // more than any UDP datagram has
 constexpr std::size_t kMostJoinedBytes = 60000;
-
-std::int64_t kernel_stamp_ns(const msghdr& message) {
-    for (const cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr;
-         c = CMSG_NXTHDR(const_cast<msghdr*>(&message), const_cast<cmsghdr*>(c))) {
-        if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMPNS) continue;
-        timespec stamp{};
-        std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
-        return std::int64_t{stamp.tv_sec} * 1'000'000'000 + stamp.tv_nsec;
-    }
-    return 0;
-}
 
 bool same_receiver(const sockaddr_in& a, const sockaddr_in& b) {
     return a.sin_port == b.sin_port && a.sin_addr.s_addr == b.sin_addr.s_addr;

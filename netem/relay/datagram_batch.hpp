@@ -1,6 +1,7 @@
 // Datagrams by the batch: one system call for many (recvmmsg, sendmmsg). Buffers are made once.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -9,8 +10,7 @@
 #include <vector>
 
 #include "common/channel.hpp"
-#include "common/runtime/stamp_clock.hpp"
-#include "netem/relay/udp_address.hpp"
+#include "common/runtime/udp_socket.hpp"
 
 namespace thimble {
 
@@ -41,12 +41,34 @@ class ReceiveBatch {
     std::size_t used_ = kSize;  // entries that the kernel has shortened
 };
 
+// How many datagrams to ask a socket for. To look in vain for one more costs the kernel a good part of what a datagram
+// costs. So a socket that is asked whenever it has something is asked for one, and for more when there are.
+class ReceiveTurn {
+  public:
+    std::size_t most() const { return most_; }
+    // The result. Less than half: half as many the next time. All, so often in a row: twice as many.
+    void got(std::size_t count) {
+        full_ = count == most_ ? full_ + 1 : 0;
+        if (full_ == kOften) {
+            most_ = std::min(2 * most_, ReceiveBatch::kSize);
+            full_ = 0;
+        } else if (2 * count <= most_) {
+            most_ = std::max<std::size_t>(1, most_ / 2);
+        }
+    }
+
+  private:
+    static constexpr unsigned kOften = 8;
+    std::size_t most_ = 1;
+    unsigned full_ = 0;
+};
+
 class SendBatch {
   public:
     static constexpr std::size_t kSize = 64;
-    // So many datagrams of one size to one receiver, in a row, are handed over as one piece that the kernel cuts up at the far end of
-    // its own path (UDP_SEGMENT): that costs it far less, and what arrives is the same. Fewer stay single, because whatever watches the path
-    // (a packet capture, a queue discipline that drops) sees the piece.
+    // So many datagrams of one size to one receiver, in a row, are handed over as one piece. The kernel cuts it up at the
+    // far end of its own path (UDP_SEGMENT): that costs it far less, and the same arrives. Fewer stay single, because
+    // whatever watches the path (a packet capture, a queue discipline that drops) sees the piece.
     static constexpr std::size_t kJoin = 16;
     static constexpr std::size_t kLongestJoined = 1200;  // bytes; a cut must fit every path
 

@@ -1,10 +1,10 @@
-// Which of many links must be looked at next: a binary heap of their due times that knows where each link stands, so
-// that a link's time can change at any moment. No allocation after resize().
+// Which of many links must be looked at next. A link's time can change at any moment, without an allocation.
 #pragma once
 
-#include <cassert>
 #include <cstdint>
 #include <vector>
+
+#include <boost/intrusive/set.hpp>
 
 #include "common/time.hpp"
 
@@ -13,35 +13,35 @@ namespace thimble {
 class DueHeap {
   public:
     // Links are numbered from 0 to `links` - 1; none has a time yet.
-    explicit DueHeap(std::size_t links) : place_(links, kNowhere) { heap_.reserve(links); }
+    explicit DueHeap(std::size_t links) : entries_(links) {
+        for (std::uint32_t link = 0; link < links; ++link) entries_[link].link = link;
+    }
 
-    bool empty() const { return heap_.empty(); }
-    SessionTime first_due() const { return heap_.empty() ? kNever : heap_.front().due; }
-    std::uint32_t first() const { return heap_.front().link; }
+    bool empty() const { return waiting_.empty(); }
+    SessionTime first_due() const { return empty() ? kNever : waiting_.begin()->due; }
+    std::uint32_t first() const { return waiting_.begin()->link; }
 
     // kNever takes the link out.
-    void set(std::uint32_t link, SessionTime due);
+    void set(std::uint32_t link, SessionTime due) {
+        Entry& entry = entries_[link];
+        if (entry.due == due) return;
+        if (entry.due != kNever) waiting_.erase(waiting_.iterator_to(entry));
+        entry.due = due;
+        if (due != kNever) waiting_.insert(entry);
+    }
 
   private:
-    struct Entry {
-        SessionTime due;
-        std::uint32_t link;
+    struct Entry : boost::intrusive::set_base_hook<> {
+        SessionTime due = kNever;
+        std::uint32_t link = 0;
+        // Equal times: the lower number first, so that the order never depends on history.
+        bool operator<(const Entry& other) const {
+            return due != other.due ? due < other.due : link < other.link;
+        }
     };
-    static constexpr std::uint32_t kNowhere = UINT32_MAX;
 
-    // Equal times: the lower number first, so that the order never depends on history.
-    static bool before(const Entry& a, const Entry& b) {
-        return a.due != b.due ? a.due < b.due : a.link < b.link;
-    }
-    void put(std::size_t place, const Entry& entry) {
-        heap_[place] = entry;
-        place_[entry.link] = static_cast<std::uint32_t>(place);
-    }
-    void remove(std::size_t place);
-    void settle(std::size_t place, const Entry& entry);
-
-    std::vector<Entry> heap_;
-    std::vector<std::uint32_t> place_;  // of each link in heap_
+    std::vector<Entry> entries_;
+    boost::intrusive::set<Entry> waiting_;
 };
 
 }  // namespace thimble

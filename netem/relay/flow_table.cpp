@@ -4,13 +4,6 @@
 
 namespace thimble {
 
-// Odd multiplier (golden ratio): neighbouring ports and hosts fall into different buckets.
-std::size_t FlowTable::Hash::operator()(const FlowName& name) const {
-    const std::uint64_t number = name.client.number() ^ (std::uint64_t{name.inlet} << 48);
-    const std::uint64_t mixed = number * 0x9E3779B97F4A7C15U;
-    return static_cast<std::size_t>(mixed ^ (mixed >> 32));
-}
-
 FlowTable::FlowTable(std::size_t most, std::size_t inlets) : flows_(most), next_number_(inlets, 0) {
     places_.reserve(most);
     idle_.reserve(most);
@@ -19,7 +12,7 @@ FlowTable::FlowTable(std::size_t most, std::size_t inlets) : flows_(most), next_
 
 std::optional<FlowTable::Found> FlowTable::find(const FlowName& name, SessionTime now) {
     assert(name.inlet < next_number_.size());
-    if (const auto known = places_.find(name); known != places_.end()) {
+    if (const auto known = places_.find(key_of(name)); known != places_.end()) {
         alive(known->second, now);
         return Found{known->second, false};
     }
@@ -27,21 +20,21 @@ std::optional<FlowTable::Found> FlowTable::find(const FlowName& name, SessionTim
     const std::uint32_t place = free_.back();
     free_.pop_back();
     flows_[place] = {name, next_number_[name.inlet]++, now, true};
-    places_.emplace(name, place);
+    places_.emplace(key_of(name), place);
     ++opened_;
     return Found{place, true};
 }
 
 void FlowTable::close(std::uint32_t place) {
     assert(flows_[place].open);
-    places_.erase(flows_[place].name);
+    places_.erase(key_of(flows_[place].name));
     flows_[place].open = false;
     free_.push_back(place);
 }
 
 std::span<const std::uint32_t> FlowTable::idle_since(SessionTime before) {
     idle_.clear();
-    for (const auto& [name, place] : places_) {
+    for (const auto& [_, place] : places_) {
         if (flows_[place].last < before) idle_.push_back(place);
     }
     return idle_;

@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/runtime/udp_socket.hpp"
 #include "common/time.hpp"
-#include "netem/relay/udp_address.hpp"
 
 namespace thimble {
 
@@ -41,9 +41,7 @@ class FlowTable {
     std::uint32_t number(std::uint32_t place) const { return flows_[place].number; }
     bool open(std::uint32_t place) const { return flows_[place].open; }
     std::size_t size() const { return places_.size(); }
-    std::size_t most() const { return flows_.size(); }
     std::uint64_t opened() const { return opened_; }
-    std::uint64_t expired() const { return opened_ - places_.size(); }
 
   private:
     struct Flow {
@@ -52,11 +50,11 @@ class FlowTable {
         SessionTime last{};
         bool open = false;
     };
-    struct Hash {
-        std::size_t operator()(const FlowName& name) const;
-    };
+    static std::uint64_t key_of(const FlowName& name) {
+        return name.client.number() | std::uint64_t{name.inlet} << 48;
+    }
 
-    std::unordered_map<FlowName, std::uint32_t, Hash> places_;
+    std::unordered_map<std::uint64_t, std::uint32_t> places_;
     std::vector<Flow> flows_;
     std::vector<std::uint32_t> free_;  // the lowest place last
     std::vector<std::uint32_t> next_number_;

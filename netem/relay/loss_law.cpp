@@ -1,6 +1,7 @@
 #include "netem/relay/loss_law.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "netem/packet_trace.hpp"
 
@@ -19,7 +20,6 @@ LossLaw::Chain::Chain(const LossSettings& settings) {
             lost = {settings.probability};
             return;
         case LossShape::kGilbertElliott: {
-            states = 2;
             const double bad = share_in_bad(settings);
             stationary = {1 - bad, bad};
             lost = {settings.loss_in_good, settings.loss_in_bad};
@@ -28,7 +28,6 @@ LossLaw::Chain::Chain(const LossSettings& settings) {
             return;
         }
         case LossShape::kFourState:
-            states = 4;
             stationary = four_state_shares(settings);
             lost = {0, 0, 1, 1};
             move[0] = {1 - settings.p13 - settings.p14, 0, settings.p13, settings.p14};
@@ -56,13 +55,12 @@ LossLaw::LossLaw(const TwinLink& link, std::span<const SessionTime> received) : 
             settings = &later;
         }
         if (settings->trace != nullptr && settings->trace->layout().has_loss) {
-            States same;
-            same.fill(settings->trace->of(packet, time).loss);
-            lose(same, kMostStates);
+            const double loss = settings->trace->of(packet, time).loss;
+            lose({loss, loss, loss, loss});
         } else {
             begun ? move(chain) : begin(chain);
             begun = true;
-            lose(chain.lost, chain.states);
+            lose(chain.lost);
         }
         trim();
     }
@@ -71,31 +69,26 @@ LossLaw::LossLaw(const TwinLink& link, std::span<const SessionTime> received) : 
 void LossLaw::begin(const Chain& chain) {
     for (std::size_t lost = low_; lost <= high_; ++lost) {
         const double all = at(lost);
-        share_[lost] = {};
-        for (std::size_t s = 0; s < chain.states; ++s) share_[lost][s] = all * chain.stationary[s];
+        for (std::size_t s = 0; s < 4; ++s) share_[lost][s] = all * chain.stationary[s];
     }
 }
 
 void LossLaw::move(const Chain& chain) {
-    if (chain.states == 1) return;
     for (std::size_t lost = low_; lost <= high_; ++lost) {
-        const States before = share_[lost];
-        for (std::size_t to = 0; to < chain.states; ++to) {
-            double sum = 0;
-            for (std::size_t from = 0; from < chain.states; ++from)
-                sum += before[from] * chain.move[from][to];
-            share_[lost][to] = sum;
+        const States before = std::exchange(share_[lost], {});
+        for (std::size_t from = 0; from < 4; ++from) {
+            for (std::size_t to = 0; to < 4; ++to) share_[lost][to] += before[from] * chain.move[from][to];
         }
     }
 }
 
-void LossLaw::lose(const States& probability, std::size_t states) {
+void LossLaw::lose(const States& probability) {
     ++high_;
-    for (std::size_t lost = high_; lost > low_; --lost) {
-        for (std::size_t s = 0; s < states; ++s)
+    for (std::size_t s = 0; s < 4; ++s) {
+        for (std::size_t lost = high_; lost > low_; --lost)
             share_[lost][s] = share_[lost][s] * (1 - probability[s]) + share_[lost - 1][s] * probability[s];
+        share_[low_][s] *= 1 - probability[s];
     }
-    for (std::size_t s = 0; s < states; ++s) share_[low_][s] *= 1 - probability[s];
 }
 
 void LossLaw::trim() {

@@ -21,19 +21,17 @@ class LossLaw {
     double chance_of(std::uint64_t lost) const;
 
   private:
-    static constexpr std::size_t kMostStates = 4;
-    using States = std::array<double, kMostStates>;
-    // Where a packet is lost with the probability of the state it finds.
+    using States = std::array<double, 4>;
+    // Where a packet is lost with the probability of the state it finds. Fewer states: the others are never reached.
     struct Chain {
         explicit Chain(const LossSettings& settings);
-        std::size_t states = 1;
         States stationary{1}, lost{};
-        std::array<States, kMostStates> move{{{1}}};  // from, to
+        std::array<States, 4> move{{{1}}};  // from, to
     };
 
     void begin(const Chain& chain);
     void move(const Chain& chain);
-    void lose(const States& probability, std::size_t states);
+    void lose(const States& probability);
     void trim();
     double at(std::size_t lost) const;
 

@@ -5,28 +5,13 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <thread>
+
+#include <boost/lockfree/spsc_queue.hpp>
 
 #include "netem/relay/packet_record.hpp"
 
 namespace thimble {
-
-// One writer, one reader, no lock.
-class RecordQueue {
-  public:
-    explicit RecordQueue(std::size_t room);  // a power of two
-    // False if it is full. For the one thread that adds.
-    bool add(const PacketRecord& record);
-    // False if it is empty. For the one thread that takes.
-    bool take(PacketRecord& record);
-
-  private:
-    std::unique_ptr<PacketRecord[]> records_;
-    std::size_t mask_;
-    alignas(64) std::atomic<std::uint64_t> added_{0};
-    alignas(64) std::atomic<std::uint64_t> taken_{0};
-};
 
 class PacketLog final : public PacketSink {
   public:
@@ -36,8 +21,7 @@ class PacketLog final : public PacketSink {
     // Binary records (packet_record.hpp), or text if the name ends in .csv. Starts the thread, which keeps the default
     // scheduling: make this object before asking for real time. Throws Error (data) if the file cannot be made.
     explicit PacketLog(const std::filesystem::path& path, std::size_t room = kRoom);
-    // Writes what is left.
-    ~PacketLog() override;
+    ~PacketLog() override;  // writes what is left
     PacketLog(const PacketLog&) = delete;
     PacketLog& operator=(const PacketLog&) = delete;
 
@@ -48,13 +32,12 @@ class PacketLog final : public PacketSink {
 
   private:
     void run();
-    bool write_waiting();
     void write(const PacketRecord& record);
 
     std::filesystem::path path_;
     bool text_;
     std::ofstream file_;
-    RecordQueue queue_;
+    boost::lockfree::spsc_queue<PacketRecord> queue_;
     std::uint64_t missing_ = 0, gap_ = 0;  // in all; since the last record that found room
     std::atomic<bool> stop_{false};
     std::thread thread_;

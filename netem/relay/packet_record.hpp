@@ -23,6 +23,8 @@
 #include <string>
 #include <string_view>
 
+#include "netem/link_observer.hpp"
+
 namespace thimble {
 
 enum class RelayDirection : std::uint8_t { kUp = 0, kDown = 1 };
@@ -39,6 +41,11 @@ enum class LoggedFate : std::uint8_t {
     kGap = 7,         // the log could not keep up
 };
 inline constexpr std::size_t kLoggedFates = 8;
+constexpr LoggedFate fate_of(DropReason reason) {
+    return static_cast<LoggedFate>(1 + static_cast<std::uint8_t>(reason));
+}
+static_assert(fate_of(DropReason::kLost) == LoggedFate::kLost);
+static_assert(fate_of(DropReason::kOverflowed) == LoggedFate::kOverflowed);
 std::string_view to_string(LoggedFate fate);
 
 struct PacketRecord {

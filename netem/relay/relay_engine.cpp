@@ -5,7 +5,6 @@
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "netem/relay/fates.hpp"
 
 namespace thimble {
 namespace {
@@ -19,6 +18,27 @@ constexpr std::uint64_t kInletTags = std::uint64_t{1} << 32;  // below: the plac
 std::size_t index(RelayDirection direction) { return static_cast<std::size_t>(direction); }
 
 }  // namespace
+
+// Links do not know whose they are: the engine says it before each push.
+class RelayEngine::DropLog final : public LinkObserver {
+  public:
+    explicit DropLog(PacketSink& log) : log_(&log) {}
+
+    void expect(const PacketRecord& record, std::size_t bytes) {
+        record_ = record;
+        record_.bytes = static_cast<std::uint32_t>(bytes);
+    }
+    void on_drop(std::uint64_t packet, SessionTime received, DropReason reason) override {
+        record_.packet = packet;
+        record_.received_ns = to_nanoseconds(received);
+        record_.fate = fate_of(reason);
+        log_->add(record_);
+    }
+
+  private:
+    PacketSink* log_;
+    PacketRecord record_;
+};
 
 RelayEngine::RelayEngine(const RelaySettings& settings, PacketSink* log)
     : settings_(settings),
@@ -44,10 +64,6 @@ RelayEngine::RelayEngine(const RelaySettings& settings, PacketSink* log)
 }
 
 RelayEngine::~RelayEngine() = default;
-
-void RelayEngine::watch(int descriptor) { waiter_.add(descriptor, kWatchedTag); }
-
-bool RelayEngine::watched_is_readable() { return std::exchange(watched_readable_, false); }
 
 void RelayEngine::step(SessionTime latest) {
     std::array<epoll_event, 64> room{};
@@ -144,9 +160,7 @@ void RelayEngine::receive(std::span<const epoll_event> events) {
     stamps_.update(read_clock_pair());
     for (const epoll_event& event : events) {
         const std::uint64_t tag = event.data.u64;
-        if (tag == kWatchedTag) {
-            watched_readable_ = true;
-        } else if (tag >= kInletTags) {
+        if (tag >= kInletTags) {
             receive_from_clients(static_cast<std::uint32_t>(tag - kInletTags));
         } else {
             receive_from_server(static_cast<std::uint32_t>(tag));
@@ -162,8 +176,7 @@ std::size_t RelayEngine::receive_turn(int descriptor, ReceiveTurn& turn) {
 
 void RelayEngine::receive_from_clients(std::uint32_t inlet) {
     const std::size_t count = receive_turn(inlets_[inlet].descriptor(), inlet_turns_[inlet]);
-    const SessionTime now =
-        wall_now();  // after the call: a stamp cannot be later, and none is cut down to an earlier time
+    const SessionTime now = wall_now();  // after the call: no stamp is later, and none is cut down
     for (std::size_t i = 0; i < count; ++i) {
         const ReceiveBatch::Datagram datagram = arrivals_[i];
         const SessionTime received = stamps_.to_session(datagram.stamp_realtime_ns, now);
@@ -262,6 +275,10 @@ void RelayEngine::change(SessionTime now, const LinkPair& links) {
         flows_[place]->links[index(RelayDirection::kDown)].change(now, links.down);
         for (const std::uint32_t link : {2 * place, 2 * place + 1}) due_.set(link, model(link).next_due());
     }
+}
+
+RelayState RelayEngine::state(SessionTime now) const {
+    return {links(), totals(now), waiter_.counters(), waiter_.margin(), waiter_.precise(), send_lead()};
 }
 
 RelayTotals RelayEngine::totals(SessionTime now) const {

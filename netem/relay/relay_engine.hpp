@@ -10,20 +10,25 @@
 #include <optional>
 #include <vector>
 
-#include "common/runtime/event_waiter.hpp"
 #include "common/runtime/stamp_clock.hpp"
+#include "common/runtime/udp_socket.hpp"
 #include "netem/link_model.hpp"
 #include "netem/relay/datagram_batch.hpp"
 #include "netem/relay/due_heap.hpp"
 #include "netem/relay/flow_table.hpp"
 #include "netem/relay/packet_record.hpp"
-#include "netem/relay/receive_turn.hpp"
-#include "netem/relay/relay_settings.hpp"
 #include "netem/relay/relay_totals.hpp"
 #include "netem/relay/send_lead.hpp"
-#include "netem/relay/udp_socket.hpp"
 
 namespace thimble {
+
+// Part of every published seed, apart from the directions of a session (netem_settings.hpp).
+inline constexpr std::uint32_t kRelayUp = 11, kRelayDown = 12;
+
+// With the direction and the packet's number this decides a packet's fate.
+inline StreamKey flow_key(std::uint64_t seed, std::uint32_t inlet, std::uint32_t flow) {
+    return {.study = seed, .experiment = inlet, .subject = flow};
+}
 
 class RelayEngine {
   public:
@@ -31,19 +36,16 @@ class RelayEngine {
     RelayEngine(const RelaySettings& settings, PacketSink* log);
     ~RelayEngine();
 
-    // One wait, no longer than until `latest`, and what follows from it. Sends what is due before it receives; what is due
-    // by the time it could be on its way counts as due (send_lead.hpp).
+    // One wait, no longer than until `latest` or a tenth of a second, and what follows from it. Sends what is due before it
+    // receives; what is due by the time it could be on its way counts as due (send_lead.hpp).
     void step(SessionTime latest);
-
-    // Asks step() to return when this becomes readable, and says whether it did. At most one.
-    void watch(int descriptor);
-    bool watched_is_readable();
 
     // From now on other links, for all flows; what is in flight keeps its fate.
     void change(SessionTime now, const LinkPair& links);
     const LinkPair& links() const { return settings_.links; }
 
     RelayTotals totals(SessionTime now) const;
+    RelayState state(SessionTime now) const;
     UdpAddress inlet_address(std::size_t inlet) const { return inlets_[inlet].local(); }
     // From when on outages, timelines and traces by time count. Slots begin with their flow.
     SessionTime start() const { return start_; }
@@ -64,8 +66,6 @@ class RelayEngine {
         Departure departure;
     };
     class DropLog;
-
-    static constexpr std::uint64_t kWatchedTag = UINT64_MAX - 1;
 
     void send_due(SessionTime now);
     void serve(std::uint32_t link, SessionTime now);
@@ -105,7 +105,6 @@ class RelayEngine {
     std::unique_ptr<DropLog> drops_;
     RelayTotals totals_;  // without the counters of flows that are open
     SessionTime start_, next_housekeeping_, next_expiry_;
-    bool watched_readable_ = false;
 };
 
 }  // namespace thimble

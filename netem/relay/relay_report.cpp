@@ -1,5 +1,8 @@
 #include "netem/relay/relay_report.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "common/version.hpp"
@@ -35,11 +38,12 @@ Json describe_delay(const LinkSettings& link, const Histogram& delay) {
             {"achieved_worst_s", to_seconds(delay.worst())}};
 }
 
+// Of the packets that the loss model could have lost.
 Json describe_loss(const LinkSettings& link, const LinkCounters& packets) {
-    const AchievedLoss loss = achieved_loss(packets);
-    const ProportionInterval interval = loss.interval();
+    const std::uint64_t asked = packets.pushed - packets.oversized - packets.outage;
+    const ProportionInterval interval = wilson_95(packets.lost, asked);
     return {{"asked", stationary_loss(link.loss)},
-            {"achieved", loss.share()},
+            {"achieved", share_of(packets.lost, asked)},
             {"low_95", interval.low},
             {"high_95", interval.high}};
 }
@@ -92,22 +96,37 @@ std::string machine_text(const Json& report) {
 
 }  // namespace
 
+double share_of(std::uint64_t part, std::uint64_t whole) {
+    return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+ProportionInterval wilson_95(std::uint64_t successes, std::uint64_t trials) {
+    if (trials == 0) return {};
+    constexpr double kZ = 1.959963984540054;  // normal quantile of 0.975
+    const auto n = static_cast<double>(trials);
+    const double p = static_cast<double>(successes) / n;
+    const double shrink = 1 + kZ * kZ / n;
+    const double centre = (p + kZ * kZ / (2 * n)) / shrink;
+    const double half = kZ / shrink * std::sqrt(p * (1 - p) / n + kZ * kZ / (4 * n * n));
+    return {successes == 0 ? 0.0 : std::max(0.0, centre - half),
+            successes == trials ? 1.0 : std::min(1.0, centre + half)};
+}
+
 nlohmann::ordered_json describe(const LinkSettings& link) {
-    Json json{{"delay_s", to_seconds(link.delay)},
-              {"jitter", to_string(link.jitter.shape)},
-              {"jitter_spread_s", to_seconds(link.jitter.spread)},
-              {"jitter_correlation", link.jitter.correlation},
-              {"loss", stationary_loss(link.loss)},
-              {"duplicate", link.duplicate},
-              {"corrupt", link.corrupt},
-              {"reorder", link.reorder},
-              {"in_order", link.in_order},
-              {"rate_bit_per_s", link.rate.bits_per_s},
-              {"outages", link.outages.size()},
-              {"trace", link.trace != nullptr},
-              {"delivery_trace", link.deliveries != nullptr},
-              {"capacity", link.capacity}};
-    return json;
+    return {{"delay_s", to_seconds(link.delay)},
+            {"jitter", to_string(link.jitter.shape)},
+            {"jitter_spread_s", to_seconds(link.jitter.spread)},
+            {"jitter_correlation", link.jitter.correlation},
+            {"loss", stationary_loss(link.loss)},
+            {"duplicate", link.duplicate},
+            {"corrupt", link.corrupt},
+            {"reorder", link.reorder},
+            {"in_order", link.in_order},
+            {"rate_bit_per_s", link.rate.bits_per_s},
+            {"outages", link.outages.size()},
+            {"trace", link.trace != nullptr},
+            {"delivery_trace", link.deliveries != nullptr},
+            {"capacity", link.capacity}};
 }
 
 nlohmann::ordered_json describe(const Histogram& error) {

@@ -5,20 +5,16 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/event_waiter.hpp"
-#include "netem/relay/relay_settings.hpp"
 #include "netem/relay/relay_totals.hpp"
 
 namespace thimble {
 
-struct RelayState {
-    LinkPair links;
-    RelayTotals totals;
-    WaitCounters waiting;
-    Duration margin{};
-    bool precise = false;
-    Duration send_lead{};  // RelayEngine::send_lead
+// Wilson's score interval of a proportion at 95 % (Wilson, JASA 22, 1927): inside [0, 1], sensible at 0 and 1.
+struct ProportionInterval {
+    double low = 0, high = 1;
 };
+double share_of(std::uint64_t part, std::uint64_t whole);                     // 0 of nothing
+ProportionInterval wilson_95(std::uint64_t successes, std::uint64_t trials);  // {0, 1} for no trials
 
 nlohmann::ordered_json describe(const LinkSettings& link);
 nlohmann::ordered_json describe(const Histogram& error);  // of due times

@@ -8,8 +8,7 @@
 
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "netem/relay/control_handler.hpp"
-#include "netem/relay/control_socket.hpp"
+#include "netem/relay/control_server.hpp"
 #include "netem/relay/packet_log.hpp"
 #include "netem/relay/relay_engine.hpp"
 
@@ -36,12 +35,12 @@ void say_if_spinning_gave_up(const EventWaiter& waiter, bool& said) {
     spdlog::warn("precise waiting would take more than 80 % of a core: sleeping instead while that is so");
 }
 
-void relay_until_stopped(RelayEngine& engine, ControlHandler& handler, SessionTime end) {
+void relay_until_stopped(RelayEngine& engine, ControlServer* control, SessionTime end) {
     bool said = false;
     SessionTime latest = wall_now() + kStopLatency;
     while (!stop_requested()) {
         engine.step(std::min(latest, end));
-        if (engine.watched_is_readable()) handler.serve(engine);
+        if (control != nullptr) control->serve(engine);
         const SessionTime now = wall_now();
         if (now >= end) return;
         if (now < latest) continue;
@@ -76,20 +75,16 @@ RelayState run_relay(const ServiceSettings& settings) {
     allow_descriptors(settings.relay.most_flows + settings.relay.inlets.size() + kOtherDescriptors);
     std::optional<PacketLog> log;
     if (!settings.log.empty()) log.emplace(settings.log);
-    ControlHandler handler;
     std::optional<ControlServer> control;
-    if (!settings.control.empty()) control.emplace(settings.control, handler);
+    if (!settings.control.empty()) control.emplace(settings.control);
     install_stop_signals();
     RelaySettings relay = settings.relay;
     relay.precise = ask_for_precision(settings.runtime, relay.precise);
     RelayEngine engine(relay, log ? &*log : nullptr);
-    engine.watch(handler.descriptor());
     say_ready(relay, engine);
-    const SessionTime start = wall_now();
-    relay_until_stopped(engine, handler,
-                        settings.length > Duration::zero() ? start + settings.length : kNever);
-    RelayState state{engine.links(),           engine.totals(wall_now()), engine.waiter().counters(),
-                     engine.waiter().margin(), engine.waiter().precise(), engine.send_lead()};
+    const SessionTime end = settings.length > Duration::zero() ? wall_now() + settings.length : kNever;
+    relay_until_stopped(engine, control ? &*control : nullptr, end);
+    RelayState state = engine.state(wall_now());
     control.reset();
     if (log) log->finish();
     return state;

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/runtime/udp_socket.hpp"
 #include "netem/link_settings.hpp"
-#include "netem/relay/udp_address.hpp"
 
 namespace thimble {
 

@@ -5,8 +5,10 @@
 #include <cstdint>
 
 #include "common/histogram.hpp"
+#include "common/runtime/event_waiter.hpp"
 #include "netem/link_model.hpp"
 #include "netem/relay/packet_record.hpp"
+#include "netem/relay/relay_settings.hpp"
 
 namespace thimble {
 
@@ -36,18 +38,13 @@ struct RelayTotals {
     }
 };
 
-// Wilson's score interval of a proportion at 95 % (Wilson, JASA 22, 1927): inside [0, 1], sensible at 0 and 1.
-struct ProportionInterval {
-    double low = 0, high = 1;
+struct RelayState {
+    LinkPair links;
+    RelayTotals totals;
+    WaitCounters waiting;
+    Duration margin{};
+    bool precise = false;
+    Duration send_lead{};  // RelayEngine::send_lead
 };
-ProportionInterval wilson_95(std::uint64_t successes, std::uint64_t trials);  // {0, 1} for no trials
-
-// Packets that never left for a reason that a loss setting names, and the packets it could have named.
-struct AchievedLoss {
-    std::uint64_t lost = 0, of = 0;
-    double share() const { return of == 0 ? 0.0 : static_cast<double>(lost) / static_cast<double>(of); }
-    ProportionInterval interval() const { return wilson_95(lost, of); }
-};
-AchievedLoss achieved_loss(const LinkCounters& packets);
 
 }  // namespace thimble

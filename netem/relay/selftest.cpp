@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <arpa/inet.h>
+#include <map>
 
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/event_waiter.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "netem/relay/fates.hpp"
 #include "netem/relay/loss_law.hpp"
 #include "netem/relay/relay_engine.hpp"
 #include "netem/relay/relay_service.hpp"
@@ -18,35 +18,28 @@ namespace {
 // For the last packets: what links may delay them, and a machine that stalls.
 constexpr Duration kSettling = std::chrono::milliseconds{300};
 
-// Keeps every record in memory that was there from the beginning.
+// Keeps as many records as there is room for.
 class Records final : public PacketSink {
   public:
     explicit Records(std::size_t room) { records_.reserve(room); }
     void add(const PacketRecord& record) override {
-        if (records_.size() < records_.capacity()) {
-            records_.push_back(record);
-        } else {
-            ++missing_;
-        }
+        if (records_.size() < records_.capacity()) records_.push_back(record);
     }
-    std::uint64_t missing() const override { return missing_; }
     // Of one direction, by packet, one each: a packet that was sent and whose second copy was dropped counts as sent.
     std::vector<PacketRecord> of(RelayDirection direction) const {
-        std::vector<PacketRecord> chosen;
+        std::map<std::uint64_t, PacketRecord> chosen;
         for (const PacketRecord& record : records_) {
-            if (record.direction == direction && !record.copy) chosen.push_back(record);
+            if (record.direction != direction || record.copy) continue;
+            const auto [kept, fresh] = chosen.emplace(record.packet, record);
+            if (!fresh && record.fate < kept->second.fate) kept->second = record;
         }
-        std::stable_sort(chosen.begin(), chosen.end(), [](const PacketRecord& a, const PacketRecord& b) {
-            return a.packet != b.packet ? a.packet < b.packet : a.fate < b.fate;
-        });
-        const auto same = [](const PacketRecord& a, const PacketRecord& b) { return a.packet == b.packet; };
-        chosen.erase(std::unique(chosen.begin(), chosen.end(), same), chosen.end());
-        return chosen;
+        std::vector<PacketRecord> records;
+        for (const auto& [_, record] : chosen) records.push_back(record);
+        return records;
     }
 
   private:
     std::vector<PacketRecord> records_;
-    std::uint64_t missing_ = 0;
 };
 
 Duration slowest(const LinkPair& links) {
@@ -54,16 +47,14 @@ Duration slowest(const LinkPair& links) {
     return way(links.up) + way(links.down) + kSettling;
 }
 
-RelaySettings relay_settings(const SelftestSettings& settings, const UdpAddress& server, bool precise) {
-    RelaySettings relay;
-    relay.inlets.push_back({{htonl(INADDR_LOOPBACK), 0}, server});
-    relay.links = settings.links;
-    relay.timelines = settings.timelines;
-    relay.seed = settings.seed;
-    relay.most_flows = 1;
-    relay.idle = std::chrono::hours{24};
-    relay.precise = precise;
-    return relay;
+RelaySettings relay_of(const SelftestSettings& settings, const UdpAddress& server, bool precise) {
+    return {.inlets = {{{htonl(INADDR_LOOPBACK), 0}, server}},
+            .links = settings.links,
+            .timelines = settings.timelines,
+            .seed = settings.seed,
+            .most_flows = 1,
+            .idle = std::chrono::hours{24},
+            .precise = precise};
 }
 
 std::vector<SessionTime> receptions(const std::vector<PacketRecord>& records) {
@@ -78,7 +69,6 @@ void count_records(const std::vector<PacketRecord>& records, const std::vector<b
     for (const PacketRecord& record : records) {
         const bool sent = record.fate == LoggedFate::kSent;
         const bool dropped = !sent && record.fate != LoggedFate::kRefused;
-        d.sent += sent ? 1U : 0U;
         d.dropped += dropped ? 1U : 0U;
         d.lost += record.fate == LoggedFate::kLost ? 1U : 0U;
         d.early += sent && record.sent_ns < record.due_ns ? 1U : 0U;
@@ -117,21 +107,19 @@ SelftestResult run_selftest(const SelftestSettings& settings) {
     const bool precise = ask_for_precision(settings.runtime, settings.precise);
     SelftestResult result;
     result.timer = measure_timer(kTrafficPeriod, bare);
-    RelayEngine engine(relay_settings(settings, traffic.address(), precise), &records);
+    RelayEngine engine(relay_of(settings, traffic.address(), precise), &records);
     traffic.start(engine.inlet_address(0));
     while (!traffic.finished() && !stop_requested()) engine.step(kNever);
-    const SessionTime end = wall_now();
+    result.state = engine.state(wall_now());
     result.timer.merge(measure_timer(kTrafficPeriod, bare));
-    result.state = {engine.links(), engine.totals(end), engine.waiter().counters(), engine.waiter().margin(),
-                    precise,        engine.send_lead()};
     const StreamKey key = flow_key(settings.seed, 0, 0);
-    const std::vector<PacketRecord> up = records.of(RelayDirection::kUp);
+    const auto up = records.of(RelayDirection::kUp), down = records.of(RelayDirection::kDown);
     const SessionTime start = engine.start(), opened = up.empty() ? start : receptions(up).front();
-    result.direction[0] = examine({settings.links.up, settings.timelines.up, key, kRelayUp, start, opened},
-                                  kUpBytes, traffic.way(RelayDirection::kUp), up);
-    result.direction[1] =
+    result.direction = {
+        examine({settings.links.up, settings.timelines.up, key, kRelayUp, start, opened}, kUpBytes,
+                traffic.way(RelayDirection::kUp), up),
         examine({settings.links.down, settings.timelines.down, key, kRelayDown, start, opened}, kDownBytes,
-                traffic.way(RelayDirection::kDown), records.of(RelayDirection::kDown));
+                traffic.way(RelayDirection::kDown), down)};
     judge(result);
     return result;
 }

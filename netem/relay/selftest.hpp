@@ -30,7 +30,6 @@ struct SelftestSettings {
 struct SelftestDirection {
     std::uint64_t offered = 0;      // sent by the traffic
     std::uint64_t received = 0;     // by the relay
-    std::uint64_t sent = 0;         // by the relay
     std::uint64_t arrived = 0;      // first copies, unharmed, at the other end
     std::uint64_t dropped = 0;      // by the link, as asked
     std::uint64_t lost = 0;         // of these by its loss model, or a trace

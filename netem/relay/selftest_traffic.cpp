@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <arpa/inet.h>
-#include <csignal>
 #include <cstring>
 
 #include "common/runtime/event_waiter.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
 namespace {
-
-enum Tag : std::uint64_t { kServer, kClient };
 
 UdpAddress loopback() { return {htonl(INADDR_LOOPBACK), 0}; }
 
@@ -50,72 +48,56 @@ void SelftestTraffic::start(const UdpAddress& relay) {
 }
 
 void SelftestTraffic::run() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    block_signals();
     while (!started_ && !abandoned_) wall_sleep(std::chrono::milliseconds{1});
     if (abandoned_) return;
     client_ = UdpSocket::connected(relay_);
     EventWaiter waiter(false);
-    waiter.add(server_.descriptor(), kServer);
-    waiter.add(client_.descriptor(), kClient);
+    waiter.add(server_.descriptor(), static_cast<std::uint64_t>(RelayDirection::kUp));
+    waiter.add(client_.descriptor(), static_cast<std::uint64_t>(RelayDirection::kDown));
     std::array<epoll_event, 2> room{};
     SessionTime next = wall_now() + kTrafficPeriod;
     SessionTime end = kNever;
     while (!abandoned_ && wall_now() < end) {
         const auto events = waiter.wait(next, next, room);
         stamps_.update(read_clock_pair());
-        for (const epoll_event& event : events)
-            event.data.u64 == kServer ? receive_at_server() : receive_at_client();
+        for (const epoll_event& event : events) receive(static_cast<RelayDirection>(event.data.u64));
         if (wall_now() < next) continue;
         next += kTrafficPeriod;
-        TrafficWay& up = ways_[static_cast<std::size_t>(RelayDirection::kUp)];
-        if (up.sent.size() < packets_) send(RelayDirection::kUp, client_.descriptor(), nullptr);
-        if (up.sent.size() == packets_ && end == kNever) end = wall_now() + drain_;
+        const std::vector<SessionTime>& sent = way(RelayDirection::kUp).sent;
+        if (sent.size() < packets_) send(RelayDirection::kUp, client_.descriptor(), nullptr);
+        if (sent.size() == packets_ && end == kNever) end = wall_now() + drain_;
     }
     finished_ = true;
 }
 
 void SelftestTraffic::send(RelayDirection direction, int socket, const UdpAddress* to) {
-    TrafficWay& way = ways_[static_cast<std::size_t>(direction)];
     std::array<std::uint8_t, std::max(kUpBytes, kDownBytes)> bytes{};
-    const std::uint64_t number = way.sent.size();
+    const std::uint64_t number = way(direction).sent.size();
     std::memcpy(bytes.data(), &number, sizeof number);
-    const std::size_t size = direction == RelayDirection::kUp ? kUpBytes : kDownBytes;
-    way.sent.push_back(wall_now());
-    way.arrived.emplace_back();
-    out_.add({bytes.data(), size}, to);
+    way(direction).sent.push_back(wall_now());
+    way(direction).arrived.emplace_back();
+    out_.add({bytes.data(), direction == RelayDirection::kUp ? kUpBytes : kDownBytes}, to);
     out_.send(socket);
 }
 
-void SelftestTraffic::take(RelayDirection direction, const ReceiveBatch::Datagram& datagram,
-                           SessionTime now) {
-    TrafficWay& way = ways_[static_cast<std::size_t>(direction)];
-    std::uint64_t number = UINT64_MAX;
-    if (datagram.bytes.size() >= sizeof number) std::memcpy(&number, datagram.bytes.data(), sizeof number);
-    if (number >= way.sent.size()) {
-        ++way.strangers;
-    } else if (way.arrived[number] != SessionTime{}) {
-        ++way.copies;
-    } else {
-        way.arrived[number] = stamps_.to_session(datagram.stamp_realtime_ns, now);
-    }
-}
-
-void SelftestTraffic::receive_at_server() {
-    const std::size_t count = arrivals_.receive(server_.descriptor());
+void SelftestTraffic::receive(RelayDirection direction) {
+    const bool at_server = direction == RelayDirection::kUp;
+    const std::size_t count = arrivals_.receive((at_server ? server_ : client_).descriptor());
     const SessionTime now = wall_now();
+    TrafficWay& arrivals = way(direction);
     for (std::size_t i = 0; i < count; ++i) {
         const auto datagram = arrivals_[i];
-        take(RelayDirection::kUp, datagram, now);
-        send(RelayDirection::kDown, server_.descriptor(), &datagram.from);
+        std::uint64_t number = UINT64_MAX;
+        if (datagram.bytes.size() >= sizeof number)
+            std::memcpy(&number, datagram.bytes.data(), sizeof number);
+        if (number >= arrivals.sent.size()) {
+            ++arrivals.strangers;
+        } else if (arrivals.arrived[number] == SessionTime{}) {  // else a second copy
+            arrivals.arrived[number] = stamps_.to_session(datagram.stamp_realtime_ns, now);
+        }
+        if (at_server) send(RelayDirection::kDown, server_.descriptor(), &datagram.from);
     }
-}
-
-void SelftestTraffic::receive_at_client() {
-    const std::size_t count = arrivals_.receive(client_.descriptor());
-    const SessionTime now = wall_now();
-    for (std::size_t i = 0; i < count; ++i) take(RelayDirection::kDown, arrivals_[i], now);
 }
 
 }  // namespace thimble

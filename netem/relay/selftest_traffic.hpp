@@ -8,9 +8,10 @@
 #include <thread>
 #include <vector>
 
+#include "common/runtime/stamp_clock.hpp"
+#include "common/runtime/udp_socket.hpp"
 #include "netem/relay/datagram_batch.hpp"
 #include "netem/relay/packet_record.hpp"
-#include "netem/relay/udp_socket.hpp"
 
 namespace thimble {
 
@@ -18,7 +19,6 @@ namespace thimble {
 struct TrafficWay {
     std::vector<SessionTime> sent, arrived;  // arrived: SessionTime{} if it never did
     std::uint64_t strangers = 0;             // arrived, but are none of these: bits were flipped
-    std::uint64_t copies = 0;                // arrived a second time
 
     // Each datagram's delay, in the order of sending, in seconds.
     std::vector<double> delays_s() const;
@@ -41,16 +41,12 @@ class SelftestTraffic {
     void start(const UdpAddress& relay);  // where the relay listens
     bool finished() const { return finished_; }
     // Once finished.
-    const TrafficWay& way(RelayDirection direction) const {
-        return ways_[static_cast<std::size_t>(direction)];
-    }
+    TrafficWay& way(RelayDirection direction) { return ways_[static_cast<std::size_t>(direction)]; }
 
   private:
     void run();
     void send(RelayDirection direction, int socket, const UdpAddress* to);
-    void take(RelayDirection direction, const ReceiveBatch::Datagram& datagram, SessionTime now);
-    void receive_at_server();
-    void receive_at_client();
+    void receive(RelayDirection direction);
 
     std::size_t packets_;
     Duration drain_;

@@ -21,10 +21,10 @@ void take_due(LinkModel& model, SessionTime now, std::vector<bool>& left, TwinOu
     }
 }
 
-bool is_spread(std::vector<double> delays_s) {
-    if (delays_s.size() < 100) return false;
-    std::sort(delays_s.begin(), delays_s.end());
-    return delays_s[delays_s.size() * 99 / 100] - delays_s[delays_s.size() / 100] > kLeastSpread_s;
+// Of sorted delays.
+bool is_spread(const std::vector<double>& delays_s) {
+    const std::size_t n = delays_s.size();
+    return n >= 100 && delays_s[n * 99 / 100] - delays_s[n / 100] > kLeastSpread_s;
 }
 
 }  // namespace
@@ -76,6 +76,7 @@ Comparison compare(const TwinLink& link, std::span<const SessionTime> received, 
         const std::vector<double> delays_s = twin(i);
         pool.insert(pool.end(), delays_s.begin(), delays_s.end());
     }
+    std::sort(pool.begin(), pool.end());
     result.spread = is_spread(pool);
     std::vector<double> distances;
     for (std::size_t i = 0; i < kTwins; ++i) {

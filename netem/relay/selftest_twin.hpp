@@ -34,8 +34,7 @@ TwinOutcome replay(const TwinLink& link, std::span<const SessionTime> received, 
 double ks_distance(std::vector<double>& a, std::vector<double>& b);
 
 struct Comparison {
-    bool spread =
-        false;  // delays differ enough among themselves (50 us) for their distribution to say anything
+    bool spread = false;      // delays differ enough (50 us) for their distribution to say anything
     double distance = 0;      // KS of the achieved delays to twins
     double by_chance = 0;     // 95 % of twins are nearer to other twins than this
     double dropped_mean = 0;  // of twins

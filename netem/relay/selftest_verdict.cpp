@@ -1,4 +1,6 @@
 // The meaning of a self-test's findings, and their words.
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -22,62 +24,45 @@ constexpr double kImpossibleSeed = 1e-6;
 
 double in_us(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
 
-class Judge {
-  public:
-    explicit Judge(SelftestResult& result) : result_(&result) {}
-
+void judge_direction(SelftestResult& result, std::string_view name, const SelftestDirection& d,
+                     const Histogram& error) {
+    const auto say = [&](SelftestVerdict verdict, std::string_view cause) {
+        result.verdict = std::max(result.verdict, verdict);
+        result.causes.push_back(fmt::format("{}: {}", name, cause));
+    };
     // Whichever of the two limits `value` exceeds.
-    void limit(double value, double marginal, double fail, const std::string& cause) {
-        if (value > fail) {
-            say(SelftestVerdict::kFail, cause);
-        } else if (value > marginal) {
-            say(SelftestVerdict::kMarginal, cause);
-        }
-    }
-    void say(SelftestVerdict verdict, const std::string& cause) {
-        result_->verdict = std::max(result_->verdict, verdict);
-        result_->causes.push_back(cause);
-    }
-
-  private:
-    SelftestResult* result_;
-};
-
-void judge_direction(Judge& judge, std::string_view name, const SelftestDirection& d, const Histogram& error,
-                     const Histogram& timer) {
-    const double p99_us = in_us(error.quantile(0.99)), timer_us = in_us(timer.quantile(0.99));
-    judge.limit(static_cast<double>(d.early), 0, 0,
-                fmt::format("{}: {} packets left before they were due", name, d.early));
-    judge.limit(static_cast<double>(d.other_fates), 0, 0,
-                fmt::format("{}: {} packets had another fate than their seed says", name, d.other_fates));
-    judge.limit(static_cast<double>(d.lost_by_machine), 0, kManyLost * static_cast<double>(d.offered),
-                fmt::format("{}: the machine lost {} of {} packets that the profile would have delivered",
-                            name, d.lost_by_machine, d.offered));
-    judge.limit(
-        p99_us, kUneasy_us, kSample_us,
-        fmt::format("{}: 1 % of the packets leave more than {:.0f} us late (the bare timer: {:.0f} us)", name,
-                    p99_us, timer_us));
-    judge.limit(in_us(error.quantile(0.999)), kSample_us, HUGE_VAL,
-                fmt::format("{}: 1 in 1000 packets leaves more than {:.1f} ms late: the machine stalls", name,
-                            1e-3 * in_us(error.quantile(0.999))));
-    judge.limit(p99_us, 1.5 * timer_us + kTimerSlack_us, HUGE_VAL,
-                fmt::format("{}: later than the bare timer explains (99 %: {:.0f} us against {:.0f} us)",
-                            name, p99_us, timer_us));
+    const auto limit = [&](double value, double marginal, double fail, std::string_view cause) {
+        if (value > marginal) say(value > fail ? SelftestVerdict::kFail : SelftestVerdict::kMarginal, cause);
+    };
+    const double p99_us = in_us(error.quantile(0.99)), p999_us = in_us(error.quantile(0.999));
+    const double timer_us = in_us(result.timer.quantile(0.99));
+    limit(static_cast<double>(d.early), 0, 0, fmt::format("{} packets left before they were due", d.early));
+    limit(static_cast<double>(d.other_fates), 0, 0,
+          fmt::format("{} packets had another fate than their seed says", d.other_fates));
+    limit(static_cast<double>(d.lost_by_machine), 0, kManyLost * static_cast<double>(d.offered),
+          fmt::format("the machine lost {} of {} packets that the profile would have delivered",
+                      d.lost_by_machine, d.offered));
+    limit(p99_us, kUneasy_us, kSample_us,
+          fmt::format("1 % of the packets leave more than {:.0f} us late (the bare timer: {:.0f} us)", p99_us,
+                      timer_us));
+    limit(
+        p999_us, kSample_us, HUGE_VAL,
+        fmt::format("1 in 1000 packets leaves more than {:.1f} ms late: the machine stalls", 1e-3 * p999_us));
+    limit(p99_us, 1.5 * timer_us + kTimerSlack_us, HUGE_VAL,
+          fmt::format("later than the bare timer explains (99 %: {:.0f} us against {:.0f} us)", p99_us,
+                      timer_us));
     if (d.comparison.spread) {
-        judge.limit(
-            d.comparison.distance_ratio(), 1.5, 3,
-            fmt::format("{}: the delays are not those asked for: KS distance {:.4f}, by chance {:.4f}", name,
-                        d.comparison.distance, d.comparison.by_chance));
+        limit(d.comparison.distance_ratio(), 1.5, 3,
+              fmt::format("the delays are not those asked for: KS distance {:.4f}, by chance {:.4f}",
+                          d.comparison.distance, d.comparison.by_chance));
     }
-    judge.limit(
-        -d.lost_chance, -kRareSeed, -kImpossibleSeed,
-        fmt::format("{}: {} packets lost where {:.4g} were expected; only {:.2g} of all seeds are so far "
-                    "from that",
-                    name, d.lost, d.lost_mean, d.lost_chance));
+    limit(-d.lost_chance, -kRareSeed, -kImpossibleSeed,
+          fmt::format(
+              "{} packets lost where {:.4g} were expected; only {:.2g} of all seeds are so far from that",
+              d.lost, d.lost_mean, d.lost_chance));
     if (d.received < kFewPackets) {
-        judge.say(
-            SelftestVerdict::kMarginal,
-            fmt::format("{}: only {} packets, too few to judge rare delays: test longer", name, d.received));
+        say(SelftestVerdict::kMarginal,
+            fmt::format("only {} packets, too few to judge rare delays: test longer", d.received));
     }
 }
 
@@ -87,15 +72,14 @@ double quantile_s(const std::vector<double>& sorted, double q) {
 
 Json describe_findings(const SelftestDirection& d, const Histogram& error) {
     const ProportionInterval interval = wilson_95(d.dropped, d.received);
-    const double share =
-        d.received == 0 ? 0 : static_cast<double>(d.dropped) / static_cast<double>(d.received);
     const double expected = d.received == 0 ? 0 : d.comparison.dropped_mean / static_cast<double>(d.received);
     Json json{{"offered", d.offered},          {"received", d.received},
               {"dropped_as_asked", d.dropped}, {"lost_as_asked", d.lost},
               {"arrived", d.arrived},          {"early", d.early},
               {"other_fates", d.other_fates},  {"lost_by_machine", d.lost_by_machine}};
-    json["loss"] = {{"expected", expected},     {"achieved", share},        {"low_95", interval.low},
-                    {"high_95", interval.high}, {"lost_mean", d.lost_mean}, {"lost_chance", d.lost_chance}};
+    json["loss"] = {{"expected", expected},     {"achieved", share_of(d.dropped, d.received)},
+                    {"low_95", interval.low},   {"high_95", interval.high},
+                    {"lost_mean", d.lost_mean}, {"lost_chance", d.lost_chance}};
     json["delay"] = {{"median_s", quantile_s(d.delays_s, 0.5)},
                      {"p99_s", quantile_s(d.delays_s, 0.99)},
                      {"distribution_tested", d.comparison.spread},
@@ -105,46 +89,40 @@ Json describe_findings(const SelftestDirection& d, const Histogram& error) {
     return json;
 }
 
+std::string lateness_text(const Histogram& e) {
+    return fmt::format("{:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst", in_us(e.quantile(0.5)),
+                       in_us(e.quantile(0.99)), in_us(e.quantile(0.999)), in_us(e.worst()));
+}
+
 std::string findings_text(std::string_view name, const LinkSettings& link, const SelftestDirection& d,
-                          const Histogram& e) {
+                          const Histogram& error) {
     const ProportionInterval loss = wilson_95(d.dropped, d.received);
-    std::string text = fmt::format(
-        "{:<5} {} packets, {} dropped as asked ({:.3g} % [{:.3g}, {:.3g}]), {} by the machine\n", name,
-        d.offered, d.dropped,
-        d.received == 0 ? 0 : 100.0 * static_cast<double>(d.dropped) / static_cast<double>(d.received),
-        100 * loss.low, 100 * loss.high, d.lost_by_machine);
-    text += fmt::format("      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99",
-                        1e3 * to_seconds(link.delay), 1e3 * quantile_s(d.delays_s, 0.5),
-                        1e3 * quantile_s(d.delays_s, 0.99));
-    text += d.comparison.spread ? fmt::format("; KS {:.4f}, by chance {:.4f}\n", d.comparison.distance,
-                                              d.comparison.by_chance)
-                                : "; constant\n";
-    return text + fmt::format("      late by  {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst\n",
-                              in_us(e.quantile(0.5)), in_us(e.quantile(0.99)), in_us(e.quantile(0.999)),
-                              in_us(e.worst()));
+    return fmt::format(
+        "{:<5} {} packets, {} dropped as asked ({:.3g} % [{:.3g}, {:.3g}]), {} by the machine\n"
+        "      delay    asked {:.6g} ms, achieved {:.6g} median, {:.6g} p99; {}\n"
+        "      late by  {}\n",
+        name, d.offered, d.dropped, 100 * share_of(d.dropped, d.received), 100 * loss.low, 100 * loss.high,
+        d.lost_by_machine, 1e3 * to_seconds(link.delay), 1e3 * quantile_s(d.delays_s, 0.5),
+        1e3 * quantile_s(d.delays_s, 0.99),
+        d.comparison.spread
+            ? fmt::format("KS {:.4f}, by chance {:.4f}", d.comparison.distance, d.comparison.by_chance)
+            : "constant",
+        lateness_text(error));
 }
 
 }  // namespace
 
 std::string_view to_string(SelftestVerdict verdict) {
-    switch (verdict) {
-        case SelftestVerdict::kPass:
-            return "PASS";
-        case SelftestVerdict::kMarginal:
-            return "MARGINAL";
-        case SelftestVerdict::kFail:
-            break;
-    }
-    return "FAIL";
+    constexpr std::array<std::string_view, 3> kNames{"PASS", "MARGINAL", "FAIL"};
+    return kNames[static_cast<std::size_t>(verdict)];
 }
 
 void judge(SelftestResult& result) {
     result.verdict = SelftestVerdict::kPass;
     result.causes.clear();
-    Judge judge(result);
     for (const RelayDirection d : {RelayDirection::kUp, RelayDirection::kDown}) {
-        judge_direction(judge, to_string(d), result.direction[static_cast<std::size_t>(d)],
-                        result.state.totals[d].error, result.timer);
+        judge_direction(result, to_string(d), result.direction[static_cast<std::size_t>(d)],
+                        result.state.totals[d].error);
     }
 }
 
@@ -160,18 +138,12 @@ nlohmann::ordered_json describe(const SelftestResult& result) {
 }
 
 std::string selftest_text(const SelftestResult& result) {
-    std::string text;
-    text += findings_text("up", result.state.links.up, result.direction[0],
-                          result.state.totals[RelayDirection::kUp].error);
-    text += findings_text("down", result.state.links.down, result.direction[1],
-                          result.state.totals[RelayDirection::kDown].error);
-    text += fmt::format(
-        "bare timer late by {:.4g} us median, {:.4g} p99, {:.4g} p99.9, {:.4g} worst; {} stalls\n",
-        in_us(result.timer.quantile(0.5)), in_us(result.timer.quantile(0.99)),
-        in_us(result.timer.quantile(0.999)), in_us(result.timer.worst()), result.state.totals.stalls);
-    text += fmt::format("{}\n", to_string(result.verdict));
-    for (const std::string& cause : result.causes) text += fmt::format("  {}\n", cause);
-    return text;
+    const RelayTotals& totals = result.state.totals;
+    return findings_text("up", result.state.links.up, result.direction[0], totals.direction[0].error) +
+           findings_text("down", result.state.links.down, result.direction[1], totals.direction[1].error) +
+           fmt::format("bare timer late by {}; {} stalls\n{}\n", lateness_text(result.timer), totals.stalls,
+                       to_string(result.verdict)) +
+           (result.causes.empty() ? "" : fmt::format("  {}\n", fmt::join(result.causes, "\n  ")));
 }
 
 }  // namespace thimble

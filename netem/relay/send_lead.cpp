@@ -6,9 +6,9 @@
 
 #include "common/error.hpp"
 #include "common/runtime/event_waiter.hpp"
+#include "common/runtime/udp_socket.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/datagram_batch.hpp"
-#include "netem/relay/udp_socket.hpp"
 
 namespace thimble {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "netem/relay/udp_address.hpp"
+#include "common/runtime/udp_socket.hpp"
 #include "tests/kernel/path_sample.hpp"
 
 namespace thimble {

@@ -9,21 +9,12 @@
 #include "common/channel.hpp"
 #include "common/histogram.hpp"
 #include "common/runtime/stamp_clock.hpp"
-#include "netem/relay/udp_socket.hpp"
+#include "common/runtime/udp_socket.hpp"
 #include "thimble/link_test/echo_responder.hpp"
 #include "thimble/link_test/link_figures.hpp"
 #include "thimble/link_test/probe_packet.hpp"
 
 namespace thimble {
-
-// Session time of a kernel stamp: never before the arrival, at most a few microseconds after it.
-class ArrivalClock {
-  public:
-    SessionTime arrival(std::int64_t stamp_realtime_ns);
-
-  private:
-    StampClock clock_;
-};
 
 // IP_PMTUDISC_PROBE: the don't-fragment bit is set, and what the kernel believes about the path is not asked.
 void forbid_fragments(const UdpSocket& socket);

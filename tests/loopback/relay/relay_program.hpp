@@ -12,8 +12,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/udp_socket.hpp"
 #include "common/time.hpp"
-#include "netem/relay/udp_socket.hpp"
 
 namespace thimble {
 

@@ -37,13 +37,13 @@ TEST(ControlRequest, IsAVerbAndItsLines) {
     EXPECT_THAT(set.assignments, ElementsAre("up.delay_s = 0.1", "loss=0.01"));
 }
 
-class BadRequest : public testing::TestWithParam<std::string> {};
-
-TEST_P(BadRequest, IsRefused) { EXPECT_THROW(parse_request(GetParam()), Error); }
-
-INSTANTIATE_TEST_SUITE_P(Words, BadRequest,
-                         testing::Values("", "\n\n", "set", "shown", "show now", "show\nloss=1", "SHOW",
-                                         std::string(3, '\0'), std::string(kLongestRequestBytes + 1, 'x')));
+TEST(ControlRequest, RefusesEverythingElse) {
+    for (const std::string& text :
+         std::vector<std::string>{"", "\n\n", "set", "shown", "show now", "show\nloss=1", "SHOW",
+                                  std::string(3, '\0'), std::string(kLongestRequestBytes + 1, 'x')}) {
+        EXPECT_THROW(parse_request(text), Error) << text.substr(0, 20);
+    }
+}
 
 TEST(Assign, ChangesOneDirectionOrBoth) {
     const LinkPair links = assign(fifty(), {"up.delay_s=0.1", "loss = 0.01"});
@@ -71,15 +71,15 @@ TEST(Assign, TakesABareWordAsText) {
 }
 
 TEST(Assign, SaysWhatIsWrong) {
-    EXPECT_THAT(refusal({"delay_s"}), HasSubstr("KEY=VALUE"));
-    EXPECT_THAT(refusal({"=3"}), HasSubstr("KEY=VALUE"));
-    EXPECT_THAT(refusal({"delay_s="}), HasSubstr("KEY=VALUE"));
-    EXPECT_THAT(refusal({"a b=3"}), HasSubstr("KEY=VALUE"));
-    EXPECT_THAT(refusal({"up.nonsense=3"}), HasSubstr("nonsense"));
-    EXPECT_THAT(refusal({"loss=1.5"}), HasSubstr("loss"));
-    EXPECT_THAT(refusal({"delay_s=-1"}), HasSubstr("delay_s"));
+    for (const char* no_assignment : {"delay_s", "=3", "delay_s=", "a b=3"})
+        EXPECT_THAT(refusal({no_assignment}), HasSubstr("KEY=VALUE"));
+    for (const auto& [assignment, key] : {std::pair{"up.nonsense=3", "nonsense"},
+                                          {"loss=1.5", "loss"},
+                                          {"delay_s=-1", "delay_s"},
+                                          {"jitter_spread_s=0.001", "jitter"}}) {
+        EXPECT_THAT(refusal({assignment}), HasSubstr(key));
+    }
     EXPECT_THAT(refusal({"delay_s=0.1", "delay_s=0.2"}), HasSubstr("delay_s"));
-    EXPECT_THAT(refusal({"jitter_spread_s=0.001"}), HasSubstr("jitter"));
     EXPECT_THAT(refusal({"loss=[[[["}), testing::Not("not refused"));
 }
 

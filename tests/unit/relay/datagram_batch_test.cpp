@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "netem/relay/udp_socket.hpp"
+#include "common/runtime/udp_socket.hpp"
 
 namespace thimble {
 namespace {

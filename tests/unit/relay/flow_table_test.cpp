@@ -51,7 +51,7 @@ TEST(FlowTable, GivesAPlaceAgainButNeverANumber) {
     EXPECT_EQ(next->place, place);
     EXPECT_EQ(table.number(place), 1U) << "fates must not repeat";
     EXPECT_EQ(table.opened(), 2U);
-    EXPECT_EQ(table.expired(), 1U);
+    EXPECT_EQ(table.size(), 1U);
 }
 
 TEST(FlowTable, NamesWhoWasSilent) {

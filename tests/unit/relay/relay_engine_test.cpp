@@ -9,7 +9,6 @@
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "netem/relay/fates.hpp"
 
 namespace thimble {
 namespace {

@@ -98,7 +98,7 @@ SelftestResult good() {
     SelftestResult result;
     for (std::size_t d = 0; d < 2; ++d) {
         SelftestDirection& direction = result.direction[d];
-        direction.offered = direction.received = direction.sent = direction.arrived = 8000;
+        direction.offered = direction.received = direction.arrived = 8000;
         direction.comparison = {true, 0.01, 0.012, 0};
         for (int i = 0; i < 8000; ++i)
             result.state.totals.direction[d].error.add(microseconds{i < 7990 ? 20 : 40});
@@ -116,55 +116,38 @@ TEST(SelftestVerdict, PassesWhatIsGood) {
     EXPECT_THAT(selftest_text(result), HasSubstr("PASS"));
 }
 
-struct Fault {
-    const char* name;
-    void (*make)(SelftestResult&);
-    SelftestVerdict verdict;
-    const char* cause;
-};
-class Faults : public testing::TestWithParam<Fault> {};
-
-TEST_P(Faults, AreNamed) {
-    SelftestResult result = good();
-    GetParam().make(result);
-    judge(result);
-    EXPECT_EQ(result.verdict, GetParam().verdict);
-    EXPECT_THAT(result.causes, Contains(HasSubstr(GetParam().cause)));
+void add_late(SelftestResult& result, int packets) {
+    for (int i = 0; i < packets; ++i) result.state.totals.direction[0].error.add(milliseconds{3});
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, Faults,
-    testing::Values(Fault{"early", [](SelftestResult& r) { r.direction[0].early = 1; },
-                          SelftestVerdict::kFail, "before they were due"},
-                    Fault{"fate", [](SelftestResult& r) { r.direction[1].other_fates = 1; },
-                          SelftestVerdict::kFail, "another fate"},
-                    Fault{"one_lost", [](SelftestResult& r) { r.direction[0].lost_by_machine = 1; },
-                          SelftestVerdict::kMarginal, "machine lost 1"},
-                    Fault{"many_lost", [](SelftestResult& r) { r.direction[0].lost_by_machine = 9; },
-                          SelftestVerdict::kFail, "machine lost 9"},
-                    Fault{"late",
-                          [](SelftestResult& r) {
-                              for (int i = 0; i < 100; ++i)
-                                  r.state.totals.direction[0].error.add(milliseconds{3});
-                          },
-                          SelftestVerdict::kFail, "bare timer"},
-                    Fault{"stalls",
-                          [](SelftestResult& r) {
-                              for (int i = 0; i < 20; ++i)
-                                  r.state.totals.direction[0].error.add(milliseconds{3});
-                          },
-                          SelftestVerdict::kMarginal, "stalls"},
-                    Fault{"jitter", [](SelftestResult& r) { r.direction[0].comparison.distance = 0.025; },
-                          SelftestVerdict::kMarginal, "not those asked for"},
-                    Fault{"shape", [](SelftestResult& r) { r.direction[0].comparison.distance = 0.2; },
-                          SelftestVerdict::kFail, "not those asked for"},
-                    Fault{"loss", [](SelftestResult& r) { r.direction[0].lost_chance = 0; },
-                          SelftestVerdict::kFail, "were expected"},
-                    Fault{"rare_loss", [](SelftestResult& r) { r.direction[0].lost_chance = 5e-5; },
-                          SelftestVerdict::kMarginal, "were expected"},
-                    Fault{"short", [](SelftestResult& r) { r.direction[0].received = 100; },
-                          SelftestVerdict::kMarginal, "too few"}),
-    [](const auto& fault) { return fault.param.name; });
+TEST(SelftestVerdict, NamesFaults) {
+    struct Fault {
+        void (*make)(SelftestResult&);
+        SelftestVerdict verdict;
+        const char* cause;
+    };
+    using Result = SelftestResult;
+    constexpr auto kMarginal = SelftestVerdict::kMarginal, kFail = SelftestVerdict::kFail;
+    for (const Fault& fault :
+         {Fault{[](Result& r) { r.direction[0].early = 1; }, kFail, "before they were due"},
+          Fault{[](Result& r) { r.direction[1].other_fates = 1; }, kFail, "another fate"},
+          Fault{[](Result& r) { r.direction[0].lost_by_machine = 1; }, kMarginal, "machine lost 1"},
+          Fault{[](Result& r) { r.direction[0].lost_by_machine = 9; }, kFail, "machine lost 9"},
+          Fault{[](Result& r) { add_late(r, 100); }, kFail, "bare timer"},
+          Fault{[](Result& r) { add_late(r, 20); }, kMarginal, "stalls"},
+          Fault{[](Result& r) { r.direction[0].comparison.distance = 0.025; }, kMarginal,
+                "not those asked for"},
+          Fault{[](Result& r) { r.direction[0].comparison.distance = 0.2; }, kFail, "not those asked for"},
+          Fault{[](Result& r) { r.direction[0].lost_chance = 0; }, kFail, "were expected"},
+          Fault{[](Result& r) { r.direction[0].lost_chance = 5e-5; }, kMarginal, "were expected"},
+          Fault{[](Result& r) { r.direction[0].received = 100; }, kMarginal, "too few"}}) {
+        SelftestResult result = good();
+        fault.make(result);
+        judge(result);
+        EXPECT_EQ(result.verdict, fault.verdict) << fault.cause;
+        EXPECT_THAT(result.causes, Contains(HasSubstr(fault.cause)));
+    }
+}
 
 }  // namespace
 }  // namespace thimble

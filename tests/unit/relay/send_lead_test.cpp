@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "netem/relay/receive_turn.hpp"
+#include "netem/relay/datagram_batch.hpp"
 
 namespace thimble {
 namespace {

@@ -10,31 +10,22 @@ using std::chrono::milliseconds;
 
 SessionTime at_ms(std::int64_t ms) { return SessionTime{milliseconds{ms}}; }
 
-TEST(WaitMargin, CoversAllButTheTwoWorst) {
+// Of 512 latenesses, as many us late as `late_us` says of each; then the margin.
+TEST(WaitMargin, CoversAllButTheTwoWorstOfTheLastThatAreNoStalls) {
+    struct Case {
+        const char* name;
+        int (*late_us)(int i);
+        int margin_us;
+    };
     WaitMargin margin;
-    for (int i = 0; i < 512; ++i) margin.add(microseconds{i == 100 || i == 300 ? 150 : 20});
-    EXPECT_EQ(margin.margin(), microseconds{20});
-}
-
-TEST(WaitMargin, GrowsWithTheThirdWorst) {
-    WaitMargin margin;
-    for (int i = 0; i < 512; ++i) margin.add(microseconds{i % 170 == 0 ? 150 : 20});
-    EXPECT_EQ(margin.margin(), microseconds{150});
-}
-
-TEST(WaitMargin, ForgetsWhatTheTimerDidLongAgo) {
-    WaitMargin margin;
-    for (int i = 0; i < 512; ++i) margin.add(microseconds{90});
-    ASSERT_EQ(margin.margin(), microseconds{90});
-    for (int i = 0; i < 512; ++i) margin.add(microseconds{7});
-    EXPECT_EQ(margin.margin(), microseconds{7});
-}
-
-TEST(WaitMargin, BuysNoStall) {
-    WaitMargin margin;
-    for (int i = 0; i < 2000; ++i)
-        margin.add(i % 2 == 0 ? Duration{milliseconds{9}} : Duration{microseconds{12}});
-    EXPECT_EQ(margin.margin(), microseconds{12});
+    for (const Case& c :
+         {Case{"two worst", [](int i) { return i == 100 || i == 300 ? 150 : 20; }, 20},
+          Case{"three worst", [](int i) { return i % 170 == 0 ? 150 : 20; }, 150},
+          Case{"all late", [](int) { return 90; }, 90}, Case{"long ago", [](int) { return 7; }, 7},
+          Case{"stalls", [](int i) { return i % 2 == 0 ? 9000 : 12; }, 12}}) {
+        for (int i = 0; i < 512; ++i) margin.add(microseconds{c.late_us(i)});
+        EXPECT_EQ(margin.margin(), microseconds{c.margin_us}) << c.name;
+    }
 }
 
 TEST(WaitMargin, IsNeverNothing) {

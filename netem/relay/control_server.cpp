@@ -1,10 +1,7 @@
-#include "netem/relay/control_socket.hpp"
+#include "netem/relay/control_server.hpp"
 
-#include <array>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
-#include <optional>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -16,6 +13,7 @@
 
 #include "common/error.hpp"
 #include "common/json_text.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/control_text.hpp"
 #include "netem/relay/relay_engine.hpp"
@@ -27,6 +25,7 @@ namespace {
 constexpr std::size_t kLongestAnswerBytes = 65536;
 constexpr int kStopLatency_ms = 50;
 constexpr int kPatience_ms = 5000;
+constexpr std::chrono::seconds kRelayPatience{2};
 
 struct Address {
     sockaddr_un name{};
@@ -90,29 +89,10 @@ bool readable(int descriptor, int timeout_ms) {
     return poll(&wanted, 1, timeout_ms) > 0;
 }
 
-RelayState state_of(RelayEngine& engine) {
-    return {engine.links(),           engine.totals(wall_now()), engine.waiter().counters(),
-            engine.waiter().margin(), engine.waiter().precise(), engine.send_lead()};
-}
-
-nlohmann::ordered_json carry_out(const ControlRequest& request, ControlHandler& handler) {
-    std::optional<RelayState> state;
-    bool taken = handler.ask([&](RelayEngine& engine) { state = state_of(engine); });
-    if (taken && request.verb == ControlRequest::Verb::kSet) {
-        const LinkPair links = assign(state->links, request.assignments);
-        taken = handler.ask([&](RelayEngine& engine) {
-            engine.change(wall_now(), links);
-            state = state_of(engine);
-        });
-    }
-    if (!taken) throw Error(ExitCode::kRunFailed, "the relay is too busy to answer, or ending");
-    return describe(*state);
-}
-
 }  // namespace
 
-ControlServer::ControlServer(const std::filesystem::path& path, ControlHandler& handler)
-    : path_(path), handler_(&handler), socket_(listen_at(path)), thread_([this] { run(); }) {}
+ControlServer::ControlServer(const std::filesystem::path& path)
+    : path_(path), socket_(listen_at(path)), thread_([this] { run(); }) {}
 
 ControlServer::~ControlServer() {
     stop_ = true;
@@ -122,9 +102,7 @@ ControlServer::~ControlServer() {
 }
 
 void ControlServer::run() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, nullptr);
+    block_signals();
     while (!stop_) {
         if (readable(socket_, kStopLatency_ms)) answer_one();
     }
@@ -143,12 +121,41 @@ void ControlServer::answer_one() {
 std::string ControlServer::answer(std::string_view request) {
     nlohmann::ordered_json json{{"ok", true}};
     try {
-        json.update(carry_out(parse_request(request), *handler_));
+        const ControlRequest wanted = parse_request(request);
+        RelayState state = ask([](RelayEngine& engine) { return engine.state(wall_now()); });
+        if (wanted.verb == ControlRequest::Verb::kSet) {
+            const LinkPair links = assign(state.links, wanted.assignments);
+            state = ask([&](RelayEngine& engine) {
+                engine.change(wall_now(), links);
+                return engine.state(wall_now());
+            });
+        }
+        json.update(describe(state));
     } catch (const std::exception& error) {
         json = {{"ok", false}, {"error", error.what()}};
     }
     // Text from outside may stand in the error: what is not UTF-8 is replaced.
     return json_text(json);
+}
+
+// A lock would let a sleeper hold up the relaying thread.
+RelayState ControlServer::ask(const Job& job) {
+    Task task(job);
+    std::future<RelayState> result = task.get_future();
+    waiting_ = &task;
+    if (result.wait_for(kRelayPatience) == std::future_status::timeout &&
+        waiting_.exchange(nullptr) != nullptr) {
+        throw Error(ExitCode::kRunFailed, "the relay is too busy to answer, or ending");
+    }
+    return result.get();  // a task that was taken ends
+}
+
+void ControlServer::serve(RelayEngine& engine) {
+    if (waiting_.load(std::memory_order_relaxed) == nullptr) return;
+    Task* const waiting = waiting_.exchange(nullptr);
+    if (waiting == nullptr) return;
+    Task task = std::move(*waiting);  // gone once it has been answered
+    task(engine);
 }
 
 nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::string& request) {

@@ -4,38 +4,50 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
+#include <future>
 #include <string>
 #include <thread>
 
 #include <nlohmann/json.hpp>
 
-#include "netem/relay/control_handler.hpp"
+#include "netem/relay/relay_totals.hpp"
 
 namespace thimble {
+
+class RelayEngine;
 
 class ControlServer {
   public:
     // Starts the thread, which keeps the default scheduling: make this object before asking for real time. A socket
     // that a dead program left at `path` is replaced. Throws Error (network) if `path` is in use or cannot be made.
-    ControlServer(const std::filesystem::path& path, ControlHandler& handler);
+    explicit ControlServer(const std::filesystem::path& path);
     // Removes the socket.
     ~ControlServer();
     ControlServer(const ControlServer&) = delete;
     ControlServer& operator=(const ControlServer&) = delete;
 
+    // For the relaying thread, in each of its rounds: what the other thread asks for. Never waits.
+    void serve(RelayEngine& engine);
+
   private:
+    using Job = std::function<RelayState(RelayEngine& engine)>;
+    using Task = std::packaged_task<RelayState(RelayEngine& engine)>;
+
     void run();
     void answer_one();
     std::string answer(std::string_view request);
+    RelayState ask(const Job& job);
 
     std::filesystem::path path_;
-    ControlHandler* handler_;
     int socket_ = -1;
+    std::atomic<Task*> waiting_{nullptr};
     std::atomic<bool> stop_{false};
     std::thread thread_;
 };
 
-// Sends one request and waits for its answer. Throws Error: network if no answer comes within five seconds, usage with the relay's own words if it refused.
+// Sends one request and waits for its answer. Throws Error: network if no answer comes within five seconds, usage with
+// the relay's own words if it refused.
 nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::string& request);
 
 }  // namespace thimble
