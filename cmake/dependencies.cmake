@@ -12,6 +12,7 @@ find_program(FLATC_EXECUTABLE flatc REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(libsodium REQUIRED IMPORTED_TARGET libsodium)
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
+pkg_check_modules(pcap REQUIRED IMPORTED_TARGET libpcap)
 
 # What windows need. Without it every program still runs, with displays that only record.
 option(THIMBLE_GUI "build windows and thimble play" ON)

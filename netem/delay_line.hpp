@@ -33,7 +33,7 @@ class DelayLine {
     }
     // Not empty. Of those due at the same time the one added first.
     Packet* take_first() {
-        // Who is in the heap was added after anybody in the chain who is due with him.
+        // With equal due times, heap packets are younger than chain packets.
         if (heap_.empty() || chain_due_ns() <= heap_.front().due_ns) return chain_.take_front();
         return take_from_heap();
     }
@@ -51,8 +51,16 @@ class DelayLine {
         return a.due_ns != b.due_ns ? a.due_ns > b.due_ns : a.order > b.order;
     }
     std::int64_t chain_due_ns() const { return chain_.empty() ? INT64_MAX : chain_.front()->due_ns; }
-    void add_to_heap(Packet* packet);
-    Packet* take_from_heap();
+    void add_to_heap(Packet* packet) {
+        heap_.push_back({packet->due_ns, 2 * packet->number + (packet->copy ? 1 : 0), packet});
+        std::push_heap(heap_.begin(), heap_.end(), leaves_later);
+    }
+    Packet* take_from_heap() {
+        std::pop_heap(heap_.begin(), heap_.end(), leaves_later);
+        Packet* first = heap_.back().packet;
+        heap_.pop_back();
+        return first;
+    }
 
     PacketChain chain_;
     std::vector<Waiting> heap_;

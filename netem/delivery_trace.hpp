@@ -1,6 +1,6 @@
 // When a link could send, as mahimahi records it (Netravali et al., "Mahimahi: accurate record-and-replay for
 // HTTP", USENIX ATC 2015): each entry is an opportunity to deliver 1500 bytes in that millisecond. Read by
-// delivery_trace_file.hpp.
+// formats/trace_files.hpp.
 #pragma once
 
 #include <cstddef>

@@ -9,8 +9,9 @@ LinkFates::LinkFates(const StreamKey& key, std::uint32_t direction)
     : loss_(key, direction),
       jitter_(link_key(key, direction, Purpose::kLinkDelay)),
       copy_jitter_(link_key(key, direction, Purpose::kLinkDuplicateDelay)),
-      duplicate_(key, direction),
-      corrupt_(key, direction),
+      duplicate_(key, direction, Purpose::kLinkDuplicate),
+      corrupt_(key, direction, Purpose::kLinkCorrupt),
+      damage_(key, direction),
       reorder_(key, direction) {}
 
 void LinkFates::configure(const LinkSettings& settings, const std::shared_ptr<const DelayShape>& shape) {
@@ -19,7 +20,8 @@ void LinkFates::configure(const LinkSettings& settings, const std::shared_ptr<co
     jitter_.configure(shape, settings.jitter.correlation);
     copy_jitter_.configure(shape, 0);
     duplicate_.configure(settings.duplicate);
-    corrupt_.configure(settings.corrupt, settings.corrupt_bits);
+    corrupt_.configure(settings.corrupt);
+    damage_.configure(settings.corrupt_bits);
     reorder_.configure(settings.reorder, settings.reorder_gap);
 }
 
@@ -37,7 +39,7 @@ PacketFate LinkFates::decide(std::uint64_t packet, Duration time) {
     const Duration mean = trace != nullptr && trace->layout().has_delay ? row.delay : settings_->delay;
     fate.skipped = reorder_.skips(packet);
     fate.corrupted = corrupt_.hits(packet);
-    fate.duplicated = duplicate_.twice(packet);
+    fate.duplicated = duplicate_.hits(packet);
     if (!fate.skipped) fate.delay = delayed(mean, deviate);
     if (fate.duplicated) fate.copy_delay = delayed(mean, has_jitter ? copy_jitter_.deviate(packet) : 0);
     return fate;

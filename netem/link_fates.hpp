@@ -8,7 +8,6 @@
 #include "netem/link_settings.hpp"
 #include "netem/packet_trace.hpp"
 #include "netem/stages/corrupt.hpp"
-#include "netem/stages/duplicate.hpp"
 #include "netem/stages/jitter.hpp"
 #include "netem/stages/loss.hpp"
 #include "netem/stages/reorder.hpp"
@@ -36,7 +35,7 @@ class LinkFates {
 
     // Each packet in its turn; `time` since the start of the trial matters only for a trace by time.
     PacketFate decide(std::uint64_t packet, Duration time);
-    void flip_bits(std::uint64_t packet, std::span<std::uint8_t> bytes) { corrupt_.flip(packet, bytes); }
+    void flip_bits(std::uint64_t packet, std::span<std::uint8_t> bytes) { damage_.flip(packet, bytes); }
 
   private:
     Duration delayed(Duration mean, double deviate) const;
@@ -44,8 +43,8 @@ class LinkFates {
     const LinkSettings* settings_ = nullptr;
     Loss loss_;
     Jitter jitter_, copy_jitter_;
-    Duplicate duplicate_;
-    Corrupt corrupt_;
+    Chance duplicate_, corrupt_;
+    Corrupt damage_;
     Reorder reorder_;
 };
 

@@ -9,8 +9,6 @@
 #include "common/runtime/node_program.hpp"
 #include "common/version.hpp"
 #include "netem/commands/commands.hpp"
-#include "netem/commands/fit_command.hpp"
-#include "netem/commands/import_command.hpp"
 
 namespace {
 
@@ -45,14 +43,8 @@ int run_stand_alone(int argc, char** argv) {
     app.require_subcommand(0, 1);
     app.footer(kFooter);
     const auto relay = add_relay(app);
-    const auto [import, run_import] = add_import(app);
-    const auto [fit, run_fit] = add_fit(app);
-    const std::array commands{add_set(app),
-                              add_show(app),
-                              add_watch(app),
-                              add_log(app),
-                              NetemCommand{import, run_import},
-                              NetemCommand{fit, run_fit}};
+    const std::array commands{add_import(app), add_fit(app),   add_set(app),
+                              add_show(app),   add_watch(app), add_log(app)};
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
     const auto given = std::find_if(commands.begin(), commands.end(),
                                     [](const NetemCommand& command) { return command.subcommand->parsed(); });

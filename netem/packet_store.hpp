@@ -34,7 +34,6 @@ class PacketChain {
   public:
     bool empty() const { return head_ == nullptr; }
     Packet* front() const { return head_; }
-    Packet* back() const { return tail_; }
     void append(Packet* packet) {
         packet->next = nullptr;
         (head_ == nullptr ? head_ : tail_->next) = packet;
@@ -60,21 +59,12 @@ constexpr std::size_t size_class_of(std::size_t lines) {
     return lines <= (std::size_t{3} << (width - 2)) ? 2 * width - 2 : 2 * width - 1;
 }
 
-inline constexpr auto kSmallSizeClasses = [] {
-    std::array<std::uint8_t, 33> classes{};
-    for (std::size_t lines = 1; lines < classes.size(); ++lines) {
-        classes[lines] = static_cast<std::uint8_t>(size_class_of(lines));
-    }
-    return classes;
-}();
-
 class PacketStore {
   public:
     // A block with these bytes (1 to kLargestDatagramBytes), everything else of it unset but the size.
     Packet* take(Bytes datagram) {
         const std::size_t lines = (sizeof(Packet) + datagram.size() + kCacheLineBytes - 1) / kCacheLineBytes;
-        const std::size_t index =
-            lines < kSmallSizeClasses.size() ? kSmallSizeClasses[lines] : size_class_of(lines);
+        const std::size_t index = size_class_of(lines);
         SizeClass& size_class = classes_[index];
         Packet* packet = size_class.free;
         if (packet != nullptr) {

@@ -1,5 +1,5 @@
 // Delay, loss and rate as they were measured or designed: by packet number or by time (read by
-// packet_trace_file.hpp).
+// trace_files.hpp).
 #pragma once
 
 #include <algorithm>

@@ -17,6 +17,8 @@ struct NetemCommand {
 // The relay itself, with --listen and --to or with --selftest: options of `app`, no subcommand.
 std::function<int()> add_relay(CLI::App& app);
 // Each adds its subcommand to `app`.
+NetemCommand add_import(CLI::App& app);
+NetemCommand add_fit(CLI::App& app);
 NetemCommand add_set(CLI::App& app);
 NetemCommand add_show(CLI::App& app);
 NetemCommand add_watch(CLI::App& app);

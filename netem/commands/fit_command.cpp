@@ -1,5 +1,4 @@
-#include "netem/commands/fit_command.hpp"
-
+// thimble-netem fit: a measured path becomes a profile.
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -7,14 +6,21 @@
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
+#include "netem/commands/commands.hpp"
 #include "netem/formats/jitter_table_file.hpp"
-#include "netem/formats/packet_trace_file.hpp"
 #include "netem/formats/path_fit.hpp"
 #include "netem/formats/text_lines.hpp"
+#include "netem/formats/trace_files.hpp"
 #include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 namespace {
+
+struct FitArguments {
+    std::string up, down;  // traces (CSV); without `down` both directions are alike
+    std::string out;       // profile (TOML); empty: only say what was found
+    std::string table;     // .dist of the standardised delays upwards; empty: none
+};
 
 MeasuredPath load(const std::string& file) { return parse_path(read_whole_file(file), file); }
 
@@ -32,9 +38,7 @@ std::vector<std::string> source_of(const std::string& file, const MeasuredPath& 
     return source;
 }
 
-}  // namespace
-
-int fit_command(const FitArguments& a) {
+int fit(const FitArguments& a) {
     const MeasuredPath up = load(a.up);
     const PathFit up_fit = fit_and_say(up, a.up);
     LinkProfile profile;
@@ -61,7 +65,9 @@ int fit_command(const FitArguments& a) {
     return static_cast<int>(ExitCode::kOk);
 }
 
-std::pair<CLI::App*, std::function<int()>> add_fit(CLI::App& app) {
+}  // namespace
+
+NetemCommand add_fit(CLI::App& app) {
     const auto arguments = std::make_shared<FitArguments>();
     FitArguments& a = *arguments;
     CLI::App* sub =
@@ -71,7 +77,7 @@ std::pair<CLI::App*, std::function<int()>> add_fit(CLI::App& app) {
     sub->add_option("-o,--out", a.out, "profile (TOML); replaced if it exists");
     sub->add_option("--table", a.table, "also a table of the delays (.dist), for what no shape fits");
     sub->footer("Example:\n  thimble-netem fit path.up.csv --down path.down.csv --out lab.toml");
-    return {sub, [arguments] { return fit_command(*arguments); }};
+    return {sub, [arguments] { return fit(*arguments); }};
 }
 
 }  // namespace thimble

@@ -1,5 +1,4 @@
-#include "netem/commands/import_command.hpp"
-
+// thimble-netem import: what a measuring program wrote becomes a trace.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,13 +8,22 @@
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
-#include "netem/formats/capture_pair.hpp"
-#include "netem/formats/irtt_file.hpp"
-#include "netem/formats/ping_file.hpp"
+#include "netem/commands/commands.hpp"
 #include "netem/formats/text_lines.hpp"
+#include "netem/import/importers.hpp"
 
 namespace thimble {
 namespace {
+
+struct ImportArguments {
+    std::vector<std::string> files;  // one of irtt or ping, or two captures: sender's, receiver's
+    std::string out;
+    std::string format = "auto";     // irtt, ping, pcap; auto: by what the first file begins with
+    std::string direction = "both";  // of irtt: up, down; both: OUT.up.csv and OUT.down.csv
+    double interval_s = 1;           // of ping without time stamps
+    int sent_port = 0, received_port = 0;
+    double least_delay_s = -1;  // below 0: as the stamps are
+};
 
 std::string format_of(std::string_view text) {
     if (text.empty()) return "ping";
@@ -35,9 +43,8 @@ void write(const MeasuredPath& path, const std::string& file) {
 }
 
 std::string with_direction(const std::string& file, const char* direction) {
-    const std::filesystem::path path(file);
-    return (path.parent_path() / (path.stem().string() + '.' + direction + path.extension().string()))
-        .string();
+    std::filesystem::path path(file);
+    return path.replace_extension(direction + path.extension().string()).string();
 }
 
 void import_irtt(const std::string& text, const ImportArguments& a) {
@@ -73,9 +80,8 @@ void import_captures(const std::string& text, const ImportArguments& a) {
     }
 }
 
-}  // namespace
-
-int import_command(const ImportArguments& arguments) {
+// Writes the trace, says on stdout what is in it.
+int import_files(const ImportArguments& arguments) {
     const std::string text = read_whole_file(arguments.files.at(0));
     const std::string format = arguments.format == "auto" ? format_of(text) : arguments.format;
     if (format == "pcap") {
@@ -91,7 +97,9 @@ int import_command(const ImportArguments& arguments) {
     return static_cast<int>(ExitCode::kOk);
 }
 
-std::pair<CLI::App*, std::function<int()>> add_import(CLI::App& app) {
+}  // namespace
+
+NetemCommand add_import(CLI::App& app) {
     const auto arguments = std::make_shared<ImportArguments>();
     ImportArguments& a = *arguments;
     CLI::App* sub = app.add_subcommand("import", "a trace from irtt's JSON, ping's output or two captures");
@@ -118,7 +126,7 @@ std::pair<CLI::App*, std::function<int()>> add_import(CLI::App& app) {
     sub->footer(
         "Examples:\n  thimble-netem import irtt.json --out path.csv\n"
         "  thimble-netem import sent.pcap received.pcap --sent-port 9000 --out path.csv");
-    return {sub, [arguments] { return import_command(*arguments); }};
+    return {sub, [arguments] { return import_files(*arguments); }};
 }
 
 }  // namespace thimble

@@ -46,10 +46,6 @@ JitterTable parse_jitter_table(std::string_view text, std::string_view name) {
     return JitterTable(std::move(deviates));
 }
 
-JitterTable load_jitter_table(const std::filesystem::path& path) {
-    return parse_jitter_table(read_whole_file(path, kMostTableBytes), path.string());
-}
-
 std::shared_ptr<const JitterTable> find_jitter_table(std::string_view name) {
     std::vector<std::filesystem::path> places{std::filesystem::path(name)};
     if (name.find('/') == std::string_view::npos) {
@@ -64,15 +60,14 @@ std::shared_ptr<const JitterTable> find_jitter_table(std::string_view name) {
     }
     for (const auto& place : places) {
         if (std::filesystem::is_regular_file(place)) {
-            return std::make_shared<const JitterTable>(load_jitter_table(place));
+            return std::make_shared<const JitterTable>(
+                parse_jitter_table(read_whole_file(place, kMostTableBytes), place.string()));
         }
     }
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format(
-            "distribution '{}': neither uniform, normal, pareto or paretonormal nor a .dist file here "
-            "or in tc's folders (TC_LIB_DIR)",
-            name));
+    throw Error(ExitCode::kUsage,
+                fmt::format("distribution '{}': neither uniform, normal, pareto or paretonormal nor a .dist "
+                            "file here or in tc's folders (TC_LIB_DIR)",
+                            name));
 }
 
 std::string print_jitter_table(const JitterTable& table, std::string_view comment, std::size_t values) {

@@ -1,7 +1,6 @@
 // iproute2's .dist files: whole numbers in rising order, 8192 to a standard deviation, lines of '#' are comments.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -16,7 +15,6 @@ inline constexpr std::size_t kMostDistValues = 16384;  // as tc takes; its own t
 // Throws Error (data) with file and line for what is no table: fewer than two values, a value outside of
 // -32768 to 32767. Values in any order are sorted, since tc draws them at random.
 JitterTable parse_jitter_table(std::string_view text, std::string_view name);
-JitterTable load_jitter_table(const std::filesystem::path& path);
 
 // A path, or the name of a table in tc's folders (TC_LIB_DIR, then where distributions install it).
 std::shared_ptr<const JitterTable> find_jitter_table(std::string_view name);

@@ -6,42 +6,38 @@
 #include <numeric>
 #include <optional>
 
+#include <boost/math/distributions/normal.hpp>
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "netem/formats/normal_score.hpp"
 #include "netem/link_reader.hpp"
 #include "netem/stages/delay_shape.hpp"
 
 namespace thimble {
 namespace {
 
+// No long double: the same bits from every compiler.
+using Normal = boost::math::normal_distribution<
+    double, boost::math::policies::policy<boost::math::policies::promote_double<false>>>;
+
 constexpr double kMemoryG = 10.83;      // quantile 0.999 of chi squared with one degree of freedom
 constexpr double kFlatSpread_s = 1e-9;  // below what a stamp can tell
 constexpr std::array kFitted{JitterShape::kUniform, JitterShape::kNormal, JitterShape::kGamma,
                              JitterShape::kPareto, JitterShape::kParetoNormal};
 
-std::string_view name_of(JitterShape shape) {
-    switch (shape) {
-        case JitterShape::kUniform:
-            return "uniform";
-        case JitterShape::kNormal:
-            return "normal";
-        case JitterShape::kGamma:
-            return "gamma";
-        case JitterShape::kPareto:
-            return "Pareto";
-        case JitterShape::kParetoNormal:
-            return "Pareto-normal";
-        default:
-            return "no";
-    }
+// Pareto was a person.
+std::string name_of(JitterShape shape) {
+    std::string name(to_string(shape));
+    if (name.front() == 'p') name.front() = 'P';
+    return name;
 }
+
+bool is_received(const MeasuredPacket& packet) { return packet.delay && packet.loss < 1; }
 
 std::vector<double> delays_s_of(const MeasuredPath& path) {
     std::vector<double> delays_s;
     for (const MeasuredPacket& packet : path.packets) {
-        if (packet.delay && packet.loss < 1) delays_s.push_back(to_seconds(*packet.delay));
+        if (is_received(packet)) delays_s.push_back(to_seconds(*packet.delay));
     }
     return delays_s;
 }
@@ -64,7 +60,7 @@ class ShapeCurve {
     static constexpr int kSteps = 2000;
     static constexpr double kReach = 5;
     static double z_of(double step) { return kReach * step / kSteps; }
-    static double share_at(double index) { return normal_share(z_of(index - kSteps)); }
+    static double share_at(double index) { return boost::math::cdf(Normal(), z_of(index - kSteps)); }
 
     DelayShape shape_;
     std::vector<double> deviates_;
@@ -77,10 +73,7 @@ Duration spread_of(JitterShape shape, double sd_s) {
 
 double ks_distance(const std::vector<double>& sorted_s, JitterShape shape, double mean_s, double sd_s) {
     const Duration spread = spread_of(shape, sd_s);
-    JitterSettings jitter;
-    jitter.shape = shape;
-    jitter.spread = spread;
-    ShapeCurve curve(jitter, from_seconds(mean_s));
+    ShapeCurve curve({.shape = shape, .spread = spread}, from_seconds(mean_s));
     const double n = static_cast<double>(sorted_s.size());
     double distance = 0;
     for (std::size_t i = 0; i < sorted_s.size();) {
@@ -99,26 +92,19 @@ double lag_one_correlation(const MeasuredPath& path, const std::vector<double>& 
     const auto score = [&](const MeasuredPacket& packet) {
         const auto [low, high] =
             std::equal_range(sorted_s.begin(), sorted_s.end(), to_seconds(*packet.delay));
-        return normal_score(
-            (static_cast<double>(low - sorted_s.begin()) + static_cast<double>(high - sorted_s.begin())) / 2 /
-            n);
+        const auto ranks = (low - sorted_s.begin()) + (high - sorted_s.begin());
+        return boost::math::quantile(Normal(), static_cast<double>(ranks) / 2 / n);
     };
-    double products = 0, squares = 0, pairs = 0, scores = 0;
+    double products = 0, squares = 0, pairs = 0;
     std::optional<double> before;
     for (const MeasuredPacket& packet : path.packets) {
-        const bool received = packet.delay && packet.loss < 1;
-        const std::optional<double> now = received ? std::optional(score(packet)) : std::nullopt;
-        if (now) {
-            squares += *now * *now;
-            ++scores;
-        }
-        if (now && before) {
-            products += *now * *before;
-            ++pairs;
-        }
+        const auto now = is_received(packet) ? std::optional(score(packet)) : std::nullopt;
+        squares += now ? *now * *now : 0;
+        products += now && before ? *now * *before : 0;
+        pairs += now && before ? 1 : 0;
         before = now;
     }
-    return pairs > 1 && squares > 0 ? products / pairs / (squares / scores) : 0;
+    return pairs > 1 && squares > 0 ? products / pairs / (squares / n) : 0;
 }
 
 void fit_delay(const MeasuredPath& path, PathFit& fit) {
@@ -153,6 +139,7 @@ void fit_delay(const MeasuredPath& path, PathFit& fit) {
     fit.link.jitter.correlation = notable ? std::round(std::min(fit.correlation, 0.999) * 1000) / 1000 : 0;
 }
 
+// Numbers of pairs of successive packets.
 struct Transitions {
     double stay_received = 0, to_lost = 0, to_received = 0, stay_lost = 0;
 };
@@ -175,19 +162,16 @@ double likelihood_ratio(const Transitions& t) {
 Transitions count_losses(const MeasuredPath& path, PathFit& fit) {
     Transitions transitions;
     std::size_t burst = 0, bursts = 0;
-    bool first = true, before = false;
     for (const MeasuredPacket& packet : path.packets) {
         const bool lost = packet.loss >= 0.5;
+        if (&packet != path.packets.data()) {
+            (burst > 0 ? (lost ? transitions.stay_lost : transitions.to_received)
+                       : (lost ? transitions.to_lost : transitions.stay_received)) += 1;
+        }
         fit.lost += lost ? 1 : 0;
         bursts += lost && burst == 0 ? 1 : 0;
         burst = lost ? burst + 1 : 0;
         fit.longest_burst = std::max(fit.longest_burst, burst);
-        if (!first) {
-            (before ? (lost ? transitions.stay_lost : transitions.to_received)
-                    : (lost ? transitions.to_lost : transitions.stay_received)) += 1;
-        }
-        before = lost;
-        first = false;
     }
     fit.mean_burst = bursts > 0 ? static_cast<double>(fit.lost) / static_cast<double>(bursts) : 0;
     return transitions;
@@ -235,8 +219,8 @@ void describe_delay(PathFit& fit) {
     if (fit.delay_sd_s < kFlatSpread_s) return fit.sentences.push_back("It does not vary.");
     if (fit.shapes.empty()) {
         return fit.sentences.push_back(
-            "Most of it is near 0 and a few packets are far from that: no shape is like it; replay "
-            "the trace.");
+            "Most of it is near 0 and a few packets are far from that: no shape is like it; replay the "
+            "trace.");
     }
     std::string line = fmt::format(
         "The {} shape is the nearest: its distribution differs by at most {:.1f} % of the "
@@ -279,19 +263,18 @@ void describe_loss(PathFit& fit) {
         return;
     }
     if (!fit.burst_cut_at.empty()) {
-        fit.sentences.push_back(
-            fmt::format("They are one burst that the path cuts off at its {} (G = {:.1f}, chance ends at "
-                        "{}): Gilbert model with "
-                        "its share and a mean burst of {}, which is a lower bound; measure for longer.",
-                        fit.burst_cut_at, fit.loss_g, kMemoryG, fit.lost));
+        fit.sentences.push_back(fmt::format(
+            "They are one burst that the path cuts off at its {} (G = {:.1f}, chance ends at {}): "
+            "Gilbert model with its share and a mean burst of {}, which is a lower bound; measure "
+            "for longer.",
+            fit.burst_cut_at, fit.loss_g, kMemoryG, fit.lost));
         return;
     }
     const double bursts = static_cast<double>(fit.lost) / fit.mean_burst;
     const double expected = expected_longest(bursts, loss.bad_to_good);
     fit.sentences.push_back(fmt::format(
         "They come in bursts (G = {:.1f}, chance ends at {}): Gilbert model, p = {:.4g}, r = {:.4g}. Of "
-        "{:.0f} bursts it "
-        "lets the longest be about {:.0f} packets; here it is {}{}.",
+        "{:.0f} bursts it lets the longest be about {:.0f} packets; here it is {}{}.",
         fit.loss_g, kMemoryG, loss.good_to_bad, loss.bad_to_good, bursts, expected, fit.longest_burst,
         static_cast<double>(fit.longest_burst) > 2 * expected + 2
             ? ", so some are of another kind: give them as outages, or replay the trace"

@@ -20,8 +20,7 @@ namespace thimble {
 
 struct ShapeFit {
     JitterShape shape = JitterShape::kNone;
-    double distance =
-        0;  // Kolmogorov-Smirnov: the largest difference of the two distribution functions, 0 to 1
+    double distance = 0;  // Kolmogorov-Smirnov: largest difference of the two distribution functions, 0 to 1
 };
 
 struct PathFit {
@@ -34,8 +33,7 @@ struct PathFit {
     double loss_g = 0;             // likelihood ratio G of memory against none
     double mean_burst = 0;         // lost packets in a row
     std::size_t longest_burst = 0;
-    std::string_view
-        burst_cut_at{};  // "beginning" or "end" of the path, where the only burst was not seen whole
+    std::string_view burst_cut_at{};     // "beginning" or "end" of the path, which cuts off the only burst
     std::vector<std::string> sentences;  // for people
 };
 

@@ -22,7 +22,7 @@ class TcPrinter {
         print_rate();
         print_slot();
         name_the_rest();
-        result_.commands.push_back(fmt::format("tc qdisc add dev {} root netem {}", device, result_.words));
+        result_.command = fmt::format("tc qdisc add dev {} root netem {}", device, result_.words);
         return std::move(result_);
     }
 
@@ -36,20 +36,21 @@ class TcPrinter {
     void print_delay() {
         const JitterSettings& jitter = link_.jitter;
         const bool jittery = jitter.shape != JitterShape::kNone;
+        const double correlation = jittery ? jitter.correlation : 0;
         if (link_.delay > Duration::zero() || jittery) say("delay {}", print_tc_time(link_.delay));
         if (jittery) say("{}", print_tc_time(jitter.spread));
-        if (jittery && jitter.correlation > 0) say("{}", print_tc_share(jitter.correlation));
-        if (jittery) print_distribution();
+        if (correlation > 0) say("{}", print_tc_share(correlation));
+        print_distribution();
         if (link_.delay.count() % 1000 != 0 || jitter.spread.count() % 1000 != 0) {
             cannot("delay: tc counts in whole microseconds and cuts the rest off");
         }
-        if (jittery && jitter.correlation > 0) {
+        if (correlation > 0) {
             // Successive uniform numbers x_n = (1 - c) u_n + c x_(n-1), as the kernel mixes them.
-            const double share = std::sqrt((1 - jitter.correlation) / (1 + jitter.correlation));
-            cannot(fmt::format(
-                "jitter: tc's correlation narrows the distribution, to {:.0f} % of the spread here "
-                "(exactly so for uniform); this program's keeps it",
-                100 * share));
+            cannot(
+                fmt::format("jitter: tc's correlation narrows the distribution, to {:.0f} % of the spread "
+                            "here (exactly so "
+                            "for uniform); this program's keeps it",
+                            100 * std::sqrt((1 - correlation) / (1 + correlation))));
         }
         if (jittery && link_.in_order) {
             cannot("order: tc lets packets overtake each other under jitter, this program keeps their order");
@@ -66,14 +67,10 @@ class TcPrinter {
                 return say("distribution normal");
             case JitterShape::kPareto:
                 say("distribution pareto");
-                return cannot(
-                    "jitter: tc's Pareto table ends at 4 spreads: its standard deviation is 0.82 of the "
-                    "spread, its mean 0.03 spreads too low");
+                return cannot_reach("Pareto", 0.82);
             case JitterShape::kParetoNormal:
                 say("distribution paretonormal");
-                return cannot(
-                    "jitter: tc's Pareto-normal table ends at 4 spreads: its standard deviation is 0.83 of "
-                    "the spread, its mean 0.03 spreads too low");
+                return cannot_reach("Pareto-normal", 0.83);
             case JitterShape::kGamma:
                 say("distribution normal");
                 return cannot("jitter: tc has no gamma shape; normal of the same spread stands in its place");
@@ -86,20 +83,29 @@ class TcPrinter {
         }
     }
 
+    void cannot_reach(std::string_view table, double deviation) {
+        cannot(fmt::format(
+            "jitter: tc's {} table ends at 4 spreads: its standard deviation is {} of the spread, its mean "
+            "0.03 spreads too low",
+            table, deviation));
+    }
+
     void print_loss() {
         const LossSettings& loss = link_.loss;
+        const auto say_shares = [&](std::string_view model, std::initializer_list<double> shares) {
+            say("loss {}", model);
+            for (const double share : shares) say("{}", print_tc_share(share));
+        };
         switch (loss.shape) {
             case LossShape::kNone:
                 return;
             case LossShape::kIndependent:
-                return say("loss random {}", print_tc_share(loss.probability));
+                return say_shares("random", {loss.probability});
             case LossShape::kGilbertElliott:
-                return say("loss gemodel {} {} {} {}", print_tc_share(loss.good_to_bad),
-                           print_tc_share(loss.bad_to_good), print_tc_share(loss.loss_in_bad),
-                           print_tc_share(loss.loss_in_good));
+                return say_shares("gemodel",
+                                  {loss.good_to_bad, loss.bad_to_good, loss.loss_in_bad, loss.loss_in_good});
             case LossShape::kFourState:
-                return say("loss state {} {} {} {} {}", print_tc_share(loss.p13), print_tc_share(loss.p31),
-                           print_tc_share(loss.p32), print_tc_share(loss.p23), print_tc_share(loss.p14));
+                return say_shares("state", {loss.p13, loss.p31, loss.p32, loss.p23, loss.p14});
         }
     }
 

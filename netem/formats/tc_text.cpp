@@ -5,6 +5,7 @@
 #include <cctype>
 #include <optional>
 #include <set>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -33,14 +34,21 @@ class TcParser {
         return std::move(result_);
     }
 
-    // In the order in which tc looks for them: the first that begins with the word is meant.
     struct Option {
         std::string_view name;
-        void (TcParser::*read)();
+        void (*read)(TcParser& parser);
     };
-    static const std::array<Option, 15>& options();
+    // The first that begins with the word is meant.
+    static const Option* find(std::string_view word) {
+        for (const Option& option : options()) {
+            if (option.name.starts_with(word)) return &option;
+        }
+        return nullptr;
+    }
 
   private:
+    static std::span<const Option> options();  // in the order in which tc looks for them
+
     void skip_command() {
         if (words_.empty() || words_[0] != "tc") return;
         const auto netem = std::find(words_.begin(), words_.end(), "netem");
@@ -51,11 +59,8 @@ class TcParser {
     }
 
     void parse_option() {
-        const std::string_view word = words_[at_];
-        const auto option = std::find_if(options().begin(), options().end(), [word](const Option& known) {
-            return known.name.substr(0, word.size()) == word;
-        });
-        if (option == options().end()) {
+        const Option* option = find(words_[at_]);
+        if (option == nullptr) {
             fail_word(
                 "is none of limit, delay, distribution, loss, duplicate, corrupt, reorder, gap, rate, "
                 "slot, unordered");
@@ -63,7 +68,7 @@ class TcParser {
         option_ = option->name == "latency" ? "delay" : option->name == "drop" ? "loss" : option->name;
         if (!seen_.insert(option_).second) fail_word("stands there twice");
         ++at_;
-        (this->*option->read)();
+        option->read(*this);
     }
 
     [[noreturn]] void fail(std::string_view why) const {
@@ -112,7 +117,6 @@ class TcParser {
         }
     }
 
-    void limit() { link().capacity = take_count("a number of packets", 1, kMostPackets); }
     void delay() {
         link().delay = take_time(kMicrosecond);
         if (!number_is_next()) return;
@@ -127,28 +131,20 @@ class TcParser {
     void distribution() {
         if (at_ == words_.size())
             fail_word("must be uniform, normal, pareto, paretonormal or a table's name");
-        constexpr std::array<std::pair<std::string_view, JitterShape>, 4> kWords{
-            {{"uniform", JitterShape::kUniform},
-             {"normal", JitterShape::kNormal},
-             {"pareto", JitterShape::kPareto},
-             {"paretonormal", JitterShape::kParetoNormal}}};
         const std::string_view name = words_[at_++];
-        const auto shape =
-            std::find_if(kWords.begin(), kWords.end(), [name](const auto& s) { return s.first == name; });
-        shape_ = shape != kWords.end() ? shape->second : JitterShape::kTable;
+        shape_ = JitterShape::kTable;
+        if (name == "paretonormal") shape_ = JitterShape::kParetoNormal;
+        for (const JitterShape shape : {JitterShape::kUniform, JitterShape::kNormal, JitterShape::kPareto}) {
+            if (name == to_string(shape)) shape_ = shape;
+        }
         if (*shape_ == JitterShape::kTable) table_ = find_table_(name);
     }
 
     void loss() {
-        if (at_ < words_.size() && words_[at_] == "state") {
-            ++at_;
-            return four_state();
-        }
-        if (at_ < words_.size() && words_[at_] == "gemodel") {
-            ++at_;
-            return gilbert_elliott();
-        }
-        if (at_ < words_.size() && words_[at_] == "random") ++at_;
+        const std::string_view model = at_ < words_.size() ? words_[at_] : "";
+        if (model == "state" || model == "gemodel" || model == "random") ++at_;
+        if (model == "state") return four_state();
+        if (model == "gemodel") return gilbert_elliott();
         const double share = take_share();
         const double correlation = take_share_if_any(0);
         link().loss = LossSettings::independent(share);
@@ -193,19 +189,10 @@ class TcParser {
         if (loss.p23 == 0) fail("loss state: p23 is 0%, so state 2 would never end");
     }
 
-    void duplicate() {
-        link().duplicate = take_share();
-        drop_correlation("duplicate");
+    void share_of(double& value) {
+        value = take_share();
+        drop_correlation(option_);
     }
-    void corrupt() {
-        link().corrupt = take_share();
-        drop_correlation("corrupt");
-    }
-    void reorder() {
-        link().reorder = take_share();
-        drop_correlation("reorder");
-    }
-    void gap() { gap_ = take_count("a number of packets", 0, kMostPackets); }
 
     void rate() {
         link().rate.bits_per_s =
@@ -235,18 +222,10 @@ class TcParser {
         if (take_word("bytes")) link().slot.bytes = take_count("a number of bytes", 0, 4294967295);
     }
     bool take_word(std::string_view name) {
-        if (at_ == words_.size() || name.substr(0, words_[at_].size()) != words_[at_]) return false;
+        if (at_ == words_.size() || !name.starts_with(words_[at_])) return false;
         ++at_;
         return true;
     }
-
-    void seed() { fail("seed is the run's, not the link's: give it to the program (--seed)"); }
-    void ecn() {
-        fail(
-            "ecn marks the IP header instead of losing the packet, and a relay sees payloads only; leave it "
-            "out");
-    }
-    void unordered() { link().in_order = false; }
 
     void finish() {
         JitterSettings& jitter = link().jitter;
@@ -269,8 +248,8 @@ class TcParser {
         if (jitter.spread > link().delay) {
             note(
                 "delay: the jitter is larger than the delay, and no delay is below 0: its mean is then "
-                "larger than "
-                "what was asked");
+                "larger "
+                "than what was asked");
         }
     }
     // As of a session file: twice what a flow of 1 kHz needs.
@@ -293,22 +272,31 @@ class TcParser {
     std::optional<std::size_t> gap_;
 };
 
-const std::array<TcParser::Option, 15>& TcParser::options() {
-    static constexpr std::array<Option, 15> kOptions{{{"limit", &TcParser::limit},
-                                                      {"latency", &TcParser::delay},
-                                                      {"delay", &TcParser::delay},
-                                                      {"loss", &TcParser::loss},
-                                                      {"drop", &TcParser::loss},
-                                                      {"seed", &TcParser::seed},
-                                                      {"ecn", &TcParser::ecn},
-                                                      {"reorder", &TcParser::reorder},
-                                                      {"corrupt", &TcParser::corrupt},
-                                                      {"gap", &TcParser::gap},
-                                                      {"duplicate", &TcParser::duplicate},
-                                                      {"distribution", &TcParser::distribution},
-                                                      {"rate", &TcParser::rate},
-                                                      {"slot", &TcParser::slot},
-                                                      {"unordered", &TcParser::unordered}}};
+std::span<const TcParser::Option> TcParser::options() {
+    static constexpr std::array<Option, 15> kOptions{{
+        {"limit",
+         [](TcParser& p) { p.link().capacity = p.take_count("a number of packets", 1, kMostPackets); }},
+        {"latency", [](TcParser& p) { p.delay(); }},
+        {"delay", [](TcParser& p) { p.delay(); }},
+        {"loss", [](TcParser& p) { p.loss(); }},
+        {"drop", [](TcParser& p) { p.loss(); }},
+        {"seed",
+         [](TcParser& p) { p.fail("seed is the run's, not the link's: give it to the program (--seed)"); }},
+        {"ecn",
+         [](TcParser& p) {
+             p.fail(
+                 "ecn marks the IP header instead of losing the packet, and a relay sees payloads only; "
+                 "leave it out");
+         }},
+        {"reorder", [](TcParser& p) { p.share_of(p.link().reorder); }},
+        {"corrupt", [](TcParser& p) { p.share_of(p.link().corrupt); }},
+        {"gap", [](TcParser& p) { p.gap_ = p.take_count("a number of packets", 0, kMostPackets); }},
+        {"duplicate", [](TcParser& p) { p.share_of(p.link().duplicate); }},
+        {"distribution", [](TcParser& p) { p.distribution(); }},
+        {"rate", [](TcParser& p) { p.rate(); }},
+        {"slot", [](TcParser& p) { p.slot(); }},
+        {"unordered", [](TcParser& p) { p.link().in_order = false; }},
+    }};
     return kOptions;
 }
 
@@ -327,9 +315,7 @@ bool looks_like_tc_words(std::string_view text) {
     const std::vector<std::string_view> words = words_of(text);
     if (words.size() < 2) return false;
     if (words[0] == "tc") return true;
-    return std::any_of(
-        TcParser::options().begin(), TcParser::options().end(),
-        [&](const TcParser::Option& option) { return option.name.substr(0, words[0].size()) == words[0]; });
+    return TcParser::find(words[0]) != nullptr;
 }
 
 }  // namespace thimble

@@ -32,9 +32,9 @@ TcLink parse_tc_words(std::string_view text);  // tables from files (find_jitter
 bool looks_like_tc_words(std::string_view text);
 
 struct TcCommands {
-    std::string words;                  // after "netem"
-    std::vector<std::string> commands;  // to be typed as they are
-    std::vector<std::string> cannot;    // what tc does not do, or otherwise, a sentence each
+    std::string words;                // after "netem"
+    std::string command;              // to be typed as it is
+    std::vector<std::string> cannot;  // what tc does not do, or otherwise, a sentence each
 };
 
 // parse_tc_words(print_tc(x).words) is x for all that tc can express: jitter other than gamma, corruption of one

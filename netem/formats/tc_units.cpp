@@ -13,21 +13,6 @@
 namespace thimble {
 namespace {
 
-struct TcQuantity {
-    std::string_view number;
-    std::string unit;  // in small letters, as tc compares them
-};
-
-std::optional<TcQuantity> split(std::string_view word) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc{} || !std::isfinite(value)) return {};
-    const auto digits = static_cast<std::size_t>(end - word.data());
-    TcQuantity quantity{word.substr(0, digits), std::string(word.substr(digits))};
-    for (char& c : quantity.unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return quantity;
-}
-
 // number * 10^power, rounded once: the decimal point moves in the text. 0.1 % is then the double next to 0.001.
 std::optional<double> shifted(std::string_view number, int power) {
     const std::size_t e = number.find_first_of("eE");
@@ -44,118 +29,105 @@ std::string print_shifted(double value, int power) {
     std::array<char, 64> buffer{};
     const auto end =
         std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::scientific).ptr;
-    const std::string_view text(buffer.data(), static_cast<std::size_t>(end - buffer.data()));
-    const std::size_t e = text.find('e');
-    std::string digits(text.substr(0, e));
-    digits.erase(std::remove(digits.begin(), digits.end(), '.'), digits.end());
-    std::string_view exponent = text.substr(e + 1);
-    if (exponent.front() == '+') exponent.remove_prefix(1);
-    const int point = static_cast<int>(*parse_integer(exponent)) + power + 1;  // digits before the point
+    const std::string_view shortest(buffer.data(), static_cast<std::size_t>(end - buffer.data()));
+    const std::size_t e = shortest.find('e');
+    std::string digits(shortest.substr(0, e));
+    std::erase(digits, '.');
+    const bool signless = shortest[e + 1] == '+';
+    const auto exponent = *parse_integer(shortest.substr(e + (signless ? 2 : 1)));
+    const auto point = static_cast<std::ptrdiff_t>(exponent + power + 1);  // digits before it
     if (point <= 0) return "0." + std::string(static_cast<std::size_t>(-point), '0') + digits;
-    if (point >= static_cast<int>(digits.size())) {
-        return digits + std::string(static_cast<std::size_t>(point) - digits.size(), '0');
-    }
-    return digits.insert(static_cast<std::size_t>(point), 1, '.');
+    const auto before = static_cast<std::size_t>(point);
+    if (before >= digits.size()) return digits + std::string(before - digits.size(), '0');
+    return digits.insert(before, 1, '.');
 }
 
-struct Unit {
-    std::string_view name;
-    int power;          // of ten
-    double factor = 1;  // beyond that; powers of two are exact
+struct TcQuantity {
+    std::string_view number;
+    std::string unit;  // in small letters, as tc compares them
+
+    // Takes `ending` off the unit, if it is there.
+    bool cut(std::string_view ending) {
+        if (!unit.ends_with(ending)) return false;
+        unit.resize(unit.size() - ending.size());
+        return true;
+    }
+    // The power of a thousand that is left of the unit: "", "k", "m", "g" or "t".
+    std::optional<int> thousands() const {
+        const std::size_t place = std::string_view("kmgt").find(unit);
+        if (unit.size() > 1 || place == std::string_view::npos) return {};
+        return unit.empty() ? 0 : static_cast<int>(place) + 1;
+    }
+    // Exact for factors that are powers of two. Nothing if it is below 0 or above `most`.
+    std::optional<double> value(int power, double factor, double most) const {
+        const auto plain = shifted(number, power);
+        if (!plain || !(*plain >= 0) || *plain * factor > most) return {};
+        return *plain * factor;
+    }
 };
 
-template <std::size_t n>
-std::optional<double> in_units(std::string_view word, const std::array<Unit, n>& units) {
-    const auto quantity = split(word);
-    if (!quantity) return {};
-    const auto unit = std::find_if(units.begin(), units.end(),
-                                   [&](const Unit& known) { return known.name == quantity->unit; });
-    if (unit == units.end()) return {};
-    const auto value = shifted(quantity->number, unit->power);
-    if (!value || !(*value >= 0)) return {};
-    return *value * unit->factor;
+std::optional<TcQuantity> split(std::string_view word) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc{} || !std::isfinite(value)) return {};
+    const auto digits = static_cast<std::size_t>(end - word.data());
+    TcQuantity quantity{word.substr(0, digits), std::string(word.substr(digits))};
+    for (char& c : quantity.unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return quantity;
 }
-
-constexpr double kKi = 1024, kMi = 1024 * kKi, kGi = 1024 * kMi, kTi = 1024 * kGi;
 
 }  // namespace
 
 std::optional<Duration> parse_tc_time(std::string_view word, Duration bare) {
     constexpr double kMost_ns = 3600e9;
-    const std::array<Unit, 13> nanoseconds{{{"", bare == Duration{1} ? 0 : 3},
-                                            {"s", 9},
-                                            {"sec", 9},
-                                            {"secs", 9},
-                                            {"ms", 6},
-                                            {"msec", 6},
-                                            {"msecs", 6},
-                                            {"us", 3},
-                                            {"usec", 3},
-                                            {"usecs", 3},
-                                            {"ns", 0},
-                                            {"nsec", 0},
-                                            {"nsecs", 0}}};
-    const auto value = in_units(word, nanoseconds);
-    if (!value || *value > kMost_ns) return {};
-    return Duration{std::llround(*value)};
+    constexpr std::array<std::pair<std::string_view, int>, 4> kPowers{
+        {{"s", 9}, {"ms", 6}, {"us", 3}, {"ns", 0}}};
+    auto time = split(word);
+    if (!time) return {};
+    if (time->unit.empty()) time->unit = bare == Duration{1} ? "ns" : "us";
+    if (time->cut("secs") || time->cut("sec")) time->unit += 's';
+    const auto known = std::find_if(kPowers.begin(), kPowers.end(),
+                                    [&](const auto& power) { return power.first == time->unit; });
+    if (known == kPowers.end()) return {};
+    const auto value_ns = time->value(known->second, 1, kMost_ns);
+    return value_ns ? std::optional(Duration{std::llround(*value_ns)}) : std::nullopt;
 }
 
 std::optional<double> parse_tc_share(std::string_view word) {
-    constexpr std::array<Unit, 2> kShares{{{"", -2}, {"%", -2}}};
-    const auto share = in_units(word, kShares);
-    if (!share || *share > 1) return {};
-    return share;
+    auto share = split(word);
+    if (share) share->cut("%");
+    return share && share->unit.empty() ? share->value(-2, 1, 1) : std::nullopt;
 }
 
 std::optional<double> parse_tc_rate(std::string_view word) {
     constexpr double kMost_bits_per_s = 1e12;
-    constexpr std::array<Unit, 19> kRates{{{"", 0},
-                                           {"bit", 0},
-                                           {"kbit", 3},
-                                           {"mbit", 6},
-                                           {"gbit", 9},
-                                           {"tbit", 12},
-                                           {"kibit", 0, kKi},
-                                           {"mibit", 0, kMi},
-                                           {"gibit", 0, kGi},
-                                           {"tibit", 0, kTi},
-                                           {"bps", 0, 8},
-                                           {"kbps", 3, 8},
-                                           {"mbps", 6, 8},
-                                           {"gbps", 9, 8},
-                                           {"tbps", 12, 8},
-                                           {"kibps", 0, 8 * kKi},
-                                           {"mibps", 0, 8 * kMi},
-                                           {"gibps", 0, 8 * kGi},
-                                           {"tibps", 0, 8 * kTi}}};
-    const auto rate = in_units(word, kRates);
-    if (!rate || *rate > kMost_bits_per_s) return {};
-    return rate;
+    auto rate = split(word);
+    if (!rate) return {};
+    const double bits = rate->cut("bps") ? 8 : 1;
+    if (bits == 1 && !rate->cut("bit") && !rate->unit.empty()) return {};
+    const bool binary = rate->unit.size() > 1 && rate->cut("i");
+    const auto thousands = rate->thousands();
+    if (!thousands) return {};
+    return binary ? rate->value(0, std::ldexp(bits, 10 * *thousands), kMost_bits_per_s)
+                  : rate->value(3 * *thousands, bits, kMost_bits_per_s);
 }
 
 std::optional<std::size_t> parse_tc_size(std::string_view word) {
     constexpr double kMost_bytes = 4294967295.0;  // tc keeps sizes in 32 bits
-    constexpr std::array<Unit, 11> kSizes{{{"", 0},
-                                           {"b", 0},
-                                           {"k", 0, kKi},
-                                           {"kb", 0, kKi},
-                                           {"m", 0, kMi},
-                                           {"mb", 0, kMi},
-                                           {"g", 0, kGi},
-                                           {"gb", 0, kGi},
-                                           {"kbit", 0, kKi / 8},
-                                           {"mbit", 0, kMi / 8},
-                                           {"gbit", 0, kGi / 8}}};
-    const auto size = in_units(word, kSizes);
-    if (!size || *size > kMost_bytes) return {};
-    return static_cast<std::size_t>(*size);
+    auto size = split(word);
+    if (!size) return {};
+    const bool bits = size->cut("bit");
+    if (!bits) size->cut("b");
+    const auto thousands = size->thousands();
+    if (!thousands || *thousands > 3 || (bits && *thousands == 0)) return {};
+    const auto bytes = size->value(0, std::ldexp(bits ? 0.125 : 1.0, 10 * *thousands), kMost_bytes);
+    return bytes ? std::optional(static_cast<std::size_t>(*bytes)) : std::nullopt;
 }
 
 std::string print_tc_time(Duration time) {
     const std::int64_t ns = time.count();
     if (ns % 1'000'000'000 == 0) return fmt::format("{}s", ns / 1'000'000'000);
     if (ns % 1'000'000 == 0) return fmt::format("{}ms", ns / 1'000'000);
-    if (ns % 1000 == 0) return fmt::format("{}us", ns / 1000);
     return print_shifted(static_cast<double>(ns), -3) + "us";
 }
 

@@ -4,9 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "netem/formats/delivery_trace_file.hpp"
 #include "netem/formats/jitter_table_file.hpp"
-#include "netem/formats/packet_trace_file.hpp"
+#include "netem/formats/trace_files.hpp"
 
 namespace thimble {
 namespace {

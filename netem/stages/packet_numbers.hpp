@@ -38,4 +38,18 @@ class PacketNumbers {
     std::uint64_t next_ = 0;
 };
 
+// Which packets something happens to, each with the same probability.
+class Chance {
+  public:
+    Chance(const StreamKey& key, std::uint32_t direction, Purpose purpose)
+        : numbers_(link_key(key, direction, purpose)) {}
+
+    void configure(double probability) { probability_ = probability; }
+    bool hits(std::uint64_t packet) { return probability_ > 0 && numbers_.uniform(packet) < probability_; }
+
+  private:
+    PacketNumbers numbers_;
+    double probability_ = 0;
+};
+
 }  // namespace thimble

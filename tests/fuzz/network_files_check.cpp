@@ -5,14 +5,11 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "netem/formats/capture_pair.hpp"
-#include "netem/formats/delivery_trace_file.hpp"
-#include "netem/formats/irtt_file.hpp"
 #include "netem/formats/jitter_table_file.hpp"
-#include "netem/formats/packet_trace_file.hpp"
 #include "netem/formats/path_fit.hpp"
-#include "netem/formats/ping_file.hpp"
 #include "netem/formats/tc_text.hpp"
+#include "netem/formats/trace_files.hpp"
+#include "netem/import/importers.hpp"
 #include "netem/link_model.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "tests/fuzz/checks.hpp"

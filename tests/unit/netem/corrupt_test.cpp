@@ -21,7 +21,7 @@ TEST(Corrupt, FlipsAsManyBitsAsAsked) {
     EXPECT_TRUE(rc::check("distinct bits, or all there are", [] {
         Corrupt corrupt(kKey, 0);
         const unsigned bits = *rc::gen::inRange(1U, Corrupt::kMostBits + 1);
-        corrupt.configure(1, bits);
+        corrupt.configure(bits);
         std::vector<std::uint8_t> bytes(*rc::gen::inRange<std::size_t>(1, 40), 0);
         corrupt.flip(*rc::gen::arbitrary<std::uint32_t>(), bytes);
         const std::vector<std::uint8_t> zeros(bytes.size(), 0);
@@ -32,7 +32,7 @@ TEST(Corrupt, FlipsAsManyBitsAsAsked) {
 
 TEST(Corrupt, EachBitIsAsLikely) {
     Corrupt corrupt(kKey, 0);
-    corrupt.configure(1, 3);
+    corrupt.configure(3);
     std::array<int, 32> hits{};
     constexpr int kPackets = 20'000;
     for (std::uint64_t packet = 0; packet < kPackets; ++packet) {

@@ -1,5 +1,5 @@
-#include "netem/stages/duplicate.hpp"
-
+// Packets that arrive twice.
+#include <cmath>
 #include <map>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Writes classic pcap files for tests, in every variant that the reader takes.
+// Writes pcap files for tests, with every link type that the reader takes.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,8 @@ struct FrameOptions {
 
 class CaptureWriter {
   public:
-    CaptureWriter(std::uint32_t link_type, bool big_endian, bool nanoseconds)
-        : link_type_(link_type), big_endian_(big_endian), nanoseconds_(nanoseconds) {
-        file32(nanoseconds ? 0xa1b23c4d : 0xa1b2c3d4);
-        file32(big_endian ? 0x00020004 : 0x00040002);  // version 2.4, two halves
-        for (const std::uint32_t word : {0U, 0U, 65535U, link_type}) file32(word);
+    explicit CaptureWriter(std::uint32_t link_type) : link_type_(link_type) {
+        for (const std::uint32_t word : {0xa1b23c4dU, 0x00040002U, 0U, 0U, 65535U, link_type}) file32(word);
     }
 
     void udp(std::int64_t stamp_ns, std::uint16_t from, std::uint16_t to, std::string_view payload,
@@ -33,7 +30,7 @@ class CaptureWriter {
         frame += payload;
         frame += std::string(options.padding, '\0');
         file32(static_cast<std::uint32_t>(stamp_ns / 1'000'000'000));
-        file32(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000 / (nanoseconds_ ? 1 : 1000)));
+        file32(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000));
         file32(static_cast<std::uint32_t>(frame.size()));
         file32(static_cast<std::uint32_t>(frame.size()));
         bytes_ += frame;
@@ -47,24 +44,21 @@ class CaptureWriter {
         out += static_cast<char>(value & 255);
     }
     void file32(std::uint32_t value) {
-        for (unsigned i = 0; i < 4; ++i)
-            bytes_ += static_cast<char>(value >> 8 * (big_endian_ ? 3 - i : i) & 255);
+        for (unsigned i = 0; i < 4; ++i) bytes_ += static_cast<char>(value >> 8 * i & 255);
     }
     std::string link_header(const FrameOptions& options) const {
-        std::string header;
         switch (link_type_) {
             case 0:
                 return {2, 0, 0, 0};
             case 1:
-                header = std::string(12, '\x02');
-                if (options.vlan) header += std::string("\x81\x00\x00\x05", 4);
-                return header + std::string("\x08\x00", 2);
+                return std::string(12, '\x02') + std::string("\x81\x00\x00\x05", options.vlan ? 4 : 0) +
+                       std::string("\x08\x00", 2);
             case 113:
                 return std::string(14, '\0') + std::string("\x08\x00", 2);
             case 276:
                 return std::string("\x08\x00", 2) + std::string(18, '\0');
             default:
-                return header;
+                return {};
         }
     }
     static std::string ip_header(std::size_t payload, const FrameOptions& options) {
@@ -78,7 +72,6 @@ class CaptureWriter {
     }
 
     std::uint32_t link_type_;
-    bool big_endian_, nanoseconds_;
     std::string bytes_;
 };
 

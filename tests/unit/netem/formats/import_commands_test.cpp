@@ -1,14 +1,15 @@
 // import and fit from file to file, as the command line calls them.
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
+#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
 #include "common/text_file.hpp"
-#include "netem/commands/fit_command.hpp"
-#include "netem/commands/import_command.hpp"
+#include "netem/commands/commands.hpp"
 #include "netem/formats/jitter_table_file.hpp"
 #include "netem/formats/text_lines.hpp"
 #include "netem/profiles/profiles.hpp"
@@ -28,6 +29,14 @@ class ImportCommands : public testing::Test {
     }
     void TearDown() override { std::filesystem::remove_all(folder_); }
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    static int run(const std::string& command, std::vector<std::string> arguments) {
+        CLI::App app;
+        const NetemCommand import = add_import(app), fit = add_fit(app);
+        arguments.insert(arguments.begin(), command);
+        std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+        app.parse(std::move(arguments));
+        return (import.subcommand->parsed() ? import : fit).run();
+    }
 
     std::filesystem::path folder_;
 };
@@ -40,54 +49,37 @@ TEST_F(ImportCommands, PingToTraceToProfile) {
                 " ttl=64 time=" + std::to_string(20 + i % 7) + " ms\n";
     }
     write_text_file(path("ping.txt"), text);
-    ImportArguments import;
-    import.files = {path("ping.txt")};
-    import.out = path("trace.csv");
-    EXPECT_EQ(import_command(import), 0);
+    EXPECT_EQ(run("import", {path("ping.txt"), "--out", path("trace.csv")}), 0);
     EXPECT_THAT(read_whole_file(path("trace.csv")), HasSubstr("time_s,delay_s,loss\n0,0.0105,0\n"));
-
-    FitArguments fit;
-    fit.up = path("trace.csv");
-    fit.out = path("lab.toml");
-    fit.table = path("lab.dist");
-    EXPECT_EQ(fit_command(fit), 0);
+    EXPECT_EQ(run("fit", {path("trace.csv"), "--out", path("lab.toml"), "--table", path("lab.dist")}), 0);
     const LinkProfile profile = load_profile(path("lab.toml"));
     EXPECT_NEAR(to_seconds(profile.up.delay), 0.0115, 0.0002);
     EXPECT_EQ(profile.up, profile.down);
-    EXPECT_NEAR(stationary_loss(profile.up.loss), 3.0 / 199,
-                1e-9);  // the 200th: nothing says that it was sent
-    EXPECT_EQ(load_jitter_table(path("lab.dist")).deviates().size(), 4096U);
+    // Nothing says that the 200th was sent.
+    EXPECT_NEAR(stationary_loss(profile.up.loss), 3.0 / 199, 1e-9);
+    EXPECT_EQ(find_jitter_table(path("lab.dist"))->deviates().size(), 4096U);
 }
 
 TEST_F(ImportCommands, IrttMakesATracePerDirection) {
     write_text_file(path("irtt.json"), R"({"round_trips": [{"lost": "false",
         "timestamps": {"client": {"send": {"wall": 5}}}, "delay": {"rtt": 3000, "send": 2000, "receive": 1000}}]})");
-    ImportArguments import;
-    import.files = {path("irtt.json")};
-    import.out = path("trace.csv");
-    import_command(import);
+    run("import", {path("irtt.json"), "--out", path("trace.csv")});
     EXPECT_THAT(read_whole_file(path("trace.up.csv")), HasSubstr("0,0.000002,0\n"));
     EXPECT_THAT(read_whole_file(path("trace.down.csv")), HasSubstr("0,0.000001,0\n"));
-    import.direction = "down";
-    import_command(import);
+    run("import", {path("irtt.json"), "--direction", "down", "--out", path("trace.csv")});
     EXPECT_EQ(read_whole_file(path("trace.csv")), read_whole_file(path("trace.down.csv")));
 }
 
 TEST_F(ImportCommands, TwoCaptures) {
-    test::CaptureWriter sent(1, false, true), received(1, false, false);
+    test::CaptureWriter sent(1), received(1);
     sent.udp(1'000'000, 1, 2, "x");
     received.udp(3'000'000, 1, 2, "x");
     write_text_file(path("a.pcap"), sent.bytes());
     write_text_file(path("b.pcap"), received.bytes());
-    ImportArguments import;
-    import.files = {path("a.pcap"), path("b.pcap")};
-    import.out = path("trace.csv");
-    import_command(import);
+    run("import", {path("a.pcap"), path("b.pcap"), "--out", path("trace.csv")});
     EXPECT_THAT(read_whole_file(path("trace.csv")), HasSubstr("\n0,0.002,0\n"));
-    import.files.pop_back();
-    EXPECT_THROW(import_command(import), Error);
-    import.files = {path("none")};
-    EXPECT_THROW(import_command(import), Error);
+    for (const char* file : {"a.pcap", "none"})
+        EXPECT_THROW(run("import", {path(file), "--out", path("trace.csv")}), Error);
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 
 #include "common/error.hpp"
 #include "common/random.hpp"
-#include "netem/formats/normal_score.hpp"
 #include "netem/jitter_table.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "netem/stages/delay_shape.hpp"
@@ -21,6 +20,12 @@ using testing::Contains;
 using testing::HasSubstr;
 
 constexpr int kPackets = 20'000;
+
+// The same link, out of the profile that is written of it.
+LinkSettings read_back(const LinkSettings& link) {
+    const auto no_files = [](std::string_view) { return std::string(); };
+    return parse_profile(print_profile({"", "", {}, link, link, {}, {}}), "lab.toml", no_files).up;
+}
 
 // An AR(1) Gaussian through the shape's quantile function, drawn here and not by the link under test.
 MeasuredPath path_with(const JitterSettings& jitter, Duration delay, std::uint64_t seed) {
@@ -78,9 +83,7 @@ TEST(PathFit, OffersNoShapeThatWouldBeCutAtZero) {
     EXPECT_EQ(fit.link.jitter.shape, JitterShape::kGamma);
     for (const ShapeFit& shape : fit.shapes)
         EXPECT_TRUE(shape.shape == JitterShape::kGamma || shape.shape == JitterShape::kPareto);
-    const auto no_files = [](std::string_view) { return std::string(); };
-    EXPECT_EQ(parse_profile(print_profile({"", "", {}, fit.link, fit.link, {}, {}}), "lab.toml", no_files).up,
-              fit.link);
+    EXPECT_EQ(read_back(fit.link), fit.link);
 }
 
 TEST(PathFit, AConstantDelayHasNoJitter) {
@@ -152,9 +155,7 @@ TEST(PathFit, ABurstAtAnEndOfThePathIsKept) {
         for (const std::string& sentence : fit.sentences) {
             EXPECT_THAT(sentence, testing::Not(testing::ContainsRegex("nan|inf|-0"))) << sentence;
         }
-        const auto no_files = [](std::string_view) { return std::string(); };
-        const LinkProfile profile{"", "", {}, fit.link, fit.link, {}, {}};
-        const LossSettings read = parse_profile(print_profile(profile), "lab.toml", no_files).up.loss;
+        const LossSettings read = read_back(fit.link).loss;
         EXPECT_NEAR(stationary_loss(read), 5.0 / 105, 1e-12);
         EXPECT_NEAR(mean_loss_burst(read), 5, 1e-9);
     }
@@ -162,7 +163,6 @@ TEST(PathFit, ABurstAtAnEndOfThePathIsKept) {
 
 // The program can read every profile that it has fitted.
 TEST(PathFit, WhatItFitsCanBeRead) {
-    const auto no_files = [](std::string_view) { return std::string(); };
     for (const int received : {0, 1, 40}) {
         for (const int lost : {1, 2, 30}) {
             for (const int again : {0, 1, 50}) {
@@ -170,8 +170,7 @@ TEST(PathFit, WhatItFitsCanBeRead) {
                     const MeasuredPath path = runs_of({received, lost, again, end});
                     if (path.packets.size() < 2) continue;
                     const PathFit fit = fit_path(path);
-                    const LinkProfile profile{"", "", {}, fit.link, fit.link, {}, {}};
-                    const LinkSettings read = parse_profile(print_profile(profile), "lab.toml", no_files).up;
+                    const LinkSettings read = read_back(fit.link);
                     const double share = static_cast<double>(fit.lost) / static_cast<double>(fit.packets);
                     const double factor = share > 0 ? stationary_loss(read.loss) / share : 1;
                     EXPECT_TRUE(factor > 0.5 && factor < 2)
@@ -189,10 +188,6 @@ TEST(PathFit, NoLossIsABoundAndTooLittleIsRefused) {
     EXPECT_THAT(fit_path(path).sentences, Contains(HasSubstr("less than 1 % is (95 % confidence)")));
     path.packets.resize(1);
     EXPECT_THROW(fit_path(path), Error);
-}
-
-TEST(NormalScore, IsTheInverse) {
-    for (const double z : {-4.0, -1.0, 0.0, 0.3, 2.5}) EXPECT_NEAR(normal_score(normal_share(z)), z, 1e-9);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ TEST(Profiles, EachHasASourceForAllItDoesAndWorks) {
             for (const std::string& topic : topics_of(*link)) {
                 EXPECT_TRUE(has_source(profile, topic)) << name << ": no source for " << topic;
             }
-            EXPECT_FALSE(print_tc(*link, "eth0").commands.empty());
+            EXPECT_FALSE(print_tc(*link, "eth0").command.empty());
             LinkModel model(*link, StreamKey{}, 0);
             const std::uint8_t bytes[100]{};
             for (int i = 0; i < 1000; ++i) model.push(SessionTime{milliseconds{i}}, bytes);

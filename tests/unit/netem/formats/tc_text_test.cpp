@@ -264,18 +264,16 @@ TEST(TcPrint, WhatTcCanExpressComesBackUnchanged) {
         const TcCommands printed = print_tc(link, "eth0");
         RC_LOG() << printed.words << "\n";
         RC_ASSERT(parsed_words(printed.words) == link);
-        RC_ASSERT(printed.commands.size() == 1U);
-        RC_ASSERT(parsed_words(printed.commands[0]) == link);
+        RC_ASSERT(parsed_words(printed.command) == link);
     }));
 }
 
 TEST(TcPrint, CommandReadsAsTcsDocumentation) {
     const TcCommands printed =
         print_tc(parsed_words("delay 50ms 10ms distribution normal loss 0.5% limit 1000"), "eth0");
-    EXPECT_THAT(printed.commands,
-                testing::ElementsAre(
-                    "tc qdisc add dev eth0 root netem limit 1000 delay 50ms 10ms distribution normal "
-                    "loss random 0.5%"));
+    EXPECT_EQ(printed.command,
+              "tc qdisc add dev eth0 root netem limit 1000 delay 50ms 10ms distribution normal "
+              "loss random 0.5%");
     EXPECT_THAT(printed.cannot, testing::ElementsAre(HasSubstr("overtake")));
     EXPECT_THAT(print_tc(parsed_words("delay 50ms"), "eth0").cannot, IsEmpty());
 }

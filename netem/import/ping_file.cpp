@@ -1,5 +1,3 @@
-#include "netem/formats/ping_file.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -9,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "netem/formats/text_lines.hpp"
+#include "netem/import/importers.hpp"
 
 namespace thimble {
 namespace {
@@ -18,8 +17,7 @@ constexpr std::int64_t kLongestGap = 10'000;
 
 struct Reply {
     std::int64_t number = 0;
-    double stamp_s = 0;  // when the line was printed, 0 without -D
-    double round_trip_s = 0;
+    double stamp_s = 0, round_trip_s = 0;
 };
 
 // The number behind `key`, as in "icmp_seq=3 ".
@@ -27,13 +25,12 @@ std::optional<double> number_after(std::string_view line, std::string_view key) 
     const std::size_t at = line.find(key);
     if (at == std::string_view::npos) return {};
     std::string_view rest = line.substr(at + key.size());
-    rest = rest.substr(0, rest.find_first_not_of("0123456789."));
-    return parse_number(rest);
+    return parse_number(rest.substr(0, rest.find_first_not_of("0123456789.")));
 }
 
-std::optional<double> stamp_of(std::string_view line) {
-    if (line.empty() || line.front() != '[') return {};
-    return number_after(line, "[");
+// When the line was printed, 0 without -D.
+double stamp_s_of(std::string_view line) {
+    return line.starts_with('[') ? number_after(line, "[").value_or(0) : 0;
 }
 
 class PingParser {
@@ -46,8 +43,7 @@ class PingParser {
         if (replies_.empty()) {
             fail_at_line(name_, std::max<std::size_t>(1, lines_.number()),
                          "no line like \"64 bytes from ...: icmp_seq=1 ttl=64 time=0.5 ms\": is this what "
-                         "ping printed, "
-                         "in English (LC_ALL=C)?");
+                         "ping printed, in English (LC_ALL=C)?");
         }
         build();
         return std::move(path_);
@@ -71,7 +67,7 @@ class PingParser {
             ++duplicates_;
             return;
         }
-        add({unwrapped(static_cast<std::int64_t>(*number)), stamp_of(line).value_or(0), *time * 1e-3});
+        add({unwrapped(static_cast<std::int64_t>(*number)), stamp_s_of(line), *time * 1e-3});
     }
 
     // The number nearest to the last that has these 16 bits.
@@ -138,23 +134,21 @@ class PingParser {
 
     void append(std::int64_t number, std::int64_t first) {
         const auto reply = replies_.find(number);
-        const bool received = reply != replies_.end();
-        MeasuredPacket packet;
         const double since_first_s = sent_s(number) - sent_s(first);
-        packet.at = std::llround(std::max(0.0, std::min(since_first_s, 3.6e6)) * 1e9);
-        // Stamps may jitter by more than the interval.
-        if (!path_.packets.empty()) packet.at = std::max(packet.at, path_.packets.back().at + 1);
-        packet.loss = received ? 0 : 1;
-        if (received) packet.delay = from_seconds(reply->second.round_trip_s / 2);
-        path_.packets.push_back(packet);
+        MeasuredPacket packet{.at = std::llround(std::max(0.0, std::min(since_first_s, 3.6e6)) * 1e9),
+                              .loss = 1};
+        if (reply != replies_.end()) {
+            packet.delay = from_seconds(reply->second.round_trip_s / 2);
+            packet.loss = 0;
+        }
+        path_.append(packet);
     }
 
     void remark() {
         path_.has_delay = path_.has_loss = true;
         path_.remarks.push_back(
             "Each delay is half of a round trip and each loss may have happened on either way: ping cannot "
-            "tell the "
-            "directions apart.");
+            "tell the directions apart.");
         if (!stamped_) {
             path_.remarks.push_back(fmt::format(
                 "Lines have no time stamps (ping -D), so packets stand {} s apart.", interval_s_));

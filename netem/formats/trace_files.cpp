@@ -1,8 +1,9 @@
-#include "netem/formats/packet_trace_file.hpp"
+#include "netem/formats/trace_files.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,9 @@
 
 namespace thimble {
 namespace {
+
+constexpr std::size_t kMostDeliveries = 50'000'000;         // ten minutes at 1 Gbit/s
+constexpr std::int64_t kLongestDeliveries_ms = 86'400'000;  // a day
 
 enum class Quantity : std::uint8_t { kTime, kPacket, kDelay, kLoss, kRate };
 
@@ -99,6 +103,7 @@ class PathParser {
         path_.packets.push_back(packet);
     }
 
+    // Up to `most` after scaling.
     double number_in(std::string_view field, const ColumnName& column, double most) const {
         const auto value = parse_number(field);
         if (!value)
@@ -110,21 +115,21 @@ class PathParser {
         return *value * column.scale;
     }
 
+    std::int64_t nanoseconds_in(std::string_view field, const ColumnName& column, Duration most) const {
+        return std::llround(number_in(field, column, static_cast<double>(most.count())));
+    }
+
     void read_field(std::string_view field, const ColumnName& column, MeasuredPacket& packet) const {
         switch (column.quantity) {
             case Quantity::kTime:
-                packet.at = std::llround(number_in(field, column, static_cast<double>(kLongestPath.count())));
+                packet.at = nanoseconds_in(field, column, kLongestPath);
                 return;
-            case Quantity::kPacket: {
-                const auto number = parse_integer(field);
-                if (!number || *number < 0) lines_.fail("packet: must be a whole number from 0");
-                packet.at = *number;
+            case Quantity::kPacket:
+                packet.at = parse_integer(field).value_or(-1);
+                if (packet.at < 0) lines_.fail("packet: must be a whole number from 0");
                 return;
-            }
             case Quantity::kDelay:
-                if (field.empty()) return;
-                packet.delay = Duration{
-                    std::llround(number_in(field, column, static_cast<double>(kLongestPathDelay.count())))};
+                if (!field.empty()) packet.delay = Duration{nanoseconds_in(field, column, kLongestPathDelay)};
                 return;
             case Quantity::kLoss:
                 packet.loss = number_in(field, column, 1);
@@ -154,12 +159,26 @@ class PathParser {
     MeasuredPath path_;
 };
 
-// The delay that a lost packet would have had: that of the packet before it, or of the first received one.
-Duration first_delay(const MeasuredPath& path) {
-    for (const MeasuredPacket& packet : path.packets) {
-        if (packet.delay) return *packet.delay;
+// Nanoseconds as seconds, every digit and no more.
+void append_seconds(std::string& text, std::int64_t ns) {
+    fmt::format_to(std::back_inserter(text), "{}.{:09}", ns / 1'000'000'000, ns % 1'000'000'000);
+    while (text.back() == '0') text.pop_back();
+    if (text.back() == '.') text.pop_back();
+}
+
+void append_packet(std::string& text, const MeasuredPacket& packet, const MeasuredPath& path) {
+    if (path.by_packet) {
+        text += std::to_string(packet.at);
+    } else {
+        append_seconds(text, packet.at);
     }
-    return {};
+    if (path.has_delay) {
+        text += ',';
+        if (packet.delay) append_seconds(text, packet.delay->count());
+    }
+    if (path.has_loss) fmt::format_to(std::back_inserter(text), ",{}", packet.loss);
+    if (path.has_rate) fmt::format_to(std::back_inserter(text), ",{}", packet.bits_per_s);
+    text += '\n';
 }
 
 }  // namespace
@@ -176,7 +195,10 @@ PacketTrace to_trace(const MeasuredPath& path, const TraceChoice& choice, std::s
     }
     std::vector<TraceRow> rows;
     rows.reserve(path.packets.size());
-    Duration delay = first_delay(path);
+    // The delay that a lost packet would have had: that of the packet before it, or of the first received one.
+    const auto received = std::find_if(path.packets.begin(), path.packets.end(),
+                                       [](const MeasuredPacket& packet) { return packet.delay.has_value(); });
+    Duration delay = received == path.packets.end() ? Duration{} : *received->delay;
     for (const MeasuredPacket& packet : path.packets) {
         delay = packet.delay.value_or(delay);
         const bool counted = by == TraceBy::kPacket && !path.by_packet;
@@ -191,17 +213,41 @@ PacketTrace parse_packet_trace(std::string_view text, std::string_view name, con
     return to_trace(parse_path(text, name), choice, name);
 }
 
-MeasuredPath to_path(const PacketTrace& trace) {
-    MeasuredPath path;
-    path.by_packet = trace.layout().by == TraceBy::kPacket;
-    path.has_delay = trace.layout().has_delay;
-    path.has_loss = trace.layout().has_loss;
-    path.has_rate = trace.layout().has_rate;
-    for (const TraceRow& row : trace.rows()) {
-        path.packets.push_back({row.at, path.has_delay ? std::optional<Duration>(row.delay) : std::nullopt,
-                                row.loss, row.bits_per_s});
+std::string print_path(const MeasuredPath& path) {
+    std::string text;
+    for (const std::string& remark : path.remarks) text += "# " + remark + '\n';
+    text += path.by_packet ? "packet" : "time_s";
+    if (path.has_delay) text += ",delay_s";
+    if (path.has_loss) text += ",loss";
+    if (path.has_rate) text += ",rate_bits_per_s";
+    text += '\n';
+    for (const MeasuredPacket& packet : path.packets) append_packet(text, packet, path);
+    return text;
+}
+
+DeliveryTrace parse_delivery_trace(std::string_view text, std::string_view name) {
+    std::vector<std::uint32_t> times_ms;
+    LineReader lines(text, name);
+    while (lines.next()) {
+        const std::string_view line = trimmed(lines.line());
+        const auto time = parse_integer(line);
+        if (!time || *time < 0 || *time > kLongestDeliveries_ms) {
+            lines.fail(fmt::format("'{}' is no whole number of milliseconds from 0 to {}", line.substr(0, 40),
+                                   kLongestDeliveries_ms));
+        }
+        if (!times_ms.empty() && *time < times_ms.back()) lines.fail("times must not fall");
+        if (times_ms.size() == kMostDeliveries) {
+            lines.fail(fmt::format("more than {} lines; split the trace", kMostDeliveries));
+        }
+        times_ms.push_back(static_cast<std::uint32_t>(*time));
     }
-    return path;
+    if (times_ms.empty()) fail_at_line(name, 1, "is empty: a trace has a time in milliseconds per line");
+    if (times_ms.back() == 0) lines.fail("the last time must be above 0: it is the trace's length");
+    return DeliveryTrace(std::move(times_ms));
+}
+
+std::string print_delivery_trace(const DeliveryTrace& trace) {
+    return fmt::format("{}\n", fmt::join(trace.times_ms(), "\n"));
 }
 
 }  // namespace thimble

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "netem/import/importers.hpp"
+
+namespace thimble {
+namespace {
+
+// Where the clocks run apart by more than this, a remark says so.
+constexpr double kNotableDrift = 5e-6;
+
+std::vector<CapturedDatagram> flow_of(const Capture& capture, std::optional<std::uint16_t> port) {
+    std::vector<CapturedDatagram> flow;
+    for (const CapturedDatagram& datagram : capture.datagrams) {
+        if (!port || datagram.to_port == *port) flow.push_back(datagram);
+    }
+    // Captures of several interfaces are not quite in order.
+    std::stable_sort(flow.begin(), flow.end(), [](const CapturedDatagram& a, const CapturedDatagram& b) {
+        return a.stamp_ns < b.stamp_ns;
+    });
+    return flow;
+}
+
+std::uint64_t identity(const CapturedDatagram& datagram) {
+    return datagram.payload_hash ^ 0x9E3779B97F4A7C15U * (std::uint64_t{datagram.payload_bytes} + 1);
+}
+
+class Matcher {
+  public:
+    Matcher(const Capture& sent, const Capture& received, const CapturePairOptions& options)
+        : options_(options),
+          sent_(flow_of(sent, options.sent_port)),
+          received_(flow_of(received, options.received_port)),
+          delays_ns_(sent_.size()) {}
+
+    CapturePair match() {
+        pair_up();
+        if (pair_.lost == sent_.size()) {
+            throw Error(ExitCode::kData,
+                        fmt::format("no datagram of the first capture ({} looked at) is in the second ({} "
+                                    "looked at): are they of the same traffic, and are the ports right?",
+                                    sent_.size(), received_.size()));
+        }
+        build_path();
+        remark();
+        return std::move(pair_);
+    }
+
+  private:
+    struct Equals {
+        std::vector<std::size_t> waiting{};  // the first sent at the end
+        std::size_t sent = 0;
+    };
+
+    void pair_up() {
+        std::unordered_map<std::uint64_t, Equals> equals;
+        for (std::size_t i = sent_.size(); i-- > 0;) {
+            Equals& same = equals[identity(sent_[i])];
+            same.waiting.push_back(i);
+            ++same.sent;
+        }
+        std::size_t latest = 0;
+        for (const CapturedDatagram& arrival : received_) {
+            const auto same = equals.find(identity(arrival));
+            if (same == equals.end()) {
+                ++pair_.foreign;
+            } else if (same->second.waiting.empty()) {
+                ++pair_.duplicates;
+            } else {
+                const std::size_t packet = same->second.waiting.back();
+                same->second.waiting.pop_back();
+                delays_ns_[packet] = arrival.stamp_ns - sent_[packet].stamp_ns;
+                if (packet < latest) ++pair_.reordered;
+                latest = std::max(latest, packet);
+            }
+        }
+        pair_.sent = sent_.size();
+        pair_.received = received_.size();
+        for (const auto& [_, same] : equals) {
+            pair_.lost += same.waiting.size();
+            if (same.sent > 1 && !same.waiting.empty()) pair_.ambiguous += same.sent;
+        }
+    }
+
+    void build_path() {
+        std::int64_t least = INT64_MAX, most = INT64_MIN;
+        for (const auto& delay_ns : delays_ns_) {
+            least = std::min(least, delay_ns.value_or(least));
+            most = std::max(most, delay_ns.value_or(most));
+        }
+        pair_.least = Duration{least};
+        pair_.most = Duration{most};
+        if (least < 0 && !options_.least_delay) {
+            throw Error(ExitCode::kData,
+                        fmt::format("a datagram arrives {:.6f} s before it was sent: the two clocks are not "
+                                    "synchronised. Say what the least delay should be (--least-delay-s), and "
+                                    "only the variation is taken from the captures",
+                                    -to_seconds(pair_.least)));
+        }
+        const std::int64_t shift_ns = options_.least_delay ? options_.least_delay->count() - least : 0;
+        if (most - least > kLongestPathDelay.count() || most + shift_ns > kLongestPathDelay.count()) {
+            throw Error(ExitCode::kData,
+                        "delays of more than a minute: are the two captures of the same traffic?");
+        }
+        pair_.path.has_delay = pair_.path.has_loss = true;
+        for (std::size_t i = 0; i < sent_.size(); ++i) append(i, shift_ns);
+    }
+
+    void append(std::size_t packet, std::int64_t shift_ns) {
+        MeasuredPacket measured;
+        measured.at = sent_[packet].stamp_ns - sent_.front().stamp_ns;
+        measured.loss = delays_ns_[packet] ? 0 : 1;
+        if (delays_ns_[packet]) measured.delay = Duration{*delays_ns_[packet] + shift_ns};
+        pair_.path.append(measured);
+        if (pair_.path.packets.back().at > kLongestPath.count())
+            throw Error(ExitCode::kData, "a capture of more than 1000 hours");
+    }
+
+    void remark() {
+        auto& remarks = pair_.path.remarks;
+        if (options_.least_delay) {
+            remarks.push_back(fmt::format(
+                "Delays were moved by {:.6f} s, so that the least is {:.6f} s: what the path really takes is "
+                "not known from clocks that are not synchronised.",
+                to_seconds(*options_.least_delay - pair_.least), to_seconds(*options_.least_delay)));
+        } else {
+            remarks.emplace_back(
+                "Delays are differences of two machines' stamps and no better than their clocks agree; none "
+                "is below 0, which is necessary, not sufficient.");
+        }
+        if (const double drift = clock_drift(); std::abs(drift) > kNotableDrift) {
+            remarks.push_back(fmt::format(
+                "The least delay moves by {:+.1f} us per second: the clocks run apart, or the path changes.",
+                1e6 * drift));
+        }
+        if (pair_.ambiguous > 0) {
+            remarks.push_back(fmt::format(
+                "{} datagrams have payloads that were sent several times and not always received: which of "
+                "them was lost is a guess.",
+                pair_.ambiguous));
+        }
+    }
+
+    // Between the quickest packets of the first and of the last third.
+    double clock_drift() const {
+        const auto& packets = pair_.path.packets;
+        if (packets.size() < 30) return 0;
+        const auto third = static_cast<std::ptrdiff_t>(packets.size() / 3);
+        const auto quicker = [](const MeasuredPacket& a, const MeasuredPacket& b) {
+            return a.delay.value_or(Duration::max()) < b.delay.value_or(Duration::max());
+        };
+        const auto early = std::min_element(packets.begin(), packets.begin() + third, quicker);
+        const auto late = std::min_element(packets.end() - third, packets.end(), quicker);
+        if (!early->delay || !late->delay) return 0;
+        return static_cast<double>((*late->delay - *early->delay).count()) /
+               static_cast<double>(late->at - early->at);
+    }
+
+    const CapturePairOptions& options_;
+    std::vector<CapturedDatagram> sent_, received_;
+    std::vector<std::optional<std::int64_t>> delays_ns_;  // of each sent; none: lost
+    CapturePair pair_;
+};
+
+}  // namespace
+
+CapturePair match_captures(const Capture& sent, const Capture& received, const CapturePairOptions& options) {
+    return Matcher(sent, received, options).match();
+}
+
+}  // namespace thimble
