@@ -1,11 +1,12 @@
 // The rules of the last stage before a device that pushes on a person. GuardedHandle and GuardedActuator put them before the
-// handle and before the fingertips. The guard knows the force that somebody wants and nothing of messages, networks and
-// sessions, so that no input from outside can talk it round.
+// handle and before the fingertips. The guard knows the wanted force and nothing of messages, networks and sessions. So no
+// message can change its rules.
 //
-// An allowed force is never larger than the wanted one, never of the other sign, never beyond the limits, and never grows faster
-// than rate_limit_N_per_s, where the time since the force before counts as one sample period at most. So neither a silence nor
-// a new trial allows a jump. A force falls as fast as it likes. A wanted force that is no number trips the guard: it allows
-// zero from then on until clear(). A device may trip it for reasons of its own.
+// - The allowed force has the sign of the wanted one, is never larger, and lies within the limits.
+// - It grows no faster than rate_limit_N_per_s, and falls as fast as it likes. The guard counts at most one sample period of
+//   the time since the force before. So neither a silence nor a new trial allows a jump.
+// - A wanted force that is no number trips the guard. From then on it allows zero until clear(). A device may trip the guard
+//   for reasons of its own.
 #pragma once
 
 #include <cstdint>

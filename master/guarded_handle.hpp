@@ -1,7 +1,6 @@
-// The last stage before the handle: the rules of ForceGuard, and two that need the handle's own measurements. It trips also when
-//   - what the handle measures is no number;
-//   - the handle has given out more than energy_limit_J to the hand since any moment of the last energy_window (passivity
-//     observer, Hannaford and Ryu 2002; PortObserver).
+// The last stage before the handle: the rules of ForceGuard, and two that need the handle's own measurements. A measurement that
+// is no number trips the guard. So does a handle that gives out more than energy_limit_J to the hand since any moment of the last
+// energy_window (passivity observer, Hannaford and Ryu 2002; PortObserver).
 // Forces are positive where they push the hand out (-z), as at HapticDevice.
 #pragma once
 

@@ -1,9 +1,9 @@
 // The master's logic: encoder reading in, needle command out; force feedback in, force at the handle out.
 //
-// Order inside a sample, fixed because it decides the zero-delay verdict by a factor of three (a delay of d
-// samples needs b >= K h (2d + 1) / 2 of hand damping; docs/model.md): the handle is read, the command leaves
-// at once, and the force is given to the handle the moment the answer arrives, not at the next sample. With
-// no network delay the force that acts from sample k on belongs to the position of sample k: d = 0.
+// The order inside a sample is fixed, because it decides the zero-delay verdict by a factor of three: a delay of d samples needs
+// b >= K h (2d + 1) / 2 of hand damping (docs/model.md). The handle is read, and the command leaves at once. The force is given
+// to the handle the moment the answer arrives, not at the next sample. Without network delay the force that acts from sample k
+// on belongs to the position of sample k: d = 0.
 #pragma once
 
 #include <optional>

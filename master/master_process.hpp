@@ -1,5 +1,5 @@
-// master: reads the handle at 1 kHz, sends the needle, gives the returned force to the handle as it arrives,
-// and passes on what skin and eyes get to whoever holds the handle.
+// The master reads the handle at 1 kHz, sends the needle, and gives the returned force to the handle as it arrives. It passes the
+// percepts of skin and eyes on to the operator.
 #pragma once
 
 #include <algorithm>

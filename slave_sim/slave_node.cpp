@@ -67,6 +67,7 @@ ForceFeedback SlaveNode::on_needle(SessionTime sample_time, std::uint32_t sequen
 }
 
 ForceFeedback SlaveNode::on_wave(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message) {
+    if (two_port_) return on_two_port(sample_time, sequence, message);
     scene_.clear_transitions();
     const Duration period = wave_->sample_period();
     const bool first = !needle_known_;

@@ -43,12 +43,10 @@ class SlaveNode {
     ForceFeedback on_needle(SessionTime sample_time, std::uint32_t sequence, const NeedleCommand& command);
 
     // The same with wave variables: each of the master's samples that has not been, one after another, then the answer to the
-    // newest. The needle goes where the waves lead it. wave_burst() goes back with the answer. Only while waves().
+    // newest. The needle goes where the waves lead it, or with two-port passivity where the passive proxy is. wave_burst() goes
+    // back with the answer. Only while waves().
     ForceFeedback on_wave(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
-    // The same with two-port passivity: the needle is where the passive proxy is.
-    ForceFeedback on_two_port(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
     bool waves() const { return in_trial_ && waves_; }
-    bool two_port() const { return two_port_.has_value(); }
     const WaveBurst& wave_burst() const { return wave_ ? wave_->burst() : two_port_burst_; }
 
     // Commands stopped: the needle is held where it is, every force is zero and contact is lost.
@@ -71,6 +69,7 @@ class SlaveNode {
     void step(Duration duration, const NeedleSample& needle);
     ForceFeedback answer() const;
     NeedleCommand wave_step(SessionTime sample_time);
+    ForceFeedback on_two_port(SessionTime sample_time, std::uint32_t sequence, const NeedleWave& message);
 
     SlaveSettings settings_;
     NeedleScene scene_;

@@ -44,8 +44,7 @@ void SlaveProcess::work(SessionTime now) {
     if (node_.waves()) {
         needle_flow_.drain<NeedleWave>(
             now, *needle_in_, running(), trial(), [&](const Header& header, const NeedleWave& message) {
-                const auto take = node_.two_port() ? &SlaveNode::on_two_port : &SlaveNode::on_wave;
-                answer(now, (node_.*take)(header.send_time, header.sequence, message));
+                answer(now, node_.on_wave(header.send_time, header.sequence, message));
             });
     } else {
         needle_flow_.drain<NeedleCommand>(

@@ -12,17 +12,6 @@ constexpr Duration kBoardRead = std::chrono::milliseconds{1};  // a command wait
 constexpr Duration kOwnStall = std::chrono::milliseconds{20};  // between turns: no silence of the board's
 constexpr std::uint8_t kNoTrouble = 0;
 
-// index_mN, thumb_mN (16 bits each), sequence (8), press (1).
-std::uint64_t pack(const BoardCommand& command) {
-    return command.index_mN | std::uint64_t{command.thumb_mN} << 16U |
-           std::uint64_t{command.sequence} << 32U | std::uint64_t{command.press} << 40U;
-}
-
-BoardCommand unpack_command(std::uint64_t word) {
-    return {static_cast<std::uint8_t>(word >> 32U), ((word >> 40U) & 1U) != 0,
-            static_cast<std::uint16_t>(word), static_cast<std::uint16_t>(word >> 16U)};
-}
-
 bool is_board(const HidDevice& device) {
     return device.usage_page == kBoardUsagePage && device.usage == kBoardUsage;
 }
@@ -57,34 +46,32 @@ void BoardActuator::say(SessionTime now, bool press, Finger finger, double force
     const auto force_mN = static_cast<std::uint16_t>(std::lround(std::min(1000 * force_N, 65535.0)));
     ++sequence_;
     commanded_[sequence_] = now;
-    command_.store(pack({sequence_, press, finger == Finger::kIndex ? force_mN : std::uint16_t{0},
-                         finger == Finger::kThumb ? force_mN : std::uint16_t{0}}),
+    command_.store({{sequence_, press, finger == Finger::kIndex ? force_mN : std::uint16_t{0},
+                     finger == Finger::kThumb ? force_mN : std::uint16_t{0}}},
                    std::memory_order_release);
     loop_seen_ns_.store(to_nanoseconds(now), std::memory_order_release);
 }
 
 FingertipForce BoardActuator::output(SessionTime now) {
     loop_seen_ns_.store(to_nanoseconds(now), std::memory_order_release);
-    const std::uint64_t word = status_.load(std::memory_order_acquire);
-    const double index_N = 1e-3 * static_cast<double>(word & 0xffffU),
-                 thumb_N = 1e-3 * static_cast<double>((word >> 16U) & 0xffffU);
-    const SessionTime sample_time = commanded_[(word >> 32U) & 0xffU];
+    const BoardFelt felt = felt_.load(std::memory_order_acquire);
+    const double index_N = 1e-3 * felt.index_mN, thumb_N = 1e-3 * felt.thumb_mN;
+    const SessionTime sample_time = commanded_[felt.sequence];
     const double strongest_N = std::max(index_N, thumb_N);
     if (strongest_N == 0) return {Finger::kNone, 0, sample_time};
     return {index_N >= thumb_N ? Finger::kIndex : Finger::kThumb, strongest_N, sample_time};
 }
 
 std::string_view BoardActuator::fault() const {
-    return kTroubles.at((status_.load(std::memory_order_acquire) >> 48U) & 0xffU);
+    return kTroubles.at(felt_.load(std::memory_order_acquire).trouble);
 }
 
 // A board that does not press, or is in trouble, presses nothing, whatever its sensors say.
 void BoardActuator::publish(const BoardStatus& status, std::uint8_t trouble) {
     const bool felt = status.pressing && trouble == kNoTrouble;
-    status_.store((felt ? status.index_mN : std::uint64_t{0}) |
-                      (felt ? std::uint64_t{status.thumb_mN} : std::uint64_t{0}) << 16U |
-                      std::uint64_t{status.sequence} << 32U | std::uint64_t{trouble} << 48U,
-                  std::memory_order_release);
+    felt_.store({felt ? status.index_mN : std::uint16_t{0}, felt ? status.thumb_mN : std::uint16_t{0},
+                 status.sequence, trouble},
+                std::memory_order_release);
 }
 
 std::optional<std::size_t> BoardActuator::choose(const std::vector<HidDevice>& present,
@@ -107,7 +94,7 @@ std::optional<std::size_t> BoardActuator::choose(const std::vector<HidDevice>& p
 bool BoardActuator::attach(const HidDevice& /*device*/, std::span<const std::uint8_t> /*descriptor*/,
                            std::string& /*trouble*/) {
     fresh_ = true;
-    written_ = 0;
+    written_ = {};
     written_at_ = {};
     return true;
 }
@@ -130,13 +117,13 @@ bool BoardActuator::turn(SessionTime now, HidLink& link) {
 void BoardActuator::take(SessionTime now, std::span<const std::uint8_t> report) {
     if (const auto status = decode_board_status(report)) {
         // A board that repeats its report while it gets new commands has stopped, or hears nothing.
-        const std::uint8_t told = unpack_command(written_).sequence;
+        const std::uint8_t told = written_.sequence;
         if (status->sequence == told || status->sequence != echoed_) heard_ = now;
         echoed_ = status->sequence;
         if (now - heard_ >= kSilence) return;
         return publish(*status, static_cast<std::uint8_t>(status->fault));
     }
-    if (foreign_version(report)) {
+    if (is_of_another_version(report)) {
         heard_ = now;
         return publish({}, static_cast<std::uint8_t>(Trouble::kOtherVersion));
     }
@@ -144,12 +131,11 @@ void BoardActuator::take(SessionTime now, std::span<const std::uint8_t> report) 
 }
 
 bool BoardActuator::write(SessionTime now, HidLink& link) {
-    BoardCommand command = unpack_command(command_.load(std::memory_order_acquire));
+    BoardCommand command = command_.load(std::memory_order_acquire).command;
     const auto seen = from_nanoseconds(loop_seen_ns_.load(std::memory_order_acquire));
     if (command.press && now - seen > kLoopSilence) command = {command.sequence, false, 0, 0};
-    const std::uint64_t word = pack(command);
-    if (word == written_ && now - written_at_ < kRepeat) return true;
-    written_ = word;
+    if (command == written_ && now - written_at_ < kRepeat) return true;
+    written_ = command;
     written_at_ = now;
     return link.write(encode(command));
 }

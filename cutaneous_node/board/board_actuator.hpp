@@ -14,6 +14,17 @@
 
 namespace thimble {
 
+// The two halves exchange one word each, so neither half ever sees a mixture.
+struct alignas(8) BoardTold {
+    BoardCommand command;
+};
+struct alignas(8) BoardFelt {
+    std::uint16_t index_mN = 0, thumb_mN = 0;
+    std::uint8_t sequence = 0;
+    std::uint8_t trouble = 7;  // kAbsent
+};
+static_assert(std::atomic<BoardTold>::is_always_lock_free && std::atomic<BoardFelt>::is_always_lock_free);
+
 class BoardActuator final : public FingertipActuator, public HidUser {
   public:
     static constexpr Duration kRepeat = std::chrono::milliseconds{5};        // of an unchanged command
@@ -41,7 +52,7 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     std::uint64_t bad_reports() const { return bad_reports_.load(std::memory_order_relaxed); }
 
   private:
-    // Exchanged as one word, so that neither half ever sees a mixture. Trouble 0 to 6: a BoardFault's, kNone: none.
+    // 0 to 6: a BoardFault's, kNone: none.
     enum class Trouble : std::uint8_t { kAbsent = 7, kSilent, kOtherVersion };
 
     void say(SessionTime now, bool press, Finger finger, double force_N);
@@ -55,12 +66,13 @@ class BoardActuator final : public FingertipActuator, public HidUser {
     std::uint8_t sequence_ = 0;
     std::array<SessionTime, 256> commanded_{};  // by sequence
     // Between both.
-    std::atomic<std::uint64_t> command_{0}, status_{std::uint64_t{7} << 48};
+    std::atomic<BoardTold> command_{};
+    std::atomic<BoardFelt> felt_{};
     std::atomic<std::int64_t> loop_seen_ns_{0};
     std::atomic<std::uint64_t> bad_reports_{0};
     // Of the thread.
     SessionTime heard_{}, turned_{}, written_at_{};
-    std::uint64_t written_ = 0;
+    BoardCommand written_;
     std::uint8_t echoed_ = 0;  // sequence of the newest good status
     bool fresh_ = false;       // attached, nothing heard yet
 };

@@ -76,9 +76,8 @@ std::optional<BoardStatus> decode_board_status(std::span<const std::uint8_t> rep
                        get(report, kThumb)};
 }
 
-std::optional<std::uint8_t> foreign_version(std::span<const std::uint8_t> report) {
-    if (!is_whole(report) || report[kVersionAt] == kBoardVersion) return std::nullopt;
-    return report[kVersionAt];
+bool is_of_another_version(std::span<const std::uint8_t> report) {
+    return is_whole(report) && report[kVersionAt] != kBoardVersion;
 }
 
 std::uint8_t crc8(std::span<const std::uint8_t> bytes) {

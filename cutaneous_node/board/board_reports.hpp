@@ -21,6 +21,7 @@ struct BoardCommand {
     std::uint8_t sequence = 0;
     bool press = false;  // false: slack, whatever the forces
     std::uint16_t index_mN = 0, thumb_mN = 0;
+    bool operator==(const BoardCommand&) const = default;
 };
 
 enum class BoardFault : std::uint8_t {
@@ -47,8 +48,8 @@ BoardReport encode(const BoardStatus& status);
 // None: another report, or one that is too short, garbled, or of another version.
 std::optional<BoardCommand> decode_board_command(std::span<const std::uint8_t> report);
 std::optional<BoardStatus> decode_board_status(std::span<const std::uint8_t> report);
-// A whole status or command of a version that is not ours: its number.
-std::optional<std::uint8_t> foreign_version(std::span<const std::uint8_t> report);
+// A whole status or command of a version that is not ours.
+bool is_of_another_version(std::span<const std::uint8_t> report);
 
 // CRC-8, polynomial 0x07, started with 0 (SMBus).
 std::uint8_t crc8(std::span<const std::uint8_t> bytes);

@@ -1,5 +1,5 @@
-// A handle with whoever holds it. By default that is a person, who needs no words from us to begin, to feel, or to be done: the
-// session sees when the needle is withdrawn.
+// A handle and the operator who holds it. By default that is a person. A person needs no call to begin, to feel, or to be done:
+// the session sees when the needle is withdrawn.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ class Handle : public HapticDevice, public OperatorPort {
     void perceive(SessionTime /*now*/, const Percept& /*percept*/) override {}
     bool finished() const override { return false; }
 
-    // Whoever follows a person's pointer; null: nobody.
+    // The follower of a person's pointer; null: none.
     virtual HandFollower* follower() { return nullptr; }
     // Of a real one, which device was found, for the log: "omega.3, serial 1234, ...".
     virtual std::string name() const { return {}; }

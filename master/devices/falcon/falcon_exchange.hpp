@@ -1,9 +1,9 @@
-// Commands out, reports in, over and over, in a thread of its own: the answer to a command takes the USB's next frame, about 1 ms, and
-// the thread that reads the handle must not wait for it. What the two threads share are two words of 64 bits, each always whole, so
-// neither waits for the other, and nothing is torn: three motors or encoders of 16 bits, 8 bits of flags, 8 bits that count.
+// Sends commands and receives reports, over and over, in a thread of its own. The answer to a command takes the USB's next frame,
+// about 1 ms, and the thread that reads the handle must not wait for it. The two threads share two words of 64 bits. Each is
+// always whole, so neither thread waits for the other, and nothing is torn.
 //
-// A force that is not renewed ends: after kUnattendedTurns exchanges without a command the motors get zero. Nor to one that belongs to a place nobody knows any more: a command that is not answered within 2 ms, or by
-// garbage, is followed by commands without force until a report comes.
+// A force that is not renewed ends: after kUnattendedTurns exchanges without a command the motors get zero. The device may also
+// leave a command without an answer for 2 ms, or answer with garbage. Then commands without force follow until a report comes.
 // The light is red before homing, blue while some legs are homed, green once all are.
 #pragma once
 
@@ -17,6 +17,13 @@
 #include "master/devices/falcon/falcon_packet.hpp"
 
 namespace thimble {
+
+struct FalconWord {
+    FalconTriple values{};  // motors or encoders
+    std::uint8_t flags = 0, count = 0;
+    bool operator==(const FalconWord&) const = default;
+};
+static_assert(std::atomic<FalconWord>::is_always_lock_free);
 
 class FalconExchange {
   public:
@@ -55,11 +62,11 @@ class FalconExchange {
 
     FalconLink* link_;
     FalconReportReader reader_;
-    std::atomic<std::uint64_t> command_{0}, report_{0};
+    std::atomic<FalconWord> command_{}, report_{};
     std::atomic<std::uint8_t> pressed_{0};  // since somebody asked
     std::atomic<bool> any_{false}, silent_{false}, lost_{false}, stop_{false};
     std::uint8_t commands_ = 0, reports_ = 0;
-    std::uint64_t carried_ = 0;  // command that the last turn sent
+    FalconWord carried_;  // command that the last turn sent
     int unattended_ = 0;
     std::uint8_t light_ = kFalconRed;
     std::thread thread_;

@@ -205,28 +205,35 @@ TEST_F(FalconHandleTest, OnlyTheButtonsThatTheSettingsNameStop) {
     }
 }
 
-TEST_F(FalconHandleTest, AStalledDeviceEndsTheTrial) {
-    EXPECT_LE(good_reads_after([this] { device.silent = true; }), 22);
-    expect_gone_for_good("no report for 20 ms");
+struct FalconFault {
+    const char* name;
+    const char* words;
+    int most_reads;  // that are still good
+    void (*befall)(FalconEmulator& device);
+};
+
+// Two ticks for what a report tells, 20 ms for one that does not come.
+class FalconFaults : public FalconHandleTest, public testing::WithParamInterface<FalconFault> {};
+
+TEST_P(FalconFaults, EndTheTrialAndTheForceForGood) {
+    EXPECT_LE(good_reads_after([this] { GetParam().befall(device); }), GetParam().most_reads);
+    expect_gone_for_good(GetParam().words);
     EXPECT_TRUE(motors_still());
 }
 
-TEST_F(FalconHandleTest, GarbledReportsAreNoReports) {
-    EXPECT_LE(good_reads_after([this] { device.garbled_reports = true; }), 22);
-    expect_gone_for_good("no report");
-}
-
-TEST_F(FalconHandleTest, LostHomingIsAFaultInTwoTicks) {
-    EXPECT_LE(good_reads_after([this] { device.report.homed_legs = 0; }), 1);
-    expect_gone_for_good("has lost where its legs are");
-    EXPECT_TRUE(motors_still());
-}
-
-TEST_F(FalconHandleTest, CountsThatNoPositionHasAreAFaultInTwoTicks) {
-    EXPECT_LE(good_reads_after([this] { device.report.encoders = {32767, 0, -32768}; }), 1);
-    expect_gone_for_good("impossible encoder counts 32767 0 -32768");
-    EXPECT_TRUE(motors_still());
-}
+INSTANTIATE_TEST_SUITE_P(Each, FalconFaults,
+                         testing::Values(FalconFault{"Stalled", "no report for 20 ms", 22,
+                                                     [](FalconEmulator& d) { d.silent = true; }},
+                                         FalconFault{"Garbled", "no report", 22,
+                                                     [](FalconEmulator& d) { d.garbled_reports = true; }},
+                                         FalconFault{"HomingLost", "has lost where its legs are", 1,
+                                                     [](FalconEmulator& d) { d.report.homed_legs = 0; }},
+                                         FalconFault{"Impossible", "impossible encoder counts 32767 0 -32768",
+                                                     1,
+                                                     [](FalconEmulator& d) {
+                                                         d.report.encoders = {32767, 0, -32768};
+                                                     }}),
+                         [](const auto& fault) { return fault.param.name; });
 
 }  // namespace
 }  // namespace thimble

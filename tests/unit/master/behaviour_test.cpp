@@ -219,15 +219,12 @@ TEST(Behaviour, WithdrawsAfterTheBeepFromAnyPhase) {
         EXPECT_LT(actor.position_m(), 0);
         EXPECT_EQ(actor.velocity_m_per_s(), 0);
     }
-}
-
-TEST(Behaviour, WithdrawsAfterTheBeepFromARelaxation) {
-    Actor actor(Modality::kHF);
-    actor.hold();
-    ASSERT_GT(actor.until(BehaviourPhase::kRelax, kNothing), 0);
-    actor.beep = true;
-    EXPECT_EQ(actor.until(BehaviourPhase::kWithdraw, kNothing), 148);
-    EXPECT_GT(actor.until(BehaviourPhase::kDone, kNothing), 0);
+    Actor relaxing(Modality::kHF);
+    relaxing.hold();
+    ASSERT_GT(relaxing.until(BehaviourPhase::kRelax, kNothing), 0);
+    relaxing.beep = true;
+    EXPECT_EQ(relaxing.until(BehaviourPhase::kWithdraw, kNothing), 148);
+    EXPECT_GT(relaxing.until(BehaviourPhase::kDone, kNothing), 0);
 }
 
 TEST(Behaviour, APushMayStartBeforeTheWithdrawalAndIsOverriddenByIt) {

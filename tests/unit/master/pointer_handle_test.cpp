@@ -2,7 +2,6 @@
 #include "master/devices/pointer_handle.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -119,15 +118,6 @@ TEST_F(PointerHandleTest, WhoCallsAndWhenDoesNotMatter) {
     EXPECT_EQ(handle.read(now + milliseconds{90}).position_hand_m,
               other.read(now + milliseconds{90}).position_hand_m);
     EXPECT_EQ(handle.position_hand_m(), other.position_hand_m());
-}
-
-TEST_F(PointerHandleTest, AForceThatIsNoNumberIsZeroAndCounted) {
-    handle.command_force(now, 3);
-    handle.command_force(now, std::numeric_limits<double>::quiet_NaN());
-    EXPECT_EQ(handle.read(now).force_hand_N, 0);
-    EXPECT_EQ(handle.refused_forces(), 1U);
-    handle.command_force(now, -99);
-    EXPECT_EQ(handle.read(now).force_hand_N, -12);
 }
 
 TEST_F(PointerHandleTest, ATrialBeginsAtRestAtZero) {

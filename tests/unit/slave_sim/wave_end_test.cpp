@@ -167,8 +167,8 @@ TEST(WaveEnd, InASlaveOfTwoPortsPressingTakesEnergyOut) {
     ForceFeedback feedback;
     for (int n = 0; n < 500; ++n) {
         message.command.position_hand_m = 5e-6 * n;
-        feedback = node.on_two_port(SessionTime{std::chrono::milliseconds{n + 1000}},
-                                    static_cast<std::uint32_t>(n), message);
+        feedback = node.on_wave(SessionTime{std::chrono::milliseconds{n + 1000}},
+                                static_cast<std::uint32_t>(n), message);
     }
     EXPECT_LT(feedback.force_fixture_N, -0.05);
     EXPECT_EQ(node.wave_burst().energy_J, 0);
