@@ -10,7 +10,7 @@
 namespace thimble {
 namespace {
 
-// Hears what it is given, says what it hears to nobody, and looks at it.
+// Receives the frames that the check gives it. It checks what is sent, and passes nothing on.
 class HostileBus final : public CanBus {
   public:
     void send(const CanFrame& frame) override {
@@ -37,7 +37,7 @@ std::vector<CanFrame> frames_of(Bytes bytes) {
     for (std::size_t at = 0; at + 13 <= bytes.size(); at += 13) {
         CanFrame frame;
         for (std::size_t i = 0; i < 4; ++i) frame.id |= std::uint32_t{bytes[at + i]} << (8 * i);
-        // Most of them for somebody who listens.
+        // Most identifiers are those of a receiver.
         if ((frame.id & 0x1000U) != 0) frame.id &= 0x783U;
         frame.length = std::min<std::uint8_t>(bytes[at + 4], 8);
         std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at) + 5, 8, frame.data.begin());

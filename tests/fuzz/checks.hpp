@@ -27,17 +27,17 @@ Verdict check_can(Bytes bytes);
 Verdict check_config(Bytes text);
 // A datagram for decode(). A message that gets in is plausible and comes back the same.
 Verdict check_decode(Bytes datagram);
-// What a Falcon says. The first byte says where the rest is cut in two; that must not matter.
+// Bytes of a Falcon. The first byte says where the rest is cut in two; the cut must not matter.
 Verdict check_falcon(Bytes bytes);
 // A script of moves at both ends of a handshake: bytes made up, genuine datagrams changed, repeated or turned back, and genuine
-// progress in between. No word is taken that nobody said, and none twice.
+// progress in between. An end accepts only messages that the other end sent, and each once.
 Verdict check_handshake(Bytes script);
 // The first byte says how long the descriptor of a HID device is; what follows it are reports of the same length, of a hand and of a
 // fingertip board.
 Verdict check_hid(Bytes bytes);
 // A datagram for the far side of a link test. The first byte chooses what is made right, so that the deeper checks are reached.
 Verdict check_link_test(Bytes bytes);
-// An MCAP file. What is whole of it is read into a new one, which must be whole and hold the same messages.
+// An MCAP file. Its whole records go into a new file, which must be whole and hold the same messages.
 Verdict check_log(Bytes bytes);
 // A needle file: refused with file and line, or samples as session/records/needle_file.hpp promises them, along which a scene can be
 // stepped.
@@ -55,8 +55,8 @@ Verdict check_scene(Bytes text);
 Verdict check_sealed(Bytes datagram);
 // A session file. Settings whose limits stand, or an Error about usage (or about the data of a file that the text names).
 Verdict check_session(Bytes text);
-// The first byte chooses: a script of moves at a sealed end of the stop bus, where only a genuine stop stops and only a genuine
-// release releases, or a datagram at an open end. Accepted: it was stopped.
+// The first byte chooses: a script of moves at a sealed end of the stop bus, or a datagram at an open end. At the sealed end only a
+// genuine stop stops, and only a genuine release releases. Accepted: it was stopped.
 Verdict check_stop(Bytes bytes);
 
 }  // namespace thimble

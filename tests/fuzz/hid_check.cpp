@@ -24,7 +24,7 @@ std::string flaw_of_axes(const HidAxes& axes) {
     return "";
 }
 
-// What is let in is what would be sent for it, but for bits that mean nothing.
+// An accepted report is the one that would be sent for it, except for bits without a meaning.
 std::string flaw_of_board(Bytes report) {
     const auto status = decode_board_status(report);
     if (status && decode_board_command(report)) return "a report that is both of the board's";

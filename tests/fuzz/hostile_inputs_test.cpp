@@ -41,7 +41,7 @@ std::vector<std::string> files_in(const std::string& folder) {
 
 bool in_number(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.'; }
 
-// What stands after an = or a comma, mostly: that is where numbers are.
+// Mostly the text after an = or a comma, where numbers are.
 void set_number(std::string& text, RandomStream& random) {
     constexpr std::array kNumbers{"0",     "1",     "-1",   "-0.0",   "0.02",  "1e-15",
                                   "1e-12", "1e-9",  "1e-6", "1e-3",   "1e3",   "1e6",
@@ -145,7 +145,7 @@ TEST(HostileNetworkFiles, SeedsAreReadAndDamagedOnesRefusedOrGood) {
     }
 }
 
-// How many of so many inputs were accepted, of which none may be a broken promise.
+// How many of these inputs were accepted. No input may break a promise.
 int accepted_of(int count, Check check, const std::function<Octets(int, RandomStream&)>& input) {
     RandomStream random({3, 0, 0, 0, Purpose::kInstance});
     int accepted = 0;

@@ -164,7 +164,7 @@ std::string flaw_of_network_refusal(const Error& error, unsigned reader) {
     if (error.code() != (typed ? ExitCode::kUsage : ExitCode::kData)) return "an Error of the wrong kind";
     const std::string_view what = error.what();
     const std::string_view begin = reader == 0 ? "tc words: " : kNetworkName;
-    // What is wrong with a pair of captures or with a fit is not in one file.
+    // The fault of a pair of captures, or of a fit, is not in one file.
     if (reader != 4 && what.substr(0, begin.size()) != begin)
         return fmt::format("does not say where: {}", what);
     return what.size() > begin.size() + 2 ? "" : "an Error that says nothing";

@@ -27,7 +27,7 @@ struct Stop {
     double parts;  // of the longest step of a rule, on the way there
 };
 
-// Elements beyond the first few do not lengthen the way; it leads through them all the same.
+// The way has stops at the first few elements only. It leads through the others without a stop.
 std::vector<double> depths_of(const SceneDeclaration& declaration) {
     constexpr std::size_t kMostDepths = 6;
     std::set<double> depths_m;

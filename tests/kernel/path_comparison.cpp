@@ -14,52 +14,47 @@ constexpr double kOvertakenErrors = 5;    // of 20 batches each
 constexpr double kByChance = 1e-4;        // of the Kolmogorov-Smirnov distance
 constexpr std::size_t kFewPackets = 100;  // what follows needs many
 
-class Breaches {
-  public:
-    void unless(bool holds, std::string sentence) {
-        if (!holds) sentences_.push_back(std::move(sentence));
-    }
-    std::vector<std::string> sentences() && { return std::move(sentences_); }
+using Breaches = std::vector<std::string>;
 
-  private:
-    std::vector<std::string> sentences_;
-};
+void unless(Breaches& breaches, bool holds, const std::string& sentence) {
+    if (!holds) breaches.push_back(sentence);
+}
 
 double ms(double seconds) { return 1e3 * seconds; }
 
 void check_order(Breaches& breaches, const char* who, const PathRequest& asked, const PathSummary& path) {
-    breaches.unless(path.copies + path.strangers + path.untrusted == 0,
-                    fmt::format("{}: {} copies, {} strangers, {} untrusted stamps; none were asked for", who,
-                                path.copies, path.strangers, path.untrusted));
-    breaches.unless(
-        asked.normal_s > 0 || path.overtaken == 0,
+    unless(breaches, path.copies + path.strangers + path.untrusted == 0,
+           fmt::format("{}: {} copies, {} strangers, {} untrusted stamps; none were asked for", who,
+                       path.copies, path.strangers, path.untrusted));
+    unless(
+        breaches, asked.normal_s > 0 || path.overtaken == 0,
         fmt::format("{}: {:.4f} of the packets were overtaken under a constant delay", who, path.overtaken));
 }
 
 void check_mean(Breaches& breaches, const char* who, const PathRequest& asked, const PathSummary& path) {
     const double off_s = path.mean_s - asked.delay_s, error_s = kErrors * path.mean_error_s();
-    breaches.unless(off_s >= -error_s && off_s <= error_s + kPathCost_s,
-                    fmt::format("{}: mean {:.4f} ms, asked {:.4f}", who, ms(path.mean_s), ms(asked.delay_s)));
+    unless(breaches, off_s >= -error_s && off_s <= error_s + kPathCost_s,
+           fmt::format("{}: mean {:.4f} ms, asked {:.4f}", who, ms(path.mean_s), ms(asked.delay_s)));
 }
 
 void check_spread(Breaches& breaches, const char* who, const PathRequest& asked, const PathSummary& path) {
     if (asked.normal_s > 0) {
         const double error_s = asked.normal_s / std::sqrt(2 * static_cast<double>(path.sorted_s.size()));
-        breaches.unless(std::abs(path.deviation_s - asked.normal_s) <= kErrors * error_s,
-                        fmt::format("{}: standard deviation {:.4f} ms, asked {:.4f}", who,
-                                    ms(path.deviation_s), ms(asked.normal_s)));
+        unless(breaches, std::abs(path.deviation_s - asked.normal_s) <= kErrors * error_s,
+               fmt::format("{}: standard deviation {:.4f} ms, asked {:.4f}", who, ms(path.deviation_s),
+                           ms(asked.normal_s)));
         return;
     }
     const double least_s = path.sorted_s.front(), most_s = path.sorted_s.back();
-    breaches.unless(least_s >= asked.delay_s && most_s <= asked.delay_s + kPathMost_s,
-                    fmt::format("{}: delays from {:.4f} to {:.4f} ms, asked {:.4f} and at most {:.1f} more",
-                                who, ms(least_s), ms(most_s), ms(asked.delay_s), ms(kPathMost_s)));
+    unless(breaches, least_s >= asked.delay_s && most_s <= asked.delay_s + kPathMost_s,
+           fmt::format("{}: delays from {:.4f} to {:.4f} ms, asked {:.4f} and at most {:.1f} more", who,
+                       ms(least_s), ms(most_s), ms(asked.delay_s), ms(kPathMost_s)));
 }
 
 void check_loss(Breaches& breaches, const char* who, const PathRequest& asked, const PathSummary& path) {
     const double error = std::sqrt(asked.loss * (1 - asked.loss) / static_cast<double>(path.sent));
-    breaches.unless(std::abs(path.loss() - asked.loss) <= kErrors * error,
-                    fmt::format("{}: {} of {} lost, asked {:.4f}", who, path.lost, path.sent, asked.loss));
+    unless(breaches, std::abs(path.loss() - asked.loss) <= kErrors * error,
+           fmt::format("{}: {} of {} lost, asked {:.4f}", who, path.lost, path.sent, asked.loss));
 }
 
 void check_path(Breaches& breaches, const char* who, const PathRequest& asked, const PathSummary& path) {
@@ -74,21 +69,21 @@ void check_pair(Breaches& breaches, const PathRequest& asked, const PathSummary&
     const auto apart = [](double a, double b) { return std::sqrt(a * a + b * b); };
     const auto sent = [](const PathSummary& path) { return static_cast<double>(path.sent); };
     const double mean_error_s = kErrors * apart(kernel.mean_error_s(), relay.mean_error_s());
-    breaches.unless(std::abs(kernel.mean_s - relay.mean_s) <= mean_error_s + kPathCost_s,
-                    fmt::format("means {:.4f} and {:.4f} ms are more than 4 standard errors and {} ms apart",
-                                ms(kernel.mean_s), ms(relay.mean_s), ms(kPathCost_s)));
+    unless(breaches, std::abs(kernel.mean_s - relay.mean_s) <= mean_error_s + kPathCost_s,
+           fmt::format("means {:.4f} and {:.4f} ms are more than 4 standard errors and {} ms apart",
+                       ms(kernel.mean_s), ms(relay.mean_s), ms(kPathCost_s)));
     const double loss_variance = asked.loss * (1 - asked.loss) * (1 / sent(kernel) + 1 / sent(relay));
-    breaches.unless(std::abs(kernel.loss() - relay.loss()) <= kErrors * std::sqrt(loss_variance),
-                    fmt::format("losses {:.4f} and {:.4f} are too far apart", kernel.loss(), relay.loss()));
-    breaches.unless(
-        std::abs(kernel.overtaken - relay.overtaken) <=
-            kOvertakenErrors * apart(kernel.overtaken_error, relay.overtaken_error),
-        fmt::format("overtaken {:.4f} and {:.4f}: too far apart", kernel.overtaken, relay.overtaken));
+    unless(breaches, std::abs(kernel.loss() - relay.loss()) <= kErrors * std::sqrt(loss_variance),
+           fmt::format("losses {:.4f} and {:.4f} are too far apart", kernel.loss(), relay.loss()));
+    unless(breaches,
+           std::abs(kernel.overtaken - relay.overtaken) <=
+               kOvertakenErrors * apart(kernel.overtaken_error, relay.overtaken_error),
+           fmt::format("overtaken {:.4f} and {:.4f}: too far apart", kernel.overtaken, relay.overtaken));
     if (asked.normal_s <= 0) return;  // a constant has no shape: the two differ by their path's cost alone
     const double chance = path_distance_by_chance(kernel.sorted_s.size(), relay.sorted_s.size());
-    breaches.unless(path_distance(kernel, relay) <= chance,
-                    fmt::format("distributions: distance {:.4f}, by chance {:.4f}",
-                                path_distance(kernel, relay), chance));
+    unless(breaches, path_distance(kernel, relay) <= chance,
+           fmt::format("distributions: distance {:.4f}, by chance {:.4f}", path_distance(kernel, relay),
+                       chance));
 }
 
 std::string row(const std::string& name, const char* who, const PathSummary& path,
@@ -117,14 +112,15 @@ std::vector<std::string> disagreements(const PathRequest& asked, const PathSumma
                                        const PathSummary& relay) {
     Breaches breaches;
     const bool enough = kernel.sorted_s.size() >= kFewPackets && relay.sorted_s.size() >= kFewPackets;
-    breaches.unless(enough, fmt::format("only {} and {} packets arrived, too few to compare",
-                                        kernel.sorted_s.size(), relay.sorted_s.size()));
+    unless(breaches, enough,
+           fmt::format("only {} and {} packets arrived, too few to compare", kernel.sorted_s.size(),
+                       relay.sorted_s.size()));
     if (enough) {
         check_path(breaches, "kernel", asked, kernel);
         check_path(breaches, "thimble-netem", asked, relay);
         check_pair(breaches, asked, kernel, relay);
     }
-    return std::move(breaches).sentences();
+    return breaches;
 }
 
 std::string path_table_head() {

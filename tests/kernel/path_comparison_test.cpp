@@ -88,29 +88,23 @@ TEST(PathComparison, ConstantDelayMayNeitherComeEarlyNorLate) {
     EXPECT_THAT(judge(kConstant, good, late), ElementsAre(HasSubstr("thimble-netem: delays from")));
 }
 
-TEST(PathComparison, AnotherSpreadIsSeen) {
-    EXPECT_THAT(judge(kNormal, sample_of(normal(), 1), sample_of(normal(0.0065), 2)),
-                testing::Contains(HasSubstr("thimble-netem: standard deviation 6.")));
-    EXPECT_THAT(judge(kNormal, sample_of(normal(0.0065), 1), sample_of(normal(), 2)),
-                testing::Contains(HasSubstr("distributions: distance")));
-}
-
-TEST(PathComparison, AnotherShapeOfTheSameMeanAndSpreadIsSeen) {
-    LinkSettings uniform = normal();
+TEST(PathComparison, AnotherSpreadShapeMeanOrOrderIsSeen) {
+    LinkSettings uniform = normal();  // of the same mean and spread
     uniform.jitter.shape = JitterShape::kUniform;
     uniform.jitter.spread = from_seconds(0.005 * std::sqrt(3.0));
-    EXPECT_THAT(judge(kNormal, sample_of(normal(), 1), sample_of(uniform, 2)),
-                testing::Contains(HasSubstr("distributions: distance")));
-}
-
-TEST(PathComparison, AnotherMeanIsSeen) {
-    EXPECT_THAT(judge(kNormal, sample_of(normal(), 1), sample_of(normal(), 2, milliseconds{1})),
-                testing::Contains(HasSubstr("thimble-netem: mean 51.")));
-}
-
-TEST(PathComparison, KeptOrderIsNoOvertaking) {
-    EXPECT_THAT(judge(kNormal, sample_of(normal(), 1), sample_of(normal(0.005, true), 2)),
-                testing::Contains(HasSubstr("overtaken")));
+    const PathSample good = sample_of(normal(), 1), wide = sample_of(normal(0.0065), 2);
+    const struct {
+        PathSample kernel, relay;
+        const char* breach;
+    } cases[]{
+        {good, wide, "thimble-netem: standard deviation 6."},
+        {wide, good, "distributions: distance"},
+        {good, sample_of(uniform, 2), "distributions: distance"},
+        {good, sample_of(normal(), 2, milliseconds{1}), "thimble-netem: mean 51."},
+        {good, sample_of(normal(0.005, true), 2), "overtaken"},
+    };
+    for (const auto& one : cases)
+        EXPECT_THAT(judge(kNormal, one.kernel, one.relay), testing::Contains(HasSubstr(one.breach)));
 }
 
 TEST(PathComparison, LossIsJudgedByTheBinomial) {

@@ -15,12 +15,6 @@ constexpr Duration kCommandPeriod = std::chrono::milliseconds{1};
 constexpr double kStep = 1e-5;  // metres or newtons; less is no force to a finger
 const std::string kNear = "127.0.0.1";
 
-NetworkSettings ports_of(const LoneNode& node) {
-    NetworkSettings network;
-    network.base_port = node.at(Port::kSessionMaster).port;
-    return network;
-}
-
 // The force that a node reports; none while it gives out nothing.
 std::optional<double> given_out(const Body& body) {
     if (const auto* answer = std::get_if<ForceFeedback>(&body))
@@ -67,9 +61,9 @@ OverheardSession::OverheardSession(LoneNode& node, const AttackTarget& target,
                                    const std::filesystem::path& key_file)
     : target_(target),
       lab_(std::make_shared<const LabKey>(read_lab_key(key_file))),
-      control_wire_(ports_of(node).at(target.session), node.at(target.control)),
+      control_wire_(network_at(node.base_port()).at(target.session), node.at(target.control)),
       command_wire_(std::nullopt, node.at(target.commands)),
-      answer_wire_(ports_of(node).at(target.answers_arrive), {kNear, 0}),
+      answer_wire_(network_at(node.base_port()).at(target.answers_arrive), {kNear, 0}),
       security_(lab_, system_random_bytes()),
       control_(security_.pair(control_wire_, target.session, target.control)),
       commanding_end_(security_.outlet(command_wire_, target.commands)),

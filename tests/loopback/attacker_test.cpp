@@ -20,10 +20,6 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string under_key(const std::filesystem::path& key) {
-    return "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
-}
-
 class LabKeyTest : public testing::Test {
   protected:
     LabKeyTest() { create_lab_key(key_, system_random_bytes()); }
@@ -51,7 +47,7 @@ class Attack : public LabKeyTest, public testing::WithParamInterface<AttackTarge
     }
 
     const AttackTarget target_ = GetParam();
-    LoneNode node_{target_.program, under_key(key_) + target_.config};
+    LoneNode node_{target_.program, under_lab_key(key_) + target_.config};
     OverheardSession session_{node_, target_, key_};
     Attacker attacker_{node_, target_};
 };
@@ -75,7 +71,7 @@ TEST_P(Attack, WhatWasOverheardIsOfNoUseInThisSession) {
 // A node that was started anew, before, while and after it has a session of its own.
 TEST_P(Attack, WhatWasOverheardIsOfNoUseAfterARestart) {
     const Overheard said = session_.said();
-    LoneNode restarted(target_.program, under_key(key_) + target_.config);
+    LoneNode restarted(target_.program, under_lab_key(key_) + target_.config);
     ASSERT_TRUE(restarted.ready()) << restarted.words();
     Attacker attacker(restarted, target_);
     attacker.replay(said);
@@ -122,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(OnTheWire, Attack, testing::ValuesIn(kAttackTargets),
 
 TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
     SessionFile file;
-    file.more = under_key(key_);
+    file.more = under_lab_key(key_);
     RealRun run(file, {"--monitor"});
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     PlayedView view(run.base_port(), PlayedView::Ports::kExperimenter,
@@ -137,10 +133,7 @@ TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
         peer.send_broken();
         peer.send_as_second_sender(1);
     }
-    EXPECT_EQ(run.end(), 0) << run.words();
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    expect_end(run, 0, EndReason::kCompleted);
     for (const char* program : kNodePrograms) {
         const auto report = run.report(program);
         EXPECT_EQ(report.at("security").at("mode"), "lab-key") << program;
@@ -157,13 +150,12 @@ TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
 // Order only: how fast it was, and what became of the deadlines, is a figure (docs/security.md).
 TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
     SessionFile file;
-    file.more = under_key(key_);
+    file.more = under_lab_key(key_);
     RealRun run(file);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     HandshakeBytes made_up{};
     const std::span header = std::span(made_up).first<kSealHeaderBytes>();
-    NetworkSettings network;
-    network.base_port = run.base_port();
+    const NetworkSettings network = network_at(run.base_port());
     UdpChannel forces(std::nullopt, network.at(Port::kMasterForce)),
         control(std::nullopt, network.at(Port::kMasterControl)),
         needle(std::nullopt, network.at(Port::kNetemNeedle));
@@ -178,10 +170,7 @@ TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
         }
         std::this_thread::sleep_for(std::chrono::milliseconds{1});
     }
-    EXPECT_EQ(run.end(), 0) << run.words();
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    expect_end(run, 0, EndReason::kCompleted);
     const auto master = run.report("thimble-master").at("security"),
                slave = run.report("thimble-slave-sim").at("security");
     EXPECT_GT(master.at("no_key"), 1000);
@@ -211,9 +200,7 @@ TEST_F(LabKeyTest, ANodeWithAnotherKeyIsNamed) {
 }
 
 TEST_F(LabKeyTest, IsMadeByKeygenOnce) {
-    const auto keygen = [this] {
-        return run_to_end(built_programs() / "thimble", {"keygen", (folder_ / "new.key").string()});
-    };
+    const auto keygen = [this] { return run_thimble({"keygen", (folder_ / "new.key").string()}); };
     EXPECT_EQ(keygen().code, 0);
     EXPECT_NO_THROW(read_lab_key(folder_ / "new.key"));
     EXPECT_EQ(keygen().code, 5);
@@ -226,8 +213,7 @@ TEST_F(LabKeyTest, MachinesWithoutOneAreRefused) {
         EXPECT_EQ(outcome.code, 2) << outcome.words;
         EXPECT_THAT(outcome.words, HasSubstr("thimble keygen"));
     }
-    const Outcome run =
-        run_to_end(built_programs() / "thimble", {"run", file.string(), "--out", (folder_ / "out").string()});
+    const Outcome run = run_thimble({"run", file.string(), "--out", (folder_ / "out").string()});
     EXPECT_EQ(run.code, 2) << run.words;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
 }

@@ -16,8 +16,8 @@ using testing::HasSubstr;
 constexpr const char* kModest = "[runtime]\nrealtime_scheduling = false\n";
 
 Outcome run_doctor(const std::filesystem::path& session, std::uint16_t base_port) {
-    return run_to_end(built_programs() / "thimble", {"doctor", session.string(), "--json", "--seconds",
-                                                     "0.05", "--base-port", std::to_string(base_port)});
+    return run_thimble({"doctor", session.string(), "--json", "--seconds", "0.05", "--base-port",
+                        std::to_string(base_port)});
 }
 
 nlohmann::json finding_of(const nlohmann::json& json, const std::string& name) {

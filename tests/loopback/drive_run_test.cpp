@@ -1,6 +1,7 @@
 // A trial on the fingers with twelve drives behind cannelloni: the emulator is the other end of the wire.
 #include <csignal>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,10 +34,7 @@ class EmulatorRun {
 
   private:
     std::vector<std::string> arguments(const std::vector<std::string>& more) const {
-        std::vector<std::string> all{"--port", std::to_string(ports_.base()), "--peer-port",
-                                     std::to_string(ports_.base() + 1)};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return words_in(fmt::format("--port {} --peer-port {}", ports_.base(), ports_.base() + 1), more);
     }
 
     Folder folder_;
@@ -75,8 +73,7 @@ TEST(DriveRun, AFaultEndsTheTrialRecordedAndIsWhatTheRunEndsWith) {
     RealRun run(session);
     EXPECT_EQ(run.end(), 1) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("drive 9 (other hand, index, cable 2): EMCY 0x4210 (too hot)"));
-    ASSERT_EQ(run.rows().size(), 1U);
-    EXPECT_EQ(run.rows()[0].reason, EndReason::kDeviceFault);
+    ASSERT_EQ(run.only_reason(), EndReason::kDeviceFault);
     EXPECT_EQ(run.rows()[0].lost_peer, Role::kCutaneous);
     EXPECT_THAT(run.first_trial_end(), HasSubstr("device_fault_cutaneous"));
 }

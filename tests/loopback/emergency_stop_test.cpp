@@ -13,38 +13,23 @@ namespace thimble {
 namespace {
 
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 Outcome thimble_stop(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"stop", "--parallel-conditions", "1"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_to_end(built_programs() / "thimble", arguments);
-}
-
-SessionFile endless() {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    return session;
+    return run_thimble(words_in("stop --parallel-conditions 1", more));
 }
 
 TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
-    RealRun run(endless());
+    RealRun run(SessionFile::endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const std::string port = std::to_string(run.base_port());
     const Outcome stop = thimble_stop({"--base-port", port, "--reason", "a cable came loose"});
     EXPECT_EQ(stop.code, 0) << stop.words;
     EXPECT_THAT(stop.words, HasSubstr("held by "));
     EXPECT_THAT(stop.words, HasSubstr("thimble stop --release --base-port " + port));
-    EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("a cable came loose"));
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows.front().reason, EndReason::kEmergencyStop);
-    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+    expect_end(run, 1, EndReason::kEmergencyStop, "a cable came loose");
     // It holds for the next session on these ports, until it is released on purpose.
-    const Outcome refused = run_to_end(built_programs() / "thimble",
-                                       {"run", (run.out().parent_path() / "session.toml").string(),
-                                        "--base-port", port, "--out", (run.out() / "again").string()});
+    const Outcome refused = run_thimble({"run", (run.out().parent_path() / "session.toml").string(),
+                                         "--base-port", port, "--out", (run.out() / "again").string()});
     EXPECT_EQ(refused.code, 1) << refused.words;
     EXPECT_THAT(refused.words, HasSubstr("a cable came loose"));
     EXPECT_THAT(refused.words, HasSubstr("thimble stop --release --base-port " + port));
@@ -59,13 +44,10 @@ TEST(EmergencyStop, ByTheCommandOfAnotherTerminal) {
 
 // Ctrl-\ in thimble's terminal; to a node as well, which then tells the others.
 TEST(EmergencyStop, BySignalToANode) {
-    RealRun run(endless());
+    RealRun run(SessionFile::endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     kill(run.node("thimble-cutaneous"), SIGQUIT);
-    EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("SIGQUIT"));
-    ASSERT_EQ(run.rows().size(), 1U);
-    EXPECT_EQ(run.rows().front().reason, EndReason::kEmergencyStop);
+    expect_end(run, 1, EndReason::kEmergencyStop, "SIGQUIT");
 }
 
 TEST(EmergencyStop, WhoeverIsHeardByNobodyIsToldSo) {
@@ -83,8 +65,8 @@ TEST(EmergencyStop, UnderALabKeyTheSessionFileIsNamedAndWithoutItNobodyClaimsToH
     const Folder folder;
     const auto key = folder / "lab.key";
     create_lab_key(key, system_random_bytes());
-    SessionFile session = endless();
-    session.more = "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
+    SessionFile session = SessionFile::endless();
+    session.more = under_lab_key(key);
     RealRun run(session);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const std::string port = std::to_string(run.base_port());
@@ -100,7 +82,7 @@ TEST(EmergencyStop, UnderALabKeyTheSessionFileIsNamedAndWithoutItNobodyClaimsToH
 
 // While the programs are started: no trial begins.
 TEST(EmergencyStop, BeforeTheFirstTrial) {
-    RealRun run(endless());
+    RealRun run(SessionFile::endless());
     wait_until([&] { return run.words().find("round trip") != std::string::npos || run.launcher().poll(); });
     run.launcher().signal(SIGQUIT);
     EXPECT_EQ(run.end(), 1) << run.words();
@@ -111,7 +93,7 @@ TEST(EmergencyStop, BeforeTheFirstTrial) {
 
 // A stop that cannot be kept still stops, and its text says that it ends with the program.
 TEST(EmergencyStop, AStopThatCannotBeKeptIsSaid) {
-    RealRun run(endless());
+    RealRun run(SessionFile::endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
     std::filesystem::remove(stops);
@@ -128,9 +110,9 @@ TEST(EmergencyStop, NothingBeginsWhereNoStopCouldBeKept) {
     const std::string port = std::to_string(ports.base());
     const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
     std::filesystem::create_directory(stops / ("thimble-stop-" + std::to_string(geteuid()) + "-" + port));
-    const auto file = folder.write("session.toml", endless().text());
-    const Outcome run = run_to_end(built_programs() / "thimble", {"run", file.string(), "--base-port", port,
-                                                                  "--out", (folder / "out").string()});
+    const auto file = folder.write("session.toml", SessionFile::endless().text());
+    const Outcome run =
+        run_thimble({"run", file.string(), "--base-port", port, "--out", (folder / "out").string()});
     EXPECT_EQ(run.code, 1) << run.words;
     EXPECT_THAT(run.words, HasSubstr("is no file of this user"));
     EXPECT_EQ(thimble_stop({"--release", "--base-port", port}).code, 1);

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "tests/loopback/workbench.hpp"
+
 namespace thimble {
 namespace {
 
@@ -49,8 +51,7 @@ std::vector<std::vector<std::uint8_t>> broken_datagrams() {
 }
 
 HostilePeer::HostilePeer(std::uint16_t base_port) : broken_(broken_datagrams()) {
-    NetworkSettings network;
-    network.base_port = base_port;
+    const NetworkSettings network = network_at(base_port);
     for (std::size_t i = 0; i < static_cast<std::size_t>(Port::kCount); ++i) {
         const Endpoint target = network.at(static_cast<Port>(i));
         near_.push_back(std::make_unique<UdpChannel>(std::nullopt, target));

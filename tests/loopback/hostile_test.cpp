@@ -13,16 +13,6 @@
 namespace thimble {
 namespace {
 
-// Repeats until the run is over; a pause in between, so that the trial is disturbed and not drowned.
-template <class Disturb>
-void disturb(RealRun& run, Disturb&& disturb_once) {
-    const SessionTime end = wall_now() + 3 * kPatience;
-    while (!run.launcher().poll() && wall_now() < end) {
-        disturb_once();
-        std::this_thread::sleep_for(std::chrono::milliseconds{5});
-    }
-}
-
 void expect_undisturbed(RealRun& run) {
     EXPECT_EQ(run.end(), 0) << run.words();
     const auto rows = run.rows();
@@ -32,34 +22,25 @@ void expect_undisturbed(RealRun& run) {
     EXPECT_LT(rows.front().metrics.penetration_max_m, 0.02);  // a needle at 0.2 m would have been far beyond
 }
 
-TEST(HostileRun, BrokenDatagramsAtEveryPort) {
+// Until the run is over, with a pause in between, so that the trial is disturbed and not drowned.
+TEST(HostileRun, BrokenDatagramsStrangersAndSecondSendersAtEveryPort) {
     RealRun run(SessionFile{});
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     HostilePeer peer(run.base_port());
-    disturb(run, [&] { peer.send_broken(); });
-    expect_undisturbed(run);
-    for (const char* program : kNodePrograms) {
-        const auto refused = run.report(program).at("refused");
-        for (const char* name :
-             {"too_short", "malformed", "foreign_format", "not_finite", "out_of_range", "too_long"}) {
-            EXPECT_GT(refused.at(name), 0) << program << ' ' << name;
-        }
-    }
-}
-
-TEST(HostileRun, StrangersAndSecondSenders) {
-    RealRun run(SessionFile{});
-    ASSERT_TRUE(run.reaches_trial()) << run.words();
-    HostilePeer peer(run.base_port());
-    disturb(run, [&] {
+    const SessionTime end = wall_now() + 3 * kPatience;
+    while (!run.launcher().poll() && wall_now() < end) {
+        peer.send_broken();
         peer.send_as_second_sender(1);
         peer.send_from_strangers();
-    });
+        std::this_thread::sleep_for(std::chrono::milliseconds{5});
+    }
     expect_undisturbed(run);
     for (const char* program : kNodePrograms) {
         const auto refused = run.report(program).at("refused");
-        EXPECT_GT(refused.at("second_sender"), 0) << program;
-        EXPECT_GT(refused.at("foreign_source"), 0) << program;
+        for (const char* name : {"too_short", "malformed", "foreign_format", "not_finite", "out_of_range",
+                                 "too_long", "second_sender", "foreign_source"}) {
+            EXPECT_GT(refused.at(name), 0) << program << ' ' << name;
+        }
     }
 }
 

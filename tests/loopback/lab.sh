@@ -2,7 +2,7 @@
 # lab.sh FOLDER COMMAND...: runs the command in the namespace "operator" of a laboratory: operator, network, robot and
 # display, 10.77.0.1 to 10.77.0.4, on one bridge. The namespaces have names in a mount namespace of this process alone, so
 # all of it is gone when the last process in it is, however that ends. Once FOLDER/cut is there, the robot's wire is cut
-# for two seconds; FOLDER/mended then says that it is whole again.
+# for a second; FOLDER/mended then says that it is whole again.
 #
 # To be started as: unshare [-Ur] -nm --propagation private sh lab.sh FOLDER COMMAND...
 set -e
@@ -30,7 +30,7 @@ done
         sleep 0.05
         if [ -e "$folder/cut" ] && [ ! -e "$folder/mended" ]; then
             ip link set robot down
-            sleep 2
+            sleep 1
             ip link set robot up
             : >"$folder/mended"
         fi

@@ -19,6 +19,12 @@ using testing::IsEmpty;
 
 constexpr const char* kLogAll = "[log]\nmessages = \"all\"\n";
 
+SessionFile endless_with(const std::string& log_table) {
+    SessionFile session = SessionFile::endless();
+    session.more = log_table;
+    return session;
+}
+
 std::filesystem::path log_of(const RealRun& run, const std::string& program) {
     return run.out() / "nodes" / (program + "_0ms.mcap");
 }
@@ -70,10 +76,7 @@ TEST(LogRun, EveryProgramsLogIsGoodAndTheyAddUp) {
 // machine with room (docs/log.md). Here it is two seconds, because a busy machine may give neither the log's thread nor this one a
 // processor for that long: that a log is only written at the end, or each few seconds, would still show.
 TEST(LogRun, AKilledNodesLogHasAllButTheLastMoments) {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    session.more = kLogAll;
-    RealRun run(session);
+    RealRun run(endless_with(kLogAll));
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const pid_t master = run.node("thimble-master");
     std::this_thread::sleep_for(std::chrono::microseconds{wall_now().time_since_epoch().count() % 60'000});
@@ -98,10 +101,7 @@ void limit_files(const Folder& programs, const std::string& program, unsigned bl
 TEST(LogRun, AFullDiskUnderANodesLogEndsTheTrial) {
     const Folder programs;
     limit_files(programs, "thimble-slave-sim", 1000);  // of 512 bytes: half a second
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    session.more = kLogAll;
-    RealRun run(session, {}, programs / "bin");
+    RealRun run(endless_with(kLogAll), {}, programs / "bin");
     EXPECT_EQ(run.end(), 1) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("slave_sim: the log '"));
     EXPECT_THAT(run.words(),
@@ -118,10 +118,7 @@ TEST(LogRun, AFullDiskUnderANodesLogEndsTheTrial) {
 TEST(LogRun, AFullDiskUnderATrajectoryEndsTheTrial) {
     const Folder programs;
     install_programs(programs / "bin");
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    session.more = "[log]\nmessages = \"none\"\n";
-    RealRun run(session, {}, programs / "bin");
+    RealRun run(endless_with("[log]\nmessages = \"none\"\n"), {}, programs / "bin");
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     // From now on the launcher's files may not be larger, and the trajectory is already.
     const rlimit room{8192, RLIM_INFINITY};

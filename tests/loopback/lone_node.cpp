@@ -5,6 +5,8 @@
 #include <thread>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
@@ -13,23 +15,12 @@ namespace {
 constexpr std::uint64_t kSessionInstance = 1;
 constexpr Duration kRepeat = std::chrono::milliseconds{50};
 
-NetworkSettings network_from(std::uint16_t base_port) {
-    NetworkSettings network;
-    network.base_port = base_port;
-    return network;
-}
-
 std::vector<std::string> node_arguments(const Folder& folder, const PortBlock& ports,
                                         const std::string& config, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"--base-port",
-                                       std::to_string(ports.base()),
-                                       "--config",
-                                       folder.write("node.toml", "# a test's\n" + config).string(),
-                                       "--report",
-                                       (folder / "report.json").string(),
-                                       "--die-with-parent=" + std::to_string(getpid())};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    return words_in(fmt::format("--base-port {} --config {} --report {} --die-with-parent={}", ports.base(),
+                                folder.write("node.toml", "# a test's\n" + config).string(),
+                                (folder / "report.json").string(), getpid()),
+                    more);
 }
 
 Channel* control_channel(Sockets& sockets, Role role) {
@@ -56,7 +47,7 @@ Channel* control_channel(Sockets& sockets, Role role) {
 
 LoneNode::LoneNode(const std::string& program, const std::string& config,
                    const std::vector<std::string>& more_arguments)
-    : network_(network_from(ports_.base())),
+    : network_(network_at(ports_.base())),
       peers_(network_),
       child_(built_programs() / program, node_arguments(folder_, ports_, config, more_arguments),
              folder_ / "words") {}

@@ -58,23 +58,43 @@ void expect_given_up(PlayedSession& session) {
     EXPECT_EQ(session.reason(), EndReason::kPeerLost);
 }
 
+// A node says that it presses, while feedback comes, and that it gives no force once that stops.
+template <class Body, class Force>
+class ForceWhileFed {
+  public:
+    ForceWhileFed(LoneNode& node, Role role, Modality modality, Port feedback, Port said, Force force_N)
+        : session(node, role, modality), ear(node, said, role), slave_(node, feedback), force_N_(force_N) {}
+
+    bool presses(double least_N) {
+        return session.play(
+            [&](SessionTime now) {
+                slave_.push(now);
+                ear.listen(now);
+            },
+            [&] { return ear.heard > 0 && force_N_(ear.newest) >= least_N && force_N_(ear.newest) <= 1; });
+    }
+    bool releases() {
+        return session.play([&](SessionTime now) { ear.listen(now); },
+                            [&] { return force_N_(ear.newest) == 0; });
+    }
+
+    PlayedSession session;
+    Ear<Body> ear;
+
+  private:
+    PlayedSlave slave_;
+    Force force_N_;
+};
+
 TEST(LoneMaster, TakesTheForceOffTheHandleWhenFeedbackStops) {
     LoneNode node("thimble-master", "[master]\nstale_after_s = 0.02\n");
     ASSERT_TRUE(node.ready()) << node.words();
-    PlayedSession session(node, Role::kMaster, Modality::kHF);
-    PlayedSlave slave(node, Port::kMasterForce);
-    Ear<NeedleCommand> needle(node, Port::kNetemNeedle, Role::kMaster);
-    const auto feeling = [&](double force_N) {
-        return [&needle, force_N] { return needle.heard > 0 && needle.newest.force_hand_N == force_N; };
-    };
-    ASSERT_TRUE(session.play(
-        [&](SessionTime now) {
-            slave.push(now);
-            needle.listen(now);
-        },
-        feeling(1.0)));
-    EXPECT_TRUE(session.play([&](SessionTime now) { needle.listen(now); }, feeling(0.0)));
-    expect_given_up(session);
+    const auto force_N = [](const NeedleCommand& said) { return said.force_hand_N; };
+    ForceWhileFed<NeedleCommand, decltype(force_N)> test(node, Role::kMaster, Modality::kHF,
+                                                         Port::kMasterForce, Port::kNetemNeedle, force_N);
+    ASSERT_TRUE(test.presses(1));
+    EXPECT_TRUE(test.releases());
+    expect_given_up(test.session);
     EXPECT_EQ(node.terminate(), 0);
 }
 
@@ -113,37 +133,24 @@ TEST(LoneSlave, HoldsTheNeedleWithoutForceWhenCommandsStop) {
 TEST(LoneCutaneous, ReleasesTheFingerWhenFeedbackStops) {
     LoneNode node("thimble-cutaneous", "[cutaneous]\nstale_after_s = 0.02\n");
     ASSERT_TRUE(node.ready()) << node.words();
-    PlayedSession session(node, Role::kCutaneous, Modality::kCF);
-    PlayedSlave slave(node, Port::kCutaneousForce);
-    Ear<Percept> skin(node, Port::kMasterPerceptCutaneous, Role::kCutaneous);
-    ASSERT_TRUE(session.play(
-        [&](SessionTime now) {
-            slave.push(now);
-            skin.listen(now);
-        },
-        [&] { return skin.newest.force_N == 1.0; }));
-    EXPECT_EQ(skin.newest.finger, Finger::kIndex);
-    EXPECT_TRUE(
-        session.play([&](SessionTime now) { skin.listen(now); }, [&] { return skin.newest.force_N == 0; }));
+    const auto force_N = [](const Percept& felt) { return felt.force_N; };
+    ForceWhileFed<Percept, decltype(force_N)> test(
+        node, Role::kCutaneous, Modality::kCF, Port::kCutaneousForce, Port::kMasterPerceptCutaneous, force_N);
+    ASSERT_TRUE(test.presses(1));
+    EXPECT_EQ(test.ear.newest.finger, Finger::kIndex);
+    EXPECT_TRUE(test.releases());
     EXPECT_EQ(node.terminate(), 0);
 }
 
 TEST(LoneVisual, DropsTheBarWhenFeedbackStops) {
     LoneNode node("thimble-visual", "[visual]\nstale_after_s = 0.02\n");
     ASSERT_TRUE(node.ready()) << node.words();
-    PlayedSession session(node, Role::kVisual, Modality::kVF);
-    PlayedSlave slave(node, Port::kVisualForce);
-    Ear<Percept> eyes(node, Port::kMasterPerceptVisual, Role::kVisual);
-    ASSERT_TRUE(session.play(
-        [&](SessionTime now) {
-            slave.push(now);
-            eyes.listen(now);
-        },
-        [&] { return eyes.newest.bar_N > 0.9; }));
-    EXPECT_LE(eyes.newest.bar_N, 1.0);
-    EXPECT_TRUE(
-        session.play([&](SessionTime now) { eyes.listen(now); }, [&] { return eyes.newest.bar_N == 0; }));
-    expect_given_up(session);
+    const auto bar_N = [](const Percept& seen) { return seen.bar_N; };
+    ForceWhileFed<Percept, decltype(bar_N)> test(node, Role::kVisual, Modality::kVF, Port::kVisualForce,
+                                                 Port::kMasterPerceptVisual, bar_N);
+    ASSERT_TRUE(test.presses(0.9));
+    EXPECT_TRUE(test.releases());
+    expect_given_up(test.session);
     EXPECT_EQ(node.terminate(), 0);
 }
 
@@ -175,7 +182,7 @@ TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
     Folder folder;
     const std::filesystem::path thimble = built_programs() / "thimble", key = folder / "lab.key";
     ASSERT_EQ(run_to_end(thimble, {"keygen", key.string()}).code, 0);
-    const std::string config = "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
+    const std::string config = under_lab_key(key);
     LoneNode node("thimble-master", config);
     ASSERT_TRUE(node.ready()) << node.words();
     const std::string port = std::to_string(node.at(Port{}).port);

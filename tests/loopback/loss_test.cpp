@@ -23,12 +23,6 @@ std::ostream& operator<<(std::ostream& out, const Victim& victim) { return out <
 // Promised is about a second. Waiting for the dead to acknowledge the end would take five.
 constexpr Duration kGivenUpWithin = std::chrono::seconds{4};
 
-SessionFile endless_session() {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    return session;
-}
-
 void expect_lost(RealRun& run, const Victim& victim) {
     const std::string outcome = outcome_text(EndReason::kPeerLost, victim.role);
     EXPECT_EQ(outcome, std::string("peer_lost_") + to_string(victim.role));
@@ -45,7 +39,7 @@ void expect_lost(RealRun& run, const Victim& victim) {
 class KilledNode : public testing::TestWithParam<Victim> {};
 
 TEST_P(KilledNode, EndsTheTrialWithItsNameOnRecord) {
-    RealRun run(endless_session());
+    RealRun run(SessionFile::endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const pid_t victim = run.node(GetParam().program);
     const SessionTime killed_at = wall_now();
@@ -69,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Each, KilledNode,
 
 // Without netem the others hear nothing of each other and all complain; the silent one is the culprit.
 TEST(FrozenNode, IsFoundByItsSilence) {
-    RealRun run(endless_session());
+    RealRun run(SessionFile::endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     const pid_t netem = run.node("thimble-netem");
     kill(netem, SIGSTOP);

@@ -25,9 +25,7 @@ bool watch(PlayedView& view, const std::function<bool()>& done) {
 }
 
 TEST(MonitorOfARun, ShowsTheTrialAndTakesQuit) {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    RealRun run(session, {"--monitor"});
+    RealRun run(SessionFile::endless(), {"--monitor"});
     PlayedView view(run.base_port());
     ASSERT_TRUE(watch(view, [&] { return view.monitor().phase == TissuePhase::kPenetrated; })) << run.words();
     EXPECT_TRUE(view.running());
@@ -40,18 +38,13 @@ TEST(MonitorOfARun, ShowsTheTrialAndTakesQuit) {
     view.order(wall_now(), order_of(OrderKind::kQuit));
     EXPECT_EQ(run.end(), 1);
     EXPECT_EQ(view.monitor().network_delay_s, 0);
-    ASSERT_EQ(run.rows().size(), 1U);
-    EXPECT_EQ(run.rows()[0].reason, EndReason::kInterrupted);
+    EXPECT_EQ(run.only_reason(), EndReason::kInterrupted);
 }
 
 TEST(MonitorOfARun, WithoutItNobodyListens) {
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    RealRun run(session);
+    RealRun run(SessionFile::endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
-    NetworkSettings network;
-    network.base_port = run.base_port();
-    EXPECT_NO_THROW(UdpChannel(network.at(Port::kSessionOrders), {"127.0.0.1", 0}));
+    EXPECT_NO_THROW(UdpChannel(network_at(run.base_port()).at(Port::kSessionOrders), {"127.0.0.1", 0}));
     run.launcher().signal(SIGTERM);
     run.end();
 }

@@ -87,7 +87,7 @@ TEST_F(Outputs, AFolderThatCannotBeMadeIsNamed) {
         for (const char* in_the_way : {"", "/within"}) {
             std::vector<std::string> with_folder = command;
             with_folder.push_back(file + in_the_way);
-            const Outcome refused = run_to_end(built_programs() / "thimble", with_folder);
+            const Outcome refused = run_thimble(with_folder);
             EXPECT_EQ(refused.code, 2) << command[0] << ": " << refused.words;
             EXPECT_THAT(refused.words, HasSubstr(file));
             EXPECT_THAT(refused.words, Not(HasSubstr("unexpected")));
@@ -97,9 +97,8 @@ TEST_F(Outputs, AFolderThatCannotBeMadeIsNamed) {
 
 TEST_F(Outputs, ANameThatIsNoUtf8IsWrittenAsFarAsItGoes) {
     const std::string out = (folder_ / "caf\xe9").string();
-    const Outcome study = run_to_end(built_programs() / "thimble",
-                                     {"study", "--experiment", "2", "--subjects", "1", "--no-control",
-                                      "--config", folder_.write("s\xe9.toml", "").string(), "--out", out});
+    const Outcome study = run_thimble({"study", "--experiment", "2", "--subjects", "1", "--no-control",
+                                       "--config", folder_.write("s\xe9.toml", "").string(), "--out", out});
     EXPECT_EQ(study.code, 0) << study.words;
     const auto summary = nlohmann::json::parse(read_text(std::filesystem::path(out) / "summary.json"));
     EXPECT_THAT(summary["provenance"]["command"].get<std::string>(), HasSubstr("s\xef\xbf\xbd.toml"));

@@ -33,15 +33,11 @@ class ParticipantSessions {
     }
 
     std::vector<std::string> arguments(const std::vector<std::string>& more) const {
-        std::vector<std::string> all{"run",         file_.string(),
-                                     "--out",       dataset_.folder().string(),
-                                     "--base-port", std::to_string(ports_.base())};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return words_in(fmt::format("run {} --out {} --base-port {}", file_.string(),
+                                    dataset_.folder().string(), ports_.base()),
+                        more);
     }
-    Outcome run(const std::vector<std::string>& more = {}) const {
-        return run_to_end(built_programs() / "thimble", arguments(more));
-    }
+    Outcome run(const std::vector<std::string>& more = {}) const { return run_thimble(arguments(more)); }
     // With these words on its standard input.
     Outcome run_with_input(const std::string& input, const std::vector<std::string>& more) const {
         std::string command = fmt::format("printf '{}' | {}", input, (built_programs() / "thimble").string());
@@ -156,9 +152,9 @@ TEST(ParticipantProgram, TheExperimentersCommandsByPipe) {
     const std::string data = sessions.dataset().folder().string();
     const std::vector<std::string> exclude{"exclude", data, "--participant", "P07",
                                            "--trial", "1",  "--reason",      "phone rang"};
-    EXPECT_EQ(run_to_end(built_programs() / "thimble", exclude).code, 0);
-    EXPECT_EQ(run_to_end(built_programs() / "thimble", exclude).code, 2);  // it is already
-    const Outcome analysed = run_to_end(built_programs() / "thimble", {"analyse", data});
+    EXPECT_EQ(run_thimble(exclude).code, 0);
+    EXPECT_EQ(run_thimble(exclude).code, 2);  // it is already
+    const Outcome analysed = run_thimble({"analyse", data});
     EXPECT_EQ(analysed.code, 0) << analysed.words;
     EXPECT_THAT(analysed.words, HasSubstr("1 of 3 records of 1 participant"));
     EXPECT_THAT(analysed.words, HasSubstr("sub-07 trial 1 (record 1): phone rang"));

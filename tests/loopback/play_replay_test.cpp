@@ -14,9 +14,8 @@ TEST(PlayReplay, ShowsWhatWasPlayed) {
     PlayedHand hand({"--modality", "CF", "--delay-s", "0"});
     ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();
     hand.go_to(0.02);
-    hand.play_for(seconds{2});
-    hand.order(OrderKind::kQuit);
-    ASSERT_EQ(hand.end(), 0) << hand.words();
+    hand.play_for(std::chrono::milliseconds{1700});
+    ASSERT_EQ(hand.quit(), 0) << hand.words();
 
     const Folder folder;
     const PortBlock ports;
@@ -56,12 +55,12 @@ TEST(PlayReplay, ShowsWhatWasPlayed) {
 TEST(PlayReplay, SaysWhichTrialThereIsNot) {
     const Folder folder;
     const PortBlock ports;
-    const Outcome outcome = run_to_end(built_programs() / "thimble",
-                                       {"play", "--replay", (folder / "nothing").string(), "--visual-command",
-                                        "thimble-visual", "--base-port", std::to_string(ports.base())});
+    const Outcome outcome =
+        run_thimble({"play", "--replay", (folder / "nothing").string(), "--visual-command", "thimble-visual",
+                     "--base-port", std::to_string(ports.base())});
     EXPECT_EQ(outcome.code, 5);
     EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
-    EXPECT_EQ(run_to_end(built_programs() / "thimble", {"play", "--trial", "2"}).code, 2);
+    EXPECT_EQ(run_thimble({"play", "--trial", "2"}).code, 2);
 }
 
 }  // namespace

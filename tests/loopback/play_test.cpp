@@ -36,8 +36,7 @@ TEST(WholeRunOfPlay, AHandThatFeelsTheFixtureEndsItsTrial) {
     EXPECT_EQ(whole_trial(hand), EndReason::kCompleted);
     EXPECT_GT(hand.monitors(), 100U);
     EXPECT_GT(hand.monitor().accepted, 1000U);
-    hand.order(OrderKind::kQuit);
-    EXPECT_EQ(hand.end(), 0) << hand.words();
+    EXPECT_EQ(hand.quit(), 0) << hand.words();
     const auto rows = hand.rows();
     ASSERT_EQ(rows.size(), 1U);
     EXPECT_EQ(rows[0].reason, EndReason::kCompleted);
@@ -51,8 +50,7 @@ TEST(WholeRunOfPlay, AHandThatFeelsTheFixtureEndsItsTrial) {
 TEST(WholeRunOfPlay, TheBarStaysCalmWithFiftyMilliseconds) {
     PlayedHand hand({"--modality", "VF", "--delay-s", "0.05"});
     EXPECT_EQ(whole_trial(hand), EndReason::kCompleted);
-    hand.order(OrderKind::kQuit);
-    EXPECT_EQ(hand.end(), 0) << hand.words();
+    EXPECT_EQ(hand.quit(), 0) << hand.words();
     const auto rows = hand.rows();
     ASSERT_EQ(rows.size(), 1U);
     EXPECT_FALSE(rows[0].metrics.oscillates);
@@ -73,8 +71,7 @@ TEST(WholeRunOfPlay, AtFiftyMillisecondsTheHandleOscillatesUntilItIsLetGo) {
     EXPECT_TRUE(hand.running());  // the needle holds: no peer is lost
     EXPECT_FALSE(hand.monitor().needle_held);
     EXPECT_NEAR(hand.monitor().position_needle_m, rest_m, 1e-4);
-    hand.order(OrderKind::kQuit);
-    EXPECT_EQ(hand.end(), 0) << hand.words();
+    EXPECT_EQ(hand.quit(), 0) << hand.words();
     const auto rows = hand.rows();
     ASSERT_EQ(rows.size(), 1U);
     EXPECT_EQ(rows[0].reason, EndReason::kInterrupted);
@@ -88,9 +85,8 @@ TEST(Play, LogsThatAnErrorNamesAreThereToBeRead) {
     std::ofstream(window) << "#!/bin/sh\necho still looking for the screen\nexec sleep 60\n";
     std::filesystem::permissions(window, std::filesystem::perms::owner_all);
     const auto session = folder.write("session.toml", "[trial]\npeer_wait_s = 1.0\n");
-    const Outcome play = run_to_end(built_programs() / "thimble",
-                                    {"play", session.string(), "--visual-command", window.string(),
-                                     "--base-port", std::to_string(ports.base())});
+    const Outcome play = run_thimble({"play", session.string(), "--visual-command", window.string(),
+                                      "--base-port", std::to_string(ports.base())});
     EXPECT_EQ(play.code, 3) << play.words;
     const std::string before = "see the logs in ";
     const auto found = play.words.find(before);
@@ -116,8 +112,7 @@ TEST(Play, TheDelayMovesInMidTrial) {
     EXPECT_TRUE(hand.play([&] { return hand.monitor().round_trip_s < 0.3; })) << hand.words();
     EXPECT_TRUE(hand.running());
     EXPECT_EQ(hand.trial(), 1U);  // the same trial all the time
-    hand.order(OrderKind::kQuit);
-    EXPECT_EQ(hand.end(), 0) << hand.words();
+    EXPECT_EQ(hand.quit(), 0) << hand.words();
     const auto changes = read_events(hand.out() / "trajectories" / "trial01_VF_0ms.events.csv");
     ASSERT_EQ(changes.size(), 2U);
     EXPECT_EQ(changes[0].delay_s, 0.5);
@@ -151,8 +146,7 @@ TEST(Play, APlayerAndAnExperimenterWatchTheSameTrialAndEitherChangesItsNetwork) 
     EXPECT_TRUE(hand.play([&] { return hand.monitor().round_trip_s > 0.5; })) << hand.words();
     EXPECT_TRUE(hand.running());
     EXPECT_EQ(hand.trial(), 1U);
-    hand.order(OrderKind::kQuit);
-    EXPECT_EQ(hand.end(), 0) << hand.words();
+    EXPECT_EQ(hand.quit(), 0) << hand.words();
     const auto events = read_events(hand.out() / "trajectories" / "trial01_VF_0ms.events.csv");
     ASSERT_EQ(events.size(), 2U);
     EXPECT_EQ(events[0].profile, "lte");
@@ -176,8 +170,7 @@ TEST(Play, OrdersEndAndStartTrials) {
     EXPECT_TRUE(hand.play([&] { return hand.monitor().round_trip_s >= 0.1; }));
     hand.order(OrderKind::kStart, 0, Modality::kHF);  // ends the running one
     ASSERT_TRUE(hand.play([&] { return hand.running() && hand.trial() == 3; }));
-    hand.order(OrderKind::kQuit);
-    EXPECT_EQ(hand.end(), 0) << hand.words();
+    EXPECT_EQ(hand.quit(), 0) << hand.words();
     const auto rows = hand.rows();
     ASSERT_EQ(rows.size(), 3U);
     EXPECT_EQ(rows[1].conditions.delay_s, 0.1);
@@ -237,8 +230,7 @@ TEST(Play, SaysWhatIsWrongAtTheStart) {
     EXPECT_EQ(outcome.code, 2);
     EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
 
-    NetworkSettings network;
-    network.base_port = ports.base();
+    const NetworkSettings network = network_at(ports.base());
     const UdpChannel taken(network.at(Port::kSessionOrders), {"127.0.0.1", 0});
     outcome = run_to_end(program, {"play", "--base-port", base, "--visual-command", "thimble-visual"});
     EXPECT_EQ(outcome.code, 3);

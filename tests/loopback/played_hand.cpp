@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
@@ -10,36 +12,21 @@ namespace {
 constexpr Duration kHandFrame = std::chrono::milliseconds{16};
 constexpr double kHandSpeed_m_per_s = 0.02;
 
-NetworkSettings played_network(std::uint16_t base_port) {
-    NetworkSettings network;
-    network.base_port = base_port;
-    return network;
-}
-
 std::vector<std::string> play_arguments(const Folder& folder, const PortBlock& ports,
                                         const std::string& settings, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{
-        "play",
-        folder
-            .write("session.toml",
-                   "[session]\nfixture_jitter_m = 0\n[fixture]\nposition_m = 0.035\n[trial]\n"
-                   "contact_hold_s = 0.5\n" +
-                       settings)
-            .string(),
-        "--record",
-        (folder / "out").string(),
-        "--base-port",
-        std::to_string(ports.base()),
-        "--visual-command",
-        "thimble-visual"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    const auto session = folder.write("session.toml",
+                                      "[session]\nfixture_jitter_m = 0\n[fixture]\nposition_m = 0.035\n"
+                                      "[trial]\ncontact_hold_s = 0.5\n" +
+                                          settings);
+    return words_in(fmt::format("play {} --record {} --base-port {} --visual-command thimble-visual",
+                                session.string(), (folder / "out").string(), ports.base()),
+                    more);
 }
 
 }  // namespace
 
 PlayedHand::PlayedHand(const std::vector<std::string>& arguments, const std::string& more_settings)
-    : sockets_(played_network(ports_.base())),
+    : sockets_(network_at(ports_.base())),
       hand_(Role::kVisual, 100, {sockets_.outlet(Port::kMasterHand)}),
       view_(ports_.base()),
       child_(built_programs() / "thimble", play_arguments(folder_, ports_, more_settings, arguments),

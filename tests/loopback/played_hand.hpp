@@ -36,6 +36,10 @@ class PlayedHand {
 
     Child& launcher() { return child_; }
     int end() { return child_.wait(kPatience).value_or(-1); }
+    int quit() {
+        order(OrderKind::kQuit);
+        return end();
+    }
     std::uint16_t base_port() const { return ports_.base(); }
     std::filesystem::path out() const { return folder_ / "out"; }
     std::string words() const { return read_text(folder_ / "words"); }

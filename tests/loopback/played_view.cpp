@@ -2,20 +2,11 @@
 
 #include <variant>
 
+#include "tests/loopback/workbench.hpp"
+
 namespace thimble {
-namespace {
-
-NetworkSettings viewed_network(std::uint16_t base_port, const SecuritySettings& security) {
-    NetworkSettings network;
-    network.base_port = base_port;
-    network.security = security;
-    return network;
-}
-
-}  // namespace
-
 PlayedView::PlayedView(std::uint16_t base_port, Ports ports, const SecuritySettings& security)
-    : sockets_(viewed_network(base_port, security)),
+    : sockets_(network_at(base_port, security)),
       link_(ports == Ports::kPlayer ? sockets_.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)
                                     : sockets_.between(Port::kExperimenterMonitor, Port::kSessionOrders)),
       orders_(Role::kExperimenter, ports == Ports::kPlayer ? 201 : 200, {link_}) {}

@@ -82,6 +82,10 @@ Outcome run_to_end(const fs::path& program, const std::vector<std::string>& argu
     return outcome;
 }
 
+Outcome run_thimble(const std::vector<std::string>& arguments) {
+    return run_to_end(built_programs() / "thimble", arguments);
+}
+
 std::vector<pid_t> node_pids(std::uint16_t base_port, const std::string& program) {
     std::vector<pid_t> found;
     each_process([&](pid_t pid, const fs::path& process) {

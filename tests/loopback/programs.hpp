@@ -28,6 +28,7 @@ struct Outcome {
     std::string words;
 };
 Outcome run_to_end(const std::filesystem::path& program, const std::vector<std::string>& arguments);
+Outcome run_thimble(const std::vector<std::string>& arguments);
 
 // Node programs that run with this base port, by the name of the program; several if `thimble run` and a test
 // both started one.

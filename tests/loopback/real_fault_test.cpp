@@ -208,9 +208,7 @@ TEST(RealFaults, NodesOutOfFileDescriptorsInARunKeepTheTrial) {
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     for (const char* program : kNodePrograms) take_descriptors(run.node(program));
     run.end();
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U) << run.words();
-    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    EXPECT_EQ(run.only_reason(), EndReason::kCompleted) << run.words();
     EXPECT_THAT(read_text(run.out() / "nodes/thimble-slave-sim_0ms.log"), HasSubstr("ulimit -n"));
     EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
@@ -223,12 +221,7 @@ TEST(RealFaults, ASessionOutOfFileDescriptorsInARunLosesNoTrial) {
     RealRun run(file);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     take_descriptors(run.launcher().pid());
-    EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("ulimit -n"));
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U) << run.words();
-    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
-    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+    expect_end(run, 1, EndReason::kCompleted, "ulimit -n");
 }
 
 // The guard of a session file is the one before the real program's handle.
@@ -238,11 +231,7 @@ TEST(Guard, TripsInTheRealProgramAsTheSessionFileSays) {
     session.contact_hold_s = kEndlessHold_s;
     session.more = "[guard]\nenergy_limit_J = 0.001\n";
     RealRun run(session);
-    EXPECT_EQ(run.end(), 1) << run.words();
-    EXPECT_THAT(run.words(), HasSubstr("[guard] energy_limit_J is 0.001"));
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows.front().reason, EndReason::kSafetyStop);
+    expect_end(run, 1, EndReason::kSafetyStop, "[guard] energy_limit_J is 0.001");
 }
 
 }  // namespace

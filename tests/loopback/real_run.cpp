@@ -13,11 +13,10 @@ constexpr std::size_t kSomeSamples = 2000;
 std::vector<std::string> run_arguments(const Folder& folder, const SessionFile& session,
                                        const PortBlock& ports, const std::vector<std::string>& more,
                                        const std::string& subcommand) {
-    std::vector<std::string> arguments{subcommand,    folder.write("session.toml", session.text()).string(),
-                                       "--out",       (folder / "out").string(),
-                                       "--base-port", std::to_string(ports.base())};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return arguments;
+    return words_in(fmt::format("{} {} --out {} --base-port {}", subcommand,
+                                folder.write("session.toml", session.text()).string(),
+                                (folder / "out").string(), ports.base()),
+                    more);
 }
 
 }  // namespace
@@ -57,6 +56,11 @@ std::string RealRun::first_trial_end() {
         return !end.empty();
     });
     return end;
+}
+
+EndReason RealRun::only_reason() const {
+    const std::vector<TrialRow> all = rows();
+    return all.size() == 1 ? all.front().reason : EndReason::kNone;
 }
 
 int RealRun::end() { return child_.wait(3 * kPatience).value_or(-1); }

@@ -2,6 +2,7 @@
 // processes.
 #pragma once
 
+#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "session/records/trajectory_file.hpp"
@@ -30,6 +31,8 @@ class RealRun {
     std::filesystem::path out() const { return folder_ / "out"; }
     std::string words() const { return read_text(folder_ / "words"); }
     std::vector<TrialRow> rows() const { return read_trial_table(out() / "trials.csv"); }
+    // How its one trial ended; none if there is not exactly one row.
+    EndReason only_reason() const;
     std::filesystem::path trajectory_path(const TrialConditions& trial) const;
     // The node's report; null if it wrote none.
     nlohmann::json report(const std::string& program, int delay_ms = 0) const;
@@ -42,5 +45,13 @@ class RealRun {
     PortBlock ports_;
     Child child_;
 };
+
+// Ends with this code and these words; its one trial ended so, and no node is left.
+inline void expect_end(RealRun& run, int code, EndReason reason, const std::string& words = "") {
+    EXPECT_EQ(run.end(), code) << run.words();
+    EXPECT_THAT(run.words(), testing::HasSubstr(words));
+    EXPECT_EQ(run.only_reason(), reason) << run.words();
+    EXPECT_THAT(nodes_alive(run.base_port()), testing::IsEmpty());
+}
 
 }  // namespace thimble

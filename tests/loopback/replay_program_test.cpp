@@ -12,9 +12,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 Outcome replay(const std::vector<std::string>& arguments) {
-    std::vector<std::string> all{"replay"};
-    all.insert(all.end(), arguments.begin(), arguments.end());
-    return run_to_end(built_programs() / "thimble", all);
+    return run_thimble(words_in("replay", arguments));
 }
 
 TEST(ReplayProgram, ANeedleThroughTheDefaultScene) {

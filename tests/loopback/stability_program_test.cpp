@@ -12,16 +12,13 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-Outcome of_hand(const std::string& command, std::vector<std::string> more) {
-    std::vector<std::string> all{command, "--mass-kg",           "1",  "--damping-Ns-per-m",
-                                 "20",    "--stiffness-N-per-m", "500"};
-    all.insert(all.end(), more.begin(), more.end());
-    return run_to_end(built_programs() / "thimble", all);
+Outcome of_hand(const std::string& command, const std::vector<std::string>& more) {
+    return run_thimble(
+        words_in(command + " --mass-kg 1 --damping-Ns-per-m 20 --stiffness-N-per-m 500", more));
 }
 
-Outcome theory_at(std::vector<std::string> more) {
-    more.insert(more.begin(), {"--contact-stiffness-N-per-m", "9000"});
-    return of_hand("stability", more);
+Outcome theory_at(const std::vector<std::string>& more) {
+    return of_hand("stability", words_in("--contact-stiffness-N-per-m 9000", more));
 }
 
 TEST(StabilityProgram, PrintsWhatTheTheorySays) {

@@ -75,13 +75,12 @@ class StandardStreams : public testing::Test {
 // Ctrl-S: the trial goes on, and Ctrl-C is heard. (In a real terminal Ctrl-C also ends Ctrl-S. Here the terminal is held to the end.)
 TEST_F(StandardStreams, AHeldTerminalHoldsUpNoTrial) {
     const HeldTerminal terminal;
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
+    SessionFile session = SessionFile::endless();
     RealRun run(session, {}, programs(">/dev/null 2>" + terminal.name()));
     ASSERT_TRUE(run.reaches_trial());
     constexpr char kCtrlS = 'S' - '@';
     ASSERT_TRUE(terminal.press(kCtrlS));
-    std::this_thread::sleep_for(std::chrono::seconds{2});
+    std::this_thread::sleep_for(std::chrono::seconds{1});  // two lines of progress
     run.launcher().signal(SIGINT);
     EXPECT_EQ(run.end(), 1);
     const auto rows = run.rows();
@@ -92,10 +91,7 @@ TEST_F(StandardStreams, AHeldTerminalHoldsUpNoTrial) {
 TEST_F(StandardStreams, APipeThatNobodyReadsHoldsUpNoRun) {
     const FullPipe pipe(folder_ / "pipe");
     RealRun run(SessionFile{}, {}, programs(">/dev/null 2>" + pipe.name()));
-    EXPECT_EQ(run.end(), 0);
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows.front().reason, EndReason::kCompleted);
+    expect_end(run, 0, EndReason::kCompleted);
 }
 
 // As cron, daemons and `2>&-` start programs.

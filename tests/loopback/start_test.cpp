@@ -31,7 +31,7 @@ TEST(Help, IsThereWithAnExampleInEveryProgram) {
         EXPECT_THAT(outcome.words, HasSubstr("Example")) << program;
     }
     for (const char* command : {"run", "up", "study", "replay", "report", "check", "doctor", "keygen"}) {
-        const Outcome outcome = run_to_end(built_programs() / "thimble", {command, "--help"});
+        const Outcome outcome = run_thimble({command, "--help"});
         EXPECT_EQ(outcome.code, 0) << command;
         EXPECT_THAT(outcome.words, HasSubstr("Example")) << command;
     }
@@ -107,8 +107,8 @@ TEST(Completion, IsInEveryProgramForEveryShell) {
             EXPECT_THAT(outcome.words, HasSubstr("Completion of " + program + " for " + shell));
         }
     }
-    EXPECT_EQ(run_to_end(built_programs() / "thimble", {"completion", "csh"}).code, 2);
-    EXPECT_EQ(run_to_end(built_programs() / "thimble", {"--completion", "csh"}).code, 2);
+    EXPECT_EQ(run_thimble({"completion", "csh"}).code, 2);
+    EXPECT_EQ(run_thimble({"--completion", "csh"}).code, 2);
 }
 
 // Every program reads [network] and [runtime]; each also has a table of its own.
@@ -127,20 +127,12 @@ class BadConfiguration : public testing::Test {
     PortBlock ports_;
 };
 
-TEST_F(BadConfiguration, UnknownKey) {
+TEST_F(BadConfiguration, UnknownKeysAndTablesAndValuesOutOfRange) {
     for (const std::string& program : six_programs()) {
         expect_refused(program, "[runtime]\npriority = 50\nprioriti = 50\n", ":3:");
-    }
-}
-
-TEST_F(BadConfiguration, UnknownTable) {
-    for (const std::string& program : six_programs())
         expect_refused(program, "\n[netwrok]\nbase_port = 2000\n", ":2:");
-}
-
-TEST_F(BadConfiguration, ValueOutOfRange) {
-    for (const std::string& program : six_programs())
         expect_refused(program, "[network]\nbase_port = 80\n", ":2:");
+    }
 }
 
 TEST_F(BadConfiguration, ValueOutOfRangeInTheProgramsOwnTable) {
@@ -154,8 +146,7 @@ TEST_F(BadConfiguration, ValueOutOfRangeInTheProgramsOwnTable) {
 
 TEST(Configuration, AnEmptyFileMeansDefaults) {
     const Folder folder;
-    const Outcome outcome =
-        run_to_end(built_programs() / "thimble", {"check", folder.write("empty.toml", "").string()});
+    const Outcome outcome = run_thimble({"check", folder.write("empty.toml", "").string()});
     EXPECT_EQ(outcome.code, 0) << outcome.words;
 }
 
@@ -170,7 +161,7 @@ TEST(Configuration, LettersThatTheWindowsFontLacksAreNamed) {
     const std::string out = (folder / "out").string();
     for (const std::vector<std::string>& command :
          {std::vector<std::string>{"check", file}, {"run", file, "--out", out}}) {
-        const Outcome outcome = run_to_end(built_programs() / "thimble", command);
+        const Outcome outcome = run_thimble(command);
         EXPECT_EQ(outcome.code, 2);
         EXPECT_THAT(outcome.words,
                     HasSubstr("the window's font cannot draw what [instructions] holds: U+13000"));
@@ -195,13 +186,11 @@ TEST(PortInUse, ARunSaysWhichPort) {
     for (const Port taken : {Port::kSessionRecord, Port::kSlaveNeedle}) {
         const PortBlock ports;
         const Folder folder;
-        NetworkSettings network;
-        network.base_port = ports.base();
+        const NetworkSettings network = network_at(ports.base());
         const UdpChannel occupant(network.at(taken), {"127.0.0.1", 0});
         const Outcome outcome =
-            run_to_end(built_programs() / "thimble",
-                       {"run", folder.write("s.toml", SessionFile{}.text()).string(), "--out",
-                        (folder / "out").string(), "--base-port", std::to_string(ports.base())});
+            run_thimble({"run", folder.write("s.toml", SessionFile{}.text()).string(), "--out",
+                         (folder / "out").string(), "--base-port", std::to_string(ports.base())});
         EXPECT_EQ(outcome.code, 3);
         EXPECT_THAT(outcome.words, HasSubstr("127.0.0.1:" + std::to_string(network.at(taken).port)));
         EXPECT_THAT(nodes_alive(ports.base()), IsEmpty());

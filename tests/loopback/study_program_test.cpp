@@ -17,9 +17,7 @@ using testing::Not;
 using testing::StartsWith;
 using Json = nlohmann::ordered_json;
 
-Outcome thimble_with(const std::vector<std::string>& arguments) {
-    return run_to_end(built_programs() / "thimble", arguments);
-}
+Outcome thimble_with(const std::vector<std::string>& arguments) { return run_thimble(arguments); }
 
 TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
     const Folder folder;

@@ -26,44 +26,30 @@ const std::filesystem::path kMpirun = "/usr/bin/mpirun";
         GTEST_SKIP() << "built without THIMBLE_MPI";                      \
     if (!std::filesystem::exists(kMpirun)) GTEST_SKIP() << kMpirun << " is missing: package openmpi-bin"
 
-std::vector<std::string> map_words(const std::filesystem::path& out, std::vector<std::string> more) {
-    std::vector<std::string> words{"--hand",     "B",        "--compensator", "none,wave",
-                                   "--jitter-s", "0,0.003",  "--delay-s",     "0:0.1:3",
-                                   "--gain",     "0.02:2:4", "--out",         out.string()};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+std::vector<std::string> map_words(const std::filesystem::path& out, const std::vector<std::string>& more) {
+    return words_in(
+        "--hand B --compensator none,wave --jitter-s 0,0.003 --delay-s 0:0.1:3 --gain 0.02:2:4 --out " +
+            out.string(),
+        more);
 }
 
 // One machine's ranks, also where there are fewer cores, as root in a container, without a network.
 std::vector<std::string> with_ranks(int ranks, const std::filesystem::path& program,
-                                    const std::vector<std::string>& words) {
-    std::vector<std::string> all{"--allow-run-as-root",
-                                 "--oversubscribe",
-                                 "--bind-to",
-                                 "none",
-                                 "--mca",
-                                 "btl",
-                                 "self,vader,tcp",
-                                 "--mca",
-                                 "btl_vader_single_copy_mechanism",
-                                 "none",
-                                 "-n",
-                                 std::to_string(ranks),
-                                 program.string()};
-    all.insert(all.end(), words.begin(), words.end());
-    return all;
+                                    std::vector<std::string> words) {
+    words.insert(words.begin(), program.string());
+    return words_in(
+        "--allow-run-as-root --oversubscribe --bind-to none --mca btl self,vader,tcp "
+        "--mca btl_vader_single_copy_mechanism none -n " +
+            std::to_string(ranks),
+        words);
 }
 
-std::vector<std::string> sweep(std::vector<std::string> words) {
-    words.insert(words.begin(), "sweep");
-    return words;
-}
+std::vector<std::string> sweep(const std::vector<std::string>& words) { return words_in("sweep", words); }
 
 TEST(SweepProgram, RanksAndThreadsMakeTheSameTable) {
     SKIP_WITHOUT_MPI();
     const Folder folder;
-    const Outcome threads =
-        run_to_end(built_programs() / "thimble", sweep(map_words(folder / "threads", {"--jobs", "2"})));
+    const Outcome threads = run_thimble(sweep(map_words(folder / "threads", {"--jobs", "2"})));
     ASSERT_EQ(threads.code, 0) << threads.words;
     const std::string table = read_text(folder / "threads/map.csv");
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 2 * 3 * 4);
@@ -93,9 +79,8 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
     const Folder folder;
     const auto out = folder / "map", whole = folder / "whole";
     const auto words = [](const std::filesystem::path& where) {
-        return std::vector<std::string>{"--delay-s",    "0:0.2:12",    "--contact-stiffness-N-per-m",
-                                        "100:20000:60", "--block",     "3",
-                                        "--out",        where.string()};
+        return words_in("--delay-s 0:0.2:12 --contact-stiffness-N-per-m 100:20000:60 --block 3 --out " +
+                        where.string());
     };
     {
         Child mpirun(kMpirun, with_ranks(2, built_programs() / "thimble-sweep-mpi", words(out)),
@@ -111,7 +96,7 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
     }
     const Outcome on = run_to_end(kMpirun, with_ranks(3, built_programs() / "thimble-sweep-mpi", words(out)));
     ASSERT_EQ(on.code, 0) << on.words;
-    ASSERT_EQ(run_to_end(built_programs() / "thimble", sweep(words(whole))).code, 0);
+    ASSERT_EQ(run_thimble(sweep(words(whole))).code, 0);
     EXPECT_EQ(read_text(out / "map.csv"), read_text(whole / "map.csv"));
 }
 
@@ -138,9 +123,8 @@ TEST(SweepProgram, WithoutItsProgramForRanksThimbleSaysSo) {
 TEST(SweepProgram, TheVirtualOperatorsCells) {
     const Folder folder;
     const Outcome outcome =
-        run_to_end(built_programs() / "thimble",
-                   {"sweep", "--operator", "virtual", "--compensator", "none,CF", "--delay-s", "0.05",
-                    "--gain", "1", "--loss", "0.01", "--out", (folder / "map").string()});
+        run_thimble({"sweep", "--operator", "virtual", "--compensator", "none,CF", "--delay-s", "0.05",
+                     "--gain", "1", "--loss", "0.01", "--out", (folder / "map").string()});
     ASSERT_EQ(outcome.code, 0) << outcome.words;
     const std::string table = read_text(folder / "map/map.csv");
     EXPECT_THAT(table, HasSubstr("\nvirtual,virtual,none,0,0.01,0.05,1,9000,"));

@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/version.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -41,8 +40,7 @@ class Up : public testing::Test {
         return RealRun(session, arguments(programs_, more), built_programs(), "up");
     }
     static SessionFile endless() {
-        SessionFile session;
-        session.contact_hold_s = kEndlessHold_s;
+        SessionFile session = SessionFile::endless();
         session.more = launch_table();
         return session;
     }
@@ -100,7 +98,7 @@ TEST_F(Up, FilesOfTheSessionComeAlong) {
                                    "--out",       (folder_ / "out").string(),
                                    "--base-port", std::to_string(ports.base())};
     for (const std::string& word : arguments(programs_)) words.push_back(word);
-    const Outcome outcome = run_to_end(built_programs() / "thimble", words);
+    const Outcome outcome = run_thimble(words);
     ASSERT_EQ(outcome.code, 0) << outcome.words;
     const auto report = nlohmann::json::parse(read_text(folder_ / "out/nodes/thimble-netem_0ms.json"));
     EXPECT_EQ(report.at("machine"), "chatty");
@@ -113,20 +111,8 @@ TEST_F(Up, ANodeThatDiesEndsTheSessionEverywhere) {
     kill(run.node("thimble-slave-sim"), SIGKILL);
     EXPECT_EQ(run.end(), 3) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim on 'robot' ended with code 137"));
-    ASSERT_EQ(run.rows().size(), 1U);
-    EXPECT_EQ(run.rows().front().reason, EndReason::kPeerLost);
+    EXPECT_EQ(run.only_reason(), EndReason::kPeerLost);
     EXPECT_FALSE(run.report("thimble-netem").is_null()) << "the others end in order";
-    expect_nothing_left(run);
-}
-
-TEST_F(Up, CtrlCKeepsWhatWasRecorded) {
-    RealRun run = start(endless());
-    ASSERT_TRUE(run.reaches_trial()) << run.words();
-    run.launcher().signal(SIGINT);
-    EXPECT_EQ(run.end(), 1) << run.words();
-    ASSERT_EQ(run.rows().size(), 1U);
-    EXPECT_EQ(run.rows().front().reason, EndReason::kInterrupted);
-    for (const char* program : kNodePrograms) EXPECT_FALSE(run.report(program).is_null()) << program;
     expect_nothing_left(run);
 }
 
@@ -190,9 +176,29 @@ TEST_F(UpFails, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
     EXPECT_THAT(run.words(), HasSubstr("Connection refused"));
 }
 
-TEST_F(UpFails, AMachineThatDoesNotAnswerIsNotWaitedForForEver) {
-    RealRun run = start(session("[launch]\nshares_loopback = true\nreach_s = 1\nmachine_slave_sim = 'mute'"));
-    expect_end(run, 3, "'mute' does not answer");
+struct BadMachine {
+    const char* name;
+    const char* slave_sim;  // a script in its place; empty: it is not there
+    const char* launch;
+    int code;
+    const char* words;
+};
+class UpFailsBy : public UpFails, public testing::WithParamInterface<BadMachine> {};
+INSTANTIATE_TEST_SUITE_P(
+    Slave, UpFailsBy,
+    testing::Values(BadMachine{"Silence", "exit 1", "machine_slave_sim = 'mute'\nreach_s = 1\n", 3,
+                               "'mute' does not answer"},
+                    BadMachine{"AMissingProgram", "", "machine_slave_sim = 'robot'\n", 1,
+                               "thimble-slave-sim is not on 'robot'"},
+                    BadMachine{"AnotherVersion", "echo 9.8.7", "machine_slave_sim = 'robot'\n", 1,
+                               "thimble-slave-sim on 'robot' is 9.8.7, but this is " THIMBLE_VERSION}),
+    [](const auto& bad) { return bad.param.name; });
+
+TEST_P(UpFailsBy, OneMachineWhichIsNamed) {
+    fs::remove(programs_ / "thimble-slave-sim");
+    if (*GetParam().slave_sim != 0) replace_program(programs_ / "thimble-slave-sim", GetParam().slave_sim);
+    RealRun run = start(session("[launch]\nshares_loopback = true\n" + std::string(GetParam().launch)));
+    expect_end(run, GetParam().code, GetParam().words);
 }
 
 TEST_F(UpFails, AStopThatComesWhileAMachineIsAwaitedIsKept) {
@@ -201,18 +207,6 @@ TEST_F(UpFails, AStopThatComesWhileAMachineIsAwaitedIsKept) {
     run.launcher().signal(SIGQUIT);
     expect_end(run, 3, "'mute' does not answer");
     EXPECT_FALSE(fs::is_empty(std::getenv("THIMBLE_STOP_DIR")));
-}
-
-TEST_F(UpFails, AProgramThatIsNotThereIsNamed) {
-    fs::remove(programs_ / "thimble-slave-sim");
-    RealRun run = start(session(launch_table()));
-    expect_end(run, 1, "thimble-slave-sim is not on 'robot'");
-}
-
-TEST_F(UpFails, AnotherVersionIsRefused) {
-    replace_program(programs_ / "thimble-slave-sim", "echo 9.8.7");
-    RealRun run = start(session(launch_table()));
-    expect_end(run, 1, std::string("thimble-slave-sim on 'robot' is 9.8.7, but this is ") + kVersion);
 }
 
 TEST_F(UpFails, ANodeThatWantsToStayIsKilled) {

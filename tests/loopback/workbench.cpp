@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 #include <unistd.h>
@@ -60,6 +62,13 @@ std::filesystem::path Folder::write(const std::string& name, const std::string& 
     return path_ / name;
 }
 
+std::vector<std::string> words_in(const std::string& line, const std::vector<std::string>& more) {
+    std::istringstream stream(line);
+    std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
 // Stops that programs of this test leave behind belong to this test alone, not to an earlier block of the same ports.
 PortBlock::PortBlock() {
     static const Folder kStops;
@@ -79,6 +88,23 @@ PortBlock::PortBlock() {
         if (all_free(base)) return;
     }
     throw std::runtime_error("no free UDP ports");
+}
+
+NetworkSettings network_at(std::uint16_t base_port, const SecuritySettings& security) {
+    NetworkSettings network;
+    network.base_port = base_port;
+    network.security = security;
+    return network;
+}
+
+std::string under_lab_key(const std::filesystem::path& key) {
+    return "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
+}
+
+SessionFile SessionFile::endless() {
+    SessionFile session;
+    session.contact_hold_s = kEndlessHold_s;
+    return session;
 }
 
 std::string SessionFile::text() const {

@@ -6,7 +6,9 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "common/network_settings.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/time.hpp"
 #include "tests/read_text.hpp"
@@ -34,6 +36,9 @@ class Folder {
     std::filesystem::path path_;
 };
 
+// A command line: the words of `line`, which spaces part, and then `more`.
+std::vector<std::string> words_in(const std::string& line, const std::vector<std::string>& more = {});
+
 // UDP ports of 127.0.0.1 for two conditions that were free when this object was made. A socket on the last one
 // of the block keeps tests that run side by side apart.
 class PortBlock {
@@ -46,6 +51,13 @@ class PortBlock {
     std::unique_ptr<UdpChannel> guard_;
 };
 
+NetworkSettings network_at(std::uint16_t base_port, const SecuritySettings& security = {});
+// The table of a session file or of a node's settings.
+std::string under_lab_key(const std::filesystem::path& key);
+
+// A contact so long that the trial cannot end by itself while the test looks at it.
+inline constexpr double kEndlessHold_s = 40;
+
 // A session that is over quickly: the fixture close to the tissue, a short contact until the beep.
 struct SessionFile {
     std::string modalities = R"(["HF"])";
@@ -54,10 +66,8 @@ struct SessionFile {
     int parallel_conditions = 1;
     std::string more;  // further tables
 
+    static SessionFile endless();
     std::string text() const;
 };
-
-// A contact so long that the trial cannot end by itself while the test looks at it.
-inline constexpr double kEndlessHold_s = 40;
 
 }  // namespace thimble

@@ -35,18 +35,18 @@ class LinkTest : public testing::Test {
 
     Child echo(const std::vector<std::string>& more, const std::string& log = "echo",
                const std::string& for_s = "60") {
-        std::vector<std::string> words{"link-test",        "--listen", "--session",
-                                       session().string(), "--for",    for_s};
-        words.insert(words.end(), more.begin(), more.end());
-        Child child(built_programs() / "thimble", words, folder / log);
+        Child child(
+            built_programs() / "thimble",
+            words_in(fmt::format("link-test --listen --session {} --for {}", session().string(), for_s),
+                     more),
+            folder / log);
         wait_until(
             [&] { return read_text(folder / log).find("ready") != std::string::npos || child.poll(); });
         return child;
     }
     Result test(const std::vector<std::string>& more) {
-        std::vector<std::string> words{"link-test", "127.0.0.1", "--session", session().string(), "--json"};
-        words.insert(words.end(), more.begin(), more.end());
-        return understood(run_to_end(built_programs() / "thimble", words));
+        return understood(
+            run_thimble(words_in("link-test 127.0.0.1 --json --session " + session().string(), more)));
     }
     static Result understood(const Outcome& outcome) {
         Result result{outcome.code, outcome.words, {}};
@@ -56,14 +56,12 @@ class LinkTest : public testing::Test {
         return result;
     }
     Child relay(unsigned offset, const std::vector<std::string>& link) {
-        std::vector<std::string> words{"--listen",
-                                       "127.0.0.1:" + base(offset),
-                                       "--to",
-                                       "127.0.0.1:" + base(far + offset),
-                                       "--default-scheduling",
-                                       "--link"};
-        words.insert(words.end(), link.begin(), link.end());
-        return Child(built_programs() / "thimble-netem", words, folder / fmt::format("relay{}", offset));
+        return Child(
+            built_programs() / "thimble-netem",
+            words_in(fmt::format("--listen 127.0.0.1:{} --to 127.0.0.1:{} --default-scheduling --link",
+                                 base(offset), base(far + offset)),
+                     link),
+            folder / fmt::format("relay{}", offset));
     }
 
     static constexpr unsigned far = static_cast<unsigned>(Port::kCount);
@@ -151,9 +149,7 @@ TEST_F(LinkTest, TheEchoEndsByItselfAndItsPortsAreItsOwn) {
 }
 
 TEST_F(LinkTest, WhatMakesNoSenseIsRefused) {
-    const auto code = [&](const std::vector<std::string>& words) {
-        return run_to_end(built_programs() / "thimble", words).code;
-    };
+    const auto code = [&](const std::vector<std::string>& words) { return run_thimble(words).code; };
     EXPECT_EQ(code({"link-test"}), 2);
     EXPECT_EQ(code({"link-test", "127.0.0.1", "--listen"}), 2);
     EXPECT_EQ(code({"link-test", "127.0.0.1", "--ports", "99"}), 2);

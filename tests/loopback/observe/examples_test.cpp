@@ -86,8 +86,7 @@ TEST(Ros2Export, SaysWhatALogOfOrdersCannotGive) {
     orders.bodies = {Message{{7, {}, 0, 4, Role::kSession}, SessionControl{}}};
     orders.messages = {{1, 5}};
     orders.write(folder / "session.mcap");
-    const Outcome said = run_to_end(
-        built_programs() / "thimble",
+    const Outcome said = run_thimble(
         {"log", "export", (folder / "session.mcap").string(), "--ros2", (folder / "ros2.mcap").string()});
     EXPECT_EQ(said.code, 0) << said.words;
     EXPECT_THAT(said.words, HasSubstr("/slave_sim/servo_*"));
@@ -98,7 +97,7 @@ TEST(Ros2Export, SaysWhatALogOfOrdersCannotGive) {
 TEST(NetworkExamples, AreRead) {
     const Folder folder;
     const std::string network = THIMBLE_SOURCE_DIR "/examples/network/";
-    const Outcome good = run_to_end(built_programs() / "thimble", {"check", network + "mahimahi.toml"});
+    const Outcome good = run_thimble({"check", network + "mahimahi.toml"});
     EXPECT_EQ(good.code, 0) << good.words;
     const auto netem = [](const std::vector<std::string>& words) {
         const Outcome said = run_to_end(built_programs() / "thimble-netem", words);

@@ -173,9 +173,8 @@ TEST(Igtl, ARunningSessionIsReadByTheirLibrary) {
     const Folder folder;
     const auto key = folder / "lab.key";
     create_lab_key(key, system_random_bytes());
-    SessionFile session;
-    session.contact_hold_s = kEndlessHold_s;
-    session.more = "[security]\nmode = 'lab-key'\nkey_file = '" + key.string() + "'\n";
+    SessionFile session = SessionFile::endless();
+    session.more = under_lab_key(key);
     const auto config = folder.write("session.toml", session.text()).string();
     RealRun run(session, {"--monitor"});
     IgtlProgram program({"--config", config, "--base-port", std::to_string(run.base_port())});

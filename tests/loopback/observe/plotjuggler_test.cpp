@@ -69,8 +69,7 @@ TEST(PlotJuggler, AnotherMachineIsRefusedByName) {
     const Folder folder;
     const auto session = folder.write("session.toml", SessionFile{}.text()).string();
     const Outcome refused =
-        run_to_end(built_programs() / "thimble",
-                   {"run", session, "--out", (folder / "out").string(), "--plotjuggler", "192.0.2.1:9870"});
+        run_thimble({"run", session, "--out", (folder / "out").string(), "--plotjuggler", "192.0.2.1:9870"});
     EXPECT_EQ(refused.code, 2);
     EXPECT_THAT(refused.words, HasSubstr("--plotjuggler: '192.0.2.1' is not this machine alone"));
 }

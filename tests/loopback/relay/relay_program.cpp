@@ -1,13 +1,9 @@
 #include "tests/loopback/relay/relay_program.hpp"
 
 #include <arpa/inet.h>
-#include <csignal>
 #include <fcntl.h>
-#include <fstream>
-#include <iterator>
 #include <poll.h>
 #include <stdexcept>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/runtime/wall_clock.hpp"
@@ -15,8 +11,6 @@
 
 namespace thimble {
 namespace {
-
-constexpr Duration kLook = std::chrono::milliseconds{2};
 
 bool readable(const UdpSocket& socket, Duration patience) {
     pollfd wanted{socket.descriptor(), POLLIN, 0};
@@ -29,74 +23,30 @@ void send(const UdpSocket& socket, Bytes bytes, const UdpAddress* to) {
     batch.send(socket.descriptor());
 }
 
-void redirect(const std::string& path, int descriptor) {
-    const int file = open(path.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
-    dup2(file, descriptor);
-}
-
 }  // namespace
 
 UdpAddress loopback() { return {htonl(INADDR_LOOPBACK), 0}; }
 
-Folder::Folder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "thimble-relay-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("cannot make " + pattern);
-    path_ = pattern;
-}
+NetemProgram::NetemProgram(const std::vector<std::string>& arguments)
+    : printed_(open((folder_ / "out").c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600)),
+      child_(std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-netem", arguments, folder_ / "err",
+             {.output = printed_}) {}
 
-Folder::~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
-
-std::string read_text(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-NetemProgram::NetemProgram(const std::vector<std::string>& arguments) {
-    const std::string program = (std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-netem").string();
-    const std::string out = folder_ / "out", err = folder_ / "err";
-    std::vector<char*> words{const_cast<char*>(program.c_str())};
-    for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
-    words.push_back(nullptr);
-    pid_ = fork();
-    if (pid_ != 0) return;
-    redirect(out, STDOUT_FILENO);
-    redirect(err, STDERR_FILENO);
-    execv(program.c_str(), words.data());
-    _exit(127);
-}
-
-NetemProgram::~NetemProgram() {
-    if (pid_ <= 0) return;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-}
-
-void NetemProgram::signal(int number) const { kill(pid_, number); }
-
-int NetemProgram::wait() {
-    int status = 0;
-    for (const SessionTime end = wall_now() + kPatience; waitpid(pid_, &status, WNOHANG) == 0;
-         wall_sleep(kLook)) {
-        if (wall_now() > end) return -1;
-    }
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
+NetemProgram::~NetemProgram() { close(printed_); }
 
 UdpAddress NetemProgram::inlet(int n) {
     const std::string mark = "ready: UDP ";
-    for (const SessionTime end = wall_now() + kPatience; wall_now() < end; wall_sleep(kLook)) {
-        const std::string words = said();
-        std::size_t at = words.find(mark);
+    std::size_t at = 0;
+    std::string words;
+    const bool ready = wait_until([&] {
+        words = said();
+        at = words.find(mark);
         for (int i = 0; i < n && at != std::string::npos; ++i) at = words.find(mark, at + 1);
-        if (at == std::string::npos || words.find('\n', at) == std::string::npos) continue;
-        at += mark.size();
-        return read_udp_address(words.substr(at, words.find(' ', at) - at), "its own words");
-    }
-    throw std::runtime_error("not ready: " + said());
+        return at != std::string::npos && words.find('\n', at) != std::string::npos;
+    });
+    if (!ready) throw std::runtime_error("not ready: " + words);
+    at += mark.size();
+    return read_udp_address(words.substr(at, words.find(' ', at) - at), "its own words");
 }
 
 Ended run_netem(const std::vector<std::string>& arguments) {

@@ -2,36 +2,21 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
-#include <sys/types.h>
 #include <thread>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "common/process/child.hpp"
 #include "common/runtime/udp_socket.hpp"
 #include "common/time.hpp"
+#include "tests/loopback/workbench.hpp"
 
 namespace thimble {
 
-inline constexpr Duration kPatience = std::chrono::seconds{20};
-
 UdpAddress loopback();
-
-class Folder {
-  public:
-    Folder();
-    ~Folder();
-    std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
-  private:
-    std::filesystem::path path_;
-};
-
-std::string read_text(const std::string& path);
 
 // Started with these arguments; killed if it still runs at the end of the test.
 class NetemProgram {
@@ -41,8 +26,8 @@ class NetemProgram {
     NetemProgram(const NetemProgram&) = delete;
     NetemProgram& operator=(const NetemProgram&) = delete;
 
-    void signal(int number) const;
-    int wait();  // its exit code; -1 if it does not end or a signal ended it
+    void signal(int number) { child_.signal(number); }
+    int wait() { return child_.wait(kPatience).value_or(-1); }  // its exit code; -1 if it does not end
     std::string said() const { return read_text(folder_ / "err"); }
     std::string printed() const { return read_text(folder_ / "out"); }
     // Where its n-th inlet listens, once it is ready.
@@ -50,7 +35,8 @@ class NetemProgram {
 
   private:
     Folder folder_;
-    pid_t pid_ = -1;
+    int printed_;
+    Child child_;
 };
 
 struct Ended {

@@ -24,9 +24,7 @@ using testing::Not;
 class RelayProgram : public testing::Test {
   protected:
     std::vector<std::string> in_front(const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> arguments{"--listen", "127.0.0.1:0", "--to", echo_.address()};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        return arguments;
+        return words_in("--listen 127.0.0.1:0 --to " + echo_.address(), more);
     }
     EchoServer echo_;
     Folder folder_;
