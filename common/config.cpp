@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <set>
 #include <sstream>
 
@@ -23,8 +22,8 @@ struct ConfigFile::Impl {
     toml::table root;
     mutable std::set<std::string> known;  // dotted paths that a reader asked for
     mutable std::set<std::string> used;   // names of files
-    bool notes = false;                   // note_declarations()
-    mutable std::map<std::string, KeyDeclaration> declared;
+    bool describes = false;
+    mutable std::vector<KeyDeclaration> declared;
 };
 
 namespace {
@@ -42,6 +41,15 @@ std::string type_name(const toml::node& node) {
     std::ostringstream text;
     text << node.type();
     return text.str();
+}
+
+template <class Value, class Limit>
+void add_range(KeyDeclaration& noted, const std::optional<Value>& fallback, Limit low, Limit high) {
+    // Twelve digits: a default that was computed is not exact.
+    constexpr const char* kForm = std::is_same_v<Value, double> ? "{:.12g}" : "{}";
+    if (fallback) noted.fallback = fmt::format(fmt::runtime(kForm), *fallback);
+    noted.low = fmt::format("{}", low);
+    noted.high = fmt::format("{}", high);
 }
 
 // Keys of a file that no reader asked for.
@@ -125,6 +133,12 @@ ConfigFile ConfigFile::empty() {
     return ConfigFile(std::move(impl));
 }
 
+ConfigFile ConfigFile::description() {
+    ConfigFile none = empty();
+    none.impl_->describes = true;
+    return none;
+}
+
 void ConfigFile::set(std::string_view dotted_key, double value) {
     toml::table* table = &impl_->root;
     std::string_view rest = dotted_key;
@@ -149,9 +163,7 @@ void ConfigFile::uses(std::string_view name) const { impl_->used.emplace(name); 
 
 const std::set<std::string>& ConfigFile::used_files() const { return impl_->used; }
 
-void ConfigFile::note_declarations() { impl_->notes = true; }
-
-const std::map<std::string, KeyDeclaration>& ConfigFile::declarations() const { return impl_->declared; }
+const std::vector<KeyDeclaration>& ConfigFile::declarations() const { return impl_->declared; }
 
 void ConfigFile::finish(const std::vector<std::string_view>& elsewhere) const {
     const UnknownKeys unknown(impl_->name, impl_->known);
@@ -174,25 +186,36 @@ struct ConfigTable::Found {
     }
 };
 
+// What another reader said of the key stays, where this one says nothing.
+KeyDeclaration& ConfigTable::declare(std::string_view key, std::string_view type,
+                                     std::string_view help) const {
+    std::vector<KeyDeclaration>& all = file_->impl_->declared;
+    const std::string path = join(path_, key);
+    const auto is_it = [&path](const KeyDeclaration& one) { return one.path == path; };
+    auto found = std::find_if(all.begin(), all.end(), is_it);
+    if (found == all.end()) found = all.insert(found, {path, {}, {}, {}, {}, {}, {}});
+    KeyDeclaration& noted = *found;
+    if (std::find(noted.types.begin(), noted.types.end(), type) == noted.types.end()) {
+        noted.types.emplace_back(type);
+    }
+    if (help.empty()) return noted;
+    noted.help = users_.empty() ? help : fmt::format("{}: {}", fmt::join(users_, ", "), help);
+    return noted;
+}
+
+bool ConfigTable::describes() const { return file_->impl_->describes; }
+
 ConfigTable::Found ConfigTable::find(std::string_view key) const {
     const ConfigFile::Impl& file = *file_->impl_;
     Found found{nullptr, join(path_, key), &file.name};
     found.node = file.root.at_path(found.path).node();
     file.known.insert(found.path);
-    return found;
-}
-
-void ConfigTable::declare(std::string_view key, std::string_view type, std::string fallback,
-                          std::string range, std::vector<std::string> choices) const {
-    const ConfigFile::Impl& file = *file_->impl_;
-    if (!file.notes) return;
-    KeyDeclaration& noted = file.declared[join(path_, key)];
-    if (noted.type.find(type) == std::string::npos) {
-        noted.type += fmt::format("{}{}", noted.type.empty() ? "" : " or ", type);
+    const bool used = users_.empty() || std::find(users_.begin(), users_.end(), chosen_) != users_.end();
+    if (!used && found.node != nullptr) {
+        found.refuse(fmt::format("has no effect with {} = \"{}\": remove it, or choose {}", chooser_, chosen_,
+                                 fmt::join(users_, " or ")));
     }
-    if (!fallback.empty()) noted.fallback = std::move(fallback);
-    if (!range.empty()) noted.range = std::move(range);
-    if (!choices.empty()) noted.choices = std::move(choices);
+    return found;
 }
 
 bool ConfigTable::has(std::string_view key) const {
@@ -200,29 +223,36 @@ bool ConfigTable::has(std::string_view key) const {
 }
 
 bool ConfigTable::is_text(std::string_view key) const {
+    if (describes()) declare(key, "text", "");
     const Found found = find(key);
-    declare(key, "text");
     return found.node != nullptr && found.node->is_string();
 }
 
-bool ConfigTable::is_table(std::string_view key) const {
-    const Found found = find(key);
-    declare(key, "table");
-    return found.node != nullptr && found.node->is_table();
-}
-
 ConfigTable ConfigTable::table(std::string_view key) const {
+    if (describes()) declare(key, "table", "");
     const Found found = find(key);
-    declare(key, "table");
     if (found.node != nullptr && !found.node->is_table()) {
         found.refuse(fmt::format("must be a table, [{}]", found.path));
     }
     return {file_, found.path};
 }
 
-std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
+std::optional<ConfigTable> ConfigTable::number_or_table(std::string_view key, double& value, double low,
+                                                        double high, std::string_view help) const {
+    const toml::node* node = file_->impl_->root.at_path(join(path_, key)).node();
+    const bool is_table = node != nullptr && node->is_table();
+    if (!is_table) read(key, value, low, high, help);
+    if (is_table || describes()) return table(key);
+    return std::nullopt;
+}
+
+std::vector<ConfigTable> ConfigTable::tables(std::string_view key,
+                                             const std::function<void(const ConfigTable&)>& describe) const {
     const Found found = find(key);
-    declare(key, "tables");
+    if (describes()) {
+        declare(key, "tables", "");
+        describe({file_, found.path + "[]"});
+    }
     if (found.node == nullptr) return {};
     if (found.node->is_table()) return {{file_, found.path}};
     const toml::array* list = found.node->as_array();
@@ -236,108 +266,128 @@ std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
     return all;
 }
 
-double ConfigTable::number(std::string_view key, double fallback, double low, double high) const {
+ConfigTable ConfigTable::only_with(std::string_view chooser, std::string_view chosen,
+                                   std::vector<std::string_view> users) const {
+    ConfigTable same = *this;
+    same.chooser_ = chooser;
+    same.chosen_ = chosen;
+    same.users_ = std::move(users);
+    return same;
+}
+
+// Comparisons that no NaN passes.
+template <class Value>
+void ConfigTable::read_limited(std::string_view key, std::string_view type, std::optional<Value>& value,
+                               Value low, Value high, std::string_view help) const {
+    if (describes()) add_range(declare(key, type, help), value, low, high);
     const Found found = find(key);
-    declare(key, "number", fmt::format("{}", fallback), fmt::format("{} to {}", low, high));
-    if (found.node == nullptr) return fallback;
-    const auto value = found.node->value<double>();
-    if (!found.node->is_number() || !value) {
-        found.refuse(fmt::format("must be a number, not a {}", type_name(*found.node)));
+    if (found.node == nullptr) return;
+    value = found.node->value<Value>();
+    if (!value || !(std::is_integral_v<Value> ? found.node->is_integer() : found.node->is_number())) {
+        found.refuse(fmt::format("must be a {}, not a {}", type, type_name(*found.node)));
     }
-    if (!std::isfinite(*value) || *value < low || *value > high) {
+    if (!(*value >= low && *value <= high)) {
         found.refuse(fmt::format("is {}, but must lie between {} and {}", *value, low, high));
     }
+}
+
+void ConfigTable::read(std::string_view key, std::optional<double>& value, double low, double high,
+                       std::string_view help) const {
+    read_limited(key, "number", value, low, high, help);
+}
+
+void ConfigTable::read(std::string_view key, double& value, double low, double high,
+                       std::string_view help) const {
+    std::optional<double> number = value;
+    read(key, number, low, high, help);
+    value = *number;
+}
+
+void ConfigTable::read(std::string_view key, Duration& value, double low_s, double high_s,
+                       std::string_view help) const {
+    double seconds = to_seconds(value);
+    read(key, seconds, low_s, high_s, help);
+    value = from_seconds(seconds);
+}
+
+std::int64_t ConfigTable::whole(std::string_view key, std::int64_t fallback, std::int64_t low,
+                                std::int64_t high, std::string_view help) const {
+    std::optional<std::int64_t> value = fallback;
+    read_limited(key, "whole number", value, low, high, help);
     return *value;
 }
 
-std::int64_t ConfigTable::integer(std::string_view key, std::int64_t fallback, std::int64_t low,
-                                  std::int64_t high) const {
+void ConfigTable::read(std::string_view key, bool& value, std::string_view help) const {
+    if (describes()) declare(key, "true or false", help).fallback = fmt::format("{}", value);
     const Found found = find(key);
-    declare(key, "whole number", fmt::format("{}", fallback), fmt::format("{} to {}", low, high));
-    if (found.node == nullptr) return fallback;
-    if (!found.node->is_integer()) {
-        found.refuse(fmt::format("must be a whole number, not a {}", type_name(*found.node)));
-    }
-    const std::int64_t value = found.node->as_integer()->get();
-    if (value < low || value > high) {
-        found.refuse(fmt::format("is {}, but must lie between {} and {}", value, low, high));
-    }
-    return value;
+    if (found.node == nullptr) return;
+    if (!found.node->is_boolean()) found.refuse("must be true or false");
+    value = found.node->as_boolean()->get();
 }
 
-bool ConfigTable::boolean(std::string_view key, bool fallback) const {
-    const Found found = find(key);
-    declare(key, "true or false", fmt::format("{}", fallback));
-    if (found.node == nullptr) return fallback;
-    if (!found.node->is_boolean()) {
-        found.refuse("must be true or false");
+void ConfigTable::read(std::string_view key, std::string& value, std::string_view help) const {
+    if (describes()) {
+        KeyDeclaration& noted = declare(key, "text", help);
+        if (!value.empty()) noted.fallback = fmt::format("\"{}\"", value);
     }
-    return found.node->as_boolean()->get();
-}
-
-std::string ConfigTable::text(std::string_view key, std::string_view fallback) const {
     const Found found = find(key);
-    declare(key, "text", fallback.empty() ? "" : fmt::format("\"{}\"", fallback));
-    if (found.node == nullptr) return std::string(fallback);
-    if (!found.node->is_string()) {
-        found.refuse("must be text in quotes");
-    }
-    return found.node->as_string()->get();
+    if (found.node == nullptr) return;
+    if (!found.node->is_string()) found.refuse("must be text in quotes");
+    value = found.node->as_string()->get();
 }
 
 std::size_t ConfigTable::choice(std::string_view key, std::size_t fallback,
-                                const std::vector<std::string_view>& choices) const {
-    const std::string value = text(key, choices.at(fallback));
-    declare(key, "text", {}, {}, {choices.begin(), choices.end()});
-    const auto found = std::find(choices.begin(), choices.end(), value);
-    if (found == choices.end()) {
-        fail(key, fmt::format("is \"{}\", but must be one of {}", value, fmt::join(choices, ", ")));
+                                std::span<const std::string_view> names, std::string_view help) const {
+    if (describes()) {
+        KeyDeclaration& noted = declare(key, "text", help);
+        noted.fallback = fmt::format("\"{}\"", names[fallback]);
+        noted.choices.assign(names.begin(), names.end());
     }
-    return static_cast<std::size_t>(found - choices.begin());
-}
-
-Duration ConfigTable::seconds(std::string_view key, Duration fallback, Duration low, Duration high) const {
-    return from_seconds(number(key, to_seconds(fallback), to_seconds(low), to_seconds(high)));
-}
-
-std::vector<double> ConfigTable::numbers(std::string_view key, const std::vector<double>& fallback,
-                                         double low, double high) const {
     const Found found = find(key);
-    declare(key, "list of numbers", fmt::format("{}", fallback), fmt::format("{} to {}", low, high));
     if (found.node == nullptr) return fallback;
+    if (!found.node->is_string()) found.refuse("must be text in quotes");
+    const std::string& value = found.node->as_string()->get();
+    const auto at = std::find(names.begin(), names.end(), value);
+    if (at == names.end()) {
+        found.refuse(fmt::format("is \"{}\", but must be one of {}", value, fmt::join(names, ", ")));
+    }
+    return static_cast<std::size_t>(at - names.begin());
+}
+
+// `wants` and `each` say of a list and of its elements what they must be.
+template <class Element, class Good>
+void ConfigTable::read_list(std::string_view key, std::vector<Element>& values, std::string_view wants,
+                            const std::string& each, const Good& good) const {
+    const Found found = find(key);
+    if (found.node == nullptr) return;
     const toml::array* array = found.node->as_array();
-    if (array == nullptr) found.refuse("must be a list, [1, 2]");
-    std::vector<double> values;
+    if (array == nullptr) found.refuse(std::string(wants));
+    values.clear();
     for (const toml::node& element : *array) {
-        const auto value = element.value<double>();
-        if (!element.is_number() || !value || !std::isfinite(*value) || *value < low || *value > high) {
-            found.refuse(fmt::format("must hold numbers between {} and {}", low, high));
-        }
+        const auto value = element.value<Element>();
+        if (!value || !good(element, *value)) found.refuse(each);
         values.push_back(*value);
     }
-    return values;
 }
 
-std::vector<std::string> ConfigTable::texts(std::string_view key,
-                                            const std::vector<std::string>& fallback) const {
-    const Found found = find(key);
-    declare(key, "list of texts", fmt::format("{}", fallback));
-    if (found.node == nullptr) return fallback;
-    const toml::array* array = found.node->as_array();
-    if (array == nullptr) found.refuse("must be a list of texts");
-    std::vector<std::string> values;
-    for (const toml::node& element : *array) {
-        if (!element.is_string()) {
-            found.refuse("must hold texts in quotes");
-        }
-        values.push_back(element.as_string()->get());
-    }
-    return values;
+void ConfigTable::read(std::string_view key, std::vector<double>& values, double low, double high,
+                       std::string_view help) const {
+    if (describes()) add_range(declare(key, "list of numbers", help), std::optional(values), low, high);
+    read_list(key, values, "must be a list, [1, 2]",
+              fmt::format("must hold numbers between {} and {}", low, high),
+              [&](const toml::node& node, double value) {
+                  return node.is_number() && value >= low && value <= high;
+              });
+}
+
+void ConfigTable::read(std::string_view key, std::vector<std::string>& values, std::string_view help) const {
+    if (describes()) declare(key, "list of texts", help).fallback = fmt::format("{}", values);
+    read_list(key, values, "must be a list of texts", "must hold texts in quotes",
+              [](const toml::node& node, const std::string& /*value*/) { return node.is_string(); });
 }
 
 void ConfigTable::fail(std::string_view key, std::string_view why) const {
-    const Found found = find(key);
-    found.refuse(std::string(why));
+    find(key).refuse(std::string(why));
 }
 
 }  // namespace thimble

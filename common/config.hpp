@@ -2,13 +2,18 @@
 // ends the program with file, line and what is allowed (exit code 2).
 #pragma once
 
+#include <concepts>
+#include <cstdint>
 #include <filesystem>
-#include <map>
+#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "common/time.hpp"
@@ -17,52 +22,90 @@ namespace thimble {
 
 class ConfigFile;
 
-// The reader's description of a key, as text for people. A reference that is written from these cannot differ
-// from the program.
+// The reader's description of a key, as text for people and for schemas.
 struct KeyDeclaration {
-    std::string type;  // "number", "whole number", "text", "table", "tables", ...; several: "number or table"
-    std::string fallback;              // as a file would write it; empty: none
-    std::string range;                 // "0 to 60"; empty: any
+    std::string path;  // dotted; of an entry of several tables "table[].key"
+    std::vector<std::string>
+        types;              // one or more of "number", "whole number", "text", "table", "tables", ...
+    std::string fallback;   // as a file would write it; empty: none
+    std::string low, high;  // empty: any
     std::vector<std::string> choices;  // all that a text may be; empty: not limited
+    std::string help;                  // the key's meaning, in a line
 };
 
-// One table of the file. Each read marks its key; ConfigFile::finish() refuses keys that no reader asked for.
-// A missing table or key leaves the default. Copyable handle; lives no longer than its ConfigFile.
+// One table of the file. read() describes a key and takes its value: a key that the file lacks leaves `value` as it is, which is
+// the default. ConfigFile::finish() refuses keys that no reader asked for. Copyable handle; lives no longer than its ConfigFile.
 class ConfigTable {
   public:
-    double number(std::string_view key, double fallback, double low, double high) const;
-    std::int64_t integer(std::string_view key, std::int64_t fallback, std::int64_t low,
-                         std::int64_t high) const;
-    bool boolean(std::string_view key, bool fallback) const;
-    std::string text(std::string_view key, std::string_view fallback) const;
-    // Index of the text in `choices`; refuses anything else, naming the choices.
-    std::size_t choice(std::string_view key, std::size_t fallback,
-                       const std::vector<std::string_view>& choices) const;
+    void read(std::string_view key, double& value, double low, double high, std::string_view help) const;
+    // A key without a default.
+    void read(std::string_view key, std::optional<double>& value, double low, double high,
+              std::string_view help) const;
     // Seconds in the file (a key ending in _s), nanoseconds in the program.
-    Duration seconds(std::string_view key, Duration fallback, Duration low, Duration high) const;
-    std::vector<double> numbers(std::string_view key, const std::vector<double>& fallback, double low,
-                                double high) const;
-    std::vector<std::string> texts(std::string_view key, const std::vector<std::string>& fallback) const;
+    void read(std::string_view key, Duration& value, double low_s, double high_s,
+              std::string_view help) const;
+    void read(std::string_view key, std::vector<double>& values, double low, double high,
+              std::string_view help) const;
+    void read(std::string_view key, bool& value, std::string_view help) const;
+    void read(std::string_view key, std::string& value, std::string_view help) const;
+    void read(std::string_view key, std::vector<std::string>& values, std::string_view help) const;
+    template <std::integral Whole>
+    void read(std::string_view key, Whole& value, std::int64_t low, std::int64_t high,
+              std::string_view help) const {
+        value = static_cast<Whole>(whole(key, static_cast<std::int64_t>(value), low, high, help));
+    }
+    // The index of a text in `names`, as an enumerator or a number.
+    template <class Choice>
+    requires std::is_enum_v<Choice> || std::integral<Choice>
+    void read(std::string_view key, Choice& value, std::span<const std::string_view> names,
+              std::string_view help) const {
+        value = static_cast<Choice>(choice(key, static_cast<std::size_t>(value), names, help));
+    }
+    template <class Choice>
+    void read(std::string_view key, Choice& value, std::initializer_list<std::string_view> names,
+              std::string_view help) const {
+        read(key, value, std::span(names.begin(), names.size()), help);
+    }
     bool has(std::string_view key) const;
     // Of a key that may be text or something else; false where it is absent.
     bool is_text(std::string_view key) const;
-    // Of a key that may be a table or something else; false where it is absent.
-    bool is_table(std::string_view key) const;
     ConfigTable table(std::string_view key) const;
-    // One table [key] or an array of tables [[key]], in the order of the file; none if absent.
-    std::vector<ConfigTable> tables(std::string_view key) const;
+    // Of a key that is a number or a table: the table, if it is one. A description gets both.
+    std::optional<ConfigTable> number_or_table(std::string_view key, double& value, double low, double high,
+                                               std::string_view help) const;
+    // One table [key] or an array of tables [[key]], in the order of the file; none if absent. `describe` reads the keys of one:
+    // for a description, where it gets an entry that is in no file.
+    std::vector<ConfigTable> tables(std::string_view key,
+                                    const std::function<void(const ConfigTable&)>& describe) const;
+    // The same table for keys that have an effect only where `chooser` is one of `users`. It is `chosen`: if that is none of them, a
+    // key that is there is refused.
+    ConfigTable only_with(std::string_view chooser, std::string_view chosen,
+                          std::vector<std::string_view> users) const;
     // An Error (usage) that names file, line and key; for checks that span several keys.
     [[noreturn]] void fail(std::string_view key, std::string_view why) const;
 
   private:
     friend class ConfigFile;
     struct Found;
-    Found find(std::string_view key) const;
     ConfigTable(const ConfigFile* file, std::string path) : file_(file), path_(std::move(path)) {}
+    Found find(std::string_view key) const;
+    KeyDeclaration& declare(std::string_view key, std::string_view type, std::string_view help) const;
+    bool describes() const;
+    template <class Value>
+    void read_limited(std::string_view key, std::string_view type, std::optional<Value>& value, Value low,
+                      Value high, std::string_view help) const;
+    template <class Element, class Good>
+    void read_list(std::string_view key, std::vector<Element>& values, std::string_view wants,
+                   const std::string& each, const Good& good) const;
+    std::int64_t whole(std::string_view key, std::int64_t fallback, std::int64_t low, std::int64_t high,
+                       std::string_view help) const;
+    std::size_t choice(std::string_view key, std::size_t fallback, std::span<const std::string_view> names,
+                       std::string_view help) const;
+
     const ConfigFile* file_;
-    void declare(std::string_view key, std::string_view type, std::string fallback = {},
-                 std::string range = {}, std::vector<std::string> choices = {}) const;
     std::string path_;  // dotted, "" for the root
+    std::string_view chooser_{}, chosen_{};
+    std::vector<std::string_view> users_{};  // empty: every choice
 };
 
 class ConfigFile {
@@ -71,6 +114,8 @@ class ConfigFile {
     static ConfigFile load(const std::filesystem::path& path);
     static ConfigFile parse(std::string_view text, std::string_view name);
     static ConfigFile empty();
+    // No file at all: readers of its tables describe their keys.
+    static ConfigFile description();
     ~ConfigFile();
     ConfigFile(ConfigFile&&) noexcept;
     ConfigFile& operator=(ConfigFile&&) noexcept;
@@ -86,9 +131,8 @@ class ConfigFile {
     void uses(std::string_view name) const;
     const std::set<std::string>& used_files() const;
     ConfigTable table(std::string_view key) const { return root().table(key); }
-    // From now on each read notes what it says of its key, by dotted path; [[table]] of several counts from 0: "table[0].key".
-    void note_declarations();
-    const std::map<std::string, KeyDeclaration>& declarations() const;
+    // Of description(): every key that was read, in the order of reading.
+    const std::vector<KeyDeclaration>& declarations() const;
     // Throws for each key that was never read, also in arrays of tables. Tables in `elsewhere` belong to other programs of the session:
     // their keys are theirs to check.
     void finish(const std::vector<std::string_view>& elsewhere = {}) const;

@@ -1,5 +1,7 @@
 #include "common/network_settings.hpp"
 
+#include <fmt/format.h>
+
 namespace thimble {
 
 namespace {
@@ -62,11 +64,12 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
     const ConfigTable table = file.table("network");
     NetworkSettings settings;
     settings.security = read_security_settings(file);
-    settings.base_port =
-        static_cast<std::uint16_t>(table.integer("base_port", settings.base_port, 1024, 65536 - kPorts));
+    table.read(
+        "base_port", settings.base_port, 1024, 65536 - kPorts,
+        "First of 33 UDP ports (docs/machines.md). Each further condition takes the next 33: leave room.");
     for (std::size_t i = 0; i < settings.hosts.size(); ++i) {
-        const std::string key = std::string("host_") + to_string(static_cast<Role>(i));
-        settings.hosts[i] = table.text(key, settings.hosts[i]);
+        table.read(fmt::format("host_{}", to_string(static_cast<Role>(i))), settings.hosts[i],
+                   "Name or address where it listens, and the only host it is heard from.");
     }
     return settings;
 }

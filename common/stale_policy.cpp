@@ -4,17 +4,7 @@
 
 namespace thimble {
 
-const char* to_string(StaleMode mode) {
-    switch (mode) {
-        case StaleMode::kHold:
-            return "hold";
-        case StaleMode::kRamp:
-            return "ramp";
-        case StaleMode::kZero:
-            return "zero";
-    }
-    return "?";
-}
+const char* to_string(StaleMode mode) { return kStaleModeNames[static_cast<std::size_t>(mode)].data(); }
 
 std::string StalePolicy::text() const {
     const double after_ms = 1000 * to_seconds(after);
@@ -26,10 +16,12 @@ std::string StalePolicy::text() const {
 StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Duration shortest,
                               Duration longest) {
     StalePolicy policy = defaults;
-    policy.mode = static_cast<StaleMode>(
-        table.choice("stale", static_cast<std::size_t>(defaults.mode), {"hold", "ramp", "zero"}));
-    policy.after = table.seconds("stale_after_s", defaults.after, shortest, longest);
-    policy.ramp = table.seconds("stale_ramp_s", defaults.ramp, Duration::zero(), std::chrono::seconds{1});
+    table.read(
+        "stale", policy.mode, kStaleModeNames,
+        "Without feedback keep the last output (hold), let it fall (ramp), or have none at once (zero).");
+    table.read("stale_after_s", policy.after, to_seconds(shortest), to_seconds(longest),
+               "Without feedback for so long the output does what stale says.");
+    table.read("stale_ramp_s", policy.ramp, 0, 1, "ramp: how long the output takes to fall.");
     if (table.has("stale_ramp_s") && policy.mode != StaleMode::kRamp) {
         table.fail("stale_ramp_s",
                    fmt::format("is of stale = \"ramp\" only, and stale is \"{}\"", to_string(policy.mode)));

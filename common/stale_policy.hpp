@@ -3,8 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "common/config.hpp"
 #include "common/time.hpp"
@@ -12,6 +14,7 @@
 namespace thimble {
 
 enum class StaleMode : std::uint8_t { kHold, kRamp, kZero };
+inline constexpr std::array<std::string_view, 3> kStaleModeNames{"hold", "ramp", "zero"};
 const char* to_string(StaleMode mode);
 
 struct StalePolicy {

@@ -5,23 +5,23 @@
 namespace thimble {
 
 CutaneousSettings read_cutaneous_settings(const ConfigTable& table) {
-    using std::chrono::microseconds;
-    using std::chrono::milliseconds;
-    using std::chrono::seconds;
     CutaneousSettings node;
-    node.dead_time = table.seconds("dead_time_s", node.dead_time, Duration::zero(), seconds{1});
-    node.time_constant = table.seconds("time_constant_s", node.time_constant, Duration::zero(), seconds{1});
-    node.force_limit_N = table.number("force_limit_N", node.force_limit_N, 0.01, 20);
-    node.stale = read_stale_policy(table, node.stale, milliseconds{2}, seconds{10});
-    node.percept_period =
-        table.seconds("percept_period_s", node.percept_period, microseconds{100}, milliseconds{100});
-    node.device = static_cast<FingertipDevice>(table.choice("device", 0, {"simulated", "board", "drives"}));
+    table.read("device", node.device, {"simulated", "board", "drives"},
+               "A fingertip board on USB or motors on a CAN bus; in virtual time always the first.");
+    table.read("dead_time_s", node.dead_time, 0, 1,
+               "simulated: from a command to the first motion of the cables.");
+    table.read("time_constant_s", node.time_constant, 0, 1, "simulated: first-order lag after it; 0: none.");
+    table.read("force_limit_N", node.force_limit_N, 0.01, 20,
+               "The most the device presses; equal to [operator] full_scale_cutaneous_N.");
+    table.read("guard_limit_N", node.guard_limit_N, 0.01, 20,
+               "No more leaves for the device, whoever asks; force_limit_N may not be larger.");
+    node.stale = read_stale_policy(table, node.stale, std::chrono::milliseconds{2}, std::chrono::seconds{10});
+    table.read("percept_period_s", node.percept_period, 1e-4, 0.1, "How often the skin reports.");
     node.board = read_hid_choice(table.table("board"));
     node.drives = read_drive_settings(table.table("drives"));
     if (node.device == FingertipDevice::kDrives && node.drives.bus.empty()) {
         table.fail("device", "is \"drives\", but [cutaneous.drives] has no bus, e.g. bus = \"can0\"");
     }
-    node.guard_limit_N = table.number("guard_limit_N", node.guard_limit_N, 0.01, 20);
     if (node.force_limit_N > node.guard_limit_N) {
         table.fail("force_limit_N",
                    fmt::format("is {:g}, but the guard before the device lets {:g} N through: "

@@ -1,14 +1,4 @@
-// The table [cutaneous]:
-//   device = "simulated"     or "board": a fingertip board on USB, which one says [cutaneous.board] (docs/board-protocol.md)
-//                            or "drives": motors on a CAN bus, table [cutaneous.drives] (drive_settings.hpp)
-//   dead_time_s = 0.045      from a command to the first motion of the cables
-//   time_constant_s = 0      first-order lag after it, 0: none
-//   force_limit_N = 1.5      the most the device presses
-//   stale = "zero"           what the fingers feel without feedback: slack at once ("zero"), "ramp" or "hold"
-//   stale_after_s = 0.1      without feedback for so long
-//   stale_ramp_s = 0.02      of "ramp": how long the force takes to fall
-//   guard_limit_N = 5        the last stage before the device lets no more through, whoever asks
-//   percept_period_s = 0.001 how often the skin reports
+// The table [cutaneous] of a session file: the fingertip device (docs/session-files.md).
 #pragma once
 
 #include "common/config.hpp"

@@ -14,13 +14,14 @@ constexpr double kNothingYet_J = -std::numeric_limits<double>::infinity();
 }  // namespace
 
 GuardSettings read_guard_settings(const ConfigTable& table) {
-    using std::chrono::milliseconds;
-    using std::chrono::seconds;
     GuardSettings s;
-    s.force_limit_N = table.number("force_limit_N", s.force_limit_N, 0, 1000);
-    s.force_rate_limit_N_per_s = table.number("force_rate_limit_N_per_s", s.force_rate_limit_N_per_s, 0, 1e6);
-    s.energy_limit_J = table.number("energy_limit_J", s.energy_limit_J, 0, 1000);
-    s.energy_window = table.seconds("energy_window_s", s.energy_window, milliseconds{10}, seconds{60});
+    table.read("force_limit_N", s.force_limit_N, 0, 1000,
+               "No more leaves for the handle, whoever asks; [master] force_limit_N may not be larger.");
+    table.read("force_rate_limit_N_per_s", s.force_rate_limit_N_per_s, 0, 1e6,
+               "A force grows no faster; 0: as fast as it likes.");
+    table.read("energy_limit_J", s.energy_limit_J, 0, 1000,
+               "More given out to the hand within the window stops everything; 0: never.");
+    table.read("energy_window_s", s.energy_window, 0.01, 60, "With energy_limit_J.");
     if (table.has("energy_window_s") && s.energy_limit_J == 0) {
         table.fail("energy_window_s", "has no meaning without energy_limit_J, e.g. energy_limit_J = 0.2");
     }

@@ -11,15 +11,12 @@
 namespace thimble {
 
 MasterSettings read_master_settings(const ConfigTable& table) {
-    using std::chrono::microseconds;
-    using std::chrono::seconds;
     MasterSettings s;
-    s.position_scale = table.number("position_scale", s.position_scale, 0.01, 100);
-    s.force_scale = table.number("force_scale", s.force_scale, 0, 100);
-    s.force_limit_N = table.number("force_limit_N", s.force_limit_N, 0, 1000);
-    s.sample_period = table.seconds("sample_period_s", s.sample_period, microseconds{100}, seconds{1});
-    s.stale = read_stale_policy(table, s.stale, s.sample_period, seconds{1});
-    s.oldest_force = table.seconds("oldest_force_s", s.oldest_force, Duration::zero(), seconds{3600});
+    read_scaling(table, s);
+    s.stale = read_stale_policy(table, s.stale, s.sample_period, std::chrono::seconds{1});
+    table.read(
+        "oldest_force_s", s.oldest_force, 0, 3600,
+        "An older force counts as none; 0: the longest delay there and back of the session's network.");
     s.velocity = read_velocity_settings(table, s.sample_period, s.position_scale);
     return s;
 }

@@ -1,6 +1,7 @@
 #include "netem/link_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include <fmt/format.h>
@@ -11,30 +12,22 @@ namespace thimble {
 
 namespace {
 
-using std::chrono::hours;
-using std::chrono::microseconds;
-using std::chrono::seconds;
-
 constexpr std::int64_t kMaxCapacity = 1'000'000;
 constexpr std::int64_t kMaxBytes = 4'294'967'295;
-constexpr Duration kLongestTime = hours{1000};
+constexpr double kLongestTime_s = 3.6e6;
 constexpr Duration kPacketPeriod =
     std::chrono::milliseconds{1};  // every flow of a session but the heartbeats
-constexpr Duration kShortestSlot = microseconds{10};
+constexpr Duration kShortestSlot = std::chrono::microseconds{10};
 constexpr double kMostCorrelation = 0.999999;
 
-std::size_t count(const ConfigTable& table, std::string_view key, std::size_t fallback, std::int64_t low,
-                  std::int64_t high) {
-    return static_cast<std::size_t>(table.integer(key, static_cast<std::int64_t>(fallback), low, high));
-}
-
-// The value that the source of `key` gives for the text there; none if the key is absent.
-template <typename Source, typename Use>
-void read_source(const ConfigTable& table, std::string_view key, const Source& source, const Use& use) {
-    const std::string text = table.text(key, "");
-    if (text.empty()) return;
-    if (!source) table.fail(key, "is not understood here: this program reads no such files");
-    use(text);
+// The text of a key that names something outside of the file; empty if the key is absent.
+std::string read_name(const ConfigTable& table, std::string_view key, bool has_source,
+                      std::string_view help) {
+    std::string name;
+    table.read(key, name, help);
+    if (!name.empty() && !has_source)
+        table.fail(key, "is not understood here: this program reads no such files");
+    return name;
 }
 
 void check_jitter(const ConfigTable& table, const LinkSettings& link) {
@@ -68,49 +61,54 @@ void check_jitter(const ConfigTable& table, const LinkSettings& link) {
 
 void read_jitter(const ConfigTable& table, const LinkSources& sources, LinkSettings& link) {
     JitterSettings& jitter = link.jitter;
-    jitter.shape =
-        static_cast<JitterShape>(table.choice("jitter", static_cast<std::size_t>(jitter.shape),
-                                              {kJitterShapeNames.begin(), kJitterShapeNames.end()}));
+    table.read("jitter", jitter.shape, kJitterShapeNames, "Distribution of the delay, drawn per packet.");
     // Switched off, the rest of what was there before goes, too.
     if (table.has("jitter") && jitter.shape == JitterShape::kNone) jitter = {};
-    jitter.spread = table.seconds("jitter_spread_s", jitter.spread, Duration::zero(), seconds{60});
-    jitter.correlation = table.number("jitter_correlation", jitter.correlation, 0, kMostCorrelation);
-    read_source(table, "jitter_table", sources.jitter_table,
-                [&](const std::string& file) { jitter.table = sources.jitter_table(file); });
+    table.read(
+        "jitter_spread_s", jitter.spread, 0, 60,
+        "Half width (uniform) or standard deviation; not so wide that cutting delays at 0 moves the mean.");
+    table.read("jitter_correlation", jitter.correlation, 0, kMostCorrelation, "Of successive packets.");
+    const std::string shape = read_name(table, "jitter_table", sources.jitter_table != nullptr,
+                                        "A .dist file of iproute2, the shape of jitter = \"table\".");
+    if (!shape.empty()) jitter.table = sources.jitter_table(shape);
     if (table.has("jitter_table") && jitter.shape != JitterShape::kTable) {
         table.fail("jitter_table", "is the shape of jitter = \"table\": set that, or remove it");
     }
 }
 
 void read_faults(const ConfigTable& table, LinkSettings& link) {
-    link.duplicate = table.number("duplicate", link.duplicate, 0, 1);
-    link.corrupt = table.number("corrupt", link.corrupt, 0, 1);
-    link.corrupt_bits =
-        static_cast<unsigned>(count(table, "corrupt_bits", link.corrupt_bits, 1, Corrupt::kMostBits));
-    link.reorder = table.number("reorder", link.reorder, 0, 1);
-    link.reorder_gap = static_cast<unsigned>(count(table, "reorder_gap", link.reorder_gap, 1, 1'000'000));
-    link.in_order = table.boolean("in_order", link.in_order);
+    table.read("duplicate", link.duplicate, 0, 1, "Probability that a packet arrives twice.");
+    table.read("corrupt", link.corrupt, 0, 1, "Probability that bits of a packet are flipped.");
+    table.read("corrupt_bits", link.corrupt_bits, 1, Corrupt::kMostBits, "How many are flipped then.");
+    table.read("reorder", link.reorder, 0, 1,
+               "Probability that a packet skips the delay; needs in_order = false.");
+    table.read("reorder_gap", link.reorder_gap, 1, 1'000'000,
+               "After a packet that skips, one less than so many are certainly delayed.");
+    table.read("in_order", link.in_order, "false: packets may overtake each other.");
     if (link.reorder > 0 && link.in_order) {
         table.fail("reorder", "contradicts in_order, which is true unless set: set in_order = false");
     }
 }
 
 void read_rate(const ConfigTable& table, RateSettings& rate) {
-    rate.bits_per_s = table.number("rate_bits_per_s", rate.bits_per_s, 0, 1e12);
+    table.read("rate_bits_per_s", rate.bits_per_s, 0, 1e12, "0: no limit; else at least 1.");
     if (rate.bits_per_s > 0 && rate.bits_per_s < 1) table.fail("rate_bits_per_s", "must be 0 or at least 1");
-    rate.overhead_bytes = count(table, "rate_overhead_bytes", rate.overhead_bytes, 0, 65535);
-    rate.queue_packets = count(table, "rate_queue_packets", rate.queue_packets, 0, kMaxCapacity);
-    rate.queue_bytes = count(table, "rate_queue_bytes", rate.queue_bytes, 0, kMaxBytes);
-    rate.drop =
-        static_cast<Drop>(table.choice("rate_drop", static_cast<std::size_t>(rate.drop), {"tail", "head"}));
+    table.read("rate_overhead_bytes", rate.overhead_bytes, 0, 65535,
+               "Per packet; also for slots and deliveries.");
+    table.read("rate_queue_packets", rate.queue_packets, 0, kMaxCapacity,
+               "Longest queue; 0: limited by capacity only.");
+    table.read("rate_queue_bytes", rate.queue_bytes, 0, kMaxBytes, "The same in bytes.");
+    table.read("rate_drop", rate.drop, {"tail", "head"},
+               "Who goes when the queue is full: the newest or the oldest.");
 }
 
 void read_slots(const ConfigTable& table, SlotSettings& slot) {
-    slot.least = table.seconds("slot_least_s", slot.least, Duration::zero(), seconds{60});
-    const Duration most = table.has("slot_least_s") ? slot.least : slot.most;
-    slot.most = table.seconds("slot_most_s", most, Duration::zero(), seconds{60});
-    slot.packets = count(table, "slot_packets", slot.packets, 0, kMaxCapacity);
-    slot.bytes = count(table, "slot_bytes", slot.bytes, 0, kMaxBytes);
+    table.read("slot_least_s", slot.least, 0, 60, "The medium sends in slots, at least so far apart.");
+    if (table.has("slot_least_s")) slot.most = slot.least;
+    table.read("slot_most_s", slot.most, 0, 60,
+               "At most so far apart; without it as slot_least_s; 0: no slots.");
+    table.read("slot_packets", slot.packets, 0, kMaxCapacity, "At most in a slot; 0: no limit.");
+    table.read("slot_bytes", slot.bytes, 0, kMaxBytes, "The same in bytes.");
     if (slot.most < slot.least) table.fail("slot_most_s", "must not be below slot_least_s");
     if (slot.most > Duration::zero() && slot.most < kShortestSlot) {
         table.fail("slot_most_s", "must be 0 (no slots) or at least 0.00001");
@@ -120,13 +118,19 @@ void read_slots(const ConfigTable& table, SlotSettings& slot) {
     }
 }
 
+Outage read_outage(const ConfigTable& entry) {
+    Outage outage;
+    entry.read("start_s", outage.start, 0, kLongestTime_s,
+               "Since the start of the trial: nothing gets through ...");
+    entry.read("length_s", outage.length, 0, kLongestTime_s, "... for so long, above 0.");
+    entry.read("every_s", outage.every, 0, kLongestTime_s, "Again after so long, above length_s; 0: once.");
+    return outage;
+}
+
 void read_outages(const ConfigTable& table, LinkSettings& link) {
     if (table.has("outage")) link.outages.clear();
-    for (const ConfigTable& entry : table.tables("outage")) {
-        Outage outage;
-        outage.start = entry.seconds("start_s", {}, Duration::zero(), kLongestTime);
-        outage.length = entry.seconds("length_s", {}, Duration::zero(), kLongestTime);
-        outage.every = entry.seconds("every_s", {}, Duration::zero(), kLongestTime);
+    for (const ConfigTable& entry : table.tables("outage", read_outage)) {
+        const Outage outage = read_outage(entry);
         if (outage.length == Duration::zero()) entry.fail("length_s", "must be above 0");
         if (outage.every > Duration::zero() && outage.every <= outage.length) {
             entry.fail("every_s", "must be longer than length_s, or 0 for once");
@@ -138,19 +142,22 @@ void read_outages(const ConfigTable& table, LinkSettings& link) {
 void read_traces(const ConfigTable& table, const LinkSources& sources, LinkSettings& link) {
     TraceRequest request;
     request.by_given = table.has("trace_by");
-    request.by = static_cast<TraceBy>(table.choice("trace_by", 1, {"packet", "time"}));
-    request.between = static_cast<TraceBetween>(table.choice("trace_between", 0, {"hold", "linear"}));
-    request.end = static_cast<TraceEnd>(table.choice("trace_end", 0, {"wrap", "hold"}));
-    read_source(table, "trace", sources.trace, [&](const std::string& file) {
-        request.file = file;
-        link.trace = sources.trace(request);
-    });
+    table.read("trace_by", request.by, {"packet", "time"},
+               "How the trace is replayed; without it as the file has it.");
+    table.read("trace_between", request.between, {"hold", "linear"}, "Between two of its lines.");
+    table.read("trace_end", request.end, {"wrap", "hold"}, "After its last line.");
+    request.file =
+        read_name(table, "trace", sources.trace != nullptr,
+                  "A CSV file: delay, loss and rate by time or packet (docs/network-profiles.md).");
+    if (!request.file.empty()) link.trace = sources.trace(request);
     for (const char* key : {"trace_by", "trace_between", "trace_end"}) {
         if (table.has(key) && !table.has("trace"))
             table.fail(key, "says how a trace is read: name one, or remove it");
     }
-    read_source(table, "deliveries", sources.deliveries,
-                [&](const std::string& file) { link.deliveries = sources.deliveries(file); });
+    const std::string deliveries =
+        read_name(table, "deliveries", sources.deliveries != nullptr,
+                  "A mahimahi trace: when the link could send, instead of a rate.");
+    if (!deliveries.empty()) link.deliveries = sources.deliveries(deliveries);
 }
 
 void check_senders(const ConfigTable& table, const LinkSettings& link) {
@@ -175,7 +182,9 @@ std::size_t read_capacity(const ConfigTable& table, const LinkSettings& link) {
     const Duration longest = nearly_longest_delay(narrow) + link.jitter.spread;
     const std::int64_t needed = longest / kPacketPeriod + 1;
     const std::int64_t enough = std::max(static_cast<std::int64_t>(link.capacity), 2 * needed);
-    const std::int64_t capacity = table.integer("capacity", std::min(enough, kMaxCapacity), 1, kMaxCapacity);
+    std::int64_t capacity = std::min(enough, kMaxCapacity);
+    table.read("capacity", capacity, 1, kMaxCapacity,
+               "Packets in flight, one more is dropped; without it twice what the delay needs at 1 kHz.");
     if (capacity < needed) {
         table.fail("capacity", "a link with this delay holds " + std::to_string(needed) +
                                    " packets of a 1 kHz flow: allow at least that many, or remove the key");
@@ -188,9 +197,12 @@ std::size_t read_capacity(const ConfigTable& table, const LinkSettings& link) {
 LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& base,
                                 const LinkSources& sources) {
     LinkSettings link = base;
-    read_source(table, "profile", sources.profile,
-                [&](const std::string& name) { link = sources.profile(name); });
-    link.delay = table.seconds("delay_s", link.delay, Duration::zero(), seconds{60});
+    const std::string profile =
+        read_name(table, "profile", sources.profile != nullptr,
+                  "A name, a file, or tc's words: begins with these settings; the other keys replace some.");
+    if (!profile.empty()) link = sources.profile(profile);
+    table.read("delay_s", link.delay, 0, 60,
+               "Mean one-way delay; a session puts that of the condition into the force path.");
     read_jitter(table, sources, link);
     link.loss = read_loss(table, link.loss);
     read_faults(table, link);
@@ -204,13 +216,23 @@ LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& ba
     return link;
 }
 
+Duration read_at(const ConfigTable& entry) {
+    Duration at{};
+    entry.read("at_s", at, 0, kLongestTime_s, "When these settings begin to hold.");
+    return at;
+}
+
 Timeline read_timeline(const ConfigTable& table, const LinkSettings& base, const LinkSources& sources) {
     Timeline timeline;
     LinkSettings settings = base;
     Duration last{};
-    for (const ConfigTable& entry : table.tables("timeline")) {
+    const auto describe = [&](const ConfigTable& entry) {
+        read_at(entry);
+        read_link_settings(entry, base, sources);
+    };
+    for (const ConfigTable& entry : table.tables("timeline", describe)) {
         if (!entry.has("at_s")) entry.fail("at_s", "is needed: when do these settings begin to hold?");
-        const Duration at = entry.seconds("at_s", {}, Duration::zero(), kLongestTime);
+        const Duration at = read_at(entry);
         if (at <= last) entry.fail("at_s", "must be above 0 and rise from one entry to the next");
         settings = read_link_settings(entry, settings, sources);
         timeline.push_back({at, settings});
@@ -220,6 +242,9 @@ Timeline read_timeline(const ConfigTable& table, const LinkSettings& base, const
 }
 
 namespace {
+
+constexpr std::array<std::string_view, 4> kLossModels{"independent", "gilbert", "gilbert-elliott",
+                                                      "four-state"};
 
 // In bursts of `burst` packets on average; keys for what to say if that cannot be.
 LossSettings in_bursts(const ConfigTable& table, double share, double burst, std::string_view share_key) {
@@ -235,37 +260,8 @@ LossSettings in_bursts(const ConfigTable& table, double share, double burst, std
     return loss;
 }
 
-LossSettings read_chain(const ConfigTable& table) {
-    LossSettings loss;
-    loss.shape = LossShape::kGilbertElliott;
-    loss.good_to_bad = table.number("good_to_bad", 0, 0, 1);
-    loss.bad_to_good = table.number("bad_to_good", 1, 0, 1);
-    return loss;
-}
-
-LossSettings read_gilbert(const ConfigTable& table) {
-    if (table.has("share") || table.has("mean_burst")) {
-        return in_bursts(table, table.number("share", 0, 0, 1),
-                         table.number("mean_burst", 1, 1, kLongestBurst), "share");
-    }
-    return read_chain(table);
-}
-
-LossSettings read_gilbert_elliott(const ConfigTable& table) {
-    LossSettings loss = read_chain(table);
-    loss.loss_in_good = table.number("loss_in_good", 0, 0, 1);
-    loss.loss_in_bad = table.number("loss_in_bad", 1, 0, 1);
-    return loss;
-}
-
-LossSettings read_four_state(const ConfigTable& table) {
-    LossSettings loss;
+LossSettings four_state(const ConfigTable& table, LossSettings loss) {
     loss.shape = LossShape::kFourState;
-    loss.p13 = table.number("p13", 0, 0, 1);
-    loss.p31 = table.number("p31", 1, 0, 1);
-    loss.p32 = table.number("p32", 0, 0, 1);
-    loss.p23 = table.number("p23", 0, 0, 1);
-    loss.p14 = table.number("p14", 0, 0, 1);
     if (loss.p13 + loss.p14 > 1) table.fail("p14", "p13 and p14 leave state 1: together at most 1");
     if (loss.p31 + loss.p32 > 1) table.fail("p32", "p31 and p32 leave state 3: together at most 1");
     if (loss.p13 > 0 && loss.p31 == 0) table.fail("p31", "must be above 0 if p13 is: a burst has to end");
@@ -273,32 +269,66 @@ LossSettings read_four_state(const ConfigTable& table) {
     return loss;
 }
 
+LossSettings gilbert(const ConfigTable& table, double share, double burst, LossSettings chain) {
+    chain.shape = LossShape::kGilbertElliott;
+    if (!table.has("share") && !table.has("mean_burst")) return chain;
+    for (const char* key : {"good_to_bad", "bad_to_good"}) {
+        if (table.has(key)) table.fail(key, "says the same as share and mean_burst: give two of them");
+    }
+    return in_bursts(table, share, burst, "share");
+}
+
 LossSettings read_model(const ConfigTable& table) {
-    switch (table.choice("model", 0, {"independent", "gilbert", "gilbert-elliott", "four-state"})) {
+    std::size_t model = 0;
+    table.read("model", model, kLossModels, "Which packets are lost (docs/network.md).");
+    const auto only = [&](std::vector<std::string_view> users) {
+        return table.only_with("model", kLossModels[model], std::move(users));
+    };
+    LossSettings loss;
+    double share = 0, burst = 1;
+    const ConfigTable chain = only({"gilbert", "gilbert-elliott"}), elliott = only({"gilbert-elliott"});
+    const ConfigTable four = only({"four-state"});
+    only({"independent", "gilbert"}).read("share", share, 0, 1, "Of packets, in the long run.");
+    only({"gilbert"})
+        .read("mean_burst", burst, 1, kLongestBurst, "Packets that are lost in a row, on average.");
+    chain.read("good_to_bad", loss.good_to_bad, 0, 1, "Probability per packet.");
+    chain.read("bad_to_good", loss.bad_to_good, 0, 1, "Probability per packet.");
+    elliott.read("loss_in_good", loss.loss_in_good, 0, 1, "Probability of a loss in this state.");
+    elliott.read("loss_in_bad", loss.loss_in_bad, 0, 1, "Probability of a loss in this state.");
+    four.read("p13", loss.p13, 0, 1, "From received to lost in a burst.");
+    four.read("p31", loss.p31, 0, 1, "From lost in a burst to received.");
+    four.read("p32", loss.p32, 0, 1, "From lost in a burst to received in a burst.");
+    four.read("p23", loss.p23, 0, 1, "From received in a burst to lost in a burst.");
+    four.read("p14", loss.p14, 0, 1, "From received to lost alone.");
+    switch (model) {
+        case 0:
+            return LossSettings::independent(share);
         case 1:
-            return read_gilbert(table);
+            return gilbert(table, share, burst, loss);
         case 2:
-            return read_gilbert_elliott(table);
-        case 3:
-            return read_four_state(table);
+            loss.shape = LossShape::kGilbertElliott;
+            return loss;
         default:
-            return LossSettings::independent(table.number("share", 0, 0, 1));
+            return four_state(table, loss);
     }
 }
 
 }  // namespace
 
 LossSettings read_loss(const ConfigTable& link, const LossSettings& base) {
-    if (link.is_table("loss")) {
+    double share = stationary_loss(base), burst = 0;
+    link.read("loss_burst", burst, 0, kLongestBurst,
+              "Packets that are lost in a row, on average; 0: independent losses.");
+    const auto table = link.number_or_table(
+        "loss", share, 0, 1, "Share of packets, independent; in bursts with loss_burst; or a table.");
+    if (table) {
         if (link.has("loss_burst"))
             link.fail("loss_burst", "goes with a number only: the table has mean_burst");
-        LossSettings loss = read_model(link.table("loss"));
+        LossSettings loss = read_model(*table);
         if (stationary_loss(loss) == 0) loss = {};
         return loss;
     }
     if (!link.has("loss") && !link.has("loss_burst")) return base;
-    const double share = link.number("loss", stationary_loss(base), 0, 1);
-    const double burst = link.number("loss_burst", 0, 0, kLongestBurst);
     if (burst == 0 || share == 0) return LossSettings::independent(share);
     if (burst < 1) link.fail("loss_burst", "must be at least 1 packet, or 0 for independent losses");
     return in_bursts(link, share, burst, "loss");

@@ -1,23 +1,4 @@
-// Link settings as people write them, one table per direction. docs/network.md says what each does.
-//   delay_s = 0.05              mean one-way delay, 0 to 60
-//   jitter = "normal"           "none", "uniform", "normal", "gamma", "pareto", "pareto-normal" or "table"
-//   jitter_spread_s = 0.005     half width (uniform) or standard deviation (all others)
-//   jitter_correlation = 0.5    of successive packets, 0 to below 1
-//   jitter_table = "wifi.dist"  the shape of jitter = "table", as iproute2 has them
-//   loss = 0.01                 share of packets, independent; with loss_burst = 3 in bursts of so many on average
-//   [loss]                      or a table: model = "independent", "gilbert", "gilbert-elliott" or "four-state"
-//   duplicate, corrupt          probabilities; corrupt_bits = 1: how many bits are flipped then
-//   reorder, reorder_gap        probability that (each n-th) packet skips the delay; needs in_order = false
-//   in_order = true             false: packets may overtake each other
-//   rate_bits_per_s = 1e6       and rate_overhead_bytes per packet; rate_queue_packets, rate_queue_bytes: what may
-//   rate_drop = "tail"          wait, 0: anything; "tail" drops the newest, "head" the oldest
-//   slot_least_s, slot_most_s   the medium sends in bursts, so far apart; slot_packets, slot_bytes at most in each
-//   [[outage]]                  start_s, length_s, every_s: nothing gets through
-//   trace = "leo.csv"           delay, loss and rate by time or packet; trace_by, trace_between, trace_end
-//   deliveries = "lte.up"       mahimahi's delivery opportunities instead of a rate
-//   capacity = 4096             packets in flight; by itself at least twice what the delay needs at 1 kHz
-//   profile = "leo"             begins with these settings; other keys replace some of them
-//   [[timeline]]                at_s and any of the keys above: what changes then; the rest stays
+// Link settings as people write them, one table per direction. docs/network.md lists the keys and says what each does.
 #pragma once
 
 #include <functional>
@@ -53,20 +34,17 @@ struct LinkSources {
 LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& base = {},
                                 const LinkSources& sources = {});
 
+// The key at_s of an entry of a timeline.
+Duration read_at(const ConfigTable& entry);
+
 // The [[timeline]] of a table whose other keys gave `base`: each entry begins with the settings before it.
 Timeline read_timeline(const ConfigTable& table, const LinkSettings& base, const LinkSources& sources = {});
-
-// The key `loss` of a link: a number, with loss_burst beside it, or a table of its own.
-//   [netem.force.loss]
-//   model = "independent"      share
-//   model = "gilbert"          share and mean_burst; or good_to_bad and bad_to_good
-//   model = "gilbert-elliott"  good_to_bad, bad_to_good, loss_in_good, loss_in_bad
-//   model = "four-state"       p13, p31, p32, p23, p14
 
 // Packets in the mean, that a file may ask for.
 inline constexpr double kLongestBurst = 1e6;
 
-// Where the key is absent, `base`. Throws Error (usage).
+// The key `loss` of a link: a number, with loss_burst beside it, or a table of its own. Where it is absent, `base`. Throws Error
+// (usage).
 LossSettings read_loss(const ConfigTable& link, const LossSettings& base);
 
 }  // namespace thimble

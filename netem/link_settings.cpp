@@ -24,47 +24,24 @@ double bursts_per_packet(const LossSettings& loss) {
     return (1 - bad) * loss.loss_in_good * after_good + bad * loss.loss_in_bad * after_bad;
 }
 
-// In spreads, what one deviate in 10,000 exceeds (a normal one in 30,000).
-double nearly_largest_deviate(const JitterSettings& jitter) {
-    switch (jitter.shape) {
-        case JitterShape::kNone:
-            return 0;
-        case JitterShape::kUniform:
-            return 1;
-        case JitterShape::kNormal:
-            return 4;
-        case JitterShape::kGamma:
-            return 10;  // of an exponential 8.2
-        case JitterShape::kPareto:
-        case JitterShape::kParetoNormal:
-            return 24;  // (10,000^(1/3) - 1.5) / 0.87 = 23.1
-        case JitterShape::kTable:
-            return jitter.table->deviates().back();
-    }
-    return 0;
+struct ShapeBounds {
+    double least_mean;              // in spreads, so that cutting delays at 0 does not move the mean
+    double nearly_largest_deviate;  // one in 10,000 exceeds it (of a normal one in 30,000)
+};
+
+ShapeBounds bounds_of(const JitterSettings& jitter) {
+    // By JitterShape. Normal shapes: at two standard deviations the cut moves the mean by less than 1 % of one. Gamma is never cut;
+    // ten times the mean is skewed enough, and of an exponential the deviate is 8.2. Pareto: (3/2 - 1) / sqrt(3/4) and
+    // (10,000^(1/3) - 1.5) / 0.87 = 23.1.
+    constexpr std::array<ShapeBounds, 6> kBounds{
+        {{0, 0}, {1, 1}, {2, 4}, {0.1, 10}, {0.577350269, 24}, {2, 24}}};
+    if (jitter.shape != JitterShape::kTable) return kBounds[static_cast<std::size_t>(jitter.shape)];
+    return {std::max(0.0, -jitter.table->deviates().front()), jitter.table->deviates().back()};
 }
 
 }  // namespace
 
-double least_mean_in_spreads(const JitterSettings& jitter) {
-    switch (jitter.shape) {
-        case JitterShape::kNone:
-            return 0;
-        case JitterShape::kUniform:
-            return 1;
-        case JitterShape::
-            kNormal:  // at two standard deviations the cut moves the mean by less than 1 % of one
-        case JitterShape::kParetoNormal:
-            return 2;
-        case JitterShape::kGamma:  // never cut; ten times the mean is skewed enough
-            return 0.1;
-        case JitterShape::kPareto:
-            return 0.577350269;  // (3/2 - 1) / sqrt(3/4)
-        case JitterShape::kTable:
-            return std::max(0.0, -jitter.table->deviates().front());
-    }
-    return 0;
-}
+double least_mean_in_spreads(const JitterSettings& jitter) { return bounds_of(jitter).least_mean; }
 
 LossSettings LossSettings::independent(double probability) {
     LossSettings loss;
@@ -122,7 +99,7 @@ Duration nearly_longest_delay(const LinkSettings& link) {
         for (const TraceRow& row : link.trace->rows()) mean = std::max(mean, row.delay);
     }
     const double spread_ns = static_cast<double>(link.jitter.spread.count());
-    return mean + Duration{std::llround(nearly_largest_deviate(link.jitter) * spread_ns)};
+    return mean + Duration{std::llround(bounds_of(link.jitter).nearly_largest_deviate * spread_ns)};
 }
 
 }  // namespace thimble

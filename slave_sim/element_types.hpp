@@ -21,4 +21,9 @@ THIMBLE_ELEMENT_TYPES(THIMBLE_DECLARE_READER)
 
 std::span<const ElementType> element_types();
 
+// The keys of a tissue's table, for every element that is made of tissue. Those that the table leaves out keep the value they
+// have in `defaults`. Throws Error (usage).
+TissueParameters read_tissue_parameters(const ConfigTable& table, TissueParameters defaults);
+ElementDeclaration declare_tissue(const std::string& name, const TissueParameters& parameters);
+
 }  // namespace thimble

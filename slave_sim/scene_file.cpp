@@ -17,7 +17,8 @@ namespace {
 // The type's own name where there is one of it, else numbered from 1; or what the table says.
 std::string name_of(const ConfigTable& table, std::string_view type, std::size_t index, std::size_t count) {
     std::string name = count == 1 ? std::string(type) : fmt::format("{}{}", type, index + 1);
-    name = table.text("name", name);
+    table.read("name", name,
+               "As event lists say it; without it the table's own, numbered if there are several.");
     const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
         return c == '_' || c == '-' || c == '.' || (c < 128 && std::isalnum(c) != 0);
     });
@@ -32,7 +33,11 @@ void claim(const ConfigTable& table, const std::string& name, std::set<std::stri
 // Also the names that a type gives to parts of it are taken: a tissue must not be called "vessel.near".
 void read_type(const ConfigFile& file, const ElementType& type, std::set<std::string>& names,
                SceneDeclaration& scene) {
-    const std::vector<ConfigTable> tables = file.root().tables(type.table);
+    const auto describe = [&type](const ConfigTable& table) {
+        SceneDeclaration any;
+        type.read(table, name_of(table, type.table, 0, 1), any);
+    };
+    const std::vector<ConfigTable> tables = file.root().tables(type.table, describe);
     for (std::size_t i = 0; i < tables.size(); ++i) {
         const std::string name = name_of(tables[i], type.table, i, tables.size());
         claim(tables[i], name, names);

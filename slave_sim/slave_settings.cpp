@@ -9,9 +9,6 @@ namespace thimble {
 
 namespace {
 
-using std::chrono::milliseconds;
-using std::chrono::seconds;
-
 // The paper's, with what the session's own tables say otherwise.
 SceneDeclaration own_scene(const ConfigFile& file) {
     SceneDeclaration scene;
@@ -40,21 +37,11 @@ SceneDeclaration other_scene(const ConfigFile& file, const ConfigTable& own, con
 
 TissueMaker read_solver(const ConfigTable& own) {
     SolverChoice choice;
-    choice.name = kSolverNames[own.choice("solver", 0, {kSolverNames.begin(), kSolverNames.end()})];
-    choice.longest_step_s = own.number("solver_step_s", choice.longest_step_s, 1e-7, 1);
+    std::size_t solver = 0;
+    own.read("solver", solver, kSolverNames, "How tissue is stepped (docs/scenes.md).");
+    own.read("solver_step_s", choice.longest_step_s, 1e-7, 1, "Longest step of a solver that steps.");
+    choice.name = kSolverNames[solver];
     return solver_maker(choice);
-}
-
-// The master checks table [master]. Here it is only read.
-WaveEndSettings read_wave_end(const ConfigFile& file) {
-    const ConfigTable master = file.table("master");
-    WaveEndSettings wave;
-    wave.position_scale = master.number("position_scale", wave.position_scale, 0.01, 100);
-    wave.force_scale = master.number("force_scale", wave.force_scale, 0, 100);
-    wave.force_limit_N = master.number("force_limit_N", wave.force_limit_N, 0, 1000);
-    wave.sample_period =
-        master.seconds("sample_period_s", wave.sample_period, std::chrono::microseconds{100}, seconds(1));
-    return wave_end_of(read_control_settings(file.table("control")), wave);
 }
 
 }  // namespace
@@ -75,19 +62,26 @@ double SlaveSettings::fixture_position_m() const {
 SlaveSettings read_slave_settings(const ConfigFile& file) {
     SlaveSettings s;
     const ConfigTable own = file.table("slave_sim");
-    const std::string scene = own.text("scene", "");
+    std::string scene, stale = "hold";
+    own.read("scene", scene,
+             "A scene file instead of [tissue] and [fixture], beside this file or one that comes with the "
+             "program.");
     s.scene = scene.empty() ? own_scene(file) : other_scene(file, own, scene);
     s.make_tissue = read_solver(own);
     const NeedleScene tried(s.scene,
                             s.make_tissue);  // an unstable solver is refused here, not in the first trial
-    s.contact_hold =
-        file.table("trial").seconds("contact_hold_s", s.contact_hold, milliseconds(1), seconds(600));
+    file.table("trial").read("contact_hold_s", s.contact_hold, 0.001, 600,
+                             "Unbroken contact with the fixture until the beep.");
+    own.read("stale", stale, "A needle without commands stands still; anything else is refused.");
     // It would move without a command.
-    if (own.text("stale", "hold") != "hold")
-        own.fail("stale", "can only be \"hold\": a needle without commands stands still");
-    s.stale_after = own.seconds("stale_after_s", s.stale_after, milliseconds(1), seconds(10));
-    s.longest_step = own.seconds("longest_step_s", s.longest_step, milliseconds(1), seconds(10));
-    s.wave = read_wave_end(file);
+    if (stale != "hold") own.fail("stale", "can only be \"hold\": a needle without commands stands still");
+    own.read("stale_after_s", s.stale_after, 0.001, 10,
+             "Without a command for so long: the needle is held, every force is zero.");
+    own.read("longest_step_s", s.longest_step, 0.001, 10,
+             "After a longer gap between samples contact starts anew.");
+    WaveEndSettings handle;
+    read_scaling(file.table("master"), handle);
+    s.wave = wave_end_of(read_control_settings(file.table("control")), handle);
     return s;
 }
 

@@ -62,8 +62,10 @@ void check(const ConfigTable& table, const std::string& key, std::string_view wo
     }
 }
 
-std::optional<std::string> read_words(const ConfigTable& table, const std::string& key, PageKind kind) {
-    std::string words = table.text(key, "");
+std::optional<std::string> read_words(const ConfigTable& table, const std::string& key, PageKind kind,
+                                      std::string_view help) {
+    std::string words;
+    table.read(key, words, help);
     if (!table.has(key)) return std::nullopt;
     check(table, key, words, kind);
     return words;
@@ -94,8 +96,9 @@ Instructions read_instructions(const ConfigTable& table) {
         const std::string name = kPageNames[i];
         const auto kind = static_cast<PageKind>(i);
         PageWords& words = instructions.pages[i];
-        words.title = read_words(table, name + "_title", kind);
-        words.body = read_words(table, name, kind);
+        words.title = read_words(table, name + "_title", kind, "In place of the page's title.");
+        words.body =
+            read_words(table, name, kind, "In place of the page's text, which may have several lines.");
     }
     return instructions;
 }

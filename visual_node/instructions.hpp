@@ -1,11 +1,5 @@
 // The table [instructions]: a lab's own words, in its own language (UTF-8), for the pages that a subject reads between trials.
-//   ready_title = "Bereit?"             in place of the page's title
-//   ready = "Versuch {trial} von {trials}"   in place of its text, which may have several lines
-// and the same for welcome, practice, break, paused, done and wait. Texts that are left out stay as in window/captions.cpp.
-// Placeholders:
-//   {trial}, {trials}   the coming trial and how many there are, practice and all; not {trial} on the page done
-//   {break_s}           what is left of the break, in whole seconds; {break_time} the same as 1:05. On the page break only
-// {{ and }} are braces.
+// docs/session-files.md lists the keys and the placeholders. Texts that are left out stay as in window/captions.cpp.
 #pragma once
 
 #include <array>

@@ -1,20 +1,5 @@
-// The table [visual]:
-//   refresh_Hz = 60          frames per second
-//   pipeline_s = 0.025       from drawing a frame to light
-//   bar_full_scale_N = 12    the longest bar
-//   bar_resolution = 400     its length in pixels
-//   stale = "zero"           the bar without feedback: at 0 at once ("zero"), "ramp" or "hold"; a window says so in words
-//   stale_after_s = 0.1      without feedback for so long
-//   stale_ramp_s = 0.02      of "ramp": how long the bar takes to fall
-//   display = "recording"    or "window": where frames go
-//   smoothing_s = 0          a window shows the past by so much, to interpolate what jitter tears apart
-//   pointer_m_per_count = 5e-5   of a mouse's count at the hand, view "player"
-//   fingertip = false        CF and CCF as the picture of a fingertip: for a person without the devices
-//   sound = true             a window beeps
-//   fullscreen = false       a window fills the screen
-// and, so that a value that two programs must agree on stands once, what this node must know of other tables.
-//   vibration = true         in CF and CCF a player's gamepad vibrates, where it can
-//   vibration_device = ""    its event device, /dev/input/eventN; empty: it is sought
+// The table [visual] of a session file (docs/session-files.md), and, so that a value that two programs must agree on stands once,
+// the keys of other tables that this node must know.
 #pragma once
 
 #include <cstdint>

@@ -48,4 +48,15 @@ struct ControlSettings {
 // Throws Error (usage).
 ControlSettings read_control_settings(const ConfigTable& table);
 
+// The keys of [master] that the other end of a compensator needs, too.
+template <class Scaling>
+void read_scaling(const ConfigTable& master, Scaling& scaling) {
+    master.read("position_scale", scaling.position_scale, 0.01, 100,
+                "Needle per hand; equal to [operator] position_scale.");
+    master.read("force_scale", scaling.force_scale, 0, 100, "Handle force per needle force.");
+    master.read("force_limit_N", scaling.force_limit_N, 0, 1000,
+                "At the handle, before the device's own limit.");
+    master.read("sample_period_s", scaling.sample_period, 1e-4, 1, "Between two samples of the handle.");
+}
+
 }  // namespace thimble

@@ -27,8 +27,9 @@ bool HidChoice::matches(const HidDevice& device) const {
 
 HidChoice read_hid_choice(const ConfigTable& table) {
     HidChoice choice;
-    choice.serial = table.text("serial", "");
-    const std::string id = table.text("device_id", "");
+    std::string id;
+    table.read("serial", choice.serial, "Where two of one kind are plugged in; empty: any.");
+    table.read("device_id", id, "USB's vendor and product, as lsusb shows them: 256f:c635; empty: any.");
     if (id.empty()) return choice;
     if (id.size() != 9 || id[4] != ':' || !read_hex(std::string_view(id).substr(0, 4), choice.vendor) ||
         !read_hex(std::string_view(id).substr(5), choice.product)) {

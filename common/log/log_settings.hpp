@@ -1,7 +1,9 @@
 // Table [log] of a session file: what is written down of the messages (docs/log.md).
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 
 #include "common/config.hpp"
 
@@ -12,16 +14,27 @@ enum class LoggedMessages : std::uint8_t {
     kControl,  // between the session and its nodes: orders, heartbeats, pages, clock probes, faults
     kAll,
 };
+inline constexpr std::array<std::string_view, 3> kLoggedMessagesNames{"none", "control", "all"};
 
 struct LogSettings {
     LoggedMessages messages = LoggedMessages::kControl;
-    // The folder for logs of nodes without --log. Empty: they write none.
     std::string folder;
-    // So often the disk is asked to have it all; zero: whenever the system likes.
     Duration sync_period = std::chrono::seconds{1};
 };
 
-const char* to_string(LoggedMessages messages);
-LogSettings read_log_settings(const ConfigFile& file);
+constexpr const char* to_string(LoggedMessages messages) {
+    return kLoggedMessagesNames[static_cast<std::size_t>(messages)].data();
+}
+inline LogSettings read_log_settings(const ConfigFile& file) {
+    const ConfigTable table = file.table("log");
+    LogSettings settings;
+    table.read("messages", settings.messages, kLoggedMessagesNames,
+               "Which messages are written down as they pass, in nodes/*.mcap (docs/log.md).");
+    table.read("folder", settings.folder,
+               "Where a program that nobody named a file puts its log; empty: it writes none.");
+    table.read("sync_period_s", settings.sync_period, 0, 60,
+               "How often the disk is asked to have everything; 0: never.");
+    return settings;
+}
 
 }  // namespace thimble

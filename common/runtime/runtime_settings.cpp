@@ -11,17 +11,26 @@ namespace thimble {
 RuntimeSettings read_runtime_settings(const ConfigFile& file) {
     const ConfigTable table = file.table("runtime");
     RuntimeSettings s;
-    s.realtime_scheduling = table.boolean("realtime_scheduling", s.realtime_scheduling);
-    s.priority = static_cast<int>(table.integer("priority", s.priority, 1, 98));
-    s.allowed_miss_fraction = table.number("allowed_miss_fraction", s.allowed_miss_fraction, 0, 1);
-    s.overrun = static_cast<OverrunPolicy>(table.choice("overrun", 0, {"warn", "rest", "stop"}));
+    table.read("realtime_scheduling", s.realtime_scheduling,
+               "Ask for SCHED_FIFO, the session one step below the nodes; if the system refuses, a warning.");
+    table.read("priority", s.priority, 1, 98, "The nodes' priority in SCHED_FIFO.");
+    table.read("allowed_miss_fraction", s.allowed_miss_fraction, 0, 1,
+               "Of deadlines missed by more than 1 ms, under --strict-rt.");
+    table.read(
+        "overrun", s.overrun, {"warn", "rest", "stop"},
+        "Say so (warn); also keep the outputs at rest until it is in time again; also stop everything.");
     read_core(file);  // each reader of this table must know all its keys
-    s.overrun_limit = static_cast<unsigned>(table.integer("overrun_limit", s.overrun_limit, 1, 100'000));
+    table.read("overrun_limit", s.overrun_limit, 1, 100'000,
+               "So many deadlines missed in a row: the node does what overrun says (docs/safety.md).");
     return s;
 }
 
 int read_core(const ConfigFile& file) {
-    return static_cast<int>(file.table("runtime").integer("core", kAnyCore, kAnyCore, CPU_SETSIZE - 1));
+    int core = kAnyCore;
+    file.table("runtime").read(
+        "core", core, kAnyCore, CPU_SETSIZE - 1,
+        "The processor core that all nodes of this machine share but one with a window; -1: any.");
+    return core;
 }
 
 std::string keep_to_core(int core) {

@@ -8,51 +8,49 @@ namespace {
 
 constexpr std::size_t kSha256Digits = 64;
 
-void read_number(const ConfigTable& table, const char* key, double& value, double low, double high) {
-    value = table.number(key, value, low, high);
-}
-
 // Frame and stiffness end where the device does: stiffest_N_per_m is what its maker, or practice, recommends at most.
 void read_axis(const ConfigTable& table, AxisSettings& axis, double stiffest_N_per_m) {
-    const std::size_t chosen =
-        table.choice("axis", 2 * axis.axis + (axis.sign < 0 ? 1 : 0), {"+x", "-x", "+y", "-y", "+z", "-z"});
+    std::size_t chosen = 2 * axis.axis + (axis.sign < 0 ? 1 : 0);
+    table.read("axis", chosen, {"+x", "-x", "+y", "-y", "+z", "-z"},
+               "The device's direction into the tissue (docs/handles.md).");
     axis.axis = chosen / 2;
     axis.sign = chosen % 2 == 0 ? 1 : -1;
-    read_number(table, "origin_m", axis.origin_m, -0.5, 0.5);
-    axis.lateral = static_cast<LateralHold>(table.choice("lateral", 0, {"clamps", "virtual"}));
-    read_number(table, "lateral_stiffness_N_per_m", axis.lateral_stiffness_N_per_m, 0, stiffest_N_per_m);
-    read_number(table, "lateral_damping_Ns_per_m", axis.lateral_damping_Ns_per_m, 0, 20);
-    read_number(table, "lateral_force_limit_N", axis.lateral_force_limit_N, 0, 20);
+    table.read("origin_m", axis.origin_m, -0.5, 0.5,
+               "Along that axis: where the hand's z is 0, outside the tissue.");
+    table.read("lateral", axis.lateral, {"clamps", "virtual"}, "Who holds the device beside its axis.");
+    table.read("lateral_stiffness_N_per_m", axis.lateral_stiffness_N_per_m, 0, stiffest_N_per_m,
+               "virtual: of the spring to the axis.");
+    table.read("lateral_damping_Ns_per_m", axis.lateral_damping_Ns_per_m, 0, 20, "virtual: beside it.");
+    table.read("lateral_force_limit_N", axis.lateral_force_limit_N, 0, 20, "virtual: at most.");
 }
 
 ForceDimensionSettings read_force_dimension(const ConfigTable& table) {
     ForceDimensionSettings settings;
     read_axis(table, settings.axis, 5000);
-    settings.library = table.text("library", "");
-    settings.serial = static_cast<int>(table.integer("serial", 0, 0, 65535));
-    settings.stop_button = static_cast<int>(table.integer("stop_button", settings.stop_button, -1, 15));
-    settings.gravity_compensation = table.boolean("gravity_compensation", settings.gravity_compensation);
-    settings.watchdog = table.boolean("watchdog", settings.watchdog);
+    table.read("library", settings.library, "The file of Force Dimension's SDK; empty: it is sought.");
+    table.read("serial", settings.serial, 0, 65535, "The number on the base; 0: the only one.");
+    table.read("stop_button", settings.stop_button, -1, 15,
+               "Which button is an emergency stop, by the SDK's number; -1: none.");
+    table.read("gravity_compensation", settings.gravity_compensation, "The SDK carries the device's weight.");
+    table.read("watchdog", settings.watchdog, "Refuse a device whose watchdog cannot be set.");
     return settings;
 }
 
-// As libnifalcon names the grip's buttons.
-std::uint8_t read_falcon_stop(const ConfigTable& table) {
+FalconSettings read_falcon(const ConfigTable& table) {
     static constexpr std::array<std::uint8_t, 6> kButtons{
         kFalconAnyButton, 0, kFalconPlus, kFalconForward, kFalconCentre, kFalconMinus};
-    return kButtons[table.choice("stop_button", 0, {"any", "none", "plus", "forward", "centre", "minus"})];
-}
-
-FalconSettings read_falcon(const ConfigTable& table) {
     FalconSettings settings;
     read_axis(table, settings.axis, 3000);
-    settings.serial = table.text("serial", "");
-    settings.firmware = table.text("firmware", "");
-    settings.firmware_sha256 = table.text("firmware_sha256", "");
-    read_number(table, "motor_gain_per_Nm", settings.motor_gain_per_Nm, 1, 1e5);
-    settings.stop_buttons = read_falcon_stop(table);
-    settings.homing_limit = table.seconds("homing_limit_s", settings.homing_limit,
-                                          std::chrono::milliseconds{100}, std::chrono::minutes{10});
+    table.read("serial", settings.serial, "The USB serial number; empty: the only one.");
+    table.read("firmware", settings.firmware, "A file; empty: the device must have been loaded already.");
+    table.read("firmware_sha256", settings.firmware_sha256, "64 hexadecimal digits; needed with a file.");
+    table.read("motor_gain_per_Nm", settings.motor_gain_per_Nm, 1, 1e5,
+               "Motor counts for each N m at a leg: a calibration.");
+    std::size_t button = 0;
+    table.read("stop_button", button, {"any", "none", "plus", "forward", "centre", "minus"},
+               "Which button at the grip is an emergency stop.");
+    settings.stop_buttons = kButtons[button];
+    table.read("homing_limit_s", settings.homing_limit, 0.1, 600, "For the user, before the node is ready.");
     const std::string_view digits = settings.firmware_sha256;
     const bool hexadecimal = digits.find_first_not_of("0123456789abcdef") == std::string_view::npos;
     if (!digits.empty() && (digits.size() != kSha256Digits || !hexadecimal))
@@ -71,20 +69,19 @@ Duration user_limit(const HandleSettings& settings) {
 
 HandleSettings read_handle_settings(const ConfigTable& table) {
     HandleSettings settings;
-    const auto read = [&table](const char* key, double& value, double low, double high) {
-        read_number(table, key, value, low, high);
-    };
-    read("encoder_resolution_m", settings.encoder_resolution_m, 1e-9, 1e-3);
-    read("force_limit_N", settings.force_limit_N, 0.1, 100);
-    read("moving_mass_kg", settings.mechanics.moving_mass_kg, 0.02, 5);
-    read("damping_Ns_per_m", settings.mechanics.damping_Ns_per_m, 0, 50);
-    read("friction_N", settings.mechanics.friction_N, 0, 5);
-    read("friction_travel_m", settings.mechanics.friction_travel_m, 1e-6, 1e-3);
-    settings.kind = static_cast<HandleKind>(
-        table.choice("device", 0, {"simulated", "pointer", "hid", "force-dimension", "falcon"}));
+    table.read("device", settings.kind, {"simulated", "pointer", "hid", "force-dimension", "falcon"},
+               "Who moves the handle, or which real one it is (docs/handles.md); in virtual time the first.");
+    table.read("encoder_resolution_m", settings.encoder_resolution_m, 1e-9, 1e-3, "Of the hand's position.");
+    table.read("force_limit_N", settings.force_limit_N, 0.1, 100, "Of the device, both ways.");
+    table.read("moving_mass_kg", settings.mechanics.moving_mass_kg, 0.02, 5, "Felt along z.");
+    table.read("damping_Ns_per_m", settings.mechanics.damping_Ns_per_m, 0, 50, "Of the mechanism.");
+    table.read("friction_N", settings.mechanics.friction_N, 0, 5, "Dahl friction.");
+    table.read("friction_travel_m", settings.mechanics.friction_travel_m, 1e-6, 1e-3, "Its presliding.");
     // Within what the lightest handle bears in steps of 0.1 ms.
-    read("coupling_stiffness_N_per_m", settings.coupling.stiffness_N_per_m, 1, 10000);
-    read("coupling_damping_Ns_per_m", settings.coupling.damping_Ns_per_m, 0, 100);
+    table.read("coupling_stiffness_N_per_m", settings.coupling.stiffness_N_per_m, 1, 10000,
+               "pointer, hid: from the pointer's place to the handle.");
+    table.read("coupling_damping_Ns_per_m", settings.coupling.damping_Ns_per_m, 0, 100,
+               "pointer, hid: on the handle, also once it is let go.");
     settings.force_dimension = read_force_dimension(table.table("force_dimension"));
     settings.falcon = read_falcon(table.table("falcon"));
     settings.hid = read_hid_hand_settings(table.table("hid"));

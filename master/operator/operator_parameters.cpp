@@ -7,106 +7,110 @@
 namespace thimble {
 namespace {
 
-// Reads one key over its default.
-class Reader {
-  public:
-    explicit Reader(const ConfigTable& table) : table_(table) {}
-    void operator()(const char* key, double& value, double low, double high) const {
-        value = table_.number(key, value, low, high);
-    }
-
-  private:
-    const ConfigTable& table_;
-};
-
-void read_hand(const Reader& read, HandMechanics& hand) {
-    read("arm_stiffness_N_per_m", hand.arm_stiffness_N_per_m, 50, 3000);
-    read("arm_mass_kg", hand.arm_mass_kg, 0.2, 10);
-    read("arm_damping_ratio", hand.arm_damping_ratio, 0, 2);
-    read("grip_stiffness_N_per_m", hand.grip_stiffness_N_per_m, 100, 10000);
-    read("grip_damping_ratio", hand.grip_damping_ratio, 0, 2);
-    read("friction_learned_speed_m_per_s", hand.friction_learned_speed_m_per_s, 1e-5, 0.1);
+void read_hand(const ConfigTable& table, HandMechanics& hand) {
+    table.read("arm_stiffness_N_per_m", hand.arm_stiffness_N_per_m, 50, 3000, "Of forearm and wrist.");
+    table.read("arm_mass_kg", hand.arm_mass_kg, 0.2, 10, "Of hand and forearm.");
+    table.read("arm_damping_ratio", hand.arm_damping_ratio, 0, 2, "Of the arm.");
+    table.read("grip_stiffness_N_per_m", hand.grip_stiffness_N_per_m, 100, 10000, "Of the pinch grip.");
+    table.read("grip_damping_ratio", hand.grip_damping_ratio, 0, 2, "Of the grip.");
+    table.read("friction_learned_speed_m_per_s", hand.friction_learned_speed_m_per_s, 1e-5, 0.1,
+               "Where the learned feed-forward of friction changes sign.");
 }
 
-void read_noise(const Reader& read, NoiseParameters& noise) {
-    read("sway_m", noise.sway_m, 0, 0.01);
-    read("sway_correlation_s", noise.sway_correlation_s, 0.01, 100);
-    read("tremor_m", noise.tremor_m, 0, 0.005);
-    read("tremor_frequency_Hz", noise.tremor_frequency_Hz, 1, 50);
-    read("tremor_damping_ratio", noise.tremor_damping_ratio, 0.01, 0.9);
-    read("force_noise_fraction", noise.force_noise_fraction, 0, 1);
-    read("force_noise_correlation_s", noise.force_noise_correlation_s, 0.002, 100);
-    read("speed_noise_fraction", noise.speed_noise_fraction, 0, 1);
-    read("speed_noise_correlation_s", noise.speed_noise_correlation_s, 0.002, 100);
+void read_noise(const ConfigTable& table, NoiseParameters& noise) {
+    table.read("sway_m", noise.sway_m, 0, 0.01, "Slow drift of the hand, rms.");
+    table.read("sway_correlation_s", noise.sway_correlation_s, 0.01, 100, "Of the sway.");
+    table.read("tremor_m", noise.tremor_m, 0, 0.005, "Of the hand, rms.");
+    table.read("tremor_frequency_Hz", noise.tremor_frequency_Hz, 1, 50, "Of the tremor.");
+    table.read("tremor_damping_ratio", noise.tremor_damping_ratio, 0.01, 0.9, "How narrow its band is.");
+    table.read("force_noise_fraction", noise.force_noise_fraction, 0, 1, "Of the force exerted.");
+    table.read("force_noise_correlation_s", noise.force_noise_correlation_s, 0.002, 100,
+               "Of the force's noise.");
+    table.read("speed_noise_fraction", noise.speed_noise_fraction, 0, 1,
+               "Of the insertion speed, within a trial.");
+    table.read("speed_noise_correlation_s", noise.speed_noise_correlation_s, 0.002, 100,
+               "Of the speed's noise.");
 }
 
-void read_perception(const Reader& read, PerceptionParameters& perception) {
-    read("criterion_N", perception.criterion_N, 0.1, 12);
-    read("criterion_cap_fraction", perception.criterion_cap_fraction, 0.05, 1);
-    read("full_scale_handle_N", perception.full_scale_handle_N, 0.1, 100);
-    read("full_scale_cutaneous_N", perception.full_scale_cutaneous_N, 0.1, 20);
-    read("full_scale_bar_N", perception.full_scale_bar_N, 0.1, 100);
-    read("lost_N", perception.lost_N, 0, 5);
-    read("lost_after_s", perception.lost_after_s, 0, 1);
-    read("weber_handle", perception.weber_handle, 0, 1);
-    read("weber_cutaneous", perception.weber_cutaneous, 0, 1);
-    read("weber_visual", perception.weber_visual, 0, 1);
-    read("weber_correlation_s", perception.weber_correlation_s, 0.002, 100);
+void read_perception(const ConfigTable& table, PerceptionParameters& perception) {
+    table.read("criterion_N", perception.criterion_N, 0.1, 12, "Force at which a subject says: fixture.");
+    table.read("criterion_cap_fraction", perception.criterion_cap_fraction, 0.05, 1,
+               "Of the full scale of the display in use.");
+    table.read("full_scale_handle_N", perception.full_scale_handle_N, 0.1, 100,
+               "Of the handle, as the operator knows it.");
+    table.read("full_scale_cutaneous_N", perception.full_scale_cutaneous_N, 0.1, 20,
+               "Equal to [cutaneous] force_limit_N.");
+    table.read("full_scale_bar_N", perception.full_scale_bar_N, 0.1, 100,
+               "Equal to [visual] bar_full_scale_N.");
+    table.read("lost_N", perception.lost_N, 0, 5, "Below this nothing is felt or seen.");
+    table.read("lost_after_s", perception.lost_after_s, 0, 1, "Contact is lost after so long below it.");
+    table.read("weber_handle", perception.weber_handle, 0, 1, "Noise of the sensation, relative.");
+    table.read("weber_cutaneous", perception.weber_cutaneous, 0, 1, "The same, of the skin.");
+    table.read("weber_visual", perception.weber_visual, 0, 1, "The same, of the bar's length.");
+    table.read("weber_correlation_s", perception.weber_correlation_s, 0.002, 100, "Of this noise.");
 }
 
-void read_reaction(const Reader& read, ReactionParameters& reaction) {
-    read("reaction_handle_s", reaction.handle_s, 0, 2);
-    read("reaction_cutaneous_s", reaction.cutaneous_s, 0, 2);
-    read("reaction_tactile_s", reaction.tactile_s, 0, 2);
-    read("reaction_crossing_s", reaction.crossing_s, 0, 0.5);
-    read("reaction_compatibility_s", reaction.compatibility_s, 0, 0.5);
-    read("reaction_visual_s", reaction.visual_s, 0, 2);
-    read("reaction_auditory_s", reaction.auditory_s, 0, 2);
-    read("reaction_trial_variation", reaction.trial_variation, 0, 1);
+void read_reaction(const ConfigTable& table, ReactionParameters& reaction) {
+    table.read("reaction_handle_s", reaction.handle_s, 0, 2, "HF.");
+    table.read("reaction_cutaneous_s", reaction.cutaneous_s, 0, 2, "CF.");
+    table.read("reaction_tactile_s", reaction.tactile_s, 0, 2, "CCF is the sum of this and the next two.");
+    table.read("reaction_crossing_s", reaction.crossing_s, 0, 0.5, "From one hand to the other.");
+    table.read("reaction_compatibility_s", reaction.compatibility_s, 0, 0.5,
+               "The other hand acts than the one that feels.");
+    table.read("reaction_visual_s", reaction.visual_s, 0, 2, "VF; also to the needle seen touching.");
+    table.read("reaction_auditory_s", reaction.auditory_s, 0, 2, "To the beep.");
+    table.read("reaction_trial_variation", reaction.trial_variation, 0, 1,
+               "Coefficient of variation between decisions.");
 }
 
-void read_behaviour(const Reader& read, BehaviourParameters& behaviour) {
-    read("position_scale", behaviour.position_scale, 0.01, 100);
-    read("speed_free_needle_m_per_s", behaviour.speed_free_needle_m_per_s, 0.001, 1);
-    read("speed_insert_needle_m_per_s", behaviour.speed_insert_needle_m_per_s, 0.001, 1);
-    read("speed_withdraw_needle_m_per_s", behaviour.speed_withdraw_needle_m_per_s, 0.001, 1);
-    read("speed_lag_s", behaviour.speed_lag_s, 0.001, 2);
-    read("speed_trial_variation", behaviour.speed_trial_variation, 0, 0.3);
-    read("brake_s", behaviour.brake_s, 0.001, 2);
-    read("refractory_s", behaviour.refractory_s, 0, 5);
-    read("relax_s", behaviour.relax_s, 0.01, 5);
-    read("slowing", behaviour.slowing, 0.1, 1);
-    read("slowest", behaviour.slowest, 0.01, 1);
-    read("push_m", behaviour.push_m, 0, 0.02);
-    read("push_growth", behaviour.push_growth, 1, 3);
-    read("push_s", behaviour.push_s, 0.01, 5);
-    read("cocontraction", behaviour.cocontraction, 0, 2);
-    read("cocontraction_limit", behaviour.cocontraction_limit, 0, 5);
+void read_behaviour(const ConfigTable& table, BehaviourParameters& behaviour) {
+    table.read("position_scale", behaviour.position_scale, 0.01, 100,
+               "Needle per hand; equal to [master] position_scale. The next three are the needle's.");
+    table.read("speed_free_needle_m_per_s", behaviour.speed_free_needle_m_per_s, 0.001, 1, "In the free.");
+    table.read("speed_insert_needle_m_per_s", behaviour.speed_insert_needle_m_per_s, 0.001, 1,
+               "In the tissue.");
+    table.read("speed_withdraw_needle_m_per_s", behaviour.speed_withdraw_needle_m_per_s, 0.001, 1,
+               "On the way out.");
+    table.read("speed_lag_s", behaviour.speed_lag_s, 0.001, 2, "How fast the speed follows the intention.");
+    table.read("speed_trial_variation", behaviour.speed_trial_variation, 0, 0.3,
+               "Of the insertion speed, between trials.");
+    table.read("brake_s", behaviour.brake_s, 0.001, 2, "Until the hand stands still.");
+    table.read("refractory_s", behaviour.refractory_s, 0, 5, "After an action, before the next.");
+    table.read("recovery", behaviour.recovery, {"approach", "push"},
+               "After a lost contact relax and insert again, slower; or push, harder (docs/model.md).");
+    table.read("relax_s", behaviour.relax_s, 0.01, 5, "approach: until the limb pushes no longer.");
+    table.read("slowing", behaviour.slowing, 0.1, 1, "approach: of the speed, per loss.");
+    table.read("slowest", behaviour.slowest, 0.01, 1, "approach: of the speed, at the least.");
+    table.read("push_m", behaviour.push_m, 0, 0.02, "push: first advance, at the hand.");
+    table.read("push_growth", behaviour.push_growth, 1, 3, "push: each further one, over the one before.");
+    table.read("push_s", behaviour.push_s, 0.01, 5, "push: how long an advance takes.");
+    table.read("cocontraction", behaviour.cocontraction, 0, 2,
+               "Stiffer by this fraction after each loss, in HF.");
+    table.read("cocontraction_limit", behaviour.cocontraction_limit, 0, 5, "At most.");
 }
 
-void read_spread(const Reader& read, SubjectSpread& spread) {
-    read("spread_speed", spread.speed, 0, 1);
-    read("spread_stiffness", spread.stiffness, 0, 1);
-    read("spread_criterion", spread.criterion, 0, 1);
-    read("spread_sway", spread.sway, 0, 1);
-    read("spread_push", spread.push, 0, 1);
-    read("spread_reaction", spread.reaction, 0, 1);
-    read("spread_reaction_modality", spread.reaction_modality, 0, 1);
+void read_spread(const ConfigTable& table, SubjectSpread& spread) {
+    table.read("spread_speed", spread.speed, 0, 1,
+               "SD of the logarithm between subjects, as all of these: of the insertion speed.");
+    table.read("spread_stiffness", spread.stiffness, 0, 1, "Of arm and grip, each.");
+    table.read("spread_criterion", spread.criterion, 0, 1, "Of the criterion.");
+    table.read("spread_sway", spread.sway, 0, 1, "Of the sway.");
+    table.read("spread_push", spread.push, 0, 1, "Of the push.");
+    table.read("spread_reaction", spread.reaction, 0, 1, "Of all reaction times together.");
+    table.read("spread_reaction_modality", spread.reaction_modality, 0, 1,
+               "Of those of a subject in one modality.");
 }
 
 }  // namespace
 
 OperatorParameters read_operator_parameters(const ConfigTable& table) {
     OperatorParameters parameters;
-    const Reader read(table);
-    read_hand(read, parameters.hand);
-    read_noise(read, parameters.noise);
-    read_perception(read, parameters.perception);
-    read_reaction(read, parameters.reaction);
-    read_behaviour(read, parameters.behaviour);
-    parameters.behaviour.recovery = static_cast<Recovery>(table.choice(
-        "recovery", static_cast<std::size_t>(parameters.behaviour.recovery), {"approach", "push"}));
-    read_spread(read, parameters.spread);
+    read_hand(table, parameters.hand);
+    read_noise(table, parameters.noise);
+    read_perception(table, parameters.perception);
+    read_reaction(table, parameters.reaction);
+    read_behaviour(table, parameters.behaviour);
+    read_spread(table, parameters.spread);
     return parameters;
 }
 

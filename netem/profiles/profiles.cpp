@@ -46,19 +46,30 @@ LinkProfile session_profile(const std::filesystem::path& folder, const std::stri
     return parse_profile(text, (folder / name).string(), find);
 }
 
+std::size_t read_direction(const ConfigTable& change) {
+    std::size_t direction = 2;
+    change.read("direction", direction, {"up", "down", "both"}, "Which way changes.");
+    return direction;
+}
+
 // Changes build on one another, in the order of the file.
 void read_changes(const ConfigFile& file, const FileFinder& find, LinkProfile& profile) {
     const LinkSources sources = sources_of(find);
     LinkSettings up = profile.up, down = profile.down;
     Duration before{};
-    const std::vector<ConfigTable> changes = file.root().tables("change");
+    const auto describe = [&](const ConfigTable& change) {
+        read_at(change);
+        read_direction(change);
+        read_link_settings(change, up, sources);
+    };
+    const std::vector<ConfigTable> changes = file.root().tables("change", describe);
     if (changes.size() > kMostChanges)
         file.root().fail("change", fmt::format("are more than {}", kMostChanges));
     for (const ConfigTable& change : changes) {
-        const Duration at = change.seconds("at_s", {}, Duration::zero(), std::chrono::hours{1000});
+        const Duration at = read_at(change);
         if (at < before) change.fail("at_s", "must not be before the change in front of it");
         before = at;
-        const std::size_t direction = change.choice("direction", 2, {"up", "down", "both"});
+        const std::size_t direction = read_direction(change);
         if (direction != 1) {
             up = read_link_settings(change, up, sources);
             profile.up_changes.push_back({at, up});
@@ -101,8 +112,8 @@ const std::vector<std::string_view>& profile_names() {
 LinkProfile read_profile(const ConfigFile& file, std::string_view name, const FileFinder& find) {
     LinkProfile profile;
     profile.name = name;
-    profile.about = file.root().text("about", "");
-    profile.source = file.root().texts("source", {});
+    file.root().read("about", profile.about, "One line on what the network is like.");
+    file.root().read("source", profile.source, "Where each value is from; an assumption is called one.");
     profile.up = read_link_settings(file.table("up"), {}, sources_of(find));
     profile.down = read_link_settings(file.table("down"), {}, sources_of(find));
     read_changes(file, find, profile);

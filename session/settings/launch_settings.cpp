@@ -53,26 +53,29 @@ bool LaunchSettings::anywhere_else() const {
 }
 
 LaunchSettings read_launch_settings(const ConfigFile& file) {
-    using std::chrono::seconds;
     const ConfigTable table = file.table("launch");
     LaunchSettings s;
     std::set<std::string> others;
     for (std::size_t i = 1; i < s.machines.size(); ++i) {
         if (static_cast<Role>(i) == Role::kExperimenter) continue;  // no node: its user starts that view
         const std::string key = std::string("machine_") + to_string(static_cast<Role>(i));
-        s.machines[i] = table.text(key, "");
+        table.read(key, s.machines[i], "As exec takes it: \"me@lab2\"; empty: this machine.");
         if (!is_plain(s.machines[i]))
             table.fail(key, "must be a name without blanks that begins with no '-'");
         if (!s.machines[i].empty()) others.insert(s.machines[i]);
     }
-    s.exec = table.text("exec", s.exec);
+    table.read("exec", s.exec,
+               "Runs a command on {host}, connected to its three standard streams; or --exec. No quotes.");
     if (exec_words(s, "x").empty()) table.fail("exec", "is empty; leave it out for ssh");
     if (others.size() > 1 && s.exec.find(kHost) == std::string::npos)
         table.fail("exec", "does not say {host}, so it would start every node on the same machine");
-    s.programs = table.text("programs", s.programs);
-    s.reach = table.seconds("reach_s", s.reach, seconds{1}, seconds{600});
-    s.lease = table.seconds("lease_s", s.lease, seconds{2}, seconds{3600});
-    s.shares_loopback = table.boolean("shares_loopback", s.shares_loopback);
+    table.read("programs", s.programs,
+               "A folder there, of the programs thimble-*; empty: sought in PATH there; or --programs.");
+    table.read("reach_s", s.reach, 1, 600, "For all machines to be reached.");
+    table.read("lease_s", s.lease, 2, 3600,
+               "A node ends itself after so long without a sign of the launcher.");
+    table.read("shares_loopback", s.shares_loopback,
+               "The machines have this one's 127.0.0.1 (containers, other users), so [network] may name it.");
     return s;
 }
 

@@ -19,13 +19,11 @@ struct ProtocolSettings {
     std::uint32_t trials_per_modality = 6;
     std::uint32_t removals = 2;  // of the fixture, per participant; experiment 2
     std::uint32_t practice_trials = 4;
-    // After so many trials the participant rests; what lies between two breaks is a block. 0: no breaks.
     std::uint32_t break_every = 12;
     std::string break_text = "Please take your hand off the handle and rest.";
     Duration break_minimum = std::chrono::seconds{30};
-    // A trial that failed or was rejected is run again ...
     RepeatWhen repeat = RepeatWhen::kEndOfBlock;
-    std::uint32_t repeats_limit = 2;  // ... at most so often on its own account; by command without limit
+    std::uint32_t repeats_limit = 2;
     bool repeat_timeouts = true;
     bool subject_goes_on = false;  // next_by = "subject": a person may begin the next trial
 };

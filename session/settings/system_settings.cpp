@@ -15,22 +15,19 @@ constexpr const char* kModalityHelp =
     "use HF (handle), CF (fingers of the acting hand), CCF (fingers of the other hand) or VF (bar on the "
     "screen)";
 
-TrialOrder read_order(const ConfigTable& table) {
-    const std::string name = table.text("order", to_string(TrialOrder::kShuffled));
-    const auto order = parse_order(name);
-    if (!order) table.fail("order", fmt::format("is \"{}\"; use shuffled or williams", name));
-    return *order;
-}
-
 void read_subject(const ConfigTable& table, SessionPlan& plan) {
-    if (!table.is_text("subject")) {
-        plan.subject = static_cast<std::uint32_t>(table.integer("subject", 1, 1, 1'000'000));
+    std::string human, name;
+    const bool is_text = table.is_text("subject");
+    table.read("participant", name, "Of subject = \"human\": P and a number, \"P07\"; or --participant.");
+    if (!is_text) {
+        table.read("subject", plan.subject, 1, 1'000'000,
+                   "Which virtual subject, in thimble run; or \"human\" (docs/real-subjects.md).");
         if (table.has("participant")) table.fail("participant", "is of subject = \"human\" only");
         return;
     }
-    if (table.text("subject", "") != "human") table.fail("subject", "must be a number, or \"human\"");
+    table.read("subject", human, "");
+    if (human != "human") table.fail("subject", "must be a number, or \"human\"");
     plan.kind = SubjectKind::kHuman;
-    const std::string name = table.text("participant", "");
     const auto participant = parse_participant(name);
     if (!participant && table.has("participant")) {
         table.fail("participant",
@@ -39,38 +36,46 @@ void read_subject(const ConfigTable& table, SessionPlan& plan) {
     plan.subject = participant.value_or(0);
 }
 
-SessionPlan read_plan(const ConfigTable& table) {
-    SessionPlan plan;
+void read_modalities(const ConfigTable& table, SessionPlan& plan) {
     std::vector<std::string> names;
     for (const Modality modality : plan.modalities) names.emplace_back(to_string(modality));
+    table.read("modalities", names, "Trials of thimble run, in this order: of HF, CF, CCF and VF.");
     plan.modalities.clear();
-    for (const std::string& name : table.texts("modalities", names)) {
+    for (const std::string& name : names) {
         const auto modality = find_modality(name);
         if (!modality) table.fail("modalities", fmt::format("holds \"{}\"; {}", name, kModalityHelp));
         plan.modalities.push_back(*modality);
     }
     if (plan.modalities.empty()) table.fail("modalities", "is empty; name at least one of HF, CF, CCF, VF");
+}
+
+SessionPlan read_plan(const ConfigTable& table) {
+    SessionPlan plan;
+    read_modalities(table, plan);
     std::vector<double> delays;
     for (const Duration delay : plan.delays) delays.push_back(to_seconds(delay));
+    table.read("delays_s", delays, 0, 60,
+               "One-way delays of the force path; each replaces [netem.force] delay_s.");
+    if (delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
     plan.delays.clear();
-    for (const double delay_s : table.numbers("delays_s", delays, 0, 60)) {
-        plan.delays.push_back(from_seconds(delay_s));
-    }
-    if (plan.delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
-    plan.seed = static_cast<std::uint64_t>(table.integer("seed", 1, 0, INT64_MAX));
+    for (const double delay_s : delays) plan.delays.push_back(from_seconds(delay_s));
+    table.read("seed", plan.seed, 0, INT64_MAX, "Of thimble run; thimble study takes --seed.");
     read_subject(table, plan);
-    plan.order = read_order(table);
-    plan.fixture_jitter_m = table.number("fixture_jitter_m", plan.fixture_jitter_m, 0, 1);
-    plan.parallel_conditions = static_cast<int>(table.integer("parallel_conditions", 0, 0, 64));
+    table.read(
+        "order", plan.order, kTrialOrderNames,
+        "Of a subject's trials in thimble study: as in the paper, or balanced for position and carry-over.");
+    table.read("fixture_jitter_m", plan.fixture_jitter_m, 0, 1,
+               "Half width of the uniform draw of the fixture around [fixture] position_m.");
+    table.read("parallel_conditions", plan.parallel_conditions, 0, 64,
+               "Delays run side by side; 0: one per two cores, with other machines one.");
     return plan;
 }
 
-SessionSettings read_session(const ConfigFile& file) {
-    using std::chrono::seconds;
-    const ConfigTable trial = file.table("trial");
+SessionSettings read_session(const ConfigTable& trial) {
     SessionSettings s;
-    s.trial_timeout = trial.seconds("timeout_s", s.trial_timeout, seconds{1}, seconds{3600});
-    s.peer_wait = trial.seconds("peer_wait_s", s.peer_wait, std::chrono::milliseconds{100}, seconds{600});
+    trial.read("timeout_s", s.trial_timeout, 1, 3600, "A trial that takes longer is ended.");
+    trial.read("peer_wait_s", s.peer_wait, 0.1, 600,
+               "For a node to appear, and to answer a start or an end.");
     return s;
 }
 
@@ -93,13 +98,10 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
 
 }  // namespace
 
-const char* to_string(TrialOrder order) { return order == TrialOrder::kWilliams ? "williams" : "shuffled"; }
-
 std::optional<TrialOrder> parse_order(std::string_view text) {
-    for (const TrialOrder order : {TrialOrder::kShuffled, TrialOrder::kWilliams}) {
-        if (text == to_string(order)) return order;
-    }
-    return std::nullopt;
+    const auto* found = std::find(kTrialOrderNames.begin(), kTrialOrderNames.end(), text);
+    if (found == kTrialOrderNames.end()) return std::nullopt;
+    return static_cast<TrialOrder>(found - kTrialOrderNames.begin());
 }
 
 SystemSettings read_system_settings(const ConfigFile& file) {
@@ -112,14 +114,14 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     s.slave = read_slave_settings(file);
     s.cutaneous = read_cutaneous_settings(file.table("cutaneous"));
     s.cutaneous.hand_share = s.master.control.hand_share();
+    s.protocol = read_protocol_settings(file.table("protocol"));
+    if (!file.root().has("protocol")) s.protocol.reset();
     s.visual = read_visual_settings(file);
     s.instructions = read_instructions(file.table("instructions"));
     s.netem = read_netem_settings(file);
-    s.session = read_session(file);
+    s.session = read_session(file.table("trial"));
     s.session.contact_hold = s.slave.contact_hold;
     s.plan = read_plan(file.table("session"));
-    const ConfigTable protocol = file.table("protocol");
-    if (file.root().has("protocol")) s.protocol = read_protocol_settings(protocol);
     s.dataset = read_dataset_settings(file.table("dataset"));
     s.launch = read_launch_settings(file);
     s.log = read_log_settings(file);

@@ -2,6 +2,7 @@
 // takes its own tables; `thimble` reads all of them.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -33,7 +34,10 @@ enum class TrialOrder : std::uint8_t {
     // position. Rows go round by subject and block; which modality is which letter is drawn once per study.
     kWilliams,
 };
-const char* to_string(TrialOrder order);  // "shuffled", "williams"
+inline constexpr std::array<std::string_view, 2> kTrialOrderNames{"shuffled", "williams"};
+constexpr const char* to_string(TrialOrder order) {
+    return kTrialOrderNames[static_cast<std::size_t>(order)].data();
+}
 std::optional<TrialOrder> parse_order(std::string_view text);
 
 // How trials are drawn and what `thimble run` runs. Table [session].

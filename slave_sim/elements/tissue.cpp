@@ -1,16 +1,15 @@
 // [tissue], or [[tissue]] for several: layers, each with a surface of its own, deeper ones further along z.
 #include "slave_sim/element_types.hpp"
-#include "slave_sim/elements/tissue_table.hpp"
 
 namespace thimble {
 
 TissueParameters read_tissue_parameters(const ConfigTable& table, TissueParameters p) {
-    p.mass_kg = table.number("mass_kg", p.mass_kg, 1e-15, 1e9);
-    p.stiffness_N_per_m = table.number("stiffness_N_per_m", p.stiffness_N_per_m, 0, 1e9);
-    p.damping_Ns_per_m = table.number("damping_Ns_per_m", p.damping_Ns_per_m, 0, 1e9);
-    p.drag_Ns_per_m = table.number("drag_Ns_per_m", p.drag_Ns_per_m, 0, 1e9);
-    p.puncture_force_N = table.number("puncture_force_N", p.puncture_force_N, 1e-9, 1e9);
-    p.rest_position_m = table.number("rest_position_m", p.rest_position_m, -1, 1);
+    table.read("mass_kg", p.mass_kg, 1e-15, 1e9, "Mass M, at the contact point.");
+    table.read("stiffness_N_per_m", p.stiffness_N_per_m, 0, 1e9, "Stiffness K.");
+    table.read("damping_Ns_per_m", p.damping_Ns_per_m, 0, 1e9, "Damping B.");
+    table.read("drag_Ns_per_m", p.drag_Ns_per_m, 0, 1e9, "Drag V of the needle beneath the surface.");
+    table.read("puncture_force_N", p.puncture_force_N, 1e-9, 1e9, "Puncture force F_p.");
+    table.read("rest_position_m", p.rest_position_m, -1, 1, "Where the surface rests.");
     return p;
 }
 

@@ -28,26 +28,38 @@ void attempt(const Read& read) {
 
 void read_every_way(const ConfigTable& table, std::string_view key) {
     attempt([&] {
-        const double value = table.number(key, 1, 0, 2);
+        double value = 1;
+        table.read(key, value, 0, 2, "");
         require(value >= 0 && value <= 2, "a number out of its range");
     });
     attempt([&] {
-        const std::int64_t value = table.integer(key, 1, -3, 3);
+        std::int64_t value = 1;
+        table.read(key, value, -3, 3, "");
         require(value >= -3 && value <= 3, "an integer out of its range");
     });
     attempt([&] {
-        const Duration value = table.seconds(key, Duration{1}, Duration{0}, Duration{5'000'000'000});
+        Duration value{1};
+        table.read(key, value, 0, 5, "");
         require(value >= Duration{0} && value <= Duration{5'000'000'000}, "a duration out of its range");
     });
     attempt([&] {
-        for (const double value : table.numbers(key, {}, -1, 1)) {
+        std::vector<double> values;
+        table.read(key, values, -1, 1, "");
+        for (const double value : values) {
             require(value >= -1 && value <= 1, "a list's number out of its range");
         }
     });
-    attempt([&] { require(table.choice(key, 0, {"HF", "CF", "CCF", "VF"}) < 4, "no such choice"); });
-    attempt([&] { table.boolean(key, false); });
-    attempt([&] { table.text(key, ""); });
-    attempt([&] { table.texts(key, {}); });
+    attempt([&] {
+        std::size_t chosen = 0;
+        table.read(key, chosen, {"HF", "CF", "CCF", "VF"}, "");
+        require(chosen < 4, "no such choice");
+    });
+    bool yes = false;
+    std::string text;
+    std::vector<std::string> texts;
+    attempt([&] { table.read(key, yes, ""); });
+    attempt([&] { table.read(key, text, ""); });
+    attempt([&] { table.read(key, texts, ""); });
 }
 
 // Tables and keys that session files and their neighbours use, so that seeds made of them reach every type.

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
-#include <set>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -13,7 +10,6 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "session/settings/system_settings.hpp"
@@ -22,28 +18,8 @@
 namespace thimble {
 namespace {
 
-using Keys = std::map<std::string, KeyDeclaration>;
-
-// Keys that must stand beside some others, so that the reader asks for these.
-constexpr std::array<std::string_view, 8> kSessionCompanions{
-    "session = { subject = \"human\", participant = \"P01\" }",
-    "netem.needle.timeline = [{ at_s = 1, loss = 0.1 }]",
-    "netem.force.timeline = [{ at_s = 1, loss = 0.1 }]",
-    "netem.needle = { loss = 0.01 }",
-    "netem.force = { loss = 0.01 }",
-    "netem.needle = { loss = { model = \"gilbert\", share = 0.01 } }",
-    "netem.force = { loss = { model = \"gilbert\", share = 0.01 } }",
-    "cutaneous.device = \"drives\""};
-constexpr std::array<std::string_view, 2> kSceneCompanions{
-    "fixture = [{ event = [{ time_s = 1 }] }]",
-    "fixture = [{ event = [{ after_contact_s = 1, position_m = 0 }] }]"};
-constexpr std::array<std::string_view, 6> kProfileCompanions{
-    "up = { loss = 0.01 }",
-    "down = { loss = 0.01 }",
-    "change = [{ loss = 0.01 }]",
-    "up = { loss = { model = \"gilbert\", share = 0.01 } }",
-    "down = { loss = { model = \"gilbert\", share = 0.01 } }",
-    "change = [{ loss = { model = \"gilbert\", share = 0.01 } }]"};
+using Keys = std::vector<KeyDeclaration>;
+using Json = nlohmann::ordered_json;
 
 struct KeyUnit {
     std::string_view ending, unit;
@@ -73,116 +49,105 @@ constexpr std::array<KeyUnit, 21> kUnits{{
     {"_s", "s"},
 }};
 
-std::string in_one_list(std::string path) {
-    for (std::size_t open = path.find('['); open != std::string::npos; open = path.find('[', open + 1)) {
-        path.erase(open + 1, path.find(']', open) - open - 1);
-    }
-    return path;
+// The type of a key and its name in JSON Schema.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kJsonTypes{
+    {{"number", "number"},
+     {"whole number", "integer"},
+     {"true or false", "boolean"},
+     {"text", "string"},
+     {"list of numbers", "array"},
+     {"list of texts", "array"},
+     {"table", "object"},
+     {"tables", "object"}}};
+
+bool is(const KeyDeclaration& key, std::string_view type) {
+    return std::find(key.types.begin(), key.types.end(), type) != key.types.end();
 }
 
-// A file in which the key, maybe of a table in a list, has this value.
-std::string file_with(const std::string& path, const std::string& value) {
-    const std::size_t list = path.find("[].");
-    if (list == std::string::npos) return fmt::format("{} = {}\n", path, value);
-    return fmt::format("{} = [{{ {} = {} }}]\n", path.substr(0, list), path.substr(list + 3), value);
+std::string type_of(const KeyDeclaration& key) { return fmt::format("{}", fmt::join(key.types, " or ")); }
+
+std::string range_of(const KeyDeclaration& key) {
+    return key.low.empty() ? "" : fmt::format("{} to {}", key.low, key.high);
 }
 
-class Walk {
-  public:
-    using Reader = std::function<void(const ConfigFile&)>;
-
-    Walk(Reader read, std::span<const std::string_view> companions)
-        : read_(std::move(read)), companions_(companions) {}
-
-    Keys all() {
-        ask("");
-        for (const std::string_view text : companions_) ask(std::string(text));
-        // Files that follow from what was noted so far, until nothing new comes.
-        while (!waiting_.empty()) {
-            const std::string text = *waiting_.begin();
-            waiting_.erase(waiting_.begin());
-            ask(text);
-        }
-        return keys_;
-    }
-
-  private:
-    void ask(const std::string& text) {
-        if (!asked_.insert(text).second) return;
-        try {
-            ConfigFile file = ConfigFile::parse(text, "reference");
-            file.note_declarations();
-            try {
-                read_(file);
-            } catch (const Error&) {
-                // A file that is incomplete: what was asked for until then counts.
-            }
-            for (const auto& [path, declared] : file.declarations()) note(in_one_list(path), declared);
-        } catch (const Error&) {
-            // A value that cannot stand here: two lists within each other.
-        }
-    }
-
-    void note(const std::string& path, const KeyDeclaration& declared) {
-        const auto [at, is_new] = keys_.emplace(path, declared);
-        if (at->second.fallback == "nan") at->second.fallback.clear();  // a reader's "none"
-        if (!is_new && at->second.type.find(declared.type) == std::string::npos) {
-            at->second.type += " or " + declared.type;
-        }
-        if (!is_new && at->second.range.empty()) at->second.range = declared.range;
-        for (const std::string& choice : declared.choices) {
-            later(file_with(path, fmt::format("\"{}\"", choice)));
-        }
-        if (declared.type.find("table") != std::string::npos) {
-            const bool several = declared.type.find("tables") != std::string::npos;
-            later(file_with(path, several ? "[{}]" : "{}"));
-        }
-    }
-
-    void later(const std::string& text) {
-        if (asked_.count(text) == 0) waiting_.insert(text);
-    }
-
-    Reader read_;
-    std::span<const std::string_view> companions_;
-    Keys keys_;
-    std::set<std::string> asked_;
-    std::set<std::string> waiting_;
-};
-
-// Empty for a key that stands in no table.
-std::string table_of(const std::string& path) {
-    const std::size_t dot = path.rfind('.');
-    return dot == std::string::npos ? "" : path.substr(0, dot);
+std::string line_of(const KeyDeclaration& key) {
+    const std::string name = key.path.substr(key.path.rfind('.') + 1);
+    const std::string choices = fmt::format("`\"{}\"`", fmt::join(key.choices, "\"`, `\""));
+    return fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", name, type_of(key), unit_of_key(name),
+                       key.fallback.empty() ? "" : fmt::format("`{}`", key.fallback),
+                       key.choices.empty() ? range_of(key) : choices, key.help);
 }
 
-std::string what_it_may_be(const KeyDeclaration& declared) {
-    if (declared.choices.empty()) return declared.range;
-    return fmt::format("`\"{}\"`", fmt::join(declared.choices, "\"`, `\""));
+// Texts by name, in the order in which the names came.
+using Texts = std::vector<std::pair<std::string, std::string>>;
+
+std::string& text_of(Texts& texts, const std::string& name) {
+    const auto is_it = [&name](const auto& one) { return one.first == name; };
+    const auto found = std::find_if(texts.begin(), texts.end(), is_it);
+    return found != texts.end() ? found->second : texts.emplace_back(name, "").second;
 }
 
-std::string line_of(std::string_view key, const KeyDeclaration& declared) {
-    return fmt::format("| `{}` | {} | {} | {} | {} |\n", key, declared.type, unit_of_key(key),
-                       declared.fallback.empty() ? "" : fmt::format("`{}`", declared.fallback),
-                       what_it_may_be(declared));
+Json object_schema(const Keys& keys, const std::string& table);
+
+Json element_schema(const KeyDeclaration& key) {
+    if (is(key, "list of texts")) return {{"type", "string"}};
+    return {{"type", "number"}, {"minimum", Json::parse(key.low)}, {"maximum", Json::parse(key.high)}};
+}
+
+// Each word of JSON Schema speaks of its own type only, so a key of several types has the words of all.
+Json key_schema(const Keys& keys, const KeyDeclaration& key) {
+    Json schema = Json::object();
+    if (is(key, "table")) schema = object_schema(keys, key.path + ".");
+    if (is(key, "tables")) {
+        const Json entry = object_schema(keys, key.path + "[].");
+        schema = entry;
+        schema["items"] = entry;
+    }
+    Json types = Json::array();
+    for (const auto& [type, json] : kJsonTypes) {
+        if (is(key, type)) types.push_back(json);
+    }
+    if (is(key, "tables")) types.push_back("array");
+    schema["type"] = types.size() == 1 ? types.front() : types;
+    if (is(key, "list of numbers") || is(key, "list of texts")) {
+        schema["items"] = element_schema(key);
+    } else if (!key.low.empty()) {
+        schema["minimum"] = Json::parse(key.low);
+        schema["maximum"] = Json::parse(key.high);
+    }
+    if (!key.choices.empty()) schema["enum"] = key.choices;
+    if (!key.fallback.empty()) schema["default"] = Json::parse(key.fallback);
+    if (!key.help.empty()) schema["description"] = key.help;
+    return schema;
+}
+
+// Of the keys whose path is `table`, which ends in a dot, and a name.
+Json object_schema(const Keys& keys, const std::string& table) {
+    Json properties = Json::object();
+    for (const KeyDeclaration& key : keys) {
+        if (!key.path.starts_with(table) || key.path.find('.', table.size()) != std::string::npos) continue;
+        properties[key.path.substr(table.size())] = key_schema(keys, key);
+    }
+    return {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+}
+
+template <class Read>
+Keys described_by(const Read& read) {
+    const ConfigFile description = ConfigFile::description();
+    read(description);
+    return description.declarations();
 }
 
 }  // namespace
 
-Keys session_file_keys() {
-    return Walk([](const ConfigFile& file) { read_system_settings(file); }, kSessionCompanions).all();
-}
+Keys session_file_keys() { return described_by(read_system_settings); }
 
 Keys scene_file_keys() {
-    return Walk([](const ConfigFile& file) { read_scene(file, "reference"); }, kSceneCompanions).all();
+    return described_by([](const ConfigFile& file) { read_scene(file, "reference"); });
 }
 
 Keys profile_file_keys() {
-    const FileFinder none = [](std::string_view name) -> std::string {
-        throw Error(ExitCode::kUsage, fmt::format("{}: no file stands beside the reference", name));
-    };
-    return Walk([none](const ConfigFile& file) { read_profile(file, "reference", none); }, kProfileCompanions)
-        .all();
+    return described_by([](const ConfigFile& file) { read_profile(file, "reference", {}); });
 }
 
 std::string unit_of_key(std::string_view key) {
@@ -192,35 +157,46 @@ std::string unit_of_key(std::string_view key) {
 }
 
 std::string keys_as_markdown(const Keys& keys) {
-    std::map<std::string, std::string> tables;
-    for (const auto& [path, declared] : keys) {
-        if (declared.type == "table" || declared.type == "tables") continue;
-        tables[table_of(path)] += line_of(path.substr(path.rfind('.') + 1), declared);
+    Texts tables;
+    for (const KeyDeclaration& key : keys) {
+        if (key.types.size() == 1 && (is(key, "table") || is(key, "tables"))) continue;
+        const std::size_t dot = key.path.rfind('.');
+        const std::string table = dot == std::string::npos ? "Before the first table"
+                                                           : fmt::format("[{}]", key.path.substr(0, dot));
+        text_of(tables, table) += line_of(key);
     }
     // Links and pages have the same keys several times over.
-    std::map<std::string, std::vector<std::string>> same;
-    for (const auto& [table, lines] : tables) same[lines].push_back(table);
+    Texts names_of;
+    for (const auto& [name, lines] : tables) {
+        std::string& names = text_of(names_of, lines);
+        names += (names.empty() ? "" : ", ") + name;
+    }
     std::string text;
-    for (const auto& [table, lines] : tables) {
-        const std::vector<std::string>& together = same[lines];
-        if (together.front() != table) continue;
-        text += table.empty() ? "## Before the first table\n"
-                              : fmt::format("## [{}]\n", fmt::join(together, "], ["));
+    for (const auto& [lines, names] : names_of) {
         text += fmt::format(
-            "\n| key | type | unit | default | range |\n| --- | --- | --- | --- | --- |\n{}\n", lines);
+            "## {}\n\n| key | type | unit | default | range | meaning |\n| --- | --- | --- | --- | --- | --- "
+            "|\n{}\n",
+            names, lines);
     }
     return text;
 }
 
 std::string keys_as_json(const Keys& keys) {
-    nlohmann::ordered_json all;
-    for (const auto& [path, declared] : keys) {
-        all[path] = {{"type", declared.type},
-                     {"default", declared.fallback},
-                     {"range", declared.range},
-                     {"choices", declared.choices}};
+    Json all;
+    for (const KeyDeclaration& key : keys) {
+        all[key.path] = {{"type", type_of(key)},
+                         {"default", key.fallback},
+                         {"range", range_of(key)},
+                         {"choices", key.choices},
+                         {"help", key.help}};
     }
     return json_text(all, 2) + "\n";
+}
+
+std::string keys_as_schema(const Keys& keys) {
+    Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}};
+    schema.update(object_schema(keys, ""));
+    return json_text(schema, 2) + "\n";
 }
 
 }  // namespace thimble

@@ -49,8 +49,8 @@ ConfigFile read_session(const DoctorArguments& arguments, SystemSettings& settin
     } catch (const Error& error) {
         facts.problem = error.what();
     }
-    facts.handle = file.table("handle").text("device", facts.handle);
-    facts.fingertip = file.table("cutaneous").text("device", facts.fingertip);
+    file.table("handle").read("device", facts.handle, "");
+    file.table("cutaneous").read("device", facts.fingertip, "");
     facts.window = settings.visual.window;
     return file;
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kLongestReport = 256;
 constexpr Duration kOneRead = std::chrono::milliseconds{100};  // the thread can be ended that often
 constexpr Duration kLongestPause = std::chrono::milliseconds{100};
-constexpr std::array<const char*, kHidAxes> kAxisNames{"x", "y", "z", "rx", "ry", "rz"};
+constexpr std::array<std::string_view, kHidAxes> kAxisNames{"x", "y", "z", "rx", "ry", "rz"};
 
 bool is_hand(const HidDevice& device) {
     const auto model = find_hid_model(device.vendor, device.product);
@@ -34,14 +34,17 @@ std::string unusable_among(const std::vector<HidDevice>& present, const HidChoic
 HidHandSettings read_hid_hand_settings(const ConfigTable& table) {
     HidHandSettings settings;
     settings.device = read_hid_choice(table);
-    settings.axis = table.choice("axis", settings.axis, {kAxisNames.begin(), kAxisNames.end()});
-    settings.inverted = table.boolean("inverted", settings.inverted);
-    settings.stop_button =
-        static_cast<unsigned>(table.integer("stop_button", settings.stop_button, 0, kHidButtons));
-    settings.control = static_cast<HidControl>(table.choice("control", 0, {"rate", "position"}));
-    settings.dead_zone_fraction = table.number("dead_zone_fraction", settings.dead_zone_fraction, 0, 0.9);
-    settings.speed_hand_m_per_s = table.number("speed_hand_m_per_s", settings.speed_hand_m_per_s, 0.001, 1);
-    settings.travel_hand_m = table.number("travel_hand_m", settings.travel_hand_m, 0.001, 1);
+    table.read("axis", settings.axis, kAxisNames, "The device's own axis that moves the hand.");
+    table.read("inverted", settings.inverted, "Positive is into the tissue; true: negative is.");
+    table.read("stop_button", settings.stop_button, 0, kHidButtons,
+               "A button that is an emergency stop, by its HID number from 1; 0: none.");
+    table.read("control", settings.control, {"rate", "position"},
+               "Deflection is a speed, and at rest the hand stays; or a place, and at rest it is at 0.");
+    table.read("dead_zone_fraction", settings.dead_zone_fraction, 0, 0.9,
+               "Of full deflection; beyond it, deflection counts from 0.");
+    table.read("speed_hand_m_per_s", settings.speed_hand_m_per_s, 0.001, 1, "rate: at full deflection.");
+    table.read("travel_hand_m", settings.travel_hand_m, 0.001, 1,
+               "position: at full deflection; rate: the hand goes no further from 0.");
     return settings;
 }
 

@@ -56,11 +56,8 @@ TEST(NetworkSettings, HostsByRole) {
 TEST(NetworkSettings, RefusesWhatDoesNotFit) {
     const std::string last = std::to_string(65536 - kPorts);
     EXPECT_EQ(network_settings("base_port = " + last).at(Port::kNetemStop).port, 65535);
-    for (const std::string& text : {"base_port = " + std::to_string(65536 - kPorts + 1),
-                                    std::string("base_port = 1023"), std::string("base_port = '27000'"),
-                                    std::string("host_slave = 'x'"), std::string("host_master = 1")}) {
-        EXPECT_THROW(network_settings(text), Error) << text;
-    }
+    EXPECT_THROW(network_settings("base_port = " + std::to_string(65536 - kPorts + 1)), Error);
+    EXPECT_THROW(network_settings("host_slave = 'x'"), Error);
 }
 
 TEST(NetworkSettings, AnObserversPortIsTheSessionsUnlessItIsGiven) {

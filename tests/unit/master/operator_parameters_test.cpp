@@ -1,4 +1,4 @@
-// The subjects that the parameters describe, and the file they come from.
+// The subjects that the parameters describe.
 #include "master/operator/operator_parameters.hpp"
 
 #include <algorithm>
@@ -7,17 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
-
 namespace thimble::test {
 namespace {
-
-OperatorParameters parsed(std::string_view text) {
-    const ConfigFile file = ConfigFile::parse(text, "test.toml");
-    const OperatorParameters parameters = read_operator_parameters(file.table("operator"));
-    file.finish();
-    return parameters;
-}
 
 template <typename Field>
 std::vector<double> logarithms(Field field) {
@@ -82,32 +73,6 @@ TEST(Subject, ChangingOneSpreadMovesNoOtherDraw) {
     const Subject subject = draw_subject(narrow, 11, 1, 7);
     EXPECT_EQ(subject.speed_insert_needle_m_per_s, 0.015);
     EXPECT_EQ(subject.criterion_N, draw_subject(OperatorParameters{}, 11, 1, 7).criterion_N);
-}
-
-TEST(OperatorParameters, AnEmptyFileLeavesTheDefaults) {
-    EXPECT_EQ(parsed("").reaction.visual_s, OperatorParameters{}.reaction.visual_s);
-}
-
-TEST(OperatorParameters, EachGroupIsRead) {
-    const OperatorParameters parameters = parsed(R"([operator]
-        arm_stiffness_N_per_m = 500.0
-        tremor_m = 0.0001
-        criterion_N = 3.0
-        reaction_visual_s = 0.29
-        push_growth = 1.0
-        spread_reaction = 0.2)");
-    EXPECT_EQ(parameters.hand.arm_stiffness_N_per_m, 500);
-    EXPECT_EQ(parameters.noise.tremor_m, 1e-4);
-    EXPECT_EQ(parameters.perception.criterion_N, 3);
-    EXPECT_EQ(parameters.reaction.visual_s, 0.29);
-    EXPECT_EQ(parameters.behaviour.push_growth, 1);
-    EXPECT_EQ(parameters.spread.reaction, 0.2);
-}
-
-TEST(OperatorParameters, RefusesWhatItDoesNotKnowOrCannotBe) {
-    EXPECT_THROW(parsed("[operator]\nreaction_olfactory_s = 0.4"), Error);
-    EXPECT_THROW(parsed("[operator]\narm_mass_kg = 0.0"), Error);
-    EXPECT_THROW(parsed("[operator]\npush_growth = 0.5"), Error);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "netem/link_reader.hpp"
 
 #include <string>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
@@ -56,73 +58,12 @@ std::string refusal(const std::string& text) {
     return {};
 }
 
-TEST(LinkSettings, DefaultIsAnIdealLink) {
-    const LinkSettings link = read("");
-    EXPECT_EQ(link.delay, Duration::zero());
-    EXPECT_EQ(link.jitter.shape, JitterShape::kNone);
-    EXPECT_EQ(link.loss, LossSettings::independent(0));
-    EXPECT_TRUE(link.in_order);
-    EXPECT_EQ(link.capacity, 4096U);
-}
-
-TEST(LinkSettings, ReadsEveryKey) {
-    const LinkSettings link = read(
-        "delay_s = 0.05\njitter = \"normal\"\njitter_spread_s = 0.005\nloss = 0.01\nin_order = false\n"
-        "capacity = 100");
-    EXPECT_EQ(link.delay, milliseconds{50});
-    EXPECT_EQ(link.jitter.shape, JitterShape::kNormal);
-    EXPECT_EQ(link.jitter.spread, milliseconds{5});
-    EXPECT_EQ(link.loss, LossSettings::independent(0.01));
-    EXPECT_FALSE(link.in_order);
-    EXPECT_EQ(link.capacity, 100U);
-    EXPECT_EQ(read("jitter = \"uniform\"\ndelay_s = 1\njitter_spread_s = 1").jitter.shape,
-              JitterShape::kUniform);
-}
-
-TEST(LinkSettings, RefusesWhatIsOutOfRange) {
-    EXPECT_NE(refusal("delay_s = -0.001").find("delay_s"), std::string::npos);
-    EXPECT_NE(refusal("delay_s = 60.1").find("delay_s"), std::string::npos);
-    EXPECT_NE(refusal("loss = 1.01").find("loss"), std::string::npos);
-    EXPECT_NE(refusal("jitter = \"parreto\"").find("uniform"), std::string::npos);
-    EXPECT_NE(refusal("capacity = 0").find("capacity"), std::string::npos);
-    EXPECT_NE(refusal("delay_ms = 50").find("delay_ms"), std::string::npos);
-}
-
-TEST(LinkSettings, RefusesWhatContradictsItself) {
-    EXPECT_NE(refusal("delay_s = 0.05\njitter_spread_s = 0.01").find("distribution"), std::string::npos);
-    EXPECT_NE(refusal("delay_s = 0.05\njitter = \"normal\"").find("above 0"), std::string::npos);
-    const std::string uniform = "delay_s = 0.05\njitter = \"uniform\"\njitter_spread_s = ";
-    EXPECT_EQ(refusal(uniform + "0.05"), "");
-    EXPECT_NE(refusal(uniform + "0.051").find("cut at 0"), std::string::npos);
-    const std::string normal = "delay_s = 0.05\njitter = \"normal\"\njitter_spread_s = ";
-    EXPECT_EQ(refusal(normal + "0.025"), "");
-    EXPECT_NE(refusal(normal + "0.026").find("cut at 0"), std::string::npos);
-}
+TEST(LinkSettings, DefaultIsAnIdealLink) { EXPECT_EQ(read(""), LinkSettings{}); }
 
 TEST(LinkSettings, CapacityMustHoldTheDelay) {
     EXPECT_NE(refusal("delay_s = 0.05\ncapacity = 50").find("51 packets"), std::string::npos);
     EXPECT_EQ(refusal("delay_s = 0.05\ncapacity = 51"), "");
     EXPECT_GE(read("delay_s = 60").capacity, 120'000U);
-}
-
-TEST(LinkSettings, ReadsEveryKindOfFault) {
-    const LinkSettings link = read(
-        "duplicate = 0.1\ncorrupt = 0.2\ncorrupt_bits = 3\nreorder = 0.3\nreorder_gap = 5\nin_order = false\n"
-        "rate_bits_per_s = 1e6\nrate_overhead_bytes = 28\nrate_queue_packets = 10\nrate_queue_bytes = 9000\n"
-        "rate_drop = \"head\"\nslot_least_s = 0.001\nslot_most_s = 0.01\nslot_packets = 42\nslot_bytes = "
-        "64000\n"
-        "[[link.outage]]\nstart_s = 15\nlength_s = 0.14\nevery_s = 15\n[[link.outage]]\nlength_s = 1");
-    LinkSettings expected;
-    expected.duplicate = 0.1;
-    expected.corrupt = 0.2;
-    expected.corrupt_bits = 3;
-    expected.reorder = 0.3;
-    expected.reorder_gap = 5;
-    expected.in_order = false;
-    expected.rate = {1e6, 28, 10, 9000, Drop::kHead};
-    expected.slot = {milliseconds{1}, milliseconds{10}, 42, 64000};
-    expected.outages = {{seconds{15}, milliseconds{140}, seconds{15}}, {{}, seconds{1}, {}}};
-    EXPECT_EQ(link, expected);
 }
 
 TEST(LinkSettings, ReadsEveryJitter) {
@@ -156,37 +97,43 @@ TEST(LinkSettings, ReadsEveryLoss) {
     EXPECT_EQ(four.p14, 0.05);
 }
 
-TEST(LinkSettings, RefusesLossesThatCannotBe) {
-    EXPECT_NE(refusal("loss = 0.9\nloss_burst = 2").find("0.6667"), std::string::npos);
-    EXPECT_NE(refusal("loss = {model = \"gilbert\", share = 0.6}").find("share"), std::string::npos);
-    EXPECT_NE(refusal("loss = {model = \"four-state\", p13 = 0.1, p31 = 0}").find("p31"), std::string::npos);
-    EXPECT_NE(refusal("loss = {model = \"four-state\", p31 = 0.5, p32 = 0.1}").find("p23"),
-              std::string::npos);
-    EXPECT_NE(refusal("loss = {model = \"four-state\", p13 = 0.1, p31 = 0.7, p32 = 0.6, p23 = 0.4}")
-                  .find("at most 1"),
-              std::string::npos);
-    EXPECT_NE(refusal("loss = {model = \"four-state\", p13 = 0.6, p14 = 0.6}").find("p14"),
-              std::string::npos);
-    EXPECT_NE(refusal("loss = {model = \"gilbert\", p13 = 0.6}").find("p13"), std::string::npos);
-    EXPECT_NE(refusal("loss = \"much\"").find("number"), std::string::npos);
-}
-
-TEST(LinkSettings, RefusesMoreThatContradictsItself) {
-    EXPECT_NE(refusal("reorder = 0.1").find("in_order = false"), std::string::npos);
-    EXPECT_NE(refusal("jitter_correlation = 0.1").find("distribution"), std::string::npos);
-    EXPECT_NE(refusal("jitter = \"table\"\ndelay_s = 1\njitter_spread_s = 0.1").find("file"),
-              std::string::npos);
-    EXPECT_NE(refusal("jitter_table = \"x\"").find("jitter = \"table\""), std::string::npos);
-    EXPECT_NE(refusal("rate_queue_packets = 3").find("nothing ever waits"), std::string::npos);
-    EXPECT_NE(refusal("deliveries = \"x\"\nrate_bits_per_s = 1e6").find("remove one"), std::string::npos);
-    EXPECT_NE(refusal("deliveries = \"x\"\nslot_most_s = 0.1").find("remove one"), std::string::npos);
-    EXPECT_NE(refusal("slot_least_s = 0.2\nslot_most_s = 0.1").find("slot_least_s"), std::string::npos);
-    EXPECT_NE(refusal("slot_packets = 2").find("slot_most_s"), std::string::npos);
-    EXPECT_NE(refusal("[[link.outage]]\nstart_s = 1").find("length_s"), std::string::npos);
-    EXPECT_NE(refusal("[[link.outage]]\nlength_s = 2\nevery_s = 1").find("every_s"), std::string::npos);
-    EXPECT_NE(refusal("trace_end = \"hold\"").find("name one"), std::string::npos);
-    EXPECT_NE(refusal("jitter = \"gamma\"\ndelay_s = 0.1\njitter_spread_s = 1.1").find("ten times"),
-              std::string::npos);
+TEST(LinkSettings, RefusesWhatContradictsItself) {
+    const std::string uniform = "delay_s = 0.05\njitter = \"uniform\"\njitter_spread_s = ";
+    const std::string normal = "delay_s = 0.05\njitter = \"normal\"\njitter_spread_s = ";
+    const std::string four = "loss = {model = \"four-state\", ";
+    EXPECT_EQ(refusal(uniform + "0.05"), "");
+    EXPECT_EQ(refusal(normal + "0.025"), "");
+    const std::vector<std::pair<std::string, const char*>> cases{
+        {"delay_s = 0.05\njitter_spread_s = 0.01", "distribution"},
+        {"delay_s = 0.05\njitter = \"normal\"", "above 0"},
+        {uniform + "0.051", "cut at 0"},
+        {normal + "0.026", "must not exceed 0.5 of delay_s"},
+        {"jitter = \"gamma\"\ndelay_s = 0.1\njitter_spread_s = 1.1", "ten times"},
+        {"jitter_correlation = 0.1", "distribution"},
+        {"jitter = \"table\"\ndelay_s = 1\njitter_spread_s = 0.1", "must name a file"},
+        {"jitter_table = \"x\"", "jitter = \"table\""},
+        {"loss = 0.9\nloss_burst = 2", "0.6667"},
+        {"loss = 0.1\nloss_burst = 0.5", "at least 1 packet"},
+        {"loss = {share = 0.1}\nloss_burst = 3", "mean_burst"},
+        {"loss = {model = \"gilbert\", share = 0.6}", "share"},
+        {"loss = {model = \"gilbert\", share = 0.1, bad_to_good = 0.3}", "bad_to_good"},
+        {"loss = {model = \"gilbert\", p13 = 0.6}", "choose four-state"},
+        {four + "p13 = 0.1, p31 = 0}", "p31"},
+        {four + "p31 = 0.5, p32 = 0.1}", "p23"},
+        {four + "p13 = 0.1, p31 = 0.7, p32 = 0.6, p23 = 0.4}", "at most 1"},
+        {four + "p13 = 0.6, p14 = 0.6}", "p14"},
+        {"reorder = 0.1", "in_order = false"},
+        {"rate_bits_per_s = 0.5", "at least 1"},
+        {"rate_queue_packets = 3", "nothing ever waits"},
+        {"deliveries = \"x\"\nrate_bits_per_s = 1e6", "remove one"},
+        {"deliveries = \"x\"\nslot_most_s = 0.1", "remove one"},
+        {"slot_least_s = 0.2\nslot_most_s = 0.1", "must not be below slot_least_s"},
+        {"slot_most_s = 0.000001", "at least 0.00001"},
+        {"slot_packets = 2", "slot_most_s"},
+        {"[[link.outage]]\nstart_s = 1", "'link.outage[0].length_s' must be above 0"},
+        {"[[link.outage]]\nlength_s = 2\nevery_s = 1", "every_s"},
+        {"trace_end = \"hold\"", "name one"}};
+    for (const auto& [text, why] : cases) EXPECT_THAT(refusal(text), testing::HasSubstr(why)) << text;
 }
 
 TEST(LinkSettings, TracesCountForTheCapacity) {

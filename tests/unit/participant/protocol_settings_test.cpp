@@ -51,6 +51,14 @@ TEST(ProtocolSettingsTest, WhoBeginsATrial) {
     EXPECT_THROW(read("[instructions]\nwelcom = ''"), Error);
 }
 
+TEST(ProtocolSettingsTest, TheOperatorKnowsItsInstruments) {
+    for (const char* two : {"[master]\nposition_scale = 2", "[visual]\nbar_full_scale_N = 10",
+                            "[cutaneous]\nforce_limit_N = 1", "[operator]\nposition_scale = 2"}) {
+        EXPECT_THROW(read(two), Error) << two;
+    }
+    EXPECT_NO_THROW(read("[master]\nposition_scale = 2\n[operator]\nposition_scale = 2"));
+}
+
 TEST(ProtocolSettingsTest, ParticipantsAreNumbersOnly) {
     EXPECT_EQ(parse_participant("P07"), 7U);
     EXPECT_EQ(parse_participant("sub-123"), 123U);

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slave_sim/elements/tissue_table.hpp"
+#include "slave_sim/element_types.hpp"
 #include "slave_sim/exact_tissue.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"

@@ -1,25 +1,43 @@
-// The references of scene and profile files against the readers: what is listed is read, with the range that is listed.
+// What the descriptions say of the keys of session, scene and profile files, against the readers: each key is read, with the type
+// and the range that are described. So no test of a reader repeats it. docs_against_programs compares defaults and words.
 #include "thimble/commands/config_reference.hpp"
 
 #include <string>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
+#include "common/network_settings.hpp"
 #include "netem/profiles/profiles.hpp"
+#include "session/settings/system_settings.hpp"
 #include "slave_sim/scene_file.hpp"
 
 namespace thimble {
 namespace {
 
+using ::testing::AnyOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-using ReferenceKeys = std::map<std::string, KeyDeclaration>;
+using ReferenceKeys = std::vector<KeyDeclaration>;
+using ReadFile = void (*)(const ConfigFile& file);
 
-// A file in which only this key is set, to something that none of the types is.
-std::string file_with_date(const std::string& path) {
+struct FileKind {
+    ReferenceKeys keys;
+    ReadFile read;
+};
+
+std::vector<FileKind> kinds() {
+    return {{session_file_keys(), [](const ConfigFile& file) { read_system_settings(file); }},
+            {scene_file_keys(), [](const ConfigFile& file) { read_scene(file, "asked"); }},
+            {profile_file_keys(), [](const ConfigFile& file) { read_profile(file, "asked", {}); }}};
+}
+
+// A file in which only this key is set.
+std::string file_with(const std::string& path, const std::string& value) {
     std::string open;
     std::string close;
     std::size_t from = 0;
@@ -30,11 +48,10 @@ std::string file_with_date(const std::string& path) {
         close.insert(0, list ? " }]" : " }");
         from = dot + 1;
     }
-    return fmt::format("{}{} = 2020-01-01{}", open, path.substr(from), close);
+    return fmt::format("{}{} = {}{}", open, path.substr(from), value, close);
 }
 
-template <class Read>
-std::string refusal_of(const std::string& text, const Read& read) {
+std::string refusal_of(const std::string& text, ReadFile read) {
     try {
         const ConfigFile file = ConfigFile::parse(text, "asked");
         read(file);
@@ -45,65 +62,99 @@ std::string refusal_of(const std::string& text, const Read& read) {
     return "";
 }
 
-const auto kReadScene = [](const ConfigFile& file) { read_scene(file, "asked"); };
-const auto kReadProfile = [](const ConfigFile& file) {
-    read_profile(file, "asked", [](std::string_view) { return std::string(); });
-};
-
-// Keys of a model are read once that model is chosen; all others by every file.
-bool always_read(const std::string& path) {
-    return path.find(".loss.") == std::string::npos && path.find("loss_burst") == std::string::npos &&
-           path.find("event[].") == std::string::npos;
+// A key of the type that the range leaves out.
+std::string beyond_range(const KeyDeclaration& key) {
+    if (!key.choices.empty()) return "'neither'";
+    if (key.low.empty()) return "2020-01-01";
+    const std::string beyond = key.types.back() == "whole number" ? fmt::format("{}", INT64_MIN) : "-1e300";
+    return key.types.front() == "list of numbers" ? "[" + beyond + "]" : beyond;
 }
 
-template <class Read>
-void expect_each_is_read(const ReferenceKeys& keys, const Read& read) {
-    for (const auto& [path, declared] : keys) {
-        if (!always_read(path) || declared.type.find("table") != std::string::npos) continue;
-        const std::string refusal = refusal_of(file_with_date(path), read);
-        EXPECT_THAT(refusal, HasSubstr("must be")) << path;
-        EXPECT_THAT(refusal, Not(HasSubstr("unknown"))) << path;
+TEST(ConfigReference, EachKeyIsReadAsItIsDescribed) {
+    for (const auto& [keys, read] : kinds()) {
+        EXPECT_GT(keys.size(), 30U);
+        for (const KeyDeclaration& key : keys) {
+            const std::string& path = key.path;
+            // An entry of a timeline needs a time beside; its keys are those of its link.
+            if (path.find("timeline[]") != std::string::npos || key.types.front().starts_with("table"))
+                continue;
+            SCOPED_TRACE(path);
+            EXPECT_NE(key.help, "");
+            const auto names_the_key = HasSubstr(path.substr(path.rfind('.') + 1) + "' ");
+            for (const std::string& value : {std::string("2020-01-01"), beyond_range(key)}) {
+                const std::string refusal = refusal_of(file_with(path, value), read);
+                EXPECT_THAT(refusal, names_the_key) << value;
+                EXPECT_THAT(refusal, AnyOf(HasSubstr(" must be "), HasSubstr(" must lie between "),
+                                           HasSubstr(" must hold "), HasSubstr(" has no effect with ")))
+                    << value;
+            }
+        }
+        EXPECT_THAT(refusal_of("vessel = [{ diametre_m = 1 }]", read), HasSubstr("unknown"));
     }
 }
 
-TEST(ConfigReference, EachKeyOfASceneIsRead) {
-    const ReferenceKeys keys = scene_file_keys();
-    EXPECT_GT(keys.size(), 30U);
-    expect_each_is_read(keys, kReadScene);
-    EXPECT_THAT(refusal_of("vessel = [{ diametre_m = 1 }]", kReadScene), HasSubstr("unknown"));
-    EXPECT_EQ(keys.count("vessel[].diametre_m"), 0U);
-}
-
-TEST(ConfigReference, EachKeyOfAProfileIsRead) {
-    const ReferenceKeys keys = profile_file_keys();
-    EXPECT_GT(keys.size(), 100U);
-    expect_each_is_read(keys, kReadProfile);
-}
-
-TEST(ConfigReference, AKeyWithoutADefaultShowsNone) {
-    const ReferenceKeys keys = scene_file_keys();
-    EXPECT_EQ(keys.at("fixture[].event[].position_m").fallback, "");
-    EXPECT_EQ(keys.at("fixture[].event[].after_contact_s").range, "0 to 1000000000");
-    EXPECT_EQ(keys.at("fixture[].event[].present").fallback, "false");
-    EXPECT_EQ(keys.at("vessel[].mass_kg").fallback, "0.01");
-    EXPECT_EQ(profile_file_keys().at("change[].loss.mean_burst").type, "number");
+// A program checks its own tables and leaves those of the others.
+TEST(ConfigReference, EveryProgramKnowsTheTablesOfASession) {
+    std::vector<std::string_view> tables;
+    const ReferenceKeys keys = session_file_keys();
+    for (const KeyDeclaration& key : keys) {
+        if (key.path.find('.') == std::string::npos) tables.push_back(key.path);
+    }
+    EXPECT_THAT(session_tables(), ::testing::UnorderedElementsAreArray(tables));
 }
 
 TEST(ConfigReference, UnitsComeFromTheNames) {
     EXPECT_EQ(unit_of_key("damping_Ns_per_m"), "N s/m");
     EXPECT_EQ(unit_of_key("position_m"), "m");
     EXPECT_EQ(unit_of_key("loss"), "");
-    for (const auto& [path, declared] : session_file_keys()) {
+    for (const KeyDeclaration& key : session_file_keys()) {
+        const std::string& path = key.path;
         if (path.find("_per_") == std::string::npos || path.ends_with("trials_per_modality")) continue;
         EXPECT_NE(unit_of_key(path).find('/'), std::string::npos) << path;
     }
 }
 
-TEST(ConfigReference, KeysOutsideOfTablesHaveAHeading) {
+TEST(ConfigReference, AsAPage) {
     const std::string page = keys_as_markdown(profile_file_keys());
-    EXPECT_THAT(page, HasSubstr("## Before the first table\n\n| key | type | unit | default | range |"));
+    EXPECT_THAT(page,
+                HasSubstr("## Before the first table\n\n| key | type | unit | default | range | meaning |"));
     EXPECT_THAT(page, HasSubstr("| `about` | text |"));
-    EXPECT_THAT(page, HasSubstr("## [down], [up]\n"));
+    EXPECT_THAT(page, HasSubstr("## [up], [down]\n"));
+    EXPECT_THAT(page, HasSubstr("| `delay_s` | number | s | `0` | 0 to 60 | Mean one-way delay"));
+    EXPECT_THAT(page, HasSubstr("| `rate_drop` | text |  | `\"tail\"` | `\"tail\"`, `\"head\"` |"));
+    EXPECT_THAT(keys_as_markdown(scene_file_keys()), Not(HasSubstr("nan")));
+}
+
+TEST(ConfigReference, AsJsonByPath) {
+    const auto keys = nlohmann::json::parse(keys_as_json(session_file_keys()));
+    EXPECT_EQ(keys["netem.force.loss"]["type"], "number or table");
+    EXPECT_EQ(keys["netem.force.delay_s"]["range"], "0 to 60");
+}
+
+TEST(ConfigReference, AsASchema) {
+    const auto session = nlohmann::json::parse(keys_as_schema(session_file_keys()));
+    EXPECT_EQ(session["$schema"], "https://json-schema.org/draft/2020-12/schema");
+    EXPECT_EQ(session["additionalProperties"], false);
+    const auto& tables = session["properties"];
+    const auto& force = tables["netem"]["properties"]["force"];
+    EXPECT_EQ(force["additionalProperties"], false);
+    const auto& delay = force["properties"]["delay_s"];
+    EXPECT_EQ(delay["type"], "number");
+    EXPECT_EQ(delay["minimum"], 0);
+    EXPECT_EQ(delay["maximum"], 60);
+    EXPECT_EQ(delay["default"], 0);
+    EXPECT_THAT(delay["description"].get<std::string>(), HasSubstr("delay"));
+    const auto& loss = force["properties"]["loss"];
+    EXPECT_THAT(loss["type"], ElementsAre("number", "object"));
+    EXPECT_EQ(loss["maximum"], 1);
+    EXPECT_EQ(loss["properties"]["p13"]["maximum"], 1);
+    EXPECT_EQ(tables["session"]["properties"]["seed"]["type"], "integer");
+    EXPECT_EQ(tables["session"]["properties"]["delays_s"]["items"]["maximum"], 60);
+    EXPECT_THAT(tables["cutaneous"]["properties"]["device"]["enum"],
+                ElementsAre("simulated", "board", "drives"));
+    const auto tissue = nlohmann::json::parse(keys_as_schema(scene_file_keys()))["properties"]["tissue"];
+    EXPECT_THAT(tissue["type"], ElementsAre("object", "array"));
+    EXPECT_EQ(tissue["items"]["properties"], tissue["properties"]);
 }
 
 }  // namespace
