@@ -51,7 +51,7 @@ def write_commands(programs, out):
         f'3 network, 4 real time, 5 data.\n\n{listed}\n\n```{{toctree}}\n:hidden:\n\n{entries}\n```\n')
 
 
-# Page, kind of thimble config reference, title, where it says what each key means.
+# Page, kind of thimble config reference, title, where there is more about the keys.
 KEY_PAGES = [('keys', 'session', 'Every key of a session file', '[session files](../session-files.md), [the network](../network.md#keys)'),
              ('scene-keys', 'scene', 'Every key of a scene file', '[scenes](../scenes.md)'),
              ('profile-keys', 'profile', 'Every key of a network profile',
@@ -61,7 +61,7 @@ KEY_PAGES = [('keys', 'session', 'Every key of a session file', '[session files]
 def write_keys(programs, out):
     for page, kind, title, meanings in KEY_PAGES:
         (out / f'{page}.md').write_text(
-            f'# {title}\n\nAs the programs read them (`thimble config reference --kind {kind}`). What each means: {meanings}.\n'
+            f'# {title}\n\nAs the programs read them (`thimble config reference --kind {kind}`). More about them: {meanings}.\n'
             '`[table[]]` may stand several times, as `[[table]]`. Others: '
             + ', '.join(f'[{kind_of} files]({other}.md)' for other, kind_of, *_ in KEY_PAGES if other != page) + '.\n\n'
             + said_by([programs / 'thimble', 'config', 'reference', '--kind', kind]))
