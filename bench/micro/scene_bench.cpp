@@ -8,7 +8,7 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "slave_sim/elements/tissue_table.hpp"
+#include "slave_sim/element_types.hpp"
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"

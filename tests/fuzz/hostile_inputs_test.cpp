@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "common/random.hpp"
-#include "common/security/key_message.hpp"
+#include "common/security/key_ring.hpp"
 #include "common/security/sealing.hpp"
 #include "tests/fuzz/checks.hpp"
 #include "tests/read_text.hpp"
