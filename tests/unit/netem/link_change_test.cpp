@@ -45,11 +45,9 @@ TEST(LinkChange, MayChangeTheOrder) {
     link.push(at(milliseconds{1}), NumberedPacket(1).bytes());
     link.change(at(milliseconds{2}), delayed(milliseconds{3}));
     link.push(at(milliseconds{2}), NumberedPacket(2).bytes());
-    std::vector<Arrival> arrivals;
-    drain(link, at(seconds{1}), arrivals);
-    const std::vector<Arrival> expected{
-        {1, at(milliseconds{2})}, {0, at(milliseconds{20})}, {2, at(milliseconds{20})}};
-    EXPECT_EQ(arrivals, expected);
+    EXPECT_EQ(drained(link),
+              (std::vector<Arrival>{
+                  {1, at(milliseconds{2})}, {0, at(milliseconds{20})}, {2, at(milliseconds{20})}}));
 }
 
 TEST(LinkChange, DoesNotShiftTheFatesOfLaterPackets) {
@@ -84,8 +82,7 @@ TEST(LinkChange, WhatWaitsGoesAtTheNewRate) {
     for (const double after : {16e6, 1.6e5, 0.0}) {
         LinkModel link(limited(1.6e6), kKey, 0, {{milliseconds{2} + Duration{500'000}, limited(after)}});
         for (std::uint32_t i = 0; i < 5; ++i) link.push(at({}), NumberedPacket(i).bytes());
-        std::vector<Arrival> arrivals;
-        drain(link, at(seconds{1}), arrivals);
+        auto arrivals = drained(link);
         ASSERT_EQ(arrivals.size(), 5U);
         const Duration each = after > 0 ? from_seconds(1600 / after) : Duration::zero();
         EXPECT_EQ(arrivals[2].time, at(milliseconds{3}));
@@ -103,15 +100,13 @@ TEST(LinkChange, CommandChangesAQueueInTheMiddle) {
         for (std::uint32_t i = 0; i < 5; ++i) link.push(start, NumberedPacket(i).bytes());
         link.change(start + change, limited(after));
         EXPECT_EQ(link.next_due(), start + milliseconds{1});  // sent before, and not yet fetched
-        std::vector<Arrival> arrivals;
-        drain(link, start + seconds{1}, arrivals);
+        auto arrivals = drained(link);
         const Duration each = after > 0 ? from_seconds(1600 / after) : Duration::zero();
-        const std::vector<Arrival> expected{{0, start + milliseconds{1}},
-                                            {1, start + milliseconds{2}},
-                                            {2, start + milliseconds{3}},
-                                            {3, start + milliseconds{3} + each},
-                                            {4, start + milliseconds{3} + 2 * each}};
-        EXPECT_EQ(arrivals, expected);
+        EXPECT_EQ(arrivals, (std::vector<Arrival>{{0, start + milliseconds{1}},
+                                                  {1, start + milliseconds{2}},
+                                                  {2, start + milliseconds{3}},
+                                                  {3, start + milliseconds{3} + each},
+                                                  {4, start + milliseconds{3} + 2 * each}}));
     }
 }
 
@@ -125,10 +120,7 @@ TEST(LinkChange, WhatWaitsForASlotGoesWhenSlotsEnd) {
     EXPECT_EQ(link.next_due(), at(milliseconds{11}));
     link.change(at(milliseconds{4}), delayed(milliseconds{1}));
     EXPECT_EQ(link.next_due(), at(milliseconds{5}));
-    std::vector<Arrival> arrivals;
-    drain(link, at(seconds{1}), arrivals);
-    const std::vector<Arrival> expected{{0, at(milliseconds{5})}, {1, at(milliseconds{5})}};
-    EXPECT_EQ(arrivals, expected);
+    EXPECT_EQ(drained(link), (std::vector<Arrival>{{0, at(milliseconds{5})}, {1, at(milliseconds{5})}}));
 }
 
 // A link whose last waiting packet has just gone is a link without a transmitter.
@@ -144,9 +136,9 @@ TEST(LinkChange, NoPacketIsStuckWhereARateWasRemoved) {
         link.push(at(milliseconds{3}), NumberedPacket(2).bytes());
         drain(link, at(seconds{1}), arrivals);
         EXPECT_EQ(link.in_flight(), 0U);
-        const std::vector<Arrival> expected{
-            {0, at(milliseconds{1})}, {1, at(milliseconds{7})}, {2, at(milliseconds{8})}};
-        EXPECT_EQ(arrivals, expected);
+        EXPECT_EQ(arrivals,
+                  (std::vector<Arrival>{
+                      {0, at(milliseconds{1})}, {1, at(milliseconds{7})}, {2, at(milliseconds{8})}}));
     }
 }
 
@@ -164,10 +156,7 @@ TEST(LinkChange, ASmallerCapacityLetsNobodyLeaveEarly) {
     link.push(at(milliseconds{3}), NumberedPacket(2).bytes());
     EXPECT_EQ(link.counters().overflowed, 1U);
     EXPECT_EQ(link.counters().queue_full, 0U);
-    std::vector<Arrival> arrivals;
-    drain(link, at(seconds{1}), arrivals);
-    const std::vector<Arrival> expected{{0, at(milliseconds{20})}, {1, at(milliseconds{30})}};
-    EXPECT_EQ(arrivals, expected);
+    EXPECT_EQ(drained(link), (std::vector<Arrival>{{0, at(milliseconds{20})}, {1, at(milliseconds{30})}}));
 }
 
 // 200 bytes take 10 ms. Opportunities that pass while a packet is still being sent are lost.

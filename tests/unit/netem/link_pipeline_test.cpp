@@ -174,16 +174,6 @@ TEST(LinkPipeline, MillionFatesAreTheSameForTheSameSeedWhateverTheTiming) {
     EXPECT_EQ(hash, 15637353813777741995U);
 }
 
-TEST(LinkPipeline, FatesDifferBetweenSeedsAndDirections) {
-    const LinkSettings settings = eventful();
-    StreamKey other = kKey;
-    ++other.study;
-    LinkModel links[]{{settings, kKey, 1}, {settings, other, 1}, {settings, kKey, 2}};
-    const auto first = transmit(links[0], 300);
-    EXPECT_NE(transmit(links[1], 300), first);
-    EXPECT_NE(transmit(links[2], 300), first);
-}
-
 // The whole link, not only its draws: pushed at other times each packet meets the same fate.
 TEST(LinkPipeline, RealAndVirtualTimingAgree) {
     LinkModel regular(eventful(), kKey, 1);

@@ -51,6 +51,13 @@ inline void drain(LinkModel& link, SessionTime end, std::vector<Arrival>& arriva
     }
 }
 
+// Everything that comes out from now on.
+inline std::vector<Arrival> drained(LinkModel& link) {
+    std::vector<Arrival> arrivals;
+    drain(link, kNever - Duration{1}, arrivals);
+    return arrivals;
+}
+
 // `count` packets, one per period from time 0, and everything that comes out.
 inline std::vector<Arrival> transmit(LinkModel& link, std::uint32_t count, Duration period = kMillisecond) {
     std::vector<Arrival> arrivals;

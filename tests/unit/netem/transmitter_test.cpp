@@ -20,21 +20,6 @@ LinkSettings slow(std::size_t queue_packets = 0, Drop drop = Drop::kTail) {
     return settings;
 }
 
-TEST(Transmitter, PacketsLeaveOneAfterTheOther) {
-    LinkModel link(slow(), kKey, 0);
-    for (std::uint32_t i = 0; i < 4; ++i) link.push(at({}), NumberedPacket(i).bytes());
-    std::vector<Arrival> arrivals;
-    drain(link, at(milliseconds{100}), arrivals);
-    link.push(at(milliseconds{100}), NumberedPacket(4).bytes());  // idle again
-    drain(link, at(milliseconds{200}), arrivals);
-    const std::vector<Arrival> expected{{0, at(milliseconds{6})},
-                                        {1, at(milliseconds{7})},
-                                        {2, at(milliseconds{8})},
-                                        {3, at(milliseconds{9})},
-                                        {4, at(milliseconds{106})}};
-    EXPECT_EQ(arrivals, expected);
-}
-
 TEST(Transmitter, NextDueIsExactInOrder) {
     LinkModel link(slow(), kKey, 0);
     for (std::uint32_t i = 0; i < 10; ++i) link.push(at(i * microseconds{300}), NumberedPacket(i).bytes());

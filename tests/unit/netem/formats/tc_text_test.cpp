@@ -170,12 +170,18 @@ TEST(TcWords, RefusalsSayWhatAndWhy) {
 }
 
 TEST(TcUnits, RatesAndSizesAreTcs) {
-    EXPECT_EQ(parse_tc_rate("1mbit"), 1e6);
-    EXPECT_EQ(parse_tc_rate("1Mibit"), 1048576.0);
-    EXPECT_EQ(parse_tc_rate("125kbps"), 1e6);
-    EXPECT_EQ(parse_tc_rate("1000"), 1000.0);
-    EXPECT_EQ(parse_tc_size("64k"), 65536U);
-    EXPECT_EQ(parse_tc_size("8kbit"), 1024U);
+    for (const auto& [word, bits_per_s] : {std::pair{"1mbit", 1e6},
+                                           {"1Mibit", 1048576.0},
+                                           {"125kbps", 1e6},
+                                           {"1kibps", 8192.0},
+                                           {"1000", 1000.0}})
+        EXPECT_EQ(parse_tc_rate(word), bits_per_s) << word;
+    for (const auto& [word, bytes] :
+         {std::pair{"64k", 65536U}, {"8kbit", 1024U}, {"3b", 3U}, {"2gb", 2147483648U}})
+        EXPECT_EQ(parse_tc_size(word), bytes) << word;
+    for (const char* word : {"1ibit", "1kxbit", "1kib", "1k", "2tbit"})
+        EXPECT_FALSE(parse_tc_rate(word)) << word;
+    for (const char* word : {"8bit", "0t", "1bb", "1kib", "5g"}) EXPECT_FALSE(parse_tc_size(word)) << word;
     EXPECT_EQ(parse_tc_time("100", Duration{1}), Duration{100});
     EXPECT_EQ(parse_tc_time("100ns", microseconds{1}), Duration{100});
     for (const char* word : {"", "ms", "1xs", "nan", "inf", "-1", "1e999", "0x10"}) {
