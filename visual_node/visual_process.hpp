@@ -7,8 +7,7 @@
 #include "common/node_process.hpp"
 #include "common/stale_record.hpp"
 #include "visual_node/display.hpp"
-#include "visual_node/go_on_request.hpp"
-#include "visual_node/hand_flow.hpp"
+#include "visual_node/person_flows.hpp"
 #include "visual_node/visual_node.hpp"
 
 namespace thimble {

@@ -53,15 +53,13 @@ class Studio {
           title_(std::move(title)) {}
 
     Image shoot(const std::optional<Scene>& scene, double time_s) {
-        const auto channel = [](std::uint8_t level) { return static_cast<float>(level) / 255; };
-        const auto [red, green, blue] = colours::kBackground;
         window_.poll_events();
-        window_.begin_frame(channel(red), channel(green), channel(blue));
+        window_.begin_frame(colours::kBackground);
         std::optional<Picture> picture;
         if (scene) picture = picture_of(*scene, {window_.width(), window_.height(), 1});
         if (picture) painter_.paint(*picture);
         gui_.begin();
-        if (picture) draw_bar_scale(*picture);
+        if (picture) draw_over_tissue(*picture);
         draw_notice(fmt::format("{}   {:6.2f} s", title_, time_s), window_.width());
         gui_.end();
         Image image = window_.read_pixels();

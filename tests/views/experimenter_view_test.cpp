@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/views/demonstration.hpp"
+#include "tests/views/fake_session.hpp"
 #include "tests/views/view_bench.hpp"
 #include "visual_node/views/experimenter_panels.hpp"
 
@@ -56,7 +56,7 @@ void click_control(ViewBench& bench, int row, int column, int columns) {
 
 TEST_F(ExperimenterView, ShowsTheFixtureAtItsPlaceAndTheOscillationWhole) {
     ViewBench bench;
-    TalkingSession session(bench.base_port(), 1, kDemonstrationContact_s + 1);
+    FakeSession session(bench.base_port(), 1, kDemonstrationContact_s + 1);
     ASSERT_TRUE(bench.ready());
     view_sleep(2);
     const Image image = bench.end();
@@ -81,20 +81,20 @@ TEST_F(ExperimenterView, ShowsTheFixtureAtItsPlaceAndTheOscillationWhole) {
 TEST_F(ExperimenterView, SaysInRedThatTheSessionIsSilentAndHearsTheNextOne) {
     ViewBench bench;
     {
-        TalkingSession session(bench.base_port(), 1, 4);
+        FakeSession session(bench.base_port(), 1, 4);
         ASSERT_TRUE(bench.ready());
         ASSERT_TRUE(bench.screen().type("p"));
-        ASSERT_TRUE(session.wait_for(OrderKind::kPause));
+        ASSERT_TRUE(wait_for(session, OrderKind::kPause));
     }
     view_sleep(1.5);  // the session has gone; the next one is another
-    TalkingSession next(bench.base_port(), 2, 4);
+    FakeSession next(bench.base_port(), 2, 4);
     ASSERT_TRUE(bench.screen().type("p"));  // it is not paused, and the view has seen that
     view_sleep(1);
     EXPECT_FALSE(alarmed(bench.end()));
     EXPECT_GT(next.count(OrderKind::kPause) + next.count(OrderKind::kResume), 0);
     ViewBench lonely;
     {
-        TalkingSession session(lonely.base_port(), 3, 4);
+        FakeSession session(lonely.base_port(), 3, 4);
         ASSERT_TRUE(lonely.ready());
         view_sleep(0.5);
     }
@@ -106,33 +106,33 @@ TEST_F(ExperimenterView, SaysInRedThatTheSessionIsSilentAndHearsTheNextOne) {
 
 TEST_F(ExperimenterView, EveryKeyAsksTheSession) {
     ViewBench bench;
-    TalkingSession session(bench.base_port(), 1, 4);
+    FakeSession session(bench.base_port(), 1, 4);
     ASSERT_TRUE(bench.ready());
     ASSERT_TRUE(bench.screen().type("8"));
-    ASSERT_TRUE(session.wait_for(OrderKind::kNetwork));
+    ASSERT_TRUE(wait_for(session, OrderKind::kNetwork));
     EXPECT_EQ(session.last(OrderKind::kNetwork)->network.view(), "leo");
     view_sleep(0.1);  // until its delay shows
     // Held as a finger would: ImGui asks at each frame whether an arrow is down.
     ASSERT_TRUE(bench.screen().hand({"keydown", "Right"}));
     view_sleep(0.15);
     ASSERT_TRUE(bench.screen().hand({"keyup", "Right"}));
-    ASSERT_TRUE(session.wait_for(OrderKind::kDelay));
+    ASSERT_TRUE(wait_for(session, OrderKind::kDelay));
     EXPECT_TRUE(wait_until([&] { return std::abs(session.last(OrderKind::kDelay)->value - 0.023) < 1e-9; }));
     ASSERT_TRUE(bench.screen().type("p"));
-    EXPECT_TRUE(session.wait_for(OrderKind::kPause));
+    EXPECT_TRUE(wait_for(session, OrderKind::kPause));
     view_sleep(0.3);
     ASSERT_TRUE(bench.screen().type("p"));
-    EXPECT_TRUE(session.wait_for(OrderKind::kResume));
+    EXPECT_TRUE(wait_for(session, OrderKind::kResume));
     ASSERT_TRUE(bench.screen().type("r"));
-    EXPECT_TRUE(session.wait_for(OrderKind::kRepeat, 5));
+    EXPECT_TRUE(wait_for(session, OrderKind::kRepeat, 5));
     EXPECT_EQ(session.last(OrderKind::kRepeat)->trial, 4U);
     ASSERT_TRUE(bench.screen().type("xnxy"));
-    EXPECT_TRUE(session.wait_for(OrderKind::kExclude, 5));
+    EXPECT_TRUE(wait_for(session, OrderKind::kExclude, 5));
     ASSERT_TRUE(bench.screen().type("e"));
-    EXPECT_TRUE(session.wait_for(OrderKind::kEndTrial));
+    EXPECT_TRUE(wait_for(session, OrderKind::kEndTrial));
     view_sleep(0.3);
     ASSERT_TRUE(bench.screen().type("4s"));
-    ASSERT_TRUE(session.wait_for(OrderKind::kStart));
+    ASSERT_TRUE(wait_for(session, OrderKind::kStart));
     EXPECT_EQ(session.last(OrderKind::kStart)->modality, Modality::kVF);
     view_sleep(0.5);
     EXPECT_EQ(session.count(OrderKind::kExclude), 5);  // the one that was answered with No was never sent
@@ -141,10 +141,10 @@ TEST_F(ExperimenterView, EveryKeyAsksTheSession) {
 
 TEST_F(ExperimenterView, ButtonsAndSliderAskTheSession) {
     ViewBench bench;
-    TalkingSession session(bench.base_port(), 1, 4);
+    FakeSession session(bench.base_port(), 1, 4);
     ASSERT_TRUE(bench.ready());
     click_control(bench, kSliderRow, 0, 1);
-    ASSERT_TRUE(session.wait_for(OrderKind::kDelay));
+    ASSERT_TRUE(wait_for(session, OrderKind::kDelay));
     EXPECT_NEAR(session.last(OrderKind::kDelay)->value, 0.25, 0.02);
     click_control(bench, kNetworkRow + 1, 2, kNetworksPerRow);
     EXPECT_TRUE(wait_until([&] {
@@ -164,16 +164,16 @@ TEST_F(ExperimenterView, ButtonsAndSliderAskTheSession) {
     const Rect question{190, 258, 420, 84};
     const Rect yes = control_cell(question, 1, 1, 0, 2);
     ASSERT_TRUE(bench.screen().click(static_cast<int>(yes.x + 20), static_cast<int>(yes.y + 10)));
-    EXPECT_TRUE(session.wait_for(OrderKind::kExclude));
+    EXPECT_TRUE(wait_for(session, OrderKind::kExclude));
 }
 
 TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
     ViewBench bench;
-    TalkingSession session(bench.base_port(), 1, 4);
+    FakeSession session(bench.base_port(), 1, 4);
     session.obey(false);
     ASSERT_TRUE(bench.ready());
     ASSERT_TRUE(bench.screen().type("p"));
-    ASSERT_TRUE(session.wait_for(OrderKind::kPause, 20));
+    ASSERT_TRUE(wait_for(session, OrderKind::kPause, 20));
     view_sleep(2.5);
     EXPECT_LE(session.count(OrderKind::kPause), 41);
     session.fail(
@@ -190,7 +190,7 @@ TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
 
 TEST_F(ExperimenterView, ListsEveryKey) {
     ViewBench bench;
-    TalkingSession session(bench.base_port(), 1, 4);
+    FakeSession session(bench.base_port(), 1, 4);
     ASSERT_TRUE(bench.ready());
     ASSERT_TRUE(bench.screen().type("?"));
     view_sleep(0.5);
@@ -208,7 +208,7 @@ TEST_F(ExperimenterView, ListsEveryKey) {
 TEST_F(ExperimenterView, FollowsTheWindowsSizeAndTheMonitorsScale) {
     {
         ViewBench bench;
-        TalkingSession session(bench.base_port(), 1, 4);
+        FakeSession session(bench.base_port(), 1, 4);
         ASSERT_TRUE(bench.ready());
         ASSERT_TRUE(bench.screen().resize(1100, 700));
         view_sleep(0.7);
@@ -218,7 +218,7 @@ TEST_F(ExperimenterView, FollowsTheWindowsSizeAndTheMonitorsScale) {
         expect_fixture_at_its_place(image, 1);
     }
     ViewBench twice({"--width", "600", "--height", "480", "--scale", "2"});
-    TalkingSession session(twice.base_port(), 1, 4);
+    FakeSession session(twice.base_port(), 1, 4);
     ASSERT_TRUE(twice.ready());
     view_sleep(0.7);
     const Image image = twice.end();

@@ -22,7 +22,7 @@ constexpr const char* kMouseSession =
     "next_by = 'subject'\n"
     "[instructions]\nready_title = 'Bereit?'\nready = 'Versuch {trial} von {trials}'\n";
 
-class SessionWithAMouse : public testing::Test {
+class SessionWithAMouse : public OnAScreen {
   protected:
     // Where nobody types.
     Child start(const std::string& more = "") const {
@@ -52,9 +52,7 @@ class SessionWithAMouse : public testing::Test {
 };
 
 TEST_F(SessionWithAMouse, IsCutAndGoesOn) {
-    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
-    VirtualScreen screen;
-    ASSERT_TRUE(screen.ready());
+    VirtualScreen& screen = *screen_;
     const auto practice = trajectory(1, 1001), real = trajectory(2, 1);
     const auto insert_and_withdraw = [&](const std::filesystem::path& trial, std::size_t records_then) {
         // On a crowded machine the whole trial may be over between two looks.
@@ -96,13 +94,10 @@ TEST_F(SessionWithAMouse, IsCutAndGoesOn) {
 }
 
 TEST_F(SessionWithAMouse, AScreenThatGoesAwayStopsItInOrder) {
-    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
-    std::optional<VirtualScreen> screen(std::in_place);
-    ASSERT_TRUE(screen->ready());
     Child run = start();
-    ASSERT_TRUE(screen->wait_for_window("Thimble")) << words();
-    ASSERT_TRUE(begins(*screen, trajectory(1, 1001))) << words();
-    screen.reset();
+    ASSERT_TRUE(screen_->wait_for_window("Thimble")) << words();
+    ASSERT_TRUE(begins(*screen_, trajectory(1, 1001))) << words();
+    screen_.reset();
     EXPECT_EQ(run.wait(kPatience), 3) << words();
     // The second in the window's words, or in those of Xlib, where the screen is still on its way out.
     EXPECT_THAT(words(), testing::AnyOf(testing::HasSubstr("no screen"), testing::HasSubstr("X server")));
@@ -111,6 +106,7 @@ TEST_F(SessionWithAMouse, AScreenThatGoesAwayStopsItInOrder) {
 }
 
 TEST_F(SessionWithAMouse, WithoutAScreenIsRefusedBeforeAnythingIsWritten) {
+    screen_.reset();
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
     Child run = start();

@@ -18,14 +18,8 @@ namespace {
 
 constexpr const char* kThimble = THIMBLE_BIN_DIR "/thimble";
 
-class PlayInAWindow : public testing::Test {
+class PlayInAWindow : public OnAScreen {
   protected:
-    void SetUp() override {
-        if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
-        screen_.emplace();
-        ASSERT_TRUE(screen_->ready());
-    }
-
     // As a finger would: ImGui asks at each frame whether an arrow is down.
     bool hold(const std::string& key) const {
         if (!screen_->hand({"keydown", key})) return false;
@@ -79,7 +73,6 @@ class PlayInAWindow : public testing::Test {
 
     Folder folder_;
     PortBlock ports_;
-    std::optional<VirtualScreen> screen_;
 };
 
 TEST_F(PlayInAWindow, AMouseMovesTheNeedleAKeyStartsAnotherTrialAndClosingEndsAll) {

@@ -8,7 +8,7 @@
 
 #include "common/runtime/wall_clock.hpp"
 #include "tests/unit/views/played_session.hpp"
-#include "tests/views/demonstration.hpp"
+#include "tests/views/fake_session.hpp"
 #include "tests/views/view_bench.hpp"
 
 namespace thimble {
@@ -26,7 +26,7 @@ class PlayerWindow {
             if (talking) talk(now);
             window_.poll_events();
             panel_.tick(now);
-            window_.begin_frame(0, 0, 0);
+            window_.begin_frame(kBlack);
             gui_.begin();
             panel_.draw(now, {window_, gui_, nullptr});
             gui_.end();
@@ -69,10 +69,9 @@ class PlayerWindow {
     double told_ms_ = 0;
 };
 
-TEST(PlayerPanel, ShowsTheLastSecondsAndNeverTheFixture) {
-    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
-    VirtualScreen screen;
-    ASSERT_TRUE(screen.ready());
+using PlayerPanelTest = OnAScreen;
+
+TEST_F(PlayerPanelTest, ShowsTheLastSecondsAndNeverTheFixture) {
     PlayerWindow player;
     player.run(1.5);
     const Image& image = player.image();
@@ -87,33 +86,27 @@ TEST(PlayerPanel, ShowsTheLastSecondsAndNeverTheFixture) {
     EXPECT_GT(count_pixels(player.image(), panel, kVermillion), 50);  // silence, in red
 }
 
-TEST(PlayerPanel, KeysAskTheSession) {
-    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
-    VirtualScreen screen;
-    ASSERT_TRUE(screen.ready());
+TEST_F(PlayerPanelTest, KeysAskTheSession) {
     PlayerWindow player;
     player.run(0.3);
-    ASSERT_TRUE(screen.wait_for_window("panel under test"));
-    ASSERT_TRUE(screen.hand({"key", "3"}));
+    ASSERT_TRUE(screen_->wait_for_window("panel under test"));
+    ASSERT_TRUE(screen_->hand({"key", "3"}));
     player.run(0.3);
     EXPECT_TRUE(player.asked(OrderKind::kStart, [](const Order& o) { return o.modality == Modality::kCCF; }));
-    ASSERT_TRUE(screen.hand({"key", "5"}));
+    ASSERT_TRUE(screen_->hand({"key", "5"}));
     player.run(0.3);
     EXPECT_TRUE(
         player.asked(OrderKind::kNetwork, [](const Order& o) { return o.network.view() == "ideal"; }));
-    ASSERT_TRUE(screen.hand({"key", "plus"}));
+    ASSERT_TRUE(screen_->hand({"key", "plus"}));
     player.run(0.3);
     EXPECT_TRUE(player.asked(OrderKind::kDelay, [](const Order& o) { return o.value > 0; }));
 }
 
-TEST(PlayerPanel, WithSocketsOfItsOwnItAsksARealSession) {
-    if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
-    VirtualScreen screen;
-    ASSERT_TRUE(screen.ready());
+TEST_F(PlayerPanelTest, WithSocketsOfItsOwnItAsksARealSession) {
     const PortBlock ports;
     NetworkSettings network;
     network.base_port = ports.base();
-    TalkingSession session(ports.base(), 1, 4);
+    FakeSession session(ports.base(), 1, 4);
     const auto overlay = std::make_unique<PlayerOverlay>(5, network);
     GlWindow window(PlayerWindow::settings());
     GuiLayer gui(window);
@@ -121,15 +114,15 @@ TEST(PlayerPanel, WithSocketsOfItsOwnItAsksARealSession) {
         const SessionTime now = wall_now();
         window.poll_events();
         overlay->tick(now);
-        window.begin_frame(0, 0, 0);
+        window.begin_frame(kBlack);
         gui.begin();
         overlay->draw(now, {window, gui, nullptr});
         gui.end();
         window.end_frame();
     };
     frame();
-    ASSERT_TRUE(screen.wait_for_window("panel under test"));
-    ASSERT_TRUE(screen.press("4"));
+    ASSERT_TRUE(screen_->wait_for_window("panel under test"));
+    ASSERT_TRUE(screen_->press("4"));
     EXPECT_TRUE(wait_until([&] {
         frame();
         const auto start = session.last(OrderKind::kStart);
@@ -143,9 +136,9 @@ TEST(PlayerPanel, WithSocketsOfItsOwnItAsksARealSession) {
         return delay && std::abs(delay->value - 0.25) < 0.03;
     };
     for (int y = 20; y < 90 && !half(); y += 8) {
-        ASSERT_TRUE(screen.hand({"mousemove", std::to_string(x), std::to_string(y), "mousedown", "1"}));
+        ASSERT_TRUE(screen_->hand({"mousemove", std::to_string(x), std::to_string(y), "mousedown", "1"}));
         for (int i = 0; i < 4; ++i) frame();
-        ASSERT_TRUE(screen.hand({"mouseup", "1"}));
+        ASSERT_TRUE(screen_->hand({"mouseup", "1"}));
         for (int i = 0; i < 4; ++i) frame();
         view_sleep(0.05);
     }

@@ -16,49 +16,8 @@ constexpr int kColourTolerance = 12;
 
 }  // namespace
 
-TalkingSession::TalkingSession(std::uint16_t base_port, std::uint64_t instance, double ahead_s)
-    : session_(base_port, instance, wall_now() - from_seconds(ahead_s)),
-      thread_([this](const std::stop_token& stop) {
-          while (!stop.stop_requested()) {
-              {
-                  const std::scoped_lock lock(mutex_);
-                  session_.tick(wall_now());
-              }
-              wall_sleep(std::chrono::milliseconds{2});
-          }
-      }) {}
-
-TalkingSession::~TalkingSession() {
-    thread_.request_stop();
-    thread_.join();
-}
-
-int TalkingSession::count(OrderKind kind) {
-    const std::scoped_lock lock(mutex_);
-    return session_.count(kind);
-}
-
-std::optional<Order> TalkingSession::last(OrderKind kind) {
-    const std::scoped_lock lock(mutex_);
-    const auto& heard = session_.heard();
-    const auto found =
-        std::find_if(heard.rbegin(), heard.rend(), [kind](const Order& order) { return order.kind == kind; });
-    if (found == heard.rend()) return std::nullopt;
-    return *found;
-}
-
-bool TalkingSession::wait_for(OrderKind kind, int count_wanted) {
-    return wait_until([&] { return count(kind) >= count_wanted; });
-}
-
-void TalkingSession::obey(bool obeys) {
-    const std::scoped_lock lock(mutex_);
-    session_.obey(obeys);
-}
-
-void TalkingSession::fail(std::string_view words) {
-    const std::scoped_lock lock(mutex_);
-    session_.fail(words);
+bool wait_for(FakeSession& session, OrderKind kind, int count) {
+    return wait_until([&] { return session.count(kind) >= count; });
 }
 
 ViewBench::ViewBench(const std::vector<std::string>& more_arguments) {

@@ -1,10 +1,7 @@
 // The real experimenter's view on a screen of its own, a session that talks to it, and what its last frame shows.
 #pragma once
 
-#include <functional>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include "common/process/child.hpp"
 #include "tests/views/fake_session.hpp"
@@ -14,25 +11,8 @@
 
 namespace thimble {
 
-// Talks in a thread of its own, so that it goes on while the test waits for xdotool.
-class TalkingSession {
-  public:
-    // The demonstration has been running for `ahead_s`.
-    TalkingSession(std::uint16_t base_port, std::uint64_t instance, double ahead_s);
-    ~TalkingSession();
-
-    int count(OrderKind kind);
-    // The last of this kind.
-    std::optional<Order> last(OrderKind kind);
-    bool wait_for(OrderKind kind, int count = 1);
-    void obey(bool obeys);
-    void fail(std::string_view words);
-
-  private:
-    std::mutex mutex_;
-    FakeSession session_;
-    std::jthread thread_;
-};
+// Until so many orders of this kind have come.
+bool wait_for(FakeSession& session, OrderKind kind, int count = 1);
 
 class ViewBench {
   public:

@@ -1,15 +1,18 @@
 // An X server without a screen for tests with real windows, and a person's keys and mouse by xdotool.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/loopback/workbench.hpp"
 #include "tests/window/x_server.hpp"
 
 namespace thimble {
 
-// The reason to skip such tests on this machine; empty: none. Empty: nothing.
+// The reason to skip such tests on this machine; empty: none.
 std::string missing_for_windows();
 
 class VirtualScreen {
@@ -30,6 +33,18 @@ class VirtualScreen {
     XServer server_;
     Folder folder_;
     std::string window_;
+};
+
+// A test with a screen of its own, which it may take away.
+class OnAScreen : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
+        screen_.emplace();
+        ASSERT_TRUE(screen_->ready());
+    }
+
+    std::optional<VirtualScreen> screen_;
 };
 
 }  // namespace thimble

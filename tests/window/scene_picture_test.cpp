@@ -35,12 +35,8 @@ Scene seen(Modality modality, const ForceFeedback& feedback) {
 }
 
 // A window, and the picture of a scene in it.
-class ScenePicture : public testing::Test {
+class ScenePicture : public WithXServer {
   protected:
-    void SetUp() override {
-        if (!server_.missing().empty()) GTEST_SKIP() << server_.missing();
-    }
-
     static Image picture(const Scene& scene, int width = 800, int height = 600, double scale = 1) {
         WindowSettings settings;
         settings.content_scale = scale;
@@ -53,8 +49,6 @@ class ScenePicture : public testing::Test {
         display.draw(from_nanoseconds(1), scene);
         return loop.picture();
     }
-
-    XServer server_;
 };
 
 int count(const Image& image, const Rgb& colour, int y) {

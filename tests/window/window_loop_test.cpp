@@ -29,14 +29,15 @@ namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
-class WindowLoopTest : public testing::Test {
+class WindowLoopTest : public WithXServer {
   protected:
-    void SetUp() override {
-        if (!server_.missing().empty()) GTEST_SKIP() << server_.missing();
+    // A person's keys and mouse, by xdotool.
+    bool person(WindowLoop& loop, const std::vector<std::string>& words) const {
+        Child tool("xdotool", words, server_.folder() / "xdotool");
+        for (int i = 0; i < 200 && !tool.poll(); ++i) loop.turn();  // who moves waits for who shows
+        return tool.poll() == 0;
     }
-    XServer server_;
 };
 
 Scene scene_at(SessionTime arrived) {
@@ -141,7 +142,6 @@ TEST_F(WindowLoopTest, ClosedWindowEndsTheLoopAndNotTheNode) {
     EXPECT_EQ(display.unseen(), 1U);
 }
 
-// A person's click and motion, by xdotool.
 TEST_F(WindowLoopTest, MouseTakesTheHandMovesItAndLetsGo) {
     WindowSettings settings;
     settings.title = "hand under test";
@@ -149,23 +149,19 @@ TEST_F(WindowLoopTest, MouseTakesTheHandMovesItAndLetsGo) {
     WindowDisplay display(Duration::zero());
     PointerHand hand(1e-4);
     WindowLoop loop({&window, &display, &hand}, Duration::zero(), true);
-    const auto person = [&](std::vector<std::string> words) {
-        Child tool("xdotool", words, server_.folder() / "xdotool");
-        for (int i = 0; i < 200 && !tool.poll(); ++i) loop.turn();  // who moves waits for who shows
-        return tool.poll() == 0;
-    };
-    if (!person({"version"})) GTEST_SKIP() << "xdotool is not installed (deploy/packages.txt, [test])";
-    ASSERT_TRUE(person({"search", "--name", "hand under test", "windowfocus"}));
-    ASSERT_TRUE(person({"search", "--name", "hand under test", "mousemove", "--window", "%1", "400", "300"}));
+    if (!person(loop, {"version"})) GTEST_SKIP() << "xdotool is not installed (deploy/packages.txt, [test])";
+    ASSERT_TRUE(person(loop, {"search", "--name", "hand under test", "windowfocus"}));
+    ASSERT_TRUE(
+        person(loop, {"search", "--name", "hand under test", "mousemove", "--window", "%1", "400", "300"}));
     EXPECT_FALSE(hand.hand().engaged);
-    ASSERT_TRUE(person({"click", "1"}));
+    ASSERT_TRUE(person(loop, {"click", "1"}));
     for (int i = 0; i < 20; ++i) loop.turn();
     EXPECT_TRUE(hand.hand().engaged);
     const double before_m = hand.hand().position_hand_m;
-    ASSERT_TRUE(person({"mousemove_relative", "0", "60"}));
+    ASSERT_TRUE(person(loop, {"mousemove_relative", "0", "60"}));
     for (int i = 0; i < 20; ++i) loop.turn();
     EXPECT_NEAR(hand.hand().position_hand_m - before_m, 60e-4, 30e-4);
-    ASSERT_TRUE(person({"key", "Escape"}));
+    ASSERT_TRUE(person(loop, {"key", "Escape"}));
     for (int i = 0; i < 20; ++i) loop.turn();
     EXPECT_FALSE(hand.hand().engaged);
 }
@@ -196,17 +192,12 @@ TEST_F(WindowLoopTest, BackspaceIsAnEmergencyStopOnce) {
     GlWindow window{settings};
     WindowDisplay display(Duration::zero());
     WindowLoop loop({&window, &display}, Duration::zero(), true);
-    const auto person = [&](std::vector<std::string> words) {
-        Child tool("xdotool", words, server_.folder() / "xdotool");
-        for (int i = 0; i < 200 && !tool.poll(); ++i) loop.turn();
-        return tool.poll() == 0;
-    };
-    if (!person({"version"})) GTEST_SKIP() << "xdotool is not installed (deploy/packages.txt, [test])";
-    ASSERT_TRUE(person({"search", "--name", "stop under test", "windowfocus"}));
-    ASSERT_TRUE(person({"key", "space"}));
+    if (!person(loop, {"version"})) GTEST_SKIP() << "xdotool is not installed (deploy/packages.txt, [test])";
+    ASSERT_TRUE(person(loop, {"search", "--name", "stop under test", "windowfocus"}));
+    ASSERT_TRUE(person(loop, {"key", "space"}));
     for (int i = 0; i < 10; ++i) loop.turn();
     EXPECT_FALSE(display.take_stop());
-    ASSERT_TRUE(person({"key", "BackSpace"}));
+    ASSERT_TRUE(person(loop, {"key", "BackSpace"}));
     for (int i = 0; i < 20; ++i) loop.turn();
     EXPECT_TRUE(display.take_stop());
     EXPECT_FALSE(display.take_stop());

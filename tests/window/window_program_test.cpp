@@ -35,15 +35,15 @@ TEST(WindowProgram, RefusesToStartWithoutScreen) {
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("no screen: DISPLAY and WAYLAND_DISPLAY are not set"));
 }
 
-TEST(WindowProgram, ReportsItsFramesAndEndsBySignal) {
-    XServer server;
-    if (!server.missing().empty()) GTEST_SKIP() << server.missing();
-    const auto report = server.folder() / "report.json";
+using WindowProgramOnAScreen = WithXServer;
+
+TEST_F(WindowProgramOnAScreen, ReportsItsFramesAndEndsBySignal) {
+    const auto report = server_.folder() / "report.json";
     const PortBlock ports;
     Child visual(kProgram,
                  {"--view", "player", "--base-port", std::to_string(ports.base()), "--report", report},
-                 server.folder() / "log");
-    ASSERT_TRUE(wait_for_words(server.folder() / "log", "ready"));
+                 server_.folder() / "log");
+    ASSERT_TRUE(wait_for_words(server_.folder() / "log", "ready"));
     wall_sleep(milliseconds{500});
     visual.signal(SIGTERM);
     ASSERT_EQ(visual.wait(seconds{20}), 0) << visual.last_lines();
@@ -53,17 +53,15 @@ TEST(WindowProgram, ReportsItsFramesAndEndsBySignal) {
     EXPECT_EQ(json["window"]["hand_to_swap"]["count"], 0);  // no trial
 }
 
-TEST(WindowProgram, OutlivesItsScreen) {
-    XServer server;
-    if (!server.missing().empty()) GTEST_SKIP() << server.missing();
-    const auto report = server.folder() / "report.json";
+TEST_F(WindowProgramOnAScreen, OutlivesItsScreen) {
+    const auto report = server_.folder() / "report.json";
     const PortBlock ports;
     Child visual(kProgram, {"--window", "--base-port", std::to_string(ports.base()), "--report", report},
-                 server.folder() / "log");
-    ASSERT_TRUE(wait_for_words(server.folder() / "log", "ready"));
+                 server_.folder() / "log");
+    ASSERT_TRUE(wait_for_words(server_.folder() / "log", "ready"));
     wall_sleep(milliseconds{300});
-    server.kill();
-    EXPECT_TRUE(wait_for_words(server.folder() / "log", "the node goes on"));
+    server_.kill();
+    EXPECT_TRUE(wait_for_words(server_.folder() / "log", "the node goes on"));
     wall_sleep(milliseconds{300});
     EXPECT_FALSE(visual.poll()) << "it has ended: " << visual.last_lines();
     visual.signal(SIGTERM);
@@ -72,10 +70,8 @@ TEST(WindowProgram, OutlivesItsScreen) {
 }
 
 // A subject who presses the stop key at the screen of a session under a lab key: everything stops, and says who it was.
-TEST(WindowProgram, ItsStopKeyStopsASessionUnderALabKey) {
-    XServer server;
-    if (!server.missing().empty()) GTEST_SKIP() << server.missing();
-    const auto folder = server.folder();
+TEST_F(WindowProgramOnAScreen, ItsStopKeyStopsASessionUnderALabKey) {
+    const auto folder = server_.folder();
     const auto person = [&](const std::vector<std::string>& words) {
         return Child("xdotool", words, folder / "xdotool").wait(seconds{20}) == 0;
     };

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include <gtest/gtest.h>
+
 #include "common/process/child.hpp"
 
 namespace thimble {
@@ -28,6 +30,16 @@ class XServer {
     std::optional<Child> server_;
     std::string number_;
     std::string missing_;
+};
+
+// A test with a server of its own.
+class WithXServer : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!server_.missing().empty()) GTEST_SKIP() << server_.missing();
+    }
+
+    XServer server_;
 };
 
 }  // namespace thimble

@@ -9,6 +9,7 @@
 
 #include "common/json_text.hpp"
 #include "common/network_settings.hpp"
+#include "common/runtime/udp_channel.hpp"
 #include "session/settings/system_settings.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"

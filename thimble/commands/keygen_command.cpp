@@ -10,19 +10,6 @@
 #include "thimble/commands/commands.hpp"
 
 namespace thimble {
-namespace {
-
-int make_key(const std::string& file) {
-    hide_memory();
-    prepare_security();
-    const auto path = lab_key_file(file);
-    create_lab_key(path, system_random_bytes());
-    fmt::print("{}\n", path.string());
-    return 0;
-}
-
-}  // namespace
-
 Subcommand add_keygen(CLI::App& app) {
     const auto file = std::make_shared<std::string>();
     CLI::App* keygen = app.add_subcommand(
@@ -38,7 +25,14 @@ Subcommand add_keygen(CLI::App& app) {
         "< ~/.config/thimble/lab.key\n\n"
         "The key is readable by you alone (mode 0600) and never overwrites a file. docs/security.md is the "
         "manual.");
-    return {keygen, [file] { return make_key(*file); }};
+    return {keygen, [file] {
+                hide_memory();
+                prepare_security();
+                const auto path = lab_key_file(*file);
+                create_lab_key(path, system_random_bytes());
+                fmt::print("{}\n", path.string());
+                return 0;
+            }};
 }
 
 }  // namespace thimble

@@ -25,10 +25,8 @@ namespace {
 struct LogArguments {
     std::vector<std::string> files;
     std::string out, topic, csv, json, hdf5, ros2;
-    CLI::App *info = nullptr, *cat = nullptr, *check = nullptr, *repair = nullptr, *share = nullptr;
+    int (*run)(const LogArguments&) = nullptr;  // of the part that was given
 };
-
-using LogFiles = std::vector<std::unique_ptr<LoggedFile>>;
 
 void put(const std::string& line) {
     if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) throw ResultsLost();
@@ -39,7 +37,7 @@ int show_info(const LogArguments& a) {
     return 0;
 }
 
-void each_merged(const LogArguments& a, const LogFiles& files,
+void each_merged(const LogArguments& a, const LoggedFiles& files,
                  const std::function<void(const MergedMessage&)>& use) {
     for (const MergedMessage& message : merge_logs(files)) {
         if (message.topic->topic.starts_with(a.topic)) use(message);
@@ -47,7 +45,7 @@ void each_merged(const LogArguments& a, const LogFiles& files,
 }
 
 int show_messages(const LogArguments& a) {
-    const LogFiles files = open_logs(a.files);
+    const LoggedFiles files = open_logs(a.files);
     const PacketFields fields;
     std::int64_t zero_ns = INT64_MIN;
     each_merged(a, files, [&](const MergedMessage& message) {
@@ -58,7 +56,7 @@ int show_messages(const LogArguments& a) {
 }
 
 // Of the session whose logs these are; none if they are of several, or it is not beside them.
-std::filesystem::path relay_report_beside(const LogFiles& files) {
+std::filesystem::path relay_report_beside(const LoggedFiles& files) {
     const auto report_of = [](const LoggedFile& file) {
         const std::string name = file.path().stem().string();
         const auto condition = name.rfind('_');
@@ -71,7 +69,7 @@ std::filesystem::path relay_report_beside(const LogFiles& files) {
     return one_session && std::filesystem::exists(report) ? report : std::filesystem::path{};
 }
 
-bool check_with_relay(const std::vector<FlowFinding>& flows, const LogFiles& files) {
+bool check_with_relay(const std::vector<FlowFinding>& flows, const LoggedFiles& files) {
     const std::filesystem::path report = relay_report_beside(files);
     if (report.empty()) return true;
     const bool whole = std::all_of(files.begin(), files.end(), [](const auto& file) {
@@ -92,7 +90,7 @@ bool check_with_relay(const std::vector<FlowFinding>& flows, const LogFiles& fil
 }
 
 int check_logs(const LogArguments& a) {
-    const LogFiles files = open_logs(a.files);
+    const LoggedFiles files = open_logs(a.files);
     bool good = true;
     for (const auto& file : files) {
         const FileFinding finding = check_file(*file);
@@ -122,7 +120,7 @@ int repair(const LogArguments& a) {
     return 0;
 }
 
-void export_json(const LogArguments& a, const LogFiles& files) {
+void export_json(const LogArguments& a, const LoggedFiles& files) {
     const bool to_stdout = a.json == "-";
     const std::unique_ptr<CsvFile> file =
         to_stdout ? nullptr : std::make_unique<CsvFile>(a.json, IfExists::kRefuse);
@@ -138,7 +136,7 @@ void export_json(const LogArguments& a, const LogFiles& files) {
     if (file) file->flush();
 }
 
-void share_ros2(const LogArguments& a, const LogFiles& files) {
+void share_ros2(const LogArguments& a, const LoggedFiles& files) {
     const Ros2Written written = export_ros2(files, a.ros2, a.topic);
     fmt::print("{}: {} topics\n", a.ros2, written.topics);
     if (written.missing.empty()) return;
@@ -156,7 +154,7 @@ void share_ros2(const LogArguments& a, const LogFiles& files) {
 int share(const LogArguments& a) {
     if (a.csv.empty() && a.json.empty() && a.hdf5.empty() && a.ros2.empty())
         throw Error(ExitCode::kUsage, "say where to: --csv FOLDER, --hdf5 FILE, --json FILE or --ros2 FILE");
-    const LogFiles files = open_logs(a.files);
+    const LoggedFiles files = open_logs(a.files);
     if (!a.csv.empty()) fmt::print("{}: {} tables\n", a.csv, export_csv(files, a.csv, a.topic));
     if (!a.hdf5.empty()) fmt::print("{}: {} tables\n", a.hdf5, export_hdf5(files, a.hdf5, a.topic));
     if (!a.json.empty()) export_json(a, files);
@@ -164,18 +162,12 @@ int share(const LogArguments& a) {
     return 0;
 }
 
-int run_log(const LogArguments& a) {
-    if (a.info->parsed()) return show_info(a);
-    if (a.cat->parsed()) return show_messages(a);
-    if (a.check->parsed()) return check_logs(a);
-    if (a.repair->parsed()) return repair(a);
-    return share(a);
-}
-
-CLI::App* add_part(CLI::App& log, LogArguments& a, const char* name, const char* what, const char* example) {
+CLI::App* add_part(CLI::App& log, LogArguments& a, int (*run)(const LogArguments&), const char* name,
+                   const char* what, const char* example) {
     CLI::App* part = log.add_subcommand(name, what);
     part->add_option("files", a.files, "logs (.mcap), also of several programs of one session")->required();
     part->footer(std::string("Example:\n  ") + example);
+    part->callback([&a, run] { a.run = run; });
     return part;
 }
 
@@ -191,30 +183,33 @@ Subcommand add_log(CLI::App& app) {
         "Examples:\n  thimble log info out/run/nodes/session_50ms.mcap\n  thimble log check "
         "out/run/nodes/*_50ms.mcap\n\n"
         "Exit codes: 0 good, 5 a log cannot be read or trusted.");
-    a.info =
-        add_part(*log, a, "info", "what is in a log", "thimble log info out/run/nodes/session_50ms.mcap");
-    a.cat = add_part(*log, a, "cat",
-                     "every message in a line, several logs in the order of time on the session's clock",
-                     "thimble log cat out/run/nodes/*_50ms.mcap --topic /master/needle_command");
-    a.check = add_part(
-        *log, a, "check",
+    add_part(*log, a, show_info, "info", "what is in a log",
+             "thimble log info out/run/nodes/session_50ms.mcap");
+    CLI::App* cat =
+        add_part(*log, a, show_messages, "cat",
+                 "every message in a line, several logs in the order of time on the session's clock",
+                 "thimble log cat out/run/nodes/*_50ms.mcap --topic /master/needle_command");
+    add_part(
+        *log, a, check_logs, "check",
         "CRCs, FlatBuffers, times, sequences; with the logs of both ends: what was lost, and whether the "
         "relay's report beside them names it",
         "thimble log check out/run/nodes/*_50ms.mcap");
-    a.repair = add_part(*log, a, "repair", "a whole log, with an index, from one that was cut off",
-                        "thimble log repair out/run/nodes/session_50ms.mcap --out whole.mcap");
-    a.share = add_part(*log, a, "export", "tables, JSON or ROS 2 messages for other programs",
-                       "thimble log export out/run/nodes/*_50ms.mcap --csv out/tables");
-    a.repair->get_option("files")->expected(1);
-    a.repair->add_option("-o,--out", a.out, "the new file")->required();
-    for (CLI::App* part : {a.cat, a.share}) part->add_option("--topic", a.topic, "only topics that begin so");
-    a.share->add_option("--csv", a.csv, "folder for one table per log, topic and kind of message");
-    a.share->add_option("--hdf5", a.hdf5, "new file with the same tables, units as attributes");
-    a.share->add_option("--json", a.json, "file for one object per message and line; - is standard output");
-    a.share->add_option("--ros2", a.ros2,
-                        "new MCAP file of ROS 2 messages for ros2 bag, PlotJuggler, Foxglove, MATLAB "
-                        "(docs/interoperability.md)");
-    return {log, [arguments] { return run_log(*arguments); }};
+    CLI::App* fix =
+        add_part(*log, a, repair, "repair", "a whole log, with an index, from one that was cut off",
+                 "thimble log repair out/run/nodes/session_50ms.mcap --out whole.mcap");
+    CLI::App* to_others =
+        add_part(*log, a, share, "export", "tables, JSON or ROS 2 messages for other programs",
+                 "thimble log export out/run/nodes/*_50ms.mcap --csv out/tables");
+    fix->get_option("files")->expected(1);
+    fix->add_option("-o,--out", a.out, "the new file")->required();
+    for (CLI::App* part : {cat, to_others}) part->add_option("--topic", a.topic, "only topics that begin so");
+    to_others->add_option("--csv", a.csv, "folder for one table per log, topic and kind of message");
+    to_others->add_option("--hdf5", a.hdf5, "new file with the same tables, units as attributes");
+    to_others->add_option("--json", a.json, "file for one object per message and line; - is standard output");
+    to_others->add_option("--ros2", a.ros2,
+                          "new MCAP file of ROS 2 messages for ros2 bag, PlotJuggler, Foxglove, MATLAB "
+                          "(docs/interoperability.md)");
+    return {log, [arguments] { return arguments->run(*arguments); }};
 }
 
 }  // namespace thimble

@@ -1,5 +1,6 @@
 // thimble play: feel the experiment with a mouse.
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 
@@ -22,20 +23,13 @@
 namespace thimble {
 namespace {
 
-struct RenderArguments {
-    std::string frames, video;
-    double frames_per_s = 30;
-    bool overwrite = false;
-
-    bool asked() const { return !frames.empty() || !video.empty(); }
-};
-
 struct PlayArguments {
-    std::string config, record, modality = "HF", visual_command, replay;
-    double delay_s = 0.05, seconds = 0, speed = 1;
-    std::size_t trial = 1;
+    PlayOptions play;
+    ReplayPlayOptions replay;
+    RenderPlan render;
+    std::string config, modality = "HF", visual_command, video;
+    double seconds = 0;
     int base_port = 0;
-    RenderArguments render;
 };
 
 std::vector<std::string> words_of(const std::string& command) {
@@ -45,30 +39,12 @@ std::vector<std::string> words_of(const std::string& command) {
     return words;
 }
 
-int run_recorded(const PlayArguments& arguments, const SystemSettings& settings, const PlayOptions& play) {
-    ReplayPlayOptions options;
-    options.starter = play.starter;
-    options.network = play.network;
-    options.folder = arguments.replay;
-    options.trial = arguments.trial;
-    options.speed = arguments.speed;
-    options.contact_hold_s = to_seconds(settings.slave.contact_hold);
-    options.longest = play.longest;
-    options.stop = play.stop;
-    play_recorded(options);
-    return static_cast<int>(ExitCode::kOk);
-}
-
-int render_recorded(const PlayArguments& a, const SystemSettings& settings) {
-    RenderPlan plan;
-    plan.frames = a.render.frames.empty() ? a.render.video + "_frames" : a.render.frames;
-    if (!a.render.video.empty()) plan.video = a.render.video;
-    plan.frames_per_s = a.render.frames_per_s;
-    plan.overwrite = a.render.overwrite;
+int render_recorded(PlayArguments& a, const SystemSettings& settings) {
+    RenderPlan& plan = a.render;
+    if (plan.frames.empty()) plan.frames = a.video + "_frames";
+    if (!a.video.empty()) plan.video = a.video;
     plan.visual = settings.visual;
-    plan.stop = &stop_requested();
-    const RecordedTrial trial =
-        find_recorded_trial(a.replay, a.trial, to_seconds(settings.slave.contact_hold));
+    const RecordedTrial trial = find_recorded_trial(a.replay.folder, a.replay.trial, a.replay.contact_hold_s);
     std::optional<Progress> progress{std::in_place};
     plan.progress = [&](std::size_t done, std::size_t all) {
         progress->show(fmt::format("frame {} of {}", done, all), done % 100 == 0);
@@ -81,52 +57,52 @@ int render_recorded(const PlayArguments& a, const SystemSettings& settings) {
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
-int run_play(const PlayArguments& arguments) {
-    const SystemSettings settings = load_system_settings(arguments.config);
+int run_play(PlayArguments a) {
+    const SystemSettings settings = load_system_settings(a.config);
     if (settings.launch.anywhere_else()) {
         throw Error(ExitCode::kUsage,
                     "the session file's [launch] names other machines, and thimble play starts every node on "
-                    "this one: "
-                    "leave [launch] out");
+                    "this one: leave [launch] out");
     }
-    PlayOptions options;
-    options.network = network_of(arguments.config, arguments.base_port);
-    options.modality = *find_modality(arguments.modality);
-    options.delay_s = arguments.delay_s;
-    options.record = arguments.record;
-    if (arguments.seconds > 0) options.longest = from_seconds(arguments.seconds);
-    options.stop = &stop_requested();
-    if (arguments.render.asked()) {
+    a.play.network = a.replay.network = network_of(a.config, a.base_port);
+    a.play.modality = *find_modality(a.modality);
+    a.play.stop = a.replay.stop = a.render.stop = &stop_requested();
+    a.replay.contact_hold_s = to_seconds(settings.slave.contact_hold);
+    if (a.seconds > 0) a.play.longest = a.replay.longest = from_seconds(a.seconds);
+    if (!a.render.frames.empty() || !a.video.empty()) {
         install_stop_signals();
-        return render_recorded(arguments, settings);
+        return render_recorded(a, settings);
     }
-    if (arguments.visual_command.empty()) check_window(program_folder());
-    options.starter =
-        std::make_shared<PlayStarter>(program_folder(), arguments.config, words_of(arguments.visual_command),
-                                      settings.handle.kind != HandleKind::kHid);
-    const bool replays = !arguments.replay.empty();
+    if (a.visual_command.empty()) check_window(program_folder());
+    a.play.starter = a.replay.starter = std::make_shared<PlayStarter>(
+        program_folder(), a.config, words_of(a.visual_command), settings.handle.kind != HandleKind::kHid);
+    const bool replays = !a.replay.folder.empty();
     install_stop_signals(replays ? QuitSignal::kEnds : QuitSignal::kStopsEverything);
-    warn_if_unprotected(options.network);
-    if (replays) return run_recorded(arguments, settings, options);
-    const PlayResult result = play(settings, options);
-    fmt::print("{} trials{}\n", result.trials, arguments.record.empty() ? "" : ": " + arguments.record);
+    warn_if_unprotected(a.play.network);
+    if (replays) {
+        play_recorded(a.replay);
+    } else {
+        const PlayResult result = play(settings, a.play);
+        fmt::print("{} trials{}\n", result.trials,
+                   a.play.record.empty() ? "" : ": " + a.play.record.string());
+    }
     return static_cast<int>(ExitCode::kOk);
 }
 
-void add_render_options(CLI::App& play, CLI::Option* replay, RenderArguments& a) {
+void add_render_options(CLI::App& play, CLI::Option* replay, PlayArguments& a) {
     const auto group = "Pictures of a replay";
-    play.add_option("--frames", a.frames, "folder for one PNG file per frame; nothing is shown")
+    play.add_option("--frames", a.render.frames, "folder for one PNG file per frame; nothing is shown")
         ->needs(replay)
         ->group(group);
     play.add_option("--video", a.video, "a video by ffmpeg, e.g. trial.mp4; frames beside it unless --frames")
         ->needs(replay)
         ->group(group);
-    play.add_option("--frames-per-s", a.frames_per_s, "of the trial's time")
-        ->default_val(a.frames_per_s)
+    play.add_option("--frames-per-s", a.render.frames_per_s, "of the trial's time")
+        ->default_val(a.render.frames_per_s)
         ->check(CLI::Range(1.0, 1000.0))
         ->needs(replay)
         ->group(group);
-    play.add_flag("--overwrite", a.overwrite, "replace frames and video that are there")
+    play.add_flag("--overwrite", a.render.overwrite, "replace frames and video that are there")
         ->needs(replay)
         ->group(group);
 }
@@ -141,21 +117,22 @@ Subcommand add_play(CLI::App& app) {
     sub->add_option("--modality", arguments->modality, "of the first trial: HF, CF, CCF or VF")
         ->default_val(arguments->modality)
         ->check(CLI::IsMember({"HF", "CF", "CCF", "VF"}));
-    sub->add_option("--delay-s", arguments->delay_s, "one-way delay of the force path at the start")
-        ->default_val(arguments->delay_s)
+    sub->add_option("--delay-s", arguments->play.delay_s, "one-way delay of the force path at the start")
+        ->default_val(arguments->play.delay_s)
         ->check(CLI::Range(0.0, PlayHandler::kLongestDelay_s));
-    sub->add_option("--record", arguments->record, "keep each trial in this folder, as thimble run does");
-    CLI::Option* replay = sub->add_option("--replay", arguments->replay,
+    sub->add_option("--record", arguments->play.record,
+                    "keep each trial in this folder, as thimble run does");
+    CLI::Option* replay = sub->add_option("--replay", arguments->replay.folder,
                                           "show a trial of this folder (trials.csv, trajectories/) instead");
-    sub->add_option("--trial", arguments->trial, "which line of its trials.csv, from 1")
-        ->default_val(arguments->trial)
+    sub->add_option("--trial", arguments->replay.trial, "which line of its trials.csv, from 1")
+        ->default_val(arguments->replay.trial)
         ->check(CLI::Range(1, 1000000))
         ->needs(replay);
-    sub->add_option("--speed", arguments->speed, "of the replay; 1: as it was")
-        ->default_val(arguments->speed)
+    sub->add_option("--speed", arguments->replay.speed, "of the replay; 1: as it was")
+        ->default_val(arguments->replay.speed)
         ->check(CLI::Range(ReplayClock::kSlowest, ReplayClock::kFastest))
         ->needs(replay);
-    add_render_options(*sub, replay, arguments->render);
+    add_render_options(*sub, replay, *arguments);
     add_base_port_option(*sub, arguments->base_port);
     sub->add_option("--seconds", arguments->seconds, "end by itself after so long")
         ->check(CLI::PositiveNumber);

@@ -1,4 +1,4 @@
-// What `thimble run` and `thimble up` have in common: trials, or a participant's session, by real processes.
+// Trials, or a participant's session, by real processes: shared by `thimble run` and `thimble up`.
 #pragma once
 
 #include <memory>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -16,30 +15,6 @@
 namespace thimble {
 
 namespace {
-
-constexpr std::size_t kBlock_bytes = std::size_t{1} << 16;
-
-// Lines collected and written in blocks.
-class LineFile {
-  public:
-    LineFile(const std::filesystem::path& path, std::string_view header)
-        : file_(path, IfExists::kReplace), text_(fmt::format("{}\n", header)) {}
-
-    template <class... Fields>
-    void line(fmt::format_string<Fields...> format, Fields&&... fields) {
-        fmt::format_to(std::back_inserter(text_), format, std::forward<Fields>(fields)...);
-        if (text_.size() > kBlock_bytes) flush();
-    }
-    void flush() {
-        file_.write(text_);
-        file_.flush();
-        text_.clear();
-    }
-
-  private:
-    CsvFile file_;
-    std::string text_;
-};
 
 std::filesystem::path events_beside(std::filesystem::path out) {
     if (out.extension() == ".csv") return out.replace_extension(".events.csv");
@@ -78,31 +53,33 @@ void refuse_start_inside(const SceneDeclaration& scene, const ReplayOptions& opt
     }
 }
 
-void write_sample(LineFile& out, double time_s, const NeedleScene& scene) {
+void write_sample(CsvFile& out, double time_s, const NeedleScene& scene) {
     TissueState surface;
     surface.position_surface_m = surface.velocity_surface_m_per_s = std::numeric_limits<double>::quiet_NaN();
     if (scene.surface() != nullptr) surface = scene.surface()->state();
     const double tissue_N = scene.force_tissue_N();
     const double fixture_N = scene.force_fixture_N();
-    out.line("{:.17g},{:.17g},{:.17g},{:.17g},{},{:.17g},{:.17g},{:.17g}\n", time_s,
-             scene.needle().position_m, surface.position_surface_m, surface.velocity_surface_m_per_s,
-             scene.surface() != nullptr ? to_string(surface.phase) : "none", tissue_N, fixture_N,
-             tissue_N + fixture_N);
+    out.write(fmt::format("{:.17g},{:.17g},{:.17g},{:.17g},{},{:.17g},{:.17g},{:.17g}\n", time_s,
+                          scene.needle().position_m, surface.position_surface_m,
+                          surface.velocity_surface_m_per_s,
+                          scene.surface() != nullptr ? to_string(surface.phase) : "none", tissue_N, fixture_N,
+                          tissue_N + fixture_N));
 }
 
 // Elements report one after the other; the list is in the order of time.
-void write_transitions(LineFile& events, double start_s, const NeedleScene& scene,
+void write_transitions(CsvFile& events, double start_s, const NeedleScene& scene,
                        std::vector<Transition>& scratch) {
     const Transitions& transitions = scene.transitions();
     scratch.assign(transitions.begin(), transitions.end());
     std::stable_sort(scratch.begin(), scratch.end(),
                      [](const Transition& a, const Transition& b) { return a.offset_s < b.offset_s; });
     for (const Transition& t : scratch) {
-        events.line("{:.17g},{},{}\n", start_s + t.offset_s, scene.element_name(t.element), t.phase);
+        events.write(
+            fmt::format("{:.17g},{},{}\n", start_s + t.offset_s, scene.element_name(t.element), t.phase));
     }
 }
 
-ReplayResult walk(const NeedlePath& path, NeedleScene& scene, LineFile& out, LineFile& events,
+ReplayResult walk(const NeedlePath& path, NeedleScene& scene, CsvFile& out, CsvFile& events,
                   const std::atomic<bool>* stop) {
     ReplayResult result;
     std::vector<Transition> scratch;
@@ -138,10 +115,11 @@ ReplayResult replay(const ReplayOptions& options) {
                       Transitions::kUnlimited);
     const NeedlePath path = read_needle_path(options.needle, options.limits);
     refuse_start_inside(declaration, options, path.samples.front());
-    LineFile out(options.out,
-                 "time_s,position_needle_m,position_tissue_m,velocity_tissue_m_per_s,tissue_phase,"
-                 "force_tissue_N,force_fixture_N,force_total_N");
-    LineFile events(events_path, "time_s,element,phase");
+    CsvFile out(options.out, IfExists::kReplace), events(events_path, IfExists::kReplace);
+    out.write(
+        "time_s,position_needle_m,position_tissue_m,velocity_tissue_m_per_s,tissue_phase,"
+        "force_tissue_N,force_fixture_N,force_total_N\n");
+    events.write("time_s,element,phase\n");
     ReplayResult result = walk(path, scene, out, events, options.stop);
     out.flush();
     events.flush();

@@ -9,31 +9,22 @@
 #include "thimble/commands/commands.hpp"
 
 namespace thimble {
-namespace {
-
-struct ReportArguments {
-    std::string run_folder, study_folder, out, typed;
-};
-
-int write_one_report(const ReportArguments& arguments) {
-    write_combined_report(arguments.run_folder, arguments.study_folder, arguments.out, arguments.typed);
-    fmt::print("report: {}\n", arguments.out);
-    return 0;
-}
-
-}  // namespace
-
 Subcommand add_report(CLI::App& app, const std::string& typed) {
-    const auto arguments = std::make_shared<ReportArguments>();
-    ReportArguments& a = *arguments;
-    a.typed = typed;
+    struct Arguments {
+        std::string run_folder, study_folder, out;
+    };
+    const auto a = std::make_shared<Arguments>();
     CLI::App* report = app.add_subcommand("report", "one report.html from a run, a study, or both");
-    report->add_option("--run", a.run_folder, "folder of a thimble run");
-    report->add_option("--study", a.study_folder, "folder of a thimble study");
-    report->add_option("-o,--out", a.out, "the report, replaced if it exists")
+    report->add_option("--run", a->run_folder, "folder of a thimble run");
+    report->add_option("--study", a->study_folder, "folder of a thimble study");
+    report->add_option("-o,--out", a->out, "the report, replaced if it exists")
         ->default_val("out/report.html");
     report->footer("Example:\n  thimble report --run out/run --study out/study --out out/report.html");
-    return {report, [arguments] { return write_one_report(*arguments); }};
+    return {report, [a, typed] {
+                write_combined_report(a->run_folder, a->study_folder, a->out, typed);
+                fmt::print("report: {}\n", a->out);
+                return 0;
+            }};
 }
 
 }  // namespace thimble

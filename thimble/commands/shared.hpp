@@ -1,4 +1,4 @@
-// What several commands of `thimble` share: options, the programs beside this one, checks before a run, results.
+// Shared by several commands: options, the programs beside this one, checks before a run, results.
 #pragma once
 
 #include <filesystem>
@@ -31,8 +31,8 @@ std::filesystem::path program_folder();
 // [instructions] that the window's font lacks (where there are windows).
 void check_build(const SystemSettings& settings);
 
-// The results of a run or a study on stdout: a line per condition, the headline if there was a delay, and where the report lies in
-// `folder`; as JSON the folder's summary.json instead.
+// Prints the results of a run or a study: a line per condition, the headline if there was a delay, and the report's place in `folder`.
+// As JSON it prints the folder's summary.json instead.
 void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows);
 
 }  // namespace thimble

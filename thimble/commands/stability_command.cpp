@@ -1,6 +1,7 @@
 // thimble stability: what theory says about a hand at a delayed fixture.
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -69,35 +70,31 @@ void add_delay_free(const StabilityArguments& a, Json& all) {
     all["stable_delays"] = stable_delays_of(a.loop);
 }
 
-void add_at_delay(const StabilityArguments& a, Json& all) {
-    const auto names = {"unstable_roots",
-                        "stable",
-                        "rightmost_root_real_per_s",
-                        "rightmost_root_imag_rad_per_s",
-                        "critical_stiffness_N_per_m",
-                        "critical_stiffness_frequency_rad_per_s"};
+// Entries that are null until they are known.
+void add_unknown(Json& all, std::initializer_list<const char*> names) {
     for (const char* name : names) all[name] = nullptr;
+}
+
+void add_at_delay(const StabilityArguments& a, Json& all) {
+    add_unknown(all,
+                {"unstable_roots", "stable", "rightmost_root_real_per_s", "rightmost_root_imag_rad_per_s",
+                 "critical_stiffness_N_per_m", "critical_stiffness_frequency_rad_per_s"});
     if (!a.delay_s) return;
     const int roots = unstable_roots(a.loop, *a.delay_s);
     const DominantRoot root = rightmost_root(a.loop, *a.delay_s);
+    const CriticalStiffness critical = critical_stiffness(a.loop.hand, *a.delay_s);
     all["unstable_roots"] = roots;
     all["stable"] = roots == 0 && root.real_per_s < 0;
     all["rightmost_root_real_per_s"] = root.real_per_s;
     all["rightmost_root_imag_rad_per_s"] = root.imaginary_rad_per_s;
-    const CriticalStiffness critical = critical_stiffness(a.loop.hand, *a.delay_s);
     all["critical_stiffness_N_per_m"] = number(critical.stiffness_N_per_m);
     if (*a.delay_s > 0) all["critical_stiffness_frequency_rad_per_s"] = critical.frequency_rad_per_s;
 }
 
 void add_sampled(const StabilityArguments& a, Json& all) {
-    const auto names = {"spectral_radius",
-                        "sampled_growth_per_s",
-                        "sampled_stable",
-                        "sampled_critical_stiffness_N_per_m",
-                        "passive_stiffness_N_per_m",
-                        "critical_samples",
-                        "sampled_stable_for_every_delay"};
-    for (const char* name : names) all[name] = nullptr;
+    add_unknown(all, {"spectral_radius", "sampled_growth_per_s", "sampled_stable",
+                      "sampled_critical_stiffness_N_per_m", "passive_stiffness_N_per_m", "critical_samples",
+                      "sampled_stable_for_every_delay"});
     if (!a.step_s) return;
     SampledLoop loop{a.loop.hand, a.loop.stiffness_N_per_m, 0, *a.step_s};
     const auto steps = critical_steps(loop);

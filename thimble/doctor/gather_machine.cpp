@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <iterator>
+#include <sstream>
 #include <sys/utsname.h>
 #include <thread>
 #include <unistd.h>
@@ -44,13 +46,8 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
 }
 
 std::vector<std::string> words_of_line(const std::string& line) {
-    std::vector<std::string> words;
-    for (std::size_t at = 0; at < line.size();) {
-        const std::size_t end = std::min(line.find(' ', at), line.size());
-        if (end > at) words.push_back(line.substr(at, end - at));
-        at = end + 1;
-    }
-    return words;
+    std::istringstream words(line);
+    return {std::istream_iterator<std::string>(words), {}};
 }
 
 std::string value_of_key(const std::string& text, const std::string& key) {

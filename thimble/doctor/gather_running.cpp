@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <sstream>
 #include <sys/resource.h>
 #include <sys/timex.h>
 #include <thread>
@@ -170,11 +171,9 @@ ProgramFacts gather_programs(const fs::path& folder) {
 }
 
 std::string dropping_chain(const std::string& ruleset) {
+    std::istringstream lines(ruleset);
     std::string table, chain;
-    for (std::size_t at = 0; at < ruleset.size();) {
-        const std::size_t end = std::min(ruleset.find('\n', at), ruleset.size());
-        const std::string line = ruleset.substr(at, end - at);
-        at = end + 1;
+    for (std::string line; std::getline(lines, line);) {
         std::array<char, 64> first{}, second{};
         if (std::sscanf(line.c_str(), " table %63s %63s", first.data(), second.data()) == 2)
             table = fmt::format("{} {}", first.data(), second.data());
@@ -187,13 +186,11 @@ std::string dropping_chain(const std::string& ruleset) {
 
 // Columns: slot, local address:port, remote, state, queues, timer, retransmits, uid, timeout, inode.
 std::vector<std::string> udp_inodes(const std::string& table, std::uint16_t port) {
+    std::istringstream lines(table);
     std::vector<std::string> inodes;
-    for (std::size_t at = 0; at < table.size();) {
-        const std::size_t end = std::min(table.find('\n', at), table.size());
+    for (std::string line; std::getline(lines, line);) {
         unsigned local = 0;
         unsigned long inode = 0;
-        const std::string line = table.substr(at, end - at);
-        at = end + 1;
         if (std::sscanf(line.c_str(), " %*d: %*x:%x %*x:%*x %*x %*x:%*x %*x:%*x %*x %*u %*u %lu", &local,
                         &inode) == 2 &&
             local == port)

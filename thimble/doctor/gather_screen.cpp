@@ -51,7 +51,7 @@ ScreenFacts gather_screen() {
         WindowSettings settings;
         settings.visible = false;
         GlWindow window(settings);
-        window.begin_frame(0, 0, 0);
+        window.begin_frame(kBlack);
         facts.renderer = gl_words(GL_RENDERER);
         facts.version = "OpenGL " + gl_words(GL_VERSION);
     } catch (const Error& error) {

@@ -47,35 +47,21 @@ void forbid_fragments(const UdpSocket& socket) {
     setsockopt(socket.descriptor(), IPPROTO_IP, IP_MTU_DISCOVER, &probe, sizeof probe);
 }
 
-ProbeSocket::ProbeSocket(const UdpAddress& remote)
-    : socket_(UdpSocket::connected(remote)),
-      buffer_(std::make_unique_for_overwrite<std::uint8_t[]>(kLargestProbeBytes)) {
-    forbid_fragments(socket_);
-    const int on = 1;
-    setsockopt(socket_.descriptor(), IPPROTO_IP, IP_RECVERR, &on, sizeof on);
-}
-
-int ProbeSocket::send(Bytes datagram) {
-    const auto sent =
-        ::send(socket_.descriptor(), datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-    return sent < 0 ? errno : 0;
-}
-
-std::optional<ProbeSocket::Received> ProbeSocket::receive() {
+std::optional<PortProbe::Received> PortProbe::receive() {
     for (;;) {
-        iovec part{buffer_.get(), kLargestProbeBytes};
+        iovec part{incoming_.data(), incoming_.size()};
         Ancillary room{};
         msghdr message = message_into(part, room);
         const auto size = recvmsg(socket_.descriptor(), &message, MSG_DONTWAIT);
         if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return std::nullopt;
         if (size < 0 && errno == EBADF) return std::nullopt;
         if (size < 0) continue;  // a pending error, told once; its cause lies in the error queue
-        return Received{{buffer_.get(), static_cast<std::size_t>(size)},
+        return Received{{incoming_.data(), static_cast<std::size_t>(size)},
                         clock_.arrival(kernel_stamp_ns(message))};
     }
 }
 
-void ProbeSocket::take_errors(PortEvidence& evidence) {
+void PortProbe::take_errors() {
     for (;;) {
         std::array<std::uint8_t, 64> offender{};
         iovec part{offender.data(), offender.size()};
@@ -84,19 +70,23 @@ void ProbeSocket::take_errors(PortEvidence& evidence) {
         if (recvmsg(socket_.descriptor(), &message, MSG_ERRQUEUE | MSG_DONTWAIT) < 0) return;
         const auto error = error_in(message);
         if (!error) continue;
-        evidence.error = static_cast<int>(error->ee_errno);
-        evidence.by_icmp = error->ee_origin == SO_EE_ORIGIN_ICMP;
-        evidence.icmp_code = error->ee_code;
+        evidence_.error = static_cast<int>(error->ee_errno);
+        evidence_.by_icmp = error->ee_origin == SO_EE_ORIGIN_ICMP;
+        evidence_.icmp_code = error->ee_code;
     }
 }
 
 PortProbe::PortProbe(const PortTraffic& traffic, const UdpAddress& remote, std::uint64_t asker)
     : traffic_(traffic),
-      socket_(remote),
+      socket_(UdpSocket::connected(remote)),
+      incoming_(kLargestProbeBytes),
       asker_(asker),
       room_(kLargestProbeBytes),
       period_(from_seconds(1 / traffic.rate_Hz)) {
     figures_.traffic = traffic;
+    forbid_fragments(socket_);
+    const int on = 1;
+    setsockopt(socket_.descriptor(), IPPROTO_IP, IP_RECVERR, &on, sizeof on);
 }
 
 int PortProbe::send(ProbeKind kind, SessionTime now, std::uint32_t sequence, std::size_t bytes) {
@@ -108,7 +98,9 @@ int PortProbe::send(ProbeKind kind, SessionTime now, std::uint32_t sequence, std
     packet.probe_sent = now;
     const std::span datagram = std::span(room_).first(std::max(bytes, kProbeHeaderBytes));
     write_probe(packet, datagram);
-    return socket_.send(datagram);
+    const auto sent =
+        ::send(socket_.descriptor(), datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    return sent < 0 ? errno : 0;
 }
 
 void PortProbe::say_hello(SessionTime now) {
@@ -116,7 +108,7 @@ void PortProbe::say_hello(SessionTime now) {
     if (error == 0) return;
     ++complaints_;
     evidence_.error = error;
-    socket_.take_errors(evidence_);  // which may know more
+    take_errors();  // which may know more
 }
 
 int PortProbe::query(SessionTime now, std::size_t bytes) {
@@ -150,14 +142,14 @@ void PortProbe::finish(SessionTime now) {
 }
 
 void PortProbe::take_all(std::vector<ClockExchange>& exchanges) {
-    while (const auto received = socket_.receive()) {
+    while (const auto received = receive()) {
         const auto packet = read_probe(received->bytes);
         if (packet && packet->port == static_cast<std::uint16_t>(traffic_.port))
             take(*packet, received->bytes.size(), received->arrived, exchanges);
     }
     const int before = evidence_.error;
     evidence_.error = 0;
-    socket_.take_errors(evidence_);
+    take_errors();
     if (evidence_.error != 0) {
         ++complaints_;
     } else {

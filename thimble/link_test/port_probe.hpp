@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,34 +18,11 @@ namespace thimble {
 // IP_PMTUDISC_PROBE: the don't-fragment bit is set, and what the kernel believes about the path is not asked.
 void forbid_fragments(const UdpSocket& socket);
 
-// Connected to one port of the far side, fragmentation forbidden, each arrival stamped by the kernel, and ICMP's complaints read
-// instead of lost.
-class ProbeSocket {
-  public:
-    // Throws Error (network) if there is no such route at all.
-    explicit ProbeSocket(const UdpAddress& remote);
-
-    int descriptor() const { return socket_.descriptor(); }
-    // 0 or errno.
-    int send(Bytes datagram);
-
-    struct Received {
-        Bytes bytes;  // valid until the next call
-        SessionTime arrived;
-    };
-    std::optional<Received> receive();
-    // Complaints since the last call go into `evidence`.
-    void take_errors(PortEvidence& evidence);
-
-  private:
-    UdpSocket socket_;
-    ArrivalClock clock_;
-    std::unique_ptr<std::uint8_t[]> buffer_;
-};
-
+// Its socket is connected, fragmentation forbidden, each arrival stamped by the kernel, and ICMP's complaints read instead of
+// lost.
 class PortProbe {
   public:
-    // `asker` tells this test from others of this host.
+    // `asker` tells this test from others of this host. Throws Error (network) if there is no such route at all.
     PortProbe(const PortTraffic& traffic, const UdpAddress& remote, std::uint64_t asker);
 
     int descriptor() const { return socket_.descriptor(); }
@@ -76,6 +52,14 @@ class PortProbe {
     PortFigures figures() const;
 
   private:
+    struct Received {
+        Bytes bytes;  // valid until the next call
+        SessionTime arrived;
+    };
+    std::optional<Received> receive();
+    // Complaints since the last call go into evidence_.
+    void take_errors();
+    // 0 or errno.
     int send(ProbeKind kind, SessionTime now, std::uint32_t sequence, std::size_t bytes);
     void take(const ProbePacket& packet, std::size_t bytes, SessionTime arrived,
               std::vector<ClockExchange>& exchanges);
@@ -83,7 +67,9 @@ class PortProbe {
     void take_counts(const ProbePacket& packet);
 
     PortTraffic traffic_;
-    ProbeSocket socket_;
+    UdpSocket socket_;
+    ArrivalClock clock_;
+    std::vector<std::uint8_t> incoming_;
     std::uint64_t asker_, nonce_ = 0;
     PortEvidence evidence_;
     int complaints_ = 0;

@@ -1,4 +1,4 @@
-// What `thimble log` makes of logs: their content for people, checks, repair.
+// The tools of `thimble log`: a log's content for people, checks, repair.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What the panels draw in ImGui: colours by name, whole pixels, text that ends where it should, and the keys and buttons of
+// Drawing in ImGui for the panels: colours by name, whole pixels, text that ends where it should, and the keys and buttons of
 // commands.hpp.
 #pragma once
 

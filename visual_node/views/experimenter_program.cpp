@@ -59,8 +59,6 @@ nlohmann::ordered_json percentiles(const Histogram& cost) {
             {"worst_ms", ms(cost.worst())}};
 }
 
-float channel_of(std::uint8_t value) { return static_cast<float>(value) / 255; }
-
 OutboundFlow make_stop_flow(Sockets& sockets) {
     const StopOutlets out = stop_outlets(sockets);
     return {Role::kExperimenter, system_entropy(), {out[0], out[1], out[2], out[3], out[4], out[5]}};
@@ -147,14 +145,14 @@ void ExperimenterView::say_stop(SessionTime now) {
 // Without swapping: what a compositor adds is neither's cost.
 void ExperimenterView::draw_empty() {
     const SessionTime begin = wall_now();
-    window_.begin_frame(0, 0, 0);
+    window_.begin_frame(kBlack);
     glFinish();
     empty_cost_.add(wall_now() - begin);
 }
 
 void ExperimenterView::draw_view(SessionTime now) {
     const SessionTime begin = wall_now();
-    window_.begin_frame(channel_of(kBackground[0]), channel_of(kBackground[1]), channel_of(kBackground[2]));
+    window_.begin_frame(kBackground);
     gui_.begin();
     panels_.draw(now, {window_, gui_, nullptr});
     gui_.end();

@@ -1,6 +1,6 @@
-// What whoever plays may change and see, over the scene of `thimble play`: delay and network, modality with what to expect of it,
-// the last seconds, the round trip as measured, and a hint of what to do; of a recorded trial the controls of draw_replay().
-// It never draws the fixture.
+// The player's panel over the scene of `thimble play`. It has delay and network, each modality with what to expect of it, the last
+// seconds, the measured round trip, and a hint of what to do. Of a recorded trial it has the controls of draw_replay(). It never draws
+// the fixture.
 #pragma once
 
 #include <initializer_list>

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <imgui.h>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -61,6 +62,67 @@ float draw_lines(ImFont* font, const std::string& text, float y, ImU32 ink) {
     return y;
 }
 
+// A place of a Picture in ImGui's units.
+ImVec2 place(double x, double y) {
+    const ImVec2 scale = ImGui::GetIO().DisplayFramebufferScale;
+    return {static_cast<float>(x) / scale.x, static_cast<float>(y) / scale.y};
+}
+
+void draw_needle(ImDrawList& list, const Picture& picture) {
+    const double half = picture.needle_width / 2, x = picture.needle_x, tip = picture.needle_tip_y;
+    const double shoulder = tip - std::min(2 * picture.needle_width, tip);  // where the taper begins
+    const ImU32 white = to_ink(colours::kNeedle);
+    list.AddRectFilled(place(x - half, 0), place(x + half, shoulder), white);
+    // Blunt by a pixel on either side, so that the end is seen where it is and not where the taper becomes thin.
+    list.AddQuadFilled(place(x - half, shoulder), place(x + half, shoulder), place(x + 1, tip),
+                       place(x - 1, tip), white);
+}
+
+// With the numbers of its scale, "N" behind the last.
+void draw_bar(ImDrawList& list, const Picture::Bar& bar, double scale) {
+    const double bottom = bar.top + bar.height;
+    list.AddRectFilled(place(bar.left, bar.top), place(bar.left + bar.full_length, bottom),
+                       to_ink(colours::kBarGround));
+    list.AddRectFilled(place(bar.left, bar.top), place(bar.left + bar.length, bottom), to_ink(colours::kBar));
+    const double line = std::max(1.0, std::round(scale));
+    const int ticks = static_cast<int>(std::floor(bar.full_N / bar.tick_N * (1 + 1e-12)));
+    for (int i = 0; i <= ticks; ++i) {
+        const double middle = bar.left + bar.full_length * (i * bar.tick_N / bar.full_N),
+                     x = std::round(middle);
+        list.AddRectFilled(place(x, bottom), place(x + line, bottom + 6 * scale), to_ink(colours::kInk));
+        const std::string number = fmt::format("{:g}", i * bar.tick_N);
+        const auto width = static_cast<double>(ImGui::CalcTextSize(number.c_str()).x);
+        list.AddText(place(std::round(middle - width / 2), bottom + 7 * scale), to_ink(colours::kInk),
+                     (i == ticks ? number + " N" : number).c_str());
+    }
+}
+
+void draw_ellipse(ImDrawList& list, const ImVec2& middle, float wide, float high, ImU32 ink) {
+    constexpr int kCorners = 48;
+    for (int i = 0; i < kCorners; ++i) {
+        const double angle = 2 * std::numbers::pi * i / kCorners;
+        list.PathLineTo({middle.x + wide * static_cast<float>(std::cos(angle)),
+                         middle.y + high * static_cast<float>(std::sin(angle))});
+    }
+    list.PathFillConvex(ink);
+}
+
+void draw_fingertip(ImDrawList& list, const Picture::Fingertip& finger) {
+    const ImVec2 middle = place(finger.x, finger.y),
+                 nail_middle = place(finger.x, finger.y - 0.35 * finger.radius);
+    const float r = place(finger.radius, 0).x;
+    const ImU32 skin = to_ink(colours::kSkin);
+    Rgb nail{};
+    for (std::size_t i = 0; i < nail.size(); ++i) {
+        nail[i] = static_cast<std::uint8_t>(
+            std::lround(std::lerp(0.85 * colours::kSkin[i], colours::kBlanched[i], finger.blanching)));
+    }
+    draw_ellipse(list, middle, r, 1.35F * r, skin);
+    list.AddRectFilled(place(finger.x - finger.radius, finger.y),
+                       place(finger.x + finger.radius, finger.y + 1.5 * finger.radius), skin);
+    draw_ellipse(list, nail_middle, 0.66F * r, 0.72F * r, to_ink(nail));
+}
+
 }  // namespace
 
 PageText page_text(const Page& page) {
@@ -98,19 +160,14 @@ PageText page_text(const Page& page, const Instructions& instructions, bool subj
     return text;
 }
 
-void draw_bar_scale(const Picture& picture) {
-    if (!picture.bar) return;
-    const Picture::Bar& bar = *picture.bar;
-    const int ticks = static_cast<int>(std::floor(bar.full_N / bar.tick_N * (1 + 1e-12)));
-    for (int i = 0; i <= ticks; ++i) {
-        const std::string label = fmt::format("{:g}{}", i * bar.tick_N, i == ticks ? " N" : "");
-        const ImVec2 size = ImGui::CalcTextSize(fmt::format("{:g}", i * bar.tick_N).c_str());
-        const double x = std::round(bar.left + bar.full_length * (i * bar.tick_N / bar.full_N) -
-                                    static_cast<double>(size.x) / 2);
-        const double y = bar.top + bar.height + 7 * picture.size.content_scale;
-        ImGui::GetBackgroundDrawList()->AddText(ImVec2(static_cast<float>(x), static_cast<float>(y)),
-                                                to_ink(colours::kInk), label.c_str());
-    }
+void draw_over_tissue(const Picture& picture) {
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const ImDrawListFlags flags = list.Flags;
+    list.Flags &= ~ImDrawListFlags_AntiAliasedFill;  // whole pixels
+    draw_needle(list, picture);
+    if (picture.bar) draw_bar(list, *picture.bar, picture.size.content_scale);
+    if (picture.fingertip) draw_fingertip(list, *picture.fingertip);
+    list.Flags = flags;
 }
 
 void draw_page(const GuiLayer& gui, const PageText& text) {

@@ -1,4 +1,4 @@
-// Text over the scene, and the pages between trials, by Dear ImGui's draw lists: the draw_ functions are called between
+// The scene over the tissue, text, and the pages between trials, by Dear ImGui's draw lists. Call the draw_ functions between
 // GuiLayer::begin() and end().
 #pragma once
 
@@ -23,8 +23,8 @@ PageText page_text(const Page& page);
 // With a lab's own words where it has some. `subject_goes_on`: a text that is not its own says how, where the page waits for that.
 PageText page_text(const Page& page, const Instructions& instructions, bool subject_goes_on);
 
-// The numbers of the bar's scale, "N" behind the last.
-void draw_bar_scale(const Picture& picture);
+// Needle, bar with its scale, and fingertip, over the tissue that Painter has painted.
+void draw_over_tissue(const Picture& picture);
 // Covers the scene. Lines too long for the window are broken between words.
 void draw_page(const GuiLayer& gui, const PageText& text);
 // A box in the middle.

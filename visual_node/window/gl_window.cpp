@@ -225,11 +225,12 @@ std::span<const WindowEvent> GlWindow::wait_events(Duration longest) {
     return impl_->events;
 }
 
-void GlWindow::begin_frame(float red, float green, float blue) {
+void GlWindow::begin_frame(const Rgb& ground) {
     if (lost()) return;
     glfwMakeContextCurrent(impl_->window);
     glViewport(0, 0, impl_->width, impl_->height);
-    glClearColor(red, green, blue, 1);
+    const auto channel = [&](std::size_t i) { return static_cast<float>(ground[i]) / 255; };
+    glClearColor(channel(0), channel(1), channel(2), 1);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 

@@ -60,8 +60,8 @@ class GlWindow {
     std::span<const WindowEvent> wait_events(Duration longest);
     static constexpr std::size_t kMaxEvents = 1024;
 
-    // Makes the context current and clears the whole framebuffer. Colours 0 to 1.
-    void begin_frame(float red, float green, float blue);
+    // Makes the context current and clears the whole framebuffer.
+    void begin_frame(const Rgb& ground);
     // Shows what was drawn: swaps, waiting for the monitor with vsync.
     void end_frame();
 

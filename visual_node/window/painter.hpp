@@ -1,19 +1,30 @@
-// Draws a Picture with OpenGL 3.3: the tissue as a lit block whose surface is a mesh, everything else as flat shapes. Made
-// while a context is current; used and destroyed in the same thread. Throws Error (run failed) with the driver's words if it cannot compile a shader.
+// The tissue of a Picture by OpenGL 3.3: a lit block seen from a little above, its surface a mesh that the vertex shader dents.
 #pragma once
 
-#include "visual_node/window/gl_shapes.hpp"
+#include <epoxy/gl.h>
+
+#include "visual_node/window/picture.hpp"
 
 namespace thimble {
 
 class Painter {
   public:
-    // Into the lower left picture.size pixels of the current framebuffer. Does not clear.
-    void paint(const Picture& picture);
+    // Made while a context is current; used and destroyed in the same thread. Throws Error (run failed) with the driver's words if it
+    // cannot compile a shader.
+    Painter();
+    ~Painter();
+    Painter(const Painter&) = delete;
+    Painter& operator=(const Painter&) = delete;
+
+    // Into the lower left picture.size pixels of the current framebuffer. Does not clear. The rest of a Picture is draw_over_tissue()'s
+    // (captions.hpp).
+    void paint(const Picture& picture) const;
 
   private:
-    TissueBlock tissue_;
-    FlatShapes shapes_;
+    GLint find(const char* uniform) const { return glGetUniformLocation(program_, uniform); }
+
+    GLuint program_, array_ = 0, vertices_ = 0, indices_ = 0;
+    GLsizei index_count_ = 0;
 };
 
 }  // namespace thimble

@@ -2,9 +2,11 @@
 // oneself, is into the tissue.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 
-#include "visual_node/hand_flow.hpp"
+#include "visual_node/person_flows.hpp"
 
 namespace thimble {
 
@@ -19,9 +21,12 @@ class PointerHand final : public HandSource {
     void take_hold() { engaged_ = true; }
     void let_go() { engaged_ = false; }
     // A mouse has moved downwards by so many counts. Nothing happens while the hand has let go.
-    void move(double counts);
+    void move(double counts) { shift(counts * m_per_count_); }
     // A gamepad's stick: `deflection` -1 to 1, held for `time`.
-    void push(double deflection, Duration time);
+    void push(double deflection, Duration time) {
+        if (!(std::abs(deflection) > kStickDeadBand)) return;
+        shift(std::clamp(deflection, -1.0, 1.0) * kStickSpeed_m_per_s * to_seconds(time));
+    }
 
     HandInput hand() const override { return {position_hand_m_, engaged_}; }
     void home() override { position_hand_m_ = 0; }
@@ -30,7 +35,14 @@ class PointerHand final : public HandSource {
     static constexpr double kStickDeadBand = 0.15;
     static constexpr double kStickSpeed_m_per_s = 0.05;
 
-    void shift(double way_m);
+    void shift(double way_m) {
+        if (!engaged_ || !std::isfinite(way_m)) return;
+        // The other thread may send it home meanwhile, which must not be undone.
+        double from_m = position_hand_m_;
+        while (!position_hand_m_.compare_exchange_weak(from_m,
+                                                       std::clamp(from_m + way_m, -kReach_m, kReach_m))) {
+        }
+    }
 
     double m_per_count_;
     std::atomic<double> position_hand_m_{0};

@@ -9,8 +9,8 @@
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "visual_node/window/captions.hpp"
-#include "visual_node/window/gl_shapes.hpp"
 #include "visual_node/window/image.hpp"
+#include "visual_node/window/painter.hpp"
 // clang-format off
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -201,9 +201,8 @@ int WindowLoop::scene_width() const {
 
 bool WindowLoop::draw(SessionTime now) {
     GlWindow& window = *parts_.window;
-    const glm::vec3 ground = to_vec3(colours::kBackground);
     begun_ = now;
-    window.begin_frame(ground.x, ground.y, ground.z);
+    window.begin_frame(colours::kBackground);
     const auto scene = playout_.at(now);
     stale_ = scene && scene->stale;
     vibrate(now, scene);
@@ -235,7 +234,7 @@ bool WindowLoop::draw(SessionTime now) {
 }
 
 void WindowLoop::draw_captions(SessionTime now, const std::optional<Picture>& picture) {
-    if (picture) draw_bar_scale(*picture);
+    if (picture) draw_over_tissue(*picture);
     if (parts_.overlay != nullptr) {
         parts_.overlay->draw(now, {*parts_.window, gui_, parts_.display == nullptr ? nullptr : &times_});
     }

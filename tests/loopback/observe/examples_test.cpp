@@ -70,7 +70,7 @@ TEST(ReadingExamples, H5pyReadsALogWithItsUnits) {
     log.write(folder / "master.mcap");
     std::vector<std::unique_ptr<LoggedFile>> files;
     files.push_back(std::make_unique<LoggedFile>(folder / "master.mcap"));
-    export_hdf5(files, folder / "log.h5", "");  // h5py has brought the library
+    export_hdf5(files, folder / "log.h5", "");
     const Outcome said =
         run_to_end("/usr/bin/python3", {kExamples + "log_hdf5.py", (folder / "log.h5").string()});
     EXPECT_EQ(said.code, 0) << said.words;

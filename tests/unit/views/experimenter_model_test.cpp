@@ -10,31 +10,13 @@ namespace {
 using std::chrono::milliseconds;
 
 // A running session of which the model has just heard.
-struct ExperimenterBench {
-    PlayedViewSession session;
-    ExperimenterModel model{9, session.channels()};
-    SessionTime now = at(milliseconds{100});
-
+struct ExperimenterBench : ModelBench<ExperimenterModel> {
     ExperimenterBench() {
         session.monitor.state = NodeState::kRunning;
         session.monitor.modality = Modality::kCCF;
         session.monitor.network_delay_s = 0.05;
         session.trial = 6;
         pass(4);
-    }
-    void pass(int milliseconds_passed) {
-        for (int i = 0; i < milliseconds_passed; i += 4) {
-            now += milliseconds{4};
-            session.say(now);
-            model.update(now);
-        }
-    }
-    // The first order that `command` makes, if any.
-    std::optional<Order> press(Command command) {
-        model.press(now, command);
-        const auto heard = session.heard(now);
-        if (heard.empty()) return std::nullopt;
-        return heard.front().order;
     }
 };
 

@@ -1,5 +1,6 @@
 #include "visual_node/views/monitor_text.hpp"
 
+#include <limits>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -90,6 +91,22 @@ TEST(TextLine, CutsWhatIsTooLong) {
     const std::string text(500, 'x');
     EXPECT_EQ(TextLine::of("{}", text).view(), std::string(95, 'x'));
     EXPECT_TRUE(TextLine{}.view().empty());
+}
+
+TEST(EnergyBalance, WhatGoesInIsPassiveWhatComesOutIsNot) {
+    EXPECT_EQ(judge_energy(0.02), EnergyBalance::kPassive);
+    EXPECT_EQ(judge_energy(-0.02), EnergyBalance::kActive);
+    EXPECT_STREQ(to_string(judge_energy(-0.02)), "gives out more than it got");
+    EXPECT_STREQ(to_string(judge_energy(0.02)), "passive");
+}
+
+TEST(EnergyBalance, RoundingOfEncoderStepsIsNeither) {
+    EXPECT_EQ(judge_energy(0), EnergyBalance::kNone);
+    EXPECT_EQ(judge_energy(kEnergyResolution_J), EnergyBalance::kNone);
+    EXPECT_EQ(judge_energy(-kEnergyResolution_J), EnergyBalance::kNone);
+    EXPECT_EQ(judge_energy(-1.01 * kEnergyResolution_J), EnergyBalance::kActive);
+    EXPECT_EQ(judge_energy(1.01 * kEnergyResolution_J), EnergyBalance::kPassive);
+    EXPECT_EQ(judge_energy(std::numeric_limits<double>::quiet_NaN()), EnergyBalance::kNone);
 }
 
 }  // namespace

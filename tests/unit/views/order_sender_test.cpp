@@ -147,19 +147,6 @@ TEST(OrderSender, TheNewestDelayReplacesTheOneBefore) {
     EXPECT_EQ(heard[2].order.value, 0.2);
 }
 
-TEST(OrderSender, OppositesCallEachOtherOff) {
-    OrderBench bench;
-    bench.ask(milliseconds{0}, order_of(OrderKind::kPause));
-    bench.ask(milliseconds{1}, order_of(OrderKind::kResume));
-    bench.run(1, 200);
-    const auto all = bench.heard();
-    ASSERT_EQ(all.size(), 2U);
-    for (const HeardOrder& heard : all) {
-        EXPECT_EQ(heard.order.kind, heard.at == at({}) ? OrderKind::kPause : OrderKind::kResume);
-    }
-    EXPECT_EQ(bench.sender.progress(OrderKind::kPause), OrderProgress::kNone);
-}
-
 TEST(OrderSender, RepeatsKeepTheTrialForWhichTheyWereAsked) {
     OrderBench bench;
     bench.view.monitor.state = NodeState::kRunning;

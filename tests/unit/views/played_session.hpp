@@ -47,4 +47,32 @@ class PlayedViewSession {
     InboundFlow inbound_{Role::kExperimenter};
 };
 
+// A view's model that hears this session.
+template <class Model>
+struct ModelBench {
+    // The session speaks every 4 ms.
+    void pass(int milliseconds_passed) {
+        for (int i = 0; i < milliseconds_passed; i += 4) {
+            now += std::chrono::milliseconds{4};
+            session.say(now);
+            model.update(now);
+        }
+    }
+    // All that is asked now, not what was asked before.
+    std::vector<HeardOrder> press_all(Command command) {
+        (void)session.heard(now);
+        model.press(now, command);
+        return session.heard(now);
+    }
+    // The first order that `command` makes, if any.
+    std::optional<Order> press(Command command) {
+        const auto heard = press_all(command);
+        return heard.empty() ? std::nullopt : std::optional(heard.front().order);
+    }
+
+    PlayedViewSession session;
+    Model model{9, session.channels()};
+    SessionTime now = at(std::chrono::milliseconds{100});
+};
+
 }  // namespace thimble

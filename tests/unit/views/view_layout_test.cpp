@@ -1,5 +1,7 @@
 #include "visual_node/views/view_layout.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
@@ -49,6 +51,38 @@ TEST(ViewLayout, TheSideViewHoldsNeedleAndFixture) {
     EXPECT_NEAR(scale.x(0.16), 450, 1e-9);
     EXPECT_NEAR(scale.x(0.06), 250, 1e-9);
     EXPECT_GT(side_view_scale(box, 0.3, 0.123).high_m, 0.3);
+}
+
+TEST(PlotScale, RoundNumbersAroundTheValues) {
+    const PlotScale scale = round_scale(0.3, 9.2, 1, 5);
+    EXPECT_EQ(scale.low, 0);
+    EXPECT_EQ(scale.high, 10);
+    EXPECT_EQ(scale.step, 2);
+    EXPECT_EQ(scale.fraction(5), 0.5);
+}
+
+TEST(PlotScale, NothingSeenAndNothingMovingStillMakeAScale) {
+    EXPECT_EQ(round_scale(1e9, -1e9, 2, 4).low, 0);
+    EXPECT_GE(round_scale(1e9, -1e9, 2, 4).high, 2);
+    const PlotScale still = round_scale(7, 7, 0.5, 4);
+    EXPECT_LE(still.low, 7);
+    EXPECT_GE(still.high, 7.5);
+}
+
+TEST(PlotScale, HoldsAllValuesInAFewSteps) {
+    EXPECT_TRUE(rc::check("between 1 and lines + 1 steps that hold everything", [] {
+        const double low = 1e-3 * *rc::gen::inRange(-100000, 100000);
+        const double high = low + 1e-3 * *rc::gen::inRange(0, 100000);
+        const int lines = *rc::gen::inRange(1, 9);
+        const PlotScale scale = round_scale(low, high, 0.01, lines);
+        const double rounding = 1e-9 * scale.step;
+        RC_ASSERT(scale.low <= low + rounding);
+        RC_ASSERT(scale.high >= high - rounding);
+        const double steps = (scale.high - scale.low) / scale.step;
+        RC_ASSERT(std::abs(steps - std::round(steps)) < 1e-6);
+        RC_ASSERT(steps > 0.5);
+        RC_ASSERT(steps < lines + 1.5);
+    }));
 }
 
 }  // namespace

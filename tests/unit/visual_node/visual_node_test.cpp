@@ -34,14 +34,17 @@ ForceFeedback feedback(double needle_m, double surface_m, double total_N = 0,
     return message;
 }
 
-// The scene drawn when the only feedback of a trial is `message`.
-Scene scene_of(const ForceFeedback& message, Modality modality) {
-    VisualNode node{VisualSettings{}};
-    node.start_trial(at({}), trial(modality), 1);
+// The scene drawn when the only feedback of a trial is `message`, so long ago.
+Scene scene_of(const ForceFeedback& message, Modality modality, const VisualSettings& settings = {},
+               Duration silence = {}) {
+    VisualNode node{settings};
+    node.start_trial(at(seconds{1}), trial(modality), 1);
     const SessionTime now = node.next_frame();
-    node.on_feedback(now, message);
+    node.on_feedback(now - silence, message);
     return node.frame(now).value();
 }
+
+bool pressed_in(Modality modality) { return modality == Modality::kCF || modality == Modality::kCCF; }
 
 ForceFeedback arbitrary_feedback() {
     const auto metres = [] { return 1e-4 * *rc::gen::inRange(-2000, 2000); };
@@ -161,21 +164,18 @@ TEST(VisualNode, FingersAreForThosePeopleWhoHaveNoDevices) {
     VisualSettings settings;
     settings.fingertip = true;
     for (const Modality modality : kModalities) {
+        SCOPED_TRACE(to_string(modality));
+        const Scene resisted = scene_of(feedback(0.05, 0.1, -2), modality, settings);
+        const Scene drawn = scene_of(feedback(0.05, 0.1, 3), modality, settings);
+        EXPECT_EQ(resisted.fingertip_N, pressed_in(modality) ? 2 : 0);
+        EXPECT_EQ(resisted.thumb_N, 0);
+        EXPECT_EQ(drawn.fingertip_N, 0);
+        EXPECT_EQ(drawn.thumb_N, pressed_in(modality) ? 3 : 0);
         VisualNode node(settings);
         node.start_trial(at({}), trial(modality), 1);
-        const bool pressed = modality == Modality::kCF || modality == Modality::kCCF;
-        const auto scene_with = [&](double force_N) {
-            const SessionTime now = node.next_frame();
-            node.on_feedback(now, feedback(0.05, 0.1, force_N));
-            return node.frame(now).value();
-        };
-        const Scene resisted = scene_with(-2), drawn = scene_with(3);
-        EXPECT_EQ(resisted.fingertip_N, pressed ? 2 : 0) << to_string(modality);
-        EXPECT_EQ(resisted.thumb_N, 0) << to_string(modality);
-        EXPECT_EQ(drawn.fingertip_N, 0) << to_string(modality);
-        EXPECT_EQ(drawn.thumb_N, pressed ? 3 : 0) << to_string(modality);
-        node.end_trial(node.next_frame());
-        EXPECT_EQ(node.frame(node.next_frame()).value().thumb_N, 0) << to_string(modality);
+        node.on_feedback(at({}), feedback(0.05, 0.1, 3));
+        node.end_trial(at({}));
+        EXPECT_EQ(node.frame(node.next_frame()).value().thumb_N, 0);
     }
 }
 
@@ -184,11 +184,7 @@ TEST(VisualNode, FeedbackIsStaleFromItsLimitOn) {
     settings.fingertip = true;
     settings.stale = {StaleMode::kRamp, milliseconds{100}, milliseconds{20}};
     const auto after = [&](Modality modality, Duration silence) {
-        VisualNode node(settings);
-        node.start_trial(at(seconds{1}), trial(modality), 1);
-        const SessionTime now = node.next_frame();
-        node.on_feedback(now - silence, feedback(0.05, 0.1, -2));
-        return node.frame(now).value();
+        return scene_of(feedback(0.05, 0.1, -2), modality, settings, silence);
     };
     EXPECT_FALSE(after(Modality::kVF, milliseconds{100} - Duration{1}).stale);
     EXPECT_TRUE(after(Modality::kVF, milliseconds{100}).stale);
@@ -202,12 +198,8 @@ TEST(VisualNode, TheBarHasTheSettingsScaleAndPixels) {
     VisualSettings settings;
     settings.bar_full_scale_N = 6;
     settings.bar_resolution = 12;
-    VisualNode node(settings);
-    node.start_trial(at({}), trial(Modality::kVF), 1);
     const auto scene_with = [&](double force_N) {
-        const SessionTime now = node.next_frame();
-        node.on_feedback(now, feedback(0.05, 0.1, force_N));
-        return node.frame(now).value();
+        return scene_of(feedback(0.05, 0.1, force_N), Modality::kVF, settings);
     };
     EXPECT_EQ(scene_with(-1.2).bar_N, 1);
     EXPECT_EQ(scene_with(-5.99).bar_N, 5.5);
@@ -220,14 +212,9 @@ TEST(VisualNode, EachModalityShowsItsOwn) {
         VisualSettings settings;
         settings.fingertip = fingertip;
         for (const Modality modality : kModalities) {
-            VisualNode node(settings);
-            node.start_trial(at({}), trial(modality), 1);
-            const SessionTime now = node.next_frame();
-            node.on_feedback(now, feedback(0.05, 0.1, std::nan("")));
-            const Scene scene = node.frame(now).value();
-            const bool pressed = modality == Modality::kCF || modality == Modality::kCCF;
+            const Scene scene = scene_of(feedback(0.05, 0.1, std::nan("")), modality, settings);
             EXPECT_EQ(scene.bar_shown, modality == Modality::kVF) << to_string(modality);
-            EXPECT_EQ(scene.fingertip_shown, fingertip && pressed) << to_string(modality);
+            EXPECT_EQ(scene.fingertip_shown, fingertip && pressed_in(modality)) << to_string(modality);
             EXPECT_EQ(scene.fingertip_N + scene.thumb_N, 0) << to_string(modality);
         }
     }

@@ -6,7 +6,6 @@
 namespace thimble {
 namespace {
 
-using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 // A monitor that refreshes every 10 ms and lets swaps return then; drawing takes `draw`.

@@ -9,7 +9,6 @@
 namespace thimble {
 namespace {
 
-using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Not;
 

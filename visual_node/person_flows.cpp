@@ -1,4 +1,4 @@
-#include "visual_node/hand_flow.hpp"
+#include "visual_node/person_flows.hpp"
 
 #include <cassert>
 
@@ -33,6 +33,30 @@ void HandFlow::work(SessionTime now, bool running, std::uint32_t trial) {
 
 bool HandFlow::news(const HandInput& hand) const {
     return !said_any_ || hand.engaged != said_.engaged || hand.position_hand_m != said_.position_hand_m;
+}
+
+void GoOnRequest::turn(SessionTime now, const Page& page) {
+    if (page.kind == kind_ && page.trial == trial_) return;
+    kind_ = page.kind;
+    trial_ = page.trial;
+    wanted_ = false;
+    next_look_ = enabled_ && waits_to_go_on(kind_) ? now : kNever;
+}
+
+void GoOnRequest::press(SessionTime now) {
+    if (next_look_ == kNever || wanted_) return;
+    wanted_ = true;
+    next_saying_ = now;
+    until_ = now + kPatience;
+}
+
+bool GoOnRequest::take_due(SessionTime now) {
+    if (next_look_ == kNever) return false;
+    next_look_ = now + kLook;
+    if (wanted_ && now >= until_) wanted_ = false;
+    if (!wanted_ || now < next_saying_) return false;
+    next_saying_ = now + kRepeat;
+    return true;
 }
 
 }  // namespace thimble

@@ -1,11 +1,15 @@
 // Verdicts from made-up figures: each rule, on both sides of its limit.
+#include "thimble/link_test/link_report.hpp"
+
+#include <cerrno>
 #include <cmath>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "stability/critical_delay.hpp"
-#include "thimble/link_test/link_report.hpp"
+#include "thimble/link_test/link_figures.hpp"
 
 namespace thimble {
 namespace {
@@ -88,20 +92,18 @@ TEST(LinkVerdict, TheOthersBearPartOfTheirOwnLatency) {
 }
 
 TEST(LinkVerdict, PausesAndLossSpoilWhatDelayWouldAllow) {
-    LoopFigures figures = link(0.0002, 0.0003);
-    figures.longest_gap_s = 0.019;
-    EXPECT_EQ(fit(Modality::kCF, figures), Fit::kFits);
-    figures.longest_gap_s = 0.021;
-    EXPECT_EQ(fit(Modality::kCF, figures), Fit::kMarginal);
-    figures.longest_gap_s = 0.101;
-    EXPECT_EQ(fit(Modality::kVF, figures), Fit::kDoesNotFit);
-    figures.longest_gap_s = 0;
-    figures.loss = 0.04;
-    EXPECT_EQ(fit(Modality::kHF, figures), Fit::kFits);
-    figures.loss = 0.06;
-    EXPECT_EQ(fit(Modality::kHF, figures), Fit::kMarginal);
-    figures.loss = 0.5;
-    EXPECT_EQ(fit(Modality::kHF, figures), Fit::kDoesNotFit);
+    struct Case {
+        Modality modality;
+        double longest_gap_s, loss;
+        Fit fit;
+    };
+    for (const Case& one :
+         {Case{Modality::kCF, 0.019, 0, Fit::kFits}, Case{Modality::kCF, 0.021, 0, Fit::kMarginal},
+          Case{Modality::kVF, 0.101, 0, Fit::kDoesNotFit}, Case{Modality::kHF, 0, 0.04, Fit::kFits},
+          Case{Modality::kHF, 0, 0.06, Fit::kMarginal}, Case{Modality::kHF, 0, 0.5, Fit::kDoesNotFit}}) {
+        EXPECT_EQ(fit(one.modality, {true, 0.0002, 0.0003, one.loss, one.longest_gap_s}), one.fit)
+            << one.longest_gap_s << " " << one.loss;
+    }
 }
 
 PortFigures port(Port which, PortAnswer answer) {
@@ -184,6 +186,34 @@ TEST(LinkReport, TextAndJsonSayTheSame) {
     EXPECT_EQ(json["modalities"][0]["verdict"], "fits");
     EXPECT_TRUE(json["clock"]["offset_s"].is_null());
     EXPECT_EQ(json["exit_code"], 3);
+}
+
+TEST(PortFinding, EachErrorHasItsMeaning) {
+    EXPECT_EQ(classify({}), PortAnswer::kSilent);
+    EXPECT_EQ(classify({1, ECONNREFUSED, true, 3}), PortAnswer::kAnswers);  // it came up while we knocked
+    EXPECT_EQ(classify({0, ECONNREFUSED, true, 3}), PortAnswer::kNobodyListens);
+    EXPECT_EQ(classify({0, ENETUNREACH}), PortAnswer::kNoRoute);
+    EXPECT_EQ(classify({0, EHOSTUNREACH, true, 1}), PortAnswer::kNoRoute);
+    EXPECT_EQ(classify({0, EPERM}), PortAnswer::kProhibited);
+    EXPECT_EQ(classify({0, EACCES}), PortAnswer::kProhibited);
+    // Linux tells "administratively prohibited" as host or net unreachable: ICMP's code knows better.
+    for (const int code : {9, 10, 13}) {
+        EXPECT_EQ(classify({0, EHOSTUNREACH, true, code}), PortAnswer::kProhibited);
+        EXPECT_EQ(classify({0, EHOSTUNREACH, false, code}), PortAnswer::kNoRoute);
+    }
+}
+
+TEST(PortFinding, TheHostIsJudgedByAllItsPorts) {
+    using P = PortAnswer;
+    const auto said = [](const std::vector<P>& ports) { return diagnose(ports, "robot", 27000); };
+    EXPECT_EQ(said({P::kAnswers, P::kAnswers}), "");
+    EXPECT_THAT(said({P::kSilent, P::kSilent}), HasSubstr("down, or a firewall drops everything"));
+    EXPECT_THAT(said({P::kSilent, P::kAnswers}), HasSubstr("lets only some through"));
+    EXPECT_THAT(said({P::kSilent, P::kNobodyListens}), HasSubstr("lets only some through"));
+    EXPECT_THAT(said({P::kNobodyListens, P::kNobodyListens}), HasSubstr("--listen --base-port 27000"));
+    EXPECT_THAT(said({P::kNobodyListens, P::kAnswers}), HasSubstr("nobody listens at some ports"));
+    EXPECT_THAT(said({P::kNoRoute, P::kNoRoute}), HasSubstr("no route to robot"));
+    EXPECT_THAT(said({P::kAnswers, P::kProhibited}), HasSubstr("a firewall says no"));
 }
 
 }  // namespace
