@@ -170,7 +170,7 @@ struct Heartbeat {
     bool operator==(const Heartbeat&) const = default;
 };
 
-// session -> every node, on the control channel: what does your clock say? (clock_exchange.hpp)
+// session -> every node, on the control channel: what does your clock say? (clock_prober.hpp)
 struct ClockProbe {
     SessionTime send_time{};  // on the asker's clock
     bool operator==(const ClockProbe&) const = default;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "session/records/curve_file.hpp"
+#include "session/records/mean_trajectory.hpp"
 #include "session/records/trial_table.hpp"
 
 namespace thimble {

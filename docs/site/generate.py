@@ -120,7 +120,7 @@ def write_columns(sources, programs, out, scratch):
     meanings = tomllib.loads((sources / 'docs/site/columns.toml').read_text())
     tables = [(name, who, list(dict.fromkeys(map(short, header(scratch / file)))))
               for name, who, file in written_tables(programs, scratch)]
-    clocks = re.search(r'kClockColumns\{([^}]*)\}', (sources / 'session/clocks/clock_file.cpp').read_text())
+    clocks = re.search(r'kClockColumns\{(.*?)\};', (sources / 'session/clocks/clock_summary.cpp').read_text(), re.DOTALL)
     tables.append(('nodes/clocks_*ms.csv', 'run: a line per clock probe', re.findall(r'"(\w+)"', clocks[1])))
     text = ('# Every column of every table\n\nComma-separated, a header line, SI units named in the columns; lines that begin with # are '
             'remarks. From the headers that the programs write.\n`thimble log export` writes a table per message, whose columns are '

@@ -1,14 +1,12 @@
 #include "session/clocks/chrony.hpp"
 
 #include <cctype>
-#include <charconv>
-#include <cmath>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/process/child.hpp"
+#include "netem/formats/text_lines.hpp"
 
 namespace thimble {
 namespace {
@@ -17,36 +15,18 @@ namespace {
 // frequency, residual frequency, skew, root delay, root dispersion, update interval, leap status.
 constexpr std::size_t kFields = 14, kName = 1, kStratum = 2, kLastOffset = 5, kRootDispersion = 11;
 
-std::vector<std::string_view> split_fields(std::string_view line) {
-    std::vector<std::string_view> fields;
-    for (std::size_t comma = line.find(','); comma != std::string_view::npos; comma = line.find(',')) {
-        fields.push_back(line.substr(0, comma));
-        line.remove_prefix(comma + 1);
-    }
-    fields.push_back(line);
-    return fields;
-}
-
-template <class Number>
-bool read_number(std::string_view text, Number& number) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    return error == std::errc{} && end == text.data() + text.size();
-}
-
 }  // namespace
 
 std::optional<ChronyTracking> parse_chrony_tracking(std::string_view line) {
     while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.remove_suffix(1);
-    const auto fields = split_fields(line);
+    const auto fields = fields_of(line);
     if (fields.size() != kFields) return std::nullopt;
-    ChronyTracking tracking;
-    tracking.reference = fields[kName];
-    const bool numbers = read_number(fields[kStratum], tracking.stratum) &&
-                         read_number(fields[kLastOffset], tracking.last_offset_s) &&
-                         read_number(fields[kRootDispersion], tracking.root_dispersion_s);
-    if (!numbers || !std::isfinite(tracking.last_offset_s) || !std::isfinite(tracking.root_dispersion_s))
-        return std::nullopt;
-    return tracking;
+    const auto stratum = parse_integer(fields[kStratum]);
+    const auto last_offset_s = parse_number(fields[kLastOffset]);
+    const auto root_dispersion_s = parse_number(fields[kRootDispersion]);
+    if (!stratum || *stratum < 0 || !last_offset_s || !root_dispersion_s) return std::nullopt;
+    return ChronyTracking{std::string(fields[kName]), static_cast<unsigned>(*stratum), *last_offset_s,
+                          *root_dispersion_s};
 }
 
 std::string describe(const ChronyTracking& tracking) {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "session/clocks/clock_filter.hpp"
+#include "session/clocks/clock_prober.hpp"
 
 namespace thimble {
 

@@ -1,12 +1,89 @@
 #include "session/clocks/clock_summary.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <vector>
 
-#include "session/clocks/clock_filter.hpp"
+#include <fmt/format.h>
+
+#include "common/csv/columns.hpp"
 #include "session/clocks/clock_line.hpp"
+#include "session/clocks/clock_prober.hpp"
 
 namespace thimble {
+namespace {
+
+constexpr std::uint64_t kMostStamp_ns = std::uint64_t{1} << 62;
+
+void write_node(fmt::memory_buffer& out, const ClockRecord& record) {
+    write_value(out, to_string(record.node));
+}
+
+void read_node(const CsvField& field, ClockRecord& record) {
+    for (const Role role : kClockedNodes) {
+        record.node = role;
+        if (field.text == to_string(role)) return;
+    }
+    field.fail("is the name of no node");
+}
+
+template <auto Stamp>
+constexpr TableColumn<ClockRecord> stamp(std::string_view name) {
+    return {name,
+            [](fmt::memory_buffer& out, const ClockRecord& record) {
+                fmt::format_to(std::back_inserter(out), "{}", to_nanoseconds(record.exchange.*Stamp));
+            },
+            [](const CsvField& field, ClockRecord& record) {
+                const auto ns = static_cast<std::int64_t>(field.integer(kMostStamp_ns));
+                record.exchange.*Stamp = from_nanoseconds(ns);
+            }};
+}
+
+// It follows from the stamps, so a reader passes over it.
+template <auto Get>
+constexpr TableColumn<ClockRecord> derived(std::string_view name) {
+    return {name,
+            [](fmt::memory_buffer& out, const ClockRecord& record) {
+                write_value(out, (record.exchange.*Get)());
+            },
+            [](const CsvField&, ClockRecord&) {}};
+}
+
+using E = ClockExchange;
+constexpr std::array kClockColumns{TableColumn<ClockRecord>{"node", write_node, read_node},
+                                   stamp<&E::sent>("sent_ns"),
+                                   stamp<&E::arrived>("arrived_node_ns"),
+                                   stamp<&E::replied>("replied_node_ns"),
+                                   stamp<&E::answered>("answered_ns"),
+                                   derived<&E::offset_s>("offset_s"),
+                                   derived<&E::bound_s>("bound_s")};
+constexpr auto kClockNames = names_of(kClockColumns);
+
+}  // namespace
+
+ClockWriter::ClockWriter(const std::filesystem::path& path) : file_(path, IfExists::kReplace) {
+    file_.write(fmt::format("{}\n", fmt::join(kClockNames, ",")));
+}
+
+void ClockWriter::append(Role node, const ClockExchange& e) {
+    fmt::memory_buffer line;  // on the stack
+    write_fields(line, kClockColumns, ClockRecord{node, e});
+    line.push_back('\n');
+    file_.write({line.data(), line.size()});
+}
+
+std::vector<ClockRecord> read_clock_file(const std::filesystem::path& path) {
+    CsvReader reader(path, kClockNames);
+    std::vector<ClockRecord> records;
+    while (reader.next()) {
+        read_fields(reader, kClockColumns, records.emplace_back());
+        if (!records.back().exchange.possible())
+            reader.field(4).fail("makes an exchange that no two clocks can have had");
+    }
+    return records;
+}
+
 namespace {
 
 // Enough for a median; each costs a search along the hulls.
@@ -66,7 +143,7 @@ ClockSummary summarize_clock(std::span<const ClockExchange> exchanges) {
 
 std::vector<NodeClock> clocks_of(double delay_s, const std::vector<ClockRecord>& records) {
     std::vector<NodeClock> clocks;
-    for (const Role role : {Role::kMaster, Role::kSlaveSim, Role::kCutaneous, Role::kVisual, Role::kNetem}) {
+    for (const Role role : kClockedNodes) {
         std::vector<ClockExchange> exchanges;
         for (const ClockRecord& record : records) {
             if (record.node == role) exchanges.push_back(record.exchange);

@@ -1,15 +1,42 @@
 // One node's clock, computed from all exchanges of a session.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "session/clocks/clock_exchange.hpp"
-#include "session/clocks/clock_file.hpp"
+#include "common/csv/csv_file.hpp"
+#include "common/messages.hpp"
+#include "session/clocks/clock_prober.hpp"
 
 namespace thimble {
+
+inline constexpr std::array kClockedNodes{Role::kMaster, Role::kSlaveSim, Role::kCutaneous, Role::kVisual,
+                                          Role::kNetem};
+
+// Every exchange of stamps of a session, raw, as CSV: nodes/clocks_<delay>ms.csv of a run. Every figure about clocks is computed
+// from this file, so a reader can compute it again.
+struct ClockRecord {
+    Role node = Role::kMaster;  // whose clock is the far one; the near one is the session's
+    ClockExchange exchange;
+};
+
+class ClockWriter {
+  public:
+    // Replaces an earlier file. Throws Error (usage) if it cannot be created.
+    explicit ClockWriter(const std::filesystem::path& path);
+    void append(Role node, const ClockExchange& exchange);
+    void flush() { file_.flush(); }
+
+  private:
+    CsvFile file_;
+};
+
+// Throws Error (data) naming line and column of what cannot be read.
+std::vector<ClockRecord> read_clock_file(const std::filesystem::path& path);
 
 // A one-way delay: surely within value +- bound.
 struct OneWayDelay {

@@ -1,4 +1,4 @@
-// How a node's program is started and ended: on this machine (local_starter.hpp) or on another (remote_starter.hpp).
+// How a node's program is started and ended: on this machine or on another (remote_starter.hpp).
 #pragma once
 
 #include <filesystem>
@@ -44,7 +44,7 @@ class NodeStarter {
   public:
     virtual ~NodeStarter() = default;
     // Conditions side by side share a starter. Throws Error (run failed) if there is nothing to start.
-    virtual std::unique_ptr<RunningNode> start(const NodeOrder& order) const = 0;
+    virtual std::shared_ptr<RunningNode> start(const NodeOrder& order) const = 0;
     // How long the slowest machine may take to be reached.
     virtual Duration reach() const = 0;
     // The machine of a node; empty: this one.
@@ -53,5 +53,19 @@ class NodeStarter {
 
 // Waits, at most `limit`, for it to end.
 std::optional<int> wait_for_end(RunningNode& node, Duration limit);
+
+class LocalStarter final : public NodeStarter {
+  public:
+    // `programs`: folder of the thimble-* programs. `config`: session file for the nodes; empty: defaults.
+    LocalStarter(std::filesystem::path programs, std::filesystem::path config)
+        : programs_(std::move(programs)), config_(std::move(config)) {}
+
+    std::shared_ptr<RunningNode> start(const NodeOrder& order) const override;
+    Duration reach() const override { return Duration::zero(); }
+    std::string machine(Role /*role*/) const override { return ""; }
+
+  private:
+    std::filesystem::path programs_, config_;
+};
 
 }  // namespace thimble

@@ -21,6 +21,11 @@
 
 namespace thimble {
 
+// One word that the shell takes as it is, whatever it holds (but no NUL).
+std::string shell_word(std::string_view text);
+// Several, with blanks between.
+std::string shell_words(const std::vector<std::string>& words);
+
 inline constexpr std::string_view kReached = "thimble: reached";  // lines of their own
 inline constexpr std::string_view kSend = "thimble: send";
 inline constexpr std::string_view kReport = "thimble: report";

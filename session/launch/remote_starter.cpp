@@ -159,7 +159,7 @@ RemoteStarter::RemoteStarter(LaunchSettings launch, const std::filesystem::path&
                              std::unique_ptr<NodeStarter> here)
     : launch_(std::move(launch)), bundle_(make_bundle(session)), here_(std::move(here)) {}
 
-std::unique_ptr<RunningNode> RemoteStarter::start(const NodeOrder& order) const {
+std::shared_ptr<RunningNode> RemoteStarter::start(const NodeOrder& order) const {
     if (launch_.machine(order.role).empty()) return here_->start(order);
     std::filesystem::remove(order.log);
     std::filesystem::remove(order.report);

@@ -13,7 +13,7 @@ class RemoteStarter final : public NodeStarter {
     RemoteStarter(LaunchSettings launch, const std::filesystem::path& session,
                   std::unique_ptr<NodeStarter> here);
 
-    std::unique_ptr<RunningNode> start(const NodeOrder& order) const override;
+    std::shared_ptr<RunningNode> start(const NodeOrder& order) const override;
     Duration reach() const override { return launch_.reach; }
     std::string machine(Role role) const override { return launch_.machine(role); }
 

@@ -1,11 +1,23 @@
 // thimble-igtl: a session, or the logs of one, for 3D Slicer and whatever else speaks OpenIGTLink. Looks only.
+// A session as OpenIGTLink messages (version 1 of the protocol, by Debian's library): http://openigtlink.org/protocols/.
+//
+//   TRANSFORM "Needle", "Surface"   along z, positive into the tissue, in mm as OpenIGTLink has it
+//   SENSOR    "Force"               total, tissue, fixture, at the handle (positive pushes the hand out); N
+//   STRING    "State"               trial, modality, phase of the tissue, beep, for people
+//   STATUS    "Thimble"             running, waiting, or why a trial has ended
 #include <algorithm>
-#include <cstdio>
+#include <array>
+#include <igtlSensorMessage.h>
+#include <igtlStatusMessage.h>
+#include <igtlStringMessage.h>
+#include <igtlTransformMessage.h>
+#include <igtlUnit.h>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
@@ -17,7 +29,6 @@
 #include "common/runtime/tcp_server.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
-#include "session/observe/igtl_text.hpp"
 #include "session/observe/monitor_source.hpp"
 #include "session/observe/observers.hpp"
 
@@ -32,6 +43,98 @@ struct IgtlOptions {
     std::vector<std::string> replay{};
     double rate_Hz = 60, speed = 1;
     int base_port = 0;
+};
+
+constexpr double kMillimetres_per_m = 1000;
+
+Bytes packed(igtl::MessageBase& message, std::int64_t date_ns) {
+    constexpr std::int64_t kSecond_ns = 1'000'000'000;
+    auto time = igtl::TimeStamp::New();
+    time->SetTime(static_cast<igtlUint32>(date_ns / kSecond_ns),
+                  static_cast<igtlUint32>(date_ns % kSecond_ns));
+    message.SetTimeStamp(time);
+    message.Pack();
+    return {static_cast<const std::uint8_t*>(message.GetPackPointer()),
+            static_cast<std::size_t>(message.GetPackSize())};
+}
+
+Bytes placed(igtl::TransformMessage& message, std::int64_t date_ns, double position_m) {
+    igtl::Matrix4x4 matrix;
+    igtl::IdentityMatrix(matrix);
+    matrix[2][3] = static_cast<float>(kMillimetres_per_m * position_m);
+    message.SetMatrix(matrix);
+    return packed(message, date_ns);
+}
+
+int code_of(const Monitor& monitor, bool silent) {
+    if (silent) return igtl::StatusMessage::STATUS_TIME_OUT;
+    if (monitor.state == NodeState::kRunning) return igtl::StatusMessage::STATUS_OK;
+    if (is_stop(monitor.reason)) return igtl::StatusMessage::STATUS_PANICK_MODE;
+    switch (monitor.reason) {
+        case EndReason::kDeviceFault:
+            return igtl::StatusMessage::STATUS_HARDWARE_FAILURE;
+        case EndReason::kPeerLost:
+            return igtl::StatusMessage::STATUS_TIME_OUT;
+        default:
+            return igtl::StatusMessage::STATUS_NOT_READY;  // between trials
+    }
+}
+
+// Of at most 19 letters, which is what there is room for.
+std::string name_of(const Monitor& monitor, bool silent) {
+    if (silent) return "no session";
+    if (monitor.state == NodeState::kRunning) return "running";
+    return monitor.reason == EndReason::kNone ? "waiting" : to_string(monitor.reason);
+}
+
+// The session as OpenIGTLink messages. Each call gives one; `date_ns` since 1970. It is valid until the next call of the same function.
+class IgtlText {
+  public:
+    IgtlText() {
+        needle_->SetDeviceName("Needle");
+        surface_->SetDeviceName("Surface");
+        force_->SetDeviceName("Force");
+        state_->SetDeviceName("State");
+        status_->SetDeviceName("Thimble");
+        auto unit = igtl::Unit::New();
+        unit->Append(igtl::Unit::SI_DERIVED_NEWTON, 1);
+        force_->SetUnit(unit);
+    }
+    Bytes needle(std::int64_t date_ns, const Monitor& monitor) {
+        return placed(*needle_, date_ns, monitor.position_needle_m);
+    }
+    Bytes surface(std::int64_t date_ns, const Monitor& monitor) {
+        return placed(*surface_, date_ns, monitor.position_surface_m);
+    }
+    Bytes force(std::int64_t date_ns, const Monitor& m) {
+        std::array<igtlFloat64, 4> values{m.force_total_N, m.force_tissue_N, m.force_fixture_N,
+                                          m.force_hand_N};
+        force_->SetLength(values.size());
+        force_->SetValue(values.data());
+        return packed(*force_, date_ns);
+    }
+    Bytes state(std::int64_t date_ns, std::uint32_t trial, const Monitor& m) {
+        std::string text = fmt::format("trial {} {} {} {:.2f} N{}", trial, to_string(m.modality),
+                                       to_string(m.phase), m.force_total_N, m.beeped ? " beeped" : "");
+        state_->SetString(text);
+        return packed(*state_, date_ns);
+    }
+    // `silent`: no session has spoken for a while.
+    Bytes status(std::int64_t date_ns, const Monitor& monitor, bool silent) {
+        const std::string name = name_of(monitor, silent);
+        status_->SetCode(code_of(monitor, silent));
+        status_->SetSubCode(0);
+        status_->SetErrorName(name.c_str());
+        status_->SetStatusString(name.c_str());
+        return packed(*status_, date_ns);
+    }
+
+  private:
+    igtl::TransformMessage::Pointer needle_ = igtl::TransformMessage::New(),
+                                    surface_ = igtl::TransformMessage::New();
+    igtl::SensorMessage::Pointer force_ = igtl::SensorMessage::New();
+    igtl::StringMessage::Pointer state_ = igtl::StringMessage::New();
+    igtl::StatusMessage::Pointer status_ = igtl::StatusMessage::New();
 };
 
 // Asks the source, tells the clients, in the loop that drives every node.

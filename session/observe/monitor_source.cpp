@@ -8,6 +8,7 @@
 #include "common/error.hpp"
 #include "session/log/merged_log.hpp"
 #include "session/log/packet_fields.hpp"
+#include "session/records/trial_record.hpp"
 
 namespace thimble {
 
@@ -36,7 +37,8 @@ class LoggedMonitor::Reading {
             now_.force_hand_N = heartbeat->force_hand_N;
         const auto* record = std::get_if<ForceFeedback>(&message.body);
         if (record == nullptr || topic != "/slave_sim/record") return;
-        show(*record);
+        copy_state(*record, now_);
+        now_.needle_held = record->needle_held;
         moments_->push_back({time_ns, message.header.trial, now_});
     }
 
@@ -52,18 +54,6 @@ class LoggedMonitor::Reading {
         now_.position_fixture_m = control.fixture_position_m;
         now_.subject = control.subject;
     }
-    void show(const ForceFeedback& f) {
-        now_.position_needle_m = f.position_needle_m;
-        now_.position_surface_m = f.position_surface_m;
-        now_.force_tissue_N = f.force_tissue_N;
-        now_.force_fixture_N = f.force_fixture_N;
-        now_.force_total_N = f.force_total_N;
-        now_.contact_time_s = f.contact_time_s;
-        now_.phase = f.phase;
-        now_.fixture_present = f.fixture_present;
-        now_.needle_held = f.needle_held;
-    }
-
     std::vector<Moment>* moments_;
     Monitor now_;
     std::uint32_t started_ = 0;

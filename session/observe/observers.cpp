@@ -1,12 +1,12 @@
 #include "session/observe/observers.hpp"
 
-#include <charconv>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/runtime/udp_channel.hpp"
+#include "netem/formats/text_lines.hpp"
 
 namespace thimble {
 
@@ -15,9 +15,11 @@ Endpoint read_observer(const std::string& text, const std::string& option) {
     const bool has_host = colon != std::string::npos;
     const std::string_view digits = std::string_view(text).substr(has_host ? colon + 1 : 0);
     Endpoint endpoint{has_host ? text.substr(0, colon) : "127.0.0.1", 0};
-    const char* const last = digits.data() + digits.size();
-    const auto [end, error] = std::from_chars(digits.data(), last, endpoint.port);
-    if (error == std::errc{} && end == last && !endpoint.host.empty()) return endpoint;
+    const auto port = parse_integer(digits);
+    if (port && *port >= 0 && *port <= 65535 && !endpoint.host.empty()) {
+        endpoint.port = static_cast<std::uint16_t>(*port);
+        return endpoint;
+    }
     throw Error(ExitCode::kUsage,
                 fmt::format("{} {}: write PORT or HOST:PORT, with a port from 0 to 65535", option, text));
 }

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "session/participant/exclusions.hpp"
 #include "session/participant/order_file.hpp"
 #include "session/participant/record_table.hpp"
 #include "session/settings/protocol_settings.hpp"

@@ -6,9 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "session/participant/exclusions.hpp"
+#include "session/participant/dataset.hpp"
 #include "session/participant/order_file.hpp"
-#include "session/participant/participants_table.hpp"
 #include "session/participant/record_table.hpp"
 
 namespace thimble {

@@ -1,16 +1,19 @@
 #include "session/participant/dataset.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
+#include "netem/formats/text_lines.hpp"
 #include "session/participant/sidecars.hpp"
 #include "session/participant/tsv.hpp"
 
@@ -111,6 +114,56 @@ void refuse_dataset(const std::filesystem::path& folder) {
                 fmt::format("{}: holds a dataset of {} participants, and nothing else is written there; "
                             "name another folder with --out",
                             folder.string(), to_string(*kind)));
+}
+
+namespace {
+
+constexpr std::array<std::string_view, 8> kPersonColumns{
+    "participant_id", "species", "age", "sex", "handedness", "haptic_experience", "subject_kind", "consent"};
+
+std::string line_of(std::uint32_t participant, SubjectKind kind, const PersonDescription& p) {
+    const bool human = kind == SubjectKind::kHuman;
+    const std::string none(kNotAvailable);
+    return fmt::format(
+        "{}\t{}\t{}\t{}\t{}\t{}\t{}\t{}", participant_id(participant),
+        human ? "homo sapiens" : none,  // where it is missing, BIDS takes everybody for a human
+        human ? p.age : none, human ? p.sex : none, human ? p.handedness : none,
+        human ? p.haptic_experience : none, to_string(kind), human && p.consent ? "yes" : none);
+}
+
+}  // namespace
+
+std::string age_text(const std::string& years) {
+    if (years == kNotAvailable) return years;
+    const auto age = parse_integer(years);
+    if (!age || *age < 1 || *age > 120) {
+        throw Error(ExitCode::kUsage, fmt::format("--age {}: must be whole years, 1 to 120, or n/a", years));
+    }
+    return *age >= 89 ? "89+" : std::to_string(*age);
+}
+
+std::string add_participant(const Dataset& dataset, std::uint32_t participant, SubjectKind kind,
+                            const PersonDescription& person) {
+    const std::string ours = line_of(participant, kind, person);
+    TsvFile table(dataset.participants(), kPersonColumns);
+    CsvReader reader(dataset.participants(), kPersonColumns, '\t');
+    while (reader.next()) {
+        if (parse_participant(reader.field(0).text) != participant) continue;
+        std::vector<std::string_view> there;
+        for (std::size_t i = 0; i < kPersonColumns.size(); ++i) there.push_back(reader.field(i).text);
+        const bool same = fmt::format("{}", fmt::join(there, "\t")) == ours;
+        return same ? std::string() : fmt::format("{}", fmt::join(there, ", "));
+    }
+    table.append(ours);
+    return {};
+}
+
+std::vector<std::uint32_t> read_participants(const Dataset& dataset) {
+    std::vector<std::uint32_t> all;
+    if (!is_table(dataset.participants())) return all;
+    CsvReader reader(dataset.participants(), kPersonColumns, '\t');
+    while (reader.next()) all.push_back(read_participant(reader.field(0)));
+    return all;
 }
 
 }  // namespace thimble

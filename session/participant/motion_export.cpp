@@ -17,7 +17,7 @@
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
-#include "session/participant/participants_table.hpp"
+#include "session/participant/dataset.hpp"
 #include "session/participant/record_table.hpp"
 #include "session/participant/tsv.hpp"
 #include "session/records/trajectory_file.hpp"
@@ -216,17 +216,13 @@ void write_motion_description(const fs::path& to, MotionJson json) {
     write_motion_text(to / "dataset_description.json", json_text(json, 2) + '\n');
 }
 
-std::string motion_condition(const TrialConditions& c) {
-    return fmt::format("{}_{:g}ms.csv", to_string(c.modality), 1000 * c.delay_s);
-}
-
 void export_participant_session(const Dataset& dataset, const fs::path& to, MotionDataset& out) {
     for (const std::uint32_t participant : read_participants(dataset)) {
         const fs::path folder = dataset.source(participant) / "trajectories";
         for (const DatasetRecord& record : read_records(dataset.records(participant))) {
             const TrialConditions& c = record.row.conditions;
-            const std::string name = fmt::format("record{:03}_experiment{}_trial{:02}_{}", record.record,
-                                                 c.experiment, c.trial, motion_condition(c));
+            const std::string name =
+                fmt::format("record{:03}_experiment{}_{}", record.record, c.experiment, trajectory_name(c));
             out.add_trial({"needle", record.record, record.row, folder / name});
         }
         out.copy(fs::relative(dataset.records(participant), dataset.folder()));
@@ -240,13 +236,8 @@ void export_study(const fs::path& from, const fs::path& to, MotionDataset& out) 
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> runs;
     for (const TrialRow& row : read_trial_table(from / "trials.csv")) {
         const TrialConditions& c = row.conditions;
-        const std::string of_run = fmt::format("trial{:02}_{}", c.trial, motion_condition(c));
-        const std::string of_study =
-            fmt::format("experiment{}_subject{:02}_{}", c.experiment, c.subject, of_run);
-        const fs::path folder = from / "trajectories";
-        std::error_code absent;
         out.add_trial({fmt::format("needleExperiment{}", c.experiment), ++runs[{c.experiment, c.subject}],
-                       row, folder / (fs::exists(folder / of_study, absent) ? of_study : of_run)});
+                       row, find_trajectory(from / "trajectories", c)});
     }
     std::string participants = "participant_id\tspecies\tsubject_kind\n";
     for (const std::uint32_t subject : out.subjects())

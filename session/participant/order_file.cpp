@@ -1,7 +1,6 @@
 #include "session/participant/order_file.hpp"
 
 #include <array>
-#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,36 +13,25 @@
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 10> kOrderColumns{
-    "position", "block",   "practice",           "experiment",      "trial",
-    "modality", "delay_s", "fixture_position_m", "fixture_removed", "seed"};
+using O = OrderEntry;
+using C = TrialConditions;
 
-std::vector<std::string> fields_of(const OrderEntry& entry) {
-    const TrialConditions& c = entry.conditions;
-    return {std::to_string(entry.position), std::to_string(entry.block),
-            entry.practice ? "1" : "0",     std::to_string(c.experiment),
-            std::to_string(c.trial),        to_string(c.modality),
-            fmt::format("{}", c.delay_s),   fmt::format("{}", c.fixture_position_m),
-            c.removes_fixture ? "1" : "0",  std::to_string(c.study_seed)};
-}
+constexpr std::array kOrderColumns{column<O, &O::position>("position"),
+                                   column<O, &O::block>("block"),
+                                   column<O, &O::practice>("practice"),
+                                   column<O, &O::conditions, &C::experiment>("experiment"),
+                                   column<O, &O::conditions, &C::trial>("trial"),
+                                   column<O, &O::conditions, &C::modality>("modality"),
+                                   column<O, &O::conditions, &C::delay_s>("delay_s"),
+                                   column<O, &O::conditions, &C::fixture_position_m>("fixture_position_m"),
+                                   column<O, &O::conditions, &C::removes_fixture>("fixture_removed"),
+                                   column<O, &O::conditions, &C::study_seed>("seed")};
+constexpr auto kOrderNames = names_of(kOrderColumns);
 
-OrderEntry read_entry(const CsvReader& line, std::uint32_t participant) {
-    OrderEntry entry;
-    TrialConditions& c = entry.conditions;
-    entry.position = line.field(0).whole();
-    entry.block = line.field(1).whole();
-    entry.practice = line.field(2).flag();
-    c.experiment = line.field(3).whole();
-    c.trial = line.field(4).whole();
-    const auto modality = find_modality(line.field(5).text);
-    if (!modality) line.field(5).fail("is none of HF, CF, CCF, VF");
-    c.modality = *modality;
-    c.delay_s = line.field(6).number();
-    c.fixture_position_m = line.field(7).number();
-    c.removes_fixture = line.field(8).flag();
-    c.study_seed = line.field(9).integer(std::numeric_limits<std::uint64_t>::max());
-    c.subject = participant;
-    return entry;
+std::string field_of(const OrderEntry& entry, std::size_t column) {
+    fmt::memory_buffer field;
+    kOrderColumns[column].write(field, entry);
+    return fmt::to_string(field);
 }
 
 std::vector<Protocol> protocols_of(const SystemSettings& settings, const ProtocolSettings& plan) {
@@ -101,17 +89,22 @@ std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t
 }
 
 void write_order(const std::filesystem::path& file, const std::vector<OrderEntry>& order) {
-    std::string text = fmt::format("{}\n", fmt::join(kOrderColumns, "\t"));
-    for (const OrderEntry& entry : order) text += fmt::format("{}\n", fmt::join(fields_of(entry), "\t"));
+    fmt::memory_buffer text;
+    fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(kOrderNames, "\t"));
+    for (const OrderEntry& entry : order) {
+        write_fields(text, kOrderColumns, entry, '\t');
+        text.push_back('\n');
+    }
     make_folder(file.parent_path());
-    write_whole(file, text);
+    write_whole(file, {text.data(), text.size()});
 }
 
 std::vector<OrderEntry> read_order(const std::filesystem::path& file, std::uint32_t participant) {
-    CsvReader reader(file, kOrderColumns, '\t');
+    CsvReader reader(file, kOrderNames, '\t');
     std::vector<OrderEntry> order;
     while (reader.next()) {
-        order.push_back(read_entry(reader, participant));
+        read_fields(reader, kOrderColumns, order.emplace_back());
+        order.back().conditions.subject = participant;
         if (order.back().position != order.size()) reader.field(0).fail("is not the next position");
     }
     return order;
@@ -119,12 +112,11 @@ std::vector<OrderEntry> read_order(const std::filesystem::path& file, std::uint3
 
 std::string difference(const std::vector<OrderEntry>& written, const std::vector<OrderEntry>& planned) {
     for (std::size_t i = 0; i < std::min(written.size(), planned.size()); ++i) {
-        const auto ours = fields_of(written[i]);
-        const auto theirs = fields_of(planned[i]);
         for (std::size_t column = 0; column < kOrderColumns.size(); ++column) {
-            if (ours[column] == theirs[column]) continue;
-            return fmt::format("at position {} {} is {}, the settings give {}", i + 1, kOrderColumns[column],
-                               ours[column], theirs[column]);
+            const std::string ours = field_of(written[i], column), theirs = field_of(planned[i], column);
+            if (ours == theirs) continue;
+            return fmt::format("at position {} {} is {}, the settings give {}", i + 1, kOrderNames[column],
+                               ours, theirs);
         }
     }
     if (written.size() == planned.size()) return {};

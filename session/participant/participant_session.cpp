@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "session/records/condition_summary.hpp"
+#include "session/records/trajectory_file.hpp"
 
 namespace thimble {
 namespace {
@@ -248,9 +249,9 @@ void ParticipantSession::do_trial(const Step& step) {
     record.repeat_reason = step.reason;
     // The same for a trial that was begun before, unless nodes that went on running have seen it.
     record.number = std::max({record.record, runner_.last_number() + 1, last_number_ + 1});
-    const auto trajectory = options_.dataset.source(options_.participant) / "trajectories" /
-                            fmt::format("record{:03}_experiment{}_trial{:02}_{}_{:g}ms.csv", record.record,
-                                        c.experiment, c.trial, to_string(c.modality), 1000 * c.delay_s);
+    const auto trajectory =
+        options_.dataset.source(options_.participant) / "trajectories" /
+        fmt::format("record{:03}_experiment{}_{}", record.record, c.experiment, trajectory_name(c));
     keep_aside(trajectory);
     const TrialRecord& trial = runner_.run(c, record.number, trajectory);
     record.row = make_row(trial);

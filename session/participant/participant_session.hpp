@@ -11,7 +11,6 @@
 #include "common/error.hpp"
 #include "session/participant/agenda.hpp"
 #include "session/participant/dataset.hpp"
-#include "session/participant/line_source.hpp"
 #include "session/participant/prompt.hpp"
 #include "session/records/trial_record.hpp"
 

@@ -1,5 +1,11 @@
 #include "session/participant/prompt.hpp"
 
+#include <array>
+#include <cerrno>
+#include <poll.h>
+#include <unistd.h>
+#include <utility>
+
 #include "session/participant/tsv.hpp"
 
 namespace thimble {
@@ -13,6 +19,32 @@ PromptCommand parse_prompt_line(std::string_view line) {
     const std::string reason = tsv_text(std::string_view(words).substr(1));
     if (reason == kNotAvailable) return {PromptKind::kNoReason, {}};
     return {reject ? PromptKind::kReject : PromptKind::kExclude, reason};
+}
+
+std::optional<std::string> DescriptorLines::take_line() {
+    read_what_is_there();
+    const std::size_t end = buffer_.find('\n');
+    if (end != std::string::npos) {
+        std::string line = buffer_.substr(0, end);
+        buffer_.erase(0, end + 1);
+        return line;
+    }
+    if (ended_ && !buffer_.empty()) return std::exchange(buffer_, {});
+    return std::nullopt;
+}
+
+void DescriptorLines::read_what_is_there() {
+    pollfd waiting{descriptor_, POLLIN, 0};
+    while (!ended_ && ::poll(&waiting, 1, 0) > 0) {
+        std::array<char, 1024> chunk{};
+        const ssize_t n = ::read(descriptor_, chunk.data(), chunk.size());
+        if (n < 0 && (errno == EINTR || errno == EAGAIN)) return;
+        if (n <= 0) {
+            ended_ = true;
+            return;
+        }
+        buffer_.append(chunk.data(), static_cast<std::size_t>(n));
+    }
 }
 
 }  // namespace thimble

@@ -2,59 +2,55 @@
 
 #include <array>
 
+#include "common/error.hpp"
 #include "common/text_file.hpp"
+#include "session/participant/tsv.hpp"
+#include "session/records/participant.hpp"
 
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 7> kOwnColumns{
-    "record", "position", "block", "practice", "repeat_of", "repeat_reason", "number_on_wire"};
+using R = DatasetRecord;
+
+constexpr std::array kOwnColumns{
+    column<R, &R::record>("record"),
+    column<R, &R::position>("position"),
+    column<R, &R::block>("block"),
+    column<R, &R::practice>("practice"),
+    TableColumn<R>{"repeat_of",
+                   [](fmt::memory_buffer& out, const R& r) {
+                       if (r.repeat_of != 0) write_value(out, r.repeat_of);
+                   },
+                   [](const CsvField& field, R& r) {
+                       if (!field.text.empty()) read_value(field, r.repeat_of);
+                   }},
+    TableColumn<R>{"repeat_reason",
+                   [](fmt::memory_buffer& out, const R& r) { write_value(out, tsv_text(r.repeat_reason)); },
+                   [](const CsvField& field, R& r) { r.repeat_reason = field.text; }},
+    column<R, &R::number>("number_on_wire")};
 
 std::filesystem::path in_its_folder(const std::filesystem::path& file) {
     make_folder(file.parent_path());
     return file;
 }
 
-DatasetRecord read_record(const CsvReader& line) {
-    DatasetRecord r;
-    r.record = line.field(0).whole();
-    r.position = line.field(1).whole();
-    r.block = line.field(2).whole();
-    r.practice = line.field(3).flag();
-    if (line.field(4).text != kNotAvailable) r.repeat_of = line.field(4).whole();
-    r.repeat_reason = without_na(line.field(5)).text;
-    r.number = line.field(6).whole();
-    for (std::size_t i = 0; i < trial_columns().size(); ++i) {
-        read_trial_field(without_na(line.field(kOwnColumns.size() + i)), i, r.row);
-    }
-    return r;
-}
-
 }  // namespace
 
 std::vector<std::string_view> record_columns() {
-    std::vector<std::string_view> columns(kOwnColumns.begin(), kOwnColumns.end());
-    columns.insert(columns.end(), trial_columns().begin(), trial_columns().end());
-    return columns;
+    std::vector<std::string_view> names;
+    for (const auto& column : kOwnColumns) names.push_back(column.name);
+    for (const auto& column : trial_columns()) names.push_back(column.name);
+    return names;
 }
 
 RecordTable::RecordTable(const std::filesystem::path& file) : file_(in_its_folder(file), record_columns()) {}
 
 void RecordTable::append(const DatasetRecord& r) {
-    std::vector<std::string> fields{
-        std::to_string(r.record),
-        std::to_string(r.position),
-        std::to_string(r.block),
-        r.practice ? "1" : "0",
-        r.repeat_of == 0 ? std::string(kNotAvailable) : std::to_string(r.repeat_of),
-        tsv_text(r.repeat_reason),
-        std::to_string(r.number)};
-    for (std::size_t i = 0; i < trial_columns().size(); ++i) {
-        fmt::memory_buffer field;
-        write_trial_field(field, r.row, i);
-        fields.push_back(field.size() == 0 ? std::string(kNotAvailable) : fmt::to_string(field));
-    }
-    file_.append(fields);
+    fmt::memory_buffer line;
+    write_fields(line, kOwnColumns, r, '\t', kNotAvailable);
+    line.push_back('\t');
+    write_fields(line, trial_columns(), r.row, '\t', kNotAvailable);
+    file_.append({line.data(), line.size()});
 }
 
 std::vector<DatasetRecord> read_records(const std::filesystem::path& file) {
@@ -63,10 +59,66 @@ std::vector<DatasetRecord> read_records(const std::filesystem::path& file) {
     const auto columns = record_columns();
     CsvReader reader(file, columns, '\t', kLaterColumns);
     while (reader.next()) {
-        records.push_back(read_record(reader));
+        DatasetRecord& record = records.emplace_back();
+        read_fields(reader, kOwnColumns, record, 0, kNotAvailable);
+        read_fields(reader, trial_columns(), record.row, kOwnColumns.size(), kNotAvailable);
         if (records.back().record != records.size()) reader.field(0).fail("is not the next record");
     }
     return records;
+}
+
+namespace {
+
+using E = Exclusion;
+
+constexpr std::array kExclusionColumns{
+    TableColumn<E>{
+        "participant_id",
+        [](fmt::memory_buffer& out, const E& e) { write_value(out, participant_id(e.participant)); },
+        [](const CsvField& field, E& e) { e.participant = read_participant(field); }},
+    column<E, &E::position>("position"), column<E, &E::record>("record"),
+    TableColumn<E>{"kind", [](fmt::memory_buffer& out, const E& e) { write_value(out, to_string(e.kind)); },
+                   [](const CsvField& field, E& e) {
+                       const bool excluded = field.text == "excluded";
+                       if (!excluded && field.text != "rejected")
+                           field.fail("is neither excluded nor rejected");
+                       e.kind = excluded ? ExclusionKind::kExcluded : ExclusionKind::kRejected;
+                   }},
+    column<E, &E::reason>("reason")};
+constexpr auto kExclusionNames = names_of(kExclusionColumns);
+
+}  // namespace
+
+const char* to_string(ExclusionKind kind) {
+    return kind == ExclusionKind::kExcluded ? "excluded" : "rejected";
+}
+
+void add_exclusion(const std::filesystem::path& file, Exclusion e) {
+    e.reason = tsv_text(e.reason);
+    if (e.reason == kNotAvailable) {
+        throw Error(ExitCode::kUsage, "a trial is left out with a reason only: say why");
+    }
+    fmt::memory_buffer line;
+    write_fields(line, kExclusionColumns, e, '\t');
+    TsvFile(file, kExclusionNames).append({line.data(), line.size()});
+}
+
+std::vector<Exclusion> read_exclusions(const std::filesystem::path& file) {
+    std::vector<Exclusion> all;
+    if (!is_table(file)) return all;
+    CsvReader reader(file, kExclusionNames, '\t');
+    while (reader.next()) read_fields(reader, kExclusionColumns, all.emplace_back());
+    return all;
+}
+
+const Exclusion* find_exclusion(const std::vector<Exclusion>& all, std::uint32_t participant,
+                                std::uint32_t record) {
+    const Exclusion* found = nullptr;
+    for (const Exclusion& e : all) {
+        if (e.participant != participant || e.record != record) continue;
+        if (found == nullptr || e.kind == ExclusionKind::kExcluded) found = &e;
+    }
+    return found;
 }
 
 }  // namespace thimble

@@ -6,12 +6,28 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "session/participant/person_starter.hpp"
 #include "session/participant/real_trials.hpp"
 #include "session/participant/tsv.hpp"
 
 namespace thimble {
 namespace {
+
+// Starts the nodes for a person: thimble-visual gets a window, whatever [visual] display says.
+class PersonStarter final : public NodeStarter {
+  public:
+    explicit PersonStarter(std::shared_ptr<NodeStarter> starter) : starter_(std::move(starter)) {}
+
+    std::shared_ptr<RunningNode> start(const NodeOrder& order) const override {
+        NodeOrder mine = order;
+        if (order.role == Role::kVisual) mine.arguments.emplace_back("--window");
+        return starter_->start(mine);
+    }
+    Duration reach() const override { return starter_->reach(); }
+    std::string machine(Role role) const override { return starter_->machine(role); }
+
+  private:
+    std::shared_ptr<NodeStarter> starter_;
+};
 
 std::uint32_t participant_of(const SystemSettings& settings, const std::string& said) {
     const auto participant = said.empty() ? settings.plan.subject : parse_participant(said).value_or(0);

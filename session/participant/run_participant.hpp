@@ -9,12 +9,20 @@
 
 #include "common/network_settings.hpp"
 #include "session/launch/node_starter.hpp"
+#include "session/participant/dataset.hpp"
 #include "session/participant/participant_session.hpp"
-#include "session/participant/participant_view.hpp"
-#include "session/participant/participants_table.hpp"
+#include "session/run/condition_run.hpp"
 #include "session/settings/system_settings.hpp"
 
 namespace thimble {
+
+// An experimenter's view of a participant session. Its orders arrive as typed lines.
+struct ParticipantView {
+    LineSource* lines;             // what it asks; never ends
+    std::function<bool()> paused;  // no further trial while it is
+    std::function<void(std::size_t trials)> planned;
+    MakeObserver make_observer;
+};
 
 struct ParticipantRun {
     std::shared_ptr<NodeStarter> starter;  // none: the nodes run already

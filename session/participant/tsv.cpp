@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "common/error.hpp"
+#include "session/records/participant.hpp"
 
 namespace thimble {
 namespace {
@@ -21,6 +22,12 @@ const std::filesystem::path& with_whole_lines(const std::filesystem::path& path,
 
 }  // namespace
 
+std::uint32_t read_participant(const CsvField& field) {
+    const auto participant = parse_participant(field.text);
+    if (!participant) field.fail("is no participant, e.g. sub-07");
+    return *participant;
+}
+
 std::string tsv_text(std::string_view words) {
     std::string text;
     for (const char c : words) {
@@ -35,11 +42,6 @@ std::string tsv_text(std::string_view words) {
     return text.empty() ? std::string(kNotAvailable) : text;
 }
 
-CsvField without_na(CsvField field) {
-    if (field.text == kNotAvailable) field.text = {};
-    return field;
-}
-
 TsvFile::TsvFile(const std::filesystem::path& path, std::span<const std::string_view> columns)
     : file_(with_whole_lines(path, columns), IfExists::kContinue) {
     if (!file_.is_new()) return;
@@ -47,8 +49,8 @@ TsvFile::TsvFile(const std::filesystem::path& path, std::span<const std::string_
     file_.sync();
 }
 
-void TsvFile::append(const std::vector<std::string>& fields) {
-    file_.write(fmt::format("{}\n", fmt::join(fields, "\t")));
+void TsvFile::append(std::string_view line) {
+    file_.write(fmt::format("{}\n", line));
     file_.sync();
 }
 

@@ -6,27 +6,26 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "common/csv/csv.hpp"
+#include "common/csv/columns.hpp"
 #include "common/csv/csv_file.hpp"
 
 namespace thimble {
 
 inline constexpr std::string_view kNotAvailable = "n/a";
 
+// Of a column participant_id. Throws Error (data).
+std::uint32_t read_participant(const CsvField& field);
 // Free text as one field: line breaks and tabs become spaces, an empty text becomes "n/a".
 std::string tsv_text(std::string_view words);
-// A field that is not there, as CsvField's conversions expect it: empty.
-CsvField without_na(CsvField field);
 
 // Of whole lines only.
 class TsvFile {
   public:
     // New, or to be continued. Throws Error: data, if it holds other columns; usage, if it cannot be created.
     TsvFile(const std::filesystem::path& path, std::span<const std::string_view> columns);
-    // On the disk when it returns.
-    void append(const std::vector<std::string>& fields);
+    // `line` without its end. On the disk when it returns.
+    void append(std::string_view line);
 
   private:
     CsvFile file_;

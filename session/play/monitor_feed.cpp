@@ -13,14 +13,7 @@ void fill_in_newest(Monitor& monitor, const SessionProcess& session) {
     const TrialRecord& record = session.record();
     if (!record.samples.empty()) monitor.time_s = record.samples.back().time_s;
     if (newest == nullptr) return;
-    monitor.position_needle_m = newest->position_needle_m;
-    monitor.position_surface_m = newest->position_surface_m;
-    monitor.force_tissue_N = newest->force_tissue_N;
-    monitor.force_fixture_N = newest->force_fixture_N;
-    monitor.force_total_N = newest->force_total_N;
-    monitor.contact_time_s = newest->contact_time_s;
-    monitor.phase = newest->phase;
-    monitor.fixture_present = newest->fixture_present;
+    copy_state(*newest, monitor);
     monitor.needle_held = newest->needle_held;
 }
 

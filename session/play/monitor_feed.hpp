@@ -19,7 +19,7 @@ struct MonitorContext {
 
 // One way from slave_sim to master = round trip - way of the needle - hold. The round trip is the master's own; the
 // needle's way is slave_sim's stamp of its newest answer minus the master's stamp that it echoes, minus the difference of
-// their clocks (clock_filter.hpp), which also gives the bound. The two samples are at most a heartbeat apart.
+// their clocks (clock_prober.hpp), which also gives the bound. The two samples are at most a heartbeat apart.
 Monitor make_monitor(SessionTime now, const SessionProcess& session, const MonitorContext& context);
 
 class MonitorFeed {

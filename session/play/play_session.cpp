@@ -8,10 +8,10 @@
 #include "common/process/progress.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
-#include "session/play/play_handler.hpp"
-#include "session/play/scratch_folder.hpp"
-#include "session/play/session_observer.hpp"
+#include "session/play/order_handlers.hpp"
+#include "session/play/play_starter.hpp"
 #include "session/records/condition_summary.hpp"
+#include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "session/run/condition_run.hpp"
 #include "session/settings/protocol.hpp"
@@ -113,9 +113,7 @@ class Play {
                                    draw_fixture_position_m(protocol_, subject_, trials_)};
         std::filesystem::path file;
         if (table_) {
-            file = options_.record / "trajectories" /
-                   fmt::format("trial{:02}_{}_{:g}ms.csv", trials_, to_string(modality),
-                               1000 * conditions.delay_s);
+            file = options_.record / "trajectories" / trajectory_name(conditions);
         }
         const TrialRecord& record = condition.run_trial(conditions, condition.last_number() + 1, file);
         handler_.trial_ended(wall_now(), record);

@@ -1,9 +1,11 @@
 #include "session/play/play_starter.hpp"
 
 #include <cstdlib>
+#include <string>
 
 #include <fmt/format.h>
 
+#include "common/error.hpp"
 #include "common/process/child.hpp"
 
 namespace thimble {
@@ -11,20 +13,6 @@ namespace {
 
 const std::vector<std::string> kWindow{"--window", "--view", "player"};
 constexpr Duration kHelpWithin = std::chrono::seconds{5};
-
-// A condition's run owns the nodes. The starter keeps how the window ended.
-class SharedNode final : public RunningNode {
-  public:
-    explicit SharedNode(std::shared_ptr<RunningNode> node) : node_(std::move(node)) {}
-    std::optional<int> poll() override { return node_->poll(); }
-    bool started() const override { return node_->started(); }
-    void stop() override { node_->stop(); }
-    std::string exit_message() override { return node_->exit_message(); }
-    ExitCode verdict() const override { return node_->verdict(); }
-
-  private:
-    std::shared_ptr<RunningNode> node_;
-};
 
 bool has_text(const char* variable) {
     const char* value = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe): nobody sets it
@@ -39,7 +27,7 @@ PlayStarter::PlayStarter(std::filesystem::path programs, std::filesystem::path c
       visual_command_(std::move(visual_command)),
       pointer_(pointer) {}
 
-std::unique_ptr<RunningNode> PlayStarter::start(const NodeOrder& order) const {
+std::shared_ptr<RunningNode> PlayStarter::start(const NodeOrder& order) const {
     NodeOrder mine = order;
     if (order.role == Role::kMaster && pointer_) mine.arguments.emplace_back("--pointer");
     if (order.role != Role::kVisual) return local_.start(mine);
@@ -49,9 +37,9 @@ std::unique_ptr<RunningNode> PlayStarter::start(const NodeOrder& order) const {
         mine.program = visual_command_.front();
         mine.arguments.insert(mine.arguments.end(), visual_command_.begin() + 1, visual_command_.end());
     }
-    std::shared_ptr<RunningNode> window = local_.start(mine);
+    auto window = local_.start(mine);
     window_ = window;
-    return std::make_unique<SharedNode>(std::move(window));
+    return window;
 }
 
 bool PlayStarter::window_closed() const {
@@ -82,6 +70,23 @@ void check_window(const std::filesystem::path& programs) {
                 "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a "
                 "desktop, or over "
                 "`ssh -X`, or give it one: xvfb-run -a thimble ...");
+}
+
+ScratchFolder::ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "thimble_play_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) {
+        throw Error(
+            ExitCode::kRunFailed,
+            fmt::format("cannot make a folder for logs at {}: set TMPDIR to one that can be written to",
+                        name));
+    }
+    path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() {
+    if (kept_) return;
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace thimble

@@ -2,11 +2,12 @@
 // program that a test puts in its place.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "session/launch/local_starter.hpp"
+#include "session/launch/node_starter.hpp"
 
 namespace thimble {
 
@@ -17,7 +18,7 @@ class PlayStarter final : public NodeStarter {
     PlayStarter(std::filesystem::path programs, std::filesystem::path config,
                 std::vector<std::string> visual_command, bool pointer = true);
 
-    std::unique_ptr<RunningNode> start(const NodeOrder& order) const override;
+    std::shared_ptr<RunningNode> start(const NodeOrder& order) const override;
     Duration reach() const override { return local_.reach(); }
     std::string machine(Role role) const override { return local_.machine(role); }
 
@@ -28,10 +29,26 @@ class PlayStarter final : public NodeStarter {
     LocalStarter local_;
     std::vector<std::string> visual_command_;
     bool pointer_;
-    mutable std::weak_ptr<RunningNode> window_;
+    mutable std::weak_ptr<RunningNode> window_;  // the condition's run owns it
 };
 
 // A window needs a screen and a thimble-visual that can open one. Throws Error (usage) that says which is missing.
 void check_window(const std::filesystem::path& programs);
+
+// A folder for logs: gone with this object, unless they are kept.
+class ScratchFolder {
+  public:
+    // Throws Error (run failed) if the system's folder for such things cannot be written to.
+    ScratchFolder();
+    ~ScratchFolder();
+    ScratchFolder(const ScratchFolder&) = delete;
+    ScratchFolder& operator=(const ScratchFolder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+    void keep() { kept_ = true; }
+
+  private:
+    std::filesystem::path path_;
+    bool kept_ = false;
+};
 
 }  // namespace thimble

@@ -11,26 +11,15 @@
 namespace thimble {
 namespace {
 
-// As condition_run.cpp and study.cpp name them.
-std::vector<std::string> names_of(const TrialConditions& c) {
-    const std::string condition = fmt::format("{}_{:g}ms.csv", to_string(c.modality), 1000 * c.delay_s);
-    return {
-        fmt::format("trial{:02}_{}", c.trial, condition),
-        fmt::format("experiment{}_subject{:02}_trial{:02}_{}", c.experiment, c.subject, c.trial, condition)};
-}
-
 std::filesystem::path trajectory_of(const std::filesystem::path& folder, const TrialConditions& conditions) {
-    std::error_code absent;
-    for (const std::string& name : names_of(conditions)) {
-        auto file = folder / "trajectories" / name;
-        if (std::filesystem::exists(file, absent)) return file;
-    }
+    auto file = find_trajectory(folder / "trajectories", conditions);
+    if (!file.empty()) return file;
     throw Error(
         ExitCode::kUsage,
         fmt::format(
             "{}: the trajectory {} was not kept: thimble study keeps them with --trajectories, thimble "
             "play with --record",
-            (folder / "trajectories").string(), names_of(conditions).front()));
+            (folder / "trajectories").string(), trajectory_name(conditions)));
 }
 
 }  // namespace
@@ -45,16 +34,9 @@ const TrajectorySample& RecordedTrial::at(double time_s) const {
 ForceFeedback RecordedTrial::feedback(const TrajectorySample& sample) const {
     const double fixture_m = record.conditions.fixture_position_m;
     ForceFeedback f;
-    f.position_needle_m = sample.position_needle_m;
-    f.position_surface_m = sample.position_surface_m;
+    copy_state(sample, f);
     f.position_proxy_m =
         sample.fixture_present ? std::min(sample.position_needle_m, fixture_m) : sample.position_needle_m;
-    f.force_tissue_N = sample.force_tissue_N;
-    f.force_fixture_N = sample.force_fixture_N;
-    f.force_total_N = sample.force_total_N;
-    f.contact_time_s = sample.contact_time_s;
-    f.phase = sample.phase;
-    f.fixture_present = sample.fixture_present;
     return f;
 }
 

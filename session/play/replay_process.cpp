@@ -1,13 +1,46 @@
 #include "session/play/replay_process.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <variant>
 
 #include "common/node_process.hpp"
-#include "session/play/monitor_feed.hpp"
 
 namespace thimble {
+
+ReplayClock::ReplayClock(double duration_s, double speed)
+    : duration_s_(duration_s), speed_(std::clamp(speed, kSlowest, kFastest)) {
+    assert(duration_s >= 0);
+}
+
+double ReplayClock::time_s(SessionTime now) const {
+    const double run_s = running_ ? speed_ * to_seconds(now - since_) : 0;
+    return std::clamp(anchor_s_ + run_s, 0.0, duration_s_);
+}
+
+void ReplayClock::resume(SessionTime now) {
+    if (running_) return;
+    since_ = now;
+    running_ = true;
+}
+
+void ReplayClock::pause(SessionTime now) {
+    anchor_s_ = time_s(now);
+    running_ = false;
+}
+
+void ReplayClock::seek(SessionTime now, double time_s) {
+    anchor_s_ = std::clamp(time_s, 0.0, duration_s_);
+    since_ = now;
+}
+
+void ReplayClock::set_speed(SessionTime now, double speed) {
+    anchor_s_ = time_s(now);
+    since_ = now;
+    speed_ = std::clamp(speed, kSlowest, kFastest);
+}
+
 namespace {
 
 constexpr int kBeepsSaid = 5;
@@ -62,15 +95,7 @@ void ReplayProcess::listen(SessionTime now) {
 // The order is repeated while the trial is shown: a known one is harmless, and a sign of life.
 void ReplayProcess::steer(SessionTime now) {
     next_steer_ = now + kSteerPeriod;
-    const TrialConditions& c = trial_->record.conditions;
-    SessionControl order;
-    order.kind = ControlKind::kTrialStart;
-    order.study_seed = c.study_seed;
-    order.experiment = c.experiment;
-    order.subject = c.subject;
-    order.modality = c.modality;
-    order.fixture_position_m = c.fixture_position_m;
-    control_.send(now, number_, order);
+    control_.send(now, number_, start_order(trial_->record.conditions));
 }
 
 // Also while it stands still: the newest state is said again, or the screen would think slave_sim dead.
@@ -119,15 +144,9 @@ std::optional<Refusal> ReplayProcess::obey(SessionTime now, const Order& order) 
         case OrderKind::kQuit:
             quit_ = true;
             return std::nullopt;
-        case OrderKind::kDelay:
-        case OrderKind::kNetwork:
-        case OrderKind::kStart:
-        case OrderKind::kEndTrial:
-        case OrderKind::kRepeat:
-        case OrderKind::kExclude:
+        default:
             return Refusal::kUnexpectedKind;
     }
-    return Refusal::kUnexpectedKind;
 }
 
 // Another number, so that the screen forgets the beep.
@@ -140,19 +159,11 @@ void ReplayProcess::begin_anew() {
 
 Monitor ReplayProcess::monitor(SessionTime now) const {
     const double time_s = clock_.time_s(now);
-    const TrajectorySample& sample = trial_->at(time_s);
     const TrialRecord& record = trial_->record;
     Monitor m;
+    copy_state(trial_->at(time_s), m);
     m.time_s = time_s;
-    m.position_needle_m = sample.position_needle_m;
-    m.position_surface_m = sample.position_surface_m;
     m.position_fixture_m = record.conditions.fixture_position_m;
-    m.force_tissue_N = sample.force_tissue_N;
-    m.force_fixture_N = sample.force_fixture_N;
-    m.force_total_N = sample.force_total_N;
-    m.contact_time_s = sample.contact_time_s;
-    m.phase = sample.phase;
-    m.fixture_present = sample.fixture_present;
     m.network_delay_s = trial_->delay_s(time_s);
     m.network = trial_->network(time_s);
     m.accepted = visual_.accepted;

@@ -9,8 +9,8 @@
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "session/launch/node_kinds.hpp"
+#include "session/play/play_starter.hpp"
 #include "session/play/replay_process.hpp"
-#include "session/play/scratch_folder.hpp"
 #include "session/records/condition_summary.hpp"
 
 namespace thimble {
@@ -20,7 +20,7 @@ constexpr Duration kGlance = std::chrono::milliseconds{20};
 constexpr Duration kWindowWithin = std::chrono::seconds{10};
 constexpr Duration kGoodbye = std::chrono::seconds{1};
 
-std::unique_ptr<RunningNode> start_window(const ReplayPlayOptions& options,
+std::shared_ptr<RunningNode> start_window(const ReplayPlayOptions& options,
                                           const std::filesystem::path& logs) {
     NodeOrder order;
     order.role = Role::kVisual;

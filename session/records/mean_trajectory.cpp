@@ -1,10 +1,16 @@
 #include "session/records/mean_trajectory.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
 
+#include <fmt/format.h>
+
+#include "common/csv/columns.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -101,6 +107,76 @@ void TrajectoryPanels::add(const TrialCurve& trial) {
         panel = panels_.end() - 1;
     }
     panel->mean.add(trial);
+}
+
+namespace {
+
+using Curve = TrialCurve;
+using C = TrialConditions;
+
+constexpr std::array kLeading{column<Curve, &Curve::conditions, &C::experiment>("experiment"),
+                              column<Curve, &Curve::conditions, &C::subject>("subject"),
+                              column<Curve, &Curve::conditions, &C::trial>("trial"),
+                              column<Curve, &Curve::conditions, &C::modality>("modality"),
+                              column<Curve, &Curve::conditions, &C::delay_s>("delay_s"),
+                              column<Curve, &Curve::entered>("entered"),
+                              column<Curve, &Curve::beeped>("beeped")};
+
+const std::vector<std::string>& column_names() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> list;
+        for (const auto& column : kLeading) list.emplace_back(column.name);
+        for (const char* what : {"needle", "surface"}) {
+            for (const double at : curve_grid_percent()) list.push_back(fmt::format("{}_{:g}%", what, at));
+        }
+        return list;
+    }();
+    return names;
+}
+
+void write_curve(fmt::memory_buffer& line, bool entered, const std::vector<double>& curve) {
+    for (std::size_t i = 0; i < kCurvePoints; ++i) {
+        line.push_back(',');
+        if (entered) write_value(line, curve[i]);
+    }
+}
+
+std::vector<double> read_curve(const CsvReader& reader, std::size_t first) {
+    std::vector<double> curve(kCurvePoints);
+    for (std::size_t i = 0; i < kCurvePoints; ++i) curve[i] = reader.field(first + i).number();
+    return curve;
+}
+
+TrialCurve read_line(const CsvReader& reader) {
+    TrialCurve trial;
+    read_fields(reader, kLeading, trial);
+    if (!trial.entered) return trial;
+    trial.needle_percent = read_curve(reader, kLeading.size());
+    trial.surface_percent = read_curve(reader, kLeading.size() + kCurvePoints);
+    return trial;
+}
+
+}  // namespace
+
+CurveFile::CurveFile(const std::filesystem::path& path, IfExists if_exists) : file_(path, if_exists) {
+    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(column_names(), ",")));
+    file_.flush();
+}
+
+void CurveFile::append(const TrialCurve& trial) {
+    fmt::memory_buffer line;
+    write_fields(line, kLeading, trial);
+    write_curve(line, trial.entered, trial.needle_percent);
+    write_curve(line, trial.entered, trial.surface_percent);
+    line.push_back('\n');
+    file_.write({line.data(), line.size()});
+    file_.flush();
+}
+
+void read_curves(const std::filesystem::path& path, const TakeCurve& take, LastLine last) {
+    const std::vector<std::string_view> names(column_names().begin(), column_names().end());
+    CsvReader reader(path, names, ',', 0, last);
+    while (reader.next()) take(read_line(reader));
 }
 
 }  // namespace thimble

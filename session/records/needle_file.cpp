@@ -1,16 +1,13 @@
 #include "session/records/needle_file.hpp"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
-#include <limits>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
-#include "common/error.hpp"
-#include "common/text_file.hpp"
+#include "netem/formats/text_lines.hpp"
 
 namespace thimble {
 
@@ -18,24 +15,11 @@ namespace {
 
 constexpr std::string_view kTime = "time_s";
 constexpr std::string_view kPosition = "position_needle_m";
-constexpr std::size_t kNoColumn = std::numeric_limits<std::size_t>::max();
-
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kBlank = " \t\r";
-    const std::size_t first = text.find_first_not_of(kBlank);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 class Reader {
   public:
     Reader(std::string_view text, std::string_view name, const NeedleLimits& limits)
-        : text_(text), name_(name), limits_(limits) {
-        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-        if (text_.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
-            text_.remove_prefix(kByteOrderMark.size());
-        }
-    }
+        : lines_(text, name), name_(name), limits_(limits) {}
 
     NeedlePath read() {
         read_header();
@@ -47,78 +31,60 @@ class Reader {
     }
 
   private:
-    [[noreturn]] void fail(std::string_view why) const {
-        throw Error(ExitCode::kData, fmt::format("{}:{}: {}", name_, line_, why));
-    }
+    [[noreturn]] void fail(std::string_view why) const { lines_.fail(why); }
 
     // Comments are passed over. Empty lines are only where the file ends.
     bool next_line(std::string_view& line) {
-        while (!text_.empty()) {
-            ++line_;
-            line = trimmed(take_until(text_, '\n'));
+        for (std::size_t empty_line = 0; lines_.next();) {
+            line = trimmed(lines_.line());
             if (line.empty()) {
-                if (trimmed_all(text_).empty()) return false;
-                fail("an empty line in the middle of the recording: fill the gap or remove the line");
+                if (empty_line == 0) empty_line = lines_.number();
+                continue;
             }
+            if (empty_line > 0)
+                fail_at_line(name_, empty_line,
+                             "an empty line in the middle of the recording: fill the gap or remove the line");
             if (line.front() != '#') return true;
         }
         return false;
     }
 
-    static std::string_view trimmed_all(std::string_view text) {
-        const std::size_t first = text.find_first_not_of(" \t\r\n");
-        return first == std::string_view::npos ? std::string_view{} : text.substr(first);
-    }
-
     void read_header() {
         std::string_view header;
         if (!next_line(header)) {
-            line_ = 1;
-            fail(fmt::format("the file is empty; it must begin with the header {},{}", kTime, kPosition));
+            const auto why =
+                fmt::format("the file is empty; it must begin with the header {},{}", kTime, kPosition);
+            fail_at_line(name_, 1, why);
         }
-        for (bool more = true; more; ++columns_) {
-            more = header.find(',') != std::string_view::npos;
-            const std::string_view column = trimmed(take_until(header, ','));
-            if (column == kTime) find_column(kTime, time_column_);
-            if (column == kPosition) find_column(kPosition, position_column_);
-        }
-        if (time_column_ == kNoColumn || position_column_ == kNoColumn) {
-            fail(fmt::format("the header has no column {}; it must name {} and {}",
-                             time_column_ == kNoColumn ? kTime : kPosition, kTime, kPosition));
-        }
+        const auto names = fields_of(header);
+        columns_ = names.size();
+        time_column_ = find_column(names, kTime);
+        position_column_ = find_column(names, kPosition);
     }
 
-    void find_column(std::string_view name, std::size_t& column) const {
-        if (column != kNoColumn) fail(fmt::format("the header names {} twice: which one is meant?", name));
-        column = columns_;
+    std::size_t find_column(const std::vector<std::string_view>& names, std::string_view name) const {
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end())
+            fail(fmt::format("the header has no column {}; it must name {} and {}", name, kTime, kPosition));
+        if (std::find(found + 1, names.end(), name) != names.end())
+            fail(fmt::format("the header names {} twice: which one is meant?", name));
+        return static_cast<std::size_t>(found - names.begin());
     }
 
     NeedlePath::Sample read_sample(std::string_view line) const {
-        NeedlePath::Sample sample{0, 0, line_};
-        std::size_t column = 0;
-        for (bool more = true; more; ++column) {
-            more = line.find(',') != std::string_view::npos;
-            const std::string_view field = trimmed(take_until(line, ','));
-            if (column == time_column_) sample.time_s = number(field, kTime);
-            if (column == position_column_) sample.position_m = number(field, kPosition);
-        }
-        if (column != columns_) fail(fmt::format("has {} fields, the header {}", column, columns_));
-        return sample;
+        const auto fields = fields_of(line);
+        if (fields.size() != columns_)
+            fail(fmt::format("has {} fields, the header {}", fields.size(), columns_));
+        return {number(fields[time_column_], kTime), number(fields[position_column_], kPosition),
+                lines_.number()};
     }
 
     double number(std::string_view field, std::string_view column) const {
         if (field.empty()) fail(fmt::format("{} is empty: fill the gap or remove the line", column));
-        std::string_view digits = field;
-        const bool plus = digits.front() == '+';
-        if (plus) digits.remove_prefix(1);
-        double value = 0;
-        const char* const end = digits.data() + digits.size();
-        const auto [rest, error] = std::from_chars(digits.data(), end, value);
-        const bool two_signs = plus && digits.substr(0, 1) == "-";
-        if (two_signs || error != std::errc{} || rest != end || !std::isfinite(value)) {
-            fail(fmt::format("{} is '{}', which is not a finite number", column, field));
-        }
-        return value;
+        const bool plus = field.front() == '+' && !field.starts_with("+-");
+        const auto value = parse_number(field.substr(plus ? 1 : 0));
+        if (!value) fail(fmt::format("{} is '{}', which is not a finite number", column, field));
+        return *value;
     }
 
     void append(const NeedlePath::Sample& sample, std::vector<NeedlePath::Sample>& samples) const {
@@ -146,13 +112,10 @@ class Reader {
         }
     }
 
-    std::string_view text_;
+    LineReader lines_;
     std::string_view name_;
     const NeedleLimits& limits_;
-    std::size_t line_ = 0;
-    std::size_t columns_ = 0;
-    std::size_t time_column_ = kNoColumn;
-    std::size_t position_column_ = kNoColumn;
+    std::size_t columns_ = 0, time_column_ = 0, position_column_ = 0;
 };
 
 }  // namespace
@@ -162,14 +125,7 @@ NeedlePath parse_needle_path(std::string_view text, std::string_view name, const
 }
 
 NeedlePath read_needle_path(const std::filesystem::path& file, const NeedleLimits& limits) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in || std::filesystem::is_directory(file)) {
-        throw Error(ExitCode::kData,
-                    fmt::format("{}: cannot be read; check that the file exists and is yours to read",
-                                file.string()));
-    }
-    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    return parse_needle_path(text, file.string(), limits);
+    return parse_needle_path(read_whole_file(file), file.string(), limits);
 }
 
 }  // namespace thimble

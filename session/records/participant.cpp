@@ -1,8 +1,8 @@
 #include "session/records/participant.hpp"
 
-#include <charconv>
-
 #include <fmt/format.h>
+
+#include "netem/formats/text_lines.hpp"
 
 namespace thimble {
 
@@ -18,11 +18,8 @@ std::optional<SubjectKind> parse_subject_kind(std::string_view text) {
 std::optional<std::uint32_t> parse_participant(std::string_view text) {
     for (const std::string_view prefix : {"P", "sub-"}) {
         if (!text.starts_with(prefix)) continue;
-        const std::string_view digits = text.substr(prefix.size());
-        std::uint32_t number = 0;
-        const char* const end = digits.data() + digits.size();
-        const auto [rest, error] = std::from_chars(digits.data(), end, number);
-        if (error == std::errc{} && rest == end && number >= 1 && number <= 1'000'000) return number;
+        const auto number = parse_integer(text.substr(prefix.size()));
+        if (number && *number >= 1 && *number <= 1'000'000) return static_cast<std::uint32_t>(*number);
     }
     return std::nullopt;
 }

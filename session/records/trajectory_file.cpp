@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "common/csv/csv.hpp"
+#include "common/csv/columns.hpp"
 #include "common/csv/csv_file.hpp"
 #include "common/error.hpp"
 #include "session/records/trial_table.hpp"
@@ -15,56 +15,48 @@ namespace thimble {
 
 namespace {
 
-// Six doubles at the front of each sample, then contact time, phase and fixture.
-constexpr std::array kNumbers{&TrajectorySample::time_s,
-                              &TrajectorySample::position_needle_m,
-                              &TrajectorySample::position_surface_m,
-                              &TrajectorySample::force_tissue_N,
-                              &TrajectorySample::force_fixture_N,
-                              &TrajectorySample::force_total_N,
-                              &TrajectorySample::contact_time_s};
-constexpr std::array<std::string_view, kNumbers.size() + 2> kSampleColumns{
-    "time_s",        "position_needle_m", "position_surface_m", "force_tissue_N", "force_fixture_N",
-    "force_total_N", "contact_time_s",    "tissue_phase",       "fixture_present"};
-constexpr std::size_t kPhase = kNumbers.size();
-constexpr std::size_t kFixture = kPhase + 1;
+using S = TrajectorySample;
 
 // A double takes at most 24 characters and a comma; the longest phase is "penetrated".
-constexpr std::size_t kLongestLine = kNumbers.size() * 25 + 16;
+constexpr std::size_t kLongestLine = 7 * 25 + 16;
 constexpr std::size_t kBuffer = std::size_t{1} << 16;
 constexpr std::string_view kEnded = "ended: ";
 
-TissuePhase read_phase(const CsvField& field) {
+void write_phase(fmt::memory_buffer& out, const TrajectorySample& sample) {
+    write_value(out, to_string(sample.phase));
+}
+
+void read_phase(const CsvField& field, TrajectorySample& sample) {
     for (const TissuePhase phase : {TissuePhase::kFree, TissuePhase::kContact, TissuePhase::kPenetrated}) {
-        if (field.text == to_string(phase)) return phase;
+        sample.phase = phase;
+        if (field.text == to_string(phase)) return;
     }
     field.fail("is none of free, contact, penetrated");
 }
 
-TrajectorySample read_sample(const CsvReader& reader) {
-    TrajectorySample sample;
-    for (std::size_t i = 0; i < kNumbers.size(); ++i) sample.*kNumbers[i] = reader.field(i).number();
-    sample.phase = read_phase(reader.field(kPhase));
-    sample.fixture_present = reader.field(kFixture).flag();
-    return sample;
-}
+constexpr std::array kSampleColumns{column<S, &S::time_s>("time_s"),
+                                    column<S, &S::position_needle_m>("position_needle_m"),
+                                    column<S, &S::position_surface_m>("position_surface_m"),
+                                    column<S, &S::force_tissue_N>("force_tissue_N"),
+                                    column<S, &S::force_fixture_N>("force_fixture_N"),
+                                    column<S, &S::force_total_N>("force_total_N"),
+                                    column<S, &S::contact_time_s>("contact_time_s"),
+                                    TableColumn<S>{"tissue_phase", write_phase, read_phase},
+                                    column<S, &S::fixture_present>("fixture_present")};
+constexpr auto kSampleNames = names_of(kSampleColumns);
 
 }  // namespace
 
 TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& path, IfExists if_exists)
-    : file_(path, if_exists), buffer_(kBuffer) {
-    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(kSampleColumns, ",")));
+    : file_(path, if_exists) {
+    buffer_.reserve(kBuffer);
+    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(kSampleNames, ",")));
 }
 
 void TrajectoryWriter::append(const TrajectorySample& sample) {
-    if (buffer_.size() - used_ < kLongestLine) flush();
-    char* out = buffer_.data() + used_;
-    for (const auto member : kNumbers) {
-        out = write_number(out, sample.*member);
-        *out++ = ',';
-    }
-    out = fmt::format_to(out, "{},{}\n", to_string(sample.phase), sample.fixture_present ? 1 : 0);
-    used_ = static_cast<std::size_t>(out - buffer_.data());
+    if (kBuffer - buffer_.size() < kLongestLine) flush();
+    write_fields(buffer_, kSampleColumns, sample);
+    buffer_.push_back('\n');
 }
 
 void TrajectoryWriter::append(std::span<const TrajectorySample> samples) {
@@ -72,9 +64,9 @@ void TrajectoryWriter::append(std::span<const TrajectorySample> samples) {
 }
 
 void TrajectoryWriter::flush() {
-    file_.write({buffer_.data(), used_});
+    file_.write({buffer_.data(), buffer_.size()});
     file_.flush();
-    used_ = 0;
+    buffer_.clear();
 }
 
 void TrajectoryWriter::end(EndReason reason, Role lost_peer) {
@@ -83,12 +75,26 @@ void TrajectoryWriter::end(EndReason reason, Role lost_peer) {
     file_.sync();
 }
 
+std::string trajectory_name(const TrialConditions& c) {
+    return fmt::format("trial{:02}_{}_{:g}ms.csv", c.trial, to_string(c.modality), 1000 * c.delay_s);
+}
+
+std::filesystem::path find_trajectory(const std::filesystem::path& folder, const TrialConditions& c) {
+    const std::string name = trajectory_name(c);
+    std::error_code absent;
+    for (const auto& file : {folder / name, folder / fmt::format("experiment{}_subject{:02}_{}", c.experiment,
+                                                                 c.subject, name)}) {
+        if (std::filesystem::exists(file, absent)) return file;
+    }
+    return {};
+}
+
 Trajectory read_trajectory(const std::filesystem::path& path) {
-    CsvReader reader(path, kSampleColumns);
+    CsvReader reader(path, kSampleNames);
     Trajectory trajectory;
     while (reader.next()) {
         if (!reader.comments().empty()) reader.field(0).fail("stands after the trial's end");
-        trajectory.samples.push_back(read_sample(reader));
+        read_fields(reader, kSampleColumns, trajectory.samples.emplace_back());
     }
     if (reader.comments().empty()) return trajectory;
     std::string_view ended = reader.comments().back();

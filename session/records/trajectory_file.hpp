@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "common/csv/csv_file.hpp"
 #include "session/records/trial_record.hpp"
 
@@ -25,8 +27,7 @@ class TrajectoryWriter {
 
   private:
     CsvFile file_;
-    std::vector<char> buffer_;
-    std::size_t used_ = 0;
+    fmt::memory_buffer buffer_;
 };
 
 struct Trajectory {
@@ -35,6 +36,10 @@ struct Trajectory {
     Role lost_peer = Role::kSession;
 };
 
+// "trial01_HF_50ms.csv", the name in the folder of a run.
+std::string trajectory_name(const TrialConditions& conditions);
+// The trajectory that a run or a study has kept in `folder`; empty: there is none.
+std::filesystem::path find_trajectory(const std::filesystem::path& folder, const TrialConditions& conditions);
 // Throws Error (data) naming line and column of what cannot be read.
 Trajectory read_trajectory(const std::filesystem::path& path);
 

@@ -24,6 +24,17 @@ struct TrialConditions {
         Compensator::kNone;  // against delay, in HF ([control]); the session says which one acted
 };
 
+inline SessionControl start_order(const TrialConditions& conditions) {
+    SessionControl order;
+    order.kind = ControlKind::kTrialStart;
+    order.study_seed = conditions.study_seed;
+    order.experiment = conditions.experiment;
+    order.subject = conditions.subject;
+    order.modality = conditions.modality;
+    order.fixture_position_m = conditions.fixture_position_m;
+    return order;
+}
+
 // One answer of slave_sim. Forces act on the operator (negative resists insertion); z positive into the
 // tissue.
 struct TrajectorySample {
@@ -37,6 +48,19 @@ struct TrajectorySample {
     TissuePhase phase = TissuePhase::kFree;
     bool fixture_present = true;
 };
+
+// Copies the state of needle and tissue, which ForceFeedback, TrajectorySample and Monitor share.
+template <class From, class To>
+void copy_state(const From& from, To& to) {
+    to.position_needle_m = from.position_needle_m;
+    to.position_surface_m = from.position_surface_m;
+    to.force_tissue_N = from.force_tissue_N;
+    to.force_fixture_N = from.force_fixture_N;
+    to.force_total_N = from.force_total_N;
+    to.contact_time_s = from.contact_time_s;
+    to.phase = from.phase;
+    to.fixture_present = from.fixture_present;
+}
 
 // One way of the network under a profile, in short.
 struct WayInShort {

@@ -3,69 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <utility>
 
-#include "common/csv/csv.hpp"
 #include "common/error.hpp"
 
 namespace thimble {
 namespace {
 
-using Out = std::back_insert_iterator<fmt::memory_buffer>;
-
-// A column knows its name and both directions, so that writer and reader cannot disagree.
-struct Column {
-    std::string_view name;
-    void (*write)(Out, const TrialRow&);
-    void (*read)(const CsvField&, TrialRow&);
-};
-
-template <auto M>
-constexpr Column number(std::string_view name) {
-    return {name, [](Out out, const TrialRow& row) { write_number(out, row.*M); },
-            [](const CsvField& field, TrialRow& row) { row.*M = field.number(); }};
+template <auto... Path>
+constexpr TableColumn<TrialRow> in_row(std::string_view name) {
+    return column<TrialRow, Path...>(name);
 }
 
-template <auto Part, auto M>
-constexpr Column number(std::string_view name) {
-    return {name, [](Out out, const TrialRow& row) { write_number(out, (row.*Part).*M); },
-            [](const CsvField& field, TrialRow& row) { (row.*Part).*M = field.number(); }};
-}
-
-template <auto Part, auto M>
-constexpr Column integer(std::string_view name) {
-    return {name, [](Out out, const TrialRow& row) { fmt::format_to(out, "{}", (row.*Part).*M); },
-            [](const CsvField& field, TrialRow& row) {
-                auto& value = (row.*Part).*M;
-                using Value = std::remove_reference_t<decltype(value)>;
-                value = static_cast<Value>(field.integer(std::numeric_limits<Value>::max()));
-            }};
-}
-
-template <auto M>
-constexpr Column flag(std::string_view name) {
-    return {name, [](Out out, const TrialRow& row) { fmt::format_to(out, "{}", row.metrics.*M ? 1 : 0); },
-            [](const CsvField& field, TrialRow& row) { row.metrics.*M = field.flag(); }};
-}
-
-void write_modality(Out out, const TrialRow& row) {
-    fmt::format_to(out, "{}", to_string(row.conditions.modality));
-}
-
-void read_modality(const CsvField& field, TrialRow& row) {
-    const auto modality = find_modality(field.text);
-    if (!modality) field.fail("is none of HF, CF, CCF, VF");
-    row.conditions.modality = *modality;
-}
-
-void write_removal(Out out, const TrialRow& row) {
-    fmt::format_to(out, "{}", row.conditions.removes_fixture ? 1 : 0);
-}
-
-void read_removal(const CsvField& field, TrialRow& row) { row.conditions.removes_fixture = field.flag(); }
-
-void write_outcome(Out out, const TrialRow& row) {
-    fmt::format_to(out, "{}", outcome_text(row.reason, row.lost_peer));
+void write_outcome(fmt::memory_buffer& out, const TrialRow& row) {
+    write_value(out, outcome_text(row.reason, row.lost_peer));
 }
 
 void read_outcome(const CsvField& field, TrialRow& row) {
@@ -76,8 +26,8 @@ void read_outcome(const CsvField& field, TrialRow& row) {
     }
 }
 
-void write_compensator(Out out, const TrialRow& row) {
-    fmt::format_to(out, "{}", kCompensatorNames[static_cast<std::size_t>(row.conditions.compensator)]);
+void write_compensator(fmt::memory_buffer& out, const TrialRow& row) {
+    write_value(out, kCompensatorNames[static_cast<std::size_t>(row.conditions.compensator)]);
 }
 
 // A table of an earlier version has no such field, so its value is unknown.
@@ -94,44 +44,40 @@ using C = TrialConditions;
 using M = TrialMetrics;
 
 constexpr std::array kColumns{
-    integer<&R::conditions, &C::experiment>("experiment"),
-    integer<&R::conditions, &C::subject>("subject"),
-    integer<&R::conditions, &C::trial>("trial"),
-    Column{"modality", write_modality, read_modality},
-    number<&R::conditions, &C::delay_s>("delay_s"),
-    number<&R::conditions, &C::fixture_position_m>("fixture_position_m"),
-    number<&R::metrics, &M::penetration_mean_m>("penetration_mean_m"),
-    number<&R::metrics, &M::penetration_max_m>("penetration_max_m"),
-    number<&R::metrics, &M::completion_time_s>("completion_time_s"),
-    number<&R::metrics, &M::peak_displacement_m>("peak_displacement_m"),
-    integer<&R::metrics, &M::contacts_lost>("contacts_lost"),
-    number<&R::metrics, &M::oscillation_rms_m>("oscillation_rms_m"),
-    number<&R::metrics, &M::oscillation_peak_to_peak_m>("oscillation_peak_to_peak_m"),
-    number<&R::metrics, &M::oscillation_frequency_Hz>("oscillation_frequency_Hz"),
-    flag<&M::oscillates>("oscillates"),
-    flag<&M::beeped>("beeped"),
-    Column{"outcome", write_outcome, read_outcome},
-    integer<&R::conditions, &C::study_seed>("seed"),
-    Column{"fixture_removed", write_removal, read_removal},
-    number<&R::delay_achieved_s>("delay_achieved_s"),
-    number<&R::round_trip_s>("round_trip_s"),
-    number<&R::metrics, &M::puncture_time_s>("puncture_time_s"),
-    number<&R::metrics, &M::first_contact_time_s>("first_contact_time_s"),
-    number<&R::metrics, &M::duration_s>("duration_s"),
-    Column{"remedy", write_compensator, read_compensator},
+    in_row<&R::conditions, &C::experiment>("experiment"),
+    in_row<&R::conditions, &C::subject>("subject"),
+    in_row<&R::conditions, &C::trial>("trial"),
+    in_row<&R::conditions, &C::modality>("modality"),
+    in_row<&R::conditions, &C::delay_s>("delay_s"),
+    in_row<&R::conditions, &C::fixture_position_m>("fixture_position_m"),
+    in_row<&R::metrics, &M::penetration_mean_m>("penetration_mean_m"),
+    in_row<&R::metrics, &M::penetration_max_m>("penetration_max_m"),
+    in_row<&R::metrics, &M::completion_time_s>("completion_time_s"),
+    in_row<&R::metrics, &M::peak_displacement_m>("peak_displacement_m"),
+    in_row<&R::metrics, &M::contacts_lost>("contacts_lost"),
+    in_row<&R::metrics, &M::oscillation_rms_m>("oscillation_rms_m"),
+    in_row<&R::metrics, &M::oscillation_peak_to_peak_m>("oscillation_peak_to_peak_m"),
+    in_row<&R::metrics, &M::oscillation_frequency_Hz>("oscillation_frequency_Hz"),
+    in_row<&R::metrics, &M::oscillates>("oscillates"),
+    in_row<&R::metrics, &M::beeped>("beeped"),
+    TableColumn<R>{"outcome", write_outcome, read_outcome},
+    in_row<&R::conditions, &C::study_seed>("seed"),
+    in_row<&R::conditions, &C::removes_fixture>("fixture_removed"),
+    in_row<&R::delay_achieved_s>("delay_achieved_s"),
+    in_row<&R::round_trip_s>("round_trip_s"),
+    in_row<&R::metrics, &M::puncture_time_s>("puncture_time_s"),
+    in_row<&R::metrics, &M::first_contact_time_s>("first_contact_time_s"),
+    in_row<&R::metrics, &M::duration_s>("duration_s"),
+    TableColumn<R>{"remedy", write_compensator, read_compensator},
 };
 
-constexpr auto kColumnNames = [] {
-    std::array<std::string_view, kColumns.size()> names;
-    for (std::size_t i = 0; i < names.size(); ++i) names[i] = kColumns[i].name;
-    return names;
-}();
+constexpr auto kColumnNames = names_of(kColumns);
 
 std::vector<TrialRow> read_rows(CsvReader reader) {
     std::vector<TrialRow> rows;
     while (reader.next()) {
         TrialRow row;
-        for (std::size_t i = 0; i < kColumns.size(); ++i) kColumns[i].read(reader.field(i), row);
+        read_fields(reader, kColumns, row);
         rows.push_back(row);
     }
     return rows;
@@ -144,18 +90,23 @@ TrialRow make_row(const TrialRecord& record) {
             record.lost_peer,  record.achieved_delay_s, record.round_trip_s};
 }
 
-std::vector<TrialRow> of_experiment(const std::vector<TrialRow>& rows, std::uint32_t experiment) {
+namespace {
+
+template <class Keep>
+std::vector<TrialRow> those_that(const std::vector<TrialRow>& rows, Keep&& keep) {
     std::vector<TrialRow> kept;
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept),
-                 [&](const TrialRow& row) { return row.conditions.experiment == experiment; });
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept), keep);
     return kept;
 }
 
+}  // namespace
+
+std::vector<TrialRow> of_experiment(const std::vector<TrialRow>& rows, std::uint32_t experiment) {
+    return those_that(rows, [&](const TrialRow& row) { return row.conditions.experiment == experiment; });
+}
+
 std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows) {
-    std::vector<TrialRow> kept;
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept),
-                 [](const TrialRow& row) { return !row.conditions.removes_fixture; });
-    return kept;
+    return those_that(rows, [](const TrialRow& row) { return !row.conditions.removes_fixture; });
 }
 
 std::string outcome_text(EndReason reason, Role lost_peer) {
@@ -180,15 +131,7 @@ bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer) {
     return false;
 }
 
-std::span<const std::string_view> trial_columns() { return kColumnNames; }
-
-void write_trial_field(fmt::memory_buffer& out, const TrialRow& row, std::size_t column) {
-    kColumns[column].write(std::back_inserter(out), row);
-}
-
-void read_trial_field(const CsvField& field, std::size_t column, TrialRow& row) {
-    kColumns[column].read(field, row);
-}
+std::span<const TableColumn<TrialRow>> trial_columns() { return kColumns; }
 
 TrialTable::TrialTable(const std::filesystem::path& path, IfExists if_exists) : file_(path, if_exists) {
     if (!file_.is_new()) {
@@ -202,10 +145,7 @@ TrialTable::TrialTable(const std::filesystem::path& path, IfExists if_exists) : 
 
 void TrialTable::append(const TrialRow& row) {
     fmt::memory_buffer line;
-    for (const Column& column : kColumns) {
-        if (&column != kColumns.data()) line.push_back(',');
-        column.write(std::back_inserter(line), row);
-    }
+    write_fields(line, kColumns, row);
     line.push_back('\n');
     file_.write({line.data(), line.size()});
     file_.sync();

@@ -2,16 +2,14 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "common/csv/csv.hpp"
+#include "common/csv/columns.hpp"
 #include "common/csv/csv_file.hpp"
 #include "session/records/metrics.hpp"
 #include "session/records/trial_record.hpp"
@@ -46,13 +44,10 @@ std::vector<TrialRow> of_experiment(const std::vector<TrialRow>& rows, std::uint
 // Those that end as they began: the others cannot be pooled with them.
 std::vector<TrialRow> without_removals(const std::vector<TrialRow>& rows);
 
-// The columns of a row, for tables that hold more than a row: their names, and one field, written without a
-// separator and read back. A value that is not there is an empty field.
-std::span<const std::string_view> trial_columns();
+// The columns of a row, also for tables that hold more than a row.
+std::span<const TableColumn<TrialRow>> trial_columns();
 // Columns at the end that an earlier version lacks. A table without them is readable.
 inline constexpr std::size_t kLaterColumns = 1;
-void write_trial_field(fmt::memory_buffer& out, const TrialRow& row, std::size_t column);
-void read_trial_field(const CsvField& field, std::size_t column, TrialRow& row);
 
 // Appends; each row is on the disk when append() returns, so that a crash costs the running trial only.
 class TrialTable {

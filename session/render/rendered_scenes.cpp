@@ -24,22 +24,13 @@ VisualSettings for_videos(VisualSettings settings) {
     return settings;
 }
 
-SessionControl start_of(const TrialConditions& conditions) {
-    SessionControl control;
-    control.study_seed = conditions.study_seed;
-    control.experiment = conditions.experiment;
-    control.subject = conditions.subject;
-    control.modality = conditions.modality;
-    return control;
-}
-
 }  // namespace
 
 RenderedScenes::RenderedScenes(const RecordedTrial& trial, VisualSettings settings)
     : trial_(&trial), node_(for_videos(std::move(settings))) {
     assert(!trial.record.samples.empty());
     const TrialConditions& conditions = trial.record.conditions;
-    node_.start_trial(kBegin, start_of(conditions), conditions.trial);
+    node_.start_trial(kBegin, start_order(conditions), conditions.trial);
 }
 
 double RenderedScenes::duration_s() const {

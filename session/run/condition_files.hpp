@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/log/message_log.hpp"
-#include "session/clocks/clock_file.hpp"
-#include "session/clocks/clock_filter.hpp"
+#include "session/clocks/clock_prober.hpp"
+#include "session/clocks/clock_summary.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/run/condition_plan.hpp"
 

@@ -24,7 +24,7 @@ void ConditionNodes::launch() {
     for (std::size_t i = 0; i < kNodes.size(); ++i) nodes_.push_back(start(i));
 }
 
-std::unique_ptr<RunningNode> ConditionNodes::start(std::size_t i) {
+std::shared_ptr<RunningNode> ConditionNodes::start(std::size_t i) {
     const NodeKind& node = kNodes[i];
     NodeOrder order;
     order.role = node.role;

@@ -40,11 +40,11 @@ class ConditionNodes {
     void end(ConditionResult& result);
 
   private:
-    std::unique_ptr<RunningNode> start(std::size_t node);
+    std::shared_ptr<RunningNode> start(std::size_t node);
 
     const ConditionPlan& plan_;
     ConditionFiles& files_;
-    std::vector<std::unique_ptr<RunningNode>> nodes_;
+    std::vector<std::shared_ptr<RunningNode>> nodes_;
     std::size_t lines_passed_on_ = 0;
 };
 

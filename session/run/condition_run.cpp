@@ -211,9 +211,8 @@ ConditionResult run_condition(const ConditionPlan& plan, const ConditionEvents& 
     ConditionRun condition(plan, events);
     condition.open();
     for (const TrialConditions& trial : plan.trials) {
-        const auto name = fmt::format("trial{:02}_{}_{:g}ms.csv", trial.trial, to_string(trial.modality),
-                                      1000 * trial.delay_s);
-        condition.run_trial(trial, trial.trial, plan.out.parent_path() / "trajectories" / name);
+        condition.run_trial(trial, trial.trial,
+                            plan.out.parent_path() / "trajectories" / trajectory_name(trial));
         if (condition.result().code != ExitCode::kOk) break;
     }
     return condition.close();

@@ -25,11 +25,11 @@ bool NodePeer::take(const Message& message) {
 }
 
 std::optional<ClockExchange> NodePeer::take(SessionTime now, const Header& header, const ClockReply& reply) {
-    return clock_.take(reply, header.send_time, channel_->arrival().value_or(now));
+    return prober_.take(reply, header.send_time, channel_->arrival().value_or(now));
 }
 
 void NodePeer::send_probe_if_due(SessionTime now, std::uint32_t trial) {
-    if (clock_.due(now)) send(now, trial, clock_.probe(now));
+    if (prober_.due(now)) send(now, trial, prober_.probe(now));
 }
 
 void NodePeer::forget_trial() {

@@ -20,7 +20,7 @@ class NodePeer {
     Role role() const { return role_; }
     const Heartbeat& newest() const { return newest_; }
     std::uint32_t trial() const { return trial_; }  // of the newest heartbeat
-    const ClockProber& clock() const { return clock_; }
+    const ClockProber& prober() const { return prober_; }
     const FlowCounters& counters() const { return in_.counters(); }
     SessionTime last_heard() const { return in_.last_accepted(); }
     bool silent_for(SessionTime now, Duration limit) const { return in_.silent_for(now, limit); }
@@ -54,7 +54,7 @@ class NodePeer {
     std::uint32_t trial_ = 0;
     std::optional<DeviceFault> fault_;
     bool told_ = false;
-    ClockProber clock_;
+    ClockProber prober_;
 };
 
 // In the order of kNodeRoles.

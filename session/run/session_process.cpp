@@ -22,17 +22,6 @@ SessionProcess::Channels open_channels(Ports& ports) {
     return channels;
 }
 
-SessionControl order_of(const TrialConditions& conditions, Duration network_delay) {
-    SessionControl order;
-    order.study_seed = conditions.study_seed;
-    order.experiment = conditions.experiment;
-    order.subject = conditions.subject;
-    order.fixture_position_m = conditions.fixture_position_m;
-    order.modality = conditions.modality;
-    order.network_delay_s = to_seconds(network_delay);
-    return order;
-}
-
 }  // namespace
 
 SessionProcess::SessionProcess(std::uint64_t instance, const SessionSettings& settings, Ports& ports)
@@ -53,7 +42,8 @@ void SessionProcess::start(const TrialConditions& conditions, std::uint32_t numb
     recorder_.begin(conditions);
     if (!network_.name().empty()) recorder_.add(network_.event(0, true));
     for (NodePeer& peer : peers_) peer.forget_trial();
-    order_ = order_of(conditions, network_.both_ways());
+    order_ = start_order(conditions);
+    order_.network_delay_s = to_seconds(network_.both_ways());
     trial_ = number;
     fresh_ = true;
     fixture_changed_ = false;

@@ -48,7 +48,7 @@ class SessionProcess final : public Process {
     // Tells every node to exit.
     void shut_down(SessionTime now);
 
-    // What the subject's screen says from now until a trial starts; repeated with every keep-alive.
+    // The subject's screen shows this page from now until a trial starts. Every keep-alive repeats it.
     void show(const Page& page) { page_.show(page); }
     // Whether the subject has asked to go on from the page that is shown, since the last call.
     bool take_go_on() { return page_.take_go_on(); }
@@ -59,7 +59,7 @@ class SessionProcess final : public Process {
     void release_stop(SessionTime now);
     const StopBus& stop_bus() const { return stop_; }
 
-    // State, for whoever observes the session.
+    // State for an observer of the session.
     bool finished() const { return stage_ == Stage::kDone; }
     bool running() const { return stage_ == Stage::kRunning; }
     std::uint32_t number() const { return trial_; }  // of the newest trial, on the wire
@@ -68,8 +68,8 @@ class SessionProcess final : public Process {
     double delay_s() const { return network_.force_delay_s(); }  // of the force path, one way, as asked now
     const NetworkName& network() const { return network_.name(); }  // empty: the settings' own
     const NodePeer& peer(Role role) const { return peers_.of(role); }
-    // Offset of each node's clock to the session's (clock_filter.hpp).
-    const ClockFilter& clock_of(Role role) const { return peer(role).clock().filter(); }
+    // Offset of each node's clock to the session's (clock_prober.hpp).
+    const ClockFilter& clock_of(Role role) const { return peer(role).prober().filter(); }
     // The greatest number that a node has reported, 0 if none ran a trial yet.
     std::uint32_t last_number() const { return peers_.last_number(); }
     // Roles that have not been heard within `limit`, as text; empty if all are there.

@@ -12,14 +12,7 @@ constexpr Duration kAfterTimeout = std::chrono::seconds{1};
 TrajectorySample sample_of(const ForceFeedback& feedback, SessionTime first_echo) {
     TrajectorySample sample;
     sample.time_s = to_seconds(feedback.echo_time - first_echo);
-    sample.position_needle_m = feedback.position_needle_m;
-    sample.position_surface_m = feedback.position_surface_m;
-    sample.force_tissue_N = feedback.force_tissue_N;
-    sample.force_fixture_N = feedback.force_fixture_N;
-    sample.force_total_N = feedback.force_total_N;
-    sample.contact_time_s = feedback.contact_time_s;
-    sample.phase = feedback.phase;
-    sample.fixture_present = feedback.fixture_present;
+    copy_state(feedback, sample);
     return sample;
 }
 

@@ -1,4 +1,4 @@
-// What a session writes down of a trial: a sample per answer of slave_sim, the beep, the withdrawal after it, the end.
+// Records a trial: a sample per answer of slave_sim, the beep, the withdrawal after it, the end.
 #pragma once
 
 #include <functional>

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "session/clocks/clock_file.hpp"
+#include "session/clocks/clock_summary.hpp"
 #include "session/run/session_process.hpp"
 #include "tests/loopback/real_run.hpp"
 

@@ -193,7 +193,7 @@ TEST(Clocks, AsymmetricDelayJitterAndLossStayWithinTheBound) {
         EXPECT_GE(summary.rate_high, 1e-6 * wrong_clocks()[i].ppm);
         EXPECT_LT(summary.rate_high - summary.rate_low, 1e-3);
         EXPECT_LT(summary.offset->bound_s(), 0.025);
-        const ClockProbeCounters& counters = world.session().peer(kNodeRoles[i]).clock().counters();
+        const ClockProbeCounters& counters = world.session().peer(kNodeRoles[i]).prober().counters();
         EXPECT_LT(counters.exchanges, counters.probes);  // some were lost
         EXPECT_EQ(counters.impossible, 0U);
     }

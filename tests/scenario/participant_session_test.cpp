@@ -9,7 +9,7 @@
 
 #include "common/queue_channel.hpp"
 #include "session/participant/counted_trials.hpp"
-#include "session/participant/participants_table.hpp"
+#include "session/participant/dataset.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/unit/session/records.hpp"

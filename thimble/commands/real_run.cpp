@@ -13,9 +13,8 @@
 #include "common/runtime/runtime_settings.hpp"
 #include "session/observe/plotjuggler.hpp"
 #include "session/participant/dataset.hpp"
-#include "session/play/order_lines.hpp"
+#include "session/play/order_handlers.hpp"
 #include "session/play/play_starter.hpp"
-#include "session/play/session_observer.hpp"
 #include "thimble/commands/shared.hpp"
 
 namespace thimble {

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "common/error.hpp"
-#include "session/launch/local_starter.hpp"
+#include "session/launch/node_starter.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/real_run.hpp"
 #include "thimble/commands/shared.hpp"

@@ -1,6 +1,4 @@
 // The records of clocks: the raw file, the table made from it, and chrony's words.
-#include "session/clocks/clock_file.hpp"
-
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -11,6 +9,7 @@
 #include "analysis/report/run_tables.hpp"
 #include "common/error.hpp"
 #include "session/clocks/chrony.hpp"
+#include "session/clocks/clock_summary.hpp"
 
 namespace thimble {
 namespace {

@@ -2,12 +2,13 @@
 #include "session/launch/remote_script.hpp"
 
 #include <filesystem>
-#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 
 #include "common/process/child.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -18,22 +19,17 @@ using testing::Not;
 
 class RemoteScript : public testing::Test {
   protected:
-    RemoteScript() {
-        std::string pattern = (fs::temp_directory_path() / "thimble-script-XXXXXX").string();
-        folder_ = mkdtemp(pattern.data());
-        fs::create_directories(folder_ / "tmp");
-    }
-    ~RemoteScript() override { fs::remove_all(folder_); }
+    RemoteScript() { fs::create_directories(folder_ / "tmp"); }
 
     void program(const std::string& script) const {
-        std::ofstream(folder_ / "node") << "#!/bin/sh\n[ \"$1\" != --version ] || { echo 1.2.3; exit; }\n"
-                                        << script;
+        write_text(folder_ / "node",
+                   "#!/bin/sh\n[ \"$1\" != --version ] || { echo 1.2.3; exit; }\n" + script);
         fs::permissions(folder_ / "node", fs::perms::owner_all);
     }
     RemoteOrder order() const {
         RemoteOrder order;
         order.program = "node";
-        order.folder = folder_;
+        order.folder = folder_.path();
         order.version = "1.2.3";
         order.machine = "it's lab 2";
         order.session = "a 'b'.toml";
@@ -42,15 +38,15 @@ class RemoteScript : public testing::Test {
     }
     // The script comes first; `then` is what a launcher would send after kSend, in shell words.
     ProgramResult run(const RemoteOrder& order, const std::string& then) const {
-        std::ofstream(folder_ / "script") << remote_script(order);
+        write_text(folder_ / "script", remote_script(order));
         return run_program(
             "sh",
             {"-c", "{ cat script; sleep 0.2; " + then + "; } | TMPDIR=" + (folder_ / "tmp").string() + " sh"},
-            folder_, "install a shell");
+            folder_.path(), "install a shell");
     }
     bool left_nothing() const { return fs::is_empty(folder_ / "tmp"); }
 
-    fs::path folder_;
+    const TemporaryDirectory folder_;
 };
 
 constexpr const char* kSession = R"(printf "5 a 'b'.toml\nx = 1end\n"; sleep 0.4)";
@@ -79,23 +75,18 @@ TEST_F(RemoteScript, SendsTheLogOfMessagesAfterTheReport) {
     EXPECT_TRUE(left_nothing());
 }
 
-TEST_F(RemoteScript, EndsTheProgramWhenItsInputEnds) {
+// Where its input ends; or where nothing comes for the lease, as with a cable that was pulled: no end of file, but no lines either.
+TEST_F(RemoteScript, EndsTheProgram) {
     program("trap 'echo told to end >&2; exit 0' TERM\nwhile :; do sleep 0.05; done");
-    EXPECT_THAT(run(order(), kSession).output, HasSubstr("told to end"));
-    EXPECT_TRUE(left_nothing());
+    for (const char* then : {kSession, R"(printf "5 a 'b'.toml\nx = 1end\n"; sleep 2)"}) {
+        EXPECT_THAT(run(order(), then).output, HasSubstr("told to end"));
+        EXPECT_TRUE(left_nothing());
+    }
 }
 
 TEST_F(RemoteScript, KillsAProgramThatDoesNotListen) {
     program("trap '' TERM\nwhile :; do sleep 0.05; done");
     EXPECT_EQ(run(order(), kSession).exit_code, 128 + 9);
-    EXPECT_TRUE(left_nothing());
-}
-
-// The pipe stays open, as with a cable that was pulled: no end of file, but no lines either.
-TEST_F(RemoteScript, EndsTheProgramWhenNothingComesForTheLease) {
-    program("trap 'echo told to end >&2; exit 0' TERM\nwhile :; do sleep 0.05; done");
-    const ProgramResult result = run(order(), "printf \"5 a 'b'.toml\\nx = 1end\\n\"; sleep 2");
-    EXPECT_THAT(result.output, HasSubstr("told to end"));
     EXPECT_TRUE(left_nothing());
 }
 
@@ -128,6 +119,24 @@ TEST_F(RemoteScript, ACheckStartsNothing) {
     EXPECT_EQ(result.exit_code, 0);
     EXPECT_THAT(result.output, HasSubstr("thimble: good"));
     EXPECT_THAT(result.output, Not(HasSubstr("started")));
+}
+
+// Quoted text comes back whole from a real shell.
+std::string echoed(const std::string& words) {
+    return run_program("sh", {"-c", "printf '%s|' " + words}, "/", "install a shell").output;
+}
+
+TEST(ShellWords, WhatAShellWouldTouchComesBackUntouched) {
+    const std::vector<std::string> words{"",   "it's", "a b",     "$HOME",    "`id`", "\"", "\\", "*",  "~",
+                                         "''", "a\nb", "$(exit)", "; exit 1", "!x",   "-n", "#",  "%s", "\t"};
+    std::string expected;
+    for (const std::string& word : words) expected += word + "|";
+    EXPECT_EQ(echoed(shell_words(words)), expected);
+}
+
+RC_GTEST_PROP(ShellWords, AnyBytesButNulComeBack, ()) {
+    auto word = *rc::gen::container<std::string>(rc::gen::inRange<char>(1, 127));
+    RC_ASSERT(echoed(shell_word(word)) == word + "|");
 }
 
 }  // namespace

@@ -1,12 +1,11 @@
 // The launcher's end, with real shells: what goes to a file and what does not.
 #include "session/launch/remote_shell.hpp"
 
-#include <fstream>
-#include <sstream>
-
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
+#include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -15,12 +14,6 @@ namespace fs = std::filesystem;
 
 class Diverted : public testing::Test {
   protected:
-    Diverted() {
-        std::string pattern = (fs::temp_directory_path() / "thimble-shell-XXXXXX").string();
-        folder_ = mkdtemp(pattern.data());
-    }
-    ~Diverted() override { fs::remove_all(folder_); }
-
     // The whole output, and its part that went to `file`.
     std::string run(const std::string& script, const fs::path& file) {
         RemoteShell shell({"sh", "-c", script}, folder_ / "log");
@@ -30,13 +23,9 @@ class Diverted : public testing::Test {
         in_file_ = shell.in_file();
         return shell.said();
     }
-    std::string kept() const {
-        std::ostringstream text;
-        text << std::ifstream(folder_ / "kept", std::ios::binary).rdbuf();
-        return text.str();
-    }
+    std::string kept() const { return read_text(folder_ / "kept"); }
 
-    fs::path folder_;
+    const TemporaryDirectory folder_;
     std::string numbers_;
     std::uint64_t in_file_ = 0;
 };
@@ -63,7 +52,7 @@ TEST_F(Diverted, NothingMakesNoFile) {
 }
 
 TEST_F(Diverted, WhatCannotBeWrittenIsMissing) {
-    run("echo turn: 5; echo many", folder_ / "no" / "such");
+    run("echo turn: 5; echo many", folder_ / "no/such");
     EXPECT_EQ(in_file_, 0U);
 }
 

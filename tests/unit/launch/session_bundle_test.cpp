@@ -1,15 +1,13 @@
 // A session that goes to another machine goes as a whole, or not at all.
 #include "session/launch/session_bundle.hpp"
 
-#include <fstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "netem/packet_trace.hpp"
 #include "session/settings/system_settings.hpp"
 #include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -20,15 +18,9 @@ using testing::UnorderedElementsAre;
 
 class SessionBundles : public testing::Test {
   protected:
-    SessionBundles() {
-        std::string pattern = (fs::temp_directory_path() / "thimble-bundle-XXXXXX").string();
-        folder_ = mkdtemp(pattern.data());
-    }
-    ~SessionBundles() override { fs::remove_all(folder_); }
-
     fs::path write(const std::string& name, const std::string& text) const {
         fs::create_directories((folder_ / name).parent_path());
-        std::ofstream(folder_ / name) << text;
+        write_text(folder_ / name, text);
         return folder_ / name;
     }
     std::vector<std::string> names(const std::string& session) const {
@@ -37,17 +29,11 @@ class SessionBundles : public testing::Test {
             all.push_back(file.name);
         return all;
     }
-    std::string refusal(const std::string& session) const {
-        try {
-            names(session);
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ExitCode::kUsage);
-            return error.what();
-        }
-        return "nothing was refused";
+    std::string refused(const std::string& session) const {
+        return refusal([&] { names(session); }, ExitCode::kUsage);
     }
 
-    fs::path folder_;
+    const TemporaryDirectory folder_;
 };
 
 constexpr const char* kTrace = "time_s,delay_s\n0,0.01\n1,0.02\n";
@@ -88,9 +74,9 @@ TEST_F(SessionBundles, WhatIsSentIsEnough) {
 TEST_F(SessionBundles, RefusesWhatCouldBeAnotherFileThere) {
     write("elsewhere.csv", kTrace);
     const std::string absolute = (folder_ / "elsewhere.csv").string();
-    EXPECT_THAT(refusal("[netem.needle]\ntrace = '" + absolute + "'\n"), HasSubstr(absolute));
+    EXPECT_THAT(refused("[netem.needle]\ntrace = '" + absolute + "'\n"), HasSubstr(absolute));
     write("in/x.csv", kTrace);
-    EXPECT_THAT(refusal("[netem.needle]\ntrace = 'in/../elsewhere.csv'\n"), HasSubstr("elsewhere.csv"));
+    EXPECT_THAT(refused("[netem.needle]\ntrace = 'in/../elsewhere.csv'\n"), HasSubstr("elsewhere.csv"));
 }
 
 // `slave_sim.scene` is also found from where the program was started.
@@ -98,7 +84,7 @@ TEST_F(SessionBundles, RefusesAFileThatIsFoundFromTheWorkingFolderOnly) {
     const fs::path before = fs::current_path();
     write("started/here.toml", read_text(THIMBLE_SOURCE_DIR "/deploy/scenes/layers.toml"));
     fs::current_path(folder_ / "started");
-    const std::string words = refusal("[slave_sim]\nscene = 'here.toml'\n");
+    const std::string words = refused("[slave_sim]\nscene = 'here.toml'\n");
     fs::current_path(before);
     EXPECT_THAT(words, HasSubstr("'here.toml', which is not beside it"));
 }

@@ -1,13 +1,13 @@
 #include "session/launch/unit_files.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/process/child.hpp"
+#include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -47,14 +47,11 @@ TEST(UnitFiles, SayWhatANodeNeedsAndNoMore) {
 
 // deploy/systemd/thimble-node@.service is for whoever has no `thimble up`: what protects the machine must be the same.
 TEST(UnitFiles, TheTemplateOfThePackageProtectsAsTheseDo) {
-    std::ifstream file(std::filesystem::path(THIMBLE_SOURCE_DIR) / "deploy/systemd/thimble-node@.service");
-    ASSERT_TRUE(file.good());
-    std::stringstream text;
-    text << file.rdbuf();
     const std::string unit = unit_files(plan()).front().text;
     const std::size_t begin = unit.find("DynamicUser="), end = unit.find("SystemCallErrorNumber=");
     ASSERT_LT(begin, end);
-    EXPECT_THAT(text.str(), HasSubstr(unit.substr(begin, end - begin)));
+    EXPECT_THAT(read_text(THIMBLE_SOURCE_DIR "/deploy/systemd/thimble-node@.service"),
+                HasSubstr(unit.substr(begin, end - begin)));
 }
 
 TEST(UnitFiles, HandOverTheLabKeyWhereThereIsOne) {
@@ -81,22 +78,20 @@ TEST(UnitFiles, SpecifiersAndVariablesAreNotExpanded) {
 TEST(UnitFiles, AreGoodUnits) {
     namespace fs = std::filesystem;
     if (!fs::exists("/usr/bin/systemd-analyze")) GTEST_SKIP() << "no systemd-analyze (package systemd)";
-    std::string pattern = (fs::temp_directory_path() / "thimble-units-XXXXXX").string();
-    const fs::path folder = mkdtemp(pattern.data());
+    const TemporaryDirectory folder;
     UnitPlan here = plan();
     here.launch.programs = THIMBLE_BIN_DIR;  // systemd looks whether the program is there
     for (const UnitFile& file : unit_files(here)) {
         std::string text = file.text;
         const auto command = text.find("ExecStart=");
         text.replace(command, text.find('\n', command) - command, "ExecStart=/bin/true");
-        std::ofstream(folder / file.name) << text;
+        write_text(folder / file.name, text);
         const ProgramResult result =
             run_program("systemd-analyze", {"verify", "--recursive-errors=no", (folder / file.name).string()},
-                        folder, "install systemd");
+                        folder.path(), "install systemd");
         EXPECT_EQ(result.exit_code, 0) << result.output;
         EXPECT_THAT(result.output, Not(HasSubstr(file.name))) << "a line it does not understand";
     }
-    fs::remove_all(folder);
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 // The next step, from the files.
 #include "session/participant/agenda.hpp"
 
+#include <functional>
+#include <sstream>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/participant/short_sessions.hpp"
@@ -15,16 +18,28 @@ class AgendaTest : public testing::Test {
         agenda_.participant = 1;
     }
 
-    void did(std::uint32_t position, EndReason reason = EndReason::kCompleted) {
-        const auto next = agenda_.next(settings_);
-        ASSERT_TRUE(next.has_value());
-        ASSERT_EQ(next->entry.position, position);
-        const auto number = static_cast<std::uint32_t>(agenda_.records.size() + 1);
-        agenda_.records.push_back(record_of(next->entry, number, reason, next->repeat_of));
+    // The trials that must come, by their positions. A letter after one says how it ends: Timeout, Lost peer, Interrupted; or how
+    // it is marked: Rejected, eXcluded.
+    void play(const std::string& script) {
+        std::istringstream steps(script);
+        for (std::string step; steps >> step;) {
+            const auto next = agenda_.next(settings_);
+            ASSERT_TRUE(next.has_value()) << step;
+            ASSERT_EQ(next->entry.position, static_cast<std::uint32_t>(step.front() - '0')) << script;
+            const auto has = [&](char letter) { return step.find(letter) != std::string::npos; };
+            const EndReason reason = has('t')   ? EndReason::kTimeout
+                                     : has('l') ? EndReason::kPeerLost
+                                     : has('i') ? EndReason::kInterrupted
+                                                : EndReason::kCompleted;
+            const auto number = static_cast<std::uint32_t>(agenda_.records.size() + 1);
+            agenda_.records.push_back(record_of(next->entry, number, reason, next->repeat_of));
+            if (has('r')) mark_last(ExclusionKind::kRejected);
+            if (has('x')) mark_last(ExclusionKind::kExcluded);
+        }
     }
-    void mark_last(ExclusionKind kind, const std::string& reason) {
+    void mark_last(ExclusionKind kind) {
         const DatasetRecord& last = agenda_.records.back();
-        agenda_.exclusions.push_back({1, last.position, last.record, kind, reason});
+        agenda_.exclusions.push_back({1, last.position, last.record, kind, "because"});
     }
 
     Agenda agenda_;
@@ -32,90 +47,49 @@ class AgendaTest : public testing::Test {
 };
 
 TEST_F(AgendaTest, TheOrderIfNothingHappens) {
-    for (std::uint32_t position = 1; position <= 5; ++position) did(position);
+    play("1 2 3 4 5");
     EXPECT_FALSE(agenda_.next(settings_).has_value());
     EXPECT_EQ(agenda_.begun(), 5U);
 }
 
-TEST_F(AgendaTest, ARejectedTrialComesAgainAtTheEndOfItsBlock) {
-    did(1);
-    did(2);
-    mark_last(ExclusionKind::kRejected, "sneezed");
-    did(3);
+TEST_F(AgendaTest, ARepeatNamesItsRecordAndReason) {
+    play("1 2r 3");
     const auto step = agenda_.next(settings_);
     ASSERT_TRUE(step.has_value());
     EXPECT_EQ(step->repeat_of, 2U);
-    EXPECT_EQ(step->reason, "sneezed");
-    did(2);
-    did(4);
+    EXPECT_EQ(step->reason, "because");
 }
 
-TEST_F(AgendaTest, OrAtOnce) {
-    settings_.repeat = RepeatWhen::kAtOnce;
-    did(1);
-    did(2);
-    mark_last(ExclusionKind::kRejected, "sneezed");
-    did(2);
-    did(3);
-}
-
-TEST_F(AgendaTest, AlsoTheLastOfAll) {
-    for (std::uint32_t position = 1; position <= 5; ++position) did(position);
-    mark_last(ExclusionKind::kRejected, "slipped");
-    did(5);
-    EXPECT_FALSE(agenda_.next(settings_).has_value());
-}
-
-TEST_F(AgendaTest, FailuresAreRepeatedSoOften) {
-    settings_.repeats_limit = 2;
-    did(1);
-    did(2, EndReason::kTimeout);
-    did(3);
-    did(2, EndReason::kPeerLost);
-    did(2, EndReason::kTimeout);
-    did(4);  // given up
-}
-
-TEST_F(AgendaTest, ATimeoutMayBeAResult) {
-    settings_.repeat_timeouts = false;
-    did(1);
-    did(2, EndReason::kTimeout);
-    did(3);
-    did(4);
-}
-
-TEST_F(AgendaTest, PracticeMayTimeOut) {
-    did(1, EndReason::kTimeout);
-    did(2);
-}
-
-TEST_F(AgendaTest, WhatWasInterruptedIsAlwaysRepeated) {
-    settings_.repeats_limit = 0;
-    did(1, EndReason::kInterrupted);
-    did(1);
-    did(2, EndReason::kInterrupted);
-    did(3);
-    did(2, EndReason::kInterrupted);
-    did(2);
-    did(4);
-}
-
-TEST_F(AgendaTest, WhatIsExcludedIsNotRepeated) {
-    did(1);
-    did(2, EndReason::kTimeout);
-    mark_last(ExclusionKind::kExcluded, "asleep");
-    did(3);
-    mark_last(ExclusionKind::kRejected, "noise");
-    mark_last(ExclusionKind::kExcluded, "enough");
-    did(4);
+TEST_F(AgendaTest, EachScriptIsWhatComes) {
+    struct Case {
+        const char* why;
+        const char* script;
+        std::function<void(ProtocolSettings&)> set = [](ProtocolSettings&) {};
+    };
+    for (const Case& c :
+         {Case{"a rejected trial comes again at the end of its block", "1 2r 3 2 4"},
+          Case{"or at once", "1 2r 2 3", [](auto& s) { s.repeat = RepeatWhen::kAtOnce; }},
+          Case{"also the last of all", "1 2 3 4 5r 5"},
+          Case{"failures are repeated so often, then given up", "1 2t 3 2l 2t 4",
+               [](auto& s) { s.repeats_limit = 2; }},
+          Case{"a timeout may be a result", "1 2t 3 4", [](auto& s) { s.repeat_timeouts = false; }},
+          Case{"practice may time out", "1t 2"},
+          Case{"what was interrupted is always repeated", "1i 1 2i 3 2i 2 4",
+               [](auto& s) { s.repeats_limit = 0; }},
+          Case{"what is excluded is not repeated", "1 2tx 3rx 4"}}) {
+        SCOPED_TRACE(c.why);
+        agenda_.records.clear();
+        agenda_.exclusions.clear();
+        settings_ = *short_settings().protocol;
+        c.set(settings_);
+        play(c.script);
+    }
 }
 
 TEST_F(AgendaTest, TheMarksOfOthersDoNotMatter) {
-    did(1);
-    did(2);
+    play("1 2");
     agenda_.exclusions.push_back({2, 2, 2, ExclusionKind::kRejected, "somebody else's"});
-    did(3);
-    did(4);
+    play("3 4");
 }
 
 }  // namespace

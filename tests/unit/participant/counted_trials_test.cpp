@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "session/participant/participants_table.hpp"
+#include "session/participant/dataset.hpp"
 #include "tests/unit/participant/short_sessions.hpp"
 
 namespace thimble {

@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -24,8 +24,6 @@ using testing::HasSubstr;
 class MotionBids : public testing::Test {
   protected:
     MotionBids() {
-        std::string name = (std::filesystem::temp_directory_path() / "thimble-bids-XXXXXX").string();
-        folder_ = mkdtemp(name.data());
         std::filesystem::create_directories(study() / "trajectories");
         TrialTable table(study() / "trials.csv");
         for (const std::uint32_t subject : {1U, 2U}) {
@@ -49,7 +47,6 @@ class MotionBids : public testing::Test {
         for (const double time_s : times_s) writer.append({time_s, 10 * time_s, 0.02, -0.25, -0.5, -0.75, 0});
         writer.end(EndReason::kCompleted);
     }
-    ~MotionBids() override { std::filesystem::remove_all(folder_); }
     std::filesystem::path study() const { return folder_ / "study"; }
     std::filesystem::path bids() const { return folder_ / "bids"; }
     std::string written(const std::string& ending) const {
@@ -57,7 +54,7 @@ class MotionBids : public testing::Test {
                          ("sub-01_task-needleExperiment3_tracksys-slave_run-01_" + ending));
     }
 
-    std::filesystem::path folder_;
+    const TemporaryDirectory folder_;
 };
 
 TEST_F(MotionBids, HoldsTheSamplesWithTheirUnits) {

@@ -115,10 +115,6 @@ class ParticipantSessionTest : public testing::Test {
         options.subject_goes_on = subject_goes_on_;
         return ParticipantSession(std::move(options), trials_).run();
     }
-    ParticipantSessionResult sit_until_stopped(LineSource* lines, std::size_t trials) {
-        trials_.stop_after = trials;
-        return run_to_end(lines);
-    }
     std::vector<std::uint32_t> positions() const {
         std::vector<std::uint32_t> list;
         for (const DatasetRecord& record : read_records(dataset_.records(2))) list.push_back(record.position);
@@ -182,15 +178,9 @@ TEST_F(ParticipantSessionTest, BothMayGoOnAndTheLastWordIsTheExperimenters) {
     rests_ = false;
     subject_goes_on_ = trials_.presses = true;
     WishAfter reject(trials_, 5, "r slipped");
-    EXPECT_EQ(sit_until_stopped(&reject, 6).code, ExitCode::kRunFailed);
+    trials_.stop_after = 6;
+    EXPECT_EQ(run_to_end(&reject).code, ExitCode::kRunFailed);
     EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5, 5));
-}
-
-TEST_F(ParticipantSessionTest, TheScreenSaysThatItGoesOnLater) {
-    trials_.stop_after = 1;
-    run_to_end();
-    EXPECT_EQ(trials_.pages.back().kind, PageKind::kPaused);
-    EXPECT_EQ(trials_.pages.back().trial, 2U);
 }
 
 TEST_F(ParticipantSessionTest, VirtualSubjectsDoNotRest) {
@@ -215,6 +205,8 @@ TEST_F(ParticipantSessionTest, GoesOnWhereItWasStoppedWithTheSameBytes) {
         const ParticipantSessionResult first = run_to_end();
         EXPECT_EQ(first.code, ExitCode::kRunFailed);
         EXPECT_EQ(first.records, stop_after);
+        EXPECT_EQ(trials_.pages.back().kind, PageKind::kPaused);
+        EXPECT_EQ(trials_.pages.back().trial, stop_after + 1);
         EXPECT_THAT(first.problem, HasSubstr("--resume"));
         trials_.stop = false;
         trials_.seen = 0;
@@ -280,34 +272,26 @@ TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
     EXPECT_EQ(read_records(dataset_.records(2))[3].repeat_reason, "sneezed");
 }
 
-TEST_F(ParticipantSessionTest, TheLastTrialCanBeRejectedToo) {
-    rests_ = false;
-    WrittenLines lines({"", "", "", "", "", "r slipped", "", ""});
-    EXPECT_EQ(run_to_end(&lines).code, ExitCode::kOk);
-    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5, 5));
-}
-
-TEST_F(ParticipantSessionTest, EnterEndsABreakOnlyAfterItsMinimum) {
+// Before its minimum is over, Enter ends no break.
+TEST_F(ParticipantSessionTest, TheExperimenterMayStop) {
+    struct Case {
+        std::deque<std::string> lines;
+        std::vector<const char*> said;
+        std::vector<std::uint32_t> done{1};
+    };
     settings_.break_minimum = std::chrono::hours{1};
-    WrittenLines lines({"", "", "q"});
-    EXPECT_EQ(run_to_end(&lines).code, ExitCode::kRunFailed);
-    EXPECT_THAT(positions(), ElementsAre(1));
-    EXPECT_THAT(said_, Contains(HasSubstr("another 3600 s")));
-}
-
-TEST_F(ParticipantSessionTest, WhoDoesNotAnswerAnyMoreEndsItInOrder) {
-    WrittenLines lines({"", "nonsense", "r"});
-    const ParticipantSessionResult result = run_to_end(&lines);
-    EXPECT_EQ(result.code, ExitCode::kRunFailed);
-    EXPECT_THAT(positions(), ElementsAre(1));
-    EXPECT_THAT(said_, Contains(HasSubstr("'nonsense' is no command")));
-    EXPECT_THAT(said_, Contains(HasSubstr("say why")));
-}
-
-TEST_F(ParticipantSessionTest, NodesAreThereBeforeAnybodyIsAsked) {
-    WrittenLines lines({"q"});
-    run_to_end(&lines);
-    EXPECT_EQ(trials_.prepared, 1);
+    for (const Case& c :
+         {Case{{"", "", "q"}, {"another 3600 s"}},
+          Case{{"", "nonsense", "r"}, {"'nonsense' is no command", "say why", "nobody answers"}},
+          Case{{"q"}, {"next: trial 1"}, {}}}) {
+        std::filesystem::remove(dataset_.records(2));
+        trials_.prepared = 0;
+        WrittenLines lines(c.lines);
+        EXPECT_EQ(run_to_end(&lines).code, ExitCode::kRunFailed);
+        EXPECT_EQ(positions(), c.done);
+        EXPECT_GE(trials_.prepared, 1) << "before anybody is asked";
+        for (const char* words : c.said) EXPECT_THAT(said_, Contains(HasSubstr(words)));
+    }
 }
 
 TEST_F(ParticipantSessionTest, WhereNobodyIsAskedAWatcherMayHaveTheLastTrialAgain) {

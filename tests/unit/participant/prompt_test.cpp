@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "session/participant/line_source.hpp"
-
 namespace thimble {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "session/participant/participants_table.hpp"
+#include "session/participant/dataset.hpp"
 #include "tests/unit/participant/short_sessions.hpp"
 
 namespace thimble {
@@ -121,23 +121,15 @@ TEST(Participants, ALineIsAddedAndNeverAltered) {
     person.age = "32";
     EXPECT_THAT(add_participant(dataset, 7, SubjectKind::kHuman, person), HasSubstr("31, F"));
     EXPECT_EQ(read_text(dataset.participants()), before);
-    EXPECT_EQ(read_participants(dataset), (std::vector<std::uint32_t>{7, 8}));
-}
-
-TEST(Participants, AVirtualOneIsNoHuman) {
-    const TemporaryDirectory folder;
-    const Dataset dataset(folder.path());
     add_participant(dataset, 1, SubjectKind::kVirtual, {"31", "F", "left", "some", true});
-    EXPECT_THAT(read_text(dataset.participants()),
-                HasSubstr("sub-01\tn/a\tn/a\tn/a\tn/a\tn/a\tvirtual\tn/a\n"));
+    EXPECT_EQ(read_text(dataset.participants()), before + "sub-01\tn/a\tn/a\tn/a\tn/a\tn/a\tvirtual\tn/a\n");
+    EXPECT_EQ(read_participants(dataset), (std::vector<std::uint32_t>{7, 8, 1}));
 }
 
 TEST(Participants, AgesAsBidsWantsThem) {
-    EXPECT_EQ(age_text("31"), "31");
-    EXPECT_EQ(age_text("88"), "88");
-    EXPECT_EQ(age_text("89"), "89+");
-    EXPECT_EQ(age_text("104"), "89+");
-    EXPECT_EQ(age_text("n/a"), "n/a");
+    for (const auto& [said, text] :
+         {std::pair{"31", "31"}, {"88", "88"}, {"89", "89+"}, {"104", "89+"}, {"n/a", "n/a"}})
+        EXPECT_EQ(age_text(said), text);
     for (const char* wrong : {"", "0", "121", "-3", "31.5", "old"})
         EXPECT_THROW(age_text(wrong), Error) << wrong;
 }

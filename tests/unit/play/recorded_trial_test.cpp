@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
 #include "tests/unit/session/records.hpp"
@@ -74,12 +73,8 @@ TEST(RecordedTrial, SaysWhatIsMissing) {
     EXPECT_THROW(find_recorded_trial(directory.path(), 0, 5), Error);
     EXPECT_THROW(find_recorded_trial(directory.path(), 2, 5), Error);
     std::filesystem::remove(directory / "trajectories/trial02_VF_50ms.csv");
-    try {
-        find_recorded_trial(directory.path(), 1, 5);
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), testing::HasSubstr("--trajectories"));
-    }
+    EXPECT_THAT(refusal([&] { find_recorded_trial(directory.path(), 1, 5); }, ExitCode::kUsage),
+                testing::HasSubstr("--trajectories"));
 }
 
 }  // namespace

@@ -2,11 +2,12 @@
 #include "session/records/needle_file.hpp"
 
 #include <string>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -17,14 +18,7 @@ using testing::StartsWith;
 NeedlePath parse(const std::string& text) { return parse_needle_path(text, "needle.csv", NeedleLimits{}); }
 
 std::string refusal_of(const std::string& text) {
-    try {
-        parse(text);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kData);
-        return error.what();
-    }
-    ADD_FAILURE() << "was not refused: " << text;
-    return "";
+    return refusal([&] { parse(text); });
 }
 
 const std::string kHeader = "time_s,position_needle_m\n";
@@ -85,20 +79,18 @@ TEST(NeedleFile, NamesLineAndMistake) {
 }
 
 TEST(NeedleFile, NamesAHeaderThatIsNone) {
-    EXPECT_THAT(refusal_of(""), HasSubstr("must begin with the header time_s,position_needle_m"));
-    EXPECT_THAT(refusal_of("0,0\n1,1\n"), AllOf(StartsWith("needle.csv:1:"), HasSubstr("no column time_s")));
-    EXPECT_THAT(refusal_of("time_s,position_m\n0,0\n"), HasSubstr("no column position_needle_m"));
+    for (const auto& [text, why] :
+         {std::pair{"", "must begin with the header time_s,position_needle_m"},
+          std::pair{"0,0\n1,1\n", "no column time_s"},
+          std::pair{"time_s,position_m\n0,0\n", "no column position_needle_m"},
+          std::pair{"time_s,position_needle_m,position_needle_m\n0,0,1\n", "names position_needle_m twice"},
+          std::pair{"time_s,time_s,position_needle_m\n0,1,1\n", "names time_s twice"}})
+        EXPECT_THAT(refusal_of(text), AllOf(StartsWith("needle.csv:1:"), HasSubstr(why)));
 }
 
 TEST(NeedleFile, ACommaThatEndsTheHeaderIsAColumn) {
     EXPECT_EQ(parse("time_s,position_needle_m,\n0,0.25,\n").samples.back().position_m, 0.25);
     EXPECT_THAT(refusal_of("time_s,position_needle_m,\n0,0.25\n"), HasSubstr("has 2 fields, the header 3"));
-}
-
-TEST(NeedleFile, AColumnNamedTwiceIsRefused) {
-    EXPECT_THAT(refusal_of("time_s,position_needle_m,position_needle_m\n0,0,1\n"),
-                AllOf(StartsWith("needle.csv:1:"), HasSubstr("names position_needle_m twice")));
-    EXPECT_THAT(refusal_of("time_s,time_s,position_needle_m\n0,1,1\n"), HasSubstr("names time_s twice"));
 }
 
 TEST(NeedleFile, AGapIsWhatTheCallerSays) {

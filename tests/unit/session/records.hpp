@@ -2,17 +2,13 @@
 #pragma once
 
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <numbers>
-#include <string>
-#include <unistd.h>
-
-#include <gtest/gtest.h>
 
 #include "session/records/trial_record.hpp"
 #include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 
@@ -47,27 +43,5 @@ inline TrialRecord sine_record(double mean_m, double amplitude_m, double frequen
         return mean_m + amplitude_m * std::cos(2 * std::numbers::pi * frequency_Hz * time_s);
     });
 }
-
-// A directory of the test's own, removed with all that is in it.
-class TemporaryDirectory {
-  public:
-    TemporaryDirectory() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "thimble-XXXXXX").string();
-        const char* made = ::mkdtemp(pattern.data());
-        EXPECT_NE(made, nullptr);
-        path_ = pattern;
-    }
-    ~TemporaryDirectory() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TemporaryDirectory(const TemporaryDirectory&) = delete;
-    TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    const std::filesystem::path& path() const { return path_; }
-
-  private:
-    std::filesystem::path path_;
-};
 
 }  // namespace thimble

@@ -2,13 +2,12 @@
 #include "session/run/stop_file.hpp"
 
 #include <cstdlib>
-#include <fstream>
 #include <functional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -18,26 +17,16 @@ using testing::HasSubstr;
 class StopFileTest : public testing::Test {
   protected:
     StopFileTest() {
-        std::filesystem::remove_all(folder_);
-        std::filesystem::create_directories(folder_);
-        setenv("THIMBLE_STOP_DIR", folder_.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
+        setenv("THIMBLE_STOP_DIR", folder_.path().c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
     }
     ~StopFileTest() override {
         unsetenv("THIMBLE_STOP_DIR");  // NOLINT(concurrency-mt-unsafe): one thread
-        std::filesystem::remove_all(folder_);
     }
     static std::string words_of(const std::function<void()>& refused) {
-        try {
-            refused();
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ExitCode::kRunFailed);
-            return error.what();
-        }
-        return "nothing was refused";
+        return refusal(refused, ExitCode::kRunFailed);
     }
 
-    const std::filesystem::path folder_ =
-        std::filesystem::temp_directory_path() / ("thimble-stop-file-test-" + std::to_string(getpid()));
+    const TemporaryDirectory folder_;
 };
 
 TEST_F(StopFileTest, KeepsTheFirstUntilItIsReleased) {
@@ -75,7 +64,7 @@ TEST_F(StopFileTest, APlaceThatKeepsNoStopIsRefusedBeforeAnythingBegins) {
     std::filesystem::remove(file.path());
     std::filesystem::create_directory(file.path());
     EXPECT_THAT(words_of([&] { file.require_released(); }), HasSubstr("no file of this user"));
-    std::filesystem::remove_all(folder_);
+    std::filesystem::remove_all(folder_.path());
     file.require_released();
     EXPECT_THAT(words_of([&] { file.keep("smoke"); }), HasSubstr("cannot write"));
 }

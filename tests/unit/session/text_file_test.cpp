@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {
@@ -13,15 +12,9 @@ namespace {
 const std::string kTexts[] = {std::string(100'000, 'x'), "a line\n"};
 
 void expect_refused(const std::filesystem::path& path) {
-    for (const std::string& text : kTexts) {
-        try {
-            write_text_file(path, text);
-            ADD_FAILURE() << "was written: " << path;
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ExitCode::kRunFailed);
-            EXPECT_THAT(error.what(), testing::HasSubstr(path.string()));
-        }
-    }
+    for (const std::string& text : kTexts)
+        EXPECT_THAT(refusal([&] { write_text_file(path, text); }, ExitCode::kRunFailed),
+                    testing::HasSubstr(path.string()));
 }
 
 TEST(TextFile, IsReplacedAndKeepsEveryByte) {
@@ -56,15 +49,9 @@ TEST(Folder, IsMadeWithThoseOnTheWay) {
 TEST(Folder, ThatCannotBeMadeIsNamed) {
     const TemporaryDirectory directory;
     write_text_file(directory / "file", "");
-    for (const std::filesystem::path& folder : {directory / "file", directory / "file/in it"}) {
-        try {
-            make_folder(folder);
-            ADD_FAILURE() << "was made: " << folder;
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ExitCode::kUsage);
-            EXPECT_THAT(error.what(), testing::HasSubstr(folder.string()));
-        }
-    }
+    for (const std::filesystem::path& folder : {directory / "file", directory / "file/in it"})
+        EXPECT_THAT(refusal([&] { make_folder(folder); }, ExitCode::kUsage),
+                    testing::HasSubstr(folder.string()));
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 #include "session/records/trajectory_file.hpp"
 
 #include <functional>
+#include <utility>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/unit/session/records.hpp"
 
@@ -57,13 +58,8 @@ TEST(TrajectoryFile, FlushMakesSamplesVisibleAndAFileWithoutEndIsTold) {
     EXPECT_EQ(trajectory.reason, EndReason::kNone);
 }
 
-bool throws(const std::function<void()>& what) {
-    try {
-        what();
-        return false;
-    } catch (const Error&) {
-        return true;
-    }
+bool fails_to(const std::function<void()>& write) {
+    return refusal(write, ExitCode::kRunFailed) != "nothing was refused";
 }
 
 // The file's text, if the disk has `room_bytes` until the trial ends and enough room after that.
@@ -76,11 +72,11 @@ std::string with_room(std::size_t samples, rlim_t room_bytes, bool fails) {
             TrajectorySample sample;
             for (std::size_t i = 0; i < samples; ++i) {
                 sample.time_s = 1e-3 * static_cast<double>(i);
-                throws([&] { writer.append(sample); });
+                fails_to([&] { writer.append(sample); });
             }
-            EXPECT_EQ(throws([&] { writer.flush(); }), fails);
+            EXPECT_EQ(fails_to([&] { writer.flush(); }), fails);
         }
-        EXPECT_EQ(throws([&] { writer.end(EndReason::kCompleted); }), fails);
+        EXPECT_EQ(fails_to([&] { writer.end(EndReason::kCompleted); }), fails);
     }
     return read_text(directory / "t.csv");
 }
@@ -107,23 +103,16 @@ TEST(TrajectoryFile, DamageIsNamedWithLineAndColumn) {
         writer.end(EndReason::kCompleted);
     }
     const std::string good = read_text(path);
-    const auto complaint = [&](const std::string& text) -> std::string {
-        std::ofstream(path, std::ios::binary) << text;
-        try {
-            read_trajectory(path);
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ExitCode::kData);
-            return error.what();
-        }
-        return "";
-    };
-    EXPECT_EQ(complaint(good), "");
-    EXPECT_NE(complaint(good + "0,0,0,0,0,0,0,free,1\n").find(":4: column 1"), std::string::npos);
-    EXPECT_NE(complaint(good + "0,0\n").find(":4: has 2 fields"), std::string::npos);
     std::string phase = good;
     phase.replace(phase.find("free"), 4, "tree");
-    EXPECT_NE(complaint(phase).find(":2: column 8 (tissue_phase): 'tree'"), std::string::npos);
-    EXPECT_NE(complaint(good + "# ended: maybe\n").find("ended: maybe"), std::string::npos);
+    EXPECT_NO_THROW(read_trajectory(path));
+    for (const auto& [text, complaint] : {std::pair{good + "0,0,0,0,0,0,0,free,1\n", ":4: column 1"},
+                                          std::pair{good + "0,0\n", ":4: has 2 fields"},
+                                          std::pair{phase, ":2: column 8 (tissue_phase): 'tree'"},
+                                          std::pair{good + "# ended: maybe\n", "ended: maybe"}}) {
+        write_text(path, text);
+        EXPECT_THAT(refusal([&] { read_trajectory(path); }), testing::HasSubstr(complaint));
+    }
 }
 
 TEST(TrajectoryFile, RefusesToOverwrite) {
@@ -131,6 +120,43 @@ TEST(TrajectoryFile, RefusesToOverwrite) {
     TrajectoryWriter(directory / "t.csv").end(EndReason::kCompleted);
     EXPECT_THROW(TrajectoryWriter(directory / "t.csv"), Error);
     EXPECT_NO_THROW(TrajectoryWriter(directory / "t.csv", IfExists::kReplace));
+}
+
+TEST(EventFile, StandsBesideTheTrajectory) {
+    EXPECT_EQ(event_path("out/trial01_HF_50ms.csv"), "out/trial01_HF_50ms.events.csv");
+    EXPECT_EQ(event_path("out/trial01_HF_0.5ms.csv"), "out/trial01_HF_0.5ms.events.csv");
+}
+
+TEST(EventFile, AProfileComesBackWithItsNumbers) {
+    const TemporaryDirectory directory;
+    const NetworkEvent wifi{1.5, 0.002, "wifi", {0.001, 0.0001, 0.5}, {0.002, 0.1 / 3, 0.002}};
+    // The delay alone right behind it, and at the same time: two events all the same.
+    write_events(directory / "e.csv", {wifi, {1.5, 0.1}, wifi, {0.1 / 3, 0}});
+    const auto back = read_events(directory / "e.csv");
+    ASSERT_EQ(back.size(), 4U);
+    for (const std::size_t i : {0U, 2U}) {
+        EXPECT_EQ(back[i].profile, "wifi");
+        EXPECT_EQ(back[i].delay_s, 0.002);
+        EXPECT_EQ(back[i].force.delay_s, 0.002);
+        EXPECT_EQ(back[i].force.jitter_spread_s, 0.1 / 3);
+        EXPECT_EQ(back[i].force.loss, 0.002);
+        EXPECT_EQ(back[i].needle.delay_s, 0.001);
+        EXPECT_EQ(back[i].needle.loss, 0.5);
+    }
+    EXPECT_EQ(back[1].profile, "");
+    EXPECT_EQ(back[1].delay_s, 0.1);
+    EXPECT_EQ(back[3].time_s, 0.1 / 3);
+    EXPECT_EQ(back[3].delay_s, 0);
+}
+
+TEST(EventFile, RefusesAProfileThatIsCutOffAndWhatItDoesNotKnow) {
+    const TemporaryDirectory directory;
+    for (const char* lines : {"1,profile,lte\n", "1,profile,lte\n1,delay_s,0.1\n",
+                              "1,profile,lte\n1,delay_s,0.1\n1,delay_s,0.2\n", "1,earthquake,2\n"}) {
+        write_text(directory / "e.csv", std::string("time_s,event,value\n") + lines);
+        EXPECT_THROW(read_events(directory / "e.csv"), Error) << lines;
+    }
+    EXPECT_THROW(read_events(directory / "absent.csv"), Error);
 }
 
 }  // namespace

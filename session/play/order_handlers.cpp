@@ -1,6 +1,51 @@
-#include "session/play/play_handler.hpp"
+#include "session/play/order_handlers.hpp"
 
 namespace thimble {
+
+std::optional<Refusal> OrderLines::obey(SessionTime /*now*/, const Order& order) {
+    switch (order.kind) {
+        case OrderKind::kPause:
+            context_.paused = true;
+            go_on_ = false;
+            return std::nullopt;
+        case OrderKind::kStart:
+        case OrderKind::kResume:
+            context_.paused = false;
+            go_on();
+            return std::nullopt;
+        case OrderKind::kRepeat:
+            lines_.emplace_back("r asked for at the experimenter's view");
+            return std::nullopt;
+        case OrderKind::kExclude:
+            lines_.emplace_back("x asked for at the experimenter's view");
+            return std::nullopt;
+        case OrderKind::kQuit:
+            if (lines_.empty() || lines_.back() != "q") lines_.emplace_back("q");
+            return std::nullopt;
+        default:
+            return Refusal::kUnexpectedKind;
+    }
+}
+
+// Not while a trial runs: it would answer the next question before it is asked.
+void OrderLines::go_on() { go_on_ = session_ == nullptr || !session_->running(); }
+
+std::optional<std::string> OrderLines::take_line() {
+    if (!lines_.empty()) {
+        std::string line = lines_.front();
+        lines_.pop_front();
+        return line;
+    }
+    if (!go_on_) return std::nullopt;
+    go_on_ = false;
+    return std::string();
+}
+
+std::optional<Refusal> QuitHandler::obey(SessionTime /*now*/, const Order& order) {
+    if (order.kind != OrderKind::kQuit) return Refusal::kUnexpectedKind;
+    quit_ = true;
+    return std::nullopt;
+}
 
 std::optional<Refusal> PlayHandler::obey(SessionTime now, const Order& order) {
     switch (order.kind) {
@@ -29,13 +74,9 @@ std::optional<Refusal> PlayHandler::obey(SessionTime now, const Order& order) {
             quit_ = true;
             end_running();
             return std::nullopt;
-        case OrderKind::kRepeat:
-        case OrderKind::kExclude:
-        case OrderKind::kSeek:
-        case OrderKind::kSpeed:
+        default:
             return Refusal::kUnexpectedKind;  // of participant sessions and of replays
     }
-    return Refusal::kUnexpectedKind;
 }
 
 void PlayHandler::end_running() {
