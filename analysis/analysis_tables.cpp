@@ -17,82 +17,73 @@ std::string range(const ConfidenceInterval& interval) {
 
 std::string p_cell(double p) { return p > 0 ? fmt::format("{:.2g}", p) : "<1e-300"; }
 
-// What `text` makes of an existing value; a dash for a refused one.
+// `text` of an existing value, a dash for a refused one.
 template <class Value, class Text>
 std::string cell(const std::optional<Value>& value, const Text& text) {
     return value ? text(*value) : std::string(kDash);
 }
 
-Row repeated_row(const MeasureAnalysis& m, bool full) {
-    const auto of = [&](const auto& text) { return cell(m.repeated_anova, text); };
-    Row row{to_string(ChosenTest::kRepeatedAnova), of([](const RepeatedAnova& a) {
-                return fmt::format("F({:g}, {:g}) = {:.2f}", a.df_conditions, a.df_error, a.f);
-            }),
-            of([](const RepeatedAnova& a) { return p_cell(a.p); })};
-    if (!full) return row;
-    row.push_back(of([](const RepeatedAnova& a) {
-        return fmt::format("Greenhouse-Geisser: epsilon {:.2f}, P {}", a.epsilon_greenhouse_geisser,
-                           p_cell(a.p_greenhouse_geisser));
-    }));
-    row.push_back(of([](const RepeatedAnova& a) {
-        return fmt::format("partial eta^2 {:.2f}, generalised {:.2f}", a.partial_eta_squared,
-                           a.generalised_eta_squared);
-    }));
-    row.push_back(cell(m.eta_squared_interval, [](const auto& interval) { return range(interval); }));
-    return row;
+// Statistic and P; where the analysis is full also correction, effect size and its interval. Dashes for a refused test.
+struct TestCells {
+    std::string statistic, p, correction, effect;
+};
+
+TestCells cells_of(const RepeatedAnova& a) {
+    return {fmt::format("F({:g}, {:g}) = {:.2f}", a.df_conditions, a.df_error, a.f), p_cell(a.p),
+            fmt::format("Greenhouse-Geisser: epsilon {:.2f}, P {}", a.epsilon_greenhouse_geisser,
+                        p_cell(a.p_greenhouse_geisser)),
+            fmt::format("partial eta^2 {:.2f}, generalised {:.2f}", a.partial_eta_squared,
+                        a.generalised_eta_squared)};
 }
 
-Row friedman_row(const MeasureAnalysis& m, bool full) {
-    const auto of = [&](const auto& text) { return cell(m.friedman, text); };
-    Row row{to_string(ChosenTest::kFriedman),
-            of([](const Friedman& f) { return fmt::format("chi^2({:g}) = {:.2f}", f.df, f.chi_squared); }),
-            of([](const Friedman& f) { return p_cell(f.p()); })};
-    if (!full) return row;
-    row.push_back(of([](const Friedman& f) {
-        return fmt::format("{}; asymptotic P {}", f.p_exact ? "exact" : "no exact P", p_cell(f.p_asymptotic));
-    }));
-    row.push_back(of([](const Friedman& f) { return fmt::format("Kendall's W {:.2f}", f.kendalls_w); }));
-    row.emplace_back(kDash);
-    return row;
+TestCells cells_of(const Friedman& f) {
+    return {fmt::format("chi^2({:g}) = {:.2f}", f.df, f.chi_squared), p_cell(f.p()),
+            fmt::format("{}; asymptotic P {}", f.p_exact ? "exact" : "no exact P", p_cell(f.p_asymptotic)),
+            fmt::format("Kendall's W {:.2f}", f.kendalls_w)};
 }
 
-Row one_way_row(const MeasureAnalysis& m, bool full) {
-    const auto of = [&](const auto& text) { return cell(m.one_way_anova, text); };
-    Row row{to_string(ChosenTest::kOneWayAnova), of([](const OneWayAnova& a) {
-                return fmt::format("F({:g}, {:g}) = {:.2f}", a.df_between, a.df_within, a.f);
-            }),
-            of([](const OneWayAnova& a) { return p_cell(a.p); })};
-    if (!full) return row;
-    row.emplace_back(kDash);
-    row.push_back(of([](const OneWayAnova& a) { return fmt::format("eta^2 {:.2f}", a.eta_squared); }));
-    row.push_back(cell(m.eta_squared_interval, [](const auto& interval) { return range(interval); }));
-    return row;
+TestCells cells_of(const OneWayAnova& a) {
+    return {fmt::format("F({:g}, {:g}) = {:.2f}", a.df_between, a.df_within, a.f), p_cell(a.p),
+            std::string(kDash), fmt::format("eta^2 {:.2f}", a.eta_squared)};
+}
+
+template <class Test>
+void add_test(ReportTable& table, const MeasureAnalysis& m, ChosenTest kind,
+              const std::optional<Test>& test) {
+    const bool full = m.kind == AnalysisKind::kFull;
+    if (!full && m.chosen != kind) return;
+    const std::string dash(kDash);
+    const TestCells cells = test ? cells_of(*test) : TestCells{dash, dash, dash, dash};
+    Row row{std::string(info(m.metric).label),
+            fmt::format("{}", m.subjects),
+            m.chosen == kind ? "yes" : "",
+            to_string(kind),
+            cells.statistic,
+            cells.p};
+    if (full) {
+        const bool has_interval = kind != ChosenTest::kFriedman && m.eta_squared_interval;
+        row.insert(row.end(),
+                   {cells.correction, cells.effect, has_interval ? range(*m.eta_squared_interval) : dash});
+    }
+    table.rows.push_back(std::move(row));
 }
 
 ReportTable test_table(const std::vector<MeasureAnalysis>& measures, bool full) {
     ReportTable table{
         "Tests",
         "The test that counts is chosen by normality (K2 at .05 on every column), as in the paper.",
-        {"measure", "n", "counts", "test", "statistic", "P"},
-        {}};
+        {"measure", "n", "counts", "test", "statistic", "P"}};
     if (full) {
         table.columns.insert(table.columns.end(), {"correction", "effect size", "95 % CI"});
         table.note += " The interval is that of (partial) eta^2; generalised eta^2 has none here.";
     }
-    const auto add = [&](const MeasureAnalysis& m, ChosenTest test, const Row& more) {
-        if (!full && m.chosen != test) return;
-        Row row{std::string(info(m.metric).label), fmt::format("{}", m.subjects),
-                m.chosen == test ? "yes" : ""};
-        row.insert(row.end(), more.begin(), more.end());
-        table.rows.push_back(std::move(row));
-    };
     for (const MeasureAnalysis& m : measures) {
         if (m.columns.empty()) continue;
         if (m.within_subjects) {
-            add(m, ChosenTest::kRepeatedAnova, repeated_row(m, full));
-            add(m, ChosenTest::kFriedman, friedman_row(m, full));
+            add_test(table, m, ChosenTest::kRepeatedAnova, m.repeated_anova);
+            add_test(table, m, ChosenTest::kFriedman, m.friedman);
         } else {
-            add(m, ChosenTest::kOneWayAnova, one_way_row(m, full));
+            add_test(table, m, ChosenTest::kOneWayAnova, m.one_way_anova);
         }
     }
     return table;
@@ -102,8 +93,7 @@ ReportTable column_table(const std::vector<MeasureAnalysis>& measures) {
     ReportTable table{"Each modality",
                       "Over subjects, whose trials are averaged first; in experiment 2 over trials.",
                       {"measure", "modality", "n", "mean", "SD", "95 % CI of the mean", "median", "quartiles",
-                       "K2", "P of K2"},
-                      {}};
+                       "K2", "P of K2"}};
     for (const MeasureAnalysis& m : measures) {
         for (const ColumnAnalysis& c : m.columns) {
             table.rows.push_back(
@@ -138,7 +128,7 @@ Row pair_row(const MeasureAnalysis& m, const PairAnalysis& pair, bool full) {
 }
 
 ReportTable pair_table(const std::vector<MeasureAnalysis>& measures, bool full) {
-    ReportTable table{"Pairs of modalities", "", {"measure", "pair", "difference", "by", "P"}, {}};
+    ReportTable table{"Pairs of modalities", "", {"measure", "pair", "difference", "by", "P"}};
     if (full) {
         table.columns.insert(table.columns.end(),
                              {"95 % CI", "95 % CI, all at once", "P (Holm)", "d_z (95 % CI)"});

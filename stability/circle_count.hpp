@@ -13,6 +13,7 @@
 #include <cstddef>
 
 #include "stability/precise_number.hpp"
+#include "stability/sampled_loop.hpp"
 
 namespace thimble {
 
@@ -23,6 +24,18 @@ struct PulsePolynomial {
     std::array<Real, 3> feedback{};  // n0, n1, n2
     Real gain{};                     // K
 };
+
+// The characteristic polynomial of a sampled loop. Throws Error (usage) for what is none.
+PulsePolynomial<Precise> pulse_polynomial(const SampledLoop& loop);
+
+// T = count h + rest, where a rest within the rounding of T / h is none. Checks like pulse_polynomial.
+struct WholeSteps {
+    double count;
+    Precise rest_s;
+};
+WholeSteps whole_steps(const SampledLoop& loop);
+
+PulsePolynomial<double> in_doubles(const PulsePolynomial<Precise>& p);
 
 template <class Real>
 struct PolarNumber {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <utility>
 
@@ -82,17 +81,8 @@ void require_countable(const DelayedLoop& loop, double delay_s) {
     require_meaningful(loop);
     require_delay(delay_s);
     double angle = 0;
-    for (const CrossingFamily& f : crossing_families(loop)) angle += delay_s * f.frequency_rad_per_s;
+    for (const PreciseFamily& f : families_of(loop)) angle += delay_s * to_double(f.frequency);
     require(angle < kMostTurned_rad, "delay times frequency must stay below 1e8 rad", angle);
-}
-
-std::vector<CrossingFamily> crossing_families(const DelayedLoop& loop) {
-    std::vector<CrossingFamily> families;
-    families.reserve(2);
-    for (const PreciseFamily& f : families_of(loop)) {
-        families.push_back({to_double(f.first_delay), to_double(f.frequency), f.direction});
-    }
-    return families;
 }
 
 std::vector<RootCrossing> crossings(const DelayedLoop& loop, double longest_s, std::size_t most) {
@@ -131,17 +121,10 @@ std::vector<StableDelays> stable_delays(const DelayedLoop& loop, std::size_t mos
 
 CriticalPoint critical_point(const DelayedLoop& loop) {
     CriticalPoint first{kNever_s, 0};
-    for (const CrossingFamily& f : crossing_families(loop)) {
-        if (f.direction > 0) first = {f.first_delay_s, f.frequency_rad_per_s};
+    for (const PreciseFamily& f : families_of(loop)) {
+        if (f.direction > 0) first = {to_double(f.first_delay), to_double(f.frequency)};
     }
     return first;
-}
-
-double crossing_speed_per_s2(const DelayedLoop& loop, const CriticalPoint& point) {
-    const std::complex<double> s(0, point.frequency_rad_per_s);
-    const std::complex<double> force = loop.stiffness_N_per_m * std::exp(-s * point.delay_s);
-    return (force * s / (2 * loop.hand.mass_kg * s + loop.hand.damping_Ns_per_m - point.delay_s * force))
-        .real();
 }
 
 double delay_independent_stiffness_N_per_m(const HeldMass& held) {

@@ -28,19 +28,10 @@ void require_delay(double delay_s);  // finite, 0 to 1e6 s
 // Both, and a delay of less than 1e8 rad at the crossing frequencies.
 void require_countable(const DelayedLoop& loop, double delay_s);
 
-// All crossings at one frequency: at first_delay_s and then every 2 pi / w. There are none, one or two such families.
-struct CrossingFamily {
-    double first_delay_s = 0;  // below one period
-    double frequency_rad_per_s = 0;
-    int direction = 0;  // +1: with more delay a pair of roots becomes unstable, -1: stable
-};
-// The higher frequency first.
-std::vector<CrossingFamily> crossing_families(const DelayedLoop& loop);
-
 struct RootCrossing {
     double delay_s = 0;
     double frequency_rad_per_s = 0;
-    int direction = 0;
+    int direction = 0;  // +1: with more delay a pair of roots becomes unstable, -1: stable
     int unstable_roots_after = 0;
 };
 // In order of delay, up to and including `longest_s`; at most `most` of them.
@@ -59,9 +50,6 @@ std::vector<StableDelays> stable_delays(const DelayedLoop& loop, std::size_t mos
 
 // The first crossing; see CriticalPoint.
 CriticalPoint critical_point(const DelayedLoop& loop);
-
-// d Re(s) / dT of the pair that crosses: Re[K s e^(-sT) / (2ms + b - K T e^(-sT))], without delayed damping.
-double crossing_speed_per_s2(const DelayedLoop& loop, const CriticalPoint& point);
 
 // Up to this K, every delay is stable: b sqrt(4mk - b^2) / (2m), or k where b^2 >= 2mk.
 double delay_independent_stiffness_N_per_m(const HeldMass& held);

@@ -14,6 +14,7 @@ constexpr double kRun_s = 6, kDelays = 60;
 constexpr double kLong_s = 0.5, kLongDelays = 400;
 constexpr double kGrown = 1e60;  // beyond, the rest of the trace has no use
 constexpr double kFaded = 1e-60;
+constexpr double kWatched_s = 3;     // the last of a hold
 constexpr double kQuantaLeft = 100;  // of amplitude, for an encoder not to matter
 
 struct ZeroCrossings {
@@ -140,10 +141,6 @@ double measured_critical_delay_s(const HeldMass& hand, double stiffness_N_per_m)
     return (stable_s + unstable_s) / 2 + kStep_s / 2;
 }
 
-namespace {
-constexpr double kWatched_s = 3;  // the last of a hold
-}
-
 HoldWatch::HoldWatch(const HoldPlan& plan, double step_s)
     : position_scale_(plan.position_scale),
       samples_(static_cast<long>(plan.duration_s / step_s)),
@@ -178,14 +175,7 @@ HoldOutcome HoldWatch::outcome() const {
 
 HoldOutcome measured_hold(const LoopConditions& conditions, const HoldPlan& plan) {
     LoopSimulator run(conditions, plan.start_m, plan.start_m_per_s);
-    HoldWatch watch(plan, conditions.loop.step_s);
-    for (double before_m = run.sampled_m(); !watch.over();) {
-        run.step();
-        const double now_m = run.sampled_m();
-        watch.add(before_m, now_m, run.position_m(), run.energy_J());
-        before_m = now_m;
-    }
-    return watch.outcome();
+    return watched_hold(run, plan, conditions.loop.step_s);
 }
 
 }  // namespace thimble

@@ -32,13 +32,6 @@ MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double en
 // Of the running loop without encoder at 10 kHz, half a step added, to 0.1 us; delays up to 20 ms are looked at.
 double measured_critical_delay_s(const HeldMass& hand, double stiffness_N_per_m);
 
-// Of an unstable linear loop with dry friction: the amplitude that neither dies out nor grows, found by letting the friction begin at
-// ever closer amplitudes of a loop that swings up without. Throws Error (usage) for a loop that does not swing up.
-double measured_friction_threshold_m(const SampledLoop& loop, double friction_N);
-
-// The greatest press with which the loop at the wall still cycles, pressed harder and harder by rise_N_per_s from half of the limit.
-double measured_press_fold_N(const LoopConditions& conditions, double rise_N_per_s);
-
 enum class HoldClass : char { kSettles = 'S', kMarginal = 'M', kOscillates = 'O' };
 
 // Of the last three seconds of a hold.
@@ -72,6 +65,18 @@ class HoldWatch {
     bool touches_ = false;
 };
 
+// Of a running loop that has been let go as `plan` says.
+template <class Loop>
+HoldOutcome watched_hold(Loop& run, const HoldPlan& plan, double step_s) {
+    HoldWatch watch(plan, step_s);
+    for (double before_m = run.sampled_m(); !watch.over();) {
+        run.step();
+        const double now_m = run.sampled_m();
+        watch.add(before_m, now_m, run.position_m(), run.energy_J());
+        before_m = now_m;
+    }
+    return watch.outcome();
+}
 HoldOutcome measured_hold(const LoopConditions& conditions, const HoldPlan& plan);
 
 }  // namespace thimble

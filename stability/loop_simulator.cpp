@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
-#include "stability/pulse_polynomial.hpp"
+#include "stability/circle_count.hpp"
 
 namespace thimble {
 namespace {

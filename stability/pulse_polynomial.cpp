@@ -1,9 +1,8 @@
-#include "stability/pulse_polynomial.hpp"
-
 #include <cmath>
 #include <string>
 
 #include "common/error.hpp"
+#include "stability/circle_count.hpp"
 
 namespace thimble {
 namespace {

@@ -20,10 +20,12 @@ struct ShiftedLoop {
     Precise on_the_real_axis() const { return stiffness + loop_stiffness; }
 };
 
+// All crossings at one frequency: at first_delay, below one period, and then every 2 pi / w.
 struct PreciseFamily {
     Precise first_delay, frequency;
     int direction;
 };
+// None, one or two, the higher frequency first.
 std::vector<PreciseFamily> precise_families(const ShiftedLoop& loop);
 
 // Crossings of one family at delays below `delay`. A whole number, and far to the left a large one.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "stability/pulse_polynomial.hpp"
+#include "stability/circle_count.hpp"
 
 namespace thimble {
 namespace {
@@ -96,14 +96,10 @@ Between<Precise> certain_radius(const PrecisePulse& p) {
     return radius_range(p, 1e-16);
 }
 
-bool unstable_at(PrecisePulse p, const Precise& stiffness) {
+template <class Real>
+bool unstable_at(PulsePolynomial<Real> p, const Real& stiffness) {
     p.gain = stiffness;
-    return Circle<Precise>(p, Precise(1)).roots_outside() > 0;
-}
-
-bool unstable_at(PulsePolynomial<double> p, double stiffness) {
-    p.gain = stiffness;
-    return Circle<double>(p, 1.0).roots_outside() > 0;
+    return Circle<Real>(p, Real(1)).roots_outside() > 0;
 }
 
 // From a first guess to a range.

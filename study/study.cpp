@@ -16,7 +16,6 @@
 #include "session/records/trajectory_file.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/study_folder.hpp"
-#include "study/subject_table.hpp"
 #include "study/with_compensator.hpp"
 
 namespace thimble {

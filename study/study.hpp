@@ -36,7 +36,7 @@ struct StudyOptions {
 };
 
 // Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end
-// in; so nothing that is made from them depends on the number of threads. False if `stop` cut it short.
+// in. So no result depends on the number of threads. False if `stop` cut it short.
 bool run_trials(const SystemSettings& settings, std::span<const TrialConditions> trials, unsigned jobs,
                 const std::atomic<bool>* stop, const std::function<void(const TrialRecord&)>& take);
 
@@ -51,6 +51,11 @@ struct StudyResult {
 // Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
 // no_lag.csv, hf_NAME.csv, subjects.csv, claims.json, analysis.json, report.html, summary.json and figures/ below options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
+
+// subjects.csv: what was drawn for each virtual subject, SI units named in the columns. A line per subject of each cohort
+// (experiments 1 and 2 have the same people). Replaces the file; throws Error as CsvFile.
+void write_subjects(const std::filesystem::path& path, const OperatorParameters& parameters,
+                    const std::vector<Protocol>& protocols);
 
 // The price of the actuators' lag: experiment 1 again, with fingertip devices that need no time.
 

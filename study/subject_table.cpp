@@ -1,5 +1,3 @@
-#include "study/subject_table.hpp"
-
 #include <algorithm>
 #include <iterator>
 #include <map>
@@ -8,6 +6,7 @@
 
 #include "common/csv/csv.hpp"
 #include "common/csv/csv_file.hpp"
+#include "study/study.hpp"
 
 namespace thimble {
 namespace {

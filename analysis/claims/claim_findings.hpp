@@ -1,4 +1,4 @@
-// What comes out of a study, for each kind of claim of the paper. Each throws Error (data) where a test refuses the data.
+// A finding for each kind of claim of the paper. Each function throws Error (data) where a test refuses the data.
 #pragma once
 
 #include <optional>
@@ -31,8 +31,9 @@ Finding same_time_finding(const StudyColumns& columns);
 Finding removal_finding(const StudyColumns& columns);
 Finding removal_pairs_finding(const StudyColumns& columns, bool with_handle);
 
-// With delay: at most HF oscillates; the metric differs by Friedman's test; `larger` is larger than `smaller` by Dunn's.
+// With delay: only HF oscillates.
 Finding stability_finding(const StudyColumns& columns);
+// The metric differs between modalities (Friedman's test), and `larger` is larger than `smaller` (Dunn's test).
 Finding friedman_finding(const StudyColumns& columns, Metric metric);
 Finding dunn_finding(const StudyColumns& columns, Metric metric, std::string_view larger,
                      std::string_view smaller, double level);

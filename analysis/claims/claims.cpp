@@ -141,8 +141,7 @@ void write_claims(const std::vector<Claim>& claims, const std::filesystem::path&
 ReportTable claims_table(const std::vector<Claim>& claims) {
     ReportTable table{"The paper's claims",
                       "Reproduced: direction and the paper's significance both come out.",
-                      {"id", "claim", "the paper", "here", "reproduced"},
-                      {}};
+                      {"id", "claim", "the paper", "here", "reproduced"}};
     for (const Claim& c : claims) {
         table.rows.push_back({c.id, c.claim, c.paper, c.ours,
                               !c.reproduced         ? "not judged"

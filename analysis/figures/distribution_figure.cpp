@@ -60,14 +60,6 @@ std::string distribution_data(const StudyColumns& columns, const std::vector<Met
     return data;
 }
 
-std::vector<double> trial_values(const StudyColumns& columns, Metric metric) {
-    std::vector<double> values;
-    for (const NamedValues& group : columns.groups(metric)) {
-        values.insert(values.end(), group.values.begin(), group.values.end());
-    }
-    return values;
-}
-
 std::string distribution_script(const StudyColumns& columns, const std::vector<Metric>& metrics,
                                 const std::string& name) {
     FigureGrid grid = measure_grid(metrics.size());
@@ -75,7 +67,7 @@ std::string distribution_script(const StudyColumns& columns, const std::vector<M
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
     script += modality_axis() + "unset key; set boxwidth 0.26 absolute\nset multiplot\n";
     for (std::size_t i = 0; i < metrics.size(); ++i) {
-        script += grid.margins(0, i) + measure_axis(metrics[i], trial_values(columns, metrics[i]));
+        script += grid.margins(0, i) + measure_axis(metrics[i], values_of(columns.groups(metrics[i])));
         fmt::format_to(
             std::back_inserter(script),
             R"(plot '{name}.tsv' index {points} using 1:2 with points pointtype 7 pointsize 0.3 linecolor '{colour}', \

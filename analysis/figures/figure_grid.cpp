@@ -89,4 +89,11 @@ std::string measure_axis(Metric metric, std::span<const double> values) {
                        logarithm || below_zero ? "*" : "0", logarithm ? "0" : "graph 0.04");
 }
 
+std::vector<double> values_of(const std::vector<NamedValues>& columns) {
+    std::vector<double> values;
+    for (const NamedValues& column : columns)
+        values.insert(values.end(), column.values.begin(), column.values.end());
+    return values;
+}
+
 }  // namespace thimble

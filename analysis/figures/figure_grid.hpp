@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "analysis/statistics/named_values.hpp"
 #include "session/records/condition_summary.hpp"
 
 namespace thimble {
@@ -20,8 +22,8 @@ struct FigureGrid {
     int height_px() const;
     // The gnuplot lines that put what is plotted next there; row 0 is on top.
     std::string margins(std::size_t row, std::size_t column) const;
-    // A key as wide as all panels in the head, from entries as of gnuplot's plot ("NaN with lines title 'a'"), of a
-    // multiplot's last plot: one that belongs to a panel would be stacked to fit that panel.
+    // A key as wide as all panels, in the head. Entries are those of gnuplot's plot ("NaN with lines title 'a'"). It is the
+    // last plot of a multiplot, because gnuplot stacks the key of a panel to fit that panel.
     std::string key(const std::string& entries) const;
 };
 
@@ -39,5 +41,6 @@ void write_shown(std::string& data, double value, Metric metric);
 // and none is zero or negative: else an oscillation presses all others into one line.
 bool wants_logarithm(std::span<const double> values);
 std::string measure_axis(Metric metric, std::span<const double> values);
+std::vector<double> values_of(const std::vector<NamedValues>& columns);
 
 }  // namespace thimble

@@ -29,9 +29,8 @@ FigureSource trajectory_figure(const std::vector<TrajectoryPanel>& panels, const
 // delay, mean with one SD over subjects.
 FigureSource bar_figure(const std::vector<ConditionSummary>& conditions, const std::string& name);
 
-// The experiments side by side, a column each: their trajectories, a row per modality; and their bars, with the
-// depth the experiment is about (maximum penetration; peak displacement where the fixture was removed) above
-// the time.
+// The experiments side by side, a column each. Trajectories have a row per modality. Bars show the depth that the
+// experiment is about above the time: maximum penetration, or peak displacement where the fixture was removed.
 using PanelsByExperiment = std::map<std::uint32_t, TrajectoryPanels>;
 FigureSource all_trajectories_figure(const PanelsByExperiment& experiments, const std::string& name);
 FigureSource all_bars_figure(const std::vector<StudyColumns>& experiments, const std::string& name);

@@ -16,14 +16,6 @@ constexpr std::string_view kSubjectLine =
 constexpr std::string_view kMeanLine =
     "with linespoints pointtype 7 pointsize 0.9 linewidth 2.5 linecolor 'black'";
 
-NamedValues present(const NamedValues& column) {
-    NamedValues values{column.name, {}};
-    for (const double value : column.values) {
-        if (!std::isnan(value)) values.values.push_back(value);
-    }
-    return values;
-}
-
 // A block per measure, a line per modality: place on the axis, mean, then every subject.
 std::string subject_data(const StudyColumns& columns, const std::vector<Metric>& metrics) {
     std::string data;
@@ -33,7 +25,8 @@ std::string subject_data(const StudyColumns& columns, const std::vector<Metric>&
         data += "\n";
         double x = 0;
         for (const NamedValues& column : columns.subject_means(metric)) {
-            const NamedValues values = present(column);
+            NamedValues values = column;
+            std::erase_if(values.values, [](double value) { return std::isnan(value); });
             write_cell(data, x++);
             write_shown(data, values.values.empty() ? std::nan("") : sample_mean(values), metric);
             for (const double value : column.values) write_shown(data, value, metric);
@@ -44,21 +37,13 @@ std::string subject_data(const StudyColumns& columns, const std::vector<Metric>&
     return data;
 }
 
-std::vector<double> all_subject_means(const StudyColumns& columns, Metric metric) {
-    std::vector<double> values;
-    for (const NamedValues& column : columns.subject_means(metric)) {
-        for (const double value : column.values) values.push_back(value);
-    }
-    return values;
-}
-
 std::string subject_script(const StudyColumns& columns, const std::vector<Metric>& metrics,
                            const std::string& name) {
     const FigureGrid grid = measure_grid(metrics.size());
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
     script += modality_axis() + "unset key\nset multiplot\n";
     for (std::size_t i = 0; i < metrics.size(); ++i) {
-        script += grid.margins(0, i) + measure_axis(metrics[i], all_subject_means(columns, metrics[i]));
+        script += grid.margins(0, i) + measure_axis(metrics[i], values_of(columns.subject_means(metrics[i])));
         script += fmt::format(
             "plot for [subject=3:{last}] '{name}.tsv' index {i} using 1:subject {subject} notitle, \\\n"
             "     '{name}.tsv' index {i} using 1:2 {mean} notitle\n",

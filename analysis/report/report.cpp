@@ -61,47 +61,10 @@ std::string section_html(const ReportSection& section) {
 
 std::string provenance_html(const ReportInput& report) {
     if (report.provenance.empty()) return "";
-    ReportTable table{"Made with", "", {"what", "value"}, {}};
+    ReportTable table{"Made with", "", {"what", "value"}};
     for (const auto& [key, value] : report.provenance) table.rows.push_back({key, value});
     return html_element("h2", "Provenance") + "\n" + html_table(table);
 }
-
-}  // namespace
-
-ReportSection trials_section(std::string title, const std::vector<TrialRow>& rows, DrawnFigures drawn,
-                             double headline_delay_s) {
-    ReportSection section;
-    section.title = std::move(title);
-    section.text = fmt::format("{} trials.", rows.size());
-    section.conditions = summarize(rows);
-    section.headline = judge_headline(section.conditions, headline_delay_s);
-    section.drawn = std::move(drawn);
-    section.tables = {class_table(section.conditions), oscillation_table(section.conditions),
-                      metrics_table(section.conditions)};
-    return section;
-}
-
-ReportSection agreement_section(const std::vector<TrialRow>& real,
-                                const std::vector<TrialRow>& in_virtual_time) {
-    Agreement agreement = compare_trials(real, in_virtual_time);
-    ReportSection section;
-    section.title = "Real processes against virtual time";
-    section.text = fmt::format(
-        "The class agrees in {} of {} trials that both have. {} real trials have no counterpart or did not "
-        "run to their end.",
-        agreement.same_class, agreement.compared, agreement.unmatched);
-    section.tables = {std::move(agreement.metrics), std::move(agreement.classes)};
-    return section;
-}
-
-void write_report(const ReportInput& report, const std::filesystem::path& html) {
-    std::string body = html_element("h1", report.title) + "\n" + headlines_html(report);
-    for (const ReportSection& section : report.sections) body += section_html(section);
-    body += provenance_html(report);
-    write_text_file(html, html_page(report.title, body));
-}
-
-namespace {
 
 // Keeps the order of insertion. NaN becomes null.
 using Json = nlohmann::ordered_json;
@@ -221,6 +184,39 @@ void add_folder(ReportInput& report, const std::filesystem::path& folder, const 
 }
 
 }  // namespace
+
+ReportSection trials_section(std::string title, const std::vector<TrialRow>& rows, DrawnFigures drawn,
+                             double headline_delay_s) {
+    ReportSection section;
+    section.title = std::move(title);
+    section.text = fmt::format("{} trials.", rows.size());
+    section.conditions = summarize(rows);
+    section.headline = judge_headline(section.conditions, headline_delay_s);
+    section.drawn = std::move(drawn);
+    section.tables = {class_table(section.conditions), oscillation_table(section.conditions),
+                      metrics_table(section.conditions)};
+    return section;
+}
+
+ReportSection agreement_section(const std::vector<TrialRow>& real,
+                                const std::vector<TrialRow>& in_virtual_time) {
+    Agreement agreement = compare_trials(real, in_virtual_time);
+    ReportSection section;
+    section.title = "Real processes against virtual time";
+    section.text = fmt::format(
+        "The class agrees in {} of {} trials that both have. {} real trials have no counterpart or did not "
+        "run to their end.",
+        agreement.same_class, agreement.compared, agreement.unmatched);
+    section.tables = {std::move(agreement.metrics), std::move(agreement.classes)};
+    return section;
+}
+
+void write_report(const ReportInput& report, const std::filesystem::path& html) {
+    std::string body = html_element("h1", report.title) + "\n" + headlines_html(report);
+    for (const ReportSection& section : report.sections) body += section_html(section);
+    body += provenance_html(report);
+    write_text_file(html, html_page(report.title, body));
+}
 
 void write_summary(const ReportInput& report, const std::filesystem::path& json_path) {
     Json json{{"title", report.title}};

@@ -25,8 +25,7 @@ ReportTable statistics_table(std::string title, const std::vector<ConditionSumma
                              std::span<const Metric> metrics) {
     ReportTable table{std::move(title),
                       "Mean and standard deviation over n subjects, whose trials are averaged first.",
-                      {"delay", "modality", "trials"},
-                      {}};
+                      {"delay", "modality", "trials"}};
     for (const Metric metric : metrics) {
         table.columns.emplace_back(info(metric).label);
         table.columns.emplace_back("SD");
@@ -85,8 +84,7 @@ ReportTable class_table(const std::vector<ConditionSummary>& conditions) {
                     "than {:g} mm rms during the hold ({:g} s after the first contact to the beep). Judged "
                     "are trials that ran to their end and touched the fixture.",
                     kOscillationContactsLost, kOscillationRms_m * 1e3, kHoldSettling_s),
-        {"delay", "modality", "trials", "judged", "oscillating", "ended with the beep"},
-        {}};
+        {"delay", "modality", "trials", "judged", "oscillating", "ended with the beep"}};
     for (const ConditionSummary& condition : conditions) {
         table.rows.push_back({delay_text(condition.delay_s), to_string(condition.modality),
                               fmt::format("{}", condition.trials), fmt::format("{}", condition.judged),

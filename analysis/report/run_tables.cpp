@@ -28,8 +28,7 @@ ReportTable deadline_table(const std::vector<NodeReport>& reports) {
     ReportTable table{
         "Deadlines",
         "Lateness: wake-up after its absolute deadline, in microseconds. Missed: by more than 1 ms.",
-        {"condition", "program", "deadlines", "missed", "median", "99 %", "worst"},
-        {}};
+        {"condition", "program", "deadlines", "missed", "median", "99 %", "worst"}};
     for (const NodeReport& node : reports) {
         if (!node.report.contains("deadlines")) continue;  // the session's own: it has none
         const auto lateness = node.report.value("lateness", nlohmann::ordered_json::object());
@@ -46,8 +45,7 @@ ReportTable refusal_table(const std::vector<NodeReport>& reports) {
     ReportTable table{"Refused datagrams",
                       "Each is counted by its reason and otherwise harmless; counters at zero are left out. "
                       "wrong_trial counts what was still on its way when a trial ended.",
-                      {"condition", "program", "reason", "count"},
-                      {}};
+                      {"condition", "program", "reason", "count"}};
     for (const NodeReport& node : reports) {
         const auto refused = node.report.value("refused", nlohmann::ordered_json::object());
         for (const auto& [reason, count] : refused.items()) {
@@ -65,8 +63,7 @@ ReportTable security_table(const std::vector<NodeReport>& reports) {
         "Protection",
         "Datagrams that were sealed and opened, handshakes completed (one per program, one more for each "
         "renewal or restart), and what was refused, by its reason; thimble is the session.",
-        {"condition", "program", "sealed", "opened", "handshakes"},
-        {}};
+        {"condition", "program", "sealed", "opened", "handshakes"}};
     table.columns.insert(table.columns.end(), kRefusals.begin(), kRefusals.end());
     for (const NodeReport& node : reports) {
         const auto security = node.report.value("security", nlohmann::ordered_json::object());
@@ -85,8 +82,7 @@ ReportTable stale_table(const std::vector<NodeReport>& reports) {
     ReportTable table{
         "Silent inputs",
         "Where an input fell silent for longer than its time: which policy acted, how often and how long.",
-        {"condition", "program", "policy", "trial", "times", "acted, ms", "longest, ms"},
-        {}};
+        {"condition", "program", "policy", "trial", "times", "acted, ms", "longest, ms"}};
     for (const NodeReport& node : reports) {
         const auto acted = node.report.value("stale_acted", nlohmann::ordered_json::array());
         for (const auto& one : acted) {
@@ -108,8 +104,7 @@ ReportTable machine_table(const NodeStarter& starter, const NetworkSettings& net
     ReportTable table{"Machines",
                       "Where each node ran. The bare round trip above is this machine's own, without a wire: "
                       "a ratio to it holds the wires as well.",
-                      {"program", "machine", "address"},
-                      {}};
+                      {"program", "machine", "address"}};
     const auto add = [&](const char* program, const std::string& machine, Role role) {
         table.rows.push_back({program, machine.empty() ? "this one" : machine, network.host(role)});
     };
@@ -125,8 +120,7 @@ ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram&
                                   "the same run, median {:.1f} us there and back (99 % {:.0f} us), times {}.",
                                   kHops, bare.count(), to_seconds(bare.quantile(0.5)) * 1e6,
                                   to_seconds(bare.quantile(0.99)) * 1e6, kHops / 2),
-                      {"condition", "modality", "median, us", "bare x hops, us", "ratio"},
-                      {}};
+                      {"condition", "modality", "median, us", "bare x hops, us", "ratio"}};
     const double bare_us = to_seconds(bare.quantile(0.5)) * 1e6 * kHops / 2;
     for (const TrialRow& row : rows) {
         if (row.conditions.delay_s > 0 || std::isnan(row.round_trip_s)) continue;
@@ -159,8 +153,7 @@ ReportTable clock_table(const std::vector<NodeClock>& clocks) {
         "pass the control channel, not the emulated network; one-way delays are its own, shown where the "
         "bound is smaller than the value. Two nodes: difference of offsets, sum of bounds.",
         {"condition", "node", "offset, s", "bound, us", "rate, ppm", "exchanges", "steps", "there, us",
-         "back, us"},
-        {}};
+         "back, us"}};
     for (const NodeClock& clock : clocks) {
         const ClockSummary& s = clock.summary;
         table.rows.push_back({delay_text(clock.delay_s), to_string(clock.node),

@@ -51,6 +51,46 @@ double tail(const char* what, const Compute& compute) {
     return std::clamp(evaluated(what, compute), 0.0, 1.0);
 }
 
+constexpr const char* kNoncentralInterval = "confidence interval from a noncentral distribution";
+constexpr int kDoublings = 100;
+
+using RootInDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+
+// The root of a rising function between two points of opposite sign.
+template <class Function>
+double root(const Function& function, double low, double high) {
+    const double at_low = function(low);
+    const double at_high = function(high);
+    if (at_low == 0) return low;
+    if (at_high == 0) return high;
+    if (at_low > 0 || at_high < 0)
+        refuse(kNoncentralInterval, "no bound found; check the data for extreme values");
+    const boost::math::tools::eps_tolerance<double> tolerance(50);
+    std::uintmax_t evaluations = 200;
+    const auto [below, above] = boost::math::tools::toms748_solve(function, low, high, at_low, at_high,
+                                                                  tolerance, evaluations, RootInDouble());
+    return below + (above - below) / 2;
+}
+
+// Where the rising function of delta crosses zero; looked for around t, in ever wider steps.
+template <class Function>
+double root_around(const Function& function, double t, double step) {
+    double low = t - step;
+    double high = t + step;
+    for (int i = 0; i < kDoublings && function(low) > 0; ++i) low -= step *= 2;
+    for (int i = 0; i < kDoublings && function(high) < 0; ++i) high += step *= 2;
+    return root(function, low, high);
+}
+
+// From zero upwards; zero if the function is not negative there.
+template <class Function>
+double root_from_zero(const Function& function, double step) {
+    if (!(function(0.0) < 0)) return 0;
+    double high = step;
+    for (int i = 0; i < kDoublings && function(high) < 0; ++i) high *= 2;
+    return root(function, 0, high);
+}
+
 }  // namespace
 
 double normal_two_sided(double z) {
@@ -98,50 +138,6 @@ double noncentral_f_upper(double f, double df_1, double df_2, double noncentrali
 double noncentral_f_lower(double f, double df_1, double df_2, double noncentrality) {
     return tail("noncentral F tail", [&] { return cdf(NoncentralF(df_1, df_2, noncentrality), f); });
 }
-
-namespace {
-
-constexpr const char* kNoncentralInterval = "confidence interval from a noncentral distribution";
-constexpr int kDoublings = 100;
-
-using RootInDouble = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-
-// The root of a rising function between two points of opposite sign.
-template <class Function>
-double root(const Function& function, double low, double high) {
-    const double at_low = function(low);
-    const double at_high = function(high);
-    if (at_low == 0) return low;
-    if (at_high == 0) return high;
-    if (at_low > 0 || at_high < 0)
-        refuse(kNoncentralInterval, "no bound found; check the data for extreme values");
-    const boost::math::tools::eps_tolerance<double> tolerance(50);
-    std::uintmax_t evaluations = 200;
-    const auto [below, above] = boost::math::tools::toms748_solve(function, low, high, at_low, at_high,
-                                                                  tolerance, evaluations, RootInDouble());
-    return below + (above - below) / 2;
-}
-
-// Where the rising function of delta crosses zero; looked for around t, in ever wider steps.
-template <class Function>
-double root_around(const Function& function, double t, double step) {
-    double low = t - step;
-    double high = t + step;
-    for (int i = 0; i < kDoublings && function(low) > 0; ++i) low -= step *= 2;
-    for (int i = 0; i < kDoublings && function(high) < 0; ++i) high += step *= 2;
-    return root(function, low, high);
-}
-
-// From zero upwards; zero if the function is not negative there.
-template <class Function>
-double root_from_zero(const Function& function, double step) {
-    if (!(function(0.0) < 0)) return 0;
-    double high = step;
-    for (int i = 0; i < kDoublings && function(high) < 0; ++i) high *= 2;
-    return root(function, 0, high);
-}
-
-}  // namespace
 
 ConfidenceInterval noncentrality_of_t(double t, double df, double confidence) {
     require_confidence(confidence, kNoncentralInterval);

@@ -58,56 +58,6 @@ std::vector<double> mean_ranks(const RankedTable& ranked) {
     return means;
 }
 
-}  // namespace
-
-std::vector<std::int64_t> doubled_ranks(std::span<const double> values) {
-    std::vector<std::size_t> order(values.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-    std::vector<std::int64_t> ranks(values.size());
-    for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
-        while (last < order.size() && values[order[last]] == values[order[first]]) ++last;
-        // Mean of the ranks first + 1 to last.
-        for (std::size_t i = first; i < last; ++i)
-            ranks[order[i]] = static_cast<std::int64_t>(first + 1 + last);
-    }
-    return ranks;
-}
-
-Friedman friedman(const SampleTable& table) {
-    const RankedTable ranked = checked_ranks(table);
-    Friedman result;
-    result.df = static_cast<double>(table.conditions() - 1);
-    result.chi_squared =
-        result.df * static_cast<double>(ranked.spread_of_sums) / static_cast<double>(ranked.spread_of_ranks);
-    result.p_asymptotic = chi_squared_upper(result.chi_squared, result.df);
-    result.p_exact = friedman_exact_p(ranked.rows, ranked.spread_of_sums, kFriedmanExactSteps);
-    result.kendalls_w = result.chi_squared / (static_cast<double>(table.subjects()) * result.df);
-    result.mean_ranks = mean_ranks(ranked);
-    return result;
-}
-
-std::vector<DunnPair> dunn_after_friedman(const SampleTable& table) {
-    const std::vector<double> means = mean_ranks(checked_ranks(table));
-    const auto k = static_cast<double>(means.size());
-    const double standard_error = std::sqrt(k * (k + 1) / (6 * static_cast<double>(table.subjects())));
-    const double family = k * (k - 1) / 2;
-    std::vector<DunnPair> pairs;
-    for (std::size_t first = 0; first + 1 < means.size(); ++first) {
-        for (std::size_t second = first + 1; second < means.size(); ++second) {
-            DunnPair pair{first, second, means[first] - means[second]};
-            pair.z = std::abs(pair.mean_rank_difference) / standard_error;
-            pair.p = normal_two_sided(pair.z);
-            pair.p_adjusted = std::min(1.0, family * pair.p);
-            pairs.push_back(pair);
-        }
-    }
-    return pairs;
-}
-
-namespace {
-
 // Outcomes gathered before equal ones are merged: bounds the memory to about 32 MB, or twice the states.
 constexpr std::size_t kMergeAt = 1'000'000;
 
@@ -249,6 +199,52 @@ class ExactNull {
 };
 
 }  // namespace
+
+std::vector<std::int64_t> doubled_ranks(std::span<const double> values) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+    std::vector<std::int64_t> ranks(values.size());
+    for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+        while (last < order.size() && values[order[last]] == values[order[first]]) ++last;
+        // Mean of the ranks first + 1 to last.
+        for (std::size_t i = first; i < last; ++i)
+            ranks[order[i]] = static_cast<std::int64_t>(first + 1 + last);
+    }
+    return ranks;
+}
+
+Friedman friedman(const SampleTable& table) {
+    const RankedTable ranked = checked_ranks(table);
+    Friedman result;
+    result.df = static_cast<double>(table.conditions() - 1);
+    result.chi_squared =
+        result.df * static_cast<double>(ranked.spread_of_sums) / static_cast<double>(ranked.spread_of_ranks);
+    result.p_asymptotic = chi_squared_upper(result.chi_squared, result.df);
+    result.p_exact = friedman_exact_p(ranked.rows, ranked.spread_of_sums, kFriedmanExactSteps);
+    result.kendalls_w = result.chi_squared / (static_cast<double>(table.subjects()) * result.df);
+    result.mean_ranks = mean_ranks(ranked);
+    return result;
+}
+
+std::vector<DunnPair> dunn_after_friedman(const SampleTable& table) {
+    const std::vector<double> means = mean_ranks(checked_ranks(table));
+    const auto k = static_cast<double>(means.size());
+    const double standard_error = std::sqrt(k * (k + 1) / (6 * static_cast<double>(table.subjects())));
+    const double family = k * (k - 1) / 2;
+    std::vector<DunnPair> pairs;
+    for (std::size_t first = 0; first + 1 < means.size(); ++first) {
+        for (std::size_t second = first + 1; second < means.size(); ++second) {
+            DunnPair pair{first, second, means[first] - means[second]};
+            pair.z = std::abs(pair.mean_rank_difference) / standard_error;
+            pair.p = normal_two_sided(pair.z);
+            pair.p_adjusted = std::min(1.0, family * pair.p);
+            pairs.push_back(pair);
+        }
+    }
+    return pairs;
+}
 
 std::optional<double> friedman_exact_p(const std::vector<Ranks>& rows, std::int64_t spread,
                                        std::size_t most_steps) {

@@ -73,6 +73,13 @@ std::vector<MeanPair> all_pairs(std::size_t conditions, double confidence,
     return pairs;
 }
 
+void require_probabilities(const std::vector<double>& p) {
+    for (const double value : p) {
+        if (value >= 0 && value <= 1) continue;
+        refuse("adjustment of P values", "P = " + std::to_string(value) + " is not in [0, 1]");
+    }
+}
+
 }  // namespace
 
 std::vector<MeanPair> pairs_after_repeated_anova(const SampleTable& table, double confidence) {
@@ -116,17 +123,6 @@ std::vector<MeanPair> pairs_after_one_way_anova(const std::vector<NamedValues>& 
         return Difference{mean_difference(a, b), std::sqrt(anova.ms_within() * parts), anova.df_within};
     });
 }
-
-namespace {
-
-void require_probabilities(const std::vector<double>& p) {
-    for (const double value : p) {
-        if (value >= 0 && value <= 1) continue;
-        refuse("adjustment of P values", "P = " + std::to_string(value) + " is not in [0, 1]");
-    }
-}
-
-}  // namespace
 
 std::vector<double> bonferroni(const std::vector<double>& p) {
     require_probabilities(p);

@@ -43,10 +43,10 @@ struct FigureSource {
     std::string name, title, caption;
     std::string data, script;  // NAME.tsv, NAME.gp
 };
-// Writes NAME.tsv and NAME.gp of each into `directory`, made if missing, removes its pictures of earlier runs, and draws all
-// in one process, since half of a small figure's time is gnuplot's start. Returns what gnuplot complained about, nothing
-// if all went well; what follows the one it failed on is not drawn. Throws Error (run failed) that names a file that
-// cannot be written, or says what to install if gnuplot cannot be started.
+// Writes NAME.tsv and NAME.gp of each into `directory`, made if missing, and removes its pictures of earlier runs. One
+// process draws them all, since half of a small figure's time is gnuplot's start. Returns gnuplot's complaint, nothing if
+// all went well; figures behind the failed one are not drawn. Throws Error (run failed) that names a file that cannot be
+// written, or says what to install if gnuplot cannot be started.
 std::optional<std::string> draw_with_gnuplot(const std::filesystem::path& directory,
                                              const std::vector<FigureSource>& figures);
 // The <svg> element of NAME.svg, its ids prefixed with the name so that several can stand in one page; nothing if it is

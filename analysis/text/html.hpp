@@ -14,7 +14,7 @@ struct ReportTable {
     std::string title;
     std::string note;  // below the table; may be empty
     std::vector<std::string> columns;
-    std::vector<std::vector<std::string>> rows;  // each as long as `columns`
+    std::vector<std::vector<std::string>> rows = {};  // each as long as `columns`
 };
 
 std::string html_escape(std::string_view text);

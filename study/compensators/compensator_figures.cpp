@@ -1,13 +1,11 @@
-#include "study/compensators/compensator_figures.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include "analysis/text/gnuplot.hpp"
+#include "study/compensators/compensator_report.hpp"
 
 namespace thimble {
 namespace {

@@ -1,16 +1,14 @@
-#include "study/compensators/compensator_findings.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
-#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "analysis/statistics/descriptive.hpp"
 #include "common/error.hpp"
+#include "study/compensators/compensator_report.hpp"
 
 namespace thimble {
 namespace {
@@ -20,17 +18,15 @@ struct Contest {
     std::string_view what, unit;
     int decimals;
     double shown_per_si;
-    double (*of_row)(const CompensatorRow&);
-    double (*of_trial)(const CompensatorTrial&);
+    double CompensatorRow::*of_row;
+    double TrialMetrics::*of_trial;
 };
-constexpr std::array kContests{
-    Contest{"maximum penetration", "mm", 2, 1000, [](const CompensatorRow& r) { return r.penetration_max_m; },
-            [](const CompensatorTrial& t) { return t.metrics.penetration_max_m; }},
-    Contest{"completion time", "s", 2, 1, [](const CompensatorRow& r) { return r.completion_time_s; },
-            [](const CompensatorTrial& t) { return t.metrics.completion_time_s; }},
-    Contest{"peak-to-peak movement in the hold", "mm", 2, 1000,
-            [](const CompensatorRow& r) { return r.oscillation_peak_to_peak_m; },
-            [](const CompensatorTrial& t) { return t.metrics.oscillation_peak_to_peak_m; }}};
+constexpr std::array<Contest, 3> kContests{
+    {{"maximum penetration", "mm", 2, 1000, &CompensatorRow::penetration_max_m,
+      &TrialMetrics::penetration_max_m},
+     {"completion time", "s", 2, 1, &CompensatorRow::completion_time_s, &TrialMetrics::completion_time_s},
+     {"peak-to-peak movement in the hold", "mm", 2, 1000, &CompensatorRow::oscillation_peak_to_peak_m,
+      &TrialMetrics::oscillation_peak_to_peak_m}}};
 
 std::string joined(const std::vector<std::string>& words) {
     return fmt::format("{}", fmt::join(words, ", "));
@@ -49,7 +45,7 @@ std::map<std::uint32_t, double> subject_means(const std::vector<CompensatorTrial
     std::map<std::uint32_t, std::pair<double, int>> sums;
     for (const CompensatorTrial& trial : trials) {
         if (trial.condition != condition || trial.network.name != network) continue;
-        const double value = contest.of_trial(trial);
+        const double value = trial.metrics.*contest.of_trial;
         if (!std::isfinite(value)) continue;
         auto& [sum, count] = sums[trial.conditions.subject];
         sum += value;
@@ -123,11 +119,11 @@ class Findings {
                                                const Contest& contest) const {
         std::vector<const CompensatorRow*> ranked;
         for (const CompensatorRow& row : rows_) {
-            if (row.network.name == network.name && is_stable(row) && std::isfinite(contest.of_row(row)))
+            if (row.network.name == network.name && is_stable(row) && std::isfinite(row.*contest.of_row))
                 ranked.push_back(&row);
         }
         std::stable_sort(ranked.begin(), ranked.end(), [&](const CompensatorRow* a, const CompensatorRow* b) {
-            return contest.of_row(*a) < contest.of_row(*b);
+            return a->*contest.of_row < b->*contest.of_row;
         });
         return ranked;
     }
@@ -138,7 +134,7 @@ class Findings {
                                      [](const CompensatorRow* row) { return row->name == "CF"; });
         if (cf == ranked.end() || ranked.size() < 2) return;
         const auto text = [&](const CompensatorRow& row) {
-            return fmt::format("{:.{}f} {}", contest.shown_per_si * contest.of_row(row), contest.decimals,
+            return fmt::format("{:.{}f} {}", contest.shown_per_si * row.*contest.of_row, contest.decimals,
                                contest.unit);
         };
         if (cf == ranked.begin()) {

@@ -7,14 +7,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "analysis/report/report.hpp"
 #include "common/json_text.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
-#include "study/compensators/compensator_figures.hpp"
-#include "study/compensators/compensator_findings.hpp"
 #include "study/compensators/compensator_table.hpp"
-#include "study/compensators/loop_sections.hpp"
 
 namespace thimble {
 namespace {
@@ -23,7 +19,7 @@ constexpr double kJitter_s = 0.005, kLoss = 0.05, kDelay_s = 0.05;
 
 ReportTable table_of(const std::vector<CompensatorRow>& rows, std::string title, std::string note,
                      const std::function<std::string(const CompensatorRow&)>& cell) {
-    ReportTable table{std::move(title), std::move(note), {"condition"}, {}};
+    ReportTable table{std::move(title), std::move(note), {"condition"}};
     const std::vector<CompensatorNetwork> networks = networks_in(rows);
     for (const CompensatorNetwork& network : networks) table.columns.push_back(network.name);
     for (const std::string& condition : conditions_in(rows)) {

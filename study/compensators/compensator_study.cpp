@@ -71,44 +71,26 @@ double longest_delay_s(const SystemSettings& settings, const CompensatorNetwork&
     return to_seconds(session_settings(over_network(settings, network)).network_delay);
 }
 
-// A mean of those that exist.
-class Mean {
-  public:
-    void add(double value) {
-        if (!std::isfinite(value)) return;
-        sum_ += value;
-        ++count_;
-    }
-    double value() const { return count_ == 0 ? TrialMetrics::kNone : sum_ / count_; }
-
-  private:
-    double sum_ = 0, count_ = 0;
-};
-
 CompensatorRow condensed(std::span<const CompensatorTrial> trials,
                          const std::vector<CompensatorCondition>& conditions) {
     CompensatorRow row;
     row.name = conditions[trials.front().condition].name;
     row.network = trials.front().network;
     row.share = trials.front().share;
-    Mean peak, mean, most, time, rendered, drift;
     for (const CompensatorTrial& trial : trials) {
         ++row.trials;
         row.completed += trial.completed ? 1 : 0;
         row.oscillating += trial.metrics.oscillates ? 1 : 0;
-        peak.add(trial.metrics.oscillation_peak_to_peak_m);
-        mean.add(trial.metrics.penetration_mean_m);
-        most.add(trial.metrics.penetration_max_m);
-        time.add(trial.metrics.completion_time_s);
-        rendered.add(trial.rendered_stiffness);
-        drift.add(trial.drift_needle_m);
     }
-    row.oscillation_peak_to_peak_m = peak.value();
-    row.penetration_mean_m = mean.value();
-    row.penetration_max_m = most.value();
-    row.completion_time_s = time.value();
-    row.rendered_stiffness = rendered.value();
-    row.drift_needle_m = drift.value();
+    for (const CompensatorValue& value : kCompensatorValues) {
+        double sum = 0, count = 0;
+        for (const CompensatorTrial& trial : trials) {
+            if (!std::isfinite(value.of(trial))) continue;
+            sum += value.of(trial);
+            ++count;
+        }
+        if (count > 0) row.*value.of_row = sum / count;
+    }
     return row;
 }
 
@@ -138,24 +120,28 @@ double stable_share(const SystemSettings& settings, double delay_s, double margi
     return margin * stable;
 }
 
+std::vector<std::string> names_of(const std::vector<CompensatorCondition>& conditions) {
+    std::vector<std::string> names;
+    names.reserve(conditions.size());
+    for (const CompensatorCondition& condition : conditions) names.push_back(condition.name);
+    return names;
+}
+
 std::vector<CompensatorCondition> chosen_conditions(const SystemSettings& settings,
                                                     const std::vector<std::string>& names) {
     std::vector<CompensatorCondition> all = compensator_conditions(settings);
     if (names.empty()) return all;
-    std::vector<std::string> known;
-    known.reserve(all.size());
-    for (const CompensatorCondition& condition : all) known.push_back(condition.name);
+    const std::vector<std::string> known = names_of(all);
     for (const std::string& name : names) {
         if (std::find(known.begin(), known.end(), name) == known.end())
             throw Error(ExitCode::kUsage,
                         fmt::format("'{}' is neither a modality nor a compensator: choose from {}", name,
                                     fmt::join(known, ", ")));
     }
-    std::vector<CompensatorCondition> some;
-    for (const CompensatorCondition& condition : all) {
-        if (std::find(names.begin(), names.end(), condition.name) != names.end()) some.push_back(condition);
-    }
-    return some;
+    std::erase_if(all, [&](const CompensatorCondition& condition) {
+        return std::find(names.begin(), names.end(), condition.name) == names.end();
+    });
+    return all;
 }
 
 std::vector<CompensatorNetwork> plain_networks(const std::vector<double>& delays_s) {

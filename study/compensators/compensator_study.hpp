@@ -2,11 +2,11 @@
 // In virtual time; results do not depend on the number of threads.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,8 +54,8 @@ struct CompensatorTrial {
     TrialMetrics metrics;
     bool completed = false;
     // As in CompensatorRow.
-    double rendered_stiffness = std::numeric_limits<double>::quiet_NaN();
-    double drift_needle_m = std::numeric_limits<double>::quiet_NaN();
+    double rendered_stiffness = TrialMetrics::kNone;
+    double drift_needle_m = TrialMetrics::kNone;
 };
 
 // The result of one condition over one network.
@@ -64,16 +64,37 @@ struct CompensatorRow {
     CompensatorNetwork network;
     std::uint32_t trials = 0, completed = 0, oscillating = 0;
     // Means over trials; NaN where there is none. Needle about its mean in the hold, as in metrics.hpp.
-    double oscillation_peak_to_peak_m = std::numeric_limits<double>::quiet_NaN();
-    double penetration_mean_m = std::numeric_limits<double>::quiet_NaN();
-    double penetration_max_m = std::numeric_limits<double>::quiet_NaN();
-    double completion_time_s = std::numeric_limits<double>::quiet_NaN();
+    double oscillation_peak_to_peak_m = TrialMetrics::kNone;
+    double penetration_mean_m = TrialMetrics::kNone;
+    double penetration_max_m = TrialMetrics::kNone;
+    double completion_time_s = TrialMetrics::kNone;
     // Mean force of the handle over mean depth of the hand beyond the fixture, both in the hold, over the true stiffness.
-    double rendered_stiffness = std::numeric_limits<double>::quiet_NaN();
-    double drift_needle_m =
-        std::numeric_limits<double>::quiet_NaN();  // mean of |scale x hand - needle| in the hold
-    double share = 1;                              // of the force for the hand
+    double rendered_stiffness = TrialMetrics::kNone;
+    double drift_needle_m = TrialMetrics::kNone;  // mean of |scale x hand - needle| in the hold
+    double share = 1;                             // of the force for the hand
 };
+
+// A measured value of a trial is a column of the tables. A row has the mean over its trials.
+struct CompensatorValue {
+    const char* column;
+    double CompensatorRow::*of_row;
+    double TrialMetrics::*of_metrics;  // null: of the trial itself
+    double CompensatorTrial::*of_trial;
+
+    template <class Trial>
+    auto& of(Trial& trial) const {
+        return of_metrics != nullptr ? trial.metrics.*of_metrics : trial.*of_trial;
+    }
+};
+inline constexpr std::array<CompensatorValue, 6> kCompensatorValues{
+    {{"oscillation_peak_to_peak_m", &CompensatorRow::oscillation_peak_to_peak_m,
+      &TrialMetrics::oscillation_peak_to_peak_m, nullptr},
+     {"penetration_mean_m", &CompensatorRow::penetration_mean_m, &TrialMetrics::penetration_mean_m, nullptr},
+     {"penetration_max_m", &CompensatorRow::penetration_max_m, &TrialMetrics::penetration_max_m, nullptr},
+     {"completion_time_s", &CompensatorRow::completion_time_s, &TrialMetrics::completion_time_s, nullptr},
+     {"rendered_stiffness", &CompensatorRow::rendered_stiffness, nullptr,
+      &CompensatorTrial::rendered_stiffness},
+     {"drift_needle_m", &CompensatorRow::drift_needle_m, nullptr, &CompensatorTrial::drift_needle_m}}};
 
 struct CompensatorStudyOptions {
     std::vector<CompensatorNetwork> networks = plain_networks({0, 0.010, 0.025, 0.050, 0.100, 0.200});
@@ -87,6 +108,8 @@ struct CompensatorStudyOptions {
 // Those of compensator_conditions() that are named; all if none is. Throws Error (usage) for a name that is none.
 std::vector<CompensatorCondition> chosen_conditions(const SystemSettings& settings,
                                                     const std::vector<std::string>& names);
+
+std::vector<std::string> names_of(const std::vector<CompensatorCondition>& conditions);
 
 // Conditions in the order of compensator_conditions(), networks inside, subjects and trials inside those. Nothing has come out yet.
 std::vector<CompensatorTrial> plan_compensator_trials(const SystemSettings& settings,

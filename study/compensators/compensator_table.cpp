@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,43 +16,28 @@
 namespace thimble {
 namespace {
 
-constexpr std::array<std::string_view, 16> kTrialColumns{"condition",
-                                                         "network",
-                                                         "delay_s",
-                                                         "jitter_spread_s",
-                                                         "loss",
-                                                         "subject",
-                                                         "trial",
-                                                         "hand_share",
-                                                         "completed",
-                                                         "oscillates",
-                                                         "oscillation_peak_to_peak_m",
-                                                         "penetration_mean_m",
-                                                         "penetration_max_m",
-                                                         "completion_time_s",
-                                                         "rendered_stiffness",
-                                                         "drift_needle_m"};
-constexpr std::size_t kIdentity = 8;  // columns that are planned, not measured
+// Columns that are planned; the others are measured.
+constexpr std::array kPlanned{"condition", "network", "delay_s", "jitter_spread_s",
+                              "loss",      "subject", "trial",   "hand_share"};
 
-struct RowColumn {
-    std::string_view name;
-    double (*value)(const CompensatorRow&);
-};
-constexpr std::array kRowColumns{
-    RowColumn{"delay_s", [](const CompensatorRow& r) { return r.network.delay_s; }},
-    RowColumn{"jitter_spread_s", [](const CompensatorRow& r) { return r.network.jitter_spread_s; }},
-    RowColumn{"loss", [](const CompensatorRow& r) { return r.network.loss; }},
-    RowColumn{"trials", [](const CompensatorRow& r) { return static_cast<double>(r.trials); }},
-    RowColumn{"completed", [](const CompensatorRow& r) { return static_cast<double>(r.completed); }},
-    RowColumn{"oscillating", [](const CompensatorRow& r) { return static_cast<double>(r.oscillating); }},
-    RowColumn{"oscillation_peak_to_peak_m",
-              [](const CompensatorRow& r) { return r.oscillation_peak_to_peak_m; }},
-    RowColumn{"penetration_mean_m", [](const CompensatorRow& r) { return r.penetration_mean_m; }},
-    RowColumn{"penetration_max_m", [](const CompensatorRow& r) { return r.penetration_max_m; }},
-    RowColumn{"completion_time_s", [](const CompensatorRow& r) { return r.completion_time_s; }},
-    RowColumn{"rendered_stiffness", [](const CompensatorRow& r) { return r.rendered_stiffness; }},
-    RowColumn{"drift_needle_m", [](const CompensatorRow& r) { return r.drift_needle_m; }},
-    RowColumn{"hand_share", [](const CompensatorRow& r) { return r.share; }}};
+std::vector<std::string_view> compensator_columns() {
+    std::vector<std::string_view> columns(kPlanned.begin(), kPlanned.end());
+    columns.insert(columns.end(), {"completed", "oscillates"});
+    for (const CompensatorValue& value : kCompensatorValues) columns.push_back(value.column);
+    return columns;
+}
+
+// The columns of compensators.csv behind condition and network.
+std::vector<std::pair<const char*, double>> cells_of(const CompensatorRow& row) {
+    std::vector<std::pair<const char*, double>> cells{
+        {"delay_s", row.network.delay_s}, {"jitter_spread_s", row.network.jitter_spread_s},
+        {"loss", row.network.loss},       {"trials", row.trials},
+        {"completed", row.completed},     {"oscillating", row.oscillating}};
+    for (const CompensatorValue& value : kCompensatorValues)
+        cells.emplace_back(value.column, row.*value.of_row);
+    cells.emplace_back("hand_share", row.share);
+    return cells;
+}
 
 std::string identity_of(const CompensatorTrial& trial, const std::string& name) {
     return fmt::format("{},{},{},{},{},{},{},{}", name, trial.network.name, trial.network.delay_s,
@@ -61,26 +47,15 @@ std::string identity_of(const CompensatorTrial& trial, const std::string& name) 
 
 std::string identity_of(const CsvReader& line) {
     std::string text(line.field(0).text);
-    for (std::size_t i = 1; i < kIdentity; ++i) text.append(",").append(line.field(i).text);
+    for (std::size_t i = 1; i < kPlanned.size(); ++i) text.append(",").append(line.field(i).text);
     return text;
 }
 
 void read_outcome(const CsvReader& line, CompensatorTrial& trial) {
-    trial.completed = line.field(8).flag();
-    trial.metrics.oscillates = line.field(9).flag();
-    trial.metrics.oscillation_peak_to_peak_m = line.field(10).number();
-    trial.metrics.penetration_mean_m = line.field(11).number();
-    trial.metrics.penetration_max_m = line.field(12).number();
-    trial.metrics.completion_time_s = line.field(13).number();
-    trial.rendered_stiffness = line.field(14).number();
-    trial.drift_needle_m = line.field(15).number();
-}
-
-std::vector<std::string> names_of(const std::vector<CompensatorCondition>& conditions) {
-    std::vector<std::string> names;
-    names.reserve(conditions.size());
-    for (const CompensatorCondition& condition : conditions) names.push_back(condition.name);
-    return names;
+    std::size_t at = kPlanned.size();
+    trial.completed = line.field(at++).flag();
+    trial.metrics.oscillates = line.field(at++).flag();
+    for (const CompensatorValue& value : kCompensatorValues) value.of(trial) = line.field(at++).number();
 }
 
 // How many lines are there; what a program that was killed left of its last one is cut off once the others are read.
@@ -88,7 +63,8 @@ std::size_t recover(const std::filesystem::path& path, IfExists if_exists,
                     const std::vector<std::string>& names, std::vector<CompensatorTrial>& plan) {
     std::error_code none;
     if (if_exists != IfExists::kContinue || !std::filesystem::exists(path, none)) return 0;
-    CsvReader reader(path, kTrialColumns, ',', 0, LastLine::kMayBeTorn);
+    const std::vector<std::string_view> columns = compensator_columns();
+    CsvReader reader(path, columns, ',', 0, LastLine::kMayBeTorn);
     std::size_t done = 0;
     for (; reader.next(); ++done) {
         if (done >= plan.size() ||
@@ -110,18 +86,16 @@ CompensatorTrialTable::CompensatorTrialTable(const std::filesystem::path& path, 
                                              std::vector<CompensatorTrial>& plan)
     : names_(names_of(conditions)), done_(recover(path, if_exists, names_, plan)), file_(path, if_exists) {
     if (!file_.is_new()) return;
-    file_.write(fmt::format("{}\n", fmt::join(kTrialColumns, ",")));
+    file_.write(fmt::format("{}\n", fmt::join(compensator_columns(), ",")));
     file_.sync();
 }
 
 void CompensatorTrialTable::append(const CompensatorTrial& trial) {
     std::string line = fmt::format("{},{},{}", identity_of(trial, names_[trial.condition]),
                                    trial.completed ? 1 : 0, trial.metrics.oscillates ? 1 : 0);
-    for (const double value : {trial.metrics.oscillation_peak_to_peak_m, trial.metrics.penetration_mean_m,
-                               trial.metrics.penetration_max_m, trial.metrics.completion_time_s,
-                               trial.rendered_stiffness, trial.drift_needle_m}) {
+    for (const CompensatorValue& value : kCompensatorValues) {
         line += ',';
-        write_number(std::back_inserter(line), value);
+        write_number(std::back_inserter(line), value.of(trial));
     }
     file_.write(line + '\n');
     file_.sync();
@@ -129,13 +103,13 @@ void CompensatorTrialTable::append(const CompensatorTrial& trial) {
 
 std::string compensator_rows_csv(const std::vector<CompensatorRow>& rows) {
     std::string text = "condition,network";
-    for (const RowColumn& column : kRowColumns) text.append(",").append(column.name);
+    for (const auto& [column, value] : cells_of({})) text.append(",").append(column);
     text += '\n';
     for (const CompensatorRow& row : rows) {
         text += row.name + ',' + row.network.name;
-        for (const RowColumn& column : kRowColumns) {
+        for (const auto& [column, value] : cells_of(row)) {
             text += ',';
-            write_number(std::back_inserter(text), column.value(row));
+            write_number(std::back_inserter(text), value);
         }
         text += '\n';
     }
@@ -146,10 +120,8 @@ nlohmann::ordered_json compensator_rows_json(const std::vector<CompensatorRow>& 
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const CompensatorRow& row : rows) {
         nlohmann::ordered_json object{{"condition", row.name}, {"network", row.network.name}};
-        for (const RowColumn& column : kRowColumns) {
-            const double value = column.value(row);
-            object[std::string(column.name)] = std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr;
-        }
+        for (const auto& [column, value] : cells_of(row))
+            object[column] = std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr;
         list.push_back(object);
     }
     return list;

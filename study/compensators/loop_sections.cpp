@@ -1,9 +1,4 @@
-#include "study/compensators/loop_sections.hpp"
-
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -13,6 +8,7 @@
 #include "stability/loop_measures.hpp"
 #include "stability/perceptual_loop.hpp"
 #include "stability/stability_map.hpp"
+#include "study/compensators/compensator_report.hpp"
 #include "study/loop_limits.hpp"
 #include "study/ordered_workers.hpp"
 #include "study/study.hpp"
@@ -80,13 +76,11 @@ FigureSource loop_map_figure(const std::vector<std::vector<MapCell>>& columns) {
 }
 
 ReportTable critical_delay_table() {
-    ReportTable table;
-    table.title = "Critical delay at the paper's fixture, 9000 N/m at the handle";
-    table.note =
+    ReportTable table{
+        "Critical delay at the paper's fixture, 9000 N/m at the handle",
         "Theory: closed form. Measured: the running loop at 10 kHz, by halving, half a step added. No hand "
-        "bears the paper's 50 ms.";
-    table.columns = {"hand (kg, Ns/m, N/m)", "theory (ms)", "measured (ms)", "difference (us)",
-                     "50 ms is too long by"};
+        "bears the paper's 50 ms.",
+        {"hand (kg, Ns/m, N/m)", "theory (ms)", "measured (ms)", "difference (us)", "50 ms is too long by"}};
     for (const TypicalHand& typical : kTypicalHands) {
         const HeldMass& h = typical.hand;
         const double theory_s = critical_delay_s(h, kPaperLoop_N_per_m),
@@ -154,12 +148,11 @@ FigureSource perceptual_figure(const SystemSettings& settings) {
 }
 
 ReportTable perceptual_table() {
-    ReportTable table;
-    table.title = "The gain at which corrections by skin or eyes would oscillate";
-    table.note =
+    ReportTable table{
+        "The gain at which corrections by skin or eyes would oscillate",
         "Lag: delay, device and reaction together. Without pauses x_d' = -L x(t - lag), in 1/s; a person who "
-        "presses against the paper's fixture corrects by L / 9000 m/s per N.";
-    table.columns = {"hand", "lag (ms)", "theory (1/s)", "measured (1/s)", "difference (%)"};
+        "presses against the paper's fixture corrects by L / 9000 m/s per N.",
+        {"hand", "lag (ms)", "theory (1/s)", "measured (1/s)", "difference (%)"}};
     for (const TypicalHand& typical : kTypicalHands) {
         for (const double lag_s : {0.195, 0.245, 0.395}) {
             const double theory = perceptual_limit(typical.hand, lag_s).gain_per_s;

@@ -1,5 +1,3 @@
-#include "study/maps/map_figure.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -11,10 +9,12 @@
 
 #include "analysis/text/gnuplot.hpp"
 #include "common/error.hpp"
-#include "study/maps/cells.hpp"
+#include "study/maps/map_options.hpp"
 
 namespace thimble {
 namespace {
+
+constexpr std::size_t kMostPanels = 36;
 
 std::string whole_table(const std::filesystem::path& path) {
     std::ifstream file(path);

@@ -7,13 +7,16 @@
 namespace thimble {
 namespace {
 
+// The help shows the default.
+template <class Value>
+CLI::Option& add(CLI::App& command, const char* name, Value& value, const char* help) {
+    return *command.add_option(name, value, help)->capture_default_str();
+}
+
 void add_loop_options(CLI::App& command, SweepArguments& a) {
-    command
-        .add_option(
-            "--hand", a.hands,
-            "named hands, several with commas: A light pinch, B pinch, C arm, D firm grip, E power grip")
-        ->delimiter(',')
-        ->capture_default_str();
+    add(command, "--hand", a.hands,
+        "named hands, several with commas: A light pinch, B pinch, C arm, D firm grip, E power grip")
+        .delimiter(',');
     CLI::Option* mass = command.add_option("--mass-kg", a.own_hand.mass_kg,
                                            "instead of --hand: hand and handle, moved together");
     CLI::Option* damping =
@@ -22,9 +25,8 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
     CLI::Option* stiffness =
         command.add_option("--stiffness-N-per-m", a.own_hand.stiffness_N_per_m, "of the hand")->needs(mass);
     mass->needs(damping)->needs(stiffness)->excludes("--hand");
-    command.add_option("--delay-s", a.delays, "of the whole way round: evenly spread, or values like 0,0.05")
-        ->type_name("LOW:HIGH:POINTS")
-        ->capture_default_str();
+    add(command, "--delay-s", a.delays, "of the whole way round: evenly spread, or values like 0,0.05")
+        .type_name("LOW:HIGH:POINTS");
     CLI::Option* contact =
         command
             .add_option("--contact-stiffness-N-per-m", a.stiffness,
@@ -36,59 +38,39 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
             "instead: of the force, evenly in its logarithm, or values; 1 is --full-stiffness-N-per-m")
         ->type_name("LOW:HIGH:POINTS")
         ->excludes(contact);
-    command
-        .add_option("--full-stiffness-N-per-m", a.rest.full_stiffness_N_per_m,
-                    "of a gain of 1, at the handle")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
-    command
-        .add_option("--compensator", a.compensators,
-                    "none, scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
-                    "local-fixture, wave, two-port (docs/compensators.md), several with commas")
-        ->delimiter(',')
-        ->capture_default_str();
+    add(command, "--full-stiffness-N-per-m", a.rest.full_stiffness_N_per_m, "of a gain of 1, at the handle")
+        .check(CLI::PositiveNumber);
+    add(command, "--compensator", a.compensators,
+        "none, scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
+        "local-fixture, wave, two-port (docs/compensators.md), several with commas")
+        .delimiter(',');
 }
 
 void add_network_options(CLI::App& command, SweepArguments& a) {
-    command.add_option("--jitter-s", a.jitters, "each packet is late by 0 to this, so they overtake")
-        ->capture_default_str();
-    command.add_option("--loss", a.losses, "share of packets that is lost")->capture_default_str();
-    command
-        .add_option("--loss-burst", a.rest.mean_burst, "packets lost in a row on average; 1: each by itself")
-        ->capture_default_str()
-        ->check(CLI::Range(1.0, 1e6));
-    command.add_option("--seed", a.rest.seed, "of delays, losses and virtual subjects")
-        ->capture_default_str();
+    add(command, "--jitter-s", a.jitters, "each packet is late by 0 to this, so they overtake");
+    add(command, "--loss", a.losses, "share of packets that is lost");
+    add(command, "--loss-burst", a.rest.mean_burst, "packets lost in a row on average; 1: each by itself")
+        .check(CLI::Range(1.0, 1e6));
+    add(command, "--seed", a.rest.seed, "of delays, losses and virtual subjects");
 }
 
 void add_hold_options(CLI::App& command, SweepArguments& a) {
-    command.add_option("--step-s", a.rest.step_s, "between two samples")
-        ->capture_default_str()
-        ->check(CLI::Range(1e-5, 0.1));
-    command.add_option("--press-N", a.rest.press_N, "with which the hand would press at the wall")
-        ->capture_default_str();
-    command.add_option("--force-limit-N", a.rest.force_limit_N, "of the handle")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
-    command.add_option("--encoder-m", a.rest.encoder_step_m, "one step of the encoder")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
-    command.add_option("--friction-N", a.rest.friction_N, "dry friction of the handle")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber);
+    add(command, "--step-s", a.rest.step_s, "between two samples").check(CLI::Range(1e-5, 0.1));
+    add(command, "--press-N", a.rest.press_N, "with which the hand would press at the wall");
+    add(command, "--force-limit-N", a.rest.force_limit_N, "of the handle").check(CLI::PositiveNumber);
+    add(command, "--encoder-m", a.rest.encoder_step_m, "one step of the encoder")
+        .check(CLI::NonNegativeNumber);
+    add(command, "--friction-N", a.rest.friction_N, "dry friction of the handle")
+        .check(CLI::NonNegativeNumber);
 }
 
 void add_operator_options(CLI::App& command, SweepArguments& a) {
-    command
-        .add_option("--operator", a.who,
-                    "passive: a held hand presses; virtual: trials of experiment 3 by virtual subjects, who "
-                    "have hands of their own; --compensator may be CF, CCF, VF too")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"passive", "virtual"}));
-    command
-        .add_option("--trials", a.rest.trials, "of the virtual operator in each cell, each another subject")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 10000));
+    add(command, "--operator", a.who,
+        "passive: a held hand presses; virtual: trials of experiment 3 by virtual subjects, who "
+        "have hands of their own; --compensator may be CF, CCF, VF too")
+        .check(CLI::IsMember({"passive", "virtual"}));
+    add(command, "--trials", a.rest.trials, "of the virtual operator in each cell, each another subject")
+        .check(CLI::Range(1, 10000));
     command.add_option("--config", a.rest.config, "session file (TOML) for the virtual operator");
 }
 

@@ -1,6 +1,7 @@
 // thimble sweep, and thimble-sweep-mpi: what they take, and what they do.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,8 @@ MapGrid grid_of(const SweepArguments& arguments);
 std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::size_t hands);
 // Table and figure; the exit code.
 int run_map(const SweepArguments& arguments, const MapGrid& grid, WorkerPool& pool);
+// map.svg in `folder` from its map.csv: outcomes as points, a panel for each hand, compensator, jitter and loss, the boundary of
+// the theory over them. Says what is missing instead if there is no gnuplot or there are more than 36 panels.
+void draw_map(const std::filesystem::path& folder, const MapGrid& grid);
 
 }  // namespace thimble

@@ -5,7 +5,6 @@
 
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "study/maps/map_figure.hpp"
 #include "study/maps/map_options.hpp"
 #include "study/maps/map_table.hpp"
 
@@ -29,7 +28,7 @@ int run_map(const SweepArguments& arguments, const MapGrid& grid, WorkerPool& po
     CellWriter writer(grid);
     work.rows = [&writer](const CellRange& range) { return writer.rows(range); };
     work.take = [&table](const CellRange& range, std::string rows) { table.take(range, std::move(rows)); };
-    work.stop = [] { return stop_requested().load(); };
+    work.stop = &stop_requested();
     pool.lead(work);
     if (table.done() < grid.cells()) {
         spdlog::error("interrupted; the {} cells that were done are kept, the same command goes on",

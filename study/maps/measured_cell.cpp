@@ -47,15 +47,9 @@ struct HeldCell {
 
 HeldCell held(const CompensatedConditions& conditions) {
     const HoldPlan plan;
-    HoldWatch watch(plan, conditions.loop.loop.step_s);
     CompensatedLoop run(conditions, plan.start_m, plan.start_m_per_s);
-    for (double before_m = run.sampled_m(); !watch.over();) {
-        run.step();
-        const double now_m = run.sampled_m();
-        watch.add(before_m, now_m, run.position_m(), run.energy_J());
-        before_m = now_m;
-    }
-    return {watch.outcome(), run.effective_delay_s()};
+    const HoldOutcome hold = watched_hold(run, plan, conditions.loop.loop.step_s);
+    return {hold, run.effective_delay_s()};
 }
 
 std::string growth_fields(const LoopConditions& conditions) {

@@ -1,7 +1,5 @@
 // A cell with the virtual operator: experiment 3's trials with a compensator in the place of HF, or with CF, CCF, VF.
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 

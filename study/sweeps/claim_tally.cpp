@@ -82,8 +82,7 @@ ReportTable tally_table(std::string title, const ClaimTally& tally, const std::s
                     "out, with its 95 % Wilson interval. Direction: fraction in which it comes out, whatever "
                     "the significance. What came out with the first of the {0}.",
                     what),
-        {"id", "claim", "the paper", what, "reproduced", "direction", "class", "with the first"},
-        {}};
+        {"id", "claim", "the paper", what, "reproduced", "direction", "class", "with the first"}};
     for (const ClaimCount& c : tally.counts()) {
         if (only_fragile && !c.fragile()) continue;
         table.rows.push_back({c.claim.id, c.claim.claim, c.claim.paper, fmt::format("{}", c.studies),

@@ -62,12 +62,6 @@ class ClaimTally {
 // ends.
 std::string claim_cells(const Claim& claim);
 
-// A study per seed or per draw.
-struct TallyResult {
-    ClaimTally tally;
-    bool complete = true;  // false: interrupted, the studies that were done are in the tally
-};
-
 // `what`: "seeds", "draws". Fractions with their intervals, class, and what came out in the first study.
 ReportTable tally_table(std::string title, const ClaimTally& tally, const std::string& what,
                         bool only_fragile);

@@ -1,8 +1,8 @@
 #include "study/sweeps/joint_draws.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include "analysis/report/report.hpp"
 #include "common/process/progress.hpp"
 #include "common/random.hpp"
 
@@ -17,7 +17,7 @@ SystemSettings settings_of(const std::filesystem::path& config, const std::vecto
 }
 
 ReportTable ranges_table(const std::vector<ParameterRange>& ranges) {
-    ReportTable table{"Parameters drawn", "Uniform and independent. SI.", {"parameter", "from", "to"}, {}};
+    ReportTable table{"Parameters drawn", "Uniform and independent. SI.", {"parameter", "from", "to"}};
     for (const ParameterRange& range : ranges) {
         table.rows.push_back({fmt::format("{}", fmt::join(range.keys, " = ")), fmt::format("{:g}", range.low),
                               fmt::format("{:g}", range.high)});
@@ -25,41 +25,21 @@ ReportTable ranges_table(const std::vector<ParameterRange>& ranges) {
     return table;
 }
 
-void report(const std::vector<ParameterRange>& ranges, const SweepOptions& options,
-            const TallyResult& result) {
-    ReportInput report;
-    report.title = fmt::format("Thimble: the paper's claims over {} joint draws of the parameters",
-                               result.tally.studies());
-    ReportSection section;
-    section.title = fmt::format("{} of {} claims come out in fewer than {:.0f} % of draws",
-                                result.tally.fragile(), result.tally.counts().size(), 100 * kFragileBelow);
-    section.tables = {tally_table("All claims", result.tally, "draws", false), ranges_table(ranges)};
-    report.sections.push_back(std::move(section));
-    report.provenance = sweep_provenance(options, "draws", result.tally.studies(), result.complete);
-    write_report(report, options.out / "report.html");
-}
-
-class DrawFiles {
+class DrawsFile {
   public:
-    DrawFiles(const std::vector<ParameterRange>& ranges, const SweepOptions& options)
-        : draws_(options.out / "draws.csv", options.if_exists),
-          claims_(options.out / "claims_draws.csv", options.if_exists) {
+    DrawsFile(const std::vector<ParameterRange>& ranges, const SweepOptions& options)
+        : file_(options.out / "draws.csv", options.if_exists) {
         std::string header = "seed";
         for (const ParameterRange& range : ranges) header += "," + range.name();
-        draws_.write(header + "\n");
-        claims_.write("seed,id,reproduced,direction\n");
+        file_.write(header + "\n");
     }
-    void append(const JointDraw& draw, const std::vector<Claim>& claims) {
-        std::string line = std::to_string(draw.seed);
-        for (const double value : draw.values) line += fmt::format(",{}", value);
-        draws_.write(line + "\n");
-        for (const Claim& c : claims) claims_.write(fmt::format("{},{}", draw.seed, claim_cells(c)));
-        draws_.sync();
-        claims_.sync();
+    void append(const JointDraw& draw) {
+        file_.write(fmt::format("{},{}\n", draw.seed, fmt::join(draw.values, ",")));
+        file_.sync();
     }
 
   private:
-    CsvFile draws_, claims_;
+    CsvFile file_;
 };
 
 }  // namespace
@@ -82,23 +62,30 @@ TallyResult run_draws(const std::filesystem::path& config, const std::vector<Par
         settings_of(config, ranges, end);
     }
     claim_folder(options);
-    DrawFiles files(ranges, options);
-    TallyResult result;
+    DrawsFile draws(ranges, options);
+    ClaimsFile file("claims_draws.csv", "seed", options);
     Progress progress;
-    for (std::uint32_t i = 0; i < options.seeds; ++i) {
-        const JointDraw draw = draw_jointly(ranges, options.protocols[0].seed + i);
-        const auto claims = judge_study(settings_of(config, ranges, draw), options, draw.seed);
-        if (!claims) {
-            result.complete = false;
-            break;
-        }
-        result.tally.add(*claims);
-        files.append(draw, *claims);
-        progress.show(fmt::format("draw {} of {}; {}", i + 1, options.seeds, claims_sentence(*claims)), true);
-    }
-    if (result.tally.studies() == 0) return result;
-    write_tally(result.tally, options.out / "claims.json");
-    report(ranges, options, result);
+    TallyResult result;
+    const ClaimTally& tally = result.tally;
+    const auto take = [&](std::uint64_t seed, const std::vector<Claim>& claims) {
+        draws.append(draw_jointly(ranges, seed));
+        file.append(std::to_string(seed), claims);
+        progress.show(
+            fmt::format("draw {} of {}; {}", tally.studies(), options.seeds, claims_sentence(claims)), true);
+    };
+    result.complete = judge_studies(
+        options, [&](std::uint64_t seed) { return settings_of(config, ranges, draw_jointly(ranges, seed)); },
+        result.tally, take);
+    if (tally.studies() == 0) return result;
+    write_tally(tally, options.out / "claims.json");
+    ReportSection section;
+    section.title = fmt::format("{} of {} claims come out in fewer than {:.0f} % of draws", tally.fragile(),
+                                tally.counts().size(), 100 * kFragileBelow);
+    section.tables = {tally_table("All claims", tally, "draws", false), ranges_table(ranges)};
+    write_sweep_report(
+        options,
+        fmt::format("Thimble: the paper's claims over {} joint draws of the parameters", tally.studies()),
+        {section}, "draws", tally.studies(), result.complete);
     return result;
 }
 

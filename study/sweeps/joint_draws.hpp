@@ -2,9 +2,8 @@
 // was chosen for them?
 #pragma once
 
-#include "study/sweeps/claim_tally.hpp"
-#include "study/sweeps/judged_study.hpp"
 #include "study/sweeps/parameter_range.hpp"
+#include "study/sweeps/seed_sweep.hpp"
 
 namespace thimble {
 

@@ -1,52 +1,114 @@
 #include "study/sweeps/seed_sweep.hpp"
 
+#include <optional>
+
 #include <fmt/format.h>
 
-#include "analysis/report/report.hpp"
+#include "common/error.hpp"
 #include "common/process/progress.hpp"
+#include "common/text_file.hpp"
+#include "common/version.hpp"
+#include "study/study.hpp"
 
 namespace thimble {
 namespace {
 
-void report(const SweepOptions& options, const TallyResult& result) {
-    ReportInput report;
-    report.title = fmt::format("Thimble: the paper's claims over {} seeds", result.tally.studies());
-    ReportSection section;
-    section.title = fmt::format("{} of {} claims are fragile: below {:.0f} % of seeds",
-                                result.tally.fragile(), result.tally.counts().size(), 100 * kFragileBelow);
-    if (result.tally.fragile() > 0) {
-        section.tables.push_back(tally_table("Fragile claims", result.tally, "seeds", true));
+// False if it was stopped.
+bool run_into(std::vector<TrialRow>& rows, const SystemSettings& settings,
+              const std::vector<TrialConditions>& trials, const SweepOptions& options) {
+    return run_trials(settings, trials, thread_count(options.jobs), options.stop,
+                      [&](const TrialRecord& record) { rows.push_back(make_row(record)); });
+}
+
+// Nothing if it was stopped.
+std::optional<std::vector<Claim>> judge_study(const SystemSettings& settings, const SweepOptions& options,
+                                              std::uint64_t seed) {
+    std::vector<Protocol> protocols = options.protocols;
+    for (Protocol& protocol : protocols) {
+        protocol.seed = seed;
+        // These, too, may be what is varied.
+        protocol.fixture_position_m = settings.slave.fixture_position_m();
+        protocol.fixture_jitter_m = settings.plan.fixture_jitter_m;
     }
-    section.tables.push_back(tally_table("All claims", result.tally, "seeds", false));
-    report.sections.push_back(std::move(section));
-    report.provenance = sweep_provenance(options, "seeds", result.tally.studies(), result.complete);
-    write_report(report, options.out / "report.html");
+    std::vector<TrialRow> rows, no_lag;
+    const bool complete = run_into(rows, settings, all_trials(protocols), options) &&
+                          run_into(no_lag, without_lag(settings), no_lag_trials(protocols), options);
+    if (!complete) return std::nullopt;
+    return judge_claims(rows, no_lag);
 }
 
 }  // namespace
 
-TallyResult run_sweep(const SystemSettings& settings, const SweepOptions& options) {
-    claim_folder(options);
-    CsvFile file(options.out / "claims_seeds.csv", options.if_exists);
-    file.write("seed,id,reproduced,direction\n");
-    TallyResult result;
-    Progress progress;
+void claim_folder(const SweepOptions& options) {
+    const auto report = options.out / "report.html";
+    if (options.if_exists != IfExists::kReplace && std::filesystem::exists(report)) {
+        throw Error(
+            ExitCode::kUsage,
+            fmt::format("{}: exists; --overwrite replaces it, --out names another folder", report.string()));
+    }
+    make_folder(options.out);
+    for (const char* name : {"report.html", "claims.json", "vary.json"}) {
+        std::filesystem::remove(options.out / name);
+    }
+}
+
+ClaimsFile::ClaimsFile(const std::string& name, const std::string& columns, const SweepOptions& options)
+    : file_(options.out / name, options.if_exists) {
+    file_.write(columns + ",id,reproduced,direction\n");
+}
+
+void ClaimsFile::append(const std::string& cells, const std::vector<Claim>& claims) {
+    for (const Claim& claim : claims) file_.write(fmt::format("{},{}", cells, claim_cells(claim)));
+    file_.sync();
+}
+
+bool judge_studies(const SweepOptions& options,
+                   const std::function<SystemSettings(std::uint64_t seed)>& settings, ClaimTally& tally,
+                   const std::function<void(std::uint64_t seed, const std::vector<Claim>&)>& take) {
     for (std::uint32_t i = 0; i < options.seeds; ++i) {
         const std::uint64_t seed = options.protocols[0].seed + i;
-        const auto claims = judge_study(settings, options, seed);
-        if (!claims) {
-            result.complete = false;
-            break;
-        }
-        result.tally.add(*claims);
-        for (const Claim& c : *claims) file.write(fmt::format("{},{}", seed, claim_cells(c)));
-        file.sync();
-        progress.show(
-            fmt::format("seed {}: {} of {}; {}", seed, i + 1, options.seeds, claims_sentence(*claims)), true);
+        const auto claims = judge_study(settings(seed), options, seed);
+        if (!claims) return false;
+        tally.add(*claims);
+        take(seed, *claims);
     }
-    if (result.tally.studies() == 0) return result;
-    write_tally(result.tally, options.out / "claims.json");
-    report(options, result);
+    return true;
+}
+
+void write_sweep_report(const SweepOptions& options, std::string title, std::vector<ReportSection> sections,
+                        const std::string& what, std::uint32_t studies, bool complete) {
+    ReportInput report{std::move(title), std::move(sections), {}};
+    report.provenance = {{"command", options.command},
+                         {"first seed", std::to_string(options.protocols[0].seed)},
+                         {what, std::to_string(studies)},
+                         {"version", kVersion},
+                         {"complete", complete ? "yes" : "no, interrupted"}};
+    write_report(report, options.out / "report.html");
+}
+
+TallyResult run_sweep(const SystemSettings& settings, const SweepOptions& options) {
+    claim_folder(options);
+    ClaimsFile file("claims_seeds.csv", "seed", options);
+    Progress progress;
+    TallyResult result;
+    const ClaimTally& tally = result.tally;
+    const auto take = [&](std::uint64_t seed, const std::vector<Claim>& claims) {
+        file.append(std::to_string(seed), claims);
+        progress.show(fmt::format("seed {}: {} of {}; {}", seed, tally.studies(), options.seeds,
+                                  claims_sentence(claims)),
+                      true);
+    };
+    result.complete = judge_studies(
+        options, [&](std::uint64_t) { return settings; }, result.tally, take);
+    if (tally.studies() == 0) return result;
+    write_tally(tally, options.out / "claims.json");
+    ReportSection section;
+    section.title = fmt::format("{} of {} claims are fragile: below {:.0f} % of seeds", tally.fragile(),
+                                tally.counts().size(), 100 * kFragileBelow);
+    if (tally.fragile() > 0) section.tables.push_back(tally_table("Fragile claims", tally, "seeds", true));
+    section.tables.push_back(tally_table("All claims", tally, "seeds", false));
+    write_sweep_report(options, fmt::format("Thimble: the paper's claims over {} seeds", tally.studies()),
+                       {section}, "seeds", tally.studies(), result.complete);
     return result;
 }
 

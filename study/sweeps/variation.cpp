@@ -5,9 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "analysis/report/report.hpp"
 #include "analysis/text/gnuplot.hpp"
-#include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/process/progress.hpp"
 #include "common/text_file.hpp"
@@ -19,8 +17,7 @@ namespace {
 ReportTable survival_table(const Variation& variation) {
     ReportTable table{variation.range.name(),
                       "Percent of seeds in which direction and the paper's significance both come out.",
-                      {"id"},
-                      {}};
+                      {"id"}};
     for (const VariedPoint& point : variation.points)
         table.columns.push_back(fmt::format("{:g}", point.value));
     for (const std::size_t i : shown_claims(variation)) {
@@ -58,8 +55,7 @@ class Sweep {
             for (unsigned i = 0; i < range.points; ++i) settings_of(range, range.at(i));
         }
         claim_folder(options_);
-        CsvFile file(options_.out / "claims_vary.csv", options_.if_exists);
-        file.write("parameter,value,seed,id,reproduced,direction\n");
+        ClaimsFile file("claims_vary.csv", "parameter,value,seed", options_);
         for (const ParameterRange& range : ranges_) {
             if (result_.complete) vary(range, file);
         }
@@ -74,7 +70,7 @@ class Sweep {
         return load_system_settings(config_, changes);
     }
 
-    void vary(const ParameterRange& range, CsvFile& file) {
+    void vary(const ParameterRange& range, ClaimsFile& file) {
         Variation variation{range, {}};
         for (unsigned i = 0; i < range.points && result_.complete; ++i) {
             VariedPoint point{range.at(i), {}};
@@ -84,35 +80,26 @@ class Sweep {
         if (!variation.points.empty()) result_.variations.push_back(std::move(variation));
     }
 
-    void judge(const ParameterRange& range, VariedPoint& point, CsvFile& file) {
+    void judge(const ParameterRange& range, VariedPoint& point, ClaimsFile& file) {
         const SystemSettings settings = settings_of(range, point.value);
-        for (std::uint32_t i = 0; i < options_.seeds; ++i) {
-            const std::uint64_t seed = options_.protocols[0].seed + i;
-            const auto claims = judge_study(settings, options_, seed);
-            if (!claims) {
-                result_.complete = false;
-                return;
-            }
-            point.tally.add(*claims);
-            for (const Claim& c : *claims) {
-                file.write(fmt::format("{},{},{},{}", range.name(), point.value, seed, claim_cells(c)));
-            }
-            file.sync();
+        const auto take = [&](std::uint64_t seed, const std::vector<Claim>& claims) {
+            file.append(fmt::format("{},{},{}", range.name(), point.value, seed), claims);
             progress_.show(fmt::format("{} = {:g}, seed {}: {}", range.name(), point.value, seed,
-                                       claims_sentence(*claims)),
+                                       claims_sentence(claims)),
                            true);
-        }
+        };
+        result_.complete = judge_studies(
+            options_, [&](std::uint64_t) { return settings; }, point.tally, take);
     }
 
     void write() const {
         nlohmann::ordered_json list = nlohmann::ordered_json::array();
         for (const Variation& variation : result_.variations) list.push_back(to_json(variation));
         write_text_file(options_.out / "vary.json", json_text(list, 2) + "\n");
-        ReportInput report;
-        report.title = "Thimble: which claims survive";
-        for (const Variation& variation : result_.variations) report.sections.push_back(section(variation));
-        report.provenance = sweep_provenance(options_, "seeds per point", options_.seeds, result_.complete);
-        write_report(report, options_.out / "report.html");
+        std::vector<ReportSection> sections;
+        for (const Variation& variation : result_.variations) sections.push_back(section(variation));
+        write_sweep_report(options_, "Thimble: which claims survive", std::move(sections), "seeds per point",
+                           options_.seeds, result_.complete);
     }
 
     ReportSection section(const Variation& variation) const {
@@ -130,24 +117,6 @@ class Sweep {
     Progress progress_;
     VariationResult result_;
 };
-
-}  // namespace
-
-std::vector<std::size_t> shown_claims(const Variation& variation) {
-    std::vector<std::size_t> indices;
-    const auto& claims = variation.points.front().tally.counts();
-    for (std::size_t i = 0; i < claims.size(); ++i) {
-        if (claims[i].had_trials) indices.push_back(i);
-    }
-    return indices;
-}
-
-VariationResult run_variations(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
-                               const SweepOptions& options) {
-    return Sweep(config, ranges, options).run();
-}
-
-namespace {
 
 // A line per cell: column, row from the top, percent.
 std::string cells(const Variation& variation, const std::vector<std::size_t>& indices) {
@@ -191,24 +160,28 @@ std::string script(const Variation& variation, const std::vector<std::size_t>& i
 
 }  // namespace
 
-DrawnFigures draw_survival(const Variation& variation, const std::filesystem::path& output) {
-    DrawnFigures drawn;
-    Figure figure;
-    figure.name = "survival_" + variation.range.name();
-    figure.title = "Claims that survive";
-    figure.caption =
-        fmt::format("Percent of seeds in which each claim comes out, over {}.", variation.range.name());
-    try {
-        const std::vector<std::size_t> indices = shown_claims(variation);
-        const auto directory = output / "figures";
-        make_folder(directory);
-        figure.svg = run_gnuplot(directory, figure.name, cells(variation, indices),
-                                 script(variation, indices, figure.name));
-        drawn.figures.push_back(std::move(figure));
-    } catch (const Error& error) {
-        drawn.problem = error.what();
+std::vector<std::size_t> shown_claims(const Variation& variation) {
+    std::vector<std::size_t> indices;
+    const auto& claims = variation.points.front().tally.counts();
+    for (std::size_t i = 0; i < claims.size(); ++i) {
+        if (claims[i].had_trials) indices.push_back(i);
     }
-    return drawn;
+    return indices;
+}
+
+VariationResult run_variations(const std::filesystem::path& config, const std::vector<ParameterRange>& ranges,
+                               const SweepOptions& options) {
+    return Sweep(config, ranges, options).run();
+}
+
+DrawnFigures draw_survival(const Variation& variation, const std::filesystem::path& output) {
+    const std::vector<std::size_t> indices = shown_claims(variation);
+    const std::string name = "survival_" + variation.range.name();
+    return draw_figures(
+        {{name, "Claims that survive",
+          fmt::format("Percent of seeds in which each claim comes out, over {}.", variation.range.name()),
+          cells(variation, indices), script(variation, indices, name)}},
+        output);
 }
 
 }  // namespace thimble

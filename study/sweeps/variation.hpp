@@ -4,9 +4,8 @@
 #include <filesystem>
 
 #include "analysis/figures/figures.hpp"
-#include "study/sweeps/claim_tally.hpp"
-#include "study/sweeps/judged_study.hpp"
 #include "study/sweeps/parameter_range.hpp"
+#include "study/sweeps/seed_sweep.hpp"
 
 namespace thimble {
 

@@ -5,6 +5,10 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <deque>
+#include <functional>
+#include <future>
+#include <list>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,7 +16,7 @@
 #define OMPI_SKIP_MPICXX 1  // its C++ bindings are no more
 #include <mpi.h>
 
-#include "study/maps/cell_pool.hpp"
+#include "common/time.hpp"
 
 namespace thimble {
 namespace {
@@ -59,22 +63,55 @@ CellRange range_in(const Message& message) {
     return {wire[0], wire[1]};
 }
 
-// The cells that no rank has yet, in their order.
-class Handout {
+struct DoneCells {
+    CellRange range;
+    std::string rows;
+};
+
+// The blocks of this rank, each in a thread of its own, so many at a time. Its end waits for those that are under way.
+class OwnBlocks {
   public:
-    explicit Handout(const PoolWork& work) : work_(work), next_(work.first) {}
-    std::optional<CellRange> next() {
-        if (closed_ || next_ >= work_.end) return std::nullopt;
-        const CellRange range{next_, std::min(work_.block, work_.end - next_)};
-        next_ += range.count;
-        return range;
+    OwnBlocks(unsigned threads, std::function<std::string(const CellRange&)> rows)
+        : threads_(threads), rows_(std::move(rows)) {}
+
+    // For each thread one more at hand than it works on.
+    bool has_room() const { return waiting_.size() + running_.size() < 2 * threads_; }
+    bool empty() const { return waiting_.empty() && running_.empty(); }
+    void give(const CellRange& range) {
+        waiting_.push_back(range);
+        start();
     }
-    void close() { closed_ = true; }
+    // A block that has been done; nothing, after a nap, if there is none. Throws what a worker threw.
+    std::optional<DoneCells> take() {
+        const auto done = std::find_if(running_.begin(), running_.end(), [](const Running& block) {
+            return block.rows.wait_for(Duration::zero()) == std::future_status::ready;
+        });
+        if (done == running_.end()) {
+            (running_.empty() ? idle_ : running_.front().rows).wait_for(kNap);
+            return std::nullopt;
+        }
+        DoneCells cells{done->range, done->rows.get()};
+        running_.erase(done);
+        start();
+        return cells;
+    }
 
   private:
-    const PoolWork& work_;
-    std::size_t next_;
-    bool closed_ = false;
+    struct Running {
+        CellRange range;
+        std::future<std::string> rows;
+    };
+    void start() {
+        for (; running_.size() < threads_ && !waiting_.empty(); waiting_.pop_front())
+            running_.push_back({waiting_.front(), std::async(std::launch::async, rows_, waiting_.front())});
+    }
+
+    std::size_t threads_;
+    std::function<std::string(const CellRange&)> rows_;
+    std::deque<CellRange> waiting_;
+    std::list<Running> running_;
+    std::promise<std::string> never_;
+    std::future<std::string> idle_ = never_.get_future();  // to wait for where no block runs
 };
 
 }  // namespace
@@ -89,51 +126,43 @@ std::size_t RankPool::hands() const {
 }
 
 void RankPool::lead(const PoolWork& work) {
-    Handout handout(work);
-    CellPool own(leader_works() ? threads_ : 0, work.rows);
-    std::size_t away = 0;  // blocks with other ranks
-    const auto give_to = [&](int rank) {
-        if (const auto range = handout.next()) {
-            send(rank, kBlock, packed(*range, ""));
-            ++away;
-        }
-    };
+    OwnBlocks own(leader_works() ? threads_ : 0, work.rows);
+    std::size_t next = 0, away = 0;  // the first block that no rank has yet; blocks with other ranks
     bool stopped = false;
-    for (bool more = true; more;) {
-        if (!stopped && work.stop()) {
-            stopped = true;
-            handout.close();
-        }
-        while (own.given() < own.fill()) {
-            const auto range = handout.next();
-            if (!range) break;
-            own.give(*range);
-        }
+    const auto left = [&] { return !stopped && next < work.blocks(); };
+    const auto take_own = [&] {
+        if (auto done = own.take()) work.take(done->range, std::move(done->rows));
+    };
+    while (!stopped && (left() || !own.empty() || away > 0)) {
+        stopped = work.stop != nullptr && *work.stop;
+        while (left() && own.has_room()) own.give(work.range(next++));
         while (auto message = received()) {
             if (message->tag == kRows) {
                 --away;
                 work.take(range_in(*message), message->bytes.substr(sizeof(WireRange)));
             }
-            give_to(message->from);
+            if (left()) {
+                send(message->from, kBlock, packed(work.range(next++), ""));
+                ++away;
+            }
         }
-        if (auto done = own.take(kNap)) work.take(done->range, std::move(done->rows));
-        more = stopped ? false : own.given() > 0 || away > 0;
+        take_own();
     }
     for (int rank = 1; rank < ranks_; ++rank) send(rank, kLetGo, "");
-    for (int left = 1; left < ranks_;) {
+    for (int gone = 1; gone < ranks_;) {
         const auto message = received();
         if (!message) {
-            if (auto done = own.take(kNap)) work.take(done->range, std::move(done->rows));
+            take_own();
             continue;
         }
         if (message->tag == kRows) work.take(range_in(*message), message->bytes.substr(sizeof(WireRange)));
-        if (message->tag == kLeft) ++left;
+        if (message->tag == kLeft) ++gone;
     }
 }
 
 void RankPool::serve(const std::function<std::string(const CellRange&)>& rows) {
-    CellPool own(threads_, rows);
-    for (std::size_t i = 0; i < own.fill(); ++i) send(0, kAsk, "");
+    OwnBlocks own(threads_, rows);
+    for (unsigned i = 0; i < 2 * threads_; ++i) send(0, kAsk, "");
     for (;;) {
         while (auto message = received()) {
             if (message->tag == kLetGo) {
@@ -142,7 +171,7 @@ void RankPool::serve(const std::function<std::string(const CellRange&)>& rows) {
             }
             own.give(range_in(*message));
         }
-        if (auto done = own.take(kNap)) send(0, kRows, packed(done->range, done->rows));
+        if (auto done = own.take()) send(0, kRows, packed(done->range, done->rows));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <set>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,8 @@
 
 namespace thimble {
 namespace {
+
+using testing::HasSubstr;
 
 using PerModality = std::array<double, 4>;  // HF, CF, CCF, VF
 
@@ -98,8 +101,8 @@ TEST(Claims, ATableMadeForThemReproducesThem) {
         const Claim c = claim_of(claims, id);
         EXPECT_EQ(c.reproduced, true) << id << ": " << c.ours;
     }
-    EXPECT_NE(claim_of(claims, "E1.mean.order").ours.find("F(3, 45)"), std::string::npos);
-    EXPECT_NE(claim_of(claims, "E2.peak.differs").ours.find("F(3, 28)"), std::string::npos);
+    EXPECT_THAT(claim_of(claims, "E1.mean.order").ours, HasSubstr("F(3, 45)"));
+    EXPECT_THAT(claim_of(claims, "E2.peak.differs").ours, HasSubstr("F(3, 28)"));
     // Whom HF always outranks cannot outrank the others by the 2.17 that P < .001 takes.
     EXPECT_EQ(claim_of(claims, "E3.max.vf_cf").reproduced, false);
 }
@@ -142,15 +145,15 @@ TEST(Claims, WhatTheLagCostsIsAPairedDifference) {
         row.metrics.penetration_mean_m += 2e-5 * ripple(row.conditions.subject, 7);
     const Claim lag = claim_of(judge_claims(with.rows, without.rows), "D.delay45");
     EXPECT_EQ(lag.reproduced, true) << lag.ours;
-    EXPECT_NE(lag.ours.find("23 %"), std::string::npos) << lag.ours;  // 0.7 of 3 mm
+    EXPECT_THAT(lag.ours, HasSubstr("23 %"));  // 0.7 of 3 mm
     EXPECT_FALSE(claim_of(judge_claims(with.rows), "D.delay45").reproduced);
     for (TrialRow& row : without.rows) row.metrics.penetration_mean_m += 0.002;
     const Claim worse = claim_of(judge_claims(with.rows, without.rows), "D.delay45");
     EXPECT_EQ(worse.reproduced, false);
     EXPECT_EQ(worse.direction, false);
     without.rows.pop_back();
-    EXPECT_NE(claim_of(judge_claims(with.rows, without.rows), "D.delay45").ours.find("not the same trials"),
-              std::string::npos);
+    EXPECT_THAT(claim_of(judge_claims(with.rows, without.rows), "D.delay45").ours,
+                HasSubstr("not the same trials"));
 }
 
 // 4 + 2 trials of 12 s leave (517.8 - 72) / 6 s between trials; the participant session of experiment 3 has four.
@@ -159,8 +162,8 @@ TEST(Claims, TheSecondSessionFollowsFromTheFirst) {
     for (TrialRow& row : table.rows) row.metrics.duration_s = 12;
     const Claim length = claim_of(judge_claims(table.rows), "S.length");
     EXPECT_EQ(length.reproduced, false) << length.ours;
-    EXPECT_NE(length.ours.find("74.30 s between trials"), std::string::npos) << length.ours;
-    EXPECT_NE(length.ours.find("5.75 min"), std::string::npos) << length.ours;
+    EXPECT_THAT(length.ours, HasSubstr("74.30 s between trials"));
+    EXPECT_THAT(length.ours, HasSubstr("5.75 min"));
     for (TrialRow& row : table.rows) {
         if (row.conditions.experiment == 3) row.metrics.duration_s = 51.5;
     }
@@ -182,7 +185,7 @@ TEST(Claims, StabilityNeedsMoreThanHalfOfTheHandlesTrialsToOscillate) {
         }
         return claim_of(judge_claims(table.rows), "E3.stable");
     };
-    EXPECT_NE(oscillating(5).ours.find("HF 5 of 10"), std::string::npos) << oscillating(5).ours;
+    EXPECT_THAT(oscillating(5).ours, HasSubstr("HF 5 of 10"));
     EXPECT_EQ(oscillating(5).reproduced, false);
     EXPECT_EQ(oscillating(6).reproduced, true);
 }
@@ -256,7 +259,7 @@ TEST(Claims, DataThatATestRefusesAreNotJudgedAndSayWhy) {
     few.add(1, 2, {0.001, 0.004, 0.0055, 0.008}, {11, 11, 11, 11});
     const Claim order = claim_of(judge_claims(few.rows), "E1.mean.order");
     EXPECT_FALSE(order.reproduced);
-    EXPECT_NE(order.ours.find("not judged"), std::string::npos) << order.ours;
+    EXPECT_THAT(order.ours, HasSubstr("not judged"));
     Table interrupted = the_papers();
     for (TrialRow& row : interrupted.rows) row.reason = EndReason::kInterrupted;
     for (const Claim& c : judge_claims(interrupted.rows)) EXPECT_FALSE(c.reproduced) << c.id;

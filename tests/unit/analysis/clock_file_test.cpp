@@ -1,7 +1,6 @@
 // The records of clocks: the raw file, the table made from it, and chrony's words.
 #include <filesystem>
 #include <fstream>
-#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "common/error.hpp"
 #include "session/clocks/chrony.hpp"
 #include "session/clocks/clock_summary.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {
@@ -18,14 +18,12 @@ using testing::HasSubstr;
 
 class ClockFileTest : public testing::Test {
   protected:
-    ~ClockFileTest() override { std::filesystem::remove(path); }
     void write(const std::string& lines) {
         std::ofstream(path) << "node,sent_ns,arrived_node_ns,replied_node_ns,answered_ns,offset_s,bound_s\n"
                             << lines;
     }
-    std::filesystem::path path =
-        std::filesystem::temp_directory_path() /
-        (std::string("thimble_clocks_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    TemporaryDirectory directory;
+    std::filesystem::path path = directory / "clocks.csv";
 };
 
 TEST_F(ClockFileTest, StampsComeBackToTheNanosecond) {

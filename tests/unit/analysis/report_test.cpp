@@ -1,7 +1,6 @@
 #include "analysis/report/report.hpp"
 
-#include <cstdlib>
-
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -9,24 +8,13 @@
 #include "analysis/text/gnuplot.hpp"
 #include "common/error.hpp"
 #include "common/process/child.hpp"
+#include "tests/unit/analysis/gnuplot_or_none.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {
 
-// A PATH of its own for as long as it lives.
-class Path {
-  public:
-    explicit Path(const std::string& path) : before_(std::getenv("PATH")) {
-        ::setenv("PATH", path.c_str(), 1);
-    }
-    ~Path() { ::setenv("PATH", before_.c_str(), 1); }
-    Path(const Path&) = delete;
-    Path& operator=(const Path&) = delete;
-
-  private:
-    std::string before_;
-};
+using testing::HasSubstr;
 
 struct Study {
     std::vector<TrialRow> rows;
@@ -50,14 +38,6 @@ Study small_study() {
         study.panels.add(record);
     }
     return study;
-}
-
-bool have_gnuplot() {
-    try {
-        return run_program("gnuplot", {"-V"}, ".", "").exit_code == 0;
-    } catch (const Error&) {
-        return false;
-    }
 }
 
 std::size_t count(const std::string& text, const std::string& what) {
@@ -119,7 +99,7 @@ TEST(Report, WithoutGnuplotTheTablesRemain) {
             ADD_FAILURE() << "gnuplot was found in an empty PATH";
         } catch (const Error& error) {
             EXPECT_EQ(error.code(), ExitCode::kRunFailed);
-            EXPECT_NE(std::string(error.what()).find("install gnuplot"), std::string::npos) << error.what();
+            EXPECT_THAT(std::string(error.what()), HasSubstr("install gnuplot"));
         }
         drawn = draw_figures(study.panels.panels(), conditions, directory.path());
     }
@@ -130,7 +110,7 @@ TEST(Report, WithoutGnuplotTheTablesRemain) {
     const std::string html = read_text(directory / "report.html");
     EXPECT_EQ(count(html, "No figures: cannot start gnuplot"), 1U);
     EXPECT_EQ(count(html, "<table>"), 3U);
-    EXPECT_NE(read_text(directory / "summary.json").find("figures_problem"), std::string::npos);
+    EXPECT_THAT(read_text(directory / "summary.json"), HasSubstr("figures_problem"));
 }
 
 TEST(Report, AFailingGnuplotSaysWhy) {
@@ -144,8 +124,8 @@ TEST(Report, AFailingGnuplotSaysWhy) {
         FAIL() << "a failing gnuplot went unnoticed";
     } catch (const Error& error) {
         const std::string what = error.what();
-        EXPECT_NE(what.find("exit code 3"), std::string::npos) << what;
-        EXPECT_NE(what.find("no such terminal"), std::string::npos) << what;
+        EXPECT_THAT(what, HasSubstr("exit code 3"));
+        EXPECT_THAT(what, HasSubstr("no such terminal"));
     }
 }
 

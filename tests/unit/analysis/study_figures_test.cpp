@@ -2,7 +2,6 @@
 #include "analysis/report/study_figures.hpp"
 
 #include <array>
-#include <cstdlib>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -11,8 +10,7 @@
 
 #include "analysis/figures/figure_grid.hpp"
 #include "analysis/text/gnuplot.hpp"
-#include "common/error.hpp"
-#include "common/process/child.hpp"
+#include "tests/unit/analysis/gnuplot_or_none.hpp"
 #include "tests/unit/analysis/modality_rows.hpp"
 #include "tests/unit/session/records.hpp"
 
@@ -118,11 +116,7 @@ struct ThreeExperiments {
 };
 
 TEST(StudyFigures, AreDrawnAsSvgAndPdf) {
-    try {
-        run_program("gnuplot", {"-V"}, ".", "");
-    } catch (const Error&) {
-        GTEST_SKIP() << "gnuplot is not installed";
-    }
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
     const TemporaryDirectory directory;
     const ThreeExperiments study;
     const StudyFigures figures = draw_study(study.rows, study.panels, directory.path());
@@ -147,10 +141,11 @@ TEST(StudyFigures, AreDrawnAsSvgAndPdf) {
 TEST(StudyFigures, WithoutGnuplotEverySectionSaysSo) {
     const TemporaryDirectory directory;
     const ThreeExperiments study;
-    const std::string path = std::getenv("PATH");
-    ::setenv("PATH", directory.path().c_str(), 1);
-    const StudyFigures figures = draw_study(study.rows, study.panels, directory.path());
-    ::setenv("PATH", path.c_str(), 1);
+    StudyFigures figures;
+    {
+        const Path nothing(directory.path().string());
+        figures = draw_study(study.rows, study.panels, directory.path());
+    }
     EXPECT_THAT(figures.side_by_side.problem, HasSubstr("install gnuplot"));
     for (const auto& [experiment, own] : figures.experiments) {
         EXPECT_THAT(own.problem, HasSubstr("install gnuplot")) << experiment;
@@ -161,11 +156,7 @@ TEST(StudyFigures, WithoutGnuplotEverySectionSaysSo) {
 
 // Figures drawn before the failing one are kept.
 TEST(DrawFigures, OneThatFailsDoesNotTakeTheOthersAlong) {
-    try {
-        run_program("gnuplot", {"-V"}, ".", "");
-    } catch (const Error&) {
-        GTEST_SKIP() << "gnuplot is not installed";
-    }
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
     const TemporaryDirectory directory;
     const std::string good = gnuplot_preamble("good", 300, 200) + "plot 'good.tsv' using 1:2\n";
     const std::string bad = gnuplot_preamble("bad", 300, 200) + "plod\n";

@@ -26,13 +26,7 @@ CompensatedConditions held_at(double stiffness_N_per_m, double delay_s, const He
 HoldOutcome hold_of(const CompensatedConditions& c) {
     const HoldPlan plan;
     CompensatedLoop run(c, plan.start_m, plan.start_m_per_s);
-    HoldWatch watch(plan, c.loop.loop.step_s);
-    for (double before_m = run.sampled_m(); !watch.over();) {
-        run.step();
-        watch.add(before_m, run.sampled_m(), run.position_m(), run.energy_J());
-        before_m = run.sampled_m();
-    }
-    return watch.outcome();
+    return watched_hold(run, plan, c.loop.loop.step_s);
 }
 
 TEST(CompensatedLoop, WithNothingInTheWayItIsThePlainLoop) {

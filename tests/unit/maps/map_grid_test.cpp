@@ -2,21 +2,20 @@
 #include "study/maps/map_grid.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <set>
 #include <string>
-#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
-#include "study/maps/cell_pool.hpp"
 #include "study/maps/cells.hpp"
 #include "study/maps/map_table.hpp"
 #include "study/maps/worker_pool.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble {
 namespace {
@@ -90,22 +89,9 @@ TEST(MapCells, EveryRowHasTheHeadersColumns) {
         EXPECT_EQ(commas(writer.rows({cell, 1})), commas(cells_header())) << cell;
 }
 
-class ScratchFolder : public testing::Test {
-  protected:
-    ScratchFolder()
-        : path(std::filesystem::temp_directory_path() / ("thimble_map_" + std::to_string(getpid()))) {
-        std::filesystem::remove_all(path);
-    }
-    ~ScratchFolder() override { std::filesystem::remove_all(path); }
-    std::string table() const {
-        std::ifstream file(path / "map.csv");
-        return {std::istreambuf_iterator<char>(file), {}};
-    }
-    std::filesystem::path path;
-};
-using MapTables = ScratchFolder;
-
-TEST_F(MapTables, BlocksInAnyOrderStandInOrder) {
+TEST(MapTables, BlocksInAnyOrderStandInOrder) {
+    const TemporaryDirectory directory;
+    const std::filesystem::path path = directory / "map";
     {
         MapTable table(path, small_grid(), false);
         table.take({2, 1}, "c\n");
@@ -114,7 +100,7 @@ TEST_F(MapTables, BlocksInAnyOrderStandInOrder) {
         EXPECT_EQ(table.done(), 3U);
         table.take({9, 1}, "lost\n");
     }
-    EXPECT_EQ(table(), cells_header() + "a\nb\nc\n");
+    EXPECT_EQ(read_text(path / "map.csv"), cells_header() + "a\nb\nc\n");
     std::ofstream(path / "map.csv", std::ios::app) << "half a row";
     MapTable again(path, small_grid(), false);
     EXPECT_EQ(again.done(), 3U);
@@ -136,13 +122,13 @@ TEST(ThreadPools, DoEverythingOnceAndThrowWhatAWorkerThrew) {
             EXPECT_EQ(rows, std::to_string(range.first));
             for (std::size_t i = 0; i < range.count; ++i) done.insert(range.first + i);
         };
-        work.stop = [] { return false; };
         ThreadPool(threads).lead(work);
         EXPECT_EQ(done.size(), 37U);
         EXPECT_EQ(std::set<std::size_t>(done.begin(), done.end()).size(), 37U);
         work.rows = [](const CellRange&) -> std::string { throw Error(ExitCode::kUsage, "no"); };
         EXPECT_THROW(ThreadPool(threads).lead(work), Error);
-        work.stop = [] { return true; };
+        const std::atomic<bool> stop{true};
+        work.stop = &stop;
         EXPECT_NO_THROW(ThreadPool(threads).lead(work));
     }
 }

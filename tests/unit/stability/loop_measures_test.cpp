@@ -1,7 +1,6 @@
 // The loop that runs: traces at 40 digits, and what is measured on it against theory.
 #include "stability/loop_measures.hpp"
 
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -11,20 +10,21 @@
 #include <gtest/gtest.h>
 
 #include "stability/limit_cycle.hpp"
+#include "stability/stability_map.hpp"
 #include "tests/unit/stability/golden_loops.hpp"
 
 namespace thimble {
 namespace {
 
-struct NamedHand {
-    const char* name;
-    HeldMass hand;
-};
-const std::array<NamedHand, 5> kHands{{{"A", {0.15, 3, 300}},
-                                       {"B", {0.35, 6, 400}},
-                                       {"C", {0.55, 6.45, 135}},
-                                       {"D", {1, 20, 500}},
-                                       {"E", {2, 40, 1000}}}};
+// A hand that presses against a wall of 12 N at most.
+LoopConditions walled(const SampledLoop& loop, double press_N) {
+    LoopConditions conditions;
+    conditions.loop = loop;
+    conditions.one_sided = true;
+    conditions.force_limit_N = 12;
+    conditions.press_N = press_N;
+    return conditions;
+}
 
 TEST(LoopSimulator, TracesAtFortyDigits) {
     for (const auto& c : golden_loops("traces_hf_exact_zoh")) {
@@ -74,7 +74,7 @@ TEST(LoopMeasures, GrowthOfRealRoots) {
 
 // Half a step of the measuring loop is a delay of its own, 50 us here.
 TEST(LoopMeasures, CriticalDelayIsThatOfTheTheory) {
-    for (const auto& [name, hand] : kHands) {
+    for (const auto& [name, hand] : kTypicalHands) {
         const double theory_s = critical_point({hand, 9000, 0}).delay_s;
         EXPECT_NEAR(measured_critical_delay_s(hand, 9000), theory_s, 5e-6) << name;
     }
@@ -95,7 +95,7 @@ TEST(LoopMeasures, HowOftenContactIsLostDecides) {
 
 // Every hand and delay of the study: within 0.5 % without and 1 % with the encoder of 10 um.
 TEST(LoopMeasures, CriticalStiffnessOfEveryHandAndDelay) {
-    for (const auto& [name, hand] : kHands) {
+    for (const auto& [name, hand] : kTypicalHands) {
         for (const double delay_s : {0.0, 0.001, 0.002, 0.005, 0.010, 0.025, 0.050, 0.100, 0.200}) {
             const SampledLoop loop{hand, 0, delay_s, 1e-3};
             SampledLoop any = loop;
@@ -109,13 +109,9 @@ TEST(LoopMeasures, CriticalStiffnessOfEveryHandAndDelay) {
 }
 
 TEST(LoopMeasures, OutcomesOnBothSidesOfTheBoundary) {
-    for (const auto& [name, hand] : kHands) {
+    for (const auto& [name, hand] : kTypicalHands) {
         for (const double delay_s : {0.001, 0.002, 0.005, 0.010, 0.025, 0.050, 0.100, 0.200}) {
-            LoopConditions conditions;
-            conditions.loop = {hand, 1, delay_s, 1e-3};
-            conditions.one_sided = true;
-            conditions.force_limit_N = 12;
-            conditions.press_N = 5;
+            LoopConditions conditions = walled({hand, 1, delay_s, 1e-3}, 5);
             conditions.encoder_step_m = 1e-5;
             const double critical = critical_sampled_stiffness(conditions.loop).stiffness_N_per_m;
             conditions.loop.stiffness_N_per_m = 0.75 * critical;
@@ -130,12 +126,8 @@ TEST(LoopMeasures, OutcomesOnBothSidesOfTheBoundary) {
 
 // Continuous predictors, with half a step of delay for the hold: 1 % in amplitude.
 TEST(LoopMeasures, TheLimitCycleIsTheForecastOne) {
-    for (const auto& [name, hand] : kHands) {
-        LoopConditions conditions;
-        conditions.loop = {hand, 9000, 0.05, 1e-3};
-        conditions.one_sided = true;
-        conditions.force_limit_N = 12;
-        conditions.press_N = 5;
+    for (const auto& [name, hand] : kTypicalHands) {
+        LoopConditions conditions = walled({hand, 9000, 0.05, 1e-3}, 5);
         const auto cycle = forecast_press({hand, 9000, 0.0505, 12, 5}).cycle;
         ASSERT_TRUE(cycle);
         const HoldOutcome hold = measured_hold(conditions, {});
@@ -148,13 +140,9 @@ TEST(LoopMeasures, TheLimitCycleIsTheForecastOne) {
 // The rule of docs/stability.md for which predictor, at ten samples a millisecond: 1 % for the relay, 10 % for the describing function.
 TEST(LoopMeasures, EitherPredictorIsAsGoodAsItsRuleSays) {
     int relays = 0, harmonics = 0;
-    for (const auto& [name, hand] : kHands) {
+    for (const auto& [name, hand] : kTypicalHands) {
         for (const double delay_s : {0.005, 0.010, 0.025, 0.100}) {
-            LoopConditions conditions;
-            conditions.loop = {hand, 9000, delay_s, 1e-4};
-            conditions.one_sided = true;
-            conditions.force_limit_N = 12;
-            conditions.press_N = 6;
+            LoopConditions conditions = walled({hand, 9000, delay_s, 1e-4}, 6);
             const PressForecast forecast = forecast_press({hand, 9000, delay_s + 5e-5, 12, 6});
             ASSERT_TRUE(forecast.cycle) << name << delay_s;
             HoldPlan plan;
@@ -172,14 +160,33 @@ TEST(LoopMeasures, EitherPredictorIsAsGoodAsItsRuleSays) {
 
 // Past the fold of the limit cycle a hand that presses harder than the handle keeps contact, deep behind the wall.
 TEST(LoopMeasures, PushedThroughItHoldsAtAnyDelay) {
-    LoopConditions conditions;
-    conditions.loop = {{1, 20, 500}, 9000, 0.05, 1e-3};
-    conditions.one_sided = true;
-    conditions.force_limit_N = 12;
-    conditions.press_N = 14.1;
+    LoopConditions conditions = walled({{1, 20, 500}, 9000, 0.05, 1e-3}, 14.1);
     EXPECT_EQ(measured_hold(conditions, {}).label, HoldClass::kSettles);
     conditions.press_N = 12;
     EXPECT_EQ(measured_hold(conditions, {}).label, HoldClass::kOscillates);
+}
+
+TEST(StabilityMap, NoCellIsOnTheWrongSide) {
+    for (const HeldMass& hand : {HeldMass{0.15, 3, 300}, HeldMass{1, 20, 500}}) {
+        MapPlan plan;
+        plan.hand = hand;
+        plan.delays_s = {0, 0.005, 0.0503, 0.2};  // the third is no whole number of steps
+        plan.stiffness_N_per_m.reserve(21);
+        for (int i = 0; i <= 20; ++i) plan.stiffness_N_per_m.push_back(45 * std::pow(2000, i / 20.0));
+        for (std::size_t column = 0; column < plan.delays_s.size(); ++column) {
+            int stable = 0, unstable = 0;
+            for (const MapCell& cell : map_column(plan, column)) {
+                const double apart = std::log(cell.stiffness_N_per_m / cell.critical_stiffness_N_per_m);
+                stable += cell.growth == GrowthClass::kStable;
+                unstable += cell.growth == GrowthClass::kUnstable;
+                if (std::abs(apart) < 0.02 || cell.growth == GrowthClass::kMarginal) continue;
+                EXPECT_EQ(cell.growth == GrowthClass::kUnstable, apart > 0)
+                    << cell.delay_s << ' ' << cell.stiffness_N_per_m << ' ' << cell.growth_per_s;
+            }
+            EXPECT_GT(stable, 0);
+            EXPECT_GT(unstable, 0);
+        }
+    }
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <gtest/gtest.h>
 
-#include "stability/pulse_polynomial.hpp"
+#include "stability/circle_count.hpp"
 #include "stability/sampled_loop.hpp"
 
 namespace thimble {

@@ -10,7 +10,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "common/error.hpp"
-#include "stability/pulse_polynomial.hpp"
+#include "stability/circle_count.hpp"
 #include "tests/unit/stability/golden_loops.hpp"
 
 namespace thimble {

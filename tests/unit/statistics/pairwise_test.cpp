@@ -8,7 +8,7 @@
 namespace thimble {
 namespace {
 
-// What R works out with the table's offset taken off has lost up to `digits` to the subjects' spread.
+// R works without the table's offset and loses up to `digits` to the subjects' spread.
 void expect_pairs(const std::vector<MeanPair>& pairs, const nlohmann::json& expected, double digits) {
     ASSERT_EQ(pairs.size(), expected.at("p").size());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -112,6 +112,33 @@ TEST(Pairwise, Refuses) {
         {"column 0", "column 1", "same amount"});
     expect_refused([] { pairs_after_repeated_anova(table({{1, 2}, {2, 5}})); }, {"2 subjects"});
     expect_refused([] { pairs_after_one_way_anova(columns({{1}, {2}})); }, {"single value"});
+}
+
+TEST(Adjustment, AgreesWithR) {
+    for (const auto& g : golden("adjustments")) {
+        const std::vector<double> p = numbers(g.at("p"));
+        SCOPED_TRACE(g.at("p").dump());
+        const auto by_bonferroni = bonferroni(p);
+        const auto by_holm = holm(p);
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            EXPECT_TRUE(close(by_bonferroni[i], g.at("bonferroni")[i], 1e-15));
+            EXPECT_TRUE(close(by_holm[i], g.at("holm")[i], 1e-15));
+        }
+    }
+}
+
+TEST(Adjustment, ByHand) {
+    // 3 x .01, 2 x .03 and 1 x .04 that may not fall below the one before.
+    EXPECT_EQ(holm({0.03, 0.01, 0.04}), (std::vector<double>{0.06, 0.03, 0.06}));
+    EXPECT_EQ(bonferroni({0.25, 0.5}), (std::vector<double>{0.5, 1}));
+    EXPECT_TRUE(holm({}).empty());
+}
+
+TEST(Adjustment, RefusesWhatIsNoProbability) {
+    for (const double p : {-0.1, 1.1, kMissing}) {
+        expect_refused([&] { bonferroni({0.5, p}); }, {"adjustment", "not in [0, 1]"});
+        expect_refused([&] { holm({0.5, p}); }, {"adjustment", "not in [0, 1]"});
+    }
 }
 
 }  // namespace

@@ -34,6 +34,11 @@ class StudyFolder : public testing::Test {
                     ++curves_taken_;
                 }};
     }
+    // A study that was killed after so many trials.
+    void write_first(std::size_t trials) {
+        StudyTables tables = open(IfExists::kRefuse);
+        run(tables, 0, trials);
+    }
     StudyTables resume() { return open(IfExists::kContinue); }
     // It is not gone on with, and the table has all its bytes.
     void expect_kept(ExitCode code, const std::string& words, const std::string& table_text) {
@@ -59,10 +64,7 @@ class StudyFolder : public testing::Test {
 };
 
 TEST_F(StudyFolder, GoesOnWhereItWasKilledWithTheSameBytes) {
-    {
-        StudyTables whole = open(IfExists::kRefuse);
-        run(whole, 0, 4);
-    }
+    write_first(4);
     const std::string table_text = table();
     const std::string curve_text = curves();
     for (const std::size_t cut : {std::size_t{0}, std::size_t{1}, table_text.find('\n') + 1,
@@ -78,10 +80,7 @@ TEST_F(StudyFolder, GoesOnWhereItWasKilledWithTheSameBytes) {
 }
 
 TEST_F(StudyFolder, WhatHasNoCurveIsRunAgain) {
-    {
-        StudyTables tables = open(IfExists::kRefuse);
-        run(tables, 0, 3);
-    }
+    write_first(3);
     const std::string text = curves();
     std::filesystem::resize_file(directory_ / "trials_curves.csv", text.size() - 5);
     EXPECT_EQ(resume().rows().size(), 2U);
@@ -110,27 +109,15 @@ TEST_F(StudyFolder, CurvesReadBackToTheLastDigit) {
 }
 
 TEST_F(StudyFolder, AnotherStudyIsNotGoneOnWith) {
-    {
-        StudyTables tables = open(IfExists::kRefuse);
-        run(tables, 0, 2);
-    }
+    write_first(2);
     planned_[1].study_seed = 99;
-    try {
-        resume();
-        FAIL() << "a study with another seed was gone on with";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        EXPECT_NE(std::string(error.what()).find("trials.csv:3"), std::string::npos) << error.what();
-    }
+    expect_kept(ExitCode::kUsage, "trials.csv:3", table());
     planned_.resize(1);
     EXPECT_THROW(resume(), Error);
 }
 
 TEST_F(StudyFolder, AStudyOfAnotherSeedKeepsEveryByteWhateverItsCurvesAre) {
-    {
-        StudyTables tables = open(IfExists::kRefuse);
-        run(tables, 0, 3);
-    }
+    write_first(3);
     append_text("trials.csv", "3,1,");  // and it was killed while it wrote
     const std::string table_text = table();
     const std::string curve_text = curves();
@@ -147,10 +134,7 @@ TEST_F(StudyFolder, AStudyOfAnotherSeedKeepsEveryByteWhateverItsCurvesAre) {
 
 // As `thimble run` and `thimble play --record` leave it: real trials, perhaps under the same conditions.
 TEST_F(StudyFolder, TrialsWithoutCurvesAreRefusedAndKept) {
-    {
-        StudyTables tables = open(IfExists::kRefuse);
-        run(tables, 0, 3);
-    }
+    write_first(3);
     const std::string table_text = table();
     const std::string header = curves().substr(0, curves().find('\n') + 1);
     for (const std::string& left : {header, header.substr(0, 7), std::string()}) {
@@ -176,10 +160,7 @@ TEST_F(StudyFolder, CurvesOfOtherTrialsAreRefusedAndNothingIsCut) {
 }
 
 TEST_F(StudyFolder, ATableOfAnEarlierVersionIsRefusedAndKept) {
-    {
-        StudyTables tables = open(IfExists::kRefuse);
-        run(tables, 0, 2);
-    }
+    write_first(2);
     std::string text;
     std::istringstream lines(table());
     for (std::string line; std::getline(lines, line);) text += line.substr(0, line.rfind(',')) + '\n';
@@ -197,18 +178,9 @@ TEST_F(StudyFolder, SomethingElseOfThatNameIsKept) {
 }
 
 TEST_F(StudyFolder, DamageInTheMiddleIsNamedNotCutOff) {
-    {
-        StudyTables tables = open(IfExists::kRefuse);
-        run(tables, 0, 1);
-    }
+    write_first(1);
     append_text("trials.csv", "nonsense\n");
-    try {
-        resume();
-        FAIL() << "a damaged table was gone on with";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kData);
-        EXPECT_NE(std::string(error.what()).find("trials.csv:3"), std::string::npos) << error.what();
-    }
+    expect_kept(ExitCode::kData, "trials.csv:3", table());
 }
 
 TEST(KeepLines, CutsWhatHasNoNewline) {
