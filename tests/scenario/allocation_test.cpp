@@ -8,7 +8,6 @@
 namespace thimble::test {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 struct Case {

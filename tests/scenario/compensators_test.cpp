@@ -1,27 +1,28 @@
 // Delay compensators with all nodes, in virtual time.
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
 #include <span>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
 #include "session/records/metrics.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "stability/delayed_loop.hpp"
-#include "study/compensators/compensator_findings.hpp"
 #include "study/compensators/compensator_report.hpp"
 #include "study/compensators/compensator_table.hpp"
-#include "study/compensators/loop_sections.hpp"
 #include "study/with_compensator.hpp"
-#include "tests/read_text.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble::test {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 std::vector<CompensatorRow> compare(const std::vector<std::string>& names,
                                     const std::vector<double>& delays_s, std::uint32_t subjects,
@@ -106,7 +107,8 @@ TEST(Compensators, ARecordSaysWhichOneActed) {
 
 // An interrupted comparison goes on to the same bytes, and no other one goes on in its folder.
 TEST(Compensators, TheTableOfTrialsIsGoneOnWith) {
-    const auto path = std::filesystem::path(testing::TempDir()) / "thimble_compensator_trials.csv";
+    const TemporaryDirectory folder;
+    const auto path = folder / "trials.csv";
     CompensatorStudyOptions options;
     options.names = {"CF", "wave"};
     options.networks = plain_networks({0.01});
@@ -136,7 +138,6 @@ TEST(Compensators, TheTableOfTrialsIsGoneOnWith) {
     std::ofstream(path, std::ios::binary | std::ios::app) << "wave,";
     EXPECT_THROW(CompensatorTrialTable(path, IfExists::kContinue, conditions, other), Error);
     EXPECT_EQ(read_text(path), whole + "wave,");
-    std::filesystem::remove(path);
 }
 
 TEST(Compensators, FindingsSayWhereCfIsNotBest) {
@@ -164,15 +165,12 @@ TEST(Compensators, FindingsSayWhereCfIsNotBest) {
     }
     std::string text;
     for (const std::string& sentence : compensator_findings(rows, trials)) text += sentence + '\n';
-    EXPECT_NE(text.find("HF without a compensator oscillates in 3 of 3 over 50 ms (3 completed)."),
-              std::string::npos)
-        << text;
-    EXPECT_NE(text.find("completed and none oscillated: CF, wave."), std::string::npos) << text;
-    EXPECT_NE(text.find("CF is not best in maximum penetration: 5.00 mm, 2nd of the 2 stable; wave has 1.00 "
-                        "mm, less by 3.80 mm"),
-              std::string::npos)
-        << text;
-    EXPECT_EQ(text.find("HF (50 ms"), std::string::npos) << text;  // what HF does is the first sentence's
+    EXPECT_THAT(text, HasSubstr("HF without a compensator oscillates in 3 of 3 over 50 ms (3 completed)."));
+    EXPECT_THAT(text, HasSubstr("completed and none oscillated: CF, wave."));
+    EXPECT_THAT(
+        text, HasSubstr("CF is not best in maximum penetration: 5.00 mm, 2nd of the 2 stable; wave has 1.00 "
+                        "mm, less by 3.80 mm"));
+    EXPECT_THAT(text, Not(HasSubstr("HF (50 ms")));  // what HF does is the first sentence's
 }
 
 TEST(Compensators, AllFiguresAreDrawn) {
@@ -192,12 +190,11 @@ TEST(Compensators, AllFiguresAreDrawn) {
     std::vector<FigureSource> sources = delay_figures(rows);
     ASSERT_EQ(sources.size(), compensator_measures().size());
     sources.push_back(matrix_figure(rows));
-    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_compensator_figures";
-    const DrawnFigures drawn = draw_figures(sources, folder);
+    const TemporaryDirectory folder;
+    const DrawnFigures drawn = draw_figures(sources, folder / "out");
     if (drawn.problem.find("cannot start") != std::string::npos) GTEST_SKIP() << drawn.problem;
     EXPECT_EQ(drawn.problem, "");
     EXPECT_EQ(drawn.figures.size(), sources.size());
-    std::filesystem::remove_all(folder);
 }
 
 // Passive, and of no use before a forbidden region: the proxy is led out and the hand goes on in.

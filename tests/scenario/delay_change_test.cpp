@@ -6,6 +6,7 @@
 #include "session/virtual/virtual_session.hpp"
 #include "study/with_compensator.hpp"
 #include "tests/scenario/rig.hpp"
+#include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {
@@ -16,16 +17,17 @@ using std::chrono::seconds;
 
 constexpr Duration kLong = milliseconds{500};
 
+SystemSettings held_for(Duration hold, Duration force_delay = {}) {
+    SystemSettings settings = paper_with_delays({}, force_delay);
+    settings.slave.contact_hold = settings.session.contact_hold = hold;
+    return settings;
+}
+
 class LiveDelay : public testing::Test {
   protected:
-    LiveDelay() : rig(settings()) {
+    LiveDelay() : rig(held_for(seconds{40})) {  // no end before the test's
         rig.start(trial_of(Modality::kVF));
         rig.run_until(SessionTime{seconds{2}});
-    }
-    static SystemSettings settings() {
-        SystemSettings s = paper();
-        s.slave.contact_hold = s.session.contact_hold = seconds{40};  // no end before the test's
-        return s;
     }
     void run_for(Duration time) { rig.run_until(rig.now() + time); }
     double round_trip_s() { return rig.session().peer(Role::kMaster).newest().round_trip_median_s; }
@@ -99,17 +101,14 @@ TEST_F(LiveDelay, TheRecordSaysWhen) {
 
 // Every sample that was recorded and every packet's fate, while the network becomes wifi, lte, geo and none in one trial.
 struct Visited {
-    std::vector<TrajectorySample> samples;
-    std::vector<NetworkEvent> events;
+    TrialRecord record;
     std::vector<std::uint64_t> fates;
     std::vector<double> delays_s;
     std::uint64_t lost = 0, reordered = 0;
 };
 
 Visited visit_networks() {
-    SystemSettings settings = paper();
-    settings.slave.contact_hold = settings.session.contact_hold = seconds{40};
-    Rig rig(settings);
+    Rig rig(held_for(seconds{40}));
     rig.start(trial_of(Modality::kVF));
     Visited visited;
     for (const char* name : {"", "wifi", "lte", "geo", "ideal"}) {
@@ -126,9 +125,7 @@ Visited visit_networks() {
         visited.reordered += counters.reordered;
     }
     rig.session().abort(EndReason::kInterrupted);
-    const TrialRecord& record = rig.finish();
-    visited.samples = record.samples;
-    visited.events = record.network_events;
+    visited.record = rig.finish();
     return visited;
 }
 
@@ -137,25 +134,21 @@ TEST(NetworkChange, NobodyIsLostAndTheRecordSaysWhichAndWhen) {
     EXPECT_EQ(visited.delays_s.back(), 0);
     EXPECT_GT(visited.lost, 10U);  // geo loses 0.5 %, in bursts of ten
     EXPECT_EQ(visited.reordered, 0U);
-    ASSERT_EQ(visited.events.size(), 4U);
-    EXPECT_EQ(visited.events[0].profile, "wifi");
-    EXPECT_EQ(visited.events[2].profile, "geo");
-    EXPECT_EQ(visited.events[2].delay_s, 0.3);
-    EXPECT_EQ(visited.events[2].force.jitter_spread_s, 0.005);
-    EXPECT_NEAR(visited.events[2].needle.loss, 0.005, 1e-12);
+    const std::vector<NetworkEvent>& events = visited.record.network_events;
+    ASSERT_EQ(events.size(), 4U);
+    EXPECT_EQ(events[0].profile, "wifi");
+    EXPECT_EQ(events[2].profile, "geo");
+    EXPECT_EQ(events[2].delay_s, 0.3);
+    EXPECT_EQ(events[2].force.jitter_spread_s, 0.005);
+    EXPECT_NEAR(events[2].needle.loss, 0.005, 1e-12);
     // The recorder hears of needle commands, which geo's way up makes 0.3 s late: the clock of a record stands still so long.
-    EXPECT_NEAR(visited.events[2].time_s - visited.events[1].time_s, 2, 0.1);
+    EXPECT_NEAR(events[2].time_s - events[1].time_s, 2, 0.1);
 }
 
 TEST(NetworkChange, HasTheSameBitsTwice) {
     const Visited one = visit_networks(), other = visit_networks();
     EXPECT_EQ(one.fates, other.fates);
-    ASSERT_EQ(one.samples.size(), other.samples.size());
-    for (std::size_t i = 0; i < one.samples.size(); ++i) {
-        ASSERT_EQ(one.samples[i].time_s, other.samples[i].time_s) << i;
-        ASSERT_EQ(one.samples[i].position_needle_m, other.samples[i].position_needle_m) << i;
-        ASSERT_EQ(one.samples[i].force_total_N, other.samples[i].force_total_N) << i;
-    }
+    EXPECT_TRUE(same_samples(one.record, other.record));
 }
 
 TEST_F(LiveDelay, ANetworkKeepsItsJitterAndLossUnderAnotherDelay) {
@@ -194,14 +187,13 @@ TEST_F(LiveDelay, AnUnknownNetworkIsRefusedAndNothingChanges) {
 class WavesInATrial : public testing::Test {
   protected:
     static SystemSettings with_waves(Duration force_delay) {
-        SystemSettings s = paper_with_delays({}, force_delay);
-        s.slave.contact_hold = s.session.contact_hold = seconds{100};
+        const SystemSettings s = held_for(seconds{100}, force_delay);
         return with_control(s, control_for(s, Compensator::kWave));
     }
     void begin(Duration force_delay) {
         rig = std::make_unique<Rig>(with_waves(force_delay));
         rig->start(trial_of(Modality::kHF));
-        ASSERT_TRUE(rig->run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 2; }));
+        ASSERT_TRUE(rig->run_until_contact(2));
     }
     // The mean over a second, after three.
     double settled_N() {
@@ -238,9 +230,7 @@ TEST_F(WavesInATrial, AChangeThereAndBackLeavesTheForceAsItWas) {
 }
 
 TEST(DelayChangeBetweenTrials, ANetworkIsTheNextTrialsFromItsStartAndItsRecordSaysSo) {
-    SystemSettings settings = paper();
-    settings.slave.contact_hold = settings.session.contact_hold = milliseconds{200};
-    VirtualSession session(settings);
+    VirtualSession session(held_for(milliseconds{200}));
     TrialConditions trial = trial_of(Modality::kVF);
     session.run(trial);
     ASSERT_TRUE(session.session().change_network(*NetworkName::of("lte")));
@@ -254,9 +244,7 @@ TEST(DelayChangeBetweenTrials, ANetworkIsTheNextTrialsFromItsStartAndItsRecordSa
 }
 
 TEST(DelayChangeBetweenTrials, TheNextTrialHasItFromItsStart) {
-    SystemSettings settings = paper();
-    settings.slave.contact_hold = settings.session.contact_hold = milliseconds{200};
-    VirtualSession session(settings);
+    VirtualSession session(held_for(milliseconds{200}));
     TrialConditions trial = trial_of(Modality::kVF);
     EXPECT_EQ(session.run(trial).round_trip_s, 0);
     session.session().change_delay(kLong);
@@ -268,21 +256,8 @@ TEST(DelayChangeBetweenTrials, TheNextTrialHasItFromItsStart) {
 }
 
 TEST(DelayChangeWithFault, WhoFallsSilentForGoodIsMissedAfterTheExcuse) {
-    class Cut final : public Tap {
-      public:
-        Cut(Channel& inner, const bool& cut) : Tap(inner), cut_(&cut) {}
-        void send(Bytes datagram) override {
-            if (!*cut_) Tap::send(datagram);
-        }
-
-      private:
-        const bool* cut_;
-    };
     bool cut = false;
-    Rig rig(paper(), [&cut](Wire wire, Channel& inner) -> std::unique_ptr<Tap> {
-        if (wire != Wire::kForceMaster) return nullptr;
-        return std::make_unique<Cut>(inner, cut);
-    });
+    Rig rig(paper(), tap_on<Scissors>({Wire::kForceMaster}, cut));
     rig.start(trial_of(Modality::kVF));
     rig.run_until(SessionTime{seconds{2}});
     rig.session().change_delay(kLong);

@@ -1,5 +1,4 @@
 // The 50 ms delay experiment in virtual time: who oscillates, and what depends on which path.
-#include <cmath>
 #include <deque>
 #include <map>
 #include <vector>
@@ -68,9 +67,7 @@ class TerribleLink final : public Tap {
 TEST(DelayExperiment, FingersAndBarDoNotDependOnTheKinestheticPath) {
     for (const Modality modality : kModalities) {
         Rig good(paper());
-        Rig bad(paper(), [](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
-            return wire == Wire::kForceMaster ? std::make_unique<TerribleLink>(end) : nullptr;
-        });
+        Rig bad(paper(), tap_on<TerribleLink>({Wire::kForceMaster}));
         const TrialRecord& a = good.run(trial_of(modality));
         const TrialRecord& b = bad.run(trial_of(modality));
         EXPECT_EQ(same_samples(a, b), modality != Modality::kHF) << to_string(modality);

@@ -12,9 +12,9 @@
 
 #include "session/virtual/virtual_session.hpp"
 #include "study/study.hpp"
-#include "tests/read_text.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble::test {
 namespace {
@@ -37,15 +37,6 @@ std::map<std::string, std::string> figures_of(const std::filesystem::path& study
 
 class Determinism : public testing::Test {
   protected:
-    // Named after the test, since ctest runs tests side by side.
-    Determinism()
-        : folder_(std::filesystem::path(testing::TempDir()) /
-                  fmt::format("thimble_{}", testing::UnitTest::GetInstance()->current_test_info()->name())) {
-        std::filesystem::remove_all(folder_);
-        std::filesystem::create_directories(folder_);
-    }
-    ~Determinism() override { std::filesystem::remove_all(folder_); }
-
     static StudyOptions small_study() {
         StudyOptions options;
         options.protocols = {experiment_3(paper(), 2, 1)};
@@ -62,7 +53,7 @@ class Determinism : public testing::Test {
         return read_text(options.out / "trials.csv");
     }
 
-    std::filesystem::path folder_;
+    TemporaryDirectory folder_;
     int studies_ = 0;
 };
 

@@ -129,22 +129,6 @@ struct Beep {
     SessionTime heard = kNever;     // when the operator did
     double contact_s = 0;
 
-    MakeTap taps() {
-        return [this](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
-            if (wire != Wire::kRecord && wire != Wire::kPerceptVisual) return nullptr;
-            return std::make_unique<Listener>(end, *this);
-        };
-    }
-
-  private:
-    struct Listener final : Tap {
-        Listener(Channel& end, Beep& target) : Tap(end), beep(&target) {}
-        void send(Bytes datagram) override {
-            if (const Decoded decoded = decode(datagram); decoded.message) beep->listen(*decoded.message);
-            Tap::send(datagram);
-        }
-        Beep* beep;
-    };
     void listen(const Message& message) {
         if (const auto* feedback = std::get_if<ForceFeedback>(&message.body)) {
             if (answered != kNever || feedback->contact_time_s < 5) return;
@@ -157,10 +141,20 @@ struct Beep {
     }
 };
 
+struct BeepListener final : Tap {
+    BeepListener(Channel& end, Beep& target) : Tap(end), beep(&target) {}
+    void send(Bytes datagram) override {
+        if (const Decoded decoded = decode(datagram); decoded.message) beep->listen(*decoded.message);
+        Tap::send(datagram);
+    }
+    Beep* beep;
+};
+
 TEST(DelaySplit, ContactTimeAndBeepFollowTheUndelayedNeedle) {
     for (const Duration needle : {milliseconds{0}, milliseconds{25}, milliseconds{50}}) {
         Beep beep;
-        Rig rig(paper_with_delays(needle, kPaperDelay - needle), beep.taps());
+        Rig rig(paper_with_delays(needle, kPaperDelay - needle),
+                tap_on<BeepListener>({Wire::kRecord, Wire::kPerceptVisual}, beep));
         const TrialRecord& record = rig.run(trial_of(Modality::kCF, kPaperDelay - needle));
         ASSERT_NE(beep.heard, kNever);
         EXPECT_EQ(beep.contact_s, 5.0);                   // of the handle's samples, whatever the network did

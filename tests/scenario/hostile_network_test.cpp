@@ -151,9 +151,7 @@ TEST(HostileNetwork, OnePoisonedPacketCostsOneTrial) {
     };
     for (const Wire wire : {Wire::kNeedle, Wire::kForceMaster, Wire::kForceVisual}) {
         bool poisoned = false;
-        Rig rig(paper(), [&](Wire which, Channel& end) -> std::unique_ptr<Tap> {
-            return which == wire ? std::make_unique<Poison>(end, poisoned) : nullptr;
-        });
+        Rig rig(paper(), tap_on<Poison>({wire}, poisoned));
         EXPECT_EQ(rig.run(trial_of(Modality::kHF, {}, 1, 1)).reason, EndReason::kPeerLost);
         EXPECT_TRUE(poisoned);
         EXPECT_LT(rig.now(), SessionTime{seconds{2}});
@@ -173,21 +171,6 @@ TEST(HostileNetwork, TheSameSeedOfMaliceGivesTheSameTrial) {
     EXPECT_EQ(a.counters().refused, b.counters().refused);
 }
 
-TEST(HostileNetwork, ARestartedMasterEndsItsTrialAndServesTheNext) {
-    Rig rig(paper());
-    rig.start(trial_of(Modality::kHF, {}, 1, 1));
-    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 1; }));
-    const SessionTime restart = rig.now();
-    rig.restart_master();
-    const TrialRecord& lost = rig.finish();
-    EXPECT_EQ(lost.reason, EndReason::kPeerLost);
-    EXPECT_EQ(lost.lost_peer, Role::kMaster);
-    EXPECT_LT(rig.now() - restart, seconds{1});
-    const TrialRecord& next = rig.run(trial_of(Modality::kCF, {}, 1, 2));
-    EXPECT_EQ(next.reason, EndReason::kCompleted);
-    EXPECT_FALSE(std::isnan(next.beep_time_s));
-}
-
 // A stranger on the needle's wire with a NeedleCommand of its own: locked out, counted, no effect.
 TEST(HostileNetwork, ASecondMasterIsLockedOut) {
     class SecondMaster final : public Tap {
@@ -204,9 +187,7 @@ TEST(HostileNetwork, ASecondMasterIsLockedOut) {
         OutboundFlow flow_;
     };
     Rig quiet(paper());
-    Rig rig(paper(), [](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
-        return wire == Wire::kNeedle ? std::make_unique<SecondMaster>(end) : nullptr;
-    });
+    Rig rig(paper(), tap_on<SecondMaster>({Wire::kNeedle}));
     const TrialRecord& record = rig.run(trial_of(Modality::kHF));
     EXPECT_EQ(record.reason, EndReason::kCompleted);
     EXPECT_TRUE(same_samples(record, quiet.run(trial_of(Modality::kHF))));

@@ -1,5 +1,4 @@
 // A network that jitters and loses, and one that stops.
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -73,28 +72,6 @@ TEST(LossyNetwork, ANetworkThatDeliversNothingEndsTheTrialWithinASecond) {
     }
 }
 
-// Wires that can be cut while a trial runs.
-struct Scissors {
-    bool cut = false;
-    std::vector<Wire> wires;
-
-    MakeTap taps() {
-        return [this](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
-            if (std::find(wires.begin(), wires.end(), wire) == wires.end()) return nullptr;
-            return std::make_unique<Cut>(end, cut);
-        };
-    }
-
-  private:
-    struct Cut final : Tap {
-        Cut(Channel& end, const bool& flag) : Tap(end), cut(&flag) {}
-        void send(Bytes datagram) override {
-            if (!*cut) Tap::send(datagram);
-        }
-        const bool* cut;
-    };
-};
-
 struct Outage {
     const char* name;
     std::vector<Wire> wires;
@@ -104,14 +81,13 @@ class Outages : public testing::TestWithParam<Outage> {};
 
 // In the middle of the hold, with the fixture pushing against the hand.
 TEST_P(Outages, LetGoOfTheHandAndEndTheTrialWithinASecond) {
-    Scissors scissors;
-    scissors.wires = GetParam().wires;
-    Rig rig(paper(), scissors.taps());
+    bool cut_now = false;
+    Rig rig(paper(), tap_on<Scissors>(GetParam().wires, cut_now));
     rig.start(trial_of(Modality::kHF));
-    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 2; }));
+    ASSERT_TRUE(rig.run_until_contact(2));
     ASSERT_GT(rig.handle().force_hand_N(), 0.5);
     const SessionTime cut = rig.now();
-    scissors.cut = true;
+    cut_now = true;
     rig.run_until(cut + paper().master.stale.after + paper().master.stale.ramp + milliseconds{2});
     EXPECT_EQ(rig.handle().force_hand_N(), 0);
     const TrialRecord& record = rig.finish();
@@ -135,17 +111,15 @@ INSTANTIATE_TEST_SUITE_P(
 
 // A session that falls silent must not leave a hand under force.
 TEST(LossyNetwork, ASilentSessionStopsTheNodes) {
-    Scissors scissors;
-    scissors.wires = {Wire::kOrders};
-    Rig rig(paper(), scissors.taps());
+    bool cut_now = false;
+    Rig rig(paper(), tap_on<Scissors>({Wire::kOrders}, cut_now));
     rig.start(trial_of(Modality::kHF));
-    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 1; }));
-    scissors.cut = true;
+    ASSERT_TRUE(rig.run_until_contact(1));
+    cut_now = true;
     const SessionTime cut = rig.now();
     rig.run_until(cut + seconds{1});
     EXPECT_EQ(rig.handle().force_hand_N(), 0);
-    for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
-             &rig.master(), &rig.netem(), &rig.slave(), &rig.cutaneous(), &rig.visual()}) {
+    for (const NodeProcess* node : rig.nodes()) {
         EXPECT_EQ(node->state(), NodeState::kFailed) << to_string(node->role());
     }
     EXPECT_EQ(rig.finish().reason, EndReason::kPeerLost);

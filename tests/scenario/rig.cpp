@@ -1,12 +1,5 @@
 #include "tests/scenario/rig.hpp"
 
-#include <array>
-#include <optional>
-#include <utility>
-
-#include "cutaneous_node/can/cannelloni.hpp"
-#include "cutaneous_node/drive_actuator.hpp"
-
 namespace thimble::test {
 namespace {
 
@@ -30,92 +23,36 @@ std::optional<Wire> wire_to(Port port) {
 
 }  // namespace
 
-// A screen that is read, and a key beside it.
-class ReadDisplay final : public Display {
-  public:
-    explicit ReadDisplay(Duration pipeline) : frames(pipeline) {}
-    void draw(SessionTime now, const Scene& scene) override { frames.draw(now, scene); }
-    std::optional<ShownScene> shown(SessionTime now) override { return frames.shown(now); }
-    SessionTime next_shown() const override { return frames.next_shown(); }
-    void turn_page(SessionTime, const Page& turned) override { page = turned; }
-    void beep(SessionTime now) override { frames.beep(now); }
-    bool take_go_on() override { return std::exchange(pressed, false); }
-    bool take_stop() override { return frames.take_stop(); }
-
-    RecordingDisplay frames;
-    Page page;
-    bool pressed = false;
-};
-
-struct Rig::Parts {
-    // The actuator, its drives and the bus between them.
-    struct Driven {
-        explicit Driven(const CutaneousSettings& s)
-            : drives(s.drives.master.nodes, PlantParameters{}, far),
-              actuator(s.drives, s.force_limit_N, near) {}
-
-        QueuePipe bus;
-        CannelloniBus near{bus.a}, far{bus.b};
-        EmulatedDrives drives;
-        DriveActuator actuator;
-    };
-
-    Parts(const SystemSettings& s, const MakeTap& tap);
-    VirtualDevices devices();
-
-    SystemSettings settings;
-    SimulatedHandle handle;
-    BreakableHandle breakable{handle};
-    PointerHandle pointer;
-    SimulatedActuator actuator;
-    std::unique_ptr<Driven> driven;
-    ReadDisplay display;
-    VirtualSession session;
-    Channel* hand;
-};
-
-HandleSample BreakableHandle::read(SessionTime now) {
-    HandleSample sample = inner_->read(now);
-    sample.valid = words.empty();
-    return sample;
+Rig::Rig(const SystemSettings& settings, const MakeTap& make_tap)
+    : settings_(settings),
+      handle_(settings.handle, settings.person),
+      pointer_(settings.handle),
+      actuator_(settings.cutaneous),
+      driven_(settings.cutaneous.device == FingertipDevice::kDrives
+                  ? std::make_unique<Driven>(settings.cutaneous)
+                  : nullptr),
+      display_(settings.visual.pipeline),
+      virtual_(settings_, nullptr, devices(),
+               [make_tap](Port to, Channel& end) -> std::unique_ptr<Channel> {
+                   const std::optional<Wire> wire = make_tap ? wire_to(to) : std::nullopt;
+                   return wire ? make_tap(*wire, end) : nullptr;
+               }),
+      hand_(virtual_.network().of(Role::kVisual).outlet(Port::kMasterHand)) {
+    if (!driven_) return;
+    driven_->bus.a.wake(virtual_.loop().wake_mask(), virtual_.bit(Role::kCutaneous));
+    driven_->bus.b.wake(virtual_.loop().wake_mask(), virtual_.loop().add(driven_->drives));
 }
 
-Rig::Parts::Parts(const SystemSettings& s, const MakeTap& tap)
-    : settings(s),
-      handle(s.handle, s.person),
-      pointer(s.handle),
-      actuator(s.cutaneous),
-      driven(s.cutaneous.device == FingertipDevice::kDrives ? std::make_unique<Driven>(s.cutaneous)
-                                                            : nullptr),
-      display(s.visual.pipeline),
-      session(s, nullptr, devices(),
-              [tap](Port to, Channel& end) -> std::unique_ptr<Channel> {
-                  const std::optional<Wire> wire = tap ? wire_to(to) : std::nullopt;
-                  return wire ? tap(*wire, end) : nullptr;
-              }),
-      hand(session.network().of(Role::kVisual).outlet(Port::kMasterHand)) {
-    if (!driven) return;
-    driven->bus.a.wake(session.loop().wake_mask(), session.bit(Role::kCutaneous));
-    driven->bus.b.wake(session.loop().wake_mask(), session.loop().add(driven->drives));
-}
-
-VirtualDevices Rig::Parts::devices() {
+VirtualDevices Rig::devices() {
     VirtualDevices mine;
-    const bool simulated = settings.handle.kind == HandleKind::kSimulated;
-    mine.handle = simulated ? static_cast<HapticDevice*>(&breakable) : &pointer;
-    mine.person = simulated ? static_cast<OperatorPort*>(&handle) : &pointer;
-    mine.follower = simulated ? nullptr : &pointer;
-    mine.actuator = driven ? static_cast<FingertipActuator*>(&driven->actuator) : &actuator;
-    mine.display = &display;
+    const bool simulated = settings_.handle.kind == HandleKind::kSimulated;
+    mine.handle = simulated ? static_cast<HapticDevice*>(&breakable_) : &pointer_;
+    mine.person = simulated ? static_cast<OperatorPort*>(&handle_) : &pointer_;
+    mine.follower = simulated ? nullptr : &pointer_;
+    mine.actuator = driven_ ? static_cast<FingertipActuator*>(&driven_->actuator) : &actuator_;
+    mine.display = &display_;
     return mine;
 }
-
-Rig::Rig(const SystemSettings& settings, const MakeTap& make_tap)
-    : parts_(std::make_unique<Parts>(settings, make_tap)) {}
-Rig::~Rig() = default;
-
-void Rig::start(const TrialConditions& conditions) { parts_->session.start(conditions); }
-bool Rig::step() { return parts_->session.step(); }
 
 const TrialRecord& Rig::finish() {
     while (step()) {
@@ -144,46 +81,9 @@ bool Rig::run_until_sample(const std::function<bool(const TrajectorySample&)>& s
     return false;
 }
 
-SessionTime Rig::now() const { return parts_->session.loop().now(); }
-SessionProcess& Rig::session() { return parts_->session.session(); }
-SimulatedHandle& Rig::handle() { return parts_->handle; }
-Channel& Rig::hand() { return *parts_->hand; }
-const PointerHandle& Rig::pointer() const { return parts_->pointer; }
-const EmulatedDrives& Rig::drives() const { return parts_->driven->drives; }
-void Rig::order_drives(const std::string& words) { parts_->driven->drives.obey(now(), words); }
-const MasterProcess& Rig::master() const { return parts_->session.master(); }
-const NetemProcess& Rig::netem() const { return parts_->session.netem(); }
-const SlaveProcess& Rig::slave() const { return parts_->session.slave(); }
-const CutaneousProcess& Rig::cutaneous() const { return parts_->session.cutaneous(); }
-const VisualProcess& Rig::visual() const { return parts_->session.visual(); }
-const RecordingDisplay& Rig::display() const { return parts_->display.frames; }
-
-void Rig::idle(Duration limit) { parts_->session.idle(limit); }
-
-void Rig::press_key() { parts_->display.pressed = true; }
-const Page& Rig::page() const { return parts_->display.page; }
-
-void Rig::break_handle(const std::string& words) { parts_->breakable.words = words; }
-
-void Rig::restart_master() { parts_->session.restart_master(); }
-
-void Rig::freeze(Role role) { parts_->session.loop().freeze(parts_->session.bit(role)); }
-void Rig::thaw(Role role) { parts_->session.loop().thaw(parts_->session.bit(role)); }
-double Rig::force_at_handle_N() const { return parts_->breakable.commanded_N; }
-double Rig::take_largest_at_handle_N() { return std::exchange(parts_->breakable.largest_N, 0); }
-double Rig::force_at_finger_N() const { return parts_->actuator.output(now()).force_N; }
-void Rig::press_handle_button(bool down) { parts_->breakable.pressed = down; }
-
-Channel& Rig::stop_channel(Role role) {
-    return *parts_->session.network().of(Role::kSession).outlet(stop_port(role));
-}
-
 FlowCounters Rig::counters() const {
     FlowCounters sum;
-    for (const NodeProcess* node :
-         std::initializer_list<const NodeProcess*>{&master(), &netem(), &slave(), &cutaneous(), &visual()}) {
-        sum.add(node->counters());
-    }
+    for (const NodeProcess* node : nodes()) sum.add(node->counters());
     return sum;
 }
 

@@ -3,11 +3,17 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "cutaneous_node/can/cannelloni.hpp"
+#include "cutaneous_node/drive_actuator.hpp"
 #include "cutaneous_node/emulator/emulated_drives.hpp"
 #include "master/devices/pointer_handle.hpp"
 #include "session/virtual/virtual_session.hpp"
@@ -45,11 +51,36 @@ class Tap : public Channel {
 // Puts a tap on a wire; null leaves it as it is.
 using MakeTap = std::function<std::unique_ptr<Tap>(Wire, Channel&)>;
 
+// A T(end, arguments...) on each of these wires.
+template <class T, class... Arguments>
+MakeTap tap_on(std::vector<Wire> wires, Arguments&... arguments) {
+    return [wires = std::move(wires), &arguments...](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
+        const bool tapped = std::find(wires.begin(), wires.end(), wire) != wires.end();
+        return tapped ? std::make_unique<T>(end, arguments...) : nullptr;
+    };
+}
+
+// Loses everything while `cut` is true.
+class Scissors final : public Tap {
+  public:
+    Scissors(Channel& inner, const bool& cut) : Tap(inner), cut_(&cut) {}
+    void send(Bytes datagram) override {
+        if (!*cut_) Tap::send(datagram);
+    }
+
+  private:
+    const bool* cut_;
+};
+
 // A handle that may fail; untouched until then.
 class BreakableHandle final : public HapticDevice {
   public:
     explicit BreakableHandle(SimulatedHandle& inner) : inner_(&inner) {}
-    HandleSample read(SessionTime now) override;
+    HandleSample read(SessionTime now) override {
+        HandleSample sample = inner_->read(now);
+        sample.valid = words.empty();
+        return sample;
+    }
     void command_force(SessionTime now, double force_hand_N) override {
         commanded_N = words.empty() ? force_hand_N : 0;
         largest_N = std::max(largest_N, std::abs(commanded_N));
@@ -68,66 +99,110 @@ class BreakableHandle final : public HapticDevice {
     SimulatedHandle* inner_;
 };
 
+// A screen that is read, and a key beside it.
+class ReadDisplay final : public Display {
+  public:
+    explicit ReadDisplay(Duration pipeline) : frames(pipeline) {}
+    void draw(SessionTime now, const Scene& scene) override { frames.draw(now, scene); }
+    std::optional<ShownScene> shown(SessionTime now) override { return frames.shown(now); }
+    SessionTime next_shown() const override { return frames.next_shown(); }
+    void turn_page(SessionTime, const Page& turned) override { page = turned; }
+    void beep(SessionTime now) override { frames.beep(now); }
+    bool take_go_on() override { return std::exchange(pressed, false); }
+    bool take_stop() override { return frames.take_stop(); }
+
+    RecordingDisplay frames;
+    Page page;
+    bool pressed = false;
+};
+
 class Rig {
   public:
     explicit Rig(const SystemSettings& settings, const MakeTap& make_tap = {});
-    ~Rig();
 
-    void start(const TrialConditions& conditions);
-    bool step();  // false once the trial has ended
+    void start(const TrialConditions& conditions) { virtual_.start(conditions); }
+    bool step() { return virtual_.step(); }  // false once the trial has ended
     const TrialRecord& finish();
     const TrialRecord& run(const TrialConditions& conditions);
     // Steps until the session's clock has passed `time`, or the trial has ended.
     void run_until(SessionTime time);
     // Steps until there is a sample for which `seen` is true; false if the trial ended before.
     bool run_until_sample(const std::function<bool(const TrajectorySample&)>& seen);
+    // Until the needle has touched the fixture for so long.
+    bool run_until_contact(double contact_s) {
+        return run_until_sample([=](const TrajectorySample& s) { return s.contact_time_s >= contact_s; });
+    }
 
-    SessionTime now() const;
-    SessionProcess& session();
-    SimulatedHandle& handle();
+    SessionTime now() const { return virtual_.loop().now(); }
+    SessionProcess& session() { return virtual_.session(); }
+    SimulatedHandle& handle() { return handle_; }
     // With [handle] device = "pointer": where a person's pointer comes in, and what it draws.
-    Channel& hand();
-    const PointerHandle& pointer() const;
+    Channel& hand() { return *hand_; }
+    const PointerHandle& pointer() const { return pointer_; }
     // With [cutaneous] device = "drives": the drives at the other end of the bus, and a command for them.
-    const EmulatedDrives& drives() const;
-    void order_drives(const std::string& words);
-    const MasterProcess& master() const;
-    const NetemProcess& netem() const;
-    const SlaveProcess& slave() const;
-    const CutaneousProcess& cutaneous() const;
-    const VisualProcess& visual() const;
-    const RecordingDisplay& display() const;
+    const EmulatedDrives& drives() const { return driven_->drives; }
+    void order_drives(const std::string& words) { driven_->drives.obey(now(), words); }
+    const MasterProcess& master() const { return virtual_.master(); }
+    const NetemProcess& netem() const { return virtual_.netem(); }
+    const SlaveProcess& slave() const { return virtual_.slave(); }
+    const CutaneousProcess& cutaneous() const { return virtual_.cutaneous(); }
+    const VisualProcess& visual() const { return virtual_.visual(); }
+    std::array<const NodeProcess*, 5> nodes() const {
+        return {&master(), &netem(), &slave(), &cutaneous(), &visual()};
+    }
 
     // Between trials: lets time pass, presses the subject's key, and what the subject reads.
-    void idle(Duration limit);
-    void press_key();
-    const Page& page() const;
+    void idle(Duration limit) { virtual_.idle(limit); }
+    void press_key() { display_.pressed = true; }
+    const Page& page() const { return display_.page; }
 
     // A program that no longer ticks, as one that was killed or stopped with SIGSTOP; it may go on later (what came meanwhile
     // waits, as in a socket), or come up again as another instance (restart_master).
-    void freeze(Role role);
-    void thaw(Role role);
+    void freeze(Role role) { virtual_.loop().freeze(virtual_.bit(role)); }
+    void thaw(Role role) { virtual_.loop().thaw(virtual_.bit(role)); }
     // The force that the master really asks of the handle at this moment.
-    double force_at_handle_N() const;
+    double force_at_handle_N() const { return breakable_.commanded_N; }
     // The largest of all commands to the handle since the last call.
-    double take_largest_at_handle_N();
-    double force_at_finger_N() const;
+    double take_largest_at_handle_N() { return std::exchange(breakable_.largest_N, 0); }
+    double force_at_finger_N() { return actuator_.output(now()).force_N; }
     // Sends to the stop bus of a program of the rig.
-    Channel& stop_channel(Role role);
+    Channel& stop_channel(Role role) {
+        return *virtual_.network().of(Role::kSession).outlet(stop_port(role));
+    }
     // From now on a stop button at the handle is held down.
-    void press_handle_button(bool down);
+    void press_handle_button(bool down) { breakable_.pressed = down; }
 
     // From now on the simulated handle has failed, as a real one may, with these words.
-    void break_handle(const std::string& words);
+    void break_handle(const std::string& words) { breakable_.words = words; }
     // The master's program dies and starts anew, as another instance.
-    void restart_master();
+    void restart_master() { virtual_.restart_master(); }
 
     // Over all nodes, since start.
     FlowCounters counters() const;
 
   private:
-    struct Parts;
-    std::unique_ptr<Parts> parts_;
+    // The actuator, its drives and the bus between them.
+    struct Driven {
+        explicit Driven(const CutaneousSettings& s)
+            : drives(s.drives.master.nodes, PlantParameters{}, far),
+              actuator(s.drives, s.force_limit_N, near) {}
+
+        QueuePipe bus;
+        CannelloniBus near{bus.a}, far{bus.b};
+        EmulatedDrives drives;
+        DriveActuator actuator;
+    };
+    VirtualDevices devices();
+
+    SystemSettings settings_;
+    SimulatedHandle handle_;
+    BreakableHandle breakable_{handle_};
+    PointerHandle pointer_;
+    SimulatedActuator actuator_;
+    std::unique_ptr<Driven> driven_;
+    ReadDisplay display_;
+    VirtualSession virtual_;
+    Channel* hand_;
 };
 
 }  // namespace thimble::test

@@ -36,5 +36,32 @@ TEST(Rig, TapsThatDoNothingChangeNothing) {
     EXPECT_EQ(taps, 18);
 }
 
+// Protection changes no bit of a trial.
+std::shared_ptr<const LabKey> virtual_lab_key() {
+    std::array<std::uint8_t, kKeyBytes> bytes{};
+    bytes.fill(42);
+    return std::make_shared<const LabKey>(bytes);
+}
+
+TEST(ProtectedSession, HasTheSameBitsAsAnOpenOne) {
+    for (const Modality modality : {Modality::kHF, Modality::kCCF}) {
+        TrialConditions conditions;
+        conditions.modality = modality;
+        conditions.fixture_position_m = 0.035;
+        const SystemSettings settings = paper_with_delays({}, kPaperDelay);
+        VirtualSession open(settings), secured(settings, virtual_lab_key());
+        const TrialRecord& plain = open.run(conditions);
+        EXPECT_TRUE(same_samples(secured.run(conditions), plain));
+        EXPECT_EQ(plain.reason, EndReason::kCompleted);
+        const SecurityCounters counters = secured.network().counters();
+        EXPECT_GT(counters.opened, 5000U);
+        EXPECT_EQ(counters.handshakes, 10U);  // five, as both sides count them
+        EXPECT_EQ(counters.forged + counters.replayed + counters.wrong_role + counters.unsealed +
+                      counters.handshake_refused,
+                  0U);
+        EXPECT_EQ(open.network().counters().opened, 0U);
+    }
+}
+
 }  // namespace
 }  // namespace thimble::test

@@ -1,5 +1,6 @@
 // The session around a trial: time-outs, interruptions, a fixture that is taken away, nodes that do not
 // answer.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "session/records/metrics.hpp"
+#include "session/virtual/virtual_session.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -19,8 +21,7 @@ using std::chrono::seconds;
 bool idle(const NodeProcess& node) { return node.state() == NodeState::kIdle; }
 
 void expect_all_stopped(Rig& rig, EndReason reason) {
-    for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
-             &rig.master(), &rig.netem(), &rig.slave(), &rig.cutaneous(), &rig.visual()}) {
+    for (const NodeProcess* node : rig.nodes()) {
         EXPECT_TRUE(idle(*node)) << to_string(node->role());
         EXPECT_EQ(node->reason(), reason) << to_string(node->role());
     }
@@ -70,7 +71,7 @@ TEST(Session, AFailedHandleEndsTheTrialInItsOwnWords) {
     EXPECT_EQ(record.fault, "the handle is unplugged; plug it in");
     EXPECT_FALSE(record.samples.empty());
     expect_all_stopped(rig, EndReason::kDeviceFault);
-    // Nor does another trial begin with it.
+    // Another trial does not begin with it either.
     TrialConditions conditions = trial_of(Modality::kCF);
     conditions.trial = 2;
     const TrialRecord& next = rig.run(conditions);
@@ -113,7 +114,7 @@ TEST(Session, ANumberOfItsOwnOnTheWire) {
 TEST(Session, AnInterruptEndsTheTrialAtOnce) {
     Rig rig(paper());
     rig.start(trial_of(Modality::kHF));
-    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s > 1; }));
+    ASSERT_TRUE(rig.run_until_contact(1));
     const SessionTime when = rig.now();
     rig.session().abort(EndReason::kInterrupted);
     const TrialRecord& record = rig.finish();
@@ -138,33 +139,9 @@ TEST(Session, AShutdownReachesEveryNode) {
     rig.run(trial_of(Modality::kHF));
     EXPECT_FALSE(rig.slave().stopped());
     rig.session().shut_down(rig.now());
-    for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
-             &rig.master(), &rig.netem(), &rig.slave(), &rig.cutaneous(), &rig.visual()}) {
+    for (const NodeProcess* node : rig.nodes()) {
         const_cast<NodeProcess*>(node)->tick(rig.now());
         EXPECT_TRUE(node->stopped()) << to_string(node->role());
-    }
-}
-
-// Experiment 2: the fixture vanishes at the beep. A hand that leans on it falls through; fingers and eyes
-// have nothing to lean on.
-TEST(Session, AVanishedFixtureLetsOnlyTheKinestheticHandOvershoot) {
-    for (const Modality modality : kModalities) {
-        Rig rig(paper());
-        rig.start(trial_of(modality));
-        ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 5; }));
-        const std::size_t before = rig.session().record().samples.size();
-        rig.session().change_fixture(false, 0);
-        const TrialRecord& record = rig.finish();
-        EXPECT_EQ(record.reason, EndReason::kCompleted);
-        EXPECT_TRUE(record.samples[before - 1].fixture_present);
-        EXPECT_FALSE(record.samples[before + 100].fixture_present);
-        EXPECT_EQ(record.samples.back().force_fixture_N, 0);
-        const double peak_m = measure(record).peak_displacement_m;
-        if (modality == Modality::kHF) {
-            EXPECT_GT(peak_m, 5e-3);
-        } else {
-            EXPECT_LT(peak_m, 1.5e-3) << to_string(modality);
-        }
     }
 }
 
@@ -172,7 +149,7 @@ TEST(Session, AMovedFixtureIsWhereItWasMoved) {
     Rig rig(paper());
     const TrialConditions trial = trial_of(Modality::kHF);
     rig.start(trial);
-    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 2; }));
+    ASSERT_TRUE(rig.run_until_contact(2));
     const double moved_m = trial.fixture_position_m - 0.002;
     rig.session().change_fixture(true, moved_m);
     ASSERT_TRUE(rig.run_until_sample([&](const TrajectorySample& s) {
@@ -183,25 +160,62 @@ TEST(Session, AMovedFixtureIsWhereItWasMoved) {
 
 // A trial whose rest was never recorded must not pass for a whole one.
 TEST(Session, ATrialWhoseRecordBreaksOffIsNotCompleted) {
-    struct Cut final : Tap {
-        Cut(Channel& end, const bool& flag) : Tap(end), cut(&flag) {}
-        void send(Bytes datagram) override {
-            if (!*cut) Tap::send(datagram);
-        }
-        const bool* cut;
-    };
     bool cut = false;
-    Rig rig(paper(), [&](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
-        return wire == Wire::kRecord ? std::make_unique<Cut>(end, cut) : nullptr;
-    });
+    Rig rig(paper(), tap_on<Scissors>({Wire::kRecord}, cut));
     rig.start(trial_of(Modality::kHF));
-    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 1; }));
+    ASSERT_TRUE(rig.run_until_contact(1));
     cut = true;
     const SessionTime when = rig.now();
     const TrialRecord& record = rig.finish();
     EXPECT_EQ(record.reason, EndReason::kPeerLost);
     EXPECT_EQ(record.lost_peer, Role::kSlaveSim);
     EXPECT_LT(rig.now() - when, seconds{1});
+}
+
+// Experiment 2: the fixture vanishes with the beep. A hand that pushed against it falls through, a hand that stood still does not.
+TrialRecord removal(Modality modality) {
+    TrialConditions trial = trial_of(modality);
+    trial.experiment = 2;
+    trial.removes_fixture = true;
+    return run_virtual_trial(paper(), trial);
+}
+
+TEST(FixtureRemoval, HappensWithTheBeepAndNotBefore) {
+    const TrialRecord record = removal(Modality::kHF);
+    EXPECT_EQ(record.reason, EndReason::kCompleted);
+    ASSERT_TRUE(std::isfinite(record.beep_time_s));
+    const auto gone = std::find_if(record.samples.begin(), record.samples.end(),
+                                   [](const TrajectorySample& s) { return !s.fixture_present; });
+    ASSERT_NE(gone, record.samples.end());
+    EXPECT_GT(gone->time_s, record.beep_time_s);
+    EXPECT_LT(gone->time_s, record.beep_time_s + 0.005);
+    for (auto sample = gone; sample != record.samples.end(); ++sample) {
+        EXPECT_FALSE(sample->fixture_present);
+        EXPECT_EQ(sample->force_fixture_N, 0);
+    }
+}
+
+TEST(FixtureRemoval, OnlyWhoPushedFallsThrough) {
+    const double handle_m = measure(removal(Modality::kHF)).peak_displacement_m;
+    EXPECT_GT(handle_m, 5e-3);
+    for (const Modality modality : {Modality::kCF, Modality::kCCF, Modality::kVF}) {
+        const double other_m = measure(removal(modality)).peak_displacement_m;
+        EXPECT_LT(other_m, 2e-3) << to_string(modality);
+        EXPECT_GT(handle_m, 5 * other_m) << to_string(modality);
+    }
+}
+
+// Up to the beep the subject cannot know which trial it is.
+TEST(FixtureRemoval, ChangesNothingBeforeTheBeep) {
+    const TrialRecord with = removal(Modality::kCF);
+    TrialConditions trial = with.conditions;
+    trial.removes_fixture = false;
+    const TrialRecord without = run_virtual_trial(paper(), trial);
+    ASSERT_EQ(with.beep_time_s, without.beep_time_s);
+    for (std::size_t i = 0; with.samples[i].time_s <= with.beep_time_s; ++i) {
+        ASSERT_EQ(with.samples[i].position_needle_m, without.samples[i].position_needle_m);
+        ASSERT_EQ(with.samples[i].force_total_N, without.samples[i].force_total_N);
+    }
 }
 
 class SilentNode : public testing::TestWithParam<Role> {
@@ -213,15 +227,12 @@ class SilentNode : public testing::TestWithParam<Role> {
             if (wire != Wire::kOrders && wire != Wire::kHeartbeats) return nullptr;
             const std::size_t i = index[wire == Wire::kOrders ? 0 : 1]++;
             const bool cut = kNodeRoles[i] == GetParam() && (wire == Wire::kOrders ? orders : heartbeats);
-            return cut ? std::make_unique<Mute>(end) : nullptr;
+            return cut ? std::make_unique<Scissors>(end, kCut) : nullptr;
         };
     }
 
   private:
-    struct Mute final : Tap {
-        using Tap::Tap;
-        void send(Bytes) override {}
-    };
+    static constexpr bool kCut = true;
 };
 
 TEST_P(SilentNode, ADeadNodeIsNamedWhenItDoesNotStart) {

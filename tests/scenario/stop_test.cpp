@@ -25,7 +25,7 @@ void say(Rig& rig, Role to, const StopOrder& order, Role sender) {
 
 void press_until_contact(Rig& rig, Modality modality) {
     rig.start(trial_of(modality));
-    ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.contact_time_s >= 0.5; }));
+    ASSERT_TRUE(rig.run_until_contact(0.5));
 }
 
 // At one program's place only: the others hear of it by that program's heartbeat and the session.
@@ -58,8 +58,7 @@ TEST(EmergencyStop, AButtonAtTheHandleStopsEverybodyWithinTwoSamples) {
     rig.press_handle_button(true);
     rig.run_until(pressed + milliseconds{2});
     EXPECT_EQ(rig.handle().force_hand_N(), 0);
-    for (const NodeProcess* node : std::initializer_list<const NodeProcess*>{
-             &rig.master(), &rig.netem(), &rig.slave(), &rig.cutaneous(), &rig.visual()}) {
+    for (const NodeProcess* node : rig.nodes()) {
         EXPECT_NE(node->state(), NodeState::kRunning) << to_string(node->role());
         EXPECT_TRUE(node->stop_bus().stopped()) << to_string(node->role());
     }
@@ -92,7 +91,7 @@ TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
     EXPECT_EQ(refused.reason, EndReason::kEmergencyStop);
     EXPECT_TRUE(refused.samples.empty());
     EXPECT_NE(rig.master().state(), NodeState::kRunning);
-    // Nor by an order that the session never gave: the nodes hold it themselves.
+    // An order that the session never gave does not release them: the nodes hold the stop themselves.
     say(rig, Role::kSession, StopOrder(78, StopKind::kRelease, EndReason::kEmergencyStop, {}),
         Role::kExperimenter);
     rig.idle(milliseconds{20});
@@ -183,27 +182,12 @@ TEST(Guard, ATripEndsTheTrialInItsOwnWordsAndHolds) {
     EXPECT_LT(calm.master().guard().most_given_out_J(), 0.02);
 }
 
-// Loses everything while it is cut.
-class CutForce final : public Tap {
-  public:
-    CutForce(Channel& inner, const bool& cut) : Tap(inner), cut_(&cut) {}
-    void send(Bytes datagram) override {
-        if (!*cut_) Tap::send(datagram);
-    }
-
-  private:
-    const bool* cut_;
-};
-
 // 90 ms of forces are lost while the needle goes into the fixture.
 TEST(Guard, NoSilenceSavesUpAJumpOfTheForce) {
     SystemSettings settings = paper();
     settings.master.guard.force_rate_limit_N_per_s = 10;  // 0.01 N in a sample
     bool cut = false;
-    Rig rig(settings, [&cut](Wire wire, Channel& inner) -> std::unique_ptr<Tap> {
-        if (wire != Wire::kForceMaster) return nullptr;
-        return std::make_unique<CutForce>(inner, cut);
-    });
+    Rig rig(settings, tap_on<Scissors>({Wire::kForceMaster}, cut));
     rig.start(trial_of(Modality::kHF));
     ASSERT_TRUE(rig.run_until_sample([](const TrajectorySample& s) { return s.force_fixture_N < 0; }));
     const SessionTime begun = rig.now();
@@ -300,10 +284,7 @@ TEST(StaleInput, ADelayThatGrowsTakesTheForceOffTheHandleAndTheFinger) {
     for (const Modality modality : {Modality::kHF, Modality::kCF}) {
         SCOPED_TRACE(to_string(modality));
         SessionTime since = kNever;
-        Rig rig(paper(), [&since](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
-            if (wire != Wire::kForceMaster && wire != Wire::kForceCutaneous) return nullptr;
-            return std::make_unique<StretchingTap>(end, since);
-        });
+        Rig rig(paper(), tap_on<StretchingTap>({Wire::kForceMaster, Wire::kForceCutaneous}, since));
         press_until_contact(rig, modality);
         const auto felt_N = [&] {
             return modality == Modality::kHF ? rig.force_at_handle_N() : rig.force_at_finger_N();

@@ -1,25 +1,36 @@
 // The files of a study of all experiments.
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "study/study.hpp"
-#include "tests/read_text.hpp"
 #include "tests/scenario/trials.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble::test {
 namespace {
 
-TEST(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
-    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_study_files";
-    std::filesystem::remove_all(folder);
+// A trial per modality; files into `folder`.
+class StudyFiles : public testing::Test {
+  protected:
+    void use(std::vector<Protocol> protocols) {
+        for (Protocol& protocol : protocols) protocol.trials_per_modality = 1;
+        options.protocols = std::move(protocols);
+        options.out = folder;
+    }
+    nlohmann::json json(const char* name) const { return nlohmann::json::parse(read_text(folder / name)); }
+
+    TemporaryDirectory temporary;
+    std::filesystem::path folder = temporary / "study";
     StudyOptions options;
-    options.protocols = {experiment_1(paper(), 3, 1), experiment_2(paper(), 4, 1),
-                         experiment_3(paper(), 3, 1)};
-    for (Protocol& protocol : options.protocols) protocol.trials_per_modality = 1;
-    options.out = folder;
+};
+
+TEST_F(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
+    use({experiment_1(paper(), 3, 1), experiment_2(paper(), 4, 1), experiment_3(paper(), 3, 1)});
     run_study(paper(), options);
 
     for (const char* file : {"trials.csv", "claims.json", "summary.json", "report.html"}) {
@@ -32,7 +43,7 @@ TEST(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
             EXPECT_FALSE(read_text(folder / "figures" / (name + ".gp")).empty()) << name;
         }
     }
-    const auto analysis = nlohmann::json::parse(read_text(folder / "analysis.json"));
+    const auto analysis = json("analysis.json");
     EXPECT_EQ(analysis["analysis"], "full");
     ASSERT_EQ(analysis["measures"].size(), 7U);
     const std::string html = read_text(folder / "report.html");
@@ -44,18 +55,12 @@ TEST(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
     }
     // Side by side before the claims, the claims before the experiments.
     EXPECT_LT(html.find("The experiments side by side"), html.find("The paper's claims"));
-    std::filesystem::remove_all(folder);
 }
 
-TEST(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
-    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_study_compensators";
-    std::filesystem::remove_all(folder);
-    StudyOptions options;
-    options.protocols = {experiment_3(paper(), 3, 1)};
-    options.protocols[0].trials_per_modality = 1;
+TEST_F(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
+    use({experiment_3(paper(), 3, 1)});
     options.control = false;
     options.compensators = {Compensator::kWave, Compensator::kLeastConservative};
-    options.out = folder;
     ASSERT_TRUE(run_study(paper(), options).complete);
     const auto plain = read_trial_table(folder / "trials.csv"),
                waves = read_trial_table(folder / "hf_wave.csv");
@@ -66,7 +71,7 @@ TEST(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
         EXPECT_EQ(row.conditions.compensator, Compensator::kWave);
         EXPECT_FALSE(row.metrics.oscillates);
     }
-    const auto analysis = nlohmann::json::parse(read_text(folder / "compensators.json"));
+    const auto analysis = json("compensators.json");
     const std::string text = analysis.dump();
     for (const char* name : {"HF+wave", "HF+energy-bound", "CCF"})
         EXPECT_NE(text.find(name), std::string::npos) << name;
@@ -76,21 +81,15 @@ TEST(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
     options.if_exists = IfExists::kContinue;
     options.compensators = {Compensator::kWave};
     EXPECT_EQ(run_study(paper(), options).resumed, 15U);
-    std::filesystem::remove_all(folder);
 }
 
 // One subject is no sample: every test says why, and the study is whole.
-TEST(StudyFiles, TooFewSubjectsForAnyTest) {
-    const auto folder = std::filesystem::path(testing::TempDir()) / "thimble_study_of_one";
-    std::filesystem::remove_all(folder);
-    StudyOptions options;
-    options.protocols = {experiment_3(paper(), 1, 1)};
-    options.protocols[0].trials_per_modality = 1;
+TEST_F(StudyFiles, TooFewSubjectsForAnyTest) {
+    use({experiment_3(paper(), 1, 1)});
     options.control = false;
     options.analysis = AnalysisKind::kPaper;
-    options.out = folder;
     EXPECT_TRUE(run_study(paper(), options).complete);
-    const auto analysis = nlohmann::json::parse(read_text(folder / "analysis.json"));
+    const auto analysis = json("analysis.json");
     EXPECT_EQ(analysis["analysis"], "paper");
     ASSERT_EQ(analysis["measures"].size(), 3U);
     for (const auto& measure : analysis["measures"]) {
@@ -100,7 +99,6 @@ TEST(StudyFiles, TooFewSubjectsForAnyTest) {
     }
     EXPECT_TRUE(std::filesystem::exists(folder / "report.html"));
     EXPECT_FALSE(std::filesystem::exists(folder / "figures" / "differences.gp"));
-    std::filesystem::remove_all(folder);
 }
 
 }  // namespace

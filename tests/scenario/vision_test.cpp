@@ -15,32 +15,26 @@ struct Shown {
     Percept percept;
 };
 
-class Watcher {
+using ShownList = std::vector<Shown>;
+
+class Watcher final : public Tap {
   public:
-    MakeTap taps() {
-        return [this](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
-            return wire == Wire::kPerceptVisual ? std::make_unique<Eye>(end, shown) : nullptr;
-        };
+    Watcher(Channel& end, ShownList& target) : Tap(end), list_(&target) {}
+    void send(Bytes datagram) override {
+        const Decoded decoded = decode(datagram);
+        ASSERT_TRUE(decoded.message);
+        list_->push_back({decoded.message->header.send_time, std::get<Percept>(decoded.message->body)});
+        Tap::send(datagram);
     }
-    std::vector<Shown> shown;
 
   private:
-    struct Eye final : Tap {
-        Eye(Channel& end, std::vector<Shown>& target) : Tap(end), list(&target) {}
-        void send(Bytes datagram) override {
-            const Decoded decoded = decode(datagram);
-            ASSERT_TRUE(decoded.message);
-            list->push_back({decoded.message->header.send_time, std::get<Percept>(decoded.message->body)});
-            Tap::send(datagram);
-        }
-        std::vector<Shown>* list;
-    };
+    ShownList* list_;
 };
 
 TEST(Vision, TheInsertedPartIsNeverShown) {
     for (const Modality modality : kModalities) {
-        Watcher watcher;
-        Rig rig(paper(), watcher.taps());
+        ShownList all_shown;
+        Rig rig(paper(), tap_on<Watcher>({Wire::kPerceptVisual}, all_shown));
         const TrialRecord& record = rig.run(trial_of(modality));
         ASSERT_EQ(record.reason, EndReason::kCompleted);
         double deepest_m = 0, deepest_shown_m = -1;
@@ -49,7 +43,7 @@ TEST(Vision, TheInsertedPartIsNeverShown) {
         }
         ASSERT_GT(deepest_m, 0.05);  // there was something to hide
         int hidden = 0;
-        for (const Shown& shown : watcher.shown) {
+        for (const Shown& shown : all_shown) {
             const Percept& p = shown.percept;
             deepest_shown_m =
                 std::max(deepest_shown_m, p.position_needle_shown_m - p.position_surface_shown_m);
@@ -62,16 +56,16 @@ TEST(Vision, TheInsertedPartIsNeverShown) {
         EXPECT_LE(deepest_shown_m, 0);
         EXPECT_GT(hidden, 100);
         // 60 frames a second, and the beep.
-        EXPECT_NEAR(static_cast<double>(watcher.shown.size()), 60 * record.samples.back().time_s, 10);
+        EXPECT_NEAR(static_cast<double>(all_shown.size()), 60 * record.samples.back().time_s, 10);
     }
 }
 
 TEST(Vision, TheBarIsShownInVF) {
-    Watcher watcher;
-    Rig rig(paper(), watcher.taps());
+    ShownList all_shown;
+    Rig rig(paper(), tap_on<Watcher>({Wire::kPerceptVisual}, all_shown));
     rig.run(trial_of(Modality::kVF));
     double longest_N = 0;
-    for (const Shown& shown : watcher.shown) longest_N = std::max(longest_N, shown.percept.bar_N);
+    for (const Shown& shown : all_shown) longest_N = std::max(longest_N, shown.percept.bar_N);
     EXPECT_GT(longest_N, 5);
     EXPECT_LE(longest_N, 12);
 }
@@ -79,11 +73,12 @@ TEST(Vision, TheBarIsShownInVF) {
 // Two trials that differ in nothing but the fixture's place look the same until the needle is at the nearer
 // one, even where the hand has been inside for seconds.
 TEST(Vision, NothingShownTellsWhereTheFixtureIs) {
-    Watcher near_watcher, far_watcher;
+    ShownList near_shown, far_shown;
     TrialConditions near = trial_of(Modality::kVF), far = near;
     near.fixture_position_m = 0.110;
     far.fixture_position_m = 0.135;
-    Rig near_rig(paper(), near_watcher.taps()), far_rig(paper(), far_watcher.taps());
+    Rig near_rig(paper(), tap_on<Watcher>({Wire::kPerceptVisual}, near_shown));
+    Rig far_rig(paper(), tap_on<Watcher>({Wire::kPerceptVisual}, far_shown));
     const TrialRecord& record = near_rig.run(near);
     far_rig.run(far);
     double touched_s = 0;
@@ -93,8 +88,8 @@ TEST(Vision, NothingShownTellsWhereTheFixtureIs) {
     }
     ASSERT_GT(touched_s, 3);
     std::size_t compared = 0;
-    for (std::size_t i = 0; i < near_watcher.shown.size() && i < far_watcher.shown.size(); ++i) {
-        const Shown &a = near_watcher.shown[i], &b = far_watcher.shown[i];
+    for (std::size_t i = 0; i < near_shown.size() && i < far_shown.size(); ++i) {
+        const Shown &a = near_shown[i], &b = far_shown[i];
         if (to_seconds(a.when.time_since_epoch()) > touched_s) break;
         ++compared;
         ASSERT_EQ(a.when, b.when);

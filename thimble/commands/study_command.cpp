@@ -15,7 +15,6 @@
 #include "session/participant/dataset.hpp"
 #include "study/study.hpp"
 #include "study/sweeps/joint_draws.hpp"
-#include "study/sweeps/judged_study.hpp"
 #include "study/sweeps/seed_sweep.hpp"
 #include "study/sweeps/variation.hpp"
 #include "study/with_compensator.hpp"

@@ -1,52 +1,78 @@
-// Studies along a parameter and over joint draws of several, small enough to run in a moment.
-#include "study/sweeps/variation.hpp"
-
+// Studies over seeds, along a parameter, and over joint draws of several, small enough to run in a moment.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <thread>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/study.hpp"
 #include "study/sweeps/joint_draws.hpp"
+#include "study/sweeps/seed_sweep.hpp"
+#include "study/sweeps/variation.hpp"
 #include "tests/scenario/trials.hpp"
+#include "tests/unit/session/records.hpp"
 
 namespace thimble::test {
 namespace {
 
 class Sweeps : public testing::Test {
   protected:
-    Sweeps()
-        : folder_(std::filesystem::path(testing::TempDir()) /
-                  fmt::format("thimble_sweeps_{}",
-                              testing::UnitTest::GetInstance()->current_test_info()->name())) {
-        std::filesystem::remove_all(folder_);
+    Sweeps() {
         options_.protocols = {experiment_3(paper(), 3, 5)};
         options_.protocols[0].trials_per_modality = 1;
         options_.out = folder_;
     }
-    ~Sweeps() override { std::filesystem::remove_all(folder_); }
 
-    std::string text(const char* name) const {
-        std::ostringstream all;
-        all << std::ifstream(folder_ / name).rdbuf();
-        return all.str();
-    }
+    std::string text(const char* name) const { return read_text(folder_ / name); }
     std::size_t lines(const char* name) const {
         const std::string all = text(name);
         return static_cast<std::size_t>(std::count(all.begin(), all.end(), '\n'));
     }
 
-    std::filesystem::path folder_;
+    TemporaryDirectory temporary_;
+    std::filesystem::path folder_ = temporary_ / "out";
     SweepOptions options_;
 };
+
+TEST_F(Sweeps, CountsWhatEachSeedJudges) {
+    options_.seeds = 2;
+    const TallyResult result = run_sweep(paper(), options_);
+    EXPECT_TRUE(result.complete);
+    EXPECT_EQ(result.tally.studies(), 2U);
+
+    std::uint32_t stable = 0;
+    for (const std::uint64_t seed : {5U, 6U}) {
+        StudyOptions study;
+        study.protocols = options_.protocols;
+        study.protocols[0].seed = seed;
+        study.control = false;
+        study.out = folder_ / std::to_string(seed);
+        for (const Claim& c : run_study(paper(), study).claims) {
+            if (c.id == "E3.stable" && c.reproduced.value_or(false)) ++stable;
+        }
+    }
+    bool found = false;
+    for (const ClaimCount& c : result.tally.counts()) {
+        if (c.claim.id == "E1.mean.order") {
+            EXPECT_EQ(c.judged, 0U);
+        }
+        if (c.claim.id != "E3.stable") continue;
+        found = true;
+        EXPECT_EQ(c.judged, 2U);
+        EXPECT_EQ(c.reproduced, stable);
+        EXPECT_LE(c.interval().low, c.fraction());
+        EXPECT_GE(c.interval().high, c.fraction());
+    }
+    EXPECT_TRUE(found);
+    EXPECT_EQ(lines("claims_seeds.csv"), 1 + 2 * result.tally.counts().size());
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "claims.json"));
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "report.html"));
+}
 
 double stable_fraction(const VariedPoint& point) {
     for (const ClaimCount& c : point.tally.counts()) {
