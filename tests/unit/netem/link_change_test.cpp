@@ -77,36 +77,25 @@ LinkSettings limited(double bits_per_s) {
     return settings;
 }
 
-// 200 bytes: 1 ms at 1.6 Mb/s. The third is on its way when the rate changes; those behind it go at the new one.
+// 200 bytes: 1 ms at 1.6 Mb/s. The third is on its way when the rate changes; those behind it go at the new one. Nothing but
+// next_due() asks the link after a command.
 TEST(LinkChange, WhatWaitsGoesAtTheNewRate) {
-    for (const double after : {16e6, 1.6e5, 0.0}) {
-        LinkModel link(limited(1.6e6), kKey, 0, {{milliseconds{2} + Duration{500'000}, limited(after)}});
-        for (std::uint32_t i = 0; i < 5; ++i) link.push(at({}), NumberedPacket(i).bytes());
-        auto arrivals = drained(link);
-        ASSERT_EQ(arrivals.size(), 5U);
-        const Duration each = after > 0 ? from_seconds(1600 / after) : Duration::zero();
-        EXPECT_EQ(arrivals[2].time, at(milliseconds{3}));
-        EXPECT_EQ(arrivals[3].time, at(milliseconds{3} + each));
-        EXPECT_EQ(arrivals[4].time, at(milliseconds{3} + 2 * each));
-    }
-}
-
-// The same by command, on a link that did not start at 0; nothing but next_due() asks it afterwards.
-TEST(LinkChange, CommandChangesAQueueInTheMiddle) {
     const SessionTime start = at(seconds{7});
     const Duration change = milliseconds{2} + Duration{500'000};
-    for (const double after : {16e6, 1.6e5, 0.0}) {
-        LinkModel link(limited(1.6e6), kKey, 0, {}, start);
-        for (std::uint32_t i = 0; i < 5; ++i) link.push(start, NumberedPacket(i).bytes());
-        link.change(start + change, limited(after));
-        EXPECT_EQ(link.next_due(), start + milliseconds{1});  // sent before, and not yet fetched
-        auto arrivals = drained(link);
-        const Duration each = after > 0 ? from_seconds(1600 / after) : Duration::zero();
-        EXPECT_EQ(arrivals, (std::vector<Arrival>{{0, start + milliseconds{1}},
-                                                  {1, start + milliseconds{2}},
-                                                  {2, start + milliseconds{3}},
-                                                  {3, start + milliseconds{3} + each},
-                                                  {4, start + milliseconds{3} + 2 * each}}));
+    for (const bool by_command : {true, false}) {
+        for (const double after : {16e6, 1.6e5, 0.0}) {
+            LinkModel link(limited(1.6e6), kKey, 0,
+                           by_command ? Timeline{} : Timeline{{change, limited(after)}}, start);
+            for (std::uint32_t i = 0; i < 5; ++i) link.push(start, NumberedPacket(i).bytes());
+            if (by_command) link.change(start + change, limited(after));
+            EXPECT_EQ(link.next_due(), start + milliseconds{1});  // sent before, and not yet fetched
+            const Duration each = after > 0 ? from_seconds(1600 / after) : Duration::zero();
+            EXPECT_EQ(drained(link), (std::vector<Arrival>{{0, start + milliseconds{1}},
+                                                           {1, start + milliseconds{2}},
+                                                           {2, start + milliseconds{3}},
+                                                           {3, start + milliseconds{3} + each},
+                                                           {4, start + milliseconds{3} + 2 * each}}));
+        }
     }
 }
 
@@ -159,6 +148,15 @@ TEST(LinkChange, ASmallerCapacityLetsNobodyLeaveEarly) {
     EXPECT_EQ(drained(link), (std::vector<Arrival>{{0, at(milliseconds{20})}, {1, at(milliseconds{30})}}));
 }
 
+std::vector<SessionTime> due_times(LinkModel& link) {
+    std::vector<SessionTime> due;
+    while (link.next_due() != kNever) {
+        if (const Departure out = link.pop_departure(link.next_due()); !out.bytes.empty())
+            due.push_back(out.due);
+    }
+    return due;
+}
+
 // 200 bytes take 10 ms. Opportunities that pass while a packet is still being sent are lost.
 TEST(LinkChange, DeliveriesBeginWhenTheTransmitterIsFree) {
     LinkSettings recorded = delayed(milliseconds{1});
@@ -168,14 +166,8 @@ TEST(LinkChange, DeliveriesBeginWhenTheTransmitterIsFree) {
     LinkModel link(limited(1.6e5), kKey, 0);
     for (std::uint32_t i = 0; i < 4; ++i) link.push(at({}), NumberedPacket(i).bytes());
     link.change(at(milliseconds{1}), recorded);
-    std::vector<SessionTime> due;
-    while (link.next_due() != kNever) {
-        if (const Departure out = link.pop_departure(link.next_due()); !out.bytes.empty())
-            due.push_back(out.due);
-    }
-    const std::vector<SessionTime> expected{at(milliseconds{10}), at(milliseconds{12}), at(milliseconds{14}),
-                                            at(milliseconds{16})};
-    EXPECT_EQ(due, expected);
+    EXPECT_EQ(due_times(link), (std::vector<SessionTime>{at(milliseconds{10}), at(milliseconds{12}),
+                                                         at(milliseconds{14}), at(milliseconds{16})}));
 }
 
 // Another trace, while a large packet still takes its opportunities of the first.
@@ -187,12 +179,7 @@ TEST(LinkChange, AnotherTraceOfDeliveriesBeginsWhenTheFirstIsDone) {
     link.push(at({}), std::vector<std::uint8_t>(3000));
     link.push(at({}), NumberedPacket(1).bytes());
     link.change(at(milliseconds{12}), quick);
-    std::vector<SessionTime> due;
-    while (link.next_due() != kNever) {
-        if (const Departure out = link.pop_departure(link.next_due()); !out.bytes.empty())
-            due.push_back(out.due);
-    }
-    EXPECT_EQ(due, (std::vector<SessionTime>{at(milliseconds{20}), at(milliseconds{21})}));
+    EXPECT_EQ(due_times(link), (std::vector<SessionTime>{at(milliseconds{20}), at(milliseconds{21})}));
 }
 
 TEST(LinkChange, CommandOutlivesARestartAndTheTimelineComesAgain) {

@@ -11,7 +11,6 @@
 namespace thimble::test {
 namespace {
 
-using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 TEST(LinkQueue, KeepsEveryByte) {

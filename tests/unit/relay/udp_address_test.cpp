@@ -1,5 +1,3 @@
-#include <arpa/inet.h>
-
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"

@@ -1,8 +1,6 @@
 // irtt, ping and pairs of captures: what measuring programs write becomes a path.
 #include "netem/import/importers.hpp"
 
-#include <cmath>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -20,7 +20,6 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::Contains;
 using testing::HasSubstr;
-using testing::StartsWith;
 
 std::string no_files(std::string_view name) {
     throw Error(ExitCode::kData, std::string(name) + ": no such file");

@@ -2,7 +2,6 @@
 #include "netem/formats/trace_files.hpp"
 
 #include <cmath>
-#include <numeric>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +13,6 @@
 namespace thimble {
 namespace {
 
-using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::StartsWith;
