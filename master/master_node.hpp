@@ -94,8 +94,7 @@ class MasterNode {
     HandleControl control_;  // in charge of the force if it is active
     Modality modality_ = Modality::kHF;
     SessionTime next_sample_ = kNever;
-    SessionTime sampled_ =
-        kNever;  // the newest sample; kNever: the estimator does not know where the needle starts
+    SessionTime sampled_ = kNever;  // the newest sample; kNever: none in this trial
     bool stood_still_ = false;
     SessionTime heard_{};       // the newest force
     ForceAge age_;              // of it
