@@ -28,9 +28,9 @@ struct LinkSources {
     std::function<LinkSettings(const std::string& name)> profile{};
 };
 
-// A key that is absent leaves what `base` (or the profile) says. Throws Error (usage) also for settings that
-// contradict each other: a spread without jitter or the reverse, a spread so wide that cutting delays at 0 would move
-// their mean, a capacity that the delay alone fills, reordering in order, two senders at once.
+// A key that is absent leaves what `base` (or the profile) says. Throws Error (usage) also for settings that contradict each other.
+// Examples: a spread without jitter or the reverse, a spread so wide that cutting delays at 0 would move their mean, a capacity
+// that the delay alone fills, reordering in order, two senders at once.
 LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& base = {},
                                 const LinkSources& sources = {});
 
