@@ -96,7 +96,7 @@ TEST(HostileBytes, SamplesAreGoodAndFieldsAreCompared) {
     }
     Message changed = samples[0];
     std::get<NeedleCommand>(changed.body).force_hand_N += 1;
-    EXPECT_FALSE(same(samples[0], changed));
+    EXPECT_NE(samples[0], changed);
     std::get<NeedleCommand>(changed.body).force_hand_N = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(plausible(changed));
 }
