@@ -14,201 +14,185 @@ using std::chrono::milliseconds;
 constexpr HandleControlScale kPaperScale{};
 
 ForceFeedback pushes(double force_N, double needle_m = 0.12) {
-  ForceFeedback feedback;
-  feedback.position_needle_m = needle_m;
-  feedback.force_fixture_N = feedback.force_total_N = -force_N;
-  return feedback;
+    ForceFeedback feedback;
+    feedback.position_needle_m = needle_m;
+    feedback.force_fixture_N = feedback.force_total_N = -force_N;
+    return feedback;
 }
 
 ControlSettings of(Compensator compensator) {
-  ControlSettings settings;
-  settings.compensator = compensator;
-  return settings;
+    ControlSettings settings;
+    settings.compensator = compensator;
+    return settings;
 }
 
 TEST(HandleControl, WorksInTheHandleModalityOnly) {
-  for (std::size_t i = 0; i < kCompensatorNames.size(); ++i) {
-    const auto compensator = static_cast<Compensator>(i);
-    HandleControl control(of(compensator), kPaperScale);
-    control.start(false, {});
-    EXPECT_FALSE(control.active());
-    control.start(true, {});
-    EXPECT_EQ(control.active(), compensator != Compensator::kNone &&
-                                    compensator != Compensator::kScaled)
-        << kCompensatorNames[i];
-    EXPECT_EQ(control.waves(), compensator == Compensator::kWave ||
-                                   compensator == Compensator::kTwoPort)
-        << kCompensatorNames[i];
-    control.end();
-    EXPECT_FALSE(control.active());
-  }
+    for (std::size_t i = 0; i < kCompensatorNames.size(); ++i) {
+        const auto compensator = static_cast<Compensator>(i);
+        HandleControl control(of(compensator), kPaperScale);
+        control.start(false, {});
+        EXPECT_FALSE(control.active());
+        control.start(true, {});
+        EXPECT_EQ(control.active(), compensator != Compensator::kNone && compensator != Compensator::kScaled)
+            << kCompensatorNames[i];
+        EXPECT_EQ(control.waves(), compensator == Compensator::kWave || compensator == Compensator::kTwoPort)
+            << kCompensatorNames[i];
+        control.end();
+        EXPECT_FALSE(control.active());
+    }
 }
 
 TEST(HandleControl, AWishIsMetAsFarAsTheBoundAllows) {
-  HandleControl control(of(Compensator::kLeastConservative), kPaperScale);
-  control.start(true, {});
-  control.sample(SessionTime{}, {0, 0});
-  control.take(pushes(5));
-  EXPECT_EQ(control.force_N(), 0) << "nothing has been put in";
-  control.sample(SessionTime{milliseconds{1}},
-                 {1e-3, 0}); // 0.5 mJ against the device's damping
-  EXPECT_DOUBLE_EQ(control.force_N(), 1);
-  control.sample(SessionTime{milliseconds{2}}, {1e-2, 0});
-  EXPECT_EQ(control.force_N(), 5);
-  control.take(pushes(100));
-  EXPECT_LE(control.force_N(), 12);
-  ForceFeedback held = pushes(5);
-  held.needle_held = true;
-  control.take(held);
-  EXPECT_EQ(control.force_N(), 0);
+    HandleControl control(of(Compensator::kLeastConservative), kPaperScale);
+    control.start(true, {});
+    control.sample(SessionTime{}, {0, 0});
+    control.take(pushes(5));
+    EXPECT_EQ(control.force_N(), 0) << "nothing has been put in";
+    control.sample(SessionTime{milliseconds{1}}, {1e-3, 0});  // 0.5 mJ against the device's damping
+    EXPECT_DOUBLE_EQ(control.force_N(), 1);
+    control.sample(SessionTime{milliseconds{2}}, {1e-2, 0});
+    EXPECT_EQ(control.force_N(), 5);
+    control.take(pushes(100));
+    EXPECT_LE(control.force_N(), 12);
+    ForceFeedback held = pushes(5);
+    held.needle_held = true;
+    control.take(held);
+    EXPECT_EQ(control.force_N(), 0);
 }
 
 TEST(HandleControl, ALocalFixtureActsAtOnceAndIsForgottenInSilence) {
-  HandleControl control(of(Compensator::kLocalFixture), kPaperScale);
-  control.start(true, {});
-  control.sample(SessionTime{}, {0.039, 0});
-  EXPECT_EQ(control.force_N(), 0);
-  control.take(
-      pushes(3, 0.12)); // at 40 mm of hand with 3 N: the plane is at 39 mm
-  EXPECT_EQ(control.force_N(), 0);
-  control.sample(SessionTime{milliseconds{1}}, {0.0395, 0});
-  EXPECT_NEAR(control.force_N(), 1.5, 1e-9);
-  control.forget();
-  EXPECT_EQ(control.force_N(), 0);
+    HandleControl control(of(Compensator::kLocalFixture), kPaperScale);
+    control.start(true, {});
+    control.sample(SessionTime{}, {0.039, 0});
+    EXPECT_EQ(control.force_N(), 0);
+    control.take(pushes(3, 0.12));  // at 40 mm of hand with 3 N: the plane is at 39 mm
+    EXPECT_EQ(control.force_N(), 0);
+    control.sample(SessionTime{milliseconds{1}}, {0.0395, 0});
+    EXPECT_NEAR(control.force_N(), 1.5, 1e-9);
+    control.forget();
+    EXPECT_EQ(control.force_N(), 0);
 }
 
-// The tick of the sample cannot know its own answer: one wave later at the
-// least.
+// The tick of the sample cannot know its own answer: one wave later at the least.
 TEST(HandleControl, WavesArePlayedWhenTheNetworkWasExpectedToBringThem) {
-  ControlSettings settings = of(Compensator::kWave);
-  settings.jitter = {};
-  settings.channel.repeats = 0;
-  for (const int delay_ms : {0, 10}) {
-    HandleControl control(settings, kPaperScale);
-    control.start(true, milliseconds{delay_ms});
-    const int due = std::max(1, delay_ms);
-    WaveBurst burst;
-    burst.count = 1;
-    for (int n = 0; n < 2 * due + 2; ++n) {
-      control.sample(SessionTime{milliseconds{n}}, {0, 0});
-      EXPECT_EQ(control.burst().number, static_cast<std::uint32_t>(n));
-      EXPECT_EQ(control.force_N() != 0, n >= due) << delay_ms << ' ' << n;
-      burst.number = static_cast<std::uint32_t>(n);
-      burst.wave_root_W[0] = -0.1;
-      control.take(burst);
+    ControlSettings settings = of(Compensator::kWave);
+    settings.jitter = {};
+    settings.channel.repeats = 0;
+    for (const int delay_ms : {0, 10}) {
+        HandleControl control(settings, kPaperScale);
+        control.start(true, milliseconds{delay_ms});
+        const int due = std::max(1, delay_ms);
+        WaveBurst burst;
+        burst.count = 1;
+        for (int n = 0; n < 2 * due + 2; ++n) {
+            control.sample(SessionTime{milliseconds{n}}, {0, 0});
+            EXPECT_EQ(control.burst().number, static_cast<std::uint32_t>(n));
+            EXPECT_EQ(control.force_N() != 0, n >= due) << delay_ms << ' ' << n;
+            burst.number = static_cast<std::uint32_t>(n);
+            burst.wave_root_W[0] = -0.1;
+            control.take(burst);
+        }
+        EXPECT_GT(control.force_N(), 0) << "waves that come back negative push the hand out";
     }
-    EXPECT_GT(control.force_N(), 0)
-        << "waves that come back negative push the hand out";
-  }
 }
 
-// Returns waves over a network that keeps their order. The session tells the
-// handle about each change of that network.
+// Returns waves over a network that keeps their order. The session tells the handle about each change of that network.
 class WavesOverANetwork {
-public:
-  explicit WavesOverANetwork(Duration delay) : delay_(delay) {
-    control_.start(true, delay);
-  }
-  // From the next sample on.
-  void change(Duration delay) {
-    delay_ = delay;
-    tell(delay);
-  }
-  void tell(Duration delay) { control_.network_changed(delay); }
-  // The force of the next sample. `wave_root_W` is what the slave answers to
-  // it.
-  double sample(double wave_root_W) {
-    const SessionTime now{milliseconds{samples_++}};
-    control_.sample(now, {0, 0});
-    WaveBurst burst;
-    burst.count = 1;
-    burst.number = control_.burst().number;
-    burst.wave_root_W[0] = wave_root_W;
-    newest_ = std::max(newest_, now + delay_);
-    under_way_.push_back({newest_, burst});
-    for (; !under_way_.empty() && under_way_.front().comes <= now;
-         under_way_.pop_front())
-      control_.take(under_way_.front().burst);
-    return control_.force_N();
-  }
+  public:
+    explicit WavesOverANetwork(Duration delay) : delay_(delay) { control_.start(true, delay); }
+    // From the next sample on.
+    void change(Duration delay) {
+        delay_ = delay;
+        tell(delay);
+    }
+    void tell(Duration delay) { control_.network_changed(delay); }
+    // The force of the next sample. `wave_root_W` is what the slave answers to it.
+    double sample(double wave_root_W) {
+        const SessionTime now{milliseconds{samples_++}};
+        control_.sample(now, {0, 0});
+        WaveBurst burst;
+        burst.count = 1;
+        burst.number = control_.burst().number;
+        burst.wave_root_W[0] = wave_root_W;
+        newest_ = std::max(newest_, now + delay_);
+        under_way_.push_back({newest_, burst});
+        for (; !under_way_.empty() && under_way_.front().comes <= now; under_way_.pop_front())
+            control_.take(under_way_.front().burst);
+        return control_.force_N();
+    }
 
-private:
-  struct UnderWay {
-    SessionTime comes;
-    WaveBurst burst;
-  };
-  HandleControl control_{of(Compensator::kWave), kPaperScale};
-  Duration delay_;
-  SessionTime newest_{};
-  std::deque<UnderWay> under_way_;
-  int samples_ = 0;
+  private:
+    struct UnderWay {
+        SessionTime comes;
+        WaveBurst burst;
+    };
+    HandleControl control_{of(Compensator::kWave), kPaperScale};
+    Duration delay_;
+    SessionTime newest_{};
+    std::deque<UnderWay> under_way_;
+    int samples_ = 0;
 };
 
 TEST(HandleControl, WavesWaitForAChangedNetworkAndNoLonger) {
-  WavesOverANetwork waves(milliseconds{10});
-  const auto run = [&](int samples) {
-    int without_force = 0;
-    for (int i = 0; i < samples; ++i)
-      without_force += waves.sample(-0.1) > 0 ? 0 : 1;
-    return without_force;
-  };
-  const int wait =
-      10 + 2 + 3; // samples: the network, wave_jitter_s, wave_repeats
-  EXPECT_EQ(run(300), wait);
-  waves.change(milliseconds{200});
-  EXPECT_EQ(run(1000), 190)
-      << "nothing is under way that could be played meanwhile";
-  waves.change(milliseconds{30});
-  EXPECT_EQ(run(1000), 0) << "what was under way is still waited for";
-  const double before_N = waves.sample(-0.2);
-  int samples = 1;
-  while (waves.sample(-0.2) == before_N)
-    ++samples;
-  EXPECT_EQ(samples, 30 + 2 + 3);
+    WavesOverANetwork waves(milliseconds{10});
+    const auto run = [&](int samples) {
+        int without_force = 0;
+        for (int i = 0; i < samples; ++i) without_force += waves.sample(-0.1) > 0 ? 0 : 1;
+        return without_force;
+    };
+    const int wait = 10 + 2 + 3;  // samples: the network, wave_jitter_s, wave_repeats
+    EXPECT_EQ(run(300), wait);
+    waves.change(milliseconds{200});
+    EXPECT_EQ(run(1000), 190) << "nothing is under way that could be played meanwhile";
+    waves.change(milliseconds{30});
+    EXPECT_EQ(run(1000), 0) << "what was under way is still waited for";
+    const double before_N = waves.sample(-0.2);
+    int samples = 1;
+    while (waves.sample(-0.2) == before_N) ++samples;
+    EXPECT_EQ(samples, 30 + 2 + 3);
 }
 
 TEST(HandleControl, TheSameNetworkToldAgainChangesNothing) {
-  WavesOverANetwork told(milliseconds{50}), untold(milliseconds{50});
-  for (int n = 0; n < 1000; ++n) {
-    if (n % 100 == 99)
-      told.tell(milliseconds{50});
-    const double wave_root_W = -1e-3 * (n % 83);
-    ASSERT_EQ(told.sample(wave_root_W), untold.sample(wave_root_W)) << n;
-  }
+    WavesOverANetwork told(milliseconds{50}), untold(milliseconds{50});
+    for (int n = 0; n < 1000; ++n) {
+        if (n % 100 == 99) told.tell(milliseconds{50});
+        const double wave_root_W = -1e-3 * (n % 83);
+        ASSERT_EQ(told.sample(wave_root_W), untold.sample(wave_root_W)) << n;
+    }
 }
 
 TEST(HandleControl, GivesNoMoreThanTheHandleMayGet) {
-  HandleControl control(of(Compensator::kLocalFixture), kPaperScale);
-  control.start(true, {});
-  ForceFeedback feedback = pushes(3);
-  feedback.force_tissue_N = -kPaperScale.force_limit_N;
-  control.take(feedback); // the plane is at 39 mm
-  control.sample(SessionTime{}, {0.0395, 0});
-  EXPECT_EQ(control.force_N(), kPaperScale.force_limit_N);
+    HandleControl control(of(Compensator::kLocalFixture), kPaperScale);
+    control.start(true, {});
+    ForceFeedback feedback = pushes(3);
+    feedback.force_tissue_N = -kPaperScale.force_limit_N;
+    control.take(feedback);  // the plane is at 39 mm
+    control.sample(SessionTime{}, {0.0395, 0});
+    EXPECT_EQ(control.force_N(), kPaperScale.force_limit_N);
 }
 
 TEST(HandleControl, ATrialKnowsNothingOfTheOneBefore) {
-  for (std::size_t i = 0; i < kCompensatorNames.size(); ++i) {
-    HandleControl used(of(static_cast<Compensator>(i)), kPaperScale),
-        fresh(of(static_cast<Compensator>(i)), kPaperScale);
-    used.start(true, {});
-    for (int ms = 0; ms < 20; ++ms) {
-      used.sample(SessionTime{milliseconds{ms}}, {1e-3 * ms, 2});
-      used.take(pushes(7));
+    for (std::size_t i = 0; i < kCompensatorNames.size(); ++i) {
+        HandleControl used(of(static_cast<Compensator>(i)), kPaperScale),
+            fresh(of(static_cast<Compensator>(i)), kPaperScale);
+        used.start(true, {});
+        for (int ms = 0; ms < 20; ++ms) {
+            used.sample(SessionTime{milliseconds{ms}}, {1e-3 * ms, 2});
+            used.take(pushes(7));
+        }
+        used.end();
+        used.start(true, {});
+        fresh.start(true, {});
+        EXPECT_EQ(used.force_N(), fresh.force_N()) << kCompensatorNames[i];
+        for (int ms = 1000; ms < 1020; ++ms) {
+            for (HandleControl* each : {&used, &fresh}) {
+                each->sample(SessionTime{milliseconds{ms}}, {1e-3 * (ms - 990), 1});
+                each->take(pushes(3));
+            }
+            ASSERT_EQ(used.force_N(), fresh.force_N()) << kCompensatorNames[i];
+        }
     }
-    used.end();
-    used.start(true, {});
-    fresh.start(true, {});
-    EXPECT_EQ(used.force_N(), fresh.force_N()) << kCompensatorNames[i];
-    for (int ms = 1000; ms < 1020; ++ms) {
-      for (HandleControl *each : {&used, &fresh}) {
-        each->sample(SessionTime{milliseconds{ms}}, {1e-3 * (ms - 990), 1});
-        each->take(pushes(3));
-      }
-      ASSERT_EQ(used.force_N(), fresh.force_N()) << kCompensatorNames[i];
-    }
-  }
 }
 
-} // namespace
-} // namespace thimble
+}  // namespace
+}  // namespace thimble

@@ -10,75 +10,73 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A trial in HF that began at 1 s, of a network that takes 50 ms there and
-// back.
+// A trial in HF that began at 1 s, of a network that takes 50 ms there and back.
 class MasterInTrial : public testing::Test {
-protected:
-  MasterInTrial() { node.start_trial(begin, Modality::kHF, milliseconds{50}); }
-  SessionTime after(int ms) const { return begin + milliseconds{ms}; }
-  // The answer to the sample at `made_ms`.
-  std::optional<double> take(int ms, int made_ms, bool held = false) {
-    ForceFeedback feedback;
-    feedback.force_total_N = -4;
-    feedback.echo_time = after(made_ms);
-    feedback.needle_held = held;
-    return node.take(after(ms), feedback);
-  }
+  protected:
+    MasterInTrial() { node.start_trial(begin, Modality::kHF, milliseconds{50}); }
+    SessionTime after(int ms) const { return begin + milliseconds{ms}; }
+    // The answer to the sample at `made_ms`.
+    std::optional<double> take(int ms, int made_ms, bool held = false) {
+        ForceFeedback feedback;
+        feedback.force_total_N = -4;
+        feedback.echo_time = after(made_ms);
+        feedback.needle_held = held;
+        return node.take(after(ms), feedback);
+    }
 
-  SessionTime begin = at(std::chrono::seconds{1});
-  MasterNode node{MasterSettings{}};
+    SessionTime begin = at(std::chrono::seconds{1});
+    MasterNode node{MasterSettings{}};
 };
 
 TEST_F(MasterInTrial, AForceFadesWhenItsInputFallsSilent) {
-  EXPECT_EQ(take(60, 10), 4);
-  EXPECT_EQ(node.fade(after(159)), std::nullopt);
-  EXPECT_FALSE(node.stale(after(159)));
-  EXPECT_TRUE(node.stale(after(160)));
-  EXPECT_DOUBLE_EQ(node.fade(after(170)).value(), 2)
-      << "half of the ramp of 20 ms";
-  EXPECT_EQ(node.fade(after(180)), 0);
-  EXPECT_EQ(take(181, 140), 4);
-  EXPECT_EQ(take(182, 141, true), 0) << "a held needle";
+    EXPECT_EQ(take(60, 10), 4);
+    EXPECT_EQ(node.fade(after(159)), std::nullopt);
+    EXPECT_FALSE(node.stale(after(159)));
+    EXPECT_TRUE(node.stale(after(160)));
+    EXPECT_DOUBLE_EQ(node.fade(after(170)).value(), 2) << "half of the ramp of 20 ms";
+    EXPECT_EQ(node.fade(after(180)), 0);
+    EXPECT_EQ(take(181, 140), 4);
+    EXPECT_EQ(take(182, 141, true), 0) << "a held needle";
 }
 
 // The network may take 50 ms, and the policy 100 ms more.
 TEST_F(MasterInTrial, AForceThatIsTooOldCountsAsNone) {
-  EXPECT_EQ(take(149, 0), 4);
-  EXPECT_EQ(take(151, 1), std::nullopt);
-  EXPECT_TRUE(node.stale(after(151)));
-  node.network_changed(milliseconds{60});
-  EXPECT_EQ(take(152, 2), 4);
+    EXPECT_EQ(take(149, 0), 4);
+    EXPECT_EQ(take(151, 1), std::nullopt);
+    EXPECT_TRUE(node.stale(after(151)));
+    node.network_changed(milliseconds{60});
+    EXPECT_EQ(take(152, 2), 4);
 }
 
 TEST_F(MasterInTrial, AfterAPauseItsForceIsGoneUntilTheNextOne) {
-  EXPECT_EQ(take(60, 10), 4);
-  node.begin_tick(milliseconds{101});
-  EXPECT_EQ(take(161, 110), std::nullopt) << "it has waited";
-  EXPECT_EQ(node.fade(after(161)), 0);
-  node.begin_tick(milliseconds{1});
-  EXPECT_EQ(node.fade(after(162)), std::nullopt);
-  EXPECT_EQ(take(162, 112), 4);
+    EXPECT_EQ(take(60, 10), 4);
+    node.begin_tick(milliseconds{101});
+    EXPECT_EQ(take(161, 110), std::nullopt) << "it has waited";
+    EXPECT_EQ(node.fade(after(161)), 0);
+    node.begin_tick(milliseconds{1});
+    EXPECT_EQ(node.fade(after(162)), std::nullopt);
+    EXPECT_EQ(take(162, 112), 4);
 }
 
 TEST_F(MasterInTrial, SamplesThatWereMissedAreSkipped) {
-  EXPECT_TRUE(node.take_due(begin));
-  EXPECT_FALSE(node.take_due(begin));
-  EXPECT_EQ(node.next_sample(), after(1));
-  EXPECT_TRUE(node.take_due(after(4)));
-  EXPECT_EQ(node.samples_skipped(), 3U);
-  EXPECT_EQ(node.next_sample(), after(5));
-  node.end_trial();
-  EXPECT_EQ(node.next_sample(), kNever);
+    EXPECT_TRUE(node.take_due(begin));
+    EXPECT_FALSE(node.take_due(begin));
+    EXPECT_EQ(node.next_sample(), after(1));
+    EXPECT_TRUE(node.take_due(after(4)));
+    EXPECT_EQ(node.samples_skipped(), 3U);
+    EXPECT_EQ(node.next_sample(), after(5));
+    node.end_trial();
+    EXPECT_EQ(node.next_sample(), kNever);
 }
 
 TEST_F(MasterInTrial, TheOperatorGetsTheNewestOfSkinAndEyes) {
-  node.feel({.force_N = 0.5, .finger = Finger::kThumb});
-  const Percept &both = node.see({.force_N = 9, .bar_N = 3});
-  EXPECT_EQ(both.finger, Finger::kThumb);
-  EXPECT_EQ(both.force_N, 0.5);
-  EXPECT_EQ(both.bar_N, 3);
-  EXPECT_EQ(node.feel({.force_N = 0.7}).bar_N, 3);
+    node.feel({.force_N = 0.5, .finger = Finger::kThumb});
+    const Percept& both = node.see({.force_N = 9, .bar_N = 3});
+    EXPECT_EQ(both.finger, Finger::kThumb);
+    EXPECT_EQ(both.force_N, 0.5);
+    EXPECT_EQ(both.bar_N, 3);
+    EXPECT_EQ(node.feel({.force_N = 0.7}).bar_N, 3);
 }
 
-} // namespace
-} // namespace thimble
+}  // namespace
+}  // namespace thimble

@@ -1,5 +1,4 @@
-// The slave's end of wave variables: each of the master's samples once, in
-// order, whatever the network does.
+// The slave's end of wave variables: each of the master's samples once, in order, whatever the network does.
 #include "slave_sim/wave_end.hpp"
 
 #include <cmath>
@@ -12,208 +11,187 @@ namespace thimble {
 namespace {
 
 WaveEndSettings wave_settings() {
-  WaveEndSettings settings;
-  settings.used = true;
-  settings.damping_Ns_per_m =
-      0; // this master feels no drag, and would leave the needle behind
-  return settings;
+    WaveEndSettings settings;
+    settings.used = true;
+    settings.damping_Ns_per_m = 0;  // this master feels no drag, and would leave the needle behind
+    return settings;
 }
 
 // A master that moves at 5 mm/s of hand and feels nothing.
 class MovingMaster {
-public:
-  NeedleWave next() {
-    position_m_ += 5e-6;
-    NeedleWave message;
-    message.command.position_hand_m = position_m_;
-    message.waves = sender_.add(master_.wave_out(position_m_, 0));
-    return message;
-  }
+  public:
+    NeedleWave next() {
+        position_m_ += 5e-6;
+        NeedleWave message;
+        message.command.position_hand_m = position_m_;
+        message.waves = sender_.add(master_.wave_out(position_m_, 0));
+        return message;
+    }
 
-private:
-  WaveMaster master_{{20, 1e-3}};
-  WaveSender sender_{{}};
-  double position_m_ = 0;
+  private:
+    WaveMaster master_{{20, 1e-3}};
+    WaveSender sender_{{}};
+    double position_m_ = 0;
 };
 
 TEST(WaveEnd, RepeatsMakeGoodForLosses) {
-  WaveEnd complete(wave_settings()), lossy(wave_settings());
-  MovingMaster master;
-  double complete_m = 0, lossy_m = 0;
-  std::uint32_t most = 0;
-  for (int n = 0; n < 200; ++n) {
-    const NeedleWave message = master.next();
-    for (std::uint32_t left = complete.receive(message); left > 0; --left)
-      complete_m = complete.step(1, 0, 0);
-    if (n % 5 == 1 || n % 5 == 2)
-      continue;
-    const std::uint32_t samples = lossy.receive(message);
-    most = std::max(most, samples);
-    for (std::uint32_t left = samples; left > 0; --left)
-      lossy_m = lossy.step(1, 0, 0);
-  }
-  EXPECT_EQ(most, 3U);
-  EXPECT_EQ(lossy_m, complete_m);
-  EXPECT_EQ(lossy.burst().number, 199U);
-  EXPECT_EQ(lossy.burst().count, 4U);
+    WaveEnd complete(wave_settings()), lossy(wave_settings());
+    MovingMaster master;
+    double complete_m = 0, lossy_m = 0;
+    std::uint32_t most = 0;
+    for (int n = 0; n < 200; ++n) {
+        const NeedleWave message = master.next();
+        for (std::uint32_t left = complete.receive(message); left > 0; --left)
+            complete_m = complete.step(1, 0, 0);
+        if (n % 5 == 1 || n % 5 == 2) continue;
+        const std::uint32_t samples = lossy.receive(message);
+        most = std::max(most, samples);
+        for (std::uint32_t left = samples; left > 0; --left) lossy_m = lossy.step(1, 0, 0);
+    }
+    EXPECT_EQ(most, 3U);
+    EXPECT_EQ(lossy_m, complete_m);
+    EXPECT_EQ(lossy.burst().number, 199U);
+    EXPECT_EQ(lossy.burst().count, 4U);
 }
 
 TEST(WaveEnd, WhatComesLateOrTwiceMovesNothing) {
-  WaveEnd end(wave_settings());
-  MovingMaster master;
-  const NeedleWave first = master.next(), second = master.next();
-  EXPECT_EQ(end.receive(first), 1U);
-  end.step(1, 0, 0);
-  EXPECT_EQ(end.receive(first), 0U);
-  EXPECT_EQ(end.receive(second), 1U);
-  end.step(1, 0, 0);
-  EXPECT_EQ(end.receive(first), 0U);
+    WaveEnd end(wave_settings());
+    MovingMaster master;
+    const NeedleWave first = master.next(), second = master.next();
+    EXPECT_EQ(end.receive(first), 1U);
+    end.step(1, 0, 0);
+    EXPECT_EQ(end.receive(first), 0U);
+    EXPECT_EQ(end.receive(second), 1U);
+    end.step(1, 0, 0);
+    EXPECT_EQ(end.receive(first), 0U);
 }
 
 TEST(WaveEnd, AfterALongGapItStepsNoMoreThanItsMostAndSaysNothingTwice) {
-  WaveEnd end(wave_settings());
-  MovingMaster master;
-  for (std::uint32_t left = end.receive(master.next()); left > 0; --left)
+    WaveEnd end(wave_settings());
+    MovingMaster master;
+    for (std::uint32_t left = end.receive(master.next()); left > 0; --left) end.step(1, 0, 0);
+    for (int n = 0; n < 500; ++n) master.next();
+    const std::uint32_t samples = end.receive(master.next());
+    EXPECT_EQ(samples, WaveEnd::kMostAtOnce);
     end.step(1, 0, 0);
-  for (int n = 0; n < 500; ++n)
-    master.next();
-  const std::uint32_t samples = end.receive(master.next());
-  EXPECT_EQ(samples, WaveEnd::kMostAtOnce);
-  end.step(1, 0, 0);
-  EXPECT_EQ(end.burst().count, 1U)
-      << "what is repeated must have the number it had";
-  EXPECT_EQ(end.burst().number, 501 - samples + 1);
+    EXPECT_EQ(end.burst().count, 1U) << "what is repeated must have the number it had";
+    EXPECT_EQ(end.burst().number, 501 - samples + 1);
 }
 
 TEST(WaveEnd, AGapOfAsManyAsItTakesAtOnceIsNoneYet) {
-  for (const std::uint32_t missing :
-       {WaveEnd::kMostAtOnce - 1, WaveEnd::kMostAtOnce}) {
-    WaveEnd end(wave_settings());
-    MovingMaster master;
-    end.receive(master.next());
-    end.step(1, 0, 0);
-    for (std::uint32_t n = 0; n < missing; ++n)
-      master.next();
-    EXPECT_EQ(end.receive(master.next()), WaveEnd::kMostAtOnce);
-    end.step(1, 0, 0);
-    EXPECT_EQ(end.burst().count, missing < WaveEnd::kMostAtOnce ? 2U : 1U);
-  }
+    for (const std::uint32_t missing : {WaveEnd::kMostAtOnce - 1, WaveEnd::kMostAtOnce}) {
+        WaveEnd end(wave_settings());
+        MovingMaster master;
+        end.receive(master.next());
+        end.step(1, 0, 0);
+        for (std::uint32_t n = 0; n < missing; ++n) master.next();
+        EXPECT_EQ(end.receive(master.next()), WaveEnd::kMostAtOnce);
+        end.step(1, 0, 0);
+        EXPECT_EQ(end.burst().count, missing < WaveEnd::kMostAtOnce ? 2U : 1U);
+    }
 }
 
-// Lost for good: the needle stays behind, and goes back to the hand before the
-// plane.
+// Lost for good: the needle stays behind, and goes back to the hand before the plane.
 TEST(WaveEnd, GoesBackToTheHandWhereNothingHoldsIt) {
-  for (const double plane_m : {1.0, -1.0}) { // before it, or beyond
-    WaveEnd end(wave_settings());
-    MovingMaster master;
-    double needle_m = 0, hand_m = 0;
-    for (int n = 0; n < 400; ++n) {
-      const NeedleWave message = master.next();
-      hand_m = message.command.position_hand_m;
-      if (n >= 100 && n < 120)
-        continue;
-      for (std::uint32_t left = end.receive(message); left > 0; --left)
-        needle_m = end.step(plane_m, 0, 0);
+    for (const double plane_m : {1.0, -1.0}) {  // before it, or beyond
+        WaveEnd end(wave_settings());
+        MovingMaster master;
+        double needle_m = 0, hand_m = 0;
+        for (int n = 0; n < 400; ++n) {
+            const NeedleWave message = master.next();
+            hand_m = message.command.position_hand_m;
+            if (n >= 100 && n < 120) continue;
+            for (std::uint32_t left = end.receive(message); left > 0; --left)
+                needle_m = end.step(plane_m, 0, 0);
+        }
+        if (plane_m > 0) {
+            EXPECT_NEAR(needle_m, 3 * hand_m, 5e-4);
+        } else {
+            EXPECT_LT(needle_m, 3 * hand_m - 5e-4 * 0.3);
+        }
     }
-    if (plane_m > 0) {
-      EXPECT_NEAR(needle_m, 3 * hand_m, 5e-4);
-    } else {
-      EXPECT_LT(needle_m, 3 * hand_m - 5e-4 * 0.3);
-    }
-  }
 }
 
-// A steady wave u presses with sqrt(2 b) u at the hand: the needle is then that
-// far beyond the plane, as its stiffness says.
+// A steady wave u presses with sqrt(2 b) u at the hand: the needle is then that far beyond the plane, as its stiffness says.
 TEST(WaveEnd, ASteadyWaveLeansOnThePlanesStiffness) {
-  constexpr double kPlane_m = 0.01, kStiffness_N_per_m = 1000,
-                   kWave_root_W = 0.5;
-  const WaveEndSettings settings = wave_settings();
-  WaveEnd end(settings);
-  WaveSender sender{{}};
-  double needle_m = 0;
-  for (int n = 0; n < 2000; ++n) {
-    NeedleWave message;
-    message.waves = sender.add(kWave_root_W);
-    end.receive(message);
-    needle_m = end.step(kPlane_m, kStiffness_N_per_m, 0);
-  }
-  const double force_N =
-      std::sqrt(2 * settings.impedance_Ns_per_m) * kWave_root_W;
-  EXPECT_NEAR(needle_m - kPlane_m, force_N / kStiffness_N_per_m, 1e-9);
+    constexpr double kPlane_m = 0.01, kStiffness_N_per_m = 1000, kWave_root_W = 0.5;
+    const WaveEndSettings settings = wave_settings();
+    WaveEnd end(settings);
+    WaveSender sender{{}};
+    double needle_m = 0;
+    for (int n = 0; n < 2000; ++n) {
+        NeedleWave message;
+        message.waves = sender.add(kWave_root_W);
+        end.receive(message);
+        needle_m = end.step(kPlane_m, kStiffness_N_per_m, 0);
+    }
+    const double force_N = std::sqrt(2 * settings.impedance_Ns_per_m) * kWave_root_W;
+    EXPECT_NEAR(needle_m - kPlane_m, force_N / kStiffness_N_per_m, 1e-9);
 }
 
 // A slave with such an end, and a fixture at 3 mm.
 struct SlaveWithWaves {
-  explicit SlaveWithWaves(const WaveEndSettings &settings)
-      : node(with(settings)) {
-    start(Modality::kHF);
-  }
-  static SlaveSettings with(const WaveEndSettings &wave) {
-    SlaveSettings settings;
-    settings.wave = wave;
-    return settings;
-  }
-  void start(Modality modality) {
-    SessionControl order;
-    order.fixture_position_m = 0.003;
-    order.modality = modality;
-    node.start_trial(order);
-  }
-  ForceFeedback take(int ms, std::uint32_t sequence,
-                     const NeedleWave &message) {
-    return node.on_wave(SessionTime{std::chrono::milliseconds{ms}}, sequence,
-                        message);
-  }
+    explicit SlaveWithWaves(const WaveEndSettings& settings) : node(with(settings)) { start(Modality::kHF); }
+    static SlaveSettings with(const WaveEndSettings& wave) {
+        SlaveSettings settings;
+        settings.wave = wave;
+        return settings;
+    }
+    void start(Modality modality) {
+        SessionControl order;
+        order.fixture_position_m = 0.003;
+        order.modality = modality;
+        node.start_trial(order);
+    }
+    ForceFeedback take(int ms, std::uint32_t sequence, const NeedleWave& message) {
+        return node.on_wave(SessionTime{std::chrono::milliseconds{ms}}, sequence, message);
+    }
 
-  SlaveNode node;
-  MovingMaster master;
+    SlaveNode node;
+    MovingMaster master;
 };
 
 TEST(WaveEnd, InASlaveTheFixtureStopsTheNeedleAndTheWaveSaysSo) {
-  SlaveWithWaves slave(wave_settings());
-  ASSERT_TRUE(slave.node.waves());
-  ForceFeedback feedback;
-  for (std::uint32_t n = 0; n < 600; ++n)
-    feedback = slave.take(static_cast<int>(n) + 1000, n, slave.master.next());
-  EXPECT_GT(feedback.position_needle_m, 0.003);
-  EXPECT_LT(feedback.position_needle_m, 0.0035) << "the hand is at 9 mm";
-  EXPECT_LT(feedback.force_fixture_N, -0.05);
-  EXPECT_LT(slave.node.wave_burst().wave_root_W[0], 0);
-  EXPECT_GT(feedback.contact_time_s, 0.3);
-  EXPECT_EQ(slave.node.refused(), 0U);
-  slave.start(Modality::kCF);
-  EXPECT_FALSE(slave.node.waves());
+    SlaveWithWaves slave(wave_settings());
+    ASSERT_TRUE(slave.node.waves());
+    ForceFeedback feedback;
+    for (std::uint32_t n = 0; n < 600; ++n)
+        feedback = slave.take(static_cast<int>(n) + 1000, n, slave.master.next());
+    EXPECT_GT(feedback.position_needle_m, 0.003);
+    EXPECT_LT(feedback.position_needle_m, 0.0035) << "the hand is at 9 mm";
+    EXPECT_LT(feedback.force_fixture_N, -0.05);
+    EXPECT_LT(slave.node.wave_burst().wave_root_W[0], 0);
+    EXPECT_GT(feedback.contact_time_s, 0.3);
+    EXPECT_EQ(slave.node.refused(), 0U);
+    slave.start(Modality::kCF);
+    EXPECT_FALSE(slave.node.waves());
 }
 
-// A hand that presses takes energy out of the network at this end, and brings
-// none into it.
+// A hand that presses takes energy out of the network at this end, and brings none into it.
 TEST(WaveEnd, InASlaveOfTwoPortsPressingTakesEnergyOut) {
-  WaveEndSettings settings;
-  settings.two_port = true;
-  SlaveWithWaves slave(settings);
-  NeedleWave message;
-  message.waves.energy_J = 10; // more than enough was told
-  ForceFeedback feedback;
-  for (std::uint32_t n = 0; n < 500; ++n) {
-    message.command.position_hand_m = 5e-6 * n;
-    feedback = slave.take(static_cast<int>(n) + 1000, n, message);
-  }
-  EXPECT_LT(feedback.force_fixture_N, -0.05);
-  EXPECT_EQ(slave.node.wave_burst().energy_J, 0);
+    WaveEndSettings settings;
+    settings.two_port = true;
+    SlaveWithWaves slave(settings);
+    NeedleWave message;
+    message.waves.energy_J = 10;  // more than enough was told
+    ForceFeedback feedback;
+    for (std::uint32_t n = 0; n < 500; ++n) {
+        message.command.position_hand_m = 5e-6 * n;
+        feedback = slave.take(static_cast<int>(n) + 1000, n, message);
+    }
+    EXPECT_LT(feedback.force_fixture_N, -0.05);
+    EXPECT_EQ(slave.node.wave_burst().energy_J, 0);
 }
 
-// The oldest of the samples that a message brings would lie before the clock's
-// origin.
+// The oldest of the samples that a message brings would lie before the clock's origin.
 TEST(WaveEnd, InASlaveSamplesFromBeforeTheOriginAreRefused) {
-  SlaveWithWaves slave(wave_settings());
-  slave.take(5, 0, slave.master.next());
-  EXPECT_EQ(slave.node.refused(), 0U);
-  for (int n = 0; n < 10; ++n)
-    slave.master.next();
-  slave.take(10, 1, slave.master.next());
-  EXPECT_EQ(slave.node.refused(), 1U);
+    SlaveWithWaves slave(wave_settings());
+    slave.take(5, 0, slave.master.next());
+    EXPECT_EQ(slave.node.refused(), 0U);
+    for (int n = 0; n < 10; ++n) slave.master.next();
+    slave.take(10, 1, slave.master.next());
+    EXPECT_EQ(slave.node.refused(), 1U);
 }
 
-} // namespace
-} // namespace thimble
+}  // namespace
+}  // namespace thimble
