@@ -82,7 +82,7 @@ double pierced_at_m(const SystemSettings& settings) {
     SlaveNode slave(settings.slave);
     SessionControl order;
     order.fixture_position_m = 0.123;
-    master.start_trial(Modality::kHF);
+    master.start_trial({}, Modality::kHF);
     slave.start_trial(order);
     const double surface_m = settings.slave.scene.elements.front().position_m;
     const double scale = settings.master.position_scale, count_m = settings.handle.encoder_resolution_m;
