@@ -103,6 +103,8 @@ CASES = (
     (type_names, "netem/b.hpp", "enum class Shared : std::uint8_t {\n", "Shared is also"),
     (type_names, "netem/b.hpp", "    struct Shared {\n    };\n", None),
     (type_names, "netem/b.cpp", "struct Shared {\n", None),
+    (type_names, "netem/b.cpp", "using std::chrono::seconds;\n// seconds\n", "using seconds is of no use"),
+    (type_names, "netem/b.cpp", "    using std::exp;\n    return exp(x);\n", None),
 )
 
 _HEADING = "# Scenes\n## Adding an element type\n"

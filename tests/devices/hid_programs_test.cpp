@@ -17,7 +17,6 @@ namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using testing::HasSubstr;
 
 class HidPrograms : public testing::Test {

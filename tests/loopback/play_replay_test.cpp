@@ -8,7 +8,6 @@ namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 TEST(PlayReplay, ShowsWhatWasPlayed) {
     PlayedHand hand({"--modality", "CF", "--delay-s", "0"});

@@ -116,6 +116,17 @@ TEST_F(Up, ANodeThatDiesEndsTheSessionEverywhere) {
     expect_nothing_left(run);
 }
 
+TEST_F(Up, CtrlCKeepsWhatWasRecorded) {
+    RealRun run = start(endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    run.launcher().signal(SIGINT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    ASSERT_EQ(run.rows().size(), 1U);
+    EXPECT_EQ(run.rows().front().reason, EndReason::kInterrupted);
+    for (const char* program : kNodePrograms) EXPECT_FALSE(run.report(program).is_null()) << program;
+    expect_nothing_left(run);
+}
+
 TEST_F(Up, AKilledLauncherTakesItsNodesAlong) {
     RealRun run = start(endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();

@@ -19,7 +19,6 @@ namespace {
 using nlohmann::json;
 using std::chrono::milliseconds;
 using testing::HasSubstr;
-using testing::Not;
 
 class RelayProgram : public testing::Test {
   protected:

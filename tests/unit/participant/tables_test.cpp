@@ -12,7 +12,6 @@ namespace thimble {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 void append_text(const std::filesystem::path& file, const std::string& text) {
     std::ofstream(file, std::ios::binary | std::ios::app) << text;

@@ -13,7 +13,6 @@
 namespace thimble {
 namespace {
 
-using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
