@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "common/config.hpp"
-#include "common/control/local_fixture.hpp"
 #include "common/control/energy_bound.hpp"
+#include "common/control/local_fixture.hpp"
 #include "common/control/wave_channel.hpp"
 
 namespace thimble {

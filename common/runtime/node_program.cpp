@@ -24,9 +24,9 @@
 #include "common/runtime/node_report.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
-#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/service_notice.hpp"
+#include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
 

@@ -4,8 +4,8 @@
 #include <arpa/inet.h>
 #include <map>
 
-#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/event_waiter.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "netem/relay/loss_law.hpp"
 #include "netem/relay/relay_engine.hpp"
