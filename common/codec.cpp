@@ -87,7 +87,9 @@ struct FieldVerdict {
 
 class FieldReader {
   public:
-    FieldReader(const std::uint8_t* in, FieldVerdict& verdict) : in_(in), verdict_(verdict) {}
+    FieldReader(const std::uint8_t* in, FieldVerdict verdict) : in_(in), verdict_(verdict) {}
+
+    FieldVerdict verdict() const { return verdict_; }
 
     void operator()(double& value, const NumberRange& range) { verdict_.number(take(value), range); }
     void operator()(std::integral auto& value) { take(value); }
@@ -133,8 +135,22 @@ class FieldReader {
 
     const std::uint8_t* in_;
     FieldPlace place_;
-    FieldVerdict& verdict_;
+    FieldVerdict verdict_;
 };
+
+// Flattened, so that the compiler knows the place of each field: twice as fast.
+template <class Fields>
+[[gnu::flatten]] void write_fields(std::uint8_t* out, const Fields& fields) {
+    FieldWriter writer(out);
+    visit_fields(writer, fields);
+}
+
+template <class Fields>
+[[gnu::flatten]] FieldVerdict read_fields(const std::uint8_t* in, FieldVerdict verdict, Fields& fields) {
+    FieldReader reader(in, verdict);
+    visit_fields(reader, fields);
+    return reader.verdict();
+}
 
 // Returns how many there are; `body` becomes the last of them.
 template <std::size_t... Kinds>
@@ -144,10 +160,9 @@ int read_bodies(const flatbuffers::Table& packet, FieldVerdict& verdict, Body& b
     const auto read = [&]<std::size_t kind>() {
         const auto* in = packet.GetStruct<const std::uint8_t*>(field_of(kind));
         if (in == nullptr) return;
-        FieldReader reader(in, verdict);
         // By way of the stack: twice as fast as in place.
         std::variant_alternative_t<kind, Body> message;
-        visit_fields(reader, message);
+        verdict = read_fields(in, verdict, message);
         body = message;
         ++count;
     };
@@ -171,9 +186,8 @@ std::optional<Refusal> decode_into(Bytes datagram, Message& message) {
     flatbuffers::Verifier verifier(datagram.data(), datagram.size(), 4, 8);
     if (!verifier.VerifyBuffer<wire::Packet>(nullptr)) return Refusal::kMalformed;
     const auto& packet = *flatbuffers::GetRoot<flatbuffers::Table>(datagram.data());
-    FieldVerdict verdict;
-    FieldReader header(packet.GetStruct<const std::uint8_t*>(wire::Packet::VT_HEADER), verdict);
-    visit_fields(header, message.header);
+    FieldVerdict verdict =
+        read_fields(packet.GetStruct<const std::uint8_t*>(wire::Packet::VT_HEADER), {}, message.header);
     if (read_bodies(packet, verdict, message.body, std::make_index_sequence<kKinds>()) != 1)
         return Refusal::kNotOneBody;
     return verdict.refusal();
@@ -221,9 +235,8 @@ Encoder& Encoder::operator=(Encoder&&) noexcept = default;
 
 Bytes Encoder::encode(const Header& header, const Body& body) {
     Templates::Template& made = templates_->of_kind[body.index()];
-    FieldWriter header_writer(made.header), body_writer(made.body);
-    visit_fields(header_writer, header);
-    std::visit([&](const auto& message) { visit_fields(body_writer, message); }, body);
+    write_fields(made.header, header);
+    std::visit([&](const auto& message) { write_fields(made.body, message); }, body);
     return {made.builder.GetBufferPointer(), made.builder.GetSize()};
 }
 
