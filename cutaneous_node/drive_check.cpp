@@ -38,6 +38,9 @@ double press(DriveActuator& actuator, const FingerDevice& finger, const CheckOpt
 }
 
 void press_each(DriveActuator& actuator, const DriveSettings& settings, const CheckOptions& options) {
+    // However the check ends, no drive is left with voltage: it would keep it until it misses the heartbeat.
+    const std::unique_ptr<DriveActuator, void (*)(DriveActuator*)> slack_at_end(
+        &actuator, [](DriveActuator* drives) { drives->stop(); });
     bring_up_drives(actuator);
     fmt::print("{} drives in operation, every cable taut\n", actuator.master().drives());
     for (const FingerDevice& finger : settings.fingers) {
@@ -60,9 +63,6 @@ int check(const CheckOptions& options) {
     Sockets sockets{network};
     const auto bus = open_bus(settings.drives, sockets);
     DriveActuator actuator(settings.drives, settings.force_limit_N, *bus);
-    // However the check ends, no drive is left with voltage: it would keep it until it misses the heartbeat.
-    const std::unique_ptr<DriveActuator, void (*)(DriveActuator*)> slack_at_end(
-        &actuator, [](DriveActuator* drives) { drives->stop(); });
     install_stop_signals();
     press_each(actuator, settings.drives, options);
     fmt::print("{}\n", json_text(describe_drives(actuator)));

@@ -27,8 +27,8 @@ constexpr const char* kFooter =
 
 // A session starts its node with options alone, none of them these.
 bool is_node_call(int argc, char** argv) {
-    constexpr std::array<std::string_view, 7> kOwn{"--listen", "--to", "--selftest",  "--print-tc",
-                                                   "--help",   "-h",   "--completion"};
+    constexpr std::array<std::string_view, 8> kOwn{"--listen", "--to", "--selftest",   "--print-tc",
+                                                   "--help",   "-h",   "--completion", "--complete"};
     if (argc < 2) return true;
     if (argv[1][0] != '-') return std::string_view(argv[1]) == "node";
     return std::none_of(argv + 1, argv + argc, [&](std::string_view word) {

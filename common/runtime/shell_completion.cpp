@@ -14,7 +14,9 @@ namespace {
 
 // bash takes the '=' between an option and its value for a word of its own.
 constexpr const char* kBash = R"({function}() {{
-    mapfile -t COMPREPLY < <("${{COMP_WORDS[0]}}" --complete "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2> /dev/null | cut -f 1)
+    local program=${{COMP_WORDS[0]/#\~/$HOME}}
+    type -P -- "$program" > /dev/null || program={program}
+    mapfile -t COMPREPLY < <("$program" --complete "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2> /dev/null | cut -f 1)
 }}
 complete -o default -F {function} {program}
 )";

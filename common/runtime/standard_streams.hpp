@@ -10,7 +10,6 @@
 
 namespace thimble {
 
-// The three standard descriptors: none of them stays closed, and a slow reader of stderr never blocks the program.
 // Opens /dev/null in the place of each one that is closed, or the next file would take its number. Comes first in every program.
 void open_standard_descriptors();
 
@@ -23,6 +22,7 @@ bool stderr_written_within(Duration limit);
 void log_to_stderr(const std::string& program);
 
 // Results go to standard output. If they get lost there, the program reports it and fails.
+
 // Ends the program: no reader is left. settle_results() reports the reason.
 class ResultsLost : public Error {
   public:

@@ -1,3 +1,6 @@
+// Keys of one-way flows. The session makes them, a secret per epoch, and gives each node the keys of its own roles and
+// directions (KeyServer); a node holds those (KeyRing). A new epoch begins with each handshake that a node has completed, so
+// after each start of a node, and when handshakes are renewed.
 #pragma once
 
 #include <array>
@@ -40,9 +43,6 @@ std::optional<KeyGrant> read_grant(Bytes text);
 Bytes write_receipt(const KeyReceipt& receipt, KeyText& out);
 std::optional<KeyReceipt> read_receipt(Bytes text);
 
-// Keys of one-way flows. The session makes them, a secret per epoch, and gives each node the keys of its own roles and
-// directions (KeyServer); a node holds those (KeyRing). A new epoch begins with each handshake that a node has completed, so
-// after each start of a node, and when handshakes are renewed.
 // The ends of flows that one program has.
 struct FlowEnds {
     std::vector<SecureInlet*> inlets;

@@ -46,8 +46,6 @@ class ReplayWindow {
     std::array<std::uint64_t, kWords> words_{};
 };
 
-// One datagram, sealed: ChaCha20-Poly1305 (RFC 8439) with the counter as nonce, the header authenticated. Layout, little endian:
-// 'T' '1' | kind, 1 byte | port, 1 | key's name, 4 | counter, 8 | text, as long as it was | tag, 16.
 inline constexpr std::size_t kSealHeaderBytes = 16;
 inline constexpr std::size_t kSealTagBytes = 16;
 inline constexpr std::size_t kSealOverheadBytes = kSealHeaderBytes + kSealTagBytes;

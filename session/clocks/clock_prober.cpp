@@ -20,7 +20,7 @@ std::optional<OffsetInterval> ClockFilter::at(SessionTime now) const {
     return intersection(now);
 }
 
-// Each half of an interval holds at its own end of the exchange . Replies may overtake each other:
+// Each half of an interval holds at its own end of the exchange. Replies may overtake each other:
 // an exchange may be younger than `now` of the one that arrived last.
 OffsetInterval ClockFilter::intersection(SessionTime now) const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -82,8 +82,10 @@ std::string trajectory_name(const TrialConditions& c) {
 std::filesystem::path find_trajectory(const std::filesystem::path& folder, const TrialConditions& c) {
     const std::string name = trajectory_name(c);
     std::error_code absent;
-    for (const auto& file : {folder / name, folder / fmt::format("experiment{}_subject{:02}_{}", c.experiment,
-                                                                 c.subject, name)}) {
+    // The name that a study gives says more: it comes first where a folder has files of a run as well.
+    for (const auto& file :
+         {folder / fmt::format("experiment{}_subject{:02}_{}", c.experiment, c.subject, name),
+          folder / name}) {
         if (std::filesystem::exists(file, absent)) return file;
     }
     return {};

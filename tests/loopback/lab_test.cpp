@@ -54,7 +54,7 @@ class Lab : public testing::Test {
 
 TEST_F(Lab, FourMachinesFindWhatOneFinds) {
     SessionFile session;
-    session.modalities = R"(["HF", "VF"])";
+    session.modalities = R"(["HF", "CF"])";
     session.delays_s = "[0.05]";
     session.contact_hold_s = 0.6;  // half of it is watched for oscillation
     const auto key = folder_ / "lab.key";

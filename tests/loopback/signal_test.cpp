@@ -51,7 +51,7 @@ TEST(Signals, AKilledLauncherTakesItsNodesAlong) {
 
 // Some nodes have not yet asked the system for the signal that ends them with the launcher.
 TEST(Signals, ALauncherThatIsKilledWhileItStartsItsNodesLeavesNoneBehind) {
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 6; ++i) {
         SessionFile session = SessionFile::endless();
         RealRun run(session);
         while (nodes_alive(run.base_port()).empty() && !run.launcher().poll()) std::this_thread::yield();

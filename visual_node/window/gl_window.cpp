@@ -82,8 +82,8 @@ Function find(const char* name) {
     return reinterpret_cast<Function>(dlsym(RTLD_DEFAULT, name));
 }
 
-// Looked up by name: GLFW for Wayland has no X11 display, and Xlib before 1.7 no such handler (it then ends the program).
 // Xlib ends the program at the end of the X server, by default. Here it only remembers. Nothing to do under Wayland.
+// Looked up by name: GLFW for Wayland has no X11 display, and Xlib before 1.7 no such handler (it then ends the program).
 void survive_screen_loss() {
     using Handler = void (*)(void* display, void* data);
     const auto display_of_glfw = find<void* (*)()>("glfwGetX11Display");

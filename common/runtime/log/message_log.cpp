@@ -201,7 +201,12 @@ void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
             static_cast<std::uint64_t>(to_nanoseconds(writing_->message.header.send_time));
     }
     message.data = bytes;
-    if (writer.chunk_bytes() >= kMostChunkBytes) writer.flush();
+    try {
+        if (writer.chunk_bytes() >= kMostChunkBytes) writer.flush();
+    } catch (const Error&) {
+        ++dropped_;  // this message too
+        throw;
+    }
     writer.add_message(message);
 }
 
