@@ -1,5 +1,8 @@
 #include <array>
+#include <cerrno>
+#include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -77,16 +80,14 @@ struct CloseCapture {
 class CaptureParser {
   public:
     CaptureParser(std::string_view bytes, std::string_view name) : name_(name) {
-        std::array<char, PCAP_ERRBUF_SIZE> why{"it is empty"};
-        std::FILE* stream =
-            bytes.empty() ? nullptr : fmemopen(const_cast<char*>(bytes.data()), bytes.size(), "rb");
-        if (stream != nullptr) {
-            file_.reset(
-                pcap_fopen_offline_with_tstamp_precision(stream, PCAP_TSTAMP_PRECISION_NANO, why.data()));
-        }
+        if (bytes.empty()) fail_as_none("it is empty");
+        std::FILE* stream = fmemopen(const_cast<char*>(bytes.data()), bytes.size(), "rb");
+        if (stream == nullptr) fail_as_none(std::strerror(errno));
+        std::array<char, PCAP_ERRBUF_SIZE> why{};
+        file_.reset(pcap_fopen_offline_with_tstamp_precision(stream, PCAP_TSTAMP_PRECISION_NANO, why.data()));
         if (file_ != nullptr) return;
-        if (stream != nullptr) std::fclose(stream);
-        fail(fmt::format("no capture ({}): capture with tcpdump -w", why.data()));
+        std::fclose(stream);
+        fail_as_none(why.data());
     }
 
     Capture parse() {
@@ -99,15 +100,17 @@ class CaptureParser {
         const unsigned char* data = nullptr;
         int result = 0;
         for (; (result = pcap_next_ex(file_.get(), &header, &data)) == 1; ++packet_) {
-            if (header->ts.tv_usec < 0 || header->ts.tv_usec >= kSecond_ns)
-                fail("a time stamp beyond its second");
+            if (header->ts.tv_usec < 0 || header->ts.tv_usec >= kSecond_ns || header->ts.tv_sec < 0 ||
+                header->ts.tv_sec > UINT32_MAX)
+                fail("a time stamp out of range");
             const auto ip = ip_packet({reinterpret_cast<const char*>(data), header->caplen}, link_type);
             const std::int64_t stamp_ns = header->ts.tv_sec * kSecond_ns + header->ts.tv_usec;
             if (!ip || !read_udp(*ip, stamp_ns, capture_)) ++capture_.others;
             if (capture_.datagrams.size() > kMostPackets) fail("too many packets; split the capture");
         }
         const std::string_view why = pcap_geterr(file_.get());
-        capture_.cut_at_end = result == PCAP_ERROR && why.starts_with("truncated dump file");
+        capture_.cut_at_end = result == PCAP_ERROR && (why.starts_with("truncated dump file") ||
+                                                       why.starts_with("truncated pcapng dump file"));
         if (result == PCAP_ERROR && !capture_.cut_at_end) fail(why);
         return std::move(capture_);
     }
@@ -119,6 +122,9 @@ class CaptureParser {
             if (link_type == known) return true;
         }
         return false;
+    }
+    [[noreturn]] void fail_as_none(std::string_view why) const {
+        fail(fmt::format("no capture ({}): capture with tcpdump -w", why));
     }
     [[noreturn]] void fail(std::string_view why) const {
         throw Error(ExitCode::kData, fmt::format("{}: packet {}: {}", name_, packet_, why));

@@ -64,8 +64,10 @@ void PacketLog::run() {
     block_signals();
     for (bool stopping = false; !stopping;) {
         stopping = stop_;  // before the last look, so that nothing stays behind
-        const auto written = queue_.consume_all([this](const PacketRecord& record) { write(record); });
-        if (written == 0 && !stopping) wall_sleep(kPause);
+        bool idle = true;
+        // One by one: consume_all would free no room before the last of them is written.
+        while (queue_.consume_one([this](const PacketRecord& record) { write(record); })) idle = false;
+        if (idle && !stopping) wall_sleep(kPause);
     }
 }
 

@@ -45,6 +45,9 @@ constexpr LoggedFate fate_of(DropReason reason) {
     return static_cast<LoggedFate>(1 + static_cast<std::uint8_t>(reason));
 }
 static_assert(fate_of(DropReason::kLost) == LoggedFate::kLost);
+static_assert(fate_of(DropReason::kOutage) == LoggedFate::kOutage);
+static_assert(fate_of(DropReason::kOversized) == LoggedFate::kOversized);
+static_assert(fate_of(DropReason::kQueueFull) == LoggedFate::kQueueFull);
 static_assert(fate_of(DropReason::kOverflowed) == LoggedFate::kOverflowed);
 std::string_view to_string(LoggedFate fate);
 

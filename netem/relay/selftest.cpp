@@ -34,6 +34,7 @@ class Records final : public PacketSink {
             if (!fresh && record.fate < kept->second.fate) kept->second = record;
         }
         std::vector<PacketRecord> records;
+        records.reserve(chosen.size());
         for (const auto& [_, record] : chosen) records.push_back(record);
         return records;
     }

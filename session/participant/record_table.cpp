@@ -38,6 +38,7 @@ std::filesystem::path in_its_folder(const std::filesystem::path& file) {
 
 std::vector<std::string_view> record_columns() {
     std::vector<std::string_view> names;
+    names.reserve(kOwnColumns.size() + trial_columns().size());
     for (const auto& column : kOwnColumns) names.push_back(column.name);
     for (const auto& column : trial_columns()) names.push_back(column.name);
     return names;

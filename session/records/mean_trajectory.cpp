@@ -125,6 +125,7 @@ constexpr std::array kLeading{column<Curve, &Curve::conditions, &C::experiment>(
 const std::vector<std::string>& column_names() {
     static const std::vector<std::string> names = [] {
         std::vector<std::string> list;
+        list.reserve(std::size(kLeading) + 2 * curve_grid_percent().size());
         for (const auto& column : kLeading) list.emplace_back(column.name);
         for (const char* what : {"needle", "surface"}) {
             for (const double at : curve_grid_percent()) list.push_back(fmt::format("{}_{:g}%", what, at));

@@ -81,7 +81,7 @@ class Sweep {
     }
 
     void judge(const ParameterRange& range, VariedPoint& point, ClaimsFile& file) {
-        const SystemSettings settings = settings_of(range, point.value);
+        SystemSettings settings = settings_of(range, point.value);
         const auto take = [&](std::uint64_t seed, const std::vector<Claim>& claims) {
             file.append(fmt::format("{},{},{}", range.name(), point.value, seed), claims);
             progress_.show(fmt::format("{} = {:g}, seed {}: {}", range.name(), point.value, seed,
@@ -89,7 +89,7 @@ class Sweep {
                            true);
         };
         result_.complete = judge_studies(
-            options_, [&](std::uint64_t) { return settings; }, point.tally, take);
+            options_, [&settings](std::uint64_t) -> SystemSettings { return settings; }, point.tally, take);
     }
 
     void write() const {

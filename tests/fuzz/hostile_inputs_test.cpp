@@ -85,6 +85,19 @@ std::string damaged(const std::vector<std::string>& seeds, RandomStream& random)
     return text;
 }
 
+// The same for a file of bytes.
+std::string damaged_bytes(const std::vector<std::string>& seeds, RandomStream& random) {
+    std::string bytes = seeds[below(seeds.size(), random)];
+    for (std::uint32_t n = 1 + random.below(3); n > 0 && !bytes.empty(); --n) {
+        const std::size_t at = below(bytes.size(), random);
+        const std::uint32_t wound = random.below(8);
+        if (wound == 0) bytes.resize(at);
+        if (wound == 1) bytes.erase(at, 1 + random.below(8));
+        if (wound > 1) bytes[at] = static_cast<char>(random.below(256));
+    }
+    return bytes;
+}
+
 struct TextInput {
     const char* name;
     const char* seeds;
@@ -135,7 +148,8 @@ TEST(HostileNetworkFiles, SeedsAreReadAndDamagedOnesRefusedOrGood) {
     for (const auto& [reader, texts] : seeds) {
         int accepted = 0, refused = 0;
         for (int i = 0; i < 2'500; ++i) {
-            const std::string text = reader + damaged(texts, random);
+            const auto damage = reader == '4' ? damaged_bytes : damaged;  // captures are no text
+            const std::string text = reader + damage(texts, random);
             const Verdict verdict = check_network_files(bytes_of_text(text));
             ASSERT_EQ(verdict.flaw, "") << "case " << i << ":\n" << text;
             ++(verdict.accepted ? accepted : refused);
@@ -178,7 +192,9 @@ TEST(HostileCan, NonsenseNeitherCrashesNorPresses) {
 TEST(HostileHid, NothingThatADeviceSaysDoesHarm) {
     Octets whole{static_cast<std::uint8_t>(test::kGamepadDescriptor.size())};
     whole.insert(whole.end(), test::kGamepadDescriptor.begin(), test::kGamepadDescriptor.end());
-    whole.resize(whole.size() + 40, 0x5a);
+    RandomStream fresh(StreamKey{.study = 1});
+    const Octets reports = noise(40, fresh);
+    whole.insert(whole.end(), reports.begin(), reports.end());
     EXPECT_TRUE(check_hid(whole).accepted);
     const int accepted = accepted_of(20'000, check_hid, [&](int, RandomStream& random) {
         Octets damaged = whole;

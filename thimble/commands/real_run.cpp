@@ -137,10 +137,11 @@ void add_real_run_options(CLI::App& command, const std::string& default_out, Rea
     add_participant_options(command, a.participant);
 }
 
-int run_for_real(RealRunArguments arguments, const SystemSettings& settings,
+int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
                  const std::shared_ptr<NodeStarter>& starter) {
     install_stop_signals(QuitSignal::kStopsEverything);
     if (starter) check_build(settings);
+    RealRunArguments arguments = given;
     RunOptions& options = arguments.run;
     options.starter = starter;
     options.network = network_of(arguments.config, arguments.base_port);

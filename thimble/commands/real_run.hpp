@@ -28,7 +28,7 @@ struct RealRunArguments {
 void add_real_run_options(CLI::App& command, const std::string& default_out, RealRunArguments& arguments);
 
 // Returns the exit code. Without a starter the nodes run already. Throws Error as run_session and run_participant do.
-int run_for_real(RealRunArguments arguments, const SystemSettings& settings,
+int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
                  const std::shared_ptr<NodeStarter>& starter);
 
 }  // namespace thimble

@@ -9,6 +9,13 @@
 namespace thimble {
 namespace {
 
+TEST(RuntimeSettings, WhatAnOverrunDoes) {
+    const RuntimeSettings s =
+        read_runtime_settings(ConfigFile::parse("[runtime]\noverrun = 'stop'\noverrun_limit = 7", "x.toml"));
+    EXPECT_EQ(s.overrun, OverrunPolicy::kStop);
+    EXPECT_EQ(s.overrun_limit, 7U);
+}
+
 TEST(CoreChoice, IsNoneUnlessNamed) {
     EXPECT_EQ(read_core(ConfigFile::parse("", "x.toml")), kAnyCore);
     EXPECT_EQ(read_core(ConfigFile::parse("[runtime]\ncore = 3", "x.toml")), 3);

@@ -41,6 +41,21 @@ TEST(ControlSettings, EachCompensatorHasItsName) {
     }
 }
 
+TEST(ControlSettings, NumbersOfTheChosenOne) {
+    const ControlSettings tank =
+        control_of("compensator = \"two-layer\"\ntank_level_J = 0.1\ndevice_damping_Ns_per_m = 0.25");
+    EXPECT_EQ(tank.tank.level_J, 0.1);
+    EXPECT_EQ(tank.device_damping_Ns_per_m, 0.25);
+    const ControlSettings waves = control_of(
+        "compensator = \"wave\"\nwave_impedance_Ns_per_m = 30\nwave_repeats = 7\n"
+        "wave_reconstruction = \"hold-last\"");
+    EXPECT_EQ(waves.wave_impedance_Ns_per_m, 30);
+    EXPECT_EQ(waves.channel.repeats, 7U);
+    EXPECT_EQ(waves.channel.reconstruction, WaveReconstruction::kHoldLast);
+    EXPECT_EQ(control_of("compensator = \"passivity\"\nmost_damping_Ns_per_m = 7").most_damping_Ns_per_m, 7);
+    EXPECT_EQ(control_of("compensator = \"scaled\"\nshare = 0.1").hand_share(), 0.1);
+}
+
 TEST(ControlSettings, WhatIsWithoutEffectOrUnknownIsRefused) {
     EXPECT_THAT(refusal_of("share = 0.1"), testing::HasSubstr("compensator = \"none\""));
     EXPECT_THAT(refusal_of("compensator = \"wave\"\nshare = 0.1"), testing::HasSubstr("choose scaled"));

@@ -17,9 +17,13 @@ HandleSettings handle_from(const std::string& text) {
 }
 
 TEST(RealHandleSettings, AnAxisIsAPlaceAndASign) {
-    const AxisSettings axis = handle_from("[handle.force_dimension]\naxis = '+y'\n").force_dimension.axis;
-    EXPECT_EQ(axis.axis, 1U);
-    EXPECT_EQ(axis.sign, 1);
+    const ForceDimensionSettings read =
+        handle_from("[handle.force_dimension]\naxis = '+y'\nlateral = 'virtual'\nwatchdog = false\n")
+            .force_dimension;
+    EXPECT_EQ(read.axis.axis, 1U);
+    EXPECT_EQ(read.axis.sign, 1);
+    EXPECT_EQ(read.axis.lateral, LateralHold::kVirtual);
+    EXPECT_FALSE(read.watchdog);
 }
 
 TEST(RealHandleSettings, DefaultsPushAwayFromTheUser) {

@@ -32,6 +32,19 @@ TEST(ByteQueue, CountsWhatDoesNotFit) {
     EXPECT_TRUE(queue.push(0, 0, bytes));
 }
 
+TEST(ByteQueue, NeverAllocatesWhenItWraps) {
+    ByteQueue queue(4096);
+    const auto bytes = numbered(200, 0);
+    int drained = 0;
+    const auto before = test::allocation_count();
+    for (int i = 0; i < 100; ++i) {
+        queue.push(0, 0, bytes);
+        queue.drain([&](const ByteQueue::Entry&, Bytes) { ++drained; });
+    }
+    EXPECT_EQ(test::allocation_count(), before);
+    EXPECT_EQ(drained, 100);
+}
+
 TEST(ByteQueue, TwoThreadsLoseNothingUncounted) {
     ByteQueue queue(4096);
     constexpr std::uint32_t kEntries = 50000;

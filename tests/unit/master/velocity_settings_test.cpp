@@ -35,6 +35,20 @@ TEST(VelocitySettings, TheQuantumFollowsThePositionScale) {
     EXPECT_EQ(read("velocity_quantum_needle_m = 1e-6").quantum_m, 1e-6);
 }
 
+TEST(VelocitySettings, NumbersOfTheChosenOne) {
+    EXPECT_EQ(read("velocity_estimator = \"low_pass\"\nvelocity_time_constant_s = 0.003").time_constant,
+              Duration{milliseconds{3}});
+    const VelocitySettings foaw =
+        read("velocity_estimator = \"foaw\"\nvelocity_window_s = 0.03\nvelocity_foaw_fit = \"end\"");
+    EXPECT_EQ(foaw.method, VelocityMethod::kFoaw);
+    EXPECT_EQ(foaw.window, Duration{milliseconds{30}});
+    EXPECT_EQ(foaw.fit, FoawFit::kEnd);
+    const VelocitySettings kalman = read(
+        "velocity_estimator = \"kalman\"\nvelocity_process_noise_m2_per_s3 = 0.002\nsample_period_s = 0.002");
+    EXPECT_EQ(kalman.acceleration_noise_m2_per_s3, 0.002);
+    EXPECT_EQ(kalman.sample_period, Duration{milliseconds{2}});
+}
+
 TEST(VelocitySettings, ANumberOfAnotherEstimatorIsRefused) {
     for (const char* keys : {"velocity_estimator = \"raw\"\nvelocity_time_constant_s = 0.005",
                              "velocity_estimator = \"low_pass\"\nvelocity_window_s = 0.02",

@@ -272,6 +272,13 @@ TEST_F(ParticipantSessionTest, TheExperimenterRejectsAndExcludes) {
     EXPECT_EQ(read_records(dataset_.records(2))[3].repeat_reason, "sneezed");
 }
 
+TEST_F(ParticipantSessionTest, TheLastTrialCanBeRejectedToo) {
+    rests_ = false;
+    WrittenLines lines({"", "", "", "", "", "r slipped", "", ""});
+    EXPECT_EQ(run_to_end(&lines).code, ExitCode::kOk);
+    EXPECT_THAT(positions(), ElementsAre(1, 2, 3, 4, 5, 5));
+}
+
 // Before its minimum is over, Enter ends no break.
 TEST_F(ParticipantSessionTest, TheExperimenterMayStop) {
     struct Case {
@@ -289,7 +296,7 @@ TEST_F(ParticipantSessionTest, TheExperimenterMayStop) {
         WrittenLines lines(c.lines);
         EXPECT_EQ(run_to_end(&lines).code, ExitCode::kRunFailed);
         EXPECT_EQ(positions(), c.done);
-        EXPECT_GE(trials_.prepared, 1) << "before anybody is asked";
+        EXPECT_EQ(trials_.prepared, static_cast<int>(1 + c.done.size())) << "before anybody is asked";
         for (const char* words : c.said) EXPECT_THAT(said_, Contains(HasSubstr(words)));
     }
 }

@@ -131,9 +131,9 @@ TEST(EventFile, AProfileComesBackWithItsNumbers) {
     const TemporaryDirectory directory;
     const NetworkEvent wifi{1.5, 0.002, "wifi", {0.001, 0.0001, 0.5}, {0.002, 0.1 / 3, 0.002}};
     // The delay alone right behind it, and at the same time: two events all the same.
-    write_events(directory / "e.csv", {wifi, {1.5, 0.1}, wifi, {0.1 / 3, 0}});
+    write_events(directory / "e.csv", {wifi, {1.5, 0.1}, wifi, {0.1 / 3, 0}, {12.25, 0}, {12.25, 0.05}});
     const auto back = read_events(directory / "e.csv");
-    ASSERT_EQ(back.size(), 4U);
+    ASSERT_EQ(back.size(), 6U);
     for (const std::size_t i : {0U, 2U}) {
         EXPECT_EQ(back[i].profile, "wifi");
         EXPECT_EQ(back[i].delay_s, 0.002);
@@ -147,6 +147,10 @@ TEST(EventFile, AProfileComesBackWithItsNumbers) {
     EXPECT_EQ(back[1].delay_s, 0.1);
     EXPECT_EQ(back[3].time_s, 0.1 / 3);
     EXPECT_EQ(back[3].delay_s, 0);
+    EXPECT_EQ(back[4].time_s, 12.25);
+    EXPECT_EQ(back[4].delay_s, 0);
+    EXPECT_EQ(back[5].time_s, 12.25);
+    EXPECT_EQ(back[5].delay_s, 0.05);
 }
 
 TEST(EventFile, RefusesAProfileThatIsCutOffAndWhatItDoesNotKnow) {

@@ -22,10 +22,14 @@ SlaveSettings settings_of(const std::string& text) {
 }
 
 TEST(SlaveSettings, OwnTablesChangeThePapersScene) {
-    const SlaveSettings s = settings_of("[tissue]\nmass_kg = 2\n[fixture]\nposition_m = 0.1\n");
+    const SlaveSettings s = settings_of(
+        "[tissue]\nmass_kg = 2\n[fixture]\nposition_m = 0.1\n"
+        "[slave_sim]\nstale_after_s = 0.05\nlongest_step_s = 0.2\n");
     EXPECT_EQ(tissue_of(s).mass_kg, 2);
     EXPECT_EQ(tissue_of(s).stiffness_N_per_m, 2);
     EXPECT_EQ(s.fixture_position_m(), 0.1);
+    EXPECT_EQ(s.stale_after, Duration{std::chrono::milliseconds(50)});
+    EXPECT_EQ(s.longest_step, Duration{std::chrono::milliseconds(200)});
 }
 
 TEST(SlaveSettings, AnotherSceneAndAnotherSolver) {

@@ -202,17 +202,71 @@ TEST(Capture, PaddingVlanOthersAndAKilledCapture) {
     EXPECT_TRUE(parse_capture(bytes, "a").cut_at_end);
 }
 
+std::string words(std::initializer_list<std::uint32_t> values, bool big_endian = false) {
+    std::string bytes;
+    for (const std::uint32_t value : values) {
+        for (unsigned i = 0; i < 4; ++i)
+            bytes += static_cast<char>(value >> 8 * (big_endian ? 3 - i : i) & 255);
+    }
+    return bytes;
+}
+
+// A raw IP packet with 8 bytes for port 9000.
+std::string raw_packet() {
+    CaptureWriter writer(101);
+    writer.udp(0, 5000, 9000, "a needle");
+    return writer.bytes().substr(40);  // behind the headers of the file and of the packet
+}
+
+// Blocks for the section and the interface, and an enhanced packet.
+std::string pcapng_head() {
+    return words({0x0a0d0d0a, 28, 0x1a2b3c4d, 1, ~0U, ~0U, 28}) + words({1, 20, 101, 65535, 20});
+}
+std::string pcapng_packet(std::uint64_t stamp_us) {
+    return words({6, 68, 0, static_cast<std::uint32_t>(stamp_us >> 32), static_cast<std::uint32_t>(stamp_us),
+                  36, 36}) +
+           raw_packet() + words({68});
+}
+
+TEST(Capture, EveryKindOfFile) {
+    constexpr std::uint32_t kTime_s = 1'700'000'000;
+    const auto classic = [](std::uint32_t magic, std::uint32_t version, std::uint32_t part, bool big_endian) {
+        return words({magic, version, 0, 0, 65535, 101, kTime_s, part, 36, 36}, big_endian) + raw_packet();
+    };
+    for (const std::string& bytes :
+         {classic(0xa1b2c3d4, 0x00040002, 123'456, false), classic(0xa1b2c3d4, 0x00020004, 123'456, true),
+          classic(0xa1b23c4d, 0x00020004, 123'456'000, true),
+          pcapng_head() + pcapng_packet(1'700'000'000'123'456)}) {
+        const Capture capture = parse_capture(bytes, "a");
+        ASSERT_EQ(capture.datagrams.size(), 1U);
+        EXPECT_EQ(capture.datagrams[0].stamp_ns, 1'700'000'000'123'456'000);
+        EXPECT_EQ(capture.datagrams[0].to_port, 9000);
+        EXPECT_EQ(capture.datagrams[0].payload_bytes, 8U);
+        EXPECT_FALSE(capture.cut_at_end);
+    }
+}
+
+TEST(Capture, PcapngIsReadUpToTheCut) {
+    const std::string whole = pcapng_head() + pcapng_packet(5), next = pcapng_packet(6);
+    for (std::size_t kept = 1; kept < next.size(); ++kept) {
+        const Capture capture = parse_capture(whole + next.substr(0, kept), "a");
+        EXPECT_EQ(capture.datagrams.size(), 1U) << kept;
+        EXPECT_TRUE(capture.cut_at_end) << kept;
+    }
+}
+
 TEST(Capture, Refusals) {
     std::string late = CaptureWriter(1).bytes() + std::string(16, '\0');
     late.replace(28, 4, "\xff\xff\xff\xff");  // nanoseconds of the first packet
-    for (const auto& [bytes, reason] :
-         std::vector<std::pair<std::string, std::string>>{{"", "no capture (it is empty)"},
-                                                          {"short", "no capture"},
-                                                          {std::string(24, 'x'), "no capture"},
-                                                          {CaptureWriter(147).bytes(), "link type 147"},
-                                                          {late, "packet 1: a time stamp beyond its second"},
-                                                          {CaptureWriter(1).bytes() + std::string(16, '\x0f'),
-                                                           "packet 1: invalid packet capture length"}}) {
+    for (const auto& [bytes, reason] : std::vector<std::pair<std::string, std::string>>{
+             {"", "no capture (it is empty)"},
+             {"short", "no capture"},
+             {std::string(24, 'x'), "no capture"},
+             {CaptureWriter(147).bytes(), "link type 147"},
+             {pcapng_head() + pcapng_packet(~0ULL), "packet 1: a time stamp out of range"},
+             {late, "packet 1: a time stamp out of range"},
+             {CaptureWriter(1).bytes() + std::string(16, '\x0f'),
+              "packet 1: invalid packet capture length"}}) {
         EXPECT_THAT(refusal_of([&, &file = bytes] { parse_capture(file, "a"); }), HasSubstr(reason));
     }
 }
