@@ -18,8 +18,8 @@
 
 namespace thimble {
 
-struct FalconWord {
-    FalconTriple values{};  // motors or encoders
+struct alignas(8) FalconWord {  // as clang wants it to read and write the whole at once
+    FalconTriple values{};      // motors or encoders
     std::uint8_t flags = 0, count = 0;
     bool operator==(const FalconWord&) const = default;
 };
