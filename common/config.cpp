@@ -186,7 +186,7 @@ struct ConfigTable::Found {
     }
 };
 
-// What another reader said of the key stays, where this one says nothing.
+// Where this reader says nothing of the key, the description of another reader stays.
 KeyDeclaration& ConfigTable::declare(std::string_view key, std::string_view type,
                                      std::string_view help) const {
     std::vector<KeyDeclaration>& all = file_->impl_->declared;
