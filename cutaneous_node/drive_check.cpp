@@ -76,14 +76,14 @@ int main(int argc, char** argv) {
         CheckOptions options;
         CLI::App app("Brings up the drives that a session file names and presses one finger after the other.",
                      "thimble-drive-check");
-        app.add_option("-c,--config", options.config, "session file with [cutaneous.drives]")->required();
+        app.add_option("session", options.config, "session file with [cutaneous.drives]")->required();
         app.add_option("--force", options.force_N, "in N, at most the device's limit")
             ->check(CLI::Range(0.0, 20.0));
         app.add_option("--seconds", options.press_s, "how long each finger is pressed")
             ->check(CLI::Range(0.1, 60.0));
         app.set_version_flag("--version", std::string(kVersion));
         app.footer(
-            "Example:\n  thimble-drive-check --config device.toml --force 0.3\n\n"
+            "Example:\n  thimble-drive-check device.toml --force 0.3\n\n"
             "Exit codes: 0 ok, 1 a drive failed, 2 usage or configuration, 3 no bus.");
         if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
         return check(options);

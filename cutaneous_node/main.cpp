@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
         "on the handle (CF) or of the other one (CCF). The device is simulated, a fingertip board on USB, or "
         "drives on "
         "a CAN bus ([cutaneous] device).";
-    program.example = "thimble-cutaneous --config deploy/sessions/delay50.toml";
+    program.example = "thimble-cutaneous deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "cutaneous", "control"};
     program.build = build;
     return run_node_program(program, argc, argv);

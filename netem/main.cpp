@@ -25,12 +25,13 @@ constexpr const char* kFooter =
     "Manual: docs/network-relay.md.\n"
     "Exit codes: 0 ok, 1 failed, 2 usage or configuration, 3 network, 4 real time, 5 data.";
 
-// A session starts its node with options alone, none of them these.
+// A session starts its node with options alone, none of them these. A person may name the session file first.
 bool is_node_call(int argc, char** argv) {
     constexpr std::array<std::string_view, 8> kOwn{"--listen", "--to", "--selftest",   "--print-tc",
                                                    "--help",   "-h",   "--completion", "--complete"};
     if (argc < 2) return true;
-    if (argv[1][0] != '-') return std::string_view(argv[1]) == "node";
+    const std::string_view first(argv[1]);
+    if (!first.starts_with('-')) return first == "node" || first.ends_with(".toml");
     return std::none_of(argv + 1, argv + argc, [&](std::string_view word) {
         return std::find(kOwn.begin(), kOwn.end(), word.substr(0, word.find('='))) != kOwn.end();
     });

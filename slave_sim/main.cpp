@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
         "The remote side, simulated: tissue, virtual fixture and proxy. Answers each needle command the "
         "moment it "
         "arrives, and gives the beep after trial.contact_hold_s (5 s) of unbroken contact with the fixture.";
-    program.example = "thimble-slave-sim --config deploy/sessions/delay50.toml";
+    program.example = "thimble-slave-sim deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "tissue", "fixture", "slave_sim", "control"};
     program.build = [](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         return std::make_unique<Slave>(file, sockets, instance);

@@ -1,7 +1,6 @@
 // thimble: launches and steers the nodes, runs studies, writes reports.
-#include <algorithm>
-#include <array>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -14,6 +13,31 @@ namespace {
 
 using namespace thimble;
 
+struct Purpose {
+    const char* title;
+    std::vector<Subcommand> commands;
+};
+
+// In the order of --help.
+std::vector<Purpose> add_commands(CLI::App& app, const std::string& typed) {
+    std::vector<Purpose> purposes;
+    purposes.push_back({"Try it", {add_play(app), add_run(app, typed), add_check(app)}});
+    purposes.push_back(
+        {"Study",
+         {add_study(app), add_compensators(app), add_analyse(app), add_report(app, typed), add_replay(app)}});
+    purposes.push_back({"People", {add_dataset(app)}});
+    purposes.push_back({"Network", {add_link_test(app)}});
+    purposes.push_back({"Stability", {add_stability(app), add_sweep(app)}});
+    purposes.push_back({"Logs", {add_log(app)}});
+    purposes.push_back(
+        {"This machine and others",
+         {add_doctor(app), add_stop(app), add_keygen(app), add_config(app), add_completion(app)}});
+    for (const Purpose& purpose : purposes) {
+        for (const Subcommand& command : purpose.commands) command.subcommand->group(purpose.title);
+    }
+    return purposes;
+}
+
 int run_thimble(int argc, char** argv) {
     std::string typed;
     for (int i = 0; i < argc; ++i) typed += (i > 0 ? " " : "") + std::string(argv[i]);
@@ -22,18 +46,18 @@ int run_thimble(int argc, char** argv) {
     app.set_version_flag("--version", std::string(kVersion));
     app.require_subcommand(1);
     app.footer(
-        "Example:\n  thimble run deploy/sessions/delay50.toml --out out/run\n\n"
+        "Examples:\n  thimble run deploy/sessions/delay50.toml --out out/run\n"
+        "  thimble help study\n\n"
         "Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, 3 network, 4 real time, 5 "
         "data.");
-    const std::array commands{
-        add_run(app, typed), add_study(app),     add_replay(app),    add_report(app, typed), add_analyse(app),
-        add_exclude(app),    add_check(app),     add_link_test(app), add_up(app, typed),     add_play(app),
-        add_doctor(app),     add_stability(app), add_sweep(app),     add_compensators(app),  add_log(app),
-        add_stop(app),       add_keygen(app),    add_config(app),    add_completion(app),    add_bids(app)};
+    const std::vector<Purpose> purposes = add_commands(app, typed);
     if (const auto exit_code = parse_command_line(app, argc, argv)) return *exit_code;
-    const auto given = std::find_if(commands.begin(), commands.end(),
-                                    [](const Subcommand& command) { return command.subcommand->parsed(); });
-    return given->run();  // there is one: the app requires it
+    for (const Purpose& purpose : purposes) {
+        for (const Subcommand& command : purpose.commands) {
+            if (command.subcommand->parsed()) return command.run();
+        }
+    }
+    return 0;  // never: the app requires one
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ int main(int argc, char** argv) {
         "gives the beep. "
         "Never shows the fixture or the inserted part of the needle. Without a window, the display records "
         "frames.";
-    program.example = "thimble-visual --config deploy/sessions/delay50.toml --window";
+    program.example = "thimble-visual deploy/sessions/delay50.toml --window";
     program.tables = {"network", "runtime", "visual", "instructions"};
     program.flags = {{"--window", "open a window, whatever [visual].display says", &choices.window},
                      {"--fullscreen", "the window fills the screen", &choices.fullscreen}};

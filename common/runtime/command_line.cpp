@@ -90,13 +90,25 @@ void check_numbers(CLI::App& app) {
     for (CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; })) check_numbers(*below);
 }
 
+// `thimble help study` is `thimble study --help`, and `thimble version` is `thimble --version`. CLI11 wants the last word first.
+std::vector<std::string> reversed_words(int argc, char** argv) {
+    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    if (words.size() == 1 && words.front() == "version") words.front() = "--version";
+    if (!words.empty() && words.front() == "help") {
+        words.erase(words.begin());
+        words.emplace_back("--help");
+    }
+    std::reverse(words.begin(), words.end());
+    return words;
+}
+
 }  // namespace
 
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
     if (const auto exit_code = answer_shell(app, argc, argv)) return exit_code;
     check_numbers(app);
     try {
-        app.parse(argc, argv);
+        app.parse(reversed_words(argc, argv));
     } catch (const CLI::ParseError& error) {
         if (const std::string why = explain(app, error); !why.empty()) {
             fmt::print(stderr, "{}: error: {}\nRun with --help for more information.\n", app.get_name(), why);

@@ -326,7 +326,7 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
     return guarded_main(program.name, [&] {
         CLI::App app(program.description, program.name);
         Options options;
-        app.add_option("-c,--config", options.config, "session file (TOML); without it the paper's defaults");
+        app.add_option("session", options.config, "session file (TOML); without it the paper's defaults");
         app.add_option("--base-port", options.base_port, "first UDP port, instead of [network].base_port")
             ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
             ->type_name("PORT");

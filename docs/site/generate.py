@@ -61,10 +61,10 @@ KEY_PAGES = [('keys', 'session', 'Every key of a session file', '[session files]
 def write_keys(programs, out):
     for page, kind, title, meanings in KEY_PAGES:
         (out / f'{page}.md').write_text(
-            f'# {title}\n\nAs the programs read them (`thimble config reference --kind {kind}`). More about them: {meanings}.\n'
+            f'# {title}\n\nAs the programs read them (`thimble config reference {kind}`). More about them: {meanings}.\n'
             '`[table[]]` may stand several times, as `[[table]]`. Others: '
             + ', '.join(f'[{kind_of} files]({other}.md)' for other, kind_of, *_ in KEY_PAGES if other != page) + '.\n\n'
-            + said_by([programs / 'thimble', 'config', 'reference', '--kind', kind]))
+            + said_by([programs / 'thimble', 'config', 'reference', kind]))
 
 
 def write_messages(schema, out):

@@ -40,7 +40,7 @@ int run_node(int argc, char** argv) {
     program.description =
         "Relays the datagrams between master and slave_sim through a delay, jitter and loss model: one link "
         "for the needle, one each for the force to handle, fingertips and screen.";
-    program.example = "thimble-netem --config deploy/sessions/delay50.toml --force-delay-s 0.05";
+    program.example = "thimble-netem deploy/sessions/delay50.toml --force-delay-s 0.05";
     program.options = {
         {"--force-delay-s", "one-way delay of the force path, instead of [netem.force].delay_s",
          &force_delay_s, 0, 60},

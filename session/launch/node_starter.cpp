@@ -48,7 +48,7 @@ std::shared_ptr<RunningNode> LocalStarter::start(const NodeOrder& order) const {
     }
     arguments.insert(arguments.end(),
                      {"--report", order.report.string(), fmt::format("--die-with-parent={}", ::getpid())});
-    if (!config_.empty()) arguments.insert(arguments.end(), {"--config", config_.string()});
+    if (!config_.empty()) arguments.push_back(config_.string());
     return std::make_unique<LocalNode>(order.program, Child(programs_ / order.program, arguments, order.log));
 }
 

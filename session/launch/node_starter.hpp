@@ -16,7 +16,7 @@ namespace thimble {
 struct NodeOrder {
     Role role{};
     std::string program;                 // "thimble-master"
-    std::vector<std::string> arguments;  // but for --config and --report, which depend on the place
+    std::vector<std::string> arguments;  // but for session file and --report, which depend on the place
     std::filesystem::path log, report;   // here, wherever it runs
     std::filesystem::path messages{};    // its log of messages, here at its end; empty: none
 };

@@ -133,7 +133,7 @@ std::string remote_script(const RemoteOrder& order) {
     script += kLook;
     script += kUnpack;
     script += fmt::format(
-        "messages=$dir/messages.mcap\nset -- --config \"$dir\"/session/{} --report \"$dir\"/report.json "
+        "messages=$dir/messages.mcap\nset -- \"$dir\"/session/{} --report \"$dir\"/report.json "
         "--die-with-parent=$$ {}{}\n",
         shell_word(order.session), order.messages ? "--log \"$messages\" " : "",
         shell_words(order.arguments));

@@ -112,10 +112,9 @@ UnitFile unit(const UnitPlan& plan, const NodeKind& node) {
         fmt::arg("comment", fmt::format("# {}/{} on {}. Session file: {}/{}", kUnitFolder, file.name, where,
                                         kSessionFolder, plan.session)),
         fmt::arg("role", to_string(node.role)), fmt::arg("priority", plan.runtime.priority),
-        fmt::arg("command",
-                 fmt::format("{} --config {} --base-port {}", unit_word(folder + "/" + node.program),
-                             unit_word(fmt::format("{}/{}", kSessionFolder, plan.session)),
-                             plan.network.base_port)),
+        fmt::arg("command", fmt::format("{} {} --base-port {}", unit_word(folder + "/" + node.program),
+                                        unit_word(fmt::format("{}/{}", kSessionFolder, plan.session)),
+                                        plan.network.base_port)),
         fmt::arg("protect_home",
                  folder.rfind("/home/", 0) == 0 || folder.rfind("/root/", 0) == 0 ? "read-only" : "yes"),
         fmt::arg("addresses", credential(plan.network.security) + address_rules(plan.network, node.role)));

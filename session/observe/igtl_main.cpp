@@ -191,7 +191,7 @@ class IgtlServer final : public Process {
 };
 
 void add_igtl_options(CLI::App& app, IgtlOptions& o) {
-    app.add_option("-c,--config", o.config, "session file (TOML): where the session is, and its lab key");
+    app.add_option("session", o.config, "session file (TOML): where the session is, and its lab key");
     app.add_option("--base-port", o.base_port, "first UDP port, instead of [network].base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
@@ -215,7 +215,7 @@ void add_igtl_options(CLI::App& app, IgtlOptions& o) {
         ->default_val(o.rate_Hz);
     app.set_version_flag("--version", std::string(kVersion));
     app.footer(
-        "Examples:\n  thimble-igtl --config deploy/sessions/delay50.toml      # beside: thimble run ... "
+        "Examples:\n  thimble-igtl deploy/sessions/delay50.toml      # beside: thimble run ... "
         "--monitor\n"
         "  thimble-igtl --replay out/run/nodes/session_50ms.mcap\n\n"
         "Exit codes: 0 ok, 2 usage or configuration, 3 network, 5 a log cannot be read.");

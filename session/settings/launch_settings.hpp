@@ -1,4 +1,4 @@
-// Table [launch] of a session file: which node runs on which machine, and how `thimble up` gets there.
+// Table [launch] of a session file: which node runs on which machine, and how `thimble run` gets there.
 #pragma once
 
 #include <array>

@@ -19,7 +19,7 @@ def key_tables(programs):
     """{(kind, table): lines} of the tables that thimble config reference prints, head and all."""
     tables = {}
     for kind in KINDS:
-        text = subprocess.run([programs / 'thimble', 'config', 'reference', '--kind', kind], check=True, capture_output=True, text=True).stdout
+        text = subprocess.run([programs / 'thimble', 'config', 'reference', kind], check=True, capture_output=True, text=True).stdout
         # A page links to the pages that a meaning names.
         text = re.sub(r'docs/([\w-]+\.md)', r'[\1](\1)', text)
         for part in re.split(r'^## ', text, flags=re.M)[1:]:

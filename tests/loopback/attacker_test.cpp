@@ -209,7 +209,7 @@ TEST_F(LabKeyTest, IsMadeByKeygenOnce) {
 TEST_F(LabKeyTest, MachinesWithoutOneAreRefused) {
     const auto file = folder_.write("open.toml", "[network]\nhost_slave_sim = '192.0.2.1'\n");
     for (const char* program : {"thimble-master", "thimble-netem"}) {
-        const Outcome outcome = run_to_end(built_programs() / program, {"--config", file.string()});
+        const Outcome outcome = run_to_end(built_programs() / program, {file.string()});
         EXPECT_EQ(outcome.code, 2) << outcome.words;
         EXPECT_THAT(outcome.words, HasSubstr("thimble keygen"));
     }

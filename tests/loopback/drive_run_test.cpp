@@ -105,7 +105,7 @@ TEST(DriveCheck, InterruptedItLeavesNoDriveWithVoltage) {
                            "\"\nlisten_port = " + std::to_string(ports.base() + 1) +
                            "\nsilent_after_s = 10\ntake_up_limit_s = 60\nacting_thumb = []\n" +
                            "other_index = []\nother_thumb = []\n");
-    Child check(built_programs() / "thimble-drive-check", {"--config", file}, folder / "words");
+    Child check(built_programs() / "thimble-drive-check", {file}, folder / "words");
     const auto enabled = [](const DriveEmulator& drive) {
         return drive.state() == DriveState::kOperationEnabled;
     };

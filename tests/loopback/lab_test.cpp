@@ -1,4 +1,4 @@
-// `thimble up` in a laboratory of four network namespaces on one bridge (lab.sh), one of them the network: what it finds is
+// `thimble run` in a laboratory of four network namespaces on one bridge (lab.sh), one of them the network: what it finds is
 // what virtual time finds, and a cut wire ends a trial and not the session.
 #include <array>
 #include <csignal>
@@ -40,7 +40,7 @@ class Lab : public testing::Test {
         return words_in(std::string(geteuid() == 0 ? "" : "-Ur ") + "-nm --propagation private sh", command);
     }
     std::vector<std::string> up(const std::string& session) const {
-        return words({(built_programs() / "thimble").string(), "up",
+        return words({(built_programs() / "thimble").string(), "run",
                       folder_.write("session.toml", session).string(), "--out", (folder_ / "out").string(),
                       "--exec", "ip netns exec {host}", "--programs", built_programs().string(),
                       "--base-port", std::to_string(ports_.base()), "--json"});

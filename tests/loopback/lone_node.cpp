@@ -17,7 +17,7 @@ constexpr Duration kRepeat = std::chrono::milliseconds{50};
 
 std::vector<std::string> node_arguments(const Folder& folder, const PortBlock& ports,
                                         const std::string& config, const std::vector<std::string>& more) {
-    return words_in(fmt::format("--base-port {} --config {} --report {} --die-with-parent={}", ports.base(),
+    return words_in(fmt::format("--base-port {} {} --report {} --die-with-parent={}", ports.base(),
                                 folder.write("node.toml", "# a test's\n" + config).string(),
                                 (folder / "report.json").string(), getpid()),
                     more);

@@ -53,7 +53,7 @@ class ParticipantSessions {
         for (const char* program : kNodePrograms) {
             started.emplace_back(built_programs() / program,
                                  std::vector<std::string>{"--base-port", std::to_string(ports_.base()),
-                                                          "--config", file_.string(), "--die-with-parent"},
+                                                          file_.string(), "--die-with-parent"},
                                  folder_ / program);
         }
         return started;
@@ -150,8 +150,8 @@ TEST(ParticipantProgram, TheExperimentersCommandsByPipe) {
     EXPECT_EQ(records[2].repeat_of, 2U);
     EXPECT_EQ(records[2].repeat_reason, "sneezed");
     const std::string data = sessions.dataset().folder().string();
-    const std::vector<std::string> exclude{"exclude", data, "--participant", "P07",
-                                           "--trial", "1",  "--reason",      "phone rang"};
+    const std::vector<std::string> exclude{"dataset", "exclude", data,       "--participant", "P07",
+                                           "--trial", "1",       "--reason", "phone rang"};
     EXPECT_EQ(run_thimble(exclude).code, 0);
     EXPECT_EQ(run_thimble(exclude).code, 2);  // it is already
     const Outcome analysed = run_thimble({"analyse", data});

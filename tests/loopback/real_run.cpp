@@ -11,19 +11,18 @@ namespace {
 constexpr std::size_t kSomeSamples = 2000;
 
 std::vector<std::string> run_arguments(const Folder& folder, const SessionFile& session,
-                                       const PortBlock& ports, const std::vector<std::string>& more,
-                                       const std::string& subcommand) {
-    return words_in(fmt::format("{} {} --out {} --base-port {}", subcommand,
-                                folder.write("session.toml", session.text()).string(),
-                                (folder / "out").string(), ports.base()),
-                    more);
+                                       const PortBlock& ports, const std::vector<std::string>& more) {
+    return words_in(
+        fmt::format("run {} --out {} --base-port {}", folder.write("session.toml", session.text()).string(),
+                    (folder / "out").string(), ports.base()),
+        more);
 }
 
 }  // namespace
 
 RealRun::RealRun(const SessionFile& session, const std::vector<std::string>& more_arguments,
-                 const std::filesystem::path& programs, const std::string& subcommand)
-    : child_(programs / "thimble", run_arguments(folder_, session, ports_, more_arguments, subcommand),
+                 const std::filesystem::path& programs)
+    : child_(programs / "thimble", run_arguments(folder_, session, ports_, more_arguments),
              folder_ / "words") {}
 
 std::string RealRun::first_trajectory() const {

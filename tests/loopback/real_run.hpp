@@ -1,4 +1,4 @@
-// `thimble run`, or `thimble up`, under test: a session file and ports of its own, everything it writes, and its nodes'
+// `thimble run` under test: a session file and ports of its own, everything it writes, and its nodes'
 // processes.
 #pragma once
 
@@ -14,8 +14,7 @@ namespace thimble {
 class RealRun {
   public:
     explicit RealRun(const SessionFile& session, const std::vector<std::string>& more_arguments = {},
-                     const std::filesystem::path& programs = built_programs(),
-                     const std::string& subcommand = "run");
+                     const std::filesystem::path& programs = built_programs());
 
     // Waits until a trial runs: its first samples are on the disk. False if the run ended before.
     bool reaches_trial();

@@ -30,11 +30,24 @@ TEST(Help, IsThereWithAnExampleInEveryProgram) {
         EXPECT_EQ(outcome.code, 0) << program;
         EXPECT_THAT(outcome.words, HasSubstr("Example")) << program;
     }
-    for (const char* command : {"run", "up", "study", "replay", "report", "check", "doctor", "keygen"}) {
+    for (const char* command : {"run", "study", "replay", "report", "check", "doctor", "keygen"}) {
         const Outcome outcome = run_thimble({command, "--help"});
         EXPECT_EQ(outcome.code, 0) << command;
         EXPECT_THAT(outcome.words, HasSubstr("Example")) << command;
     }
+}
+
+TEST(Help, HelpAndVersionAreWordsToo) {
+    EXPECT_EQ(run_thimble({"help"}).words, run_thimble({"--help"}).words);
+    EXPECT_EQ(run_thimble({"help", "log", "check"}).words, run_thimble({"log", "check", "--help"}).words);
+    EXPECT_EQ(run_thimble({"version"}).words, run_thimble({"--version"}).words);
+}
+
+TEST(Help, GroupsCommandsByPurpose) {
+    const std::string help = run_thimble({"--help"}).words;
+    const std::size_t study = help.find("\nStudy:"), people = help.find("\nPeople:");
+    ASSERT_LT(study, people);
+    EXPECT_THAT(help.substr(study, people - study), HasSubstr("\n  analyse "));
 }
 
 TEST(Help, AnUnknownOptionIsAUsageError) {
@@ -59,7 +72,7 @@ TEST(Help, NumbersThatAreNoneAreUsageErrors) {
         {"thimble", "sweep", "--block", "-1"},
         {"thimble", "compensators", "--seed", "-1"},
         {"thimble", "compensators", "--jobs", "-1"},
-        {"thimble", "exclude", "--trial", "-1"},
+        {"thimble", "dataset", "exclude", "--trial", "-1"},
         {"thimble", "play", "--trial", "-1"},
         {"thimble", "link-test", "--ports", "-1"},
         {"thimble", "doctor", "--seconds", "nan"},
@@ -116,8 +129,7 @@ class BadConfiguration : public testing::Test {
   protected:
     void expect_refused(const std::string& program, const std::string& text, const std::string& place) {
         const auto file = folder_.write("bad.toml", text);
-        std::vector<std::string> arguments{"--config", file.string(), "--base-port",
-                                           std::to_string(ports_.base())};
+        std::vector<std::string> arguments{file.string(), "--base-port", std::to_string(ports_.base())};
         if (program == "thimble") arguments = {"run", file.string(), "--out", (folder_ / "out").string()};
         const Outcome outcome = run_to_end(built_programs() / program, arguments);
         EXPECT_EQ(outcome.code, 2) << program << ": " << outcome.words;

@@ -1,4 +1,4 @@
-// `thimble up` with real processes on "machines" that are shells of this one, reached as ssh would reach them
+// `thimble run` with real processes on "machines" that are shells of this one, reached as ssh would reach them
 // (fake_ssh.sh). However a session ends, no process and no file is left behind.
 #include <csignal>
 #include <cstdlib>
@@ -37,7 +37,7 @@ class Up : public testing::Test {
         return all;
     }
     RealRun start(const SessionFile& session, const std::vector<std::string>& more = {}) const {
-        return RealRun(session, arguments(programs_, more), built_programs(), "up");
+        return RealRun(session, arguments(programs_, more));
     }
     static SessionFile endless() {
         SessionFile session = SessionFile::endless();
@@ -94,7 +94,7 @@ TEST_F(Up, FilesOfTheSessionComeAlong) {
     fs::create_directories((folder_ / name).parent_path());
     static_cast<void>(folder_.write(name, "[down]\nloss = 0.2\n"));
     const PortBlock ports;
-    std::vector<std::string> words{"up",          file.string(),
+    std::vector<std::string> words{"run",         file.string(),
                                    "--out",       (folder_ / "out").string(),
                                    "--base-port", std::to_string(ports.base())};
     for (const std::string& word : arguments(programs_)) words.push_back(word);
@@ -238,15 +238,9 @@ TEST_F(UpFails, ABadSessionStartsNothing) {
 
 TEST_F(UpFails, AWayThereThatDoesNotExistIsNamed) {
     const std::vector<std::string> exec{"--exec", "/no/such/ssh {host}"};
-    RealRun run(session(launch_table()), exec, built_programs(), "up");
+    RealRun run(session(launch_table()), exec);
     expect_end(run, 1, "cannot start /no/such/ssh");
     EXPECT_THAT(run.words(), HasSubstr("--exec"));
-}
-
-TEST_F(UpFails, ARunSaysThatOtherMachinesAreForUp) {
-    RealRun run(session(launch_table()));
-    EXPECT_EQ(run.end(), 2);
-    EXPECT_THAT(run.words(), HasSubstr("thimble up"));
 }
 
 TEST_F(UpFails, ACheckLooksAtEveryMachineAndStartsNothing) {

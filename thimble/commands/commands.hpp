@@ -17,7 +17,6 @@ struct Subcommand {
 
 // Each adds its subcommand to `app`. `typed` is the whole command line, for the report's provenance.
 Subcommand add_run(CLI::App& app, const std::string& typed);
-Subcommand add_up(CLI::App& app, const std::string& typed);
 Subcommand add_stop(CLI::App& app);
 Subcommand add_study(CLI::App& app);
 Subcommand add_play(CLI::App& app);
@@ -27,8 +26,7 @@ Subcommand add_analyse(CLI::App& app);
 Subcommand add_check(CLI::App& app);
 Subcommand add_config(CLI::App& app);
 Subcommand add_doctor(CLI::App& app);
-Subcommand add_bids(CLI::App& app);
-Subcommand add_exclude(CLI::App& app);
+Subcommand add_dataset(CLI::App& app);
 Subcommand add_compensators(CLI::App& app);
 Subcommand add_link_test(CLI::App& app);
 Subcommand add_stability(CLI::App& app);

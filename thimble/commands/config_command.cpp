@@ -9,36 +9,46 @@
 #include "thimble/commands/config_reference.hpp"
 
 namespace thimble {
+namespace {
 
-Subcommand add_config(CLI::App& app) {
-    const auto json = std::make_shared<bool>(false);
-    const auto schema = std::make_shared<bool>(false);
-    const auto kind = std::make_shared<std::string>("session");
-    CLI::App* config = app.add_subcommand(
-        "config", "every key of a session, scene or profile file: type, unit, default, range, meaning");
-    CLI::App* reference = config->add_subcommand("reference", "all keys as a page in Markdown, or as JSON");
-    config->require_subcommand(1);
-    reference->add_flag("--json", *json, "one JSON object by dotted key");
-    reference
-        ->add_flag("--schema", *schema,
-                   "a JSON Schema, by which an editor checks a file and completes its keys")
-        ->excludes("--json");
-    reference->add_option("--kind", *kind, "of which files: session, scene, or profile (of a network)")
+struct ConfigArguments {
+    std::string kind = "session";
+    bool json = false, schema = false;
+};
+
+int print_keys(const ConfigArguments& a) {
+    const auto keys = a.kind == "session" ? session_file_keys()
+                      : a.kind == "scene" ? scene_file_keys()
+                                          : profile_file_keys();
+    fmt::print("{}", a.json ? keys_as_json(keys) : a.schema ? keys_as_schema(keys) : keys_as_markdown(keys));
+    return 0;
+}
+
+CLI::App* add_keys(CLI::App& config, ConfigArguments& a, const char* name, const char* what) {
+    CLI::App* part = config.add_subcommand(name, what);
+    part->add_option("kind", a.kind, "of which files: session, scene, or profile (of a network)")
         ->check(CLI::IsMember({"session", "scene", "profile"}))
         ->capture_default_str();
-    reference->footer(
+    return part;
+}
+
+}  // namespace
+
+Subcommand add_config(CLI::App& app) {
+    const auto arguments = std::make_shared<ConfigArguments>();
+    ConfigArguments& a = *arguments;
+    CLI::App* config = app.add_subcommand(
+        "config", "every key of a session, scene or profile file: type, unit, default, range, meaning");
+    config->require_subcommand(1);
+    add_keys(*config, a, "reference", "all keys as a page in Markdown, or as JSON")
+        ->add_flag("--json", a.json, "one JSON object by dotted key");
+    add_keys(*config, a, "schema", "a JSON Schema, by which an editor checks a file and completes its keys")
+        ->callback([&a] { a.schema = true; });
+    config->footer(
         "Examples:\n  thimble config reference --json | grep -A5 force_limit_N\n"
-        "  thimble config reference --schema > session.schema.json\n"
-        "  thimble config reference --kind scene");
-    return {config, [json, schema, kind] {
-                const auto keys = *kind == "session" ? session_file_keys()
-                                  : *kind == "scene" ? scene_file_keys()
-                                                     : profile_file_keys();
-                fmt::print("{}", *json     ? keys_as_json(keys)
-                                 : *schema ? keys_as_schema(keys)
-                                           : keys_as_markdown(keys));
-                return 0;
-            }};
+        "  thimble config reference scene\n"
+        "  thimble config schema session > session.schema.json");
+    return {config, [arguments] { return print_keys(*arguments); }};
 }
 
 }  // namespace thimble

@@ -1,6 +1,7 @@
 // thimble link-test: is the network between two machines good enough, before an experiment finds out?
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -24,7 +25,7 @@ namespace {
 struct LinkTestArguments {
     std::string host, session;
     int base_port = 0;
-    double seconds_s = 5, for_s = 600;
+    std::optional<double> seconds_s;
     std::vector<unsigned> offsets;
     bool listen = false, json = false;
 };
@@ -46,7 +47,7 @@ int listen(const LinkTestArguments& arguments, const ConfigFile& file) {
     EchoPlan plan;
     plan.base_port = network_of(arguments.session, arguments.base_port).base_port;
     plan.ports = chosen_ports(arguments, ports_on({}, ""));
-    plan.limit = from_seconds(arguments.for_s);
+    plan.limit = from_seconds(arguments.seconds_s.value_or(600));
     plan.stop = &stop_requested();
     ask_scheduler(file);
     const EchoCounters counters = serve_echoes(plan);
@@ -65,7 +66,7 @@ int test(const LinkTestArguments& arguments, const ConfigFile& file) {
     plan.host = arguments.host;
     plan.base_port = network.base_port;
     plan.ports = chosen_ports(arguments, ports_on(network, arguments.host));
-    plan.duration = from_seconds(arguments.seconds_s);
+    plan.duration = from_seconds(arguments.seconds_s.value_or(5));
     plan.stop = &stop_requested();
     ask_scheduler(file);
     LinkReport report;
@@ -80,7 +81,8 @@ int test(const LinkTestArguments& arguments, const ConfigFile& file) {
 int link_test(const LinkTestArguments& arguments) {
     if (arguments.listen != arguments.host.empty()) {
         throw Error(ExitCode::kUsage,
-                    "name the far machine to test the link to it, or give --listen to be the far machine");
+                    "name the far machine with --host to test the link to it, or give --listen to be the far "
+                    "machine");
     }
     const ConfigFile file =
         arguments.session.empty() ? ConfigFile::empty() : ConfigFile::load(arguments.session);
@@ -95,11 +97,11 @@ Subcommand add_link_test(CLI::App& app) {
     CLI::App* command = app.add_subcommand(
         "link-test",
         "before an experiment: do all ports of another machine answer, and is the link good enough?");
-    command->add_option("host", a.host, "the far machine, where 'thimble link-test --listen' runs");
     command->add_option(
-        "--session", a.session,
+        "session", a.session,
         "session file: ports of the programs that [network] has on that host, limits of its handle and "
         "fixture, its modalities");
+    command->add_option("--host", a.host, "the far machine, where 'thimble link-test --listen' runs");
     command->add_flag("--listen", a.listen,
                       "be the far machine: echo what a test sends, never more than it sends");
     add_base_port_option(*command, a.base_port);
@@ -107,13 +109,12 @@ Subcommand add_link_test(CLI::App& app) {
         ->add_option("--ports", a.offsets,
                      "only these offsets from the base port (docs/protocol.md), as 11,14")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->check(CLI::Range(0U, static_cast<unsigned>(Port::kCount) - 1));
-    command->add_option("--seconds", a.seconds_s, "how long to send a session's traffic")
-        ->check(CLI::Range(0.1, 3600.0))
-        ->capture_default_str();
-    command->add_option("--for", a.for_s, "--listen: seconds until it ends by itself")
-        ->check(CLI::Range(0.1, 86400.0))
-        ->capture_default_str();
+    command
+        ->add_option("--seconds", a.seconds_s,
+                     "how long to send a session's traffic (5), or how long to listen (600)")
+        ->check(CLI::Range(0.1, 86400.0));
     command->add_flag("--json", a.json, "print JSON instead of tables");
     command->footer(
         "Verdicts: HF fits while the round trip stays below the critical delay of its force loop; CF, CCF "
@@ -122,8 +123,8 @@ Subcommand add_link_test(CLI::App& app) {
         "network that "
         "a session emulates comes on top.\n\n"
         "Examples:\n  thimble link-test --listen                                     # on the far machine\n"
-        "  thimble link-test 192.168.1.20 --session deploy/sessions/delay50.toml\n"
-        "  thimble link-test 192.168.1.20 --ports 11,14 --seconds 60 --json\n\n"
+        "  thimble link-test deploy/sessions/delay50.toml --host 192.168.1.20\n"
+        "  thimble link-test --host 192.168.1.20 --ports 11,14 --seconds 60 --json\n\n"
         "Exit codes: 0 every modality fits or is marginal, 1 one does not fit (or interrupted), 2 usage, 3 a "
         "port does "
         "not answer or a session's datagrams do not pass.");

@@ -116,13 +116,13 @@ int run_participant_for_real(RealRunArguments& arguments, const SystemSettings& 
 
 }  // namespace
 
-void add_real_run_options(CLI::App& command, const std::string& default_out, RealRunArguments& a) {
+void add_real_run_options(CLI::App& command, RealRunArguments& a) {
     command.add_option("session", a.config, "session file (TOML), e.g. deploy/sessions/delay50.toml")
         ->required();
     a.out_option = command
                        .add_option("-o,--out", a.run.out,
                                    "folder for the results; of a participant session: out/dataset")
-                       ->default_val(default_out);
+                       ->default_val("out/run");
     add_base_port_option(command, a.base_port);
     command.add_flag("--overwrite", a.run.overwrite, "replace earlier results in that folder");
     command.add_flag("--strict-rt", a.run.strict_rt, "exit with 4 if a node missed too many deadlines");

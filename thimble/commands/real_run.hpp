@@ -1,4 +1,4 @@
-// Trials, or a participant's session, by real processes: shared by `thimble run` and `thimble up`.
+// Trials, or a participant's session, by real processes.
 #pragma once
 
 #include <memory>
@@ -25,7 +25,7 @@ struct RealRunArguments {
 };
 
 // Session file, --out, --base-port, --overwrite, --strict-rt, --json, --monitor, --plotjuggler and those of a participant session.
-void add_real_run_options(CLI::App& command, const std::string& default_out, RealRunArguments& arguments);
+void add_real_run_options(CLI::App& command, RealRunArguments& arguments);
 
 // Returns the exit code. Without a starter the nodes run already. Throws Error as run_session and run_participant do.
 int run_for_real(const RealRunArguments& given, const SystemSettings& settings,

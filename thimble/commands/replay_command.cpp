@@ -15,6 +15,7 @@
 #include "slave_sim/solvers.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/replay.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
@@ -27,6 +28,7 @@ struct ReplayArguments {
 int run_replay(ReplayArguments& arguments) {
     install_stop_signals();
     arguments.options.stop = &stop_requested();
+    arguments.options.out = output_file(arguments.options.out, "forces.csv");
     const ReplayOptions& options = arguments.options;
     const ReplayResult result = replay(options);
     if (arguments.json) {
@@ -57,7 +59,9 @@ Subcommand add_replay(CLI::App& app) {
     sub->add_option("--scene", r.scene, "scene file (TOML), or one that comes with the program")
         ->default_val(kPaperScene);
     sub->add_option("--needle", r.needle, "CSV with columns time_s and position_needle_m")->required();
-    sub->add_option("-o,--out", r.out, "forces and surface, a line per sample; replaced if it exists")
+    sub->add_option("-o,--out", r.out,
+                    "forces and surface, a line per sample, replaced if it exists: a file that ends in .csv, "
+                    "or a folder for forces.csv")
         ->required();
     sub->add_option("--events", r.events, "transitions (default: OUT with .events.csv for .csv)");
     sub->add_option("--solver", r.solver, "how tissue is stepped")

@@ -7,6 +7,7 @@
 
 #include "analysis/report/report.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 Subcommand add_report(CLI::App& app, const std::string& typed) {
@@ -17,12 +18,16 @@ Subcommand add_report(CLI::App& app, const std::string& typed) {
     CLI::App* report = app.add_subcommand("report", "one report.html from a run, a study, or both");
     report->add_option("--run", a->run_folder, "folder of a thimble run");
     report->add_option("--study", a->study_folder, "folder of a thimble study");
-    report->add_option("-o,--out", a->out, "the report, replaced if it exists")
+    report
+        ->add_option(
+            "-o,--out", a->out,
+            "the report, replaced if it exists: a file that ends in .html, or a folder for report.html")
         ->default_val("out/report.html");
     report->footer("Example:\n  thimble report --run out/run --study out/study --out out/report.html");
     return {report, [a, typed] {
-                write_combined_report(a->run_folder, a->study_folder, a->out, typed);
-                fmt::print("report: {}\n", a->out);
+                const auto file = output_file(a->out, "report.html");
+                write_combined_report(a->run_folder, a->study_folder, file, typed);
+                fmt::print("report: {}\n", file.string());
                 return 0;
             }};
 }

@@ -1,12 +1,17 @@
-// thimble run: one trial per modality and delay, or a participant's session, by real processes over UDP.
+// thimble run: one trial per modality and delay, or a participant's session, by real processes over UDP. Each node runs on the machine
+// that [launch] names, else on this one.
 #include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "session/launch/node_starter.hpp"
+#include "session/launch/port_table.hpp"
+#include "session/launch/remote_starter.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/machines.hpp"
 #include "thimble/commands/real_run.hpp"
 #include "thimble/commands/shared.hpp"
 
@@ -14,20 +19,69 @@ namespace thimble {
 namespace {
 
 struct RunArguments : RealRunArguments {
-    bool attach = false;
+    bool attach = false, check = false;
+    std::string exec, programs, print;
 };
 
-int run_here(const RunArguments& arguments) {
+LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& settings) {
+    LaunchSettings launch = settings.launch;
+    if (!arguments.exec.empty()) launch.exec = arguments.exec;
+    if (!arguments.programs.empty()) launch.programs = arguments.programs;
+    if (exec_words(launch, "x").empty())
+        throw Error(ExitCode::kUsage, "--exec is empty: leave it out for ssh");
+    return launch;
+}
+
+std::shared_ptr<NodeStarter> starter_for(const LaunchSettings& launch, const std::string& session) {
+    auto here = std::make_unique<LocalStarter>(program_folder(), session);
+    if (!launch.anywhere_else()) return here;
+    return std::make_shared<RemoteStarter>(launch, session, std::move(here));
+}
+
+int run_nodes(const RunArguments& arguments) {
     const SystemSettings settings = load_system_settings(arguments.config);
     if (arguments.attach) return run_for_real(arguments, settings, nullptr);
-    if (settings.launch.anywhere_else()) {
-        throw Error(
-            ExitCode::kUsage,
-            "the session file's [launch] names other machines, and thimble run starts every node on this "
-            "one: use thimble up, or say --attach if the nodes run already");
+    const LaunchSettings launch = launch_of(arguments, settings);
+    const NetworkSettings network = network_of(arguments.config, arguments.base_port);
+    check_hosts(launch, network);
+    if (arguments.print == "systemd") {
+        const bool to_files = arguments.out_option->count() > 0;
+        print_units(arguments.config, launch, network, to_files ? arguments.run.out : "");
+        return 0;
     }
-    return run_for_real(arguments, settings,
-                        std::make_shared<LocalStarter>(program_folder(), arguments.config));
+    if (arguments.print == "ports") {
+        fmt::print("{}", firewall_table(network, launch));
+        return 0;
+    }
+    if (arguments.check)
+        return static_cast<int>(check_machines(launch, arguments.run.out / "check", arguments.json));
+    return run_for_real(arguments, settings, starter_for(launch, arguments.config));
+}
+
+void add_machine_options(CLI::App& run, RunArguments& a) {
+    const auto group = "Other machines (session files with [launch])";
+    CLI::Option* const attach = run.add_flag(
+        "--attach", a.attach,
+        "steer nodes that run already (on one machine or several, see [network]) instead of starting five; "
+        "their own session file sets the delay");
+    attach->group(group);
+    run.add_option("--exec", a.exec,
+                   "the command that runs a command on {host}, instead of [launch].exec (ssh)")
+        ->type_name("COMMAND")
+        ->group(group);
+    run.add_option("--programs", a.programs, "folder of the programs there, instead of [launch].programs")
+        ->type_name("FOLDER")
+        ->group(group);
+    CLI::Option* const check = run.add_flag(
+        "--check", a.check, "start nothing: is each machine reached, has it the program, in this version?");
+    check->group(group)->excludes(attach);
+    run.add_option("--print", a.print,
+                   "start nothing: print units for services (into folders, with --out), or the ports that "
+                   "cross between machines")
+        ->check(CLI::IsMember({"systemd", "ports"}))
+        ->group(group)
+        ->excludes(attach)
+        ->excludes(check);
 }
 
 }  // namespace
@@ -38,18 +92,19 @@ Subcommand add_run(CLI::App& app, const std::string& typed) {
     CLI::App* run = app.add_subcommand(
         "run",
         "one trial per modality and delay, or, with a [protocol], one participant's session: "
-        "five real processes over UDP");
-    add_real_run_options(*run, "out/run", *arguments);
-    run->add_flag(
-        "--attach", arguments->attach,
-        "steer nodes that run already (on one machine or several, see [network]) instead of starting five; "
-        "their own session file sets the delay");
+        "five real processes over UDP, on this machine or on those that [launch] names");
+    add_real_run_options(*run, *arguments);
+    add_machine_options(*run, *arguments);
     run->footer(
         "Examples:\n  thimble run deploy/sessions/delay50.toml --out out/run\n"
         "  thimble run deploy/sessions/mouse-study.toml --out out/study7 --consent --participant P07\n"
         "  thimble run deploy/sessions/human.toml --out out/study8 --attach --consent --participant P07 "
-        "--age 31");
-    return {run, [arguments] { return run_here(*arguments); }};
+        "--age 31\n"
+        "  thimble run deploy/sessions/three_machines.toml --check\n"
+        "  thimble run session.toml --exec \"ip netns exec {host}\" --programs /opt/thimble/bin\n"
+        "  thimble run session.toml --print systemd --out units\n\n"
+        "docs/machines.md is the manual for several machines.");
+    return {run, [arguments] { return run_nodes(*arguments); }};
 }
 
 }  // namespace thimble

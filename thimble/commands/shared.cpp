@@ -55,6 +55,14 @@ NetworkSettings network_of(const std::string& session_file, int base_port) {
     return network;
 }
 
+std::filesystem::path output_file(const std::filesystem::path& out, const char* name) {
+    const std::string end = out.extension().string();
+    const bool device = std::filesystem::exists(out) && !std::filesystem::is_directory(out);
+    const bool file = device || end == ".csv" || end == ".json" || end == ".html";
+    make_folder(file ? out.parent_path() : out);
+    return file ? out : out / name;
+}
+
 std::filesystem::path program_folder() {
     std::error_code error;
     const auto self = std::filesystem::read_symlink("/proc/self/exe", error);

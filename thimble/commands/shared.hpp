@@ -24,6 +24,10 @@ void add_base_port_option(CLI::App& command, int& base_port);
 // [network] and [security] of a session file, or of none where it is empty, at `base_port` unless that is 0.
 NetworkSettings network_of(const std::string& session_file, int base_port);
 
+// --out of a command that writes one file: that file where it ends in .csv, .json or .html, else `name` in that folder, which is
+// made.
+std::filesystem::path output_file(const std::filesystem::path& out, const char* name);
+
 // The nodes' programs lie beside this one.
 std::filesystem::path program_folder();
 

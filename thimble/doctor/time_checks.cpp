@@ -83,7 +83,7 @@ Diagnosis check_governor(const Facts& facts) {
     if (processors.processors >= 2) return finding;
     return finding.adds(Severity::kWarning,
                         ": the nodes of a session wait for each other; put some on another machine",
-                        "thimble up deploy/sessions/three_machines.toml --check");
+                        "thimble run deploy/sessions/three_machines.toml --check");
 }
 
 Diagnosis check_clock_source(const Facts& facts) {

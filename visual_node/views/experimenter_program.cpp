@@ -206,7 +206,7 @@ int ExperimenterView::run() {
 
 void add_options(CLI::App& app, ViewOptions& options) {
     app.add_option("--view", options.view, "experimenter: this view")->required();
-    app.add_option("-c,--config", options.config, "session file (TOML): where the session is");
+    app.add_option("session", options.config, "session file (TOML): where the session is");
     app.add_option("--base-port", options.base_port, "first UDP port, instead of [network].base_port")
         ->check(CLI::Range(1024, 65536 - static_cast<int>(Port::kCount)))
         ->type_name("PORT");
@@ -223,7 +223,7 @@ void add_options(CLI::App& app, ViewOptions& options) {
     app.add_flag("--die-with-parent", options.launcher, kDieWithParentHelp);
     app.set_version_flag("--version", std::string(kVersion));
     app.footer(
-        "Example:\n  thimble-visual --view experimenter --config deploy/sessions/delay50.toml\n\n"
+        "Example:\n  thimble-visual --view experimenter deploy/sessions/delay50.toml\n\n"
         "Exit codes: 0 ok, 1 the screen was lost, 2 usage, configuration or no screen, 3 network, 5 data.");
 }
 

@@ -37,8 +37,7 @@ class LinkTest : public testing::Test {
                const std::string& for_s = "60") {
         Child child(
             built_programs() / "thimble",
-            words_in(fmt::format("link-test --listen --session {} --for {}", session().string(), for_s),
-                     more),
+            words_in(fmt::format("link-test --listen {} --seconds {}", session().string(), for_s), more),
             folder / log);
         wait_until(
             [&] { return read_text(folder / log).find("ready") != std::string::npos || child.poll(); });
@@ -46,7 +45,7 @@ class LinkTest : public testing::Test {
     }
     Result test(const std::vector<std::string>& more) {
         return understood(
-            run_thimble(words_in("link-test 127.0.0.1 --json --session " + session().string(), more)));
+            run_thimble(words_in("link-test --host 127.0.0.1 --json " + session().string(), more)));
     }
     static Result understood(const Outcome& outcome) {
         Result result{outcome.code, outcome.words, {}};
@@ -151,9 +150,9 @@ TEST_F(LinkTest, TheEchoEndsByItselfAndItsPortsAreItsOwn) {
 TEST_F(LinkTest, WhatMakesNoSenseIsRefused) {
     const auto code = [&](const std::vector<std::string>& words) { return run_thimble(words).code; };
     EXPECT_EQ(code({"link-test"}), 2);
-    EXPECT_EQ(code({"link-test", "127.0.0.1", "--listen"}), 2);
-    EXPECT_EQ(code({"link-test", "127.0.0.1", "--ports", "99"}), 2);
-    EXPECT_EQ(code({"link-test", "no.such.host.invalid"}), 3);
+    EXPECT_EQ(code({"link-test", "--host", "127.0.0.1", "--listen"}), 2);
+    EXPECT_EQ(code({"link-test", "--host", "127.0.0.1", "--ports", "99"}), 2);
+    EXPECT_EQ(code({"link-test", "--host", "no.such.host.invalid"}), 3);
 }
 
 // In a network namespace of its own, where the test's user may be root.
@@ -172,7 +171,7 @@ class LinkTestNamespace : public LinkTest {
         return understood(run_to_end("/bin/sh", {"-c", fmt::format("unshare -rn sh {}", file.string())}));
     }
     std::string command(const std::string& more) {
-        return fmt::format("{} link-test {} --session {}", (built_programs() / "thimble").string(), more,
+        return fmt::format("{} link-test {} {}", (built_programs() / "thimble").string(), more,
                            session().string());
     }
 };
@@ -180,7 +179,8 @@ class LinkTestNamespace : public LinkTest {
 TEST_F(LinkTestNamespace, TheMtuOfThisMachinesInterface) {
     const Result result = inside(fmt::format(
         "ip link set lo mtu 1280 up\n{} &\nfar=$!\nsleep 0.3\n{}\ncode=$?\nkill $far\nexit $code\n",
-        command("--listen --ports 14"), command("127.0.0.1 --ports 14 --seconds 0.2 --json 2>/dev/null")));
+        command("--listen --ports 14"),
+        command("--host 127.0.0.1 --ports 14 --seconds 0.2 --json 2>/dev/null")));
     ASSERT_FALSE(result.json.is_discarded()) << result.words;
     EXPECT_EQ(result.json["largest_datagram_bytes"], 1280 - 28) << result.words;
     EXPECT_TRUE(result.json["largest_limited_here"]);
@@ -197,14 +197,15 @@ TEST_F(LinkTestNamespace, AnMtuThatIsSmallerOnTheWay) {
         "done\n"
         "ip addr add 10.77.0.1/24 dev near\nip link set near up\nsleep 0.5\n{}\ncode=$?\nkill $far\nexit "
         "$code\n",
-        command("--listen --ports 14"), command("10.77.0.2 --ports 14 --seconds 0.2 --json 2>/dev/null")));
+        command("--listen --ports 14"),
+        command("--host 10.77.0.2 --ports 14 --seconds 0.2 --json 2>/dev/null")));
     ASSERT_FALSE(result.json.is_discarded()) << result.words;
     EXPECT_EQ(result.json["largest_datagram_bytes"], 1300 - 28) << result.words;
     EXPECT_FALSE(result.json["largest_limited_here"]);
 }
 
 TEST_F(LinkTestNamespace, NoRouteIsSaidAsSuch) {
-    const Result result = inside(command("10.9.9.9 --ports 14 --json") + "\n");
+    const Result result = inside(command("--host 10.9.9.9 --ports 14 --json") + "\n");
     EXPECT_EQ(result.code, 3);
     EXPECT_THAT(result.words, HasSubstr("is there a route to it?"));
 }

@@ -177,7 +177,7 @@ TEST(Igtl, ARunningSessionIsReadByTheirLibrary) {
     session.more = under_lab_key(key);
     const auto config = folder.write("session.toml", session.text()).string();
     RealRun run(session, {"--monitor"});
-    IgtlProgram program({"--config", config, "--base-port", std::to_string(run.base_port())});
+    IgtlProgram program({config, "--base-port", std::to_string(run.base_port())});
     IgtlListener client(program.port());
     const auto moved = [&] {
         const auto& z = client.heard.z_mm["Needle"];

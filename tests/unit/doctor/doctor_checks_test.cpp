@@ -126,7 +126,7 @@ TEST(DoctorChecks, SlowProcessorsAndClocksAreTold) {
                                      {machine({4, {"performance"}, "tsc", {}}), kOk, "governor performance"},
                                      {machine({4, {"performance", "powersave"}, "tsc", {}}), kWarning,
                                       "performance, powersave", "echo performance"},
-                                     {machine({1, {}, "tsc", {}}), kWarning, "1 processors", "thimble up"}});
+                                     {machine({1, {}, "tsc", {}}), kWarning, "1 processors", "thimble run"}});
     expect_findings(check_clock_source,
                     {{machine({2, {}, "tsc", {"tsc", "hpet"}}), kOk, "tsc"},
                      {machine({2, {}, "hpet", {"hpet", "acpi_pm", "tsc"}}), kWarning, "hpet", "echo tsc |"},

@@ -52,7 +52,7 @@ class RemoteScript : public testing::Test {
 constexpr const char* kSession = R"(printf "5 a 'b'.toml\nx = 1end\n"; sleep 0.4)";
 
 TEST_F(RemoteScript, StartsTheProgramWithWhatWasSent) {
-    program(R"(cat "$2"; echo " with $6" >&2; echo '{"good": true}' > "$4"; exit 4)");
+    program(R"(cat "$1"; echo " with $5" >&2; echo '{"good": true}' > "$3"; exit 4)");
     RemoteOrder with = order();
     with.arguments = {"$(id) 'quoted'"};
     const ProgramResult result = run(with, kSession);
@@ -64,7 +64,7 @@ TEST_F(RemoteScript, StartsTheProgramWithWhatWasSent) {
 }
 
 TEST_F(RemoteScript, SendsTheLogOfMessagesAfterTheReport) {
-    program(R"([ "$6" = --log ] && printf 'log of %s' "$8" > "$7"; echo '{}' > "$4"; exit 3)");
+    program(R"([ "$5" = --log ] && printf 'log of %s' "$7" > "$6"; echo '{}' > "$3"; exit 3)");
     RemoteOrder with = order();
     with.arguments = {"it"};
     EXPECT_THAT(run(with, kSession).output, HasSubstr("thimble: ended 3 0\n"));

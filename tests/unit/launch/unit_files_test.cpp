@@ -39,13 +39,13 @@ TEST(UnitFiles, SayWhatANodeNeedsAndNoMore) {
     for (const char* line :
          {"Type=notify\n", "LimitRTPRIO=71\n", "ProtectSystem=strict\n", "WatchdogSec=2\n",
           "NoNewPrivileges=yes\n",
-          "ExecStart=\"/usr/bin/thimble-slave-sim\" --config \"/etc/thimble/lab.toml\" --base-port 27000\n",
+          "ExecStart=\"/usr/bin/thimble-slave-sim\" \"/etc/thimble/lab.toml\" --base-port 27000\n",
           "IPAddressAllow=10.77.0.3 127.0.0.1\n"}) {
         EXPECT_THAT(slave.text, HasSubstr(line));
     }
 }
 
-// deploy/systemd/thimble-node@.service is for whoever has no `thimble up`: what protects the machine must be the same.
+// deploy/systemd/thimble-node@.service is for whoever has no `thimble run`: what protects the machine must be the same.
 TEST(UnitFiles, TheTemplateOfThePackageProtectsAsTheseDo) {
     const std::string unit = unit_files(plan()).front().text;
     const std::size_t begin = unit.find("DynamicUser="), end = unit.find("SystemCallErrorNumber=");

@@ -1,0 +1,69 @@
+#include "thimble/commands/machines.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "common/json_text.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "common/text_file.hpp"
+#include "session/launch/node_kinds.hpp"
+#include "session/launch/remote_starter.hpp"
+#include "session/launch/unit_files.hpp"
+#include "thimble/commands/shared.hpp"
+
+namespace thimble {
+namespace {
+
+MachineVerdict check_here(const std::string& program) {
+    const auto file = program_folder() / program;
+    if (std::filesystem::exists(file)) return {};
+    return {ExitCode::kRunFailed,
+            fmt::format("{} is not there; is Thimble built or installed completely?", file.string())};
+}
+
+MachineVerdict check_node(const LaunchSettings& launch, const NodeKind& node,
+                          const std::filesystem::path& folder) {
+    if (launch.machine(node.role).empty()) return check_here(node.program);
+    const auto log = folder / (std::string(node.program) + ".log");
+    std::filesystem::remove(log);
+    return check_machine(launch, node.role, node.program, log);
+}
+
+std::string machine_text(const std::string& machine) { return machine.empty() ? "this machine" : machine; }
+
+}  // namespace
+
+void print_units(const std::filesystem::path& session, const LaunchSettings& launch,
+                 const NetworkSettings& network, const std::filesystem::path& folder) {
+    const UnitPlan plan{launch, network, read_runtime_settings(ConfigFile::load(session)),
+                        session.filename().string()};
+    for (const UnitFile& unit : unit_files(plan)) {
+        if (folder.empty()) {
+            fmt::print("{}\n", unit.text);
+            continue;
+        }
+        const auto file = folder / machine_text(unit.machine) / unit.name;
+        make_folder(file.parent_path());
+        write_text_file(file, unit.text);
+        fmt::print("{}\n", file.string());
+    }
+}
+
+ExitCode check_machines(const LaunchSettings& launch, const std::filesystem::path& folder, bool json) {
+    make_folder(folder);
+    ExitCode worst = ExitCode::kOk;
+    nlohmann::ordered_json all;
+    for (const NodeKind& node : kNodes) {
+        const std::string& machine = launch.machine(node.role);
+        const MachineVerdict verdict = check_node(launch, node, folder);
+        if (worst == ExitCode::kOk) worst = verdict.code;
+        all[node.program] = {{"machine", machine}, {"problem", verdict.problem}};
+        if (json) continue;
+        fmt::print("{} on {}: {}\n", node.program, machine_text(machine),
+                   verdict.code == ExitCode::kOk ? "good" : verdict.problem);
+    }
+    if (json) fmt::print("{}\n", json_text(all, 2));
+    return worst;
+}
+
+}  // namespace thimble
