@@ -17,7 +17,7 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
     add(command, "--hand", a.hands,
         "named hands, several with commas: A light pinch, B pinch, C arm, D firm grip, E power grip")
         .delimiter(',')
-        .allow_extra_args(false);
+        ->allow_extra_args(false);
     CLI::Option* mass = command.add_option("--mass-kg", a.own_hand.mass_kg,
                                            "instead of --hand: hand and handle, moved together");
     CLI::Option* damping =
@@ -45,7 +45,7 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
         "none, scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
         "local-fixture, wave, two-port (docs/compensators.md), several with commas")
         .delimiter(',')
-        .allow_extra_args(false);
+        ->allow_extra_args(false);
 }
 
 void add_network_options(CLI::App& command, SweepArguments& a) {
