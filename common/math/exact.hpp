@@ -1,0 +1,37 @@
+// The slow and sure way of portable.hpp: the same functions with 60 decimal digits by Boost.Multiprecision, which computes with integers. It
+// decides the few results that lie too close to the middle between two doubles, and makes the tables of the fast way.
+#pragma once
+
+#include "common/math/double_double.hpp"
+
+namespace thimble::exact {
+
+// Rounded to nearest, ties to even, also where the result is subnormal. The argument is finite and in the function's domain.
+double exp(double x);
+double expm1(double x);
+double log(double x);
+double log1p(double x);
+double log10(double x);
+double tanh(double x);
+double cbrt(double x);
+double sin(double x);
+double cos(double x);
+double acos(double x);
+double atan2(double y, double x);
+
+// Table values, to some 106 bits.
+DoubleDouble power_of_two(double exponent);  // 2^exponent
+DoubleDouble natural_logarithm(double x);
+DoubleDouble sine_of_pi_times(double share);
+DoubleDouble arc_tangent(double x);
+DoubleDouble inverse_of_natural_logarithm(double x);
+
+// Parts of a constant that are short enough for exact products with whole numbers, and the rest: the first two have 26 bits each.
+struct Parts {
+    double first, second;
+    DoubleDouble rest;
+};
+Parts parts_of_logarithm_of_two(int divisor);
+Parts parts_of_pi(int divisor);
+
+}  // namespace thimble::exact
