@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/notify_socket.hpp"
+
 namespace thimble {
 namespace {
 
@@ -198,6 +200,29 @@ TEST(LoneMaster, HoldsAStopUntilSomebodyWhoHasJustComeReleasesIt) {
     EXPECT_THAT(released.words, testing::HasSubstr("released: smoke"));
     EXPECT_THAT(run_to_end(thimble, release).words, testing::HasSubstr("nothing was stopped here"));
     EXPECT_EQ(node.terminate(), 0);
+}
+
+// As systemd would hear it.
+TEST(LoneNode, SaysToAServiceManagerWhenItListensThatItTurnsAndWhenItStops) {
+    const Folder folder;
+    for (const char* program : kNodePrograms) {
+        const NotifySocket manager((folder / program).string());
+        setenv("NOTIFY_SOCKET", (folder / program).c_str(), 1);
+        setenv("WATCHDOG_USEC", "200000", 1);
+        LoneNode node(program);
+        unsetenv("NOTIFY_SOCKET");
+        unsetenv("WATCHDOG_USEC");
+        ASSERT_TRUE(node.ready()) << node.words();
+        std::string heard;
+        EXPECT_TRUE(wait_until([&] {
+            heard += manager.heard();
+            return heard.find("WATCHDOG=1\nWATCHDOG=1") != std::string::npos;
+        })) << heard;
+        EXPECT_EQ(node.terminate(), 0);
+        heard += manager.heard();
+        EXPECT_THAT(heard, testing::StartsWith("READY=1\n"));
+        EXPECT_THAT(heard, testing::EndsWith("STOPPING=1\n"));
+    }
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "session/virtual/virtual_session.hpp"
-#include "tests/scenario/allocation_count.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/scenario/trials.hpp"
 
 namespace thimble::test {

@@ -9,7 +9,7 @@
 #include "session/records/metrics.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "slave_sim/slave_node.hpp"
-#include "tests/scenario/allocation_count.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -96,22 +96,16 @@ double pierced_at_m(const SystemSettings& settings) {
     }
 }
 
-TEST(Quantisation, ASlowPressDoesNotPierceWithTheDefaultEstimator) {
-    EXPECT_TRUE(std::isnan(pierced_at_m(paper()))) << pierced_at_m(paper());
-}
-
-TEST(Quantisation, WithoutTheFilterTheEncoderPierces) {
-    SystemSettings raw = paper();
-    raw.master.velocity.method = VelocityMethod::kRaw;
-    EXPECT_LT(pierced_at_m(raw), 0.001);
-}
-
-// It is the encoder, not the filter's lag: a fine encoder does not pierce even unfiltered.
-TEST(Quantisation, AFineEncoderNeedsNoFilter) {
-    SystemSettings fine = paper();
-    fine.master.velocity.method = VelocityMethod::kRaw;
-    fine.handle.encoder_resolution_m = 1e-9;
-    EXPECT_TRUE(std::isnan(pierced_at_m(fine)));
+TEST(Quantisation, OnlyTheRawDifferenceOfACoarseEncoderPierces) {
+    for (std::size_t i = 0; i < kVelocityMethodNames.size(); ++i) {
+        SCOPED_TRACE(kVelocityMethodNames[i]);
+        SystemSettings settings = settings_with(static_cast<VelocityMethod>(i));
+        const bool raw = settings.master.velocity.method == VelocityMethod::kRaw;
+        EXPECT_EQ(pierced_at_m(settings) < 0.001, raw);
+        EXPECT_EQ(std::isnan(pierced_at_m(settings)), !raw);
+        settings.handle.encoder_resolution_m = 1e-9;  // it is the encoder, not the filter's lag
+        EXPECT_TRUE(std::isnan(pierced_at_m(settings)));
+    }
 }
 
 }  // namespace

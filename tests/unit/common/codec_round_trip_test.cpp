@@ -13,9 +13,9 @@
 
 #include "common/codec.hpp"
 #include "common/codec_fields.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/fuzz/packets.hpp"
 #include "tests/unit/common/packet.hpp"
-#include "tests/unit/master/allocation_count.hpp"
 
 namespace thimble {
 namespace {

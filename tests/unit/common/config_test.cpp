@@ -13,6 +13,7 @@
 
 #include "common/error.hpp"
 #include "common/nearest_name.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -61,16 +62,9 @@ void read_number(const ConfigTable& table, std::string_view key) {
 
 void no_keys(const ConfigTable& /*table*/) {}
 
-// The refusal's text. Fails the test if there is none or it is no usage error.
-std::string refusal_of(const std::function<void()>& read) {
-    try {
-        read();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        return error.what();
-    }
-    ADD_FAILURE() << "was not refused";
-    return "";
+template <class Read>
+std::string refusal_of(const Read& read) {
+    return refusal(read, ExitCode::kUsage);
 }
 
 TEST(Config, ReadsEveryType) {

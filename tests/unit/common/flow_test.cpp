@@ -268,18 +268,6 @@ TEST(OutboundFlow, NumbersStampsAndSendsToAll) {
     }
 }
 
-TEST(FlowCounters, Add) {
-    FlowCounters a, b;
-    a.accepted = 1;
-    b.accepted = 2;
-    b.refused[0] = 3;
-    a.add(b);
-    a.add(b);
-    EXPECT_EQ(a.accepted, 5U);
-    EXPECT_EQ(a.refused_total(), 6U);
-    EXPECT_EQ(a.of(Refusal::kTooShort), 6U);
-}
-
 TEST_F(InboundFlowTest, SilenceIsExcusedUntilANamedTimeAndTheUsualPatienceThen) {
     ASSERT_TRUE(admits(master.say()));
     flow.excuse_silence_until(now + seconds{2});

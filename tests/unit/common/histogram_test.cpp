@@ -7,12 +7,15 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "tests/unit/master/allocation_count.hpp"
+#include "common/round_trip.hpp"
+#include "tests/allocation_count.hpp"
 
 namespace thimble {
 namespace {
 
+using std::chrono::microseconds;
 using std::chrono::milliseconds;
+using std::chrono::seconds;
 
 // Durations of every size up to 2^41 ns, evenly over the octaves.
 std::vector<std::int64_t> draw_samples() {
@@ -74,15 +77,6 @@ TEST(Histogram, SmallValuesAreExact) {
     for (int ns = 0; ns <= 255; ++ns) EXPECT_EQ(histogram.quantile(ns / 255.0).count(), ns);
 }
 
-TEST(Histogram, OneOutlierIsTheWorstAndNothingElse) {
-    Histogram histogram;
-    for (int i = 0; i < 9999; ++i) histogram.add(milliseconds{1});
-    histogram.add(std::chrono::seconds{3});
-    EXPECT_EQ(histogram.worst(), std::chrono::seconds{3});
-    EXPECT_NEAR(to_seconds(histogram.quantile(0.999)), 1e-3, 4e-6);
-    EXPECT_NEAR(to_seconds(histogram.quantile(1)), 3, 0.012);
-}
-
 TEST(Histogram, EmptyNegativeAndEndless) {
     Histogram histogram;
     EXPECT_EQ(histogram.quantile(0.5), Duration{0});
@@ -112,6 +106,36 @@ TEST(Histogram, AddingAllocatesNothing) {
     const Duration median = histogram.quantile(0.5);
     EXPECT_EQ(test::allocation_count() - before, 0U);
     EXPECT_GT(median, Duration{0});
+}
+
+TEST(RoundTrip, AgeIsFromTheEchoedStampToNow) {
+    RoundTrip round_trip;
+    ForceFeedback feedback;
+    feedback.hold_time = microseconds{300};
+    for (int i = 0; i < 10; ++i) {
+        feedback.echo_time = SessionTime{seconds{5} + milliseconds{i}};
+        round_trip.add(feedback.echo_time + milliseconds{51}, feedback);
+    }
+    EXPECT_EQ(round_trip.age().count(), 10U);
+    EXPECT_EQ(round_trip.age().quantile(0.5), milliseconds{51});
+    EXPECT_EQ(round_trip.hold().quantile(0.5), microseconds{300});
+}
+
+// An echo from the future (a peer that makes it up) is no negative age.
+TEST(RoundTrip, AnEchoFromTheFutureCountsAsNow) {
+    RoundTrip round_trip;
+    ForceFeedback feedback;
+    feedback.echo_time = SessionTime{seconds{9}};
+    round_trip.add(SessionTime{seconds{5}}, feedback);
+    EXPECT_EQ(round_trip.age().worst(), Duration{0});
+}
+
+TEST(RoundTrip, ClearForgetsBoth) {
+    RoundTrip round_trip;
+    round_trip.add(SessionTime{seconds{5}}, ForceFeedback{});
+    round_trip.clear();
+    EXPECT_EQ(round_trip.age().count(), 0U);
+    EXPECT_EQ(round_trip.hold().count(), 0U);
 }
 
 }  // namespace

@@ -1,4 +1,7 @@
 // The reactions of a node that is stopped, or late again and again.
+#include <array>
+#include <csignal>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -6,6 +9,7 @@
 
 #include "common/node_process.hpp"
 #include "common/queue_channel.hpp"
+#include "common/runtime/node_program.hpp"
 
 namespace thimble {
 namespace {
@@ -120,6 +124,41 @@ TEST_F(StoppedNode, DeadlinesMissedInARow) {
     EXPECT_EQ(process.state(), NodeState::kFailed);
     EXPECT_EQ(process.reason(), EndReason::kSafetyStop);
     EXPECT_EQ(process.stop_bus().words(), "visual missed 3 deadlines in a row");
+}
+
+// The program around a node. Each test forks: signals belong to a whole process.
+// Ends the program with its first tick: 0 if everything was stopped by then.
+class LooksForAStop final : public NodeProcess {
+  public:
+    explicit LooksForAStop(Channel& control) : NodeProcess(Role::kVisual, 42, control) {}
+
+  protected:
+    void begin_trial(SessionTime, const SessionControl&) override {}
+    void end_trial(SessionTime) override {}
+    void work(SessionTime) override { std::exit(stop_bus().stopped() ? 0 : 1); }
+    SessionTime next_work() const override { return kNever; }
+};
+
+class StoppedWhileMadeReady final : public NodeInstance {
+  public:
+    NodeProcess& process() override { return process_; }
+    void bring_up() override { std::raise(SIGQUIT); }
+
+  private:
+    QueuePipe steering_;
+    LooksForAStop process_{steering_.b};
+};
+
+TEST(NodeProgramDeathTest, AStopThatComesWhileDevicesAreMadeReadyHoldsBeforeTheFirstTick) {
+    NodeProgram program;
+    program.name = "test";
+    program.tables = {"network", "runtime"};
+    program.build = [](const ConfigFile&, Sockets&, std::uint64_t) {
+        return std::make_unique<StoppedWhileMadeReady>();
+    };
+    std::string name = program.name;
+    std::array<char*, 2> argv{name.data(), nullptr};
+    EXPECT_EXIT(run_node_program(program, 1, argv.data()), testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/allocation_count.hpp"
 #include "tests/unit/common/packet.hpp"
-#include "tests/unit/master/allocation_count.hpp"
 
 namespace thimble {
 namespace {

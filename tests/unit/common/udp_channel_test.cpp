@@ -14,6 +14,7 @@
 #include "common/error.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/common/packet.hpp"
 
 namespace thimble {
@@ -127,13 +128,8 @@ TEST(UdpChannel, APortInUseAndAHostThatIsNotOursOrNoneAreNamed) {
          {Case{Endpoint{kHere, port_of(first)}, {kHere, 1}, "127.0.0.1:" + port, "base_port"},
           Case{Endpoint{"192.0.2.1", 0}, {kHere, 1}, "192.0.2.1", "[network]"},  // TEST-NET-1
           Case{std::nullopt, {impossible, 1}, impossible, "[network]"}}) {
-        try {
-            const UdpChannel channel(one.local, one.remote);
-            ADD_FAILURE() << one.place;
-        } catch (const Error& error) {
-            EXPECT_EQ(error.code(), ExitCode::kNetwork);
-            EXPECT_THAT(error.what(), AllOf(HasSubstr(one.place), HasSubstr(one.advice)));
-        }
+        EXPECT_THAT(refusal([&] { UdpChannel(one.local, one.remote); }, ExitCode::kNetwork),
+                    AllOf(HasSubstr(one.place), HasSubstr(one.advice)));
     }
 }
 

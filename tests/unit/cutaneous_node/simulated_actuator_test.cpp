@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "tests/unit/netem/allocation_count.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -165,7 +165,7 @@ TEST(SimulatedActuator, ReleaseForgetsWhatIsPressedAndInFlight) {
 
 TEST(SimulatedActuator, CoalescesWhenCommandsComeTooFast) {
     SimulatedActuator actuator{CutaneousSettings{}};
-    const std::uint64_t allocations_before = test::allocations;
+    const std::uint64_t allocations_before = test::allocation_count();
     SessionTime now{};
     for (int i = 0; i < 45'000; ++i) {
         now += microseconds{1};
@@ -176,7 +176,7 @@ TEST(SimulatedActuator, CoalescesWhenCommandsComeTooFast) {
     EXPECT_LT(actuator.output(now + milliseconds{45} - Duration{1}).force_N, 1e-5 * 44'999);
     EXPECT_EQ(actuator.output(now + milliseconds{45}).force_N, 1e-5 * 44'999);
     EXPECT_EQ(actuator.output(now + milliseconds{45}).sample_time, now);
-    EXPECT_EQ(test::allocations, allocations_before);
+    EXPECT_EQ(test::allocation_count(), allocations_before);
 }
 
 }  // namespace

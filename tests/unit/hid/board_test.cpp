@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "cutaneous_node/board/board_actuator.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
-#include "tests/unit/master/allocation_count.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble::test {

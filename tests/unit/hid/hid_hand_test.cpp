@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
-#include "tests/unit/master/allocation_count.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble::test {

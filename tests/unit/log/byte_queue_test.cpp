@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/master/allocation_count.hpp"
+#include "tests/allocation_count.hpp"
 
 namespace thimble {
 namespace {

@@ -13,10 +13,10 @@
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "session/log/logged_file.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/read_text.hpp"
 #include "tests/unit/log/log_folder.hpp"
-#include "tests/unit/master/allocation_count.hpp"
 
 namespace thimble {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/master/allocation_count.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble::test {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "tests/unit/master/allocation_count.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/unit/master/operator_test_tools.hpp"
 
 namespace thimble::test {

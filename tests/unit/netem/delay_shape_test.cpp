@@ -81,13 +81,6 @@ TEST(DelayShape, GammaTableAgreesWithTheQuantileFunction) {
     }
 }
 
-TEST(DelayShape, GammaNeverGoesBelowDelayZero) {
-    for (const double ratio : {0.01, 0.1, 0.35, 1.0, 3.0, 100.0}) {
-        const DelayShape gamma = shape_of(JitterShape::kGamma, ratio);
-        for (double z = -9; z < 0; z += 0.01) ASSERT_GE(gamma.at_normal(z), -ratio * (1 + 1e-12)) << ratio;
-    }
-}
-
 TEST(DelayShape, GammaWithoutDelayIsNoJitter) {
     const DelayShape none({.shape = JitterShape::kGamma, .spread = milliseconds{5}}, {});
     EXPECT_FALSE(none.takes_normal());
@@ -121,6 +114,30 @@ TEST(DelayShape, BothArgumentsMeanTheSame) {
             EXPECT_NEAR(deviates.at_normal(z), deviates.at_uniform(share_below(z)), 1e-10);
         }
     }
+}
+
+TEST(JitterTable, StraightLinesBetweenItsDeviates) {
+    const JitterTable table({-2, -1, 1, 2});
+    EXPECT_EQ(table.quantile(0), -2);
+    EXPECT_EQ(table.quantile(0.125), -2);
+    EXPECT_EQ(table.quantile(0.375), -1);
+    EXPECT_EQ(table.quantile(0.5), 0);
+    EXPECT_EQ(table.quantile(0.75), 1.5);
+    EXPECT_EQ(table.quantile(1), 2);
+}
+
+TEST(JitterTable, KnowsItsMeanAndSpread) {
+    const JitterTable table({-1, 0, 0.5, 4});
+    constexpr int kCells = 100'000;
+    double sum = 0;
+    double squares = 0;
+    for (int i = 0; i < kCells; ++i) {
+        const double x = table.quantile((i + 0.5) / kCells);
+        sum += x / kCells;
+        squares += x * x / kCells;
+    }
+    EXPECT_NEAR(table.mean(), sum, 1e-8);
+    EXPECT_NEAR(table.standard_deviation(), std::sqrt(squares - sum * sum), 1e-8);
 }
 
 }  // namespace

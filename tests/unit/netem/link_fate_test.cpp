@@ -14,46 +14,8 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr std::uint32_t kMany = 40'000;
-
 LinkSettings jittery(JitterShape jitter, bool in_order) {
     return {.delay = milliseconds{20}, .jitter = {jitter, milliseconds{5}}, .in_order = in_order};
-}
-
-struct DelayMoments {
-    double mean_s = 0;
-    double sd_s = 0;
-    Duration least = Duration::max();
-    Duration most{};
-};
-
-DelayMoments delay_moments(const std::vector<Arrival>& arrivals) {
-    DelayMoments moments;
-    double sum_s = 0;
-    double squares_s2 = 0;
-    for (const Arrival& arrival : arrivals) {
-        const Duration delay = arrival.time - at(arrival.packet * kMillisecond);
-        moments.least = std::min(moments.least, delay);
-        moments.most = std::max(moments.most, delay);
-        sum_s += to_seconds(delay);
-        squares_s2 += to_seconds(delay) * to_seconds(delay);
-    }
-    const double n = static_cast<double>(arrivals.size());
-    moments.mean_s = sum_s / n;
-    moments.sd_s = std::sqrt(squares_s2 / n - moments.mean_s * moments.mean_s);
-    return moments;
-}
-
-TEST(LinkFate, UniformJitterHasTheAskedMeanAndSpread) {
-    LinkModel link(jittery(JitterShape::kUniform, false), kKey, 0);
-    const DelayMoments moments = delay_moments(transmit(link, kMany));
-    const double sd_s = 0.005 / std::sqrt(3.0);
-    EXPECT_NEAR(moments.mean_s, 0.020, 4 * sd_s / std::sqrt(kMany));
-    EXPECT_NEAR(moments.sd_s, sd_s, 4 * sd_s / std::sqrt(2.0 * kMany));
-    EXPECT_GE(moments.least, milliseconds{15});
-    EXPECT_LT(moments.least, microseconds{15'010});
-    EXPECT_LE(moments.most, milliseconds{25});
-    EXPECT_GT(moments.most, microseconds{24'990});
 }
 
 TEST(LinkFate, DelayIsNeverNegative) {
@@ -61,8 +23,11 @@ TEST(LinkFate, DelayIsNeverNegative) {
         LinkSettings settings = jittery(jitter, false);
         settings.delay = milliseconds{2};
         LinkModel link(settings, kKey, 0);
-        const DelayMoments moments = delay_moments(transmit(link, 5000));
-        EXPECT_EQ(moments.least, Duration::zero());
+        Duration least = Duration::max();
+        for (const Arrival& arrival : transmit(link, 5000)) {
+            least = std::min(least, arrival.time - at(arrival.packet * kMillisecond));
+        }
+        EXPECT_EQ(least, Duration::zero());
         EXPECT_EQ(link.counters().delivered, 5000U);
     }
 }
@@ -78,15 +43,6 @@ TEST(LinkFate, OrderOnlyRaisesDueTimes) {
         expected[i].time = std::max(expected[i].time, expected[i - 1].time);
     }
     EXPECT_EQ(transmit(ordered, 2000), expected);
-}
-
-TEST(LinkFate, LosesWhatWasAsked) {
-    for (const double loss : {0.001, 0.05, 0.5}) {
-        LinkModel link({.loss = LossSettings::independent(loss)}, kKey, 0);
-        transmit(link, kMany);
-        const double sd = std::sqrt(kMany * loss * (1 - loss));
-        EXPECT_NEAR(static_cast<double>(link.counters().lost), kMany * loss, 3 * sd) << loss;
-    }
 }
 
 TEST(LinkFate, LosesNothingOrEverything) {

@@ -174,27 +174,5 @@ TEST(LinkPipeline, MillionFatesAreTheSameForTheSameSeedWhateverTheTiming) {
     EXPECT_EQ(hash, 15637353813777741995U);
 }
 
-// The whole link, not only its draws: pushed at other times each packet meets the same fate.
-TEST(LinkPipeline, RealAndVirtualTimingAgree) {
-    LinkModel regular(eventful(), kKey, 1);
-    LinkModel hectic(eventful(), kKey, 1);
-    RandomStream pauses(kKey);
-    SessionTime now{};
-    for (std::uint32_t i = 0; i < 5000; ++i) {
-        const auto delays = [i](LinkModel& link, SessionTime sent) {
-            link.push(sent, NumberedPacket(i).bytes());
-            std::vector<Duration> found;
-            while (link.next_due() != kNever) {
-                const SessionTime due = link.next_due();
-                link.pop_due(due);
-                found.push_back(due - sent);
-            }
-            return found;
-        };
-        now += Duration{pauses.below(1'000'000'000)};
-        ASSERT_EQ(delays(regular, at(i * std::chrono::seconds{1})), delays(hectic, now));
-    }
-}
-
 }  // namespace
 }  // namespace thimble::test

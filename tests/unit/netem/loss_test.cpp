@@ -65,28 +65,27 @@ TEST(Loss, GilbertHasTheAskedShareAndBursts) {
     }
 }
 
-TEST(Loss, GilbertElliottHasItsStationaryShareAndBursts) {
-    LossSettings settings;
-    settings.shape = LossShape::kGilbertElliott;
-    settings.good_to_bad = 0.02;
-    settings.bad_to_good = 0.2;
-    settings.loss_in_good = 0.01;
-    settings.loss_in_bad = 0.6;
-    const double share = 0.01 + (0.02 / 0.22) * 0.59;
-    EXPECT_NEAR(stationary_loss(settings), share, 1e-15);
+// `lambda`: the autocorrelation of the chain's state, or more.
+void expect_stationary(const LossSettings& settings, double lambda) {
+    const double share = stationary_loss(settings);
     const Tally found = tally(settings);
-    EXPECT_NEAR(found.share, share, 3 * sd_of_share(share, 0.78));  // no more correlated than the state
+    EXPECT_NEAR(found.share, share, 3 * sd_of_share(share, lambda));
     EXPECT_NEAR(found.mean_burst, mean_loss_burst(settings), 0.02);
 }
 
+TEST(Loss, GilbertElliottHasItsStationaryShareAndBursts) {
+    const LossSettings settings{.shape = LossShape::kGilbertElliott,
+                                .good_to_bad = 0.02,
+                                .bad_to_good = 0.2,
+                                .loss_in_good = 0.01,
+                                .loss_in_bad = 0.6};
+    EXPECT_NEAR(stationary_loss(settings), 0.01 + (0.02 / 0.22) * 0.59, 1e-15);
+    expect_stationary(settings, 0.78);
+}
+
 TEST(Loss, FourStatesHaveTheirStationaryShareAndBursts) {
-    LossSettings settings;
-    settings.shape = LossShape::kFourState;
-    settings.p13 = 0.01;
-    settings.p31 = 0.15;
-    settings.p32 = 0.35;
-    settings.p23 = 0.4;
-    settings.p14 = 0.005;
+    const LossSettings settings{
+        .shape = LossShape::kFourState, .p13 = 0.01, .p31 = 0.15, .p32 = 0.35, .p23 = 0.4, .p14 = 0.005};
     const auto shares = four_state_shares(settings);
     EXPECT_NEAR(shares[0] + shares[1] + shares[2] + shares[3], 1, 1e-15);
     // Balance of each state.
@@ -94,18 +93,12 @@ TEST(Loss, FourStatesHaveTheirStationaryShareAndBursts) {
     EXPECT_NEAR(shares[1] * settings.p23, shares[2] * settings.p32, 1e-15);
     EXPECT_NEAR(shares[0] * settings.p14, shares[3], 1e-15);
     EXPECT_NEAR(stationary_loss(settings), shares[2] + shares[3], 1e-15);
-    const Tally found = tally(settings);
-    EXPECT_NEAR(found.share, stationary_loss(settings), 3 * sd_of_share(stationary_loss(settings), 0.9));
-    EXPECT_NEAR(found.mean_burst, mean_loss_burst(settings), 0.02);
+    expect_stationary(settings, 0.9);
 }
 
 // Over many trials the very first packet is lost as often as any.
 TEST(Loss, ChainsStartStationary) {
-    LossSettings four;
-    four.shape = LossShape::kFourState;
-    four.p13 = 0.02;
-    four.p31 = 0.05;
-    four.p14 = 0.1;
+    const LossSettings four{.shape = LossShape::kFourState, .p13 = 0.02, .p31 = 0.05, .p14 = 0.1};
     for (const LossSettings& settings : {LossSettings::gilbert(0.3, 50), four}) {
         constexpr std::uint32_t kTrials = 20'000;
         std::uint32_t lost = 0;

@@ -20,34 +20,12 @@ LinkSettings slow(std::size_t queue_packets = 0, Drop drop = Drop::kTail) {
     return settings;
 }
 
-TEST(Transmitter, NextDueIsExactInOrder) {
-    LinkModel link(slow(), kKey, 0);
-    for (std::uint32_t i = 0; i < 10; ++i) link.push(at(i * microseconds{300}), NumberedPacket(i).bytes());
-    for (std::uint32_t i = 0; i < 10; ++i) {
-        const SessionTime due = link.next_due();
-        EXPECT_EQ(due, at(milliseconds{6 + i}));
-        EXPECT_TRUE(link.pop_due(due - Duration{1}).empty());
-        ASSERT_FALSE(link.pop_due(due).empty());
-    }
-    EXPECT_EQ(link.next_due(), kNever);
-}
-
 TEST(Transmitter, CountsTheOverheadOfEachPacket) {
     LinkSettings settings = slow();
     settings.rate.overhead_bytes = 50;
     LinkModel link(settings, kKey, 0);
     link.push(at({}), NumberedPacket(0).bytes());
     EXPECT_EQ(link.next_due(), at(milliseconds{5} + microseconds{1250}));
-}
-
-TEST(Transmitter, HoldsItsRateUnderLoad) {
-    LinkModel link(slow(20), kKey, 0);
-    const auto arrivals = transmit(link, 10'000, microseconds{500});
-    EXPECT_NEAR(static_cast<double>(arrivals.size()), 5021, 1);
-    EXPECT_EQ(link.counters().queue_full + arrivals.size(), 10'000U);
-    for (std::size_t i = 1; i < arrivals.size(); ++i) {
-        ASSERT_EQ(arrivals[i].time - arrivals[i - 1].time, milliseconds{1});
-    }
 }
 
 struct Drops final : LinkObserver {

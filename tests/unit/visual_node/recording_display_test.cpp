@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/netem/allocation_count.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -44,12 +44,12 @@ TEST(RecordingDisplay, ShowsEachFrameOnceOldestFirst) {
 
 TEST(RecordingDisplay, RemembersTheLastFramesWithoutAllocating) {
     RecordingDisplay display({}, 8);
-    const std::uint64_t before = test::allocations;
+    const std::uint64_t before = test::allocation_count();
     for (int i = 0; i < 100; ++i) {
         display.draw(at(milliseconds{i}), scene(i));
         display.shown(at(milliseconds{i}));
     }
-    EXPECT_EQ(test::allocations, before);
+    EXPECT_EQ(test::allocation_count(), before);
     EXPECT_EQ(display.shown_total(), 100U);
     ASSERT_EQ(display.remembered(), 8U);
     for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(display.recent(i).scene.bar_N, 99 - static_cast<int>(i));

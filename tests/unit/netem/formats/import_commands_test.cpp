@@ -13,6 +13,7 @@
 #include "netem/formats/jitter_table_file.hpp"
 #include "netem/formats/text_lines.hpp"
 #include "netem/profiles/profiles.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/netem/formats/capture_writer.hpp"
 
 namespace thimble {
@@ -22,12 +23,6 @@ using testing::HasSubstr;
 
 class ImportCommands : public testing::Test {
   protected:
-    void SetUp() override {
-        folder_ = std::filesystem::path(testing::TempDir()) /
-                  ("thimble_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-        std::filesystem::create_directories(folder_);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
     std::string path(const std::string& name) const { return (folder_ / name).string(); }
     static int run(const std::string& command, std::vector<std::string> arguments) {
         CLI::App app;
@@ -38,7 +33,7 @@ class ImportCommands : public testing::Test {
         return (import.subcommand->parsed() ? import : fit).run();
     }
 
-    std::filesystem::path folder_;
+    TemporaryDirectory folder_;
 };
 
 TEST_F(ImportCommands, PingToTraceToProfile) {

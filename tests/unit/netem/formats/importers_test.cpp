@@ -6,6 +6,7 @@
 
 #include "common/error.hpp"
 #include "netem/formats/trace_files.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/netem/formats/capture_writer.hpp"
 
 namespace thimble {
@@ -17,17 +18,6 @@ using std::chrono::seconds;
 using test::CaptureWriter;
 using testing::Contains;
 using testing::HasSubstr;
-
-template <class Run>
-std::string refusal_of(const Run& run) {
-    try {
-        run();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kData);
-        return error.what();
-    }
-    return "accepted";
-}
 
 std::vector<double> losses(const MeasuredPath& path) {
     std::vector<double> all;
@@ -71,7 +61,7 @@ TEST(Irtt, HalvesOfTheRoundTripWithoutStampsOfTheServer) {
 
 TEST(Irtt, ClocksThatDisagreeAreNamed) {
     EXPECT_THAT(
-        refusal_of([] { parse_irtt(irtt_with(R"("delay": {"rtt": 5, "send": -7, "receive": 12})"), "a"); }),
+        refusal([] { parse_irtt(irtt_with(R"("delay": {"rtt": 5, "send": -7, "receive": 12})"), "a"); }),
         HasSubstr("the two clocks disagree"));
     const MeasuredPaths apart =
         parse_irtt(irtt_with(R"("delay": {"rtt": 5000, "send": 4900, "receive": 100})"), "a");
@@ -88,7 +78,7 @@ TEST(Irtt, Refusals) {
              {irtt_with(R"("delay": {})"), "has no delay"},
              {irtt_with(R"("delay": {"rtt": 1e300})"), "has no delay"},
              {irtt_with(R"("delay": {"rtt": 900000000000})"), "more than a minute"}}) {
-        EXPECT_THAT(refusal_of([&, &json = text] { parse_irtt(json, "a.json"); }), HasSubstr(reason)) << text;
+        EXPECT_THAT(refusal([&, &json = text] { parse_irtt(json, "a.json"); }), HasSubstr(reason)) << text;
     }
 }
 
@@ -160,12 +150,12 @@ TEST(Ping, NumbersBeginAgain) {
 }
 
 TEST(Ping, Refusals) {
-    EXPECT_THAT(refusal_of([] { parse_ping("PING host\n100% packet loss\n", "p.txt", seconds{1}); }),
+    EXPECT_THAT(refusal([] { parse_ping("PING host\n100% packet loss\n", "p.txt", seconds{1}); }),
                 HasSubstr("p.txt:2: no line like"));
-    EXPECT_THAT(refusal_of([] { parse_ping("from a: icmp_seq=70000 time=1 ms\n", "p.txt", seconds{1}); }),
+    EXPECT_THAT(refusal([] { parse_ping("from a: icmp_seq=70000 time=1 ms\n", "p.txt", seconds{1}); }),
                 HasSubstr("p.txt:1: a number"));
     // Found by the fuzzer: more than any integer holds.
-    EXPECT_THAT(refusal_of([] {
+    EXPECT_THAT(refusal([] {
                     parse_ping("from a: icmp_seq=1 time=1 ms\n" + std::string(32, '6') +
                                    " packets transmitted, 1 received\n",
                                "p.txt", seconds{1});
@@ -267,7 +257,7 @@ TEST(Capture, Refusals) {
              {late, "packet 1: a time stamp out of range"},
              {CaptureWriter(1).bytes() + std::string(16, '\x0f'),
               "packet 1: invalid packet capture length"}}) {
-        EXPECT_THAT(refusal_of([&, &file = bytes] { parse_capture(file, "a"); }), HasSubstr(reason));
+        EXPECT_THAT(refusal([&, &file = bytes] { parse_capture(file, "a"); }), HasSubstr(reason));
     }
 }
 
@@ -308,7 +298,7 @@ TEST(CapturePair, DelayLossDuplicatesAndOrder) {
 
 TEST(CapturePair, ClocksThatAreNotSynchronised) {
     const Pair apart(-1'000'000'000);
-    EXPECT_THAT(refusal_of([&] { apart.match({.sent_port = std::uint16_t{9000}}); }),
+    EXPECT_THAT(refusal([&] { apart.match({.sent_port = std::uint16_t{9000}}); }),
                 HasSubstr("clocks are not synchronised"));
     const CapturePair moved = apart.match({.sent_port = std::uint16_t{9000}, .least_delay = milliseconds{2}});
     EXPECT_EQ(moved.path.packets[0].delay, milliseconds{2});
@@ -332,7 +322,7 @@ TEST(CapturePair, NothingInCommon) {
     CaptureWriter sent(1), received(1);
     sent.udp(0, 1, 2, "a");
     received.udp(0, 1, 2, "b");
-    EXPECT_THAT(refusal_of([&] {
+    EXPECT_THAT(refusal([&] {
                     match_captures(parse_capture(sent.bytes(), "a"), parse_capture(received.bytes(), "b"),
                                    {});
                 }),

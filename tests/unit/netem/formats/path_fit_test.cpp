@@ -58,10 +58,16 @@ TEST(PathFit, FindsTheShapeItsSpreadAndCorrelation) {
     }
 }
 
-TEST(PathFit, SaysWhenNoShapeIsLikeIt) {
+template <class DelayOf>
+MeasuredPath delayed_path(int packets, const DelayOf& delay_of) {
     MeasuredPath path;
     path.has_delay = true;
-    for (int i = 0; i < 1000; ++i) path.packets.push_back({i, milliseconds{i % 2 == 0 ? 10 : 40}, 0, 0});
+    for (int i = 0; i < packets; ++i) path.packets.push_back({i, delay_of(i), 0, 0});
+    return path;
+}
+
+TEST(PathFit, SaysWhenNoShapeIsLikeIt) {
+    const auto path = delayed_path(1000, [](int i) { return milliseconds{i % 2 == 0 ? 10 : 40}; });
     const PathFit fit = fit_path(path);
     EXPECT_GT(fit.shapes[0].distance, 0.2);
     EXPECT_THAT(fit.sentences, Contains(HasSubstr("which is poor")));
@@ -73,13 +79,9 @@ TEST(PathFit, SaysWhenNoShapeIsLikeIt) {
 
 TEST(PathFit, OffersNoShapeThatWouldBeCutAtZero) {
     RandomStream random(StreamKey{.study = 9});
-    MeasuredPath path;
-    path.has_delay = true;
-    for (int i = 0; i < 2000; ++i) {
-        path.packets.push_back(
-            {i, from_seconds(-0.01 * std::log(1 - random.uniform())), 0, 0});  // spread = mean
-    }
-    const PathFit fit = fit_path(path);
+    const PathFit fit = fit_path(delayed_path(2000, [&](int) {
+        return from_seconds(-0.01 * std::log(1 - random.uniform()));  // spread = mean
+    }));
     EXPECT_EQ(fit.link.jitter.shape, JitterShape::kGamma);
     for (const ShapeFit& shape : fit.shapes)
         EXPECT_TRUE(shape.shape == JitterShape::kGamma || shape.shape == JitterShape::kPareto);
@@ -87,9 +89,7 @@ TEST(PathFit, OffersNoShapeThatWouldBeCutAtZero) {
 }
 
 TEST(PathFit, AConstantDelayHasNoJitter) {
-    MeasuredPath path;
-    path.has_delay = true;
-    for (int i = 0; i < 10; ++i) path.packets.push_back({i, milliseconds{10}, 0, 0});
+    const auto path = delayed_path(10, [](int) { return milliseconds{10}; });
     const PathFit fit = fit_path(path);
     EXPECT_EQ(fit.link.jitter, JitterSettings{});
     EXPECT_EQ(fit.link.delay, milliseconds{10});

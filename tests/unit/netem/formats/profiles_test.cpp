@@ -12,6 +12,7 @@
 #include "netem/formats/tc_text.hpp"
 #include "netem/link_model.hpp"
 #include "netem/packet_trace.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -28,13 +29,7 @@ std::string no_files(std::string_view name) {
 LinkProfile parsed_profile(std::string_view text) { return parse_profile(text, "lab.toml", no_files); }
 
 std::string profile_refusal_of(std::string_view text) {
-    try {
-        parsed_profile(text);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        return error.what();
-    }
-    return "accepted";
+    return refusal([&] { parsed_profile(text); }, ExitCode::kUsage);
 }
 
 // The link's effects, by the first words of a source line.
@@ -109,13 +104,7 @@ TEST(Profiles, LeoRepeatsEachFifteenSeconds) {
 }
 
 TEST(Profiles, UnknownNamesAreAnsweredWithThoseThereAre) {
-    try {
-        load_profile("5g");
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("ideal, paper50"));
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-    }
+    EXPECT_THAT(refusal([] { load_profile("5g"); }, ExitCode::kUsage), HasSubstr("ideal, paper50"));
 }
 
 TEST(Profiles, TcsWordsHoldBothWays) {

@@ -8,6 +8,7 @@
 #include "common/error.hpp"
 #include "netem/formats/tc_units.hpp"
 #include "netem/jitter_table.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -22,13 +23,7 @@ using testing::IsEmpty;
 LinkSettings parsed_words(std::string_view words) { return parse_tc_words(words).link; }
 
 std::string tc_refusal_of(std::string_view words) {
-    try {
-        parse_tc_words(words);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        return error.what();
-    }
-    return "accepted";
+    return refusal([&] { parse_tc_words(words); }, ExitCode::kUsage);
 }
 
 TEST(TcWords, DelayHasTheUnitsOfTc) {

@@ -9,6 +9,7 @@
 
 #include "common/error.hpp"
 #include "netem/formats/jitter_table_file.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -17,25 +18,14 @@ using std::chrono::milliseconds;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-template <class Parse>
-std::string refusal_of(const Parse& parse, std::string_view text) {
-    try {
-        parse(text);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kData);
-        return error.what();
-    }
-    return "accepted";
-}
-
 std::string table_refusal(std::string_view text) {
-    return refusal_of([](std::string_view t) { parse_jitter_table(t, "a.dist"); }, text);
+    return refusal([&] { parse_jitter_table(text, "a.dist"); });
 }
 std::string trace_refusal(std::string_view text) {
-    return refusal_of([](std::string_view t) { parse_packet_trace(t, "a.csv", {}); }, text);
+    return refusal([&] { parse_packet_trace(text, "a.csv", {}); });
 }
 std::string delivery_refusal(std::string_view text) {
-    return refusal_of([](std::string_view t) { parse_delivery_trace(t, "a.pdo"); }, text);
+    return refusal([&] { parse_delivery_trace(text, "a.pdo"); });
 }
 
 TEST(JitterTableFile, ReadsWhatTcReads) {

@@ -1,6 +1,6 @@
 // Replaces the global operators of this test program, the aligned ones too (links and queues are aligned). In
 // a source of its own: where the compiler can inline only one of the pair, it warns of a mismatch.
-#include "tests/scenario/allocation_count.hpp"
+#include "tests/allocation_count.hpp"
 
 #include <atomic>
 #include <cstdlib>
