@@ -8,14 +8,33 @@
 #include <optional>
 #include <ostream>
 #include <set>
+#include <thread>
+#include <variant>
 #include <vector>
 
 #include "common/queue_channel.hpp"
 #include "common/runtime/udp_channel.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "common/security/lab_key_file.hpp"
 #include "common/security/security.hpp"
 #include "tests/loopback/lone_node.hpp"
 
 namespace thimble {
+
+inline constexpr Duration kOrderPeriod = std::chrono::milliseconds{50};
+inline constexpr Duration kCommandPeriod = std::chrono::milliseconds{1};
+inline constexpr double kStep = 1e-5;  // metres or newtons; less is no force to a finger
+const std::string kNear = "127.0.0.1";
+
+// The force that a node reports; none while it gives out nothing.
+inline std::optional<double> given_out(const Body& body) {
+    if (const auto* answer = std::get_if<ForceFeedback>(&body))
+        return answer->needle_held ? std::nullopt : std::optional{answer->position_needle_m};
+    double force_N = 0;
+    if (const auto* answer = std::get_if<NeedleCommand>(&body)) force_N = answer->force_hand_N;
+    if (const auto* answer = std::get_if<Percept>(&body)) force_N = answer->force_N;
+    return force_N == 0 ? std::nullopt : std::optional{force_N};
+}
 
 using Overheard = std::vector<std::vector<std::uint8_t>>;
 
@@ -23,12 +42,19 @@ using Overheard = std::vector<std::vector<std::uint8_t>>;
 class OverheardChannel final : public Channel {
   public:
     OverheardChannel(const std::optional<Endpoint>& local, const Endpoint& remote) : wire_(local, remote) {}
-    void send(Bytes datagram) override;
+    void send(Bytes datagram) override {
+        said.emplace_back(datagram.begin(), datagram.end());
+        wire_.send(datagram);
+    }
 
     Overheard said, heard;
 
   private:
-    Bytes take() override;
+    Bytes take() override {
+        const Bytes datagram = wire_.receive();
+        if (!datagram.empty()) heard.emplace_back(datagram.begin(), datagram.end());
+        return datagram;
+    }
     UdpChannel wire_;
 };
 
@@ -63,8 +89,22 @@ class AnswerListener {
   public:
     // `session` and `wire` outlive it.
     AnswerListener(Security& session, const std::shared_ptr<const LabKey>& lab, Channel& wire,
-                   Port answers_for);
-    void turn(SessionTime now);
+                   Port answers_for)
+        : security_(lab, system_random_bytes()) {
+        const bool of_master = owner(answers_for) == Role::kMaster;
+        const Port at_session = of_master ? Port::kSessionMaster : Port::kSessionSlave;
+        const Port at_peer = of_master ? Port::kMasterControl : Port::kSlaveControl;
+        at_session_ = session.pair(control_.a, at_session, at_peer);
+        at_peer_ = security_.pair(control_.b, at_peer, at_session);
+        answers_ = security_.inlet(wire, answers_for);
+    }
+    // Nothing but keys comes on its control channel.
+    void turn(SessionTime now) {
+        security_.tick(now);
+        at_session_->receive();
+        at_peer_->receive();
+        security_.tick(now);
+    }
     Channel& answers() { return *answers_; }
 
   private:
@@ -77,27 +117,119 @@ class AnswerListener {
 // its own, and whatever the node says that it gave out is compared with those.
 class OverheardSession {
   public:
-    OverheardSession(LoneNode& node, const AttackTarget& target, const std::filesystem::path& key_file);
+    OverheardSession(LoneNode& node, const AttackTarget& target, const std::filesystem::path& key_file)
+        : target_(target),
+          lab_(std::make_shared<const LabKey>(read_lab_key(key_file))),
+          control_wire_(network_at(node.base_port()).at(target.session), node.at(target.control)),
+          command_wire_(std::nullopt, node.at(target.commands)),
+          answer_wire_(network_at(node.base_port()).at(target.answers_arrive), {kNear, 0}),
+          security_(lab_, system_random_bytes()),
+          control_(security_.pair(control_wire_, target.session, target.control)),
+          commanding_end_(security_.outlet(command_wire_, target.commands)),
+          heartbeats_(target.node),
+          answers_flow_(target.node),
+          orders_(Role::kSession, system_entropy(), {control_}),
+          commands_(target.commander, system_entropy(), {commanding_end_}) {
+        if (owner(target.answers_for) == Role::kSession) {
+            answering_end_ = security_.inlet(answer_wire_, target.answers_for);
+        } else {
+            listener_.emplace(security_, lab_, answer_wire_, target.answers_for);
+            answering_end_ = &listener_->answers();
+        }
+    }
 
     // True once a trial runs; called again, another one.
-    bool start();
+    bool start() {
+        ++trial_;
+        state_ = NodeState::kIdle;
+        return wait_until([this] {
+            turn(wall_now());
+            return state_ == NodeState::kRunning;
+        });
+    }
     // Commands one position or force after the other, 1 ms apart, while `meanwhile` does what it likes, until that says it is done. False:
     // patience ended.
-    bool command(const std::function<bool()>& meanwhile);
+    bool command(const std::function<bool()>& meanwhile) {
+        commanding_ = true;
+        const SessionTime end = wall_now() + kPatience;
+        bool done = false;
+        for (SessionTime now = wall_now(); !done && now < end; now = wall_now()) {
+            turn(now);
+            done = meanwhile();
+            std::this_thread::yield();
+        }
+        commanding_ = false;
+        return done;
+    }
     // The next command is answered.
-    bool still_answers();
+    bool still_answers() {
+        const double before = commanded_.empty() ? 0 : *commanded_.rbegin();
+        return command([&] { return newest_answer_ > before; });
+    }
 
-    Overheard said() const;  // to the node, on both flows
+    // to the node, on both flows
+    Overheard said() const {
+        Overheard all = control_wire_.said;
+        all.insert(all.end(), command_wire_.said.begin(), command_wire_.said.end());
+        return all;
+    }
     const Overheard& commands() const { return command_wire_.said; }
-    Overheard heard() const;  // from it
+    // from it
+    Overheard heard() const {
+        Overheard all = control_wire_.heard;
+        all.insert(all.end(), answer_wire_.heard.begin(), answer_wire_.heard.end());
+        return all;
+    }
     std::size_t answers() const { return answers_; }
     std::size_t foreign() const { return foreign_; }  // answers without a command
     NodeState state() const { return state_; }
 
   private:
-    void turn(SessionTime now);
-    void send_command(SessionTime now);
-    void take_answers(SessionTime now);
+    void turn(SessionTime now) {
+        security_.tick(now);
+        if (listener_) listener_->turn(now);
+        if (now >= next_order_) {
+            SessionControl order;
+            order.kind = ControlKind::kTrialStart;
+            order.modality = target_.modality;
+            order.fixture_position_m = 0.035;
+            orders_.send(now, trial_, order);
+            next_order_ = now + kOrderPeriod;
+        }
+        while (const Message* message = heartbeats_.receive(now, *control_)) {
+            const auto* heartbeat = std::get_if<Heartbeat>(&message->body);
+            if (heartbeat != nullptr && message->header.trial == trial_) state_ = heartbeat->state;
+        }
+        if (commanding_ && now >= next_command_) {
+            send_command(now);
+            next_command_ = now + kCommandPeriod;
+        }
+        take_answers(now);
+        security_.tick(now);
+    }
+    void send_command(SessionTime now) {
+        const double value = kStep * static_cast<double>(commanded_.size() + 1);
+        commanded_.insert(value);
+        if (target_.node == Role::kSlaveSim) {
+            NeedleCommand command;
+            command.position_needle_m = value;
+            commands_.send(now, trial_, command);
+        } else {
+            ForceFeedback command;
+            command.force_total_N = command.force_fixture_N = -value;
+            command.echo_time = now;  // answers the newest message: an old force presses no finger
+            commands_.send(now, trial_, command);
+        }
+    }
+    void take_answers(SessionTime now) {
+        while (const Message* message = answers_flow_.receive(now, *answering_end_)) {
+            const std::optional<double> answer = given_out(message->body);
+            if (!answer) continue;
+            ++answers_;
+            newest_answer_ = *answer;
+            if (commanded_.count(*answer) == 0) ++foreign_;
+        }
+    }
 
     AttackTarget target_;
     std::shared_ptr<const LabKey> lab_;
@@ -120,17 +252,55 @@ class OverheardSession {
 // Sends to the node's two ports.
 class Attacker {
   public:
-    Attacker(LoneNode& node, const AttackTarget& target);
+    Attacker(LoneNode& node, const AttackTarget& target)
+        : control_port_(target.control),
+          command_port_(target.commands),
+          control_(std::nullopt, node.at(target.control)),
+          commands_(std::nullopt, node.at(target.commands)) {}
 
-    void say(const std::vector<std::uint8_t>& datagram);  // to both
-    void replay(const Overheard& datagrams);
+    // to both
+    void say(const std::vector<std::uint8_t>& datagram) {
+        control_.send(datagram);
+        commands_.send(datagram);
+        sent_ += 2;
+    }
+    void replay(const Overheard& datagrams) {
+        for (const auto& datagram : datagrams) say(datagram);
+    }
     // Each of them with a bit changed, another one every time.
-    void replay_changed(const Overheard& datagrams);
+    void replay_changed(const Overheard& datagrams) {
+        for (const auto& datagram : datagrams) {
+            auto changed = datagram;
+            const std::size_t bit = changes_++ * 7 % (8 * changed.size());
+            changed[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+            say(changed);
+        }
+    }
     // Handshakes and sealed datagrams, made up; a portion of them. Nearly all are refused before anything is computed.
-    void flood(std::size_t datagrams);
+    void flood(std::size_t datagrams) {
+        std::vector<std::uint8_t> made_up(kHandshakeBytes, 0);
+        for (std::size_t i = 0; i < datagrams; i += 2) {
+            const auto kind = static_cast<PacketKind>(1 + i / 2 % 5);
+            const Port port = i / 2 % 2 == 0 ? control_port_ : command_port_;
+            write_seal_header({kind, port, static_cast<std::uint32_t>(i), sent_ + 1},
+                              std::span(made_up).first<kSealHeaderBytes>());
+            say(made_up);
+        }
+    }
     // The costly kind: under the name of the key that is in use, which every header says, with counters yet to come. Each costs its
     // receiver a verification.
-    void flood_in_the_name_of(const Overheard& commands, std::size_t datagrams);
+    void flood_in_the_name_of(const Overheard& commands, std::size_t datagrams) {
+        if (commands.empty()) return;
+        auto made_up = commands.back();
+        auto header = read_seal_header(made_up);
+        if (!header) return;
+        for (std::size_t i = 0; i < datagrams; ++i) {
+            ++header->counter;
+            write_seal_header(*header, std::span(made_up).first<kSealHeaderBytes>());
+            commands_.send(made_up);
+            ++sent_;
+        }
+    }
     std::size_t sent() const { return sent_; }
 
   private:

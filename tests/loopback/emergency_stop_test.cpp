@@ -103,20 +103,5 @@ TEST(EmergencyStop, AStopThatCannotBeKeptIsSaid) {
     EXPECT_EQ(run.rows().at(0).reason, EndReason::kEmergencyStop);
 }
 
-// If something else has the place of the file, nothing begins: a stop could not be kept there.
-TEST(EmergencyStop, NothingBeginsWhereNoStopCouldBeKept) {
-    const Folder folder;
-    const PortBlock ports;
-    const std::string port = std::to_string(ports.base());
-    const std::filesystem::path stops = std::getenv("THIMBLE_STOP_DIR");
-    std::filesystem::create_directory(stops / ("thimble-stop-" + std::to_string(geteuid()) + "-" + port));
-    const auto file = folder.write("session.toml", SessionFile::endless().text());
-    const Outcome run =
-        run_thimble({"run", file.string(), "--base-port", port, "--out", (folder / "out").string()});
-    EXPECT_EQ(run.code, 1) << run.words;
-    EXPECT_THAT(run.words, HasSubstr("is no file of this user"));
-    EXPECT_EQ(thimble_stop({"--release", "--base-port", port}).code, 1);
-}
-
 }  // namespace
 }  // namespace thimble

@@ -106,11 +106,10 @@ TEST(LogRun, AFullDiskUnderANodesLogEndsTheTrial) {
     EXPECT_THAT(run.words(), HasSubstr("slave_sim: the log '"));
     EXPECT_THAT(run.words(),
                 HasSubstr("thimble-slave-sim_0ms.mcap' cannot be written: File too large; make room"));
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows.front().reason, EndReason::kDeviceFault);
-    EXPECT_EQ(rows.front().lost_peer, Role::kSlaveSim);
-    EXPECT_EQ(read_trajectory(run.trajectory_path(rows.front().conditions)).reason, EndReason::kDeviceFault);
+    const TrialRow row = run.only_row();
+    EXPECT_EQ(row.reason, EndReason::kDeviceFault);
+    EXPECT_EQ(row.lost_peer, Role::kSlaveSim);
+    EXPECT_EQ(read_trajectory(run.trajectory_path(row.conditions)).reason, EndReason::kDeviceFault);
     EXPECT_GT(LoggedFile(log_of(run, "thimble-slave-sim")).scan().messages, 100U);
     EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
@@ -125,9 +124,8 @@ TEST(LogRun, AFullDiskUnderATrajectoryEndsTheTrial) {
     ASSERT_EQ(prlimit(run.launcher().pid(), RLIMIT_FSIZE, &room, nullptr), 0);
     EXPECT_EQ(run.end(), 1) << run.words();
     EXPECT_THAT(run.words(), HasSubstr("cannot be written: File too large; check the disk's free space"));
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(rows.front().lost_peer, Role::kSession);
+    const TrialRow row = run.only_row();
+    EXPECT_EQ(row.lost_peer, Role::kSession);
     EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
 

@@ -1,18 +1,119 @@
 // `thimble play` with the real programs: a scripted hand at the pointer, a scripted finger at the panel.
+#include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <functional>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "common/flow.hpp"
+#include "common/runtime/sockets.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "session/records/metrics.hpp"
 #include "session/records/trajectory_file.hpp"
-#include "tests/loopback/played_hand.hpp"
+#include "session/records/trial_table.hpp"
+#include "tests/loopback/played_view.hpp"
+#include "tests/loopback/programs.hpp"
 
 namespace thimble {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::seconds;
+
+// `thimble play` under test: the test plays the window (a scripted hand, in the visual node's name) and the panel
+// (orders, in the experimenter's), and watches the Monitor as a panel does. thimble-visual runs with its recording display.
+constexpr Duration kHandFrame = std::chrono::milliseconds{16};
+constexpr double kHandSpeed_m_per_s = 0.02;
+
+std::vector<std::string> play_arguments(const Folder& folder, const PortBlock& ports,
+                                        const std::string& settings, const std::vector<std::string>& more) {
+    const auto session = folder.write("session.toml",
+                                      "[session]\nfixture_jitter_m = 0\n[fixture]\nposition_m = 0.035\n"
+                                      "[trial]\ncontact_hold_s = 0.5\n" +
+                                          settings);
+    return words_in(fmt::format("play {} --record {} --base-port {} --visual-command thimble-visual",
+                                session.string(), (folder / "out").string(), ports.base()),
+                    more);
+}
+
+class PlayedHand {
+  public:
+    // --record and ports are the helper's own. The fixture lies 35 mm deep, a contact of half a second beeps.
+    explicit PlayedHand(const std::vector<std::string>& arguments, const std::string& more_settings = "")
+        : sockets_(network_at(ports_.base())),
+          hand_(Role::kVisual, 100, {sockets_.outlet(Port::kMasterHand)}),
+          view_(ports_.base()),
+          child_(built_programs() / "thimble", play_arguments(folder_, ports_, more_settings, arguments),
+                 folder_ / "words") {}
+
+    // Moves the hand (60 inputs a second) and listens, until `done`; false if patience ended first, or the program did.
+    bool play(const std::function<bool()>& done) {
+        wait_until([&] {
+            tick(wall_now());
+            return done() || child_.poll();
+        });
+        return done();
+    }
+    bool play_for(Duration time) {
+        const SessionTime end = wall_now() + time;
+        return play([end] { return wall_now() >= end; });
+    }
+
+    // Where the hand goes, at 20 mm/s; none: no input at all.
+    void go_to(double position_hand_m) { target_m_ = position_hand_m; }
+    void leave() { present_ = false; }
+    void order(OrderKind kind, double value = 0, Modality modality = Modality::kHF) {
+        Order order;
+        order.kind = kind;
+        order.value = value;
+        order.modality = modality;
+        view_.order(wall_now(), order);
+    }
+
+    void network(const char* name) {
+        Order order;
+        order.kind = OrderKind::kNetwork;
+        order.network = *NetworkName::of(name);
+        view_.order(wall_now(), order);
+    }
+
+    const Monitor& monitor() const { return view_.monitor(); }
+    std::uint32_t trial() const { return view_.trial(); }
+    std::uint64_t monitors() const { return view_.heard(); }
+    bool running() const { return view_.running(); }
+
+    Child& launcher() { return child_; }
+    int end() { return child_.wait(kPatience).value_or(-1); }
+    int quit() {
+        order(OrderKind::kQuit);
+        return end();
+    }
+    std::uint16_t base_port() const { return ports_.base(); }
+    std::filesystem::path out() const { return folder_ / "out"; }
+    std::string words() const { return read_text(folder_ / "words"); }
+    std::vector<TrialRow> rows() const { return read_trial_table(out() / "trials.csv"); }
+
+  private:
+    void tick(SessionTime now) {
+        view_.listen(now);
+        if (!present_ || now < next_) return;
+        const double way_m = kHandSpeed_m_per_s * to_seconds(kHandFrame);
+        wanted_m_ += std::clamp(target_m_ - wanted_m_, -way_m, way_m);
+        if (running()) hand_.send(now, trial(), HandInput{wanted_m_, true});
+        next_ = now + kHandFrame;
+    }
+
+    Folder folder_;
+    PortBlock ports_;
+    Sockets sockets_;
+    OutboundFlow hand_;
+    PlayedView view_;
+    Child child_;
+    bool present_ = true;
+    double target_m_ = 0, wanted_m_ = 0;
+    SessionTime next_{};
+};
 
 // 2 mm further than the fixture, at the hand: 1 N through the coupling.
 constexpr double kPressed_m = 0.035 / 3 + 0.002;
@@ -45,17 +146,6 @@ TEST(WholeRunOfPlay, AHandThatFeelsTheFixtureEndsItsTrial) {
     const Trajectory trajectory = read_trajectory(hand.out() / "trajectories" / "trial01_HF_0ms.csv");
     EXPECT_EQ(trajectory.reason, EndReason::kCompleted);
     expect_nobody_left(hand);
-}
-
-TEST(WholeRunOfPlay, TheBarStaysCalmWithFiftyMilliseconds) {
-    PlayedHand hand({"--modality", "VF", "--delay-s", "0.05"});
-    EXPECT_EQ(whole_trial(hand), EndReason::kCompleted);
-    EXPECT_EQ(hand.quit(), 0) << hand.words();
-    const auto rows = hand.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_FALSE(rows[0].metrics.oscillates);
-    EXPECT_EQ(rows[0].metrics.contacts_lost, 0U);
-    EXPECT_GE(rows[0].round_trip_s, 0.05);
 }
 
 TEST(WholeRunOfPlay, AtFiftyMillisecondsTheHandleOscillatesUntilItIsLetGo) {
@@ -99,25 +189,6 @@ TEST(Play, LogsThatAnErrorNamesAreThereToBeRead) {
         quoted = quoted || read_text(file.path()) == "still looking for the screen\n";
     EXPECT_TRUE(quoted) << logs;
     std::filesystem::remove_all(logs.parent_path(), absent);
-}
-
-TEST(Play, TheDelayMovesInMidTrial) {
-    PlayedHand hand({"--modality", "VF", "--delay-s", "0"});
-    ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();
-    hand.play_for(milliseconds{300});
-    hand.order(OrderKind::kDelay, 0.5);
-    EXPECT_TRUE(hand.play([&] { return hand.monitor().round_trip_s >= 0.5; })) << hand.words();
-    EXPECT_EQ(hand.monitor().network_delay_s, 0.5);
-    hand.order(OrderKind::kDelay, 0);
-    EXPECT_TRUE(hand.play([&] { return hand.monitor().round_trip_s < 0.3; })) << hand.words();
-    EXPECT_TRUE(hand.running());
-    EXPECT_EQ(hand.trial(), 1U);  // the same trial all the time
-    EXPECT_EQ(hand.quit(), 0) << hand.words();
-    const auto changes = read_events(hand.out() / "trajectories" / "trial01_VF_0ms.events.csv");
-    ASSERT_EQ(changes.size(), 2U);
-    EXPECT_EQ(changes[0].delay_s, 0.5);
-    EXPECT_EQ(changes[1].delay_s, 0);
-    EXPECT_GT(changes[1].time_s, changes[0].time_s);
 }
 
 TEST(Play, APlayerAndAnExperimenterWatchTheSameTrialAndEitherChangesItsNetwork) {
@@ -237,6 +308,60 @@ TEST(Play, SaysWhatIsWrongAtTheStart) {
     EXPECT_NE(outcome.words.find(std::to_string(network.at(Port::kSessionOrders).port)), std::string::npos)
         << outcome.words;
     EXPECT_TRUE(nodes_alive(ports.base()).empty());
+}
+
+// `thimble play --replay`: what was played is shown again, by the real programs.
+TEST(PlayReplay, ShowsWhatWasPlayed) {
+    PlayedHand hand({"--modality", "CF", "--delay-s", "0"});
+    ASSERT_TRUE(hand.play([&] { return hand.running(); })) << hand.words();
+    hand.go_to(0.02);
+    hand.play_for(std::chrono::milliseconds{1700});
+    ASSERT_EQ(hand.quit(), 0) << hand.words();
+
+    const Folder folder;
+    const PortBlock ports;
+    Child replay(built_programs() / "thimble",
+                 {"play", "--replay", hand.out().string(), "--speed", "0.5", "--visual-command",
+                  "thimble-visual", "--base-port", std::to_string(ports.base())},
+                 folder / "words");
+    PlayedView view(ports.base());
+    const auto watch = [&](const std::function<bool()>& done) {
+        return wait_until([&] {
+                   view.listen(wall_now());
+                   return done() || replay.poll();
+               }) &&
+               !replay.poll();
+    };
+    const auto say = [&](OrderKind kind, double value = 0) {
+        Order order;
+        order.kind = kind;
+        order.value = value;
+        view.order(wall_now(), order);
+    };
+    ASSERT_TRUE(watch([&] { return view.running() && view.monitor().time_s > 0.2; }))
+        << read_text(folder / "words");
+    EXPECT_EQ(view.monitor().modality, Modality::kCF);
+    EXPECT_EQ(view.monitor().position_fixture_m, 0.035);
+    say(OrderKind::kPause);
+    ASSERT_TRUE(watch([&] { return view.monitor().paused; }));
+    say(OrderKind::kSeek, 1.5);
+    ASSERT_TRUE(watch([&] { return view.monitor().time_s == 1.5; }));
+    EXPECT_GT(view.monitor().position_needle_m, 0.01);
+    EXPECT_EQ(nodes_alive(ports.base()), std::vector<std::string>{"thimble-visual"});
+    say(OrderKind::kQuit);
+    EXPECT_EQ(replay.wait(kPatience).value_or(-1), 0) << read_text(folder / "words");
+    EXPECT_TRUE(nodes_alive(ports.base()).empty());
+}
+
+TEST(PlayReplay, SaysWhichTrialThereIsNot) {
+    const Folder folder;
+    const PortBlock ports;
+    const Outcome outcome =
+        run_thimble({"play", "--replay", (folder / "nothing").string(), "--visual-command", "thimble-visual",
+                     "--base-port", std::to_string(ports.base())});
+    EXPECT_EQ(outcome.code, 5);
+    EXPECT_NE(outcome.words.find("trials.csv"), std::string::npos) << outcome.words;
+    EXPECT_EQ(run_thimble({"play", "--trial", "2"}).code, 2);
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 // An experimenter's view, or a player's panel, as a session sees it: hears the Monitor (and ReplayState), sends orders.
 #pragma once
 
+#include <variant>
+
 #include "common/flow.hpp"
 #include "common/runtime/sockets.hpp"
+#include "tests/loopback/workbench.hpp"
 
 namespace thimble {
 
@@ -10,9 +13,22 @@ class PlayedView {
   public:
     enum class Ports { kExperimenter, kPlayer };
     explicit PlayedView(std::uint16_t base_port, Ports ports = Ports::kExperimenter,
-                        const SecuritySettings& security = {});
+                        const SecuritySettings& security = {})
+        : sockets_(network_at(base_port, security)),
+          link_(ports == Ports::kPlayer ? sockets_.between(Port::kPlayerMonitor, Port::kSessionPlayerOrders)
+                                        : sockets_.between(Port::kExperimenterMonitor, Port::kSessionOrders)),
+          orders_(Role::kExperimenter, ports == Ports::kPlayer ? 201 : 200, {link_}) {}
 
-    void listen(SessionTime now);
+    void listen(SessionTime now) {
+        sockets_.tick(now);
+        while (const Message* message = heard_.receive(now, *link_)) {
+            if (const auto* replay = std::get_if<ReplayState>(&message->body)) replay_ = *replay;
+            const auto* monitor = std::get_if<Monitor>(&message->body);
+            if (monitor == nullptr) continue;
+            monitor_ = *monitor;
+            trial_ = message->header.trial;
+        }
+    }
     // For the trial that the Monitor showed last, as a view does it.
     void order(SessionTime now, const Order& order) { orders_.send(now, trial_, order); }
 

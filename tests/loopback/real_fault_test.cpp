@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <sys/resource.h>
 #include <thread>
 #include <variant>
@@ -68,9 +67,8 @@ RealFault draw_fault(std::uint32_t number, double longest_s) {
 
 void expect_clean_end(RealRun& run, bool lost) {
     EXPECT_EQ(run.end(), lost ? 3 : 0) << run.words();
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U) << "the trial has its row";
-    EXPECT_EQ(rows.front().reason, lost ? EndReason::kPeerLost : EndReason::kCompleted);
+    const TrialRow row = run.only_row();
+    EXPECT_EQ(row.reason, lost ? EndReason::kPeerLost : EndReason::kCompleted);
     EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
 

@@ -57,9 +57,10 @@ std::string RealRun::first_trial_end() {
     return end;
 }
 
-EndReason RealRun::only_reason() const {
+TrialRow RealRun::only_row() const {
     const std::vector<TrialRow> all = rows();
-    return all.size() == 1 ? all.front().reason : EndReason::kNone;
+    EXPECT_EQ(all.size(), 1U) << words();
+    return all.size() == 1 ? all.front() : TrialRow{};
 }
 
 int RealRun::end() { return child_.wait(3 * kPatience).value_or(-1); }

@@ -1,12 +1,15 @@
 // Whole runs with all five nodes, as `thimble run` makes them.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "session/clocks/clock_summary.hpp"
+#include "session/run/session_process.hpp"
 #include "tests/loopback/real_run.hpp"
 
 namespace thimble {
@@ -71,7 +74,6 @@ TEST(WholeRun, AllModalitiesWithAndWithoutDelay) {
     EXPECT_GT(row_of(rows, Modality::kHF, kDelay_s).metrics.penetration_max_m, deepest_prompt_m);
 }
 
-// The same trials, once over UDP and once in virtual time.
 TEST(WholeRun, AgreesWithVirtualTimeWithoutDelay) {
     SessionFile session;
     session.modalities = R"(["HF", "VF"])";
@@ -79,45 +81,11 @@ TEST(WholeRun, AgreesWithVirtualTimeWithoutDelay) {
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words();
     const auto rows = run.rows();
-    const auto virtual_rows = read_trial_table(run.out() / "virtual.csv");
     ASSERT_EQ(rows.size(), 2U);
-    ASSERT_EQ(virtual_rows.size(), 2U);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        const TrialRow &real = rows[i], &other = virtual_rows[i];
-        EXPECT_EQ(real.conditions.modality, other.conditions.modality);
-        EXPECT_EQ(real.reason, other.reason);
-        EXPECT_EQ(real.metrics.oscillates, other.metrics.oscillates);
-        EXPECT_FALSE(std::isnan(real.metrics.oscillation_rms_m));
-        const double factor = real.metrics.penetration_max_m / other.metrics.penetration_max_m;
-        EXPECT_GT(factor, 1 / 3.0);
-        EXPECT_LT(factor, 3.0);
-    }
+    expect_like_virtual_time(rows, run.out());
+    for (const TrialRow& row : rows) EXPECT_FALSE(std::isnan(row.metrics.oscillation_rms_m));
     EXPECT_FALSE(rows[0].metrics.oscillates) << "HF without delay must settle";
     EXPECT_LT(rows[0].metrics.penetration_max_m, rows[1].metrics.penetration_max_m);
-}
-
-TEST(WholeRun, JitterAndLossAreSurvivedAndCounted) {
-    SessionFile session;
-    session.modalities = R"(["CF"])";
-    session.delays_s = "[0.02]";
-    session.contact_hold_s = 0.2;
-    session.more =
-        "[netem.force]\ndelay_s = 0.02\njitter = \"uniform\"\njitter_spread_s = 0.01\nloss = 0.05\nin_order "
-        "= false";
-    RealRun run(session);
-    ASSERT_EQ(run.end(), 0) << run.words();
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    expect_on_disk(run, rows.front());
-    const auto links = run.report("thimble-netem", 20).at("links");
-    ASSERT_EQ(links.size(), 4U);
-    EXPECT_EQ(links[0].at("lost"), 0);  // the needle's
-    for (std::size_t i = 1; i < links.size(); ++i) {
-        EXPECT_GT(links[i].at("lost"), 0) << i;
-        EXPECT_GT(links[i].at("delivered"), links[i].at("lost")) << i;
-    }
-    // Overtaken by a newer sample, so no longer wanted.
-    EXPECT_GT(run.report("thimble-master", 20).at("refused").at("outdated"), 0);
 }
 
 // Every node reads the same [control]; waves go there and back, and no node refuses any.
@@ -127,10 +95,25 @@ TEST(CompensatorRun, WavesGoBetweenRealProcesses) {
     session.more = "[control]\ncompensator = \"wave\"\nwave_jitter_s = 0.02\n";
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words();
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    expect_on_disk(run, rows.front());
+    const TrialRow row = run.only_row();
+    expect_on_disk(run, row);
     for (const char* program : kNodePrograms) expect_report(run.report(program, 20), program);
+}
+
+// Clocks in a real run: all processes share this machine's clock, so the truth is 0 and every exchange must contain it.
+TEST(ClocksOfARun, EveryExchangeContainsTheTruth) {
+    RealRun run(SessionFile{});
+    ASSERT_EQ(run.end(), 0) << run.words();
+    std::map<Role, int> exchanges;
+    for (const ClockRecord& record : read_clock_file(run.out() / "nodes" / "clocks_0ms.csv")) {
+        ++exchanges[record.node];
+        EXPECT_LE(record.exchange.low(), Duration{}) << to_string(record.node);
+        EXPECT_GE(record.exchange.high(), Duration{}) << to_string(record.node);
+    }
+    for (const Role node : kNodeRoles) EXPECT_GE(exchanges[node], 3) << to_string(node);
+    const auto summary = nlohmann::json::parse(read_text(run.out() / "summary.json"));
+    EXPECT_THAT(summary["sections"].back().dump(), testing::HasSubstr("\"Clocks\""));
+    EXPECT_THAT(summary["provenance"]["clock daemon"], testing::HasSubstr("chrony"));
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // The real programs with a held terminal, a full pipe and closed descriptors.
 #include <csignal>
-#include <cstdlib>
 #include <fcntl.h>
 #include <stdexcept>
 #include <sys/stat.h>
@@ -8,10 +7,14 @@
 #include <unistd.h>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include "tests/loopback/programs.hpp"
 #include "tests/loopback/real_run.hpp"
+#include "tests/loopback/workbench.hpp"
 
 namespace thimble {
 namespace {
@@ -35,27 +38,6 @@ class HeldTerminal {
 
   private:
     int window_;
-};
-
-// A pipe without room: its reader never reads.
-class FullPipe {
-  public:
-    explicit FullPipe(const std::filesystem::path& file)
-        : path_(file.string()),
-          made_(mkfifo(path_.c_str(), 0600)),
-          ends_(open(path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
-        if (made_ != 0 || ends_ < 0) throw std::runtime_error("no pipe");
-        while (write(ends_, "full", 4) == 4) {
-        }
-    }
-    ~FullPipe() { close(ends_); }
-    FullPipe(const FullPipe&) = delete;
-    FullPipe& operator=(const FullPipe&) = delete;
-    const std::string& name() const { return path_; }
-
-  private:
-    std::string path_;
-    int made_, ends_;
 };
 
 class StandardStreams : public testing::Test {
@@ -83,27 +65,8 @@ TEST_F(StandardStreams, AHeldTerminalHoldsUpNoTrial) {
     std::this_thread::sleep_for(std::chrono::seconds{1});  // two lines of progress
     run.launcher().signal(SIGINT);
     EXPECT_EQ(run.end(), 1);
-    const auto rows = run.rows();
-    ASSERT_EQ(rows.size(), 1U);
-    EXPECT_EQ(outcome_text(rows.front().reason, rows.front().lost_peer), "interrupted");
-}
-
-TEST_F(StandardStreams, APipeThatNobodyReadsHoldsUpNoRun) {
-    const FullPipe pipe(folder_ / "pipe");
-    RealRun run(SessionFile{}, {}, programs(">/dev/null 2>" + pipe.name()));
-    expect_end(run, 0, EndReason::kCompleted);
-}
-
-// As cron, daemons and `2>&-` start programs.
-TEST_F(StandardStreams, WhereTheyAreClosedNoTableGetsTheWords) {
-    for (const std::string& closed : std::vector<std::string>{"2>&-", "<&- >&- 2>&-"}) {
-        const auto out = folder_ / ("out" + std::to_string(closed.size()));
-        const std::string study = "exec '" + (built_programs() / "thimble").string() +
-                                  "' study --experiment 2 --subjects 2 --out '" + out.string() + "' ";
-        EXPECT_EQ(run_to_end("/bin/sh", {"-c", study + closed}).code, 0);
-        EXPECT_THAT(read_text(out / "trials.csv"), Not(HasSubstr("trials in"))) << closed;
-        EXPECT_EQ(read_trial_table(out / "trials.csv").size(), 4U) << closed;
-    }
+    const TrialRow row = run.only_row();
+    EXPECT_EQ(outcome_text(row.reason, row.lost_peer), "interrupted");
 }
 
 TEST_F(StandardStreams, WhereTheyAreClosedNoSocketOfANodeTakesTheirNumbers) {
@@ -124,6 +87,98 @@ TEST_F(StandardStreams, WhereTheyAreClosedNoSocketOfANodeTakesTheirNumbers) {
             wait_until([&] { return !node_pids(ports.base(), program).empty() && !open_at(5).empty(); }));
         for (const int descriptor : {0, 1, 2}) EXPECT_EQ(open_at(descriptor), "/dev/null") << program;
     }
+}
+
+// Where results go: a standard output that loses them, a folder that cannot be made, a name that is no UTF-8.
+std::string built(const char* program) { return "'" + (built_programs() / program).string() + "'"; }
+
+// A line of bash. Its exit code is that of the first program in the pipe.
+Outcome in_bash(const std::string& line) {
+    return run_to_end("/bin/bash", {"-c", line + "; exit ${PIPESTATUS[0]}"});
+}
+
+class Outputs : public testing::Test {
+  protected:
+    std::vector<std::string> commands() const {
+        const std::string study = built("thimble") +
+                                  " study --experiment 2 --subjects 1 --overwrite --out '" +
+                                  (folder_ / "out").string() + "'";
+        const std::string theory = built("thimble") +
+                                   " stability --mass-kg 1 --damping-Ns-per-m 20 --stiffness-N-per-m 500 "
+                                   "--contact-stiffness-N-per-m 9000";
+        return {study,
+                study + " --json",
+                built("thimble") + " check '" + session_.string() + "'",
+                built("thimble") + " config reference --json",
+                theory,
+                theory + " --json",
+                built("thimble") + " completion bash",
+                built("thimble") + " doctor",
+                built("thimble") + " study --help",
+                built("thimble-netem") + " --version",
+                built("thimble-master") + " --help",
+                built("thimble-drive-emulator") + " --help"};
+    }
+    Folder folder_;
+    std::filesystem::path session_ = folder_.write("session.toml", SessionFile{}.text());
+};
+
+TEST_F(Outputs, LostResultsAreNotSuccess) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full";
+    for (const std::string& command : commands()) {
+        const Outcome lost = in_bash(command + " > /dev/full");
+        EXPECT_NE(lost.code, 0) << command;
+        EXPECT_THAT(lost.words, HasSubstr("results are lost: standard output")) << command;
+        EXPECT_THAT(lost.words, Not(HasSubstr("unexpected"))) << command;
+    }
+    EXPECT_EQ(in_bash(commands()[1] + " > /dev/full").code, 1);
+    EXPECT_EQ(in_bash(commands()[1] + " > /dev/null").code, 0);
+}
+
+// As `head` leaves: it has what it wanted, and the study is whole.
+TEST_F(Outputs, AReaderThatHasLeftGetsNoMessage) {
+    // A pipe whose only reader is closed before the program writes.
+    const std::string pipe = "'" + (folder_ / "pipe").string() + "'";
+    const std::string without_reader = fmt::format("exec 3<>{0} 4>{0} 3>&- && ", pipe);
+    ASSERT_EQ(in_bash("mkfifo " + pipe).code, 0);
+    for (const std::string& command : commands()) {
+        const Outcome left = in_bash(without_reader + command + " >&4 4>&-");
+        EXPECT_NE(left.code, 0) << command;
+        EXPECT_LE(left.code, 5) << command;
+        EXPECT_THAT(left.words, Not(HasSubstr("results are lost"))) << command;
+        EXPECT_THAT(left.words, Not(HasSubstr("unexpected"))) << command;
+    }
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "out/summary.json"));
+}
+
+TEST_F(Outputs, AFolderThatCannotBeMadeIsNamed) {
+    const std::string file = (folder_.write("file", "")).string();
+    const std::string session = session_.string();
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"study", "--experiment", "2", "--subjects", "1", "--out"},
+          {"study", "--experiment", "2", "--subjects", "1", "--seeds", "2", "--out"},
+          {"study", "--experiment", "2", "--subjects", "1", "--overwrite", "--out"},
+          {"study", "--experiment", "2", "--subjects", "1", "--resume", "--out"},
+          {"run", session, "--out"},
+          {"compensators", "--subjects", "1", "--only", "CF", "--delays-ms", "0", "--out"}}) {
+        for (const char* in_the_way : {"", "/within"}) {
+            std::vector<std::string> with_folder = command;
+            with_folder.push_back(file + in_the_way);
+            const Outcome refused = run_thimble(with_folder);
+            EXPECT_EQ(refused.code, 2) << command[0] << ": " << refused.words;
+            EXPECT_THAT(refused.words, HasSubstr(file));
+            EXPECT_THAT(refused.words, Not(HasSubstr("unexpected")));
+        }
+    }
+}
+
+TEST_F(Outputs, ANameThatIsNoUtf8IsWrittenAsFarAsItGoes) {
+    const std::string out = (folder_ / "caf\xe9").string();
+    const Outcome study = run_thimble({"study", "--experiment", "2", "--subjects", "1", "--no-control",
+                                       "--config", folder_.write("s\xe9.toml", "").string(), "--out", out});
+    EXPECT_EQ(study.code, 0) << study.words;
+    const auto summary = nlohmann::json::parse(read_text(std::filesystem::path(out) / "summary.json"));
+    EXPECT_THAT(summary["provenance"]["command"].get<std::string>(), HasSubstr("s\xef\xbf\xbd.toml"));
 }
 
 }  // namespace

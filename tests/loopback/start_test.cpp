@@ -156,12 +156,6 @@ TEST_F(BadConfiguration, ValueOutOfRangeInTheProgramsOwnTable) {
     expect_refused("thimble", "[session]\n\n\ndelays_s = [0.0, -1.0]\n", ":4:");
 }
 
-TEST(Configuration, AnEmptyFileMeansDefaults) {
-    const Folder folder;
-    const Outcome outcome = run_thimble({"check", folder.write("empty.toml", "").string()});
-    EXPECT_EQ(outcome.code, 0) << outcome.words;
-}
-
 // Before a folder is written, and not in the log of a window that then does not open.
 TEST(Configuration, LettersThatTheWindowsFontLacksAreNamed) {
     if (run_to_end(built_programs() / "thimble-visual", {"--help"}).words.find("--window") ==
@@ -179,18 +173,6 @@ TEST(Configuration, LettersThatTheWindowsFontLacksAreNamed) {
                     HasSubstr("the window's font cannot draw what [instructions] holds: U+13000"));
     }
     EXPECT_FALSE(std::filesystem::exists(out));
-}
-
-TEST(PortInUse, ASecondNodeSaysWhichPort) {
-    LoneNode first("thimble-visual");
-    ASSERT_TRUE(first.ready()) << first.words();
-    const std::uint16_t port = first.at(Port::kVisualControl).port;
-    const auto base = port - static_cast<std::uint16_t>(Port::kVisualControl);
-    const Outcome second =
-        run_to_end(built_programs() / "thimble-visual", {"--base-port", std::to_string(base)});
-    EXPECT_EQ(second.code, 3);
-    EXPECT_THAT(second.words, HasSubstr("127.0.0.1:" + std::to_string(port)));
-    EXPECT_EQ(first.terminate(), 0);
 }
 
 // Of the session's own ports and of a node's, in the words of the program that could not listen.
@@ -213,6 +195,18 @@ class MissingPeer : public testing::Test {
   protected:
     MissingPeer() { install_programs(programs_); }
 
+    void expect_end(RealRun& run, const std::string& words) const {
+        EXPECT_EQ(run.end(), 3);
+        EXPECT_THAT(run.words(), HasSubstr(words));
+        EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+    }
+    // Before the nodes have all answered.
+    static SessionFile waiting(double peer_wait_s) {
+        SessionFile session;
+        session.more = "peer_wait_s = " + std::to_string(peer_wait_s);  // continues the table [trial]
+        return session;
+    }
+
     Folder folder_;
     std::filesystem::path programs_ = folder_ / "bin";
 };
@@ -228,32 +222,22 @@ TEST_F(MissingPeer, AProgramThatIsNotThereIsNamed) {
 TEST_F(MissingPeer, AProgramThatEndsAtOnceIsQuoted) {
     replace_program(programs_ / "thimble-master", "echo the handle is unplugged; exit 5");
     RealRun run(SessionFile{}, {}, programs_);
-    EXPECT_EQ(run.end(), 3);
-    EXPECT_THAT(run.words(), HasSubstr("thimble-master ended with code 5: the handle is unplugged"));
-    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+    expect_end(run, "thimble-master ended with code 5: the handle is unplugged");
 }
 
 TEST_F(MissingPeer, AProgramThatNeverAnswersIsNamed) {
     replace_program(programs_ / "thimble-visual", "exec sleep 60");
-    SessionFile session;
-    session.more = "peer_wait_s = 1.0";  // continues the table [trial]
-    RealRun run(session, {}, programs_);
-    EXPECT_EQ(run.end(), 3);
-    EXPECT_THAT(run.words(), HasSubstr("no answer from "));
+    RealRun run(waiting(1), {}, programs_);
+    expect_end(run, "no answer from ");
     EXPECT_THAT(run.words(), HasSubstr("visual"));
-    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
 
 // The silent fifth program keeps the run waiting for its first trial while another one dies.
 TEST_F(MissingPeer, KilledBeforeTheFirstTrial) {
     replace_program(programs_ / "thimble-visual", "exec sleep 60");
-    SessionFile session;
-    session.more = "peer_wait_s = 30.0";
-    RealRun run(session, {}, programs_);
+    RealRun run(waiting(30), {}, programs_);
     kill(run.node("thimble-slave-sim"), SIGKILL);
-    EXPECT_EQ(run.end(), 3);
-    EXPECT_THAT(run.words(), HasSubstr("thimble-slave-sim ended with code 137"));
-    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
+    expect_end(run, "thimble-slave-sim ended with code 137");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // Delay compensators with all nodes, in virtual time.
 #include <array>
-#include <filesystem>
 #include <fstream>
 #include <span>
 
@@ -140,20 +139,25 @@ TEST(Compensators, TheTableOfTrialsIsGoneOnWith) {
     EXPECT_EQ(read_text(path), whole + "wave,");
 }
 
+CompensatorRow row_of(const char* name, const CompensatorNetwork& network, double depth_m) {
+    CompensatorRow row;
+    row.name = name;
+    row.network = network;
+    row.trials = row.completed = 3;
+    row.penetration_max_m = row.oscillation_peak_to_peak_m = row.drift_needle_m = depth_m;
+    row.completion_time_s = 10;
+    row.rendered_stiffness = 0.5;
+    return row;
+}
+
 TEST(Compensators, FindingsSayWhereCfIsNotBest) {
     std::vector<CompensatorTrial> trials;
     std::vector<CompensatorRow> rows;
     const CompensatorNetwork network{"50 ms", 0.05, 0, 0};
     const double depth_mm[] = {9, 5, 1};
     for (std::size_t c = 0; c < 3; ++c) {
-        CompensatorRow row;
-        row.name = std::array{"HF", "CF", "wave"}[c];
-        row.network = network;
-        row.trials = row.completed = 3;
-        row.oscillating = c == 0 ? 3 : 0;
-        row.penetration_max_m = depth_mm[c] / 1000;
-        row.completion_time_s = 10;
-        rows.push_back(row);
+        rows.push_back(row_of(std::array{"HF", "CF", "wave"}[c], network, depth_mm[c] / 1000));
+        rows.back().oscillating = c == 0 ? 3 : 0;
         for (std::uint32_t subject = 1; subject <= 3; ++subject) {
             CompensatorTrial trial;
             trial.condition = c;
@@ -176,16 +180,8 @@ TEST(Compensators, FindingsSayWhereCfIsNotBest) {
 TEST(Compensators, AllFiguresAreDrawn) {
     std::vector<CompensatorRow> rows;
     for (const char* name : {"CF", "wave"}) {
-        for (const CompensatorNetwork& network : standard_networks()) {
-            CompensatorRow row;
-            row.name = name;
-            row.network = network;
-            row.trials = row.completed = 2;
-            row.penetration_max_m = row.oscillation_peak_to_peak_m = row.drift_needle_m = 1e-3;
-            row.completion_time_s = 10;
-            row.rendered_stiffness = 0.5;
-            rows.push_back(row);
-        }
+        for (const CompensatorNetwork& network : standard_networks())
+            rows.push_back(row_of(name, network, 1e-3));
     }
     std::vector<FigureSource> sources = delay_figures(rows);
     ASSERT_EQ(sources.size(), compensator_measures().size());

@@ -1,7 +1,6 @@
 // The same seed gives the same bytes: again, on any number of threads, with more subjects, from any compiler.
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <sstream>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "session/virtual/virtual_session.hpp"
 #include "study/study.hpp"
+#include "tests/scenario/rig.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
 #include "tests/unit/session/records.hpp"
@@ -179,6 +179,33 @@ TEST_F(Golden, FirstTrialsOfSeedOne) {
     }
     ADD_FAILURE() << "the bits have changed. If the model was meant to: cp " << given.string() << ' '
                   << golden.string();
+}
+
+// Protection changes no bit of a trial.
+std::shared_ptr<const LabKey> virtual_lab_key() {
+    std::array<std::uint8_t, kKeyBytes> bytes{};
+    bytes.fill(42);
+    return std::make_shared<const LabKey>(bytes);
+}
+
+TEST(ProtectedSession, HasTheSameBitsAsAnOpenOne) {
+    for (const Modality modality : {Modality::kHF, Modality::kCCF}) {
+        TrialConditions conditions;
+        conditions.modality = modality;
+        conditions.fixture_position_m = 0.035;
+        const SystemSettings settings = paper_with_delays({}, kPaperDelay);
+        VirtualSession open(settings), secured(settings, virtual_lab_key());
+        const TrialRecord& plain = open.run(conditions);
+        EXPECT_TRUE(same_samples(secured.run(conditions), plain));
+        EXPECT_EQ(plain.reason, EndReason::kCompleted);
+        const SecurityCounters counters = secured.network().counters();
+        EXPECT_GT(counters.opened, 5000U);
+        EXPECT_EQ(counters.handshakes, 10U);  // five, as both sides count them
+        EXPECT_EQ(counters.forged + counters.replayed + counters.wrong_role + counters.unsealed +
+                      counters.handshake_refused,
+                  0U);
+        EXPECT_EQ(open.network().counters().opened, 0U);
+    }
 }
 
 }  // namespace

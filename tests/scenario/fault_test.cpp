@@ -59,16 +59,35 @@ FaultPlan draw_plan(std::uint32_t number) {
     return plan;
 }
 
-// A link that is well until the fault begins.
+// The forces that came to the handle, newest last: messages that a flow takes, with a sequence higher than all before.
+struct Arrived {
+    static constexpr std::size_t kKept = 8;
+    std::deque<double> forces_N;  // as the master would give them to the handle
+    SessionTime newest_at{};
+    std::uint32_t newest = 0;
+    double scale = 1;
+
+    void hear(Bytes datagram, SessionTime now) {
+        const Decoded decoded = decode(datagram);
+        const auto* force = decoded.message ? std::get_if<ForceFeedback>(&decoded.message->body) : nullptr;
+        if (force == nullptr || decoded.message->header.sequence <= newest) return;
+        newest = decoded.message->header.sequence;
+        newest_at = now;
+        forces_N.push_back(-scale * force->force_total_N);
+        if (forces_N.size() > kKept) forces_N.pop_front();
+    }
+};
+
+// A link that is well until the fault begins. At the master's end it writes down the forces that come.
 class BadLink final : public Tap {
   public:
-    BadLink(Channel& inner, const FaultPlan& plan, const SessionTime& now, const bool& on)
-        : Tap(inner), plan_(&plan), now_(&now), on_(&on) {}
+    BadLink(Channel& inner, const FaultPlan& plan, const SessionTime& now, const bool& on, Arrived* arrived)
+        : Tap(inner), plan_(&plan), now_(&now), on_(&on), arrived_(arrived) {}
     void send(Bytes datagram) override {
-        if (!*on_) return Tap::send(datagram);
+        if (!*on_) return pass(datagram);
         if (plan_->fault == Fault::kCut) return;
         if (plan_->fault == Fault::kDeaf) {
-            if (++count_ % 10 == 0) Tap::send(datagram);
+            if (++count_ % 10 == 0) pass(datagram);
         } else if (plan_->fault == Fault::kClock) {
             send_an_hour_off(datagram);
         } else {
@@ -82,12 +101,16 @@ class BadLink final : public Tap {
         std::vector<std::uint8_t> bytes;
         SessionTime since;
     };
+    void pass(Bytes datagram) {
+        if (arrived_ != nullptr) arrived_->hear(datagram, *now_);
+        Tap::send(datagram);
+    }
     void send_an_hour_off(Bytes datagram) {
         Decoded decoded = decode(datagram);
         if (!decoded.message) return;
         const std::chrono::hours step{plan_->clock_back ? -1 : 1};
         decoded.message->header.send_time += step;
-        Tap::send(encoder_.encode(*decoded.message));
+        pass(encoder_.encode(*decoded.message));
     }
     // Late: all with the same delay, when the next one comes. Shuffled: of each four the newest first.
     void pass_on() {
@@ -104,59 +127,16 @@ class BadLink final : public Tap {
     void give(const Kept& kept) {
         alignas(16) std::array<std::uint8_t, kMaxDatagramBytes> aligned{};
         std::copy(kept.bytes.begin(), kept.bytes.end(), aligned.begin());
-        Tap::send({aligned.data(), kept.bytes.size()});
+        pass({aligned.data(), kept.bytes.size()});
     }
 
     const FaultPlan* plan_;
     const SessionTime* now_;
     const bool* on_;
+    Arrived* arrived_;  // null: no one listens
     unsigned count_ = 0;
     std::deque<Kept> kept_;
     Encoder encoder_;
-};
-
-// The forces that came to the handle, newest last: messages that a flow takes, with a sequence higher than all before.
-struct Arrived {
-    static constexpr std::size_t kKept = 8;
-    std::deque<double> forces_N;  // as the master would give them to the handle
-    SessionTime newest_at{};
-    std::uint32_t newest = 0;
-};
-
-// At the master's end of the wire of its forces.
-class ForceListener final : public Tap {
-  public:
-    ForceListener(Channel& inner, Arrived& arrived, const SessionTime& now, double scale)
-        : Tap(inner), arrived_(&arrived), now_(&now), scale_(scale) {}
-    void send(Bytes datagram) override {
-        const Decoded decoded = decode(datagram);
-        const auto* force = decoded.message ? std::get_if<ForceFeedback>(&decoded.message->body) : nullptr;
-        if (force != nullptr && decoded.message->header.sequence > arrived_->newest) {
-            arrived_->newest = decoded.message->header.sequence;
-            arrived_->newest_at = *now_;
-            arrived_->forces_N.push_back(-scale_ * force->force_total_N);
-            if (arrived_->forces_N.size() > Arrived::kKept) arrived_->forces_N.pop_front();
-        }
-        Tap::send(datagram);
-    }
-
-  private:
-    Arrived* arrived_;
-    const SessionTime* now_;
-    double scale_;
-};
-
-// A bad link in front of a listener, as one end of a wire.
-class BadLinkHeard final : public Tap {
-  public:
-    BadLinkHeard(Channel& inner, const FaultPlan& plan, const SessionTime& now, const bool& on,
-                 Arrived& arrived, double scale)
-        : Tap(inner), listener_(inner, arrived, now, scale), link_(listener_, plan, now, on) {}
-    void send(Bytes datagram) override { link_.send(datagram); }
-
-  private:
-    ForceListener listener_;
-    BadLink link_;
 };
 
 bool program_fails(const FaultPlan& plan) {
@@ -194,7 +174,9 @@ bool is_survived(const FaultPlan& plan) {
 
 class FaultTrial {
   public:
-    explicit FaultTrial(const FaultPlan& plan) : plan_(plan), settings_(paper()), rig_(settings_, taps()) {}
+    explicit FaultTrial(const FaultPlan& plan) : plan_(plan), settings_(paper()), rig_(settings_, taps()) {
+        arrived_.scale = settings_.master.force_scale;
+    }
 
     void run() {
         TrialConditions conditions = trial_of(plan_.modality);
@@ -210,10 +192,9 @@ class FaultTrial {
     MakeTap taps() {
         return [this](Wire wire, Channel& end) -> std::unique_ptr<Tap> {
             const bool bad = !program_fails(plan_) && wire == plan_.wire;
-            const double scale = settings_.master.force_scale;
-            if (wire == Wire::kForceMaster)
-                return std::make_unique<BadLinkHeard>(end, plan_, now_, bad ? on_ : never_, arrived_, scale);
-            return bad ? std::make_unique<BadLink>(end, plan_, now_, on_) : nullptr;
+            Arrived* const listens = wire == Wire::kForceMaster ? &arrived_ : nullptr;
+            if (!bad && listens == nullptr) return nullptr;
+            return std::make_unique<BadLink>(end, plan_, now_, bad ? on_ : never_, listens);
         };
     }
 

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "session/records/metrics.hpp"
-#include "stability/critical_delay.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -102,17 +101,6 @@ TEST(Pointer, WithoutDelayTheHandleRestsAgainstTheFixture) {
     EXPECT_GT(felt.metrics.penetration_max_m, 0.00005);
 }
 
-TEST(Pointer, WithFiftyMillisecondsTheHandleIsThrownBackAndForth) {
-    SystemSettings settings = pointed(kPaperDelay);
-    settings.session.trial_timeout = seconds{20};  // there is no beep: contact is never kept
-    const Outcome felt = press(Modality::kHF, kPaperDelay, settings);
-    EXPECT_EQ(felt.record.reason, EndReason::kTimeout);
-    EXPECT_FALSE(felt.metrics.beeped);
-    EXPECT_TRUE(felt.metrics.oscillates);
-    EXPECT_GT(felt.metrics.contacts_lost, 20U);
-    EXPECT_LT(felt.energy_in_J, -1);  // the handle gives out energy that the hand did not put in
-}
-
 TEST(Pointer, FingertipsAndBarDoNotMoveTheHandleWhateverTheDelay) {
     for (const Modality modality : {Modality::kCF, Modality::kCCF, Modality::kVF}) {
         for (const Duration delay : {Duration{0}, kPaperDelay}) {
@@ -125,19 +113,6 @@ TEST(Pointer, FingertipsAndBarDoNotMoveTheHandleWhateverTheDelay) {
             EXPECT_EQ(seen.energy_in_J, 0);
         }
     }
-}
-
-// The theory has no friction, which keeps small oscillations away: it may be stable for longer, never unstable before.
-TEST(Pointer, BelowTheCriticalDelayNothingOscillates) {
-    const HandleSettings handle = paper().handle;
-    const double critical_s =
-        critical_delay_s(HeldMass{handle.mechanics.moving_mass_kg,
-                                  handle.mechanics.damping_Ns_per_m + handle.coupling.damping_Ns_per_m,
-                                  handle.coupling.stiffness_N_per_m},
-                         3.0 * 3000);
-    EXPECT_GT(critical_s, 0.0015);  // a sample to answer in and half a one to hold
-    EXPECT_LT(critical_s, 0.003);
-    EXPECT_FALSE(press(Modality::kHF, milliseconds{1}).metrics.oscillates);
 }
 
 TEST(Pointer, AFirmerHandOscillatesToo) {
@@ -172,6 +147,12 @@ TEST(Pointer, WhatDelayDoesToAHandThatPresses) {
             EXPECT_LT(felt.energy_in_J, before_J) << ms;  // the later, the more comes out
         }
         before_J = felt.energy_in_J;
+        if (ms != 50)
+            continue;  // the handle is thrown back and forth: contact is never kept, and there is no beep
+        EXPECT_EQ(felt.record.reason, EndReason::kTimeout);
+        EXPECT_FALSE(m.beeped);
+        EXPECT_GT(m.contacts_lost, 20U);
+        EXPECT_LT(felt.energy_in_J, -1);  // the handle gives out energy that the hand did not put in
     }
 }
 

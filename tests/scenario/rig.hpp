@@ -34,6 +34,24 @@ enum class Wire {
     kPerceptVisual,     // visual -> master
 };
 
+// Null: a wire that no test has a name for.
+inline std::optional<Wire> wire_to(Port port) {
+    if (port <= Port::kSessionNetem) return Wire::kHeartbeats;
+    if (port >= Port::kMasterControl && port <= Port::kNetemControl) return Wire::kOrders;
+    constexpr std::array kNamed{std::pair{Port::kSlaveNeedle, Wire::kNeedle},
+                                std::pair{Port::kMasterForce, Wire::kForceMaster},
+                                std::pair{Port::kCutaneousForce, Wire::kForceCutaneous},
+                                std::pair{Port::kVisualForce, Wire::kForceVisual},
+                                std::pair{Port::kVisualBeep, Wire::kBeep},
+                                std::pair{Port::kSessionRecord, Wire::kRecord},
+                                std::pair{Port::kMasterPerceptCutaneous, Wire::kPerceptCutaneous},
+                                std::pair{Port::kMasterPerceptVisual, Wire::kPerceptVisual}};
+    for (const auto& [to, wire] : kNamed) {
+        if (to == port) return wire;
+    }
+    return std::nullopt;
+}
+
 // A sender's end of a wire. Received datagrams pass untouched.
 class Tap : public Channel {
   public:
@@ -118,16 +136,53 @@ class ReadDisplay final : public Display {
 
 class Rig {
   public:
-    explicit Rig(const SystemSettings& settings, const MakeTap& make_tap = {});
+    explicit Rig(const SystemSettings& settings, const MakeTap& make_tap = {})
+        : settings_(settings),
+          handle_(settings.handle, settings.person),
+          pointer_(settings.handle),
+          actuator_(settings.cutaneous),
+          driven_(settings.cutaneous.device == FingertipDevice::kDrives
+                      ? std::make_unique<Driven>(settings.cutaneous)
+                      : nullptr),
+          display_(settings.visual.pipeline),
+          virtual_(settings_, nullptr, devices(),
+                   [make_tap](Port to, Channel& end) -> std::unique_ptr<Channel> {
+                       const std::optional<Wire> wire = make_tap ? wire_to(to) : std::nullopt;
+                       return wire ? make_tap(*wire, end) : nullptr;
+                   }),
+          hand_(virtual_.network().of(Role::kVisual).outlet(Port::kMasterHand)) {
+        if (!driven_) return;
+        driven_->bus.a.wake(virtual_.loop().wake_mask(), virtual_.bit(Role::kCutaneous));
+        driven_->bus.b.wake(virtual_.loop().wake_mask(), virtual_.loop().add(driven_->drives));
+    }
 
     void start(const TrialConditions& conditions) { virtual_.start(conditions); }
     bool step() { return virtual_.step(); }  // false once the trial has ended
-    const TrialRecord& finish();
-    const TrialRecord& run(const TrialConditions& conditions);
+    const TrialRecord& finish() {
+        while (step()) {
+        }
+        return session().record();
+    }
+    const TrialRecord& run(const TrialConditions& conditions) {
+        start(conditions);
+        return finish();
+    }
     // Steps until the session's clock has passed `time`, or the trial has ended.
-    void run_until(SessionTime time);
+    void run_until(SessionTime time) {
+        while (now() < time && step()) {
+        }
+    }
     // Steps until there is a sample for which `seen` is true; false if the trial ended before.
-    bool run_until_sample(const std::function<bool(const TrajectorySample&)>& seen);
+    bool run_until_sample(const std::function<bool(const TrajectorySample&)>& seen) {
+        const auto& samples = session().record().samples;
+        std::size_t looked_at = samples.size();
+        while (step()) {
+            for (; looked_at < samples.size(); ++looked_at) {
+                if (seen(samples[looked_at])) return true;
+            }
+        }
+        return false;
+    }
     // Until the needle has touched the fixture for so long.
     bool run_until_contact(double contact_s) {
         return run_until_sample([=](const TrajectorySample& s) { return s.contact_time_s >= contact_s; });
@@ -178,7 +233,11 @@ class Rig {
     void restart_master() { virtual_.restart_master(); }
 
     // Over all nodes, since start.
-    FlowCounters counters() const;
+    FlowCounters counters() const {
+        FlowCounters sum;
+        for (const NodeProcess* node : nodes()) sum.add(node->counters());
+        return sum;
+    }
 
   private:
     // The actuator, its drives and the bus between them.
@@ -192,7 +251,16 @@ class Rig {
         EmulatedDrives drives;
         DriveActuator actuator;
     };
-    VirtualDevices devices();
+    VirtualDevices devices() {
+        VirtualDevices mine;
+        const bool simulated = settings_.handle.kind == HandleKind::kSimulated;
+        mine.handle = simulated ? static_cast<HapticDevice*>(&breakable_) : &pointer_;
+        mine.person = simulated ? static_cast<OperatorPort*>(&handle_) : &pointer_;
+        mine.follower = simulated ? nullptr : &pointer_;
+        mine.actuator = driven_ ? static_cast<FingertipActuator*>(&driven_->actuator) : &actuator_;
+        mine.display = &display_;
+        return mine;
+    }
 
     SystemSettings settings_;
     SimulatedHandle handle_;

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "session/records/metrics.hpp"
 #include "session/virtual/virtual_session.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/scenario/rig.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -38,17 +40,6 @@ TEST(Session, ACompletedTrialLeavesEverybodyIdle) {
         ASSERT_NEAR(record.samples[i].time_s, 1e-3 * static_cast<double>(i), 1e-9);
     }
     EXPECT_EQ(rig.session().missing_peers(rig.now(), seconds{1}), "");
-}
-
-TEST(Session, ATimeoutEndsTheTrialOnTime) {
-    SystemSettings settings = paper();
-    settings.session.trial_timeout = seconds{3};
-    Rig rig(settings);
-    const TrialRecord& record = rig.run(trial_of(Modality::kCF));
-    EXPECT_EQ(record.reason, EndReason::kTimeout);
-    EXPECT_TRUE(std::isnan(record.beep_time_s));
-    EXPECT_NEAR(record.samples.back().time_s, 3, 0.2);
-    expect_all_stopped(rig, EndReason::kTimeout);
 }
 
 // The force is gone with the sample that could not be read; the session hears why and ends the trial for all.
@@ -81,36 +72,6 @@ TEST(Session, AFailedHandleEndsTheTrialInItsOwnWords) {
     EXPECT_TRUE(next.samples.empty());
 }
 
-// Of a person: the handle need not know that the trial is over. A slow hand is seen before it is back at rest.
-TEST(Session, AWithdrawnNeedleEndsAPersonsTrial) {
-    SystemSettings settings = paper();
-    settings.person.behaviour.speed_withdraw_needle_m_per_s = 0.01;
-    const auto last_of = [&](bool ends_by_withdrawal) {
-        settings.session.ends_by_withdrawal = ends_by_withdrawal;
-        Rig rig(settings);
-        const TrialRecord& record = rig.run(trial_of(Modality::kCF));
-        EXPECT_EQ(record.reason, EndReason::kCompleted);
-        expect_all_stopped(rig, EndReason::kCompleted);
-        return record.samples.back();
-    };
-    const TrajectorySample seen = last_of(true);
-    const TrajectorySample reported = last_of(false);
-    EXPECT_EQ(seen.phase, TissuePhase::kFree);
-    EXPECT_GT(seen.position_needle_m, 0.005);
-    EXPECT_LT(seen.time_s, reported.time_s - 0.3);
-    EXPECT_LT(reported.position_needle_m, 0.005);
-}
-
-TEST(Session, ANumberOfItsOwnOnTheWire) {
-    Rig rig(paper());
-    EXPECT_EQ(rig.session().last_number(), 0U);
-    rig.session().start(trial_of(Modality::kHF), 17);
-    const TrialRecord& record = rig.finish();
-    EXPECT_EQ(record.reason, EndReason::kCompleted);
-    EXPECT_EQ(record.conditions.trial, 1U);
-    EXPECT_EQ(rig.session().last_number(), 17U);
-}
-
 TEST(Session, AnInterruptEndsTheTrialAtOnce) {
     Rig rig(paper());
     rig.start(trial_of(Modality::kHF));
@@ -123,15 +84,6 @@ TEST(Session, AnInterruptEndsTheTrialAtOnce) {
     expect_all_stopped(rig, EndReason::kInterrupted);
     rig.session().abort(EndReason::kInterrupted);  // harmless when none runs
     EXPECT_EQ(rig.run(trial_of(Modality::kVF, {}, 1, 2)).reason, EndReason::kCompleted);
-}
-
-TEST(Session, AnAbortNamesWhoDied) {
-    Rig rig(paper());
-    rig.start(trial_of(Modality::kHF));
-    rig.run_until(SessionTime{seconds{1}});
-    rig.session().abort(EndReason::kPeerLost, Role::kVisual);
-    EXPECT_EQ(rig.finish().reason, EndReason::kPeerLost);
-    EXPECT_EQ(rig.session().record().lost_peer, Role::kVisual);
 }
 
 TEST(Session, AShutdownReachesEveryNode) {
@@ -156,20 +108,6 @@ TEST(Session, AMovedFixtureIsWhereItWasMoved) {
         return s.force_fixture_N != 0 &&
                std::fabs(s.force_fixture_N + 3000 * (s.position_needle_m - moved_m)) < 1e-9;
     }));
-}
-
-// A trial whose rest was never recorded must not pass for a whole one.
-TEST(Session, ATrialWhoseRecordBreaksOffIsNotCompleted) {
-    bool cut = false;
-    Rig rig(paper(), tap_on<Scissors>({Wire::kRecord}, cut));
-    rig.start(trial_of(Modality::kHF));
-    ASSERT_TRUE(rig.run_until_contact(1));
-    cut = true;
-    const SessionTime when = rig.now();
-    const TrialRecord& record = rig.finish();
-    EXPECT_EQ(record.reason, EndReason::kPeerLost);
-    EXPECT_EQ(record.lost_peer, Role::kSlaveSim);
-    EXPECT_LT(rig.now() - when, seconds{1});
 }
 
 // Experiment 2: the fixture vanishes with the beep. A hand that pushed against it falls through, a hand that stood still does not.
@@ -253,6 +191,65 @@ TEST_P(SilentNode, ANodeThatIsHeardButDoesNotObeyIsNamed) {
 
 INSTANTIATE_TEST_SUITE_P(Each, SilentNode, testing::ValuesIn(kNodeRoles),
                          [](const auto& test) { return std::string(to_string(test.param)); });
+
+// Sessions whose fingers are pressed by twelve emulated drives on one bus.
+// As the program does before it says that it is ready.
+constexpr SessionTime kBroughtUp{std::chrono::seconds{3}};
+
+SystemSettings with_drives() {
+    SystemSettings settings = paper();
+    settings.cutaneous.device = FingertipDevice::kDrives;
+    settings.cutaneous.drives.bus = "can0";
+    settings.session.contact_hold = settings.slave.contact_hold = std::chrono::milliseconds{500};
+    return settings;
+}
+
+TEST(DrivenFingers, ATrialIsCompletedByWhatTheyFeel) {
+    for (const Modality modality : {Modality::kCF, Modality::kCCF}) {
+        Rig rig(with_drives());
+        rig.run_until(kBroughtUp);
+        const TrialRecord& record = rig.run(trial_of(modality));
+        EXPECT_EQ(record.reason, EndReason::kCompleted) << record.fault;
+        const std::size_t hand = modality == Modality::kCF ? 0 : 2;
+        EXPECT_GT(rig.drives().strongest_N(), 0.3);
+        for (std::size_t finger = 0; finger < 4; ++finger) {
+            EXPECT_LT(rig.drives().force_N(finger), 0.15) << "let go at the end: " << finger;
+        }
+        EXPECT_EQ(rig.drives().drive(3 * hand).state(), DriveState::kOperationEnabled);
+    }
+}
+
+TEST(DrivenFingers, NothingIsAllocatedWhileTheyArePressed) {
+    Rig rig(with_drives());
+    rig.run_until(kBroughtUp);
+    rig.start(trial_of(Modality::kCF));
+    ASSERT_TRUE(rig.run_until_sample([&](const TrajectorySample&) { return rig.drives().force_N(0) > 0.3; }));
+    const std::uint64_t before = allocation_count();
+    EXPECT_EQ(rig.finish().reason, EndReason::kCompleted);
+    EXPECT_EQ(allocation_count() - before, 0U);
+}
+
+TEST(DrivenFingers, AFaultInATrialEndsItWithItsWords) {
+    Rig rig(with_drives());
+    rig.run_until(kBroughtUp);
+    rig.start(trial_of(Modality::kCF));
+    ASSERT_TRUE(rig.run_until_sample([&](const TrajectorySample&) { return rig.drives().force_N(0) > 0.3; }));
+    rig.order_drives("emcy 2 0x2310");
+    const SessionTime since = rig.now();
+    const TrialRecord& record = rig.finish();
+    EXPECT_EQ(record.reason, EndReason::kDeviceFault);
+    EXPECT_EQ(record.lost_peer, Role::kCutaneous);
+    EXPECT_FALSE(record.samples.empty());
+    EXPECT_THAT(record.fault,
+                testing::HasSubstr("drive 2 (acting hand, index, cable 1): EMCY 0x2310 (over-current)"));
+    // The trial was given up in the tick in which the bus said it, and the session heard of it in the same instant.
+    EXPECT_LT(rig.now() - since, std::chrono::milliseconds{100});
+    EXPECT_EQ(rig.drives().drive(0).state(), DriveState::kSwitchOnDisabled);
+    rig.start(trial_of(Modality::kCCF, {}, 1, 2));
+    EXPECT_EQ(rig.finish().reason, EndReason::kDeviceFault) << "no trial that needs a device that has failed";
+    rig.start(trial_of(Modality::kVF, {}, 1, 3));
+    EXPECT_EQ(rig.finish().reason, EndReason::kCompleted) << "the others do without";
+}
 
 }  // namespace
 }  // namespace thimble::test

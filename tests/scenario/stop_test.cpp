@@ -16,56 +16,10 @@ namespace thimble::test {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
-
-void say(Rig& rig, Role to, const StopOrder& order, Role sender) {
-    Encoder encoder;
-    rig.stop_channel(to).send(encoder.encode(Header{5, rig.now(), 1, 0, sender}, order));
-}
 
 void press_until_contact(Rig& rig, Modality modality) {
     rig.start(trial_of(modality));
     ASSERT_TRUE(rig.run_until_contact(0.5));
-}
-
-// At one program's place only: the others hear of it by that program's heartbeat and the session.
-class StopAt : public testing::TestWithParam<Role> {};
-
-TEST_P(StopAt, OneOrderEndsTheTrialForAll) {
-    Rig rig(paper());
-    press_until_contact(rig, Modality::kHF);
-    ASSERT_GT(rig.handle().force_hand_N(), 0.5);
-    say(rig, GetParam(), StopOrder(77, StopKind::kStop, EndReason::kEmergencyStop, "a test"),
-        Role::kExperimenter);
-    const SessionTime stopped = rig.now();
-    const TrialRecord& record = rig.finish();
-    EXPECT_LT(rig.now() - stopped, milliseconds{300});
-    EXPECT_EQ(record.reason, EndReason::kEmergencyStop);
-    EXPECT_EQ(record.fault, "a test");
-    EXPECT_EQ(rig.handle().force_hand_N(), 0);
-    EXPECT_FALSE(record.samples.empty());
-}
-
-INSTANTIATE_TEST_SUITE_P(Emergency, StopAt,
-                         testing::Values(Role::kSession, Role::kMaster, Role::kSlaveSim, Role::kCutaneous,
-                                         Role::kVisual, Role::kNetem),
-                         [](const auto& test) { return std::string(to_string(test.param)); });
-
-TEST(EmergencyStop, AButtonAtTheHandleStopsEverybodyWithinTwoSamples) {
-    Rig rig(paper());
-    press_until_contact(rig, Modality::kHF);
-    const SessionTime pressed = rig.now();
-    rig.press_handle_button(true);
-    rig.run_until(pressed + milliseconds{2});
-    EXPECT_EQ(rig.handle().force_hand_N(), 0);
-    for (const NodeProcess* node : rig.nodes()) {
-        EXPECT_NE(node->state(), NodeState::kRunning) << to_string(node->role());
-        EXPECT_TRUE(node->stop_bus().stopped()) << to_string(node->role());
-    }
-    const TrialRecord& record = rig.finish();
-    EXPECT_EQ(record.reason, EndReason::kEmergencyStop);
-    EXPECT_EQ(record.fault, "the stop button at the handle");
-    EXPECT_EQ(record.lost_peer, Role::kMaster);
 }
 
 TEST(EmergencyStop, CablesGoSlack) {
@@ -76,34 +30,6 @@ TEST(EmergencyStop, CablesGoSlack) {
     rig.run_until(rig.now() + milliseconds{2});
     EXPECT_EQ(rig.force_at_finger_N(), 0);
     EXPECT_EQ(rig.finish().reason, EndReason::kEmergencyStop);
-}
-
-TEST(EmergencyStop, NothingBeginsUntilItIsReleased) {
-    Rig rig(paper());
-    press_until_contact(rig, Modality::kHF);
-    const StopOrder stop(78, StopKind::kStop, EndReason::kEmergencyStop, "a test");
-    for (const Role role : {Role::kSession, Role::kMaster}) say(rig, role, stop, Role::kExperimenter);
-    rig.finish();
-    rig.idle(kHeldAtLeast);
-    TrialConditions conditions = trial_of(Modality::kHF);
-    conditions.trial = 2;
-    const TrialRecord& refused = rig.run(conditions);
-    EXPECT_EQ(refused.reason, EndReason::kEmergencyStop);
-    EXPECT_TRUE(refused.samples.empty());
-    EXPECT_NE(rig.master().state(), NodeState::kRunning);
-    // An order that the session never gave does not release them: the nodes hold the stop themselves.
-    say(rig, Role::kSession, StopOrder(78, StopKind::kRelease, EndReason::kEmergencyStop, {}),
-        Role::kExperimenter);
-    rig.idle(milliseconds{20});
-    EXPECT_FALSE(rig.session().stop_bus().stopped());
-    EXPECT_TRUE(rig.master().stop_bus().stopped());
-    conditions.trial = 3;
-    EXPECT_EQ(rig.run(conditions).reason, EndReason::kEmergencyStop);
-    // Whom the release has not reached hears of it from the session.
-    rig.idle(seconds{1});
-    EXPECT_FALSE(rig.master().stop_bus().stopped());
-    conditions.trial = 4;
-    EXPECT_EQ(rig.run(conditions).reason, EndReason::kCompleted);
 }
 
 std::shared_ptr<const LabKey> key_of_stops() {
@@ -156,7 +82,9 @@ TEST_P(VirtualStop, HoldsUntilItIsReleased) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Emergency, VirtualStop, testing::Values(Role::kSession, Role::kMaster, Role::kNetem),
+INSTANTIATE_TEST_SUITE_P(Emergency, VirtualStop,
+                         testing::Values(Role::kSession, Role::kMaster, Role::kSlaveSim, Role::kCutaneous,
+                                         Role::kVisual, Role::kNetem),
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
 // A handle that gives out energy: HF with 50 ms oscillates, which the guard ends where it is asked to.

@@ -1,5 +1,4 @@
 // thimble-igtl, heard through OpenIGTLink's own library.
-#include <cmath>
 #include <cstring>
 #include <igtlClientSocket.h>
 #include <igtlMessageHeader.h>

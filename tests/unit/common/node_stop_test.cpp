@@ -7,96 +7,53 @@
 
 #include <gtest/gtest.h>
 
-#include "common/node_process.hpp"
-#include "common/queue_channel.hpp"
 #include "common/runtime/node_program.hpp"
+#include "tests/unit/common/tiny_node.hpp"
 
 namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
 
-class StoppableProcess final : public NodeProcess {
-  public:
-    explicit StoppableProcess(Channel& control) : NodeProcess(Role::kVisual, 42, control) {}
-
-    std::vector<std::string> said;
-    StopRequest request;
-    int rests = 0;
-
-  protected:
-    void begin_trial(SessionTime, const SessionControl&) override {
-        said.push_back("begin " + std::to_string(trial()));
-    }
-    void end_trial(SessionTime) override { said.push_back("end " + std::to_string(trial())); }
-    void obey(SessionTime, const SessionControl&) override { said.emplace_back("obey"); }
-    void work(SessionTime) override {}
-    SessionTime next_work() const override { return kNever; }
-    StopRequest wants_stop(SessionTime) override { return request; }
-    void rest(SessionTime) override { ++rests; }
-};
-
-class StoppedNode : public testing::Test {
+class StoppedNode : public NodeProcessTest {
   protected:
     StoppedNode() {
         process.join_stop_bus(line.b,
                               {&outside.a, &outside.a, &outside.a, &outside.a, &outside.a, &outside.a});
-        order(ControlKind::kTrialStart, 1);
-        tick(milliseconds{10});
-        heard();
-    }
-    void tick(Duration time) {
-        now = SessionTime{time};
-        process.tick(now);
-    }
-    void order(ControlKind kind, std::uint32_t trial) {
-        SessionControl control;
-        control.kind = kind;
-        session.send(now, trial, control);
+        start();
     }
     void say(const StopOrder& stop) {
         Encoder encoder;
         line.a.send(encoder.encode(Header{9, now, 1, 0, Role::kExperimenter}, stop));
     }
-    // The messages to the session since the last call.
-    std::vector<Message> heard() {
-        std::vector<Message> messages;
-        for (Bytes bytes = steering.a.receive(); !bytes.empty(); bytes = steering.a.receive())
-            messages.push_back(decode(bytes).message.value());
-        return messages;
-    }
-    using Said = std::vector<std::string>;
 
-    QueuePipe steering, line, outside;
-    StoppableProcess process{steering.b};
-    OutboundFlow session{Role::kSession, 1, {&steering.a}};
-    SessionTime now{};
+    QueuePipe line, outside;
 };
 
 TEST_F(StoppedNode, EndsItsTrialInTheStopsWordsAndBeginsNoneBeforeTheRelease) {
     say(StopOrder(5, StopKind::kStop, EndReason::kEmergencyStop, "a key"));
     order(ControlKind::kFixtureChange, 1);
     tick(milliseconds{20});
-    EXPECT_EQ(process.said, (Said{"begin 1", "end 1"})) << "and no order of the same tick is obeyed";
-    const auto told = heard();
+    EXPECT_EQ(process.said, Said{"end 1"}) << "and no order of the same tick is obeyed";
+    const auto told = heartbeats();
     ASSERT_EQ(told.size(), 2U);
     EXPECT_EQ(std::get<Heartbeat>(told[0].body).state, NodeState::kFailed);
     EXPECT_EQ(std::get<Heartbeat>(told[0].body).reason, EndReason::kEmergencyStop);
     EXPECT_EQ(std::get<DeviceFault>(told[1].body).words(), "a key");
     order(ControlKind::kTrialStart, 2);
     tick(milliseconds{300});
-    EXPECT_EQ(process.said, (Said{"begin 1", "end 1"}));
-    EXPECT_EQ(std::get<Heartbeat>(heard()[0].body).state, NodeState::kFailed);
+    EXPECT_EQ(process.said, Said{"end 1"});
+    EXPECT_EQ(std::get<Heartbeat>(heartbeats()[0].body).state, NodeState::kFailed);
     say(StopOrder(5, StopKind::kRelease, EndReason::kEmergencyStop, {}));
     order(ControlKind::kTrialStart, 3);
     tick(milliseconds{310});
-    EXPECT_EQ(process.said, (Said{"begin 1", "end 1", "begin 3"}));
+    EXPECT_EQ(process.said, (Said{"end 1", "begin 3 CF"}));
 }
 
 TEST_F(StoppedNode, StopsTheOthersFromHere) {
     process.request = {EndReason::kSafetyStop, "the guard"};
     tick(milliseconds{20});
-    EXPECT_EQ(process.said, (Said{"begin 1", "end 1"}));
+    EXPECT_EQ(process.said, Said{"end 1"});
     const auto decoded = decode(outside.b.receive());
     ASSERT_TRUE(decoded.message);
     EXPECT_EQ(std::get<StopOrder>(decoded.message->body).words(), "the guard");

@@ -269,16 +269,6 @@ TEST(StopPace, WhatIsHeldIsPassedOnTwiceASecondUntilItIsReleased) {
     EXPECT_EQ(rig.line.next(), kNever);
 }
 
-TEST(StopPace, NothingIsReleasedThatHasJustBeenPressed) {
-    LoneLine rig;
-    rig.hear(kPressed);
-    rig.tick({});
-    rig.line.release(SessionTime{milliseconds{199}});
-    EXPECT_TRUE(rig.line.stopped());
-    rig.line.release(SessionTime{milliseconds{200}});
-    EXPECT_FALSE(rig.line.stopped());
-}
-
 TEST(StopPace, QuestionsAreAnsweredEveryTenMilliseconds) {
     LoneLine rig;
     rig.hear(kPressed);

@@ -1,13 +1,18 @@
 // Rules of the compensators that only resets, late samples and old news show, reckoned by hand.
 #include <cmath>
 #include <cstdint>
+#include <string>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/control/control_settings.hpp"
 #include "common/control/energy_bound.hpp"
 #include "common/control/local_fixture.hpp"
 #include "common/control/two_port_passivity.hpp"
 #include "common/control/wave_channel.hpp"
+#include "common/error.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble::test {
 namespace {
@@ -76,17 +81,6 @@ TEST(CompensatorRules, AnOlderToldEnergyTakesNothingBack) {
     EXPECT_EQ(master.force_N(5, 0), 5) << "0.01 J were heard of before";
 }
 
-// 5 N push out over 1 mm, twice, unpaid: the damper takes each 5 mJ, and its own force is none that the network sends.
-TEST(CompensatorRules, TheMastersDamperIsNoForceOfTheNetwork) {
-    TwoPortMaster master({kRule_s, 0}, 1000);
-    master.observe(0, 0);
-    master.observe(-1e-3, 5);
-    const double force_N = master.force_N(5, 0);
-    EXPECT_NEAR(force_N, 0, 1e-12);
-    master.observe(-2e-3, force_N);
-    EXPECT_NEAR(master.force_N(5, 0), 0, 1e-12);
-}
-
 TEST(CompensatorRules, AWallPushesFromWhereItStands) {
     TwoPortWall wall(0.04, 1000, 12);
     EXPECT_EQ(wall.force_N(0.039, 1), 0);
@@ -136,6 +130,55 @@ TEST(CompensatorRules, AnEnergyLimitedWaveGivesOutWhatCameIn) {
     receiver.receive(burst);
     EXPECT_DOUBLE_EQ(receiver.play(0), 2);
     EXPECT_DOUBLE_EQ(receiver.energy_out_J(), burst.energy_J);
+}
+
+// Table [control]: what it takes and what it refuses.
+ControlSettings control_of(const std::string& text) {
+    const ConfigFile file = ConfigFile::parse("[control]\n" + text, "session.toml");
+    const ControlSettings settings = read_control_settings(file.table("control"));
+    file.finish();
+    return settings;
+}
+
+std::string refusal_of(const std::string& text) {
+    return refusal([&] { control_of(text); }, ExitCode::kUsage);
+}
+
+TEST(ControlSettings, WithoutATableThereIsNoCompensator) {
+    EXPECT_EQ(control_of("").compensator, Compensator::kNone);
+    EXPECT_EQ(control_of("").hand_share(), 1);
+}
+
+TEST(ControlSettings, EachCompensatorHasItsName) {
+    for (std::size_t i = 0; i < kCompensatorNames.size(); ++i) {
+        const ControlSettings s = control_of("compensator = \"" + std::string(kCompensatorNames[i]) + "\"");
+        EXPECT_EQ(s.compensator, static_cast<Compensator>(i));
+        EXPECT_EQ(s.hand_share() < 1, s.compensator == Compensator::kScaled);
+    }
+}
+
+TEST(ControlSettings, NumbersOfTheChosenOne) {
+    const ControlSettings tank =
+        control_of("compensator = \"two-layer\"\ntank_level_J = 0.1\ndevice_damping_Ns_per_m = 0.25");
+    EXPECT_EQ(tank.tank.level_J, 0.1);
+    EXPECT_EQ(tank.device_damping_Ns_per_m, 0.25);
+    const ControlSettings waves = control_of(
+        "compensator = \"wave\"\nwave_impedance_Ns_per_m = 30\nwave_repeats = 7\n"
+        "wave_reconstruction = \"hold-last\"");
+    EXPECT_EQ(waves.wave_impedance_Ns_per_m, 30);
+    EXPECT_EQ(waves.channel.repeats, 7U);
+    EXPECT_EQ(waves.channel.reconstruction, WaveReconstruction::kHoldLast);
+    EXPECT_EQ(control_of("compensator = \"passivity\"\nmost_damping_Ns_per_m = 7").most_damping_Ns_per_m, 7);
+    EXPECT_EQ(control_of("compensator = \"scaled\"\nshare = 0.1").hand_share(), 0.1);
+}
+
+TEST(ControlSettings, WhatIsWithoutEffectOrUnknownIsRefused) {
+    EXPECT_THAT(refusal_of("share = 0.1"), testing::HasSubstr("compensator = \"none\""));
+    EXPECT_THAT(refusal_of("compensator = \"wave\"\nshare = 0.1"), testing::HasSubstr("choose scaled"));
+    EXPECT_THAT(refusal_of("compensator = \"waves\""), testing::HasSubstr("local-fixture, wave"));
+    EXPECT_THAT(refusal_of("compensato = \"wave\""), testing::HasSubstr("unknown key"));
+    EXPECT_THAT(refusal_of("compensator = \"local-fixture\"\nlocal_stiffness_N_per_m = 9500.0"),
+                testing::HasSubstr("local_stiffness_N_per_m"));
 }
 
 }  // namespace

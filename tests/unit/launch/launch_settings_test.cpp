@@ -4,12 +4,18 @@
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
+#include "netem/packet_trace.hpp"
+#include "session/launch/session_bundle.hpp"
+#include "session/settings/system_settings.hpp"
+#include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::UnorderedElementsAre;
 
 LaunchSettings launch(const std::string& text) {
     const ConfigFile file = ConfigFile::parse("[launch]\n" + text, "session.toml");
@@ -23,14 +29,8 @@ NetworkSettings network(const std::string& text) {
 }
 
 template <class Call>
-std::string refusal(Call call) {
-    try {
-        call();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        return error.what();
-    }
-    return "nothing was refused";
+std::string usage_refusal(const Call& call) {
+    return refusal(call, ExitCode::kUsage);
 }
 
 TEST(LaunchSettings, ByItselfEverythingRunsHere) {
@@ -51,7 +51,7 @@ TEST(LaunchSettings, RefusesWhatSshWouldTakeForAnOption) {
     for (const char* text : {"machine_master = '-oProxyCommand=id'", "machine_master = 'a b'", "exec = '  '",
                              "machine_session = 'lab'", "lease_s = 1",
                              "exec = 'ssh lab'\nmachine_master = 'a'\nmachine_netem = 'b'"}) {
-        EXPECT_THAT(refusal([&] { launch(text); }), HasSubstr("session.toml")) << text;
+        EXPECT_THAT(usage_refusal([&] { launch(text); }), HasSubstr("session.toml")) << text;
     }
 }
 
@@ -67,11 +67,11 @@ TEST(CheckHosts, TakesAnAddressForEachMachine) {
 }
 
 TEST(CheckHosts, RefusesALoopbackAddressThatAnotherMachineIsToUse) {
-    const std::string words = refusal([] { check_hosts(launch(kApart), network("")); });
+    const std::string words = usage_refusal([] { check_hosts(launch(kApart), network("")); });
     EXPECT_THAT(words, HasSubstr("127.0.0.1"));
     EXPECT_THAT(words, HasSubstr("[network].host_"));
     // The node that stays here is talked to from there.
-    const std::string own = refusal([] {
+    const std::string own = usage_refusal([] {
         check_hosts(launch(kApart), network("host_session = '10.77.0.1'\nhost_master = 'localhost'\n"
                                             "host_netem = '10.77.0.2'\nhost_slave_sim = '10.77.0.3'"));
     });
@@ -79,7 +79,7 @@ TEST(CheckHosts, RefusesALoopbackAddressThatAnotherMachineIsToUse) {
 }
 
 TEST(CheckHosts, RefusesOneAddressForTwoMachines) {
-    const std::string words = refusal([] {
+    const std::string words = usage_refusal([] {
         check_hosts(launch(kApart),
                     network(std::string(kHosts) + "host_netem = '10.77.0.2'\nhost_slave_sim = '10.77.0.2'"));
     });
@@ -89,6 +89,95 @@ TEST(CheckHosts, RefusesOneAddressForTwoMachines) {
 
 TEST(CheckHosts, LoopbackIsFineWhereItIsShared) {
     EXPECT_NO_THROW(check_hosts(launch(std::string(kApart) + "\nshares_loopback = true"), network("")));
+}
+
+// A session that goes to another machine goes as a whole, or not at all.
+namespace fs = std::filesystem;
+
+class SessionBundles : public testing::Test {
+  protected:
+    fs::path write(const std::string& name, const std::string& text) const {
+        fs::create_directories((folder_ / name).parent_path());
+        write_text(folder_ / name, text);
+        return folder_ / name;
+    }
+    std::vector<std::string> names(const std::string& session) const {
+        std::vector<std::string> all;
+        for (const BundledFile& file : make_bundle(write("session.toml", session)).files)
+            all.push_back(file.name);
+        return all;
+    }
+    std::string refused(const std::string& session) const {
+        return refusal([&] { names(session); }, ExitCode::kUsage);
+    }
+
+    const TemporaryDirectory folder_;
+};
+
+constexpr const char* kTrace = "time_s,delay_s\n0,0.01\n1,0.02\n";
+
+TEST_F(SessionBundles, AFileAloneIsEnoughWhereNothingIsNamed) {
+    EXPECT_THAT(names("[session]\nseed = 3\n"), UnorderedElementsAre("session.toml"));
+    EXPECT_THAT(names("[slave_sim]\nscene = 'vessel.toml'\n[netem.force]\nprofile = 'leo'\n"),
+                UnorderedElementsAre("session.toml"))
+        << "what comes with the program is there already";
+}
+
+TEST_F(SessionBundles, EverythingThatIsNamedComesAlong) {
+    write("scenes/mine.toml", read_text(THIMBLE_SOURCE_DIR "/deploy/scenes/layers.toml"));
+    write("nets/lab.toml", "[down]\ntrace = 'it is late.csv'\n");
+    write("nets/it is late.csv", kTrace);
+    write("nets/unused.csv", kTrace);
+    write("needle.csv", kTrace);
+    EXPECT_THAT(names("[slave_sim]\nscene = 'scenes/mine.toml'\n[netem.force]\nprofile = 'nets/lab.toml'\n"
+                      "[netem.needle]\ntrace = 'needle.csv'\n"),
+                UnorderedElementsAre("session.toml", "scenes/mine.toml", "nets/lab.toml",
+                                     "nets/it is late.csv", "needle.csv"));
+}
+
+// Unpacked elsewhere it reads as it did here.
+TEST_F(SessionBundles, WhatIsSentIsEnough) {
+    write("nets/lab.toml", "[down]\ntrace = 'late.csv'\n");
+    write("nets/late.csv", kTrace);
+    const SessionBundle bundle =
+        make_bundle(write("session.toml", "[netem.force]\nprofile = 'nets/lab.toml'\n"));
+    for (const BundledFile& file : bundle.files) write("there/" + file.name, file.text);
+    const SystemSettings here = load_system_settings(folder_ / "session.toml");
+    fs::remove_all(folder_ / "nets");
+    const SystemSettings there = load_system_settings(folder_ / "there/session.toml");
+    ASSERT_TRUE(here.netem.force.trace && there.netem.force.trace);
+    EXPECT_EQ(here.netem.force.trace->rows(), there.netem.force.trace->rows());
+}
+
+TEST_F(SessionBundles, RefusesWhatCouldBeAnotherFileThere) {
+    write("elsewhere.csv", kTrace);
+    const std::string absolute = (folder_ / "elsewhere.csv").string();
+    EXPECT_THAT(refused("[netem.needle]\ntrace = '" + absolute + "'\n"), HasSubstr(absolute));
+    write("in/x.csv", kTrace);
+    EXPECT_THAT(refused("[netem.needle]\ntrace = 'in/../elsewhere.csv'\n"), HasSubstr("elsewhere.csv"));
+}
+
+// `slave_sim.scene` is also found from where the program was started.
+TEST_F(SessionBundles, RefusesAFileThatIsFoundFromTheWorkingFolderOnly) {
+    const fs::path before = fs::current_path();
+    write("started/here.toml", read_text(THIMBLE_SOURCE_DIR "/deploy/scenes/layers.toml"));
+    fs::current_path(folder_ / "started");
+    const std::string words = refused("[slave_sim]\nscene = 'here.toml'\n");
+    fs::current_path(before);
+    EXPECT_THAT(words, HasSubstr("'here.toml', which is not beside it"));
+}
+
+TEST_F(SessionBundles, AStreamSaysHowMuchComes) {
+    EXPECT_EQ(to_stream({{{"s.toml", "a = 1\n"}, {"b/c d.csv", ""}}}), "6 s.toml\na = 1\n0 b/c d.csv\nend\n");
+}
+
+TEST_F(SessionBundles, EverySessionThatComesWithTheProgramCanBeSent) {
+    std::size_t sessions = 0;
+    for (const auto& entry : fs::directory_iterator(THIMBLE_SOURCE_DIR "/deploy/sessions")) {
+        EXPECT_NO_THROW(make_bundle(entry.path())) << entry.path();
+        ++sessions;
+    }
+    EXPECT_GE(sessions, 3U);
 }
 
 }  // namespace

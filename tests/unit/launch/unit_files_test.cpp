@@ -1,11 +1,13 @@
 #include "session/launch/unit_files.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/process/child.hpp"
+#include "session/launch/port_table.hpp"
 #include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
 
@@ -92,6 +94,33 @@ TEST(UnitFiles, AreGoodUnits) {
         EXPECT_EQ(result.exit_code, 0) << result.output;
         EXPECT_THAT(result.output, Not(HasSubstr(file.name))) << "a line it does not understand";
     }
+}
+
+// The port table that laboratories open their firewalls by is the one of the program.
+TEST(PortTable, StandsInTheManual) {
+    EXPECT_THAT(read_text(THIMBLE_SOURCE_DIR "/docs/machines.md"), HasSubstr(port_table({})));
+}
+
+TEST(PortTable, TheProtocolPageSaysTheSame) {
+    const std::string page = read_text(THIMBLE_SOURCE_DIR "/docs/protocol.md");
+    for (std::uint16_t i = 0; i < static_cast<std::uint16_t>(Port::kCount); ++i) {
+        const Flow& from = flow(static_cast<Port>(i));
+        const std::string kind = std::string(from.what).substr(0, std::string(from.what).find(' '));
+        EXPECT_THAT(page, HasSubstr("| " + std::to_string(i) + " | " + to_string(from.listens) + " | " +
+                                    to_string(from.hears) + ": " + kind));
+    }
+}
+
+TEST(PortTable, AFirewallHearsOfWhatCrossesOnly) {
+    LaunchSettings launch;
+    launch.machines[static_cast<std::size_t>(Role::kSlaveSim)] = "robot";
+    const std::string table = firewall_table({}, launch);
+    EXPECT_THAT(
+        table,
+        HasSubstr("| 27014 | slave_sim | netem | needle | 127.0.0.1 (robot) | 127.0.0.1 (this machine) |"));
+    EXPECT_THAT(table, HasSubstr("| 27005 | session | slave_sim | record |"));
+    EXPECT_THAT(table, Not(HasSubstr("| 27011 |")));  // netem to master, both here
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2 + 8 + 6);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "common/error.hpp"
 #include "tests/read_text.hpp"
-#include "tests/unit/log/log_folder.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/log/written_log.hpp"
 #include "thimble/log/log_export.hpp"
 #include "thimble/log/ros2_messages.hpp"
@@ -23,12 +23,6 @@ using testing::IsEmpty;
 class Ros2Logs : public testing::Test {
   protected:
     Ros2Logs() {
-        WrittenLog session;
-        session.program = "session";
-        session.direction = "received";
-        session.topic = "/slave_sim/record";
-        session.realtime_ns = "1700000000000000000";
-        session.messages = {{1, 2'000'000'020}};
         ForceFeedback record;
         record.position_needle_m = 0.06;
         record.position_surface_m = 0.021;
@@ -37,28 +31,33 @@ class Ros2Logs : public testing::Test {
         record.force_tissue_N = -1.25;
         record.force_fixture_N = -2;
         record.force_total_N = -3.25;
-        session.bodies = {Message{{7, {}, 0, 3, Role::kSlaveSim}, record}};
-        session.more = [](McapWriter& writer) {
-            writer.add_metadata("clock_offset", {{"node", "master"}, {"offset_s", "1.0"}, {"at_ns", "0"}});
-        };
-        add("session", session);
-
-        WrittenLog master;
-        master.boot = "another machine";
-        master.realtime_ns = "1234";  // its date is wrong, too
-        master.messages = {{1, 3'000'000'010}};
+        add("session", {.program = "session",
+                        .direction = "received",
+                        .topic = "/slave_sim/record",
+                        .realtime_ns = "1700000000000000000",
+                        .messages = {{1, 2'000'000'020}},
+                        .more = [](McapWriter& writer) { say_master_is_ahead(writer, "1.0"); },
+                        .bodies = {Message{{7, {}, 0, 3, Role::kSlaveSim}, record}}});
         NeedleCommand command;
         command.position_needle_m = 0.06;
         command.velocity_needle_m_per_s = 0.3;
         command.position_hand_m = 0.02;
         command.velocity_hand_m_per_s = 0.1;
         command.force_hand_N = 0.75;  // pushes the hand out
-        master.bodies = {Message{{8, {}, 0, 3, Role::kMaster}, command}};
-        add("master", master);
+        add("master", {.boot = "another machine",
+                       .realtime_ns = "1234",  // its date is wrong, too
+                       .messages = {{1, 3'000'000'010}},
+                       .bodies = {Message{{8, {}, 0, 3, Role::kMaster}, command}}});
     }
     void add(const std::string& name, const WrittenLog& log) {
-        log.write(folder_.path() / (name + ".mcap"));
-        files_.push_back(std::make_unique<LoggedFile>(folder_.path() / (name + ".mcap")));
+        log.write(folder_ / (name + ".mcap"));
+        files_.push_back(std::make_unique<LoggedFile>(folder_ / (name + ".mcap")));
+    }
+    void add_orders(const SessionControl& order) {
+        add("orders", {.program = "session",
+                       .topic = "/session/orders/master",
+                       .messages = {{1, 5}},
+                       .bodies = {2, Message{{7, {}, 0, 4, Role::kSession}, order}}});
     }
     // Messages to master and fingertip, the finger's percept, and an order.
     void add_arrivals() {
@@ -68,12 +67,10 @@ class Ros2Logs : public testing::Test {
         percept.force_N = 1.5;
         const auto add_one = [&](const std::string& name, const std::string& topic,
                                  const decltype(Message::body)& body) {
-            WrittenLog log;
-            log.topic = topic;
-            log.direction = "received";
-            log.messages = {{1, 2'000'000'040}};
-            log.bodies = {Message{{7, {}, 0, 3, Role::kSlaveSim}, body}};
-            add(name, log);
+            add(name, {.direction = "received",
+                       .topic = topic,
+                       .messages = {{1, 2'000'000'040}},
+                       .bodies = {Message{{7, {}, 0, 3, Role::kSlaveSim}, body}}});
         };
         add_one("at_master", "/slave_sim/force_feedback/master", force);
         add_one("at_finger", "/slave_sim/force_feedback/cutaneous", force);
@@ -82,7 +79,7 @@ class Ros2Logs : public testing::Test {
         start.modality = Modality::kCF;
         add_one("order", "/session/orders/master", start);
     }
-    LogFolder folder_;
+    TemporaryDirectory folder_;
     std::vector<std::unique_ptr<LoggedFile>> files_;
 };
 
@@ -92,11 +89,11 @@ TEST_F(Ros2Logs, ReadByOthers) {
         GTEST_SKIP() << "readers of ROS 2 messages are not installed: deploy/install-log-reader does that "
                         "where there is npm";
     add_arrivals();
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "").topics, 17U);
+    EXPECT_EQ(export_ros2(files_, folder_ / "ros2.mcap", "").topics, 17U);
     std::filesystem::copy_file(THIMBLE_SOURCE_DIR "/tests/log_reader/read_ros2.mjs",
-                               folder_.path() / "read_ros2.mjs");
-    std::filesystem::create_directory_symlink(modules, folder_.path() / "node_modules");
-    const auto said = folder_.path() / "said";
+                               folder_ / "read_ros2.mjs");
+    std::filesystem::create_directory_symlink(modules, folder_ / "node_modules");
+    const auto said = folder_ / "said";
     const std::string command =
         "cd '" + folder_.path().string() + "' && node read_ros2.mjs ros2.mcap > said 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << read_text(said);
@@ -173,33 +170,21 @@ TEST_F(Ros2Logs, ReadByOthers) {
 
 // Of two copies of a message one is exported; orders that are said again are one event; what arrives is what arrived.
 TEST_F(Ros2Logs, EachThingOnce) {
-    WrittenLog twin;
-    twin.program = "thimble-slave-sim";
-    twin.direction = "received";
-    twin.messages = {{1, 15}};
-    add("slave", twin);
-    WrittenLog orders;
-    orders.program = "session";
-    orders.topic = "/session/orders/master";
+    add("slave", {.program = "thimble-slave-sim", .direction = "received", .messages = {{1, 15}}});
     SessionControl start;
     start.modality = Modality::kCF;
-    orders.bodies = {Message{{7, {}, 0, 4, Role::kSession}, start},
-                     Message{{7, {}, 0, 4, Role::kSession}, start}};
-    orders.messages = {{1, 5}};
-    add("orders", orders);
+    add_orders(start);
     for (const char* direction : {"sent", "received"}) {
-        WrittenLog force;
-        force.topic = "/slave_sim/force_feedback/master";
-        force.direction = direction;
-        force.bodies = {Message{{7, {}, 0, 4, Role::kSlaveSim}, ForceFeedback{}}};
-        force.messages = {{1, 30}};
-        add(direction, force);
+        add(direction, {.direction = direction,
+                        .topic = "/slave_sim/force_feedback/master",
+                        .messages = {{1, 30}},
+                        .bodies = {Message{{7, {}, 0, 4, Role::kSlaveSim}, ForceFeedback{}}}});
     }
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "").topics, 15U);
-    const LoggedFile written(folder_.path() / "ros2.mcap");
+    EXPECT_EQ(export_ros2(files_, folder_ / "ros2.mcap", "").topics, 15U);
+    const LoggedFile written(folder_ / "ros2.mcap");
     EXPECT_EQ(written.scan().messages, 15U);
     EXPECT_TRUE(written.scan().finished);
-    EXPECT_THROW(export_ros2(files_, folder_.path() / "ros2.mcap", ""), Error);
+    EXPECT_THROW(export_ros2(files_, folder_ / "ros2.mcap", ""), Error);
 }
 
 // The session says a network to each node again and again. One of these orders has been overtaken on its way.
@@ -227,9 +212,9 @@ TEST_F(Ros2Logs, EveryChangeOfTheNetworkWithItsValue) {
     say(7, 5, "", 0.05);
     say(8, 5, "", 0.05);
     add("orders", orders);
-    export_ros2(files_, folder_.path() / "ros2.mcap", "");
+    export_ros2(files_, folder_ / "ros2.mcap", "");
     std::vector<std::string> events;
-    LoggedFile(folder_.path() / "ros2.mcap").for_each([&](const LoggedTopic&, const McapMessage& m) {
+    LoggedFile(folder_ / "ros2.mcap").for_each([&](const LoggedTopic&, const McapMessage& m) {
         events.emplace_back(m.data.begin() + 8, m.data.end() - 1);  // behind CDR's head and the length
     });
     EXPECT_THAT(events, ElementsAre("network change 4 0.05 s", "network change 4 lte 0.0205 s",
@@ -238,25 +223,20 @@ TEST_F(Ros2Logs, EveryChangeOfTheNetworkWithItsValue) {
 }
 
 TEST_F(Ros2Logs, OnlyTheTopicsAskedFor) {
-    EXPECT_EQ(export_ros2(files_, folder_.path() / "ros2.mcap", "/slave_sim").topics, 7U);
+    EXPECT_EQ(export_ros2(files_, folder_ / "ros2.mcap", "/slave_sim").topics, 7U);
 }
 
 // With only orders recorded, or a log forgotten, the message names the missing data and the log that has them.
 TEST_F(Ros2Logs, WhatIsMissingIsNamed) {
-    const Ros2Written two = export_ros2(files_, folder_.path() / "two.mcap", "");
+    const Ros2Written two = export_ros2(files_, folder_ / "two.mcap", "");
     EXPECT_THAT(two.missing, ElementsAre(HasSubstr("/master/servo_cf"), HasSubstr("/cutaneous/servo_cf"),
                                          HasSubstr("/cutaneous/measured_cf")));
     EXPECT_FALSE(two.events_only);
-    EXPECT_THAT(export_ros2(files_, folder_.path() / "part.mcap", "/master").missing, IsEmpty());
+    EXPECT_THAT(export_ros2(files_, folder_ / "part.mcap", "/master").missing, IsEmpty());
 
     files_.clear();
-    WrittenLog orders;
-    orders.program = "session";
-    orders.topic = "/session/orders/master";
-    orders.bodies = {Message{{7, {}, 0, 4, Role::kSession}, SessionControl{}}};
-    orders.messages = {{1, 5}};
-    add("orders", orders);
-    const Ros2Written events = export_ros2(files_, folder_.path() / "events.mcap", "");
+    add_orders({});
+    const Ros2Written events = export_ros2(files_, folder_ / "events.mcap", "");
     EXPECT_EQ(events.topics, 1U);
     EXPECT_EQ(events.missing.size(), 5U);
     EXPECT_TRUE(events.events_only);

@@ -54,4 +54,9 @@ struct WrittenLog {
     }
 };
 
+// The session's word that the master's clock is so far ahead of its own.
+inline void say_master_is_ahead(McapWriter& writer, const char* offset_s) {
+    writer.add_metadata("clock_offset", {{"node", "master"}, {"offset_s", offset_s}, {"at_ns", "0"}});
+}
+
 }  // namespace thimble

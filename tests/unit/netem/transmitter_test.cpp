@@ -112,30 +112,6 @@ TEST(Transmitter, TakesItsRateFromATrace) {
     EXPECT_EQ(arrivals[39].time, at(milliseconds{25}));
 }
 
-TEST(Transmitter, RecordedDeliveriesThroughALink) {
-    LinkSettings settings{.delay = milliseconds{2}};
-    settings.deliveries = std::make_shared<DeliveryTrace>(std::vector<std::uint32_t>{4, 4, 10});
-    settings.rate.overhead_bytes = 1300;
-    LinkModel link(settings, kKey, 0);
-    std::vector<SessionTime> times;
-    for (const Arrival& arrival : transmit(link, 6, microseconds{10})) times.push_back(arrival.time);
-    const std::vector<SessionTime> expected{at(milliseconds{6}),  at(milliseconds{6}),  at(milliseconds{12}),
-                                            at(milliseconds{16}), at(milliseconds{16}), at(milliseconds{22})};
-    EXPECT_EQ(times, expected);
-}
-
-TEST(Transmitter, SlotsThroughALink) {
-    LinkSettings settings{.delay = milliseconds{1}};
-    settings.slot = {.least = milliseconds{10}, .most = milliseconds{10}, .packets = 3};
-    LinkModel link(settings, kKey, 0);
-    const auto arrivals = transmit(link, 12, milliseconds{2});
-    const std::int64_t slot_ms[]{0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 40, 40};
-    for (std::size_t i = 0; i < 12; ++i) {
-        EXPECT_EQ(arrivals[i].packet, i);
-        EXPECT_EQ(arrivals[i].time, at(milliseconds{slot_ms[i] + 1})) << i;
-    }
-}
-
 // Against the plainest model of a queue: times by hand, one packet after the other.
 TEST(Transmitter, AgreesWithTheArithmeticOfAQueue) {
     EXPECT_TRUE(rc::check("same packets at the same times", [] {

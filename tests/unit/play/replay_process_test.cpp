@@ -2,7 +2,6 @@
 #include "session/play/replay_process.hpp"
 
 #include <cmath>
-#include <optional>
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -222,16 +221,6 @@ TEST_F(LateReplayTest, TheScreenIsAsLateAsItWasThen) {
 
 constexpr SessionTime kBegin = at(seconds{100});
 
-TEST(ReplayClock, StandsUntilItIsLetRun) {
-    ReplayClock clock(10);
-    EXPECT_EQ(clock.time_s(kBegin), 0);
-    EXPECT_EQ(clock.time_s(kBegin + seconds{5}), 0);
-    clock.resume(kBegin + seconds{5});
-    EXPECT_EQ(clock.time_s(kBegin + seconds{7}), 2);
-    clock.resume(kBegin + seconds{7});  // said again
-    EXPECT_EQ(clock.time_s(kBegin + seconds{8}), 3);
-}
-
 TEST(ReplayClock, RunsAtItsSpeedWithoutAJumpWhenThatChanges) {
     ReplayClock clock(10, 0.5);
     clock.resume(kBegin);
@@ -239,20 +228,6 @@ TEST(ReplayClock, RunsAtItsSpeedWithoutAJumpWhenThatChanges) {
     clock.set_speed(kBegin + seconds{4}, 4);
     EXPECT_EQ(clock.time_s(kBegin + seconds{4}), 2);
     EXPECT_EQ(clock.time_s(kBegin + seconds{5}), 6);
-}
-
-TEST(ReplayClock, PausesAndSeeks) {
-    ReplayClock clock(10);
-    clock.resume(kBegin);
-    clock.pause(kBegin + seconds{3});
-    EXPECT_EQ(clock.time_s(kBegin + seconds{9}), 3);
-    clock.seek(kBegin + seconds{9}, 7);
-    EXPECT_FALSE(clock.running());
-    EXPECT_EQ(clock.time_s(kBegin + seconds{20}), 7);
-    clock.resume(kBegin + seconds{20});
-    EXPECT_EQ(clock.time_s(kBegin + seconds{21}), 8);
-    clock.seek(kBegin + seconds{21}, 1);
-    EXPECT_EQ(clock.time_s(kBegin + seconds{22}), 2);
 }
 
 TEST(ReplayClock, EndsAtTheEnds) {

@@ -8,7 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/error.hpp"
 #include "common/runtime/udp_socket.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -111,6 +113,20 @@ TEST_P(Batches, WhereTheKernelRefusesToCutTheyGoOneByOne) {
 
 INSTANTIATE_TEST_SUITE_P(Joining, Batches, testing::Bool(),
                          [](const auto& mode) { return std::string(mode.param ? "Joined" : "Single"); });
+
+TEST(UdpAddress, ReadsPortAndHost) {
+    EXPECT_EQ(to_string(read_udp_address("9000", "--listen")), "0.0.0.0:9000");
+    EXPECT_EQ(to_string(read_udp_address("127.0.0.1:65535", "--to")), "127.0.0.1:65535");
+    EXPECT_EQ(to_string(read_udp_address("localhost:1", "--to")), "127.0.0.1:1");
+}
+
+TEST(UdpAddress, RefusesOthersByTheOptionsName) {
+    for (const char* text : {"", "host:", "host:65536", "host:-1", "9000x", "a:b", "host: 1"}) {
+        EXPECT_THAT(refusal([&] { read_udp_address(text, "--to"); }, ExitCode::kUsage),
+                    testing::HasSubstr("--to"))
+            << text;
+    }
+}
 
 }  // namespace
 }  // namespace thimble

@@ -66,14 +66,7 @@ TEST(LossLaw, FollowsAChainStepByStep) {
 }
 
 LossSettings four_states() {
-    LossSettings loss;
-    loss.shape = LossShape::kFourState;
-    loss.p13 = 0.01;
-    loss.p31 = 0.2;
-    loss.p32 = 0.3;
-    loss.p23 = 0.4;
-    loss.p14 = 0.005;
-    return loss;
+    return {.shape = LossShape::kFourState, .p13 = 0.01, .p31 = 0.2, .p32 = 0.3, .p23 = 0.4, .p14 = 0.005};
 }
 
 TwinLink changing() {

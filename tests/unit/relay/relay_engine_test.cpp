@@ -4,10 +4,8 @@
 
 #include <arpa/inet.h>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 
 namespace thimble {
@@ -250,17 +248,6 @@ TEST_F(Bench, LetsNoFlowWaitForAGreedyOne) {
     while (place < records_.all.size() && records_.all[place].flow != 1) ++place;
     EXPECT_LT(place, records_.all.size());
     EXPECT_LE(place, before + 16) << "one turn";
-}
-
-TEST_F(Bench, SaysWhichPortIsTaken) {
-    settings_.inlets[0].listen = server_.local();
-    try {
-        start();
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kNetwork);
-        EXPECT_NE(std::string(error.what()).find(to_string(server_.local())), std::string::npos);
-    }
 }
 
 }  // namespace

@@ -3,18 +3,27 @@
 
 #include <array>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <new>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "common/error.hpp"
 #include "common/runtime/sockets.hpp"
+#include "common/security/lab_key_file.hpp"
+#include "tests/refusal.hpp"
+#include "tests/unit/security/security_rig.hpp"
 
 namespace thimble {
 namespace {
+
+using testing::HasSubstr;
 
 NetworkSettings network(const std::string& text) {
     const ConfigFile file = ConfigFile::parse(text, "session.toml");
@@ -23,14 +32,9 @@ NetworkSettings network(const std::string& text) {
     return settings;
 }
 
-void expect_usage(const std::function<void()>& what, const std::string& words) {
-    try {
-        what();
-        ADD_FAILURE() << "allowed: " << words;
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage) << error.what();
-        EXPECT_THAT(error.what(), testing::HasSubstr(words));
-    }
+template <class What>
+void expect_usage(const What& what, const std::string& words) {
+    EXPECT_THAT(refusal(what, ExitCode::kUsage), testing::HasSubstr(words));
 }
 
 constexpr const char* kElsewhere = "[network]\nhost_slave_sim = '192.0.2.1'\n";
@@ -109,6 +113,119 @@ TEST(Protection, AKeyIsWipedWhenItGoes) {
     ASSERT_EQ(bytes[7], 0xA5);
     key->~SecretKey();
     for (std::size_t i = 0; i < place.size(); ++i) ASSERT_EQ(bytes[i], 0) << i;
+}
+
+// The lab key as a file: its owner's alone, never overwritten.
+namespace fs = std::filesystem;
+
+class LabKeyFile : public testing::Test {
+  protected:
+    static void expect_refused(const fs::path& path, ExitCode code, const std::string& words) {
+        EXPECT_THAT(refusal([&] { read_lab_key(path); }, code),
+                    testing::AllOf(HasSubstr(words), HasSubstr(path.string())));
+    }
+    fs::path write(const std::string& text) const {
+        const fs::path path = folder_ / "written.key";
+        std::ofstream(path) << text;
+        chmod(path.c_str(), 0600);
+        return path;
+    }
+
+    TemporaryDirectory folder_;
+};
+
+TEST_F(LabKeyFile, IsReadBackAsItWasMade) {
+    const fs::path path = folder_ / "new/folder/lab.key";
+    create_lab_key(path, [](auto bytes) { std::fill(bytes.begin(), bytes.end(), std::uint8_t{0xA5}); });
+    struct stat found {};
+    ASSERT_EQ(stat(path.c_str(), &found), 0);
+    EXPECT_EQ(found.st_mode & 07777U, 0600U);
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    EXPECT_EQ(line, "thimble-lab-key-1 paWlpaWlpaWlpaWlpaWlpaWlpaWlpaWlpaWlpaWlpaU=");
+    EXPECT_TRUE(same_bytes(read_lab_key(path).bytes(), test_lab_key(0xA5)->bytes()));
+    chmod(path.c_str(), 0400);
+    EXPECT_NO_THROW(read_lab_key(path));
+}
+
+TEST_F(LabKeyFile, IsNeverOverwritten) {
+    const fs::path path = write("something");
+    EXPECT_THAT(refusal([&] { create_lab_key(path, seeded_bytes(1)); }), HasSubstr(path.string()));
+    EXPECT_EQ(fs::file_size(path), 9U);
+    fs::create_symlink("nowhere", folder_ / "link");
+    EXPECT_THROW(create_lab_key(folder_ / "link", seeded_bytes(1)), Error);
+    EXPECT_FALSE(fs::exists(folder_ / "nowhere"));
+}
+
+TEST_F(LabKeyFile, IsRefusedWhereOthersMayReadIt) {
+    const fs::path path = folder_ / "lab.key";
+    create_lab_key(path, seeded_bytes(1));
+    for (const mode_t mode : {0640U, 0604U, 0660U, 0644U, 0700U, 0602U, 04600U}) {
+        chmod(path.c_str(), mode);
+        expect_refused(path, ExitCode::kUsage, "chmod 600");
+    }
+    if (geteuid() != 0 || chown(path.c_str(), 12345, 12345) != 0) return;  // only root can give a file away
+    chmod(path.c_str(), 0600);
+    expect_refused(path, ExitCode::kUsage, "belongs to somebody else");
+}
+
+// systemd's: root's, readable through an access list, which shows as the group's right.
+TEST_F(LabKeyFile, IsTakenFromAServicesCredentials) {
+    const fs::path path = folder_ / "lab.key";
+    create_lab_key(path, seeded_bytes(1));
+    setenv("CREDENTIALS_DIRECTORY", folder_.path().c_str(), 1);
+    EXPECT_EQ(lab_key_file("/somewhere/else"), path);
+    if (geteuid() == 0) {
+        chmod(path.c_str(), 0440);
+        EXPECT_NO_THROW(read_lab_key(path));
+        chmod(path.c_str(), 0444);
+        expect_refused(path, ExitCode::kUsage, "chmod 600");
+    }
+    setenv("CREDENTIALS_DIRECTORY", "/nowhere", 1);
+    chmod(path.c_str(), 0440);
+    EXPECT_EQ(lab_key_file("/somewhere/else"), "/somewhere/else");
+    expect_refused(path, ExitCode::kUsage, "chmod 600");
+    unsetenv("CREDENTIALS_DIRECTORY");
+}
+
+TEST_F(LabKeyFile, ThatIsNoneIsNamed) {
+    expect_refused(folder_ / "absent", ExitCode::kUsage, "thimble keygen");
+    expect_refused(folder_.path(), ExitCode::kUsage, "is not a file");
+    const std::string good = "thimble-lab-key-1 paWlpaWlpaWlpaWlpaWlpaWlpaWlpaWlpaWlpaWlpaU=\n";
+    EXPECT_NO_THROW(read_lab_key(write(good)));
+    for (const std::string& text :
+         {std::string(), good.substr(1), good.substr(0, good.size() - 1), good + "\n",
+          "thimble-lab-key-2" + good.substr(17), good.substr(0, 20) + "!" + good.substr(21),
+          std::string(good.size(), '\0')}) {
+        expect_refused(write(text), ExitCode::kData, "no lab key");
+    }
+}
+
+TEST_F(LabKeyFile, StandsWhereTheSettingTheEnvironmentOrTheStandardSays) {
+    const auto set = [](const char* name, const char* value) {
+        if (value == nullptr) unsetenv(name);
+        if (value != nullptr) setenv(name, value, 1);
+    };
+    const char* const home = std::getenv("HOME");
+    const std::string home_before = home == nullptr ? "" : home;
+    set("THIMBLE_LAB_KEY_FILE", nullptr);
+    set("XDG_CONFIG_HOME", nullptr);
+    set("HOME", "/home/somebody");
+    EXPECT_EQ(lab_key_file(""), "/home/somebody/.config/thimble/lab.key");
+    EXPECT_EQ(lab_key_file("~/my.key"), "/home/somebody/my.key");
+    set("XDG_CONFIG_HOME", "relative");
+    EXPECT_EQ(lab_key_file(""), "/home/somebody/.config/thimble/lab.key");
+    set("XDG_CONFIG_HOME", "/config");
+    EXPECT_EQ(lab_key_file(""), "/config/thimble/lab.key");
+    set("THIMBLE_LAB_KEY_FILE", "/keys/lab");
+    EXPECT_EQ(lab_key_file(""), "/keys/lab");
+    EXPECT_EQ(lab_key_file("mine"), "mine");
+    set("THIMBLE_LAB_KEY_FILE", nullptr);
+    set("XDG_CONFIG_HOME", nullptr);
+    set("HOME", nullptr);
+    EXPECT_THROW(lab_key_file(""), Error);
+    if (home != nullptr) set("HOME", home_before.c_str());
 }
 
 }  // namespace

@@ -68,20 +68,6 @@ TEST(Protocol, NoTrialDependsOnTheOthers) {
     }
 }
 
-TEST(Protocol, ASubjectsRemovalsDifferInModality) {
-    for (const std::uint64_t seed : {1U, 2U, 3U}) {
-        const Protocol protocol = experiment_2(settings(), 16, seed);
-        std::set<std::pair<Modality, Modality>> pairs;
-        for (std::uint32_t subject = 1; subject <= 16; ++subject) {
-            const auto trials = subject_trials(protocol, subject);
-            ASSERT_EQ(trials.size(), 2U);
-            EXPECT_NE(trials[0].modality, trials[1].modality);
-            pairs.insert({trials[0].modality, trials[1].modality});
-        }
-        EXPECT_GE(pairs.size(), 6U);  // not always the same partner
-    }
-}
-
 std::vector<Modality> modalities_of(const Protocol& protocol, std::uint32_t subject) {
     std::vector<Modality> list;
     for (const TrialConditions& trial : subject_trials(protocol, subject)) list.push_back(trial.modality);

@@ -1,7 +1,6 @@
 // The ports of a session as queues: who gets which datagram, who wakes, and what a tap sees.
 #include "session/virtual/queue_network.hpp"
 
-#include <array>
 #include <string>
 
 #include <gtest/gtest.h>

@@ -187,8 +187,7 @@ TEST_F(SessionProcessTest, ATrialIsOverOnceEachNodeHasAcknowledgedItsEnd) {
 // Its control channel lives on, but it never acknowledges: that would take peer_wait.
 TEST_F(SessionProcessTest, ALostPeerIsNotWaitedFor) {
     reach_running();
-    slave_.obeys = false;
-    records_ = false;
+    records_ = slave_.obeys = false;
     const SessionTime silent = now_;
     run_for(seconds{10});
     ASSERT_TRUE(session_.finished());
@@ -201,31 +200,30 @@ TEST_F(SessionProcessTest, ALostPeerIsNotWaitedFor) {
 // The other nodes must still acknowledge.
 TEST_F(SessionProcessTest, WhoeverIsNotTheLostOneIsWaitedFor) {
     reach_running();
-    slave_.obeys = visual_.obeys = false;
-    records_ = false;
+    records_ = slave_.obeys = visual_.obeys = false;
     run_for(seconds{2});
     EXPECT_FALSE(session_.finished());
 }
 
-TEST_F(SessionProcessTest, ANodeThatMissesAPeerIsRightIfAnotherIsSilent) {
-    reach_running();
-    netem_.speaks = false;
-    run_for(milliseconds{300});
-    ASSERT_TRUE(session_.running()) << "it is not silent for long enough to be lost";
-    stop_at(Role::kMaster, NodeState::kFailed, EndReason::kPeerLost);
-    beat();
-    EXPECT_EQ(record().reason, EndReason::kPeerLost);
-    EXPECT_EQ(record().lost_peer, Role::kNetem);
-}
+class MissedPeer : public SessionProcessTest {
+  protected:
+    // Whom the session blames when the master misses a peer after netem was silent for so long.
+    Role blamed_after(Duration silence) {
+        reach_running();
+        netem_.speaks = false;
+        run_for(silence);
+        EXPECT_TRUE(session_.running()) << "it is not silent for long enough to be lost";
+        stop_at(Role::kMaster, NodeState::kFailed, EndReason::kPeerLost);
+        beat();
+        EXPECT_EQ(record().reason, EndReason::kPeerLost);
+        return record().lost_peer;
+    }
+};
 
-TEST_F(SessionProcessTest, ANodeThatMissesAPeerIsBlamedItselfIfNobodyIsSilent) {
-    reach_running();
-    netem_.speaks = false;
-    run_for(milliseconds{150});  // as when two heartbeats were lost
-    stop_at(Role::kMaster, NodeState::kFailed, EndReason::kPeerLost);
-    beat();
-    EXPECT_EQ(record().reason, EndReason::kPeerLost);
-    EXPECT_EQ(record().lost_peer, Role::kMaster);
+TEST_F(MissedPeer, IsTheSilentOne) { EXPECT_EQ(blamed_after(milliseconds{300}), Role::kNetem); }
+// As when two heartbeats were lost.
+TEST_F(MissedPeer, IsTheAccuserIfNobodyIsSilent) {
+    EXPECT_EQ(blamed_after(milliseconds{150}), Role::kMaster);
 }
 
 TEST_F(SessionProcessTest, WhoeverIsSilentForLongIsLost) {
@@ -286,7 +284,35 @@ class PersonsSession : public SessionProcessTest {
         ASSERT_FALSE(std::isnan(record().beep_time_s));
         contact_s_ = 0;
     }
+    // Whether the subject's request on such a page is heard; if not, it is counted.
+    bool is_heard(PageKind kind, OrderKind order = OrderKind::kResume, std::uint32_t trial = 0) {
+        Page page;
+        page.kind = kind;
+        session_.show(page);
+        const auto refused = [this] { return session_.peer(Role::kVisual).counters().refused_total(); };
+        const std::uint64_t before = refused();
+        Order request;
+        request.kind = order;
+        visual_.trial = trial;
+        visual_.say(now_ += milliseconds{1}, request);
+        session_.tick(now_);
+        const bool heard = session_.take_go_on();
+        EXPECT_EQ(refused() - before, heard ? 0U : 1U);
+        return heard;
+    }
 };
+
+TEST_F(PersonsSession, AResumeIsHeardWhereAPageWaitsForItAndNoOtherOrderIs) {
+    for (const PageKind waits : {PageKind::kWelcome, PageKind::kPractice, PageKind::kReady})
+        EXPECT_TRUE(is_heard(waits));
+    for (const PageKind rests : {PageKind::kBreak, PageKind::kPaused, PageKind::kDone, PageKind::kWait})
+        EXPECT_FALSE(is_heard(rests));
+    for (int kind = 0; kind <= static_cast<int>(OrderKind::kSpeed); ++kind) {
+        const auto other = static_cast<OrderKind>(kind);
+        EXPECT_EQ(is_heard(PageKind::kReady, other), other == OrderKind::kResume) << kind;
+    }
+    EXPECT_FALSE(is_heard(PageKind::kReady, OrderKind::kResume, 7)) << "asked for another trial";
+}
 
 // An instant in touch with the tissue, and the time begins anew.
 TEST_F(PersonsSession, ATrialEndsOnceTheNeedleWasFreeWithoutAPause) {
@@ -339,6 +365,11 @@ TEST_F(PersonsSession, AWishIsForThePageOfTheHighestNumberSeen) {
     visual_.say(now_, request);
     session_.tick(now_);
     EXPECT_TRUE(session_.take_go_on());
+    visual_.say(now_, request);
+    session_.tick(now_);
+    page.trial = 4;
+    session_.show(page);
+    EXPECT_FALSE(session_.take_go_on()) << "it was about the page before";
 }
 
 class QuickSession : public SessionProcessTest {

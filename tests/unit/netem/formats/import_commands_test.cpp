@@ -1,6 +1,5 @@
 // import and fit from file to file, as the command line calls them.
 #include <algorithm>
-#include <filesystem>
 #include <string>
 
 #include <CLI/CLI.hpp>

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "netem/formats/trace_files.hpp"
 #include "tests/refusal.hpp"
 #include "tests/unit/netem/formats/capture_writer.hpp"

@@ -1,5 +1,6 @@
 // The whole loop with each velocity estimator: the trial ends as it should, nothing allocates, and the choice
 // is felt where it belongs, at the tissue.
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -10,6 +11,7 @@
 #include "session/virtual/virtual_session.hpp"
 #include "slave_sim/slave_node.hpp"
 #include "tests/allocation_count.hpp"
+#include "tests/scenario/rig.hpp"
 #include "tests/scenario/same_records.hpp"
 #include "tests/scenario/trials.hpp"
 
@@ -105,6 +107,41 @@ TEST(Quantisation, OnlyTheRawDifferenceOfACoarseEncoderPierces) {
         EXPECT_EQ(std::isnan(pierced_at_m(settings)), !raw);
         settings.handle.encoder_resolution_m = 1e-9;  // it is the encoder, not the filter's lag
         EXPECT_TRUE(std::isnan(pierced_at_m(settings)));
+    }
+}
+
+// Sessions in other scenes than the paper's, and by other solvers than the exact one.
+SystemSettings with_slave(const std::string& keys) {
+    return read_system_settings(ConfigFile::parse("[slave_sim]\n" + keys, "session.toml"));
+}
+
+double strongest_tissue_N(const TrialRecord& record) {
+    double strongest_N = 0;
+    for (const TrajectorySample& s : record.samples) {
+        strongest_N = std::max(strongest_N, std::abs(s.force_tissue_N));
+    }
+    return strongest_N;
+}
+
+TEST(SceneInASession, AVesselOnTheWayIsFelt) {
+    Rig plain(paper());
+    const TrialRecord without = plain.run(trial_of(Modality::kCF));
+    Rig rig(with_slave("scene = 'vessel.toml'\n"));
+    const TrialRecord with = rig.run(trial_of(Modality::kCF));
+    ASSERT_EQ(without.reason, EndReason::kCompleted);
+    ASSERT_FALSE(with.samples.empty());
+    EXPECT_GT(strongest_tissue_N(with), strongest_tissue_N(without) + 0.1);
+}
+
+// At 10 us the rules are as good as exact for a whole trial: the same end, at the same time within a sample or two.
+TEST(SceneInASession, EverySolverRunsATrial) {
+    Rig exact(paper());
+    const TrialRecord reference = exact.run(trial_of(Modality::kHF));
+    for (const char* solver : {"semi_implicit_euler", "rk4", "implicit_midpoint"}) {
+        Rig rig(with_slave("solver = '" + std::string(solver) + "'\nsolver_step_s = 1e-5\n"));
+        const TrialRecord record = rig.run(trial_of(Modality::kHF));
+        EXPECT_EQ(record.reason, reference.reason) << solver;
+        EXPECT_NEAR(record.beep_time_s, reference.beep_time_s, 0.01) << solver;
     }
 }
 

@@ -1,20 +1,18 @@
-#include "netem/relay/packet_log.hpp"
-
-#include <fstream>
-#include <iterator>
-#include <unistd.h>
-
+// The packet log, its records, and the report.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "netem/relay/packet_log.hpp"
+#include "netem/relay/relay_report.hpp"
+#include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 PacketRecord sample(std::uint64_t packet) {
@@ -33,16 +31,10 @@ PacketRecord sample(std::uint64_t packet) {
 
 class LogFile : public testing::Test {
   protected:
-    std::string path(const char* name) {
-        path_ = fs::temp_directory_path() / (std::string("thimble-log-") + std::to_string(getpid()) + name);
-        return path_.string();
-    }
-    std::string text() const {
-        std::ifstream file(path_, std::ios::binary);
-        return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    }
-    void TearDown() override { fs::remove(path_); }
-    fs::path path_;
+    std::string path(const char* name) { return path_ = folder_ / name; }
+    std::string text() const { return read_text(path_); }
+    TemporaryDirectory folder_;
+    std::string path_;
 };
 
 RC_GTEST_PROP(PacketRecord, ComesBackAsItWas, (std::uint64_t packet, std::int64_t ns, std::uint32_t flow)) {
@@ -80,7 +72,7 @@ TEST(PacketRecord, IsALineOfCsv) {
 }
 
 TEST_F(LogFile, IsWrittenToItsEnd) {
-    PacketLog log(path(".bin"));
+    PacketLog log(path("log.bin"));
     for (std::uint64_t i = 0; i < 1000; ++i) log.add(sample(i));
     log.finish();
     const std::string all = text();
@@ -92,7 +84,7 @@ TEST_F(LogFile, IsWrittenToItsEnd) {
 }
 
 TEST_F(LogFile, IsTextIfItsNameSaysSo) {
-    PacketLog log(path(".csv"));
+    PacketLog log(path("log.csv"));
     log.add(sample(5));
     log.finish();
     EXPECT_EQ(text(), std::string(record_csv_header()) + "\n" + to_csv(sample(5)) + "\n");
@@ -100,7 +92,7 @@ TEST_F(LogFile, IsTextIfItsNameSaysSo) {
 
 // More at once than the queue holds: what is missing is counted, and marked where it is missing.
 TEST_F(LogFile, MarksWhatItCouldNotKeep) {
-    PacketLog log(path(".csv"), 4);
+    PacketLog log(path("log.csv"), 4);
     for (std::uint64_t i = 0; i < 100'000; ++i) log.add(sample(i));
     EXPECT_GT(log.missing(), 0U);
     const std::uint64_t kept = 100'000 - log.missing();
@@ -127,6 +119,46 @@ TEST(LogHeader, SaysWhatItIsNot) {
         other[place] = 2;
         EXPECT_THROW(check_log_header(other, "a"), Error) << place;
     }
+}
+
+// Against R: prop.test(10, 100, correct = FALSE)$conf.int, and so on.
+TEST(Wilson, IsTheScoreInterval) {
+    const ProportionInterval ten = wilson_95(10, 100);
+    EXPECT_NEAR(ten.low, 0.05522914, 1e-8);
+    EXPECT_NEAR(ten.high, 0.1743657, 1e-7);
+    const ProportionInterval none = wilson_95(0, 3200);
+    EXPECT_EQ(none.low, 0);
+    EXPECT_NEAR(none.high, 3.8414588 / (3200 + 3.8414588), 1e-9);
+    EXPECT_EQ(wilson_95(5, 5).high, 1);
+    EXPECT_EQ(wilson_95(0, 0).low, 0);
+    EXPECT_EQ(wilson_95(0, 0).high, 1);
+}
+
+TEST(RelayReport, SaysAskedAndAchieved) {
+    RelayState state;
+    state.links.up.delay = std::chrono::milliseconds{50};
+    state.links.up.loss = LossSettings::independent(0.25);
+    DirectionTotals& up = state.totals.direction[0];
+    up.packets.pushed = 14;  // of which the loss model could have taken 4
+    up.packets.outage = 8;
+    up.packets.oversized = 2;
+    up.packets.lost = 1;
+    up.packets.delivered = 3;
+    up.refused = 1;
+    for (int i = 0; i < 2; ++i) {
+        up.delay.add(std::chrono::microseconds{50'020});
+        up.error.add(std::chrono::microseconds{20});
+    }
+    const auto json = describe(state);
+    EXPECT_EQ(json.at("up").at("packets").at("sent"), 2);
+    EXPECT_EQ(json.at("up").at("packets").at("refused_by_kernel"), 1);
+    EXPECT_DOUBLE_EQ(json.at("up").at("loss").at("asked").get<double>(), 0.25);
+    EXPECT_DOUBLE_EQ(json.at("up").at("loss").at("achieved").get<double>(), 0.25);
+    EXPECT_NEAR(json.at("up").at("due_time_error").at("median_us").get<double>(), 20, 0.1);
+    const std::string words = report_text(json);
+    for (const char* said : {"asked 50 ms", "asked 25 %", "1 refused_by_kernel"})
+        EXPECT_THAT(words, testing::HasSubstr(said));
+    EXPECT_EQ(describe(RelayState{}).at("up").at("loss").at("achieved"), 0);
 }
 
 }  // namespace

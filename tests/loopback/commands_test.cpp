@@ -1,0 +1,161 @@
+// `thimble doctor` as users start it. Its findings depend on the machine. The test checks their form, and the facts that it has arranged.
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/loopback/programs.hpp"
+#include "tests/loopback/workbench.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// Without real-time scheduling, so that a test on a busy machine disturbs no other.
+constexpr const char* kModest = "[runtime]\nrealtime_scheduling = false\n";
+
+Outcome run_doctor(const std::filesystem::path& session, std::uint16_t base_port) {
+    return run_thimble({"doctor", session.string(), "--json", "--seconds", "0.05", "--base-port",
+                        std::to_string(base_port)});
+}
+
+nlohmann::json finding_of(const nlohmann::json& json, const std::string& name) {
+    for (const auto& finding : json["findings"])
+        if (finding["name"] == name) return finding;
+    return {};
+}
+
+TEST(DoctorProgram, SaysInJsonWhetherASessionCanRun) {
+    const Folder folder;
+    const PortBlock ports;
+    const Outcome outcome = run_doctor(folder.write("good.toml", kModest), ports.base());
+    const auto json = nlohmann::json::parse(outcome.words, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << outcome.words;
+    EXPECT_GE(json["findings"].size(), 10U);
+    for (const char* name : {"session", "programs", "ports", "real time", "software"})
+        EXPECT_NE(finding_of(json, name)["severity"], "fault") << outcome.words;
+    EXPECT_GT(finding_of(json, "timer")["wake_ups"], 0) << outcome.words;
+    // A machine under the load of other tests may be too late for any session.
+    const bool late = finding_of(json, "timer")["severity"] == "fault";
+    EXPECT_EQ(json["can_run"], !late) << outcome.words;
+    EXPECT_EQ(outcome.code, late ? 4 : 0) << outcome.words;
+}
+
+TEST(DoctorProgram, ATakenPortIsNamedWithWhoHoldsIt) {
+    const Folder folder;
+    const PortBlock ports;
+    const UdpChannel taken(Endpoint{"127.0.0.1", static_cast<std::uint16_t>(ports.base() + 3)},
+                           {"127.0.0.1", 0});
+    const Outcome outcome = run_doctor(folder.write("good.toml", kModest), ports.base());
+    EXPECT_EQ(outcome.code, 3) << outcome.words;
+    const auto json = nlohmann::json::parse(outcome.words, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << outcome.words;
+    EXPECT_EQ(json["can_run"], false);
+    EXPECT_THAT(finding_of(json, "ports")["says"].get<std::string>(), HasSubstr(std::to_string(getpid())));
+    EXPECT_THAT(finding_of(json, "ports")["remedy"].get<std::string>(), HasSubstr("--base-port"));
+}
+
+// `thimble replay` as users start it: files in, files out, exit codes.
+Outcome replay(const std::vector<std::string>& arguments) {
+    return run_thimble(words_in("replay", arguments));
+}
+
+TEST(ReplayProgram, ANeedleThroughTheDefaultScene) {
+    const Folder folder;
+    const auto needle = folder.write("needle.csv", "time_s,position_needle_m\n0,0\n1,0.05\n3,0.13\n4,0\n");
+    const Outcome outcome = replay({"--needle", needle.string(), "--out", (folder / "forces.csv").string()});
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+    EXPECT_THAT(outcome.words, HasSubstr("4 samples over 4 s"));
+    EXPECT_THAT(read_text(folder / "forces.csv"), StartsWith("time_s,position_needle_m,position_tissue_m,"));
+    const std::string events = read_text(folder / "forces.events.csv");
+    EXPECT_THAT(events, StartsWith("time_s,element,phase\n"));
+    EXPECT_THAT(events, HasSubstr(",tissue,penetrated\n"));
+    EXPECT_THAT(events, HasSubstr(",fixture,touched\n"));
+}
+
+TEST(ReplayProgram, MistakesHaveTheirExitCodes) {
+    const Folder folder;
+    const auto good = folder.write("good.csv", "time_s,position_needle_m\n0,0\n1,0.01\n");
+    const auto bad = folder.write("bad.csv", "time_s,position_needle_m\n0,0\n0,0.01\n");
+    const auto scene = folder.write("scene.toml", "[tissue]\nmas_kg = 1\n");
+    const std::string out = (folder / "out.csv").string();
+    const Outcome data = replay({"--needle", bad.string(), "--out", out});
+    EXPECT_EQ(data.code, 5);
+    EXPECT_THAT(data.words, HasSubstr("bad.csv:3:"));
+    const Outcome usage = replay({"--scene", scene.string(), "--needle", good.string(), "--out", out});
+    EXPECT_EQ(usage.code, 2);
+    EXPECT_THAT(usage.words, HasSubstr("scene.toml:2:"));
+    EXPECT_EQ(replay({"--needle", good.string(), "--out", out, "--solver", "euler"}).code, 2);
+    EXPECT_EQ(replay({"--out", out}).code, 2);
+    EXPECT_EQ(replay({"--needle", good.string(), "--out", (good / "out.csv").string()}).code,
+              2);  // no folder
+    EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+// `thimble stability` and `thimble sweep` as users start them.
+Outcome of_hand(const std::string& command, const std::vector<std::string>& more) {
+    return run_thimble(
+        words_in(command + " --mass-kg 1 --damping-Ns-per-m 20 --stiffness-N-per-m 500", more));
+}
+
+Outcome theory_at(const std::vector<std::string>& more) {
+    return of_hand("stability", words_in("--contact-stiffness-N-per-m 9000", more));
+}
+
+TEST(StabilityProgram, PrintsWhatTheTheorySays) {
+    const Outcome outcome = theory_at({"--delay-s", "0.05", "--step-s", "0.001", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.words;
+    const auto json = nlohmann::json::parse(outcome.words);
+    EXPECT_NEAR(json.at("critical_delay_s").get<double>() / 2.239576310403288e-3, 1, 1e-12);
+    EXPECT_NEAR(json.at("crossing_frequency_rad_per_s").get<double>() / 9.639038705802363e+1, 1, 1e-12);
+    EXPECT_EQ(json.at("delay_independent_stiffness_N_per_m").get<double>(), 400);
+    EXPECT_NEAR(json.at("rightmost_root_real_per_s").get<double>() / 2.54826669843477e+1, 1, 1e-12);
+    EXPECT_NEAR(json.at("rightmost_root_imag_rad_per_s").get<double>() / 3.492447932835105e+1, 1, 1e-12);
+    EXPECT_NEAR(json.at("critical_stiffness_N_per_m").get<double>() / 5.340630929273794e+2, 1, 1e-12);
+    EXPECT_NEAR(json.at("spectral_radius").get<double>() / 1.025718599497551, 1, 1e-12);
+    EXPECT_NEAR(json.at("critical_samples").get<double>() / 1.740452074241897, 1, 1e-12);
+    EXPECT_TRUE(json.at("press").at("limit_cycle").at("contact_lost").get<bool>());
+    const Outcome table = theory_at({});
+    EXPECT_EQ(table.code, 0);
+    EXPECT_THAT(table.words, HasSubstr("critical_delay_s                          0.00223958"));
+}
+
+TEST(StabilityProgram, RefusesWhatMeansNothing) {
+    for (const char* delay : {"-1", "nan", "inf", "x"}) {
+        EXPECT_EQ(theory_at({"--delay-s=" + std::string(delay)}).code, 2) << delay;
+    }
+    const Outcome step = theory_at({"--delay-s", "0.05", "--step-s", "0"});
+    EXPECT_EQ(step.code, 2);
+    EXPECT_THAT(step.words, HasSubstr("a step must be 1e-9 to 1e3 s"));
+    EXPECT_EQ(of_hand("stability", {"--contact-stiffness-N-per-m", "0"}).code, 2);
+    EXPECT_EQ(of_hand("stability", {}).code, 2);
+}
+
+TEST(StabilityProgram, AnInterruptedMapGoesOnToTheSameBytes) {
+    const Folder folder;
+    const auto sweep = [&](const std::string& out, const std::string& delays, const std::string& jobs) {
+        return of_hand("sweep", {"--delay-s", delays, "--contact-stiffness-N-per-m", "100:20000:4", "--out",
+                                 (folder / out).string(), "--jobs", jobs});
+    };
+    const Outcome whole = sweep("whole", "0:0.1:3", "1");
+    ASSERT_EQ(whole.code, 0) << whole.words;
+    const std::string table = read_text(folder / "whole/map.csv");
+    EXPECT_THAT(table, StartsWith("hand,operator,remedy,"));
+    std::filesystem::create_directory(folder / "half");
+    std::filesystem::copy(folder / "whole/map.txt", folder / "half/map.txt");
+    folder.write("half/map.csv", table.substr(0, table.size() * 2 / 3));
+    EXPECT_EQ(sweep("half", "0:0.1:3", "2").code, 0);
+    EXPECT_EQ(read_text(folder / "half/map.csv"), table);
+    const Outcome other = sweep("half", "0:0.2:3", "2");
+    EXPECT_EQ(other.code, 2);
+    EXPECT_THAT(other.words, HasSubstr("another map"));
+    EXPECT_EQ(sweep("bad", "0.1:0:3", "1").code, 2);
+    EXPECT_EQ(sweep("bad", "0,0.1,", "1").code, 2);
+    EXPECT_EQ(sweep("bad", "-1", "1").code, 2);
+}
+
+}  // namespace
+}  // namespace thimble
