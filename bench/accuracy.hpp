@@ -1,7 +1,6 @@
 // A solver's errors on a problem, against the reference solution.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "bench/problems.hpp"

@@ -2,7 +2,6 @@
 // turn in one run (docs/network-relay.md).
 #include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 

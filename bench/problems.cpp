@@ -148,7 +148,7 @@ const Problem& problem_named(std::string_view name) {
         if (problem.name == name) return problem;
         names += fmt::format("{}{}", names.empty() ? "" : ", ", problem.name);
     }
-    throw Error(ExitCode::kUsage, fmt::format("there is no problem \"{}\": take some of {}", name, names));
+    throw Error(ExitCode::kUsage, "there is no problem \"{}\": take some of {}", name, names);
 }
 
 }  // namespace thimble

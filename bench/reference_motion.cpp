@@ -1,7 +1,5 @@
 #include "bench/reference_motion.hpp"
 
-#include <algorithm>
-
 namespace thimble {
 
 namespace {

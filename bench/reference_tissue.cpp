@@ -1,7 +1,5 @@
 #include "bench/reference_tissue.hpp"
 
-#include <string>
-
 #include "common/error.hpp"
 
 namespace thimble {

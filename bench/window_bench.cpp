@@ -2,7 +2,6 @@
 //
 //   xvfb-run -a -s "-screen 0 1280x1024x24 -noreset" build/release/bin/thimble-bench-window
 #include <cmath>
-#include <cstdio>
 
 #include <fmt/format.h>
 

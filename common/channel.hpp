@@ -7,6 +7,8 @@
 #include <optional>
 #include <span>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/time.hpp"
 
 namespace thimble {
@@ -20,12 +22,9 @@ using Bytes = std::span<const std::uint8_t>;
 // waits for the next one, which comes at once while there is mail.
 inline constexpr int kMostRefusedAtOnce = 64;
 
-class Channel {
+class Channel : boost::noncopyable {
   public:
     virtual ~Channel() = default;
-    Channel() = default;
-    Channel(const Channel&) = delete;
-    Channel& operator=(const Channel&) = delete;
 
     // Never blocks. A datagram that cannot be sent is lost, as on any network, and counted by the channel.
     virtual void send(Bytes datagram) = 0;

@@ -1,7 +1,6 @@
 #include "common/config.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -32,9 +31,12 @@ std::string join(std::string_view path, std::string_view key) {
     return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
 }
 
-[[noreturn]] void refuse(const std::string& name, const toml::source_position& at, const std::string& why) {
-    if (at.line == 0) throw Error(ExitCode::kUsage, fmt::format("{}: {}", name, why));
-    throw Error(ExitCode::kUsage, fmt::format("{}:{}:{}: {}", name, at.line, at.column, why));
+template <class... Values>
+[[noreturn]] void refuse(const std::string& name, const toml::source_position& at,
+                         fmt::format_string<Values...> why, Values&&... values) {
+    const std::string text = fmt::format(why, std::forward<Values>(values)...);
+    if (at.line == 0) throw Error(ExitCode::kUsage, "{}: {}", name, text);
+    throw Error(ExitCode::kUsage, "{}:{}:{}: {}", name, at.line, at.column, text);
 }
 
 std::string type_name(const toml::node& node) {
@@ -64,9 +66,8 @@ class UnknownKeys {
         if (key.find_first_of(".[") == std::string_view::npos && known_.count(full) != 0) {
             return refuse_within(full, node);
         }
-        refuse(file_, node.source().begin,
-               fmt::format("unknown {} '{}': {}check the spelling, or remove it",
-                           path.empty() ? "table or key" : "key", full, advice(path, key)));
+        refuse(file_, node.source().begin, "unknown {} '{}': {}check the spelling, or remove it",
+               path.empty() ? "table or key" : "key", full, advice(path, key));
     }
 
   private:
@@ -107,8 +108,8 @@ ConfigFile ConfigFile::load(const std::filesystem::path& path) {
     // A folder opens as a stream, too, and then throws when it is read.
     std::ifstream stream(path, std::ios::binary);
     if (!stream.is_open() || std::filesystem::is_directory(path)) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{}: cannot read this configuration file; does it exist?", path.string()));
+        throw Error(ExitCode::kUsage, "{}: cannot read this configuration file; does it exist?",
+                    path.string());
     }
     const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
     ConfigFile file = parse(text, path.string());
@@ -122,7 +123,7 @@ ConfigFile ConfigFile::parse(std::string_view text, std::string_view name) {
     try {
         impl->root = toml::parse(text);
     } catch (const toml::parse_error& error) {
-        refuse(impl->name, error.source().begin, fmt::format("not TOML: {}", error.description()));
+        refuse(impl->name, error.source().begin, "not TOML: {}", error.description());
     }
     return ConfigFile(std::move(impl));
 }
@@ -148,10 +149,10 @@ void ConfigFile::set(std::string_view dotted_key, double value) {
         if (!table->contains(name)) table->insert(name, toml::table{});
         table = table->get(name)->as_table();
         if (table == nullptr) {
-            refuse(impl_->name, {}, fmt::format("'{}': '{}' is no table", dotted_key, name));
+            refuse(impl_->name, {}, "'{}': '{}' is no table", dotted_key, name);
         }
     }
-    if (rest.empty()) refuse(impl_->name, {}, fmt::format("'{}' names no key", dotted_key));
+    if (rest.empty()) refuse(impl_->name, {}, "'{}' names no key", dotted_key);
     table->insert_or_assign(rest, value);
 }
 
@@ -180,9 +181,10 @@ struct ConfigTable::Found {
     std::string path;
     const std::string* file;
 
-    [[noreturn]] void refuse(const std::string& why) const {
-        thimble::refuse(*file, node == nullptr ? toml::source_position{} : node->source().begin,
-                        fmt::format("'{}' {}", path, why));
+    template <class... Values>
+    [[noreturn]] void refuse(fmt::format_string<Values...> why, Values&&... values) const {
+        thimble::refuse(*file, node == nullptr ? toml::source_position{} : node->source().begin, "'{}' {}",
+                        path, fmt::format(why, std::forward<Values>(values)...));
     }
 };
 
@@ -212,8 +214,8 @@ ConfigTable::Found ConfigTable::find(std::string_view key) const {
     file.known.insert(found.path);
     const bool used = users_.empty() || std::find(users_.begin(), users_.end(), chosen_) != users_.end();
     if (!used && found.node != nullptr) {
-        found.refuse(fmt::format("has no effect with {} = \"{}\": remove it, or choose {}", chooser_, chosen_,
-                                 fmt::join(users_, " or ")));
+        found.refuse("has no effect with {} = \"{}\": remove it, or choose {}", chooser_, chosen_,
+                     fmt::join(users_, " or "));
     }
     return found;
 }
@@ -232,7 +234,7 @@ ConfigTable ConfigTable::table(std::string_view key) const {
     if (describes()) declare(key, "table", "");
     const Found found = find(key);
     if (found.node != nullptr && !found.node->is_table()) {
-        found.refuse(fmt::format("must be a table, [{}]", found.path));
+        found.refuse("must be a table, [{}]", found.path);
     }
     return {file_, found.path};
 }
@@ -257,7 +259,7 @@ std::vector<ConfigTable> ConfigTable::tables(std::string_view key,
     if (found.node->is_table()) return {{file_, found.path}};
     const toml::array* list = found.node->as_array();
     if (list == nullptr || !list->is_homogeneous<toml::table>()) {
-        found.refuse(fmt::format("must be a table, [{0}], or several, [[{0}]]", found.path));
+        found.refuse("must be a table, [{0}], or several, [[{0}]]", found.path);
     }
     std::vector<ConfigTable> all;
     for (std::size_t i = 0; i < list->size(); ++i) {
@@ -284,10 +286,10 @@ void ConfigTable::read_limited(std::string_view key, std::string_view type, std:
     if (found.node == nullptr) return;
     value = found.node->value<Value>();
     if (!value || !(std::is_integral_v<Value> ? found.node->is_integer() : found.node->is_number())) {
-        found.refuse(fmt::format("must be a {}, not a {}", type, type_name(*found.node)));
+        found.refuse("must be a {}, not a {}", type, type_name(*found.node));
     }
     if (!(*value >= low && *value <= high)) {
-        found.refuse(fmt::format("is {}, but must lie between {} and {}", *value, low, high));
+        found.refuse("is {}, but must lie between {} and {}", *value, low, high);
     }
 }
 
@@ -349,7 +351,7 @@ std::size_t ConfigTable::choice(std::string_view key, std::size_t fallback,
     const std::string& value = found.node->as_string()->get();
     const auto at = std::find(names.begin(), names.end(), value);
     if (at == names.end()) {
-        found.refuse(fmt::format("is \"{}\", but must be one of {}", value, fmt::join(names, ", ")));
+        found.refuse("is \"{}\", but must be one of {}", value, fmt::join(names, ", "));
     }
     return static_cast<std::size_t>(at - names.begin());
 }
@@ -361,11 +363,11 @@ void ConfigTable::read_list(std::string_view key, std::vector<Element>& values, 
     const Found found = find(key);
     if (found.node == nullptr) return;
     const toml::array* array = found.node->as_array();
-    if (array == nullptr) found.refuse(std::string(wants));
+    if (array == nullptr) found.refuse("{}", wants);
     values.clear();
     for (const toml::node& element : *array) {
         const auto value = element.value<Element>();
-        if (!value || !good(element, *value)) found.refuse(each);
+        if (!value || !good(element, *value)) found.refuse("{}", each);
         values.push_back(*value);
     }
 }
@@ -386,8 +388,6 @@ void ConfigTable::read(std::string_view key, std::vector<std::string>& values, s
               [](const toml::node& node, const std::string& /*value*/) { return node.is_string(); });
 }
 
-void ConfigTable::fail(std::string_view key, std::string_view why) const {
-    find(key).refuse(std::string(why));
-}
+void ConfigTable::fail(std::string_view key, std::string_view why) const { find(key).refuse("{}", why); }
 
 }  // namespace thimble

@@ -16,6 +16,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "common/time.hpp"
 
 namespace thimble {
@@ -83,6 +85,11 @@ class ConfigTable {
                           std::vector<std::string_view> users) const;
     // An Error (usage) that names file, line and key; for checks that span several keys.
     [[noreturn]] void fail(std::string_view key, std::string_view why) const;
+    template <class First, class... More>
+    [[noreturn]] void fail(std::string_view key, fmt::format_string<First, More...> why, First&& first,
+                           More&&... more) const {
+        fail(key, fmt::format(why, std::forward<First>(first), std::forward<More>(more)...));
+    }
 
   private:
     friend class ConfigFile;

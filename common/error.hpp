@@ -4,6 +4,9 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace thimble {
 
@@ -20,6 +23,9 @@ class Error : public std::runtime_error {
   public:
     // `what` says what happened, where, and what to do about it.
     Error(ExitCode code, const std::string& what) : std::runtime_error(what), code_(code) {}
+    template <class First, class... More>
+    Error(ExitCode code, fmt::format_string<First, More...> what, First&& first, More&&... more)
+        : Error(code, fmt::format(what, std::forward<First>(first), std::forward<More>(more)...)) {}
     ExitCode code() const { return code_; }
 
   private:

@@ -2,17 +2,16 @@
 // session/virtual/virtual_loop.hpp) drive these same objects.
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/messages.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
 
-class Process {
+class Process : boost::noncopyable {
   public:
     virtual ~Process() = default;
-    Process() = default;
-    Process(const Process&) = delete;
-    Process& operator=(const Process&) = delete;
 
     // Takes what has arrived, does what is due. Called at next_wakeup(), and whenever a datagram arrives on a
     // channel that wakes this process. Never blocks, never allocates after the first trial has started.

@@ -23,8 +23,8 @@ StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Du
                "Without feedback for so long the output does what stale says.");
     table.read("stale_ramp_s", policy.ramp, 0, 1, "ramp: how long the output takes to fall.");
     if (table.has("stale_ramp_s") && policy.mode != StaleMode::kRamp) {
-        table.fail("stale_ramp_s",
-                   fmt::format("is of stale = \"ramp\" only, and stale is \"{}\"", to_string(policy.mode)));
+        table.fail("stale_ramp_s", "is of stale = \"ramp\" only, and stale is \"{}\"",
+                   to_string(policy.mode));
     }
     return policy;
 }

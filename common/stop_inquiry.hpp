@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/stop_bus.hpp"
 
 namespace thimble {
@@ -43,7 +45,7 @@ class StopInquiry {
 // Releases the stops of a session from outside it: asks every program which stops it holds (stop_inquiry.hpp),
 // and names it (stop_bus.hpp). A stop that is pressed while the release is under way holds. No clock: `now` is the caller's.
 
-class StopRelease {
+class StopRelease : boost::noncopyable {
   public:
     // Asked for kAskTimes rounds; a stop that is heard in the last of them is still released kReleaseTimes times.
     static constexpr int kAskTimes = 4, kRounds = kAskTimes + kReleaseTimes;
@@ -52,8 +54,6 @@ class StopRelease {
     StopRelease(std::uint64_t instance, const StopOutlets& at)
         : out_(Role::kExperimenter, instance, {at[0], at[1], at[2], at[3], at[4], at[5]}),
           inquiry_(out_, at) {}
-    StopRelease(const StopRelease&) = delete;
-    StopRelease& operator=(const StopRelease&) = delete;
 
     // kRounds of them, every kStopRepeat.
     void round(SessionTime now);

@@ -3,8 +3,6 @@
 #include <fstream>
 #include <system_error>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -14,8 +12,8 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
     out << text;
     out.close();  // a full disk shows here at the latest
     if (!out) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be written; check directory and free space", path.string()));
+        throw Error(ExitCode::kRunFailed, "{}: cannot be written; check directory and free space",
+                    path.string());
     }
 }
 
@@ -24,8 +22,8 @@ void make_folder(const std::filesystem::path& folder) {
     if (!folder.empty()) std::filesystem::create_directories(folder, failure);
     if (failure) {
         throw Error(ExitCode::kUsage,
-                    fmt::format("{}: cannot be made: {}; name another folder, or change its permissions",
-                                folder.string(), failure.message()));
+                    "{}: cannot be made: {}; name another folder, or change its permissions", folder.string(),
+                    failure.message());
     }
 }
 

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <unistd.h>
 
+#include <boost/core/noncopyable.hpp>
+
 namespace thimble {
 
 // Replaces the file. Throws Error (run failed) naming it if it cannot be written to its end.
@@ -14,14 +16,12 @@ void write_text_file(const std::filesystem::path& path, std::string_view text);
 void make_folder(const std::filesystem::path& folder);
 
 // Closes what it holds, unless that is negative.
-class FileDescriptor {
+class FileDescriptor : boost::noncopyable {
   public:
     explicit FileDescriptor(int descriptor) : descriptor_(descriptor) {}
     ~FileDescriptor() {
         if (descriptor_ >= 0) ::close(descriptor_);
     }
-    FileDescriptor(const FileDescriptor&) = delete;
-    FileDescriptor& operator=(const FileDescriptor&) = delete;
     int get() const { return descriptor_; }
 
   private:

@@ -1,7 +1,5 @@
 #include "cutaneous_node/cutaneous_settings.hpp"
 
-#include <fmt/format.h>
-
 namespace thimble {
 
 CutaneousSettings read_cutaneous_settings(const ConfigTable& table) {
@@ -24,9 +22,9 @@ CutaneousSettings read_cutaneous_settings(const ConfigTable& table) {
     }
     if (node.force_limit_N > node.guard_limit_N) {
         table.fail("force_limit_N",
-                   fmt::format("is {:g}, but the guard before the device lets {:g} N through: "
-                               "raise guard_limit_N as well, on purpose",
-                               node.force_limit_N, node.guard_limit_N));
+                   "is {:g}, but the guard before the device lets {:g} N through: raise guard_limit_N as "
+                   "well, on purpose",
+                   node.force_limit_N, node.guard_limit_N);
     }
     return node;
 }

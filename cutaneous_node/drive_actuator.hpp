@@ -2,7 +2,6 @@
 // pad's model, positions), and what the drives measure becomes the force that the skin gets.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 

@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/messages.hpp"
 #include "common/time.hpp"
 
@@ -19,12 +21,9 @@ struct FingertipForce {
 };
 
 // Every call is pure: what a wrapper forgot to pass on would vanish in it.
-class FingertipActuator {
+class FingertipActuator : boost::noncopyable {
   public:
     virtual ~FingertipActuator() = default;
-    FingertipActuator() = default;
-    FingertipActuator(const FingertipActuator&) = delete;
-    FingertipActuator& operator=(const FingertipActuator&) = delete;
 
     // Target for one finger; the other goes slack. Clipped to [0, limit] by the device. `now` never
     // decreases.

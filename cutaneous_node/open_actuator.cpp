@@ -1,5 +1,6 @@
 #include "cutaneous_node/open_actuator.hpp"
 
+#include <boost/core/noncopyable.hpp>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/hid/hid_thread.hpp"
@@ -37,14 +38,12 @@ OpenActuator open_board(const CutaneousSettings& settings, const RuntimeSettings
 }
 
 OpenActuator open_drives(const CutaneousSettings& settings, Sockets& sockets) {
-    struct Drives {
+    struct Drives : boost::noncopyable {
         std::unique_ptr<CanBus> bus;
         DriveActuator actuator;
         Drives(const CutaneousSettings& s, Sockets& sockets)
             : bus(open_bus(s.drives, sockets)), actuator(s.drives, s.force_limit_N, *bus) {}
         ~Drives() { actuator.stop(); }
-        Drives(const Drives&) = delete;
-        Drives& operator=(const Drives&) = delete;
     };
     const auto drives = std::make_shared<Drives>(settings, sockets);
     DriveActuator& actuator = drives->actuator;

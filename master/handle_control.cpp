@@ -1,7 +1,6 @@
 #include "master/handle_control.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/control/energy_bound.hpp"
 #include "common/control/passivity_controller.hpp"

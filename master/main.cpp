@@ -1,7 +1,6 @@
 // thimble-master: the handle with the operator's hand on it.
 #include <memory>
 
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
@@ -26,9 +25,8 @@ void await_user(Handle& handle, Duration limit) {
     for (std::string request = handle.awaits(); !request.empty(); request = handle.awaits()) {
         if (stop_requested()) throw Error(ExitCode::kRunFailed, "interrupted; " + request);
         if (wall_now() > end) {
-            throw Error(ExitCode::kRunFailed,
-                        fmt::format("{} (waited for {} s, [handle.falcon] homing_limit_s)", request,
-                                    to_seconds(limit)));
+            throw Error(ExitCode::kRunFailed, "{} (waited for {} s, [handle.falcon] homing_limit_s)", request,
+                        to_seconds(limit));
         }
         if (request != said) spdlog::warn(request);
         said = request;

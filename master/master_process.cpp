@@ -1,7 +1,5 @@
 #include "master/master_process.hpp"
 
-#include <algorithm>
-
 namespace thimble {
 
 MasterProcess::MasterProcess(std::uint64_t instance, const MasterSettings& settings, Ports& ports,

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 namespace thimble {
 
 namespace {
@@ -39,8 +37,8 @@ VelocitySettings read_velocity_settings(const ConfigTable& table, Duration sampl
               "Density of the needle's acceleration; more is quicker and noisier.");
     constexpr std::size_t kMost = SampleWindow::kCapacity - 1;
     if (v.window > static_cast<std::int64_t>(kMost) * sample_period) {
-        table.fail("velocity_window_s",
-                   fmt::format("must be at most {} times sample_period_s: no more samples are kept", kMost));
+        table.fail("velocity_window_s", "must be at most {} times sample_period_s: no more samples are kept",
+                   kMost);
     }
     return v;
 }

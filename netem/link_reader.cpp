@@ -4,8 +4,6 @@
 #include <array>
 #include <string>
 
-#include <fmt/format.h>
-
 #include "netem/stages/corrupt.hpp"
 
 namespace thimble {
@@ -54,9 +52,9 @@ void check_jitter(const ConfigTable& table, const LinkSettings& link) {
     if (jitter.shape == JitterShape::kGamma)
         table.fail("jitter_spread_s", "must not exceed ten times delay_s");
     table.fail("jitter_spread_s",
-               fmt::format("must not exceed {:.3g} of delay_s: delays are cut at 0, so their mean would no "
-                           "longer be delay_s (\"gamma\" is never cut)",
-                           1 / least));
+               "must not exceed {:.3g} of delay_s: delays are cut at 0, so their mean would no longer be "
+               "delay_s (\"gamma\" is never cut)",
+               1 / least);
 }
 
 void read_jitter(const ConfigTable& table, const LinkSources& sources, LinkSettings& link) {
@@ -251,9 +249,9 @@ LossSettings in_bursts(const ConfigTable& table, double share, double burst, std
     const double most = burst / (1 + burst);
     if (share > most) {
         table.fail(share_key,
-                   fmt::format("is {}, but with bursts of {} must not exceed {:.4g}: between two of them at "
-                               "least one packet is received",
-                               share, burst, most));
+                   "is {}, but with bursts of {} must not exceed {:.4g}: between two of them at least one "
+                   "packet is received",
+                   share, burst, most);
     }
     LossSettings loss = LossSettings::gilbert(share, burst);
     loss.good_to_bad = std::min(loss.good_to_bad, 1.0);  // rounding

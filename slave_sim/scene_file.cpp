@@ -27,7 +27,7 @@ std::string name_of(const ConfigTable& table, std::string_view type, std::size_t
 }
 
 void claim(const ConfigTable& table, const std::string& name, std::set<std::string>& names) {
-    if (!names.insert(name).second) table.fail("name", fmt::format("\"{}\" is taken", name));
+    if (!names.insert(name).second) table.fail("name", "\"{}\" is taken", name);
 }
 
 // Also the names that a type gives to parts of it are taken: a tissue must not be called "vessel.near".
@@ -64,9 +64,8 @@ ConfigFile open(const std::filesystem::path& path) {
     std::vector<std::string_view> names;
     for (const BuiltInScene& scene : built_in_scenes()) names.push_back(scene.name);
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: there is no such scene file, and the scenes that come with "
-                            "the program are {}",
-                            path.string(), fmt::join(names, ", ")));
+                "{}: there is no such scene file, and the scenes that come with the program are {}",
+                path.string(), fmt::join(names, ", "));
 }
 
 }  // namespace

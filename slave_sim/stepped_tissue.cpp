@@ -1,10 +1,7 @@
 #include "slave_sim/stepped_tissue.hpp"
 
-#include <array>
 #include <cassert>
 #include <cmath>
-
-#include <fmt/format.h>
 
 #include "common/error.hpp"
 
@@ -105,11 +102,11 @@ SteppedTissue<Rule>::SteppedTissue(const TissueParameters& parameters, double lo
     assert(longest_step_s > 0);
     if (stable<Rule>(parameters, longest_step_s)) return;
     throw Error(ExitCode::kUsage,
-                fmt::format("solver {} is unstable at a step of {:g} s for a tissue of {:g} kg, {:g} N/m and "
-                            "{:g} N s/m: take at most {:.3g} s, or the solver exact",
-                            Rule::kName, longest_step_s, parameters.mass_kg, parameters.stiffness_N_per_m,
-                            parameters.damping_Ns_per_m,
-                            rounded_down(longest_stable_step_s<Rule>(parameters, longest_step_s))));
+                "solver {} is unstable at a step of {:g} s for a tissue of {:g} kg, {:g} N/m and {:g} N s/m: "
+                "take at most {:.3g} s, or the solver exact",
+                Rule::kName, longest_step_s, parameters.mass_kg, parameters.stiffness_N_per_m,
+                parameters.damping_Ns_per_m,
+                rounded_down(longest_stable_step_s<Rule>(parameters, longest_step_s)));
 }
 
 template <class Rule>

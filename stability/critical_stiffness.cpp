@@ -1,5 +1,4 @@
 // Critical gains at a given delay: of the force loop, and of a person's own loop.
-#include <cmath>
 #include <limits>
 #include <vector>
 

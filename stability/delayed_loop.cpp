@@ -6,8 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "stability/root_count.hpp"
 
@@ -20,7 +18,7 @@ constexpr double kMostTurned_rad = 1e8;  // a larger count of roots has no use, 
 
 void require(bool good, const char* what, double value) {
     if (good) return;
-    throw Error(ExitCode::kUsage, fmt::format("stability: {}, not {:g}", what, value));
+    throw Error(ExitCode::kUsage, "stability: {}, not {:g}", what, value);
 }
 
 bool not_negative(double value) { return std::isfinite(value) && value >= 0; }

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/messages.hpp"
 #include "common/shared_values.hpp"
 #include "common/time.hpp"
@@ -38,12 +40,9 @@ struct ShownScene {
 };
 
 // Every call is pure: what a wrapper forgot to pass on would vanish in it.
-class Display {
+class Display : boost::noncopyable {
   public:
     virtual ~Display() = default;
-    Display() = default;
-    Display(const Display&) = delete;
-    Display& operator=(const Display&) = delete;
 
     // Hands over one frame.
     virtual void draw(SessionTime now, const Scene& scene) = 0;

@@ -57,8 +57,7 @@ void check(const ConfigTable& table, const std::string& key, std::string_view wo
         const Piece piece = take_piece(words);
         if (piece.text.empty()) table.fail(key, "has a brace that stands alone: write {{ or }} for one");
         if (!piece.placeholder || std::find(known.begin(), known.end(), piece.text) != known.end()) continue;
-        table.fail(key, fmt::format("holds the placeholder {}; this page knows {}", piece.text,
-                                    fmt::join(known, ", ")));
+        table.fail(key, "holds the placeholder {}; this page knows {}", piece.text, fmt::join(known, ", "));
     }
 }
 

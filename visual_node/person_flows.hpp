@@ -1,6 +1,8 @@
 // Two flows from a person at the screen: the place of the hand (mouse, trackpad, gamepad), and the request to go on.
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/flow.hpp"
 #include "common/messages.hpp"
 #include "common/time.hpp"
@@ -8,12 +10,9 @@
 namespace thimble {
 
 // Where the hand is. Asked by the node's thread while another may move the hand.
-class HandSource {
+class HandSource : boost::noncopyable {
   public:
     virtual ~HandSource() = default;
-    HandSource() = default;
-    HandSource(const HandSource&) = delete;
-    HandSource& operator=(const HandSource&) = delete;
 
     virtual HandInput hand() const = 0;
     // A trial begins: where the hand is now is position 0, outside the tissue.

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <string>
 
 #include <benchmark/benchmark.h>
 

@@ -1,8 +1,6 @@
 // The cost of protection per datagram.
 //   build/release/bin/thimble-bench --benchmark_filter=security
-#include <algorithm>
 #include <array>
-#include <memory>
 #include <vector>
 
 #include <benchmark/benchmark.h>

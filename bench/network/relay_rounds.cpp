@@ -1,6 +1,5 @@
 #include "bench/network/relay_rounds.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cstring>
 #include <ctime>

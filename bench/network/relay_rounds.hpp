@@ -2,11 +2,9 @@
 // alternated, so that the machine's moods fall on both.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "bench/network/window_errors.hpp"
-#include "common/runtime/runtime_settings.hpp"
 #include "common/time.hpp"
 
 namespace thimble {

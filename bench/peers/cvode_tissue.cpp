@@ -10,8 +10,6 @@
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -23,7 +21,7 @@ namespace {
 void require(int flag, const char* what) {
     if (flag >= 0) return;
     const std::unique_ptr<char, decltype(&std::free)> name(CVodeGetReturnFlagName(flag), &std::free);
-    throw Error(ExitCode::kRunFailed, fmt::format("CVODE: {} failed ({})", what, name.get()));
+    throw Error(ExitCode::kRunFailed, "CVODE: {} failed ({})", what, name.get());
 }
 
 // CVODE gives up at some of the tolerances of the sweep. Its flag says so.

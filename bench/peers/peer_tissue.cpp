@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -21,8 +19,8 @@ constexpr std::uint64_t kMostEvaluations = 200'000;
 void PeerTissue::check_effort() const {
     if (evaluations_ <= kMostEvaluations) return;
     throw Error(ExitCode::kRunFailed,
-                fmt::format("more than {} evaluations in one step: the tissue is too stiff for this method",
-                            kMostEvaluations));
+                "more than {} evaluations in one step: the tissue is too stiff for this method",
+                kMostEvaluations);
 }
 
 void PeerTissue::restart() {

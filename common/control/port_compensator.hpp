@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include <boost/core/noncopyable.hpp>
+
 namespace thimble {
 
 struct PortSettings {
@@ -14,12 +16,10 @@ struct PortSettings {
     double device_damping_Ns_per_m = 0.5;  // b_d: of the handle, or whatever is certain to be there; >= 0
 };
 
-class PortCompensator {
+class PortCompensator : boost::noncopyable {
   public:
     explicit PortCompensator(const PortSettings& settings) : settings_(settings) {}
     virtual ~PortCompensator() = default;
-    PortCompensator(const PortCompensator&) = delete;
-    PortCompensator& operator=(const PortCompensator&) = delete;
 
     // A trial begins: nothing known, nothing stored.
     void reset();

@@ -18,9 +18,8 @@ namespace {
 std::string read_whole(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     if (!in) {
-        throw Error(ExitCode::kData,
-                    fmt::format("{}: cannot be read; check that the file exists and is yours to read",
-                                file.string()));
+        throw Error(ExitCode::kData, "{}: cannot be read; check that the file exists and is yours to read",
+                    file.string());
     }
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
@@ -57,9 +56,8 @@ bool CsvField::flag() const {
 }
 
 void CsvField::fail(std::string_view why) const {
-    throw Error(ExitCode::kData,
-                fmt::format("{}:{}: column {} ({}): '{}' {}; restore the file or delete this line",
-                            file->string(), line, column, name, text, why));
+    throw Error(ExitCode::kData, "{}:{}: column {} ({}): '{}' {}; restore the file or delete this line",
+                file->string(), line, column, name, text, why);
 }
 
 CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator,
@@ -131,7 +129,7 @@ void CsvReader::split(std::string_view line) {
 }
 
 void CsvReader::fail(std::string_view why) const {
-    throw Error(ExitCode::kData, fmt::format("{}:{}: {}", file_.string(), line_, why));
+    throw Error(ExitCode::kData, "{}:{}: {}", file_.string(), line_, why);
 }
 
 }  // namespace thimble

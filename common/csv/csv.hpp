@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
 #include <fmt/format.h>
 
 namespace thimble {
@@ -31,15 +32,13 @@ struct CsvField {
 // A program that is killed while it writes leaves part of a line behind the last newline. kMayBeTorn leaves that part out.
 enum class LastLine { kWhole, kMayBeTorn };
 
-class CsvReader {
+class CsvReader : boost::noncopyable {
   public:
     // Throws Error (data) if the file cannot be read or its header is not exactly `columns` (which must
     // outlive the reader). The last `later` columns may be missing, all together: files of earlier versions. Their fields are
     // empty. With kMayBeTorn a file may also be empty or end within its header.
     CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator = ',',
               std::size_t later = 0, LastLine last = LastLine::kWhole);
-    CsvReader(const CsvReader&) = delete;
-    CsvReader& operator=(const CsvReader&) = delete;
 
     // Moves to the next line of fields; false at the end of the file. Throws if the line has the wrong number
     // of fields or does not end in a newline: a number that was cut off still looks like one.

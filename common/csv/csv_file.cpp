@@ -6,8 +6,6 @@
 #include <system_error>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -33,18 +31,16 @@ CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists) : path_(
     file_.reset(std::fopen(path.c_str(), open_mode(if_exists)));
     if (!file_ && errno == EEXIST) {
         throw Error(ExitCode::kUsage,
-                    fmt::format("{}: already exists and is not overwritten; name another directory, or say "
-                                "--overwrite",
-                                path.string()));
+                    "{}: already exists and is not overwritten; name another directory, or say --overwrite",
+                    path.string());
     }
     if (!file_ && (errno == EMFILE || errno == ENFILE)) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be created: {}; raise 'ulimit -n'", path.string(), reason()));
+        throw Error(ExitCode::kRunFailed, "{}: cannot be created: {}; raise 'ulimit -n'", path.string(),
+                    reason());
     }
     if (!file_) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{}: cannot be created: {}; check directory and permissions", path.string(),
-                                reason()));
+        throw Error(ExitCode::kUsage, "{}: cannot be created: {}; check directory and permissions",
+                    path.string(), reason());
     }
     std::error_code ignored;
     if (if_exists == IfExists::kContinue) is_new_ = std::filesystem::file_size(path, ignored) == 0;
@@ -69,16 +65,15 @@ void CsvFile::sync() {
 void CsvFile::require_open() const {
     if (file_) return;
     throw Error(ExitCode::kRunFailed,
-                fmt::format("{}: is no longer written, because a part of it could not be; check the disk's "
-                            "free space",
-                            path_.string()));
+                "{}: is no longer written, because a part of it could not be; check the disk's free space",
+                path_.string());
 }
 
 void CsvFile::fail(const char* doing) {
     const std::string why = reason();
     file_.reset();
-    throw Error(ExitCode::kRunFailed,
-                fmt::format("{}: cannot be {}: {}; check the disk's free space", path_.string(), doing, why));
+    throw Error(ExitCode::kRunFailed, "{}: cannot be {}: {}; check the disk's free space", path_.string(),
+                doing, why);
 }
 
 void keep_lines(const std::filesystem::path& path, std::size_t lines) {
@@ -93,8 +88,8 @@ void keep_lines(const std::filesystem::path& path, std::size_t lines) {
     std::error_code failure;
     if (kept < std::filesystem::file_size(path, failure)) std::filesystem::resize_file(path, kept, failure);
     if (failure) {
-        throw Error(ExitCode::kRunFailed, fmt::format("{}: cannot be cut back to its whole lines: {}",
-                                                      path.string(), failure.message()));
+        throw Error(ExitCode::kRunFailed, "{}: cannot be cut back to its whole lines: {}", path.string(),
+                    failure.message());
     }
 }
 

@@ -5,17 +5,16 @@
 
 #include <functional>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/hid/hid_link.hpp"
 
 namespace thimble {
 
 // The part of a node that uses the device. All is called from within HidConnection::step().
-class HidUser {
+class HidUser : boost::noncopyable {
   public:
     virtual ~HidUser() = default;
-    HidUser() = default;
-    HidUser(const HidUser&) = delete;
-    HidUser& operator=(const HidUser&) = delete;
 
     // Which of `present` is the device; none: `trouble` says what is missing and what to do.
     virtual std::optional<std::size_t> choose(const std::vector<HidDevice>& present,

@@ -33,8 +33,7 @@ HidChoice read_hid_choice(const ConfigTable& table) {
     if (id.empty()) return choice;
     if (id.size() != 9 || id[4] != ':' || !read_hex(std::string_view(id).substr(0, 4), choice.vendor) ||
         !read_hex(std::string_view(id).substr(5), choice.product)) {
-        table.fail("device_id",
-                   fmt::format("is \"{}\"; use the numbers that lsusb shows, as \"256f:c635\"", id));
+        table.fail("device_id", "is \"{}\"; use the numbers that lsusb shows, as \"256f:c635\"", id);
     }
     return choice;
 }

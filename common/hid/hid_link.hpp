@@ -4,11 +4,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include <boost/core/noncopyable.hpp>
 
 #include "common/config.hpp"
 #include "common/time.hpp"
@@ -35,12 +35,9 @@ struct HidChoice {
 HidChoice read_hid_choice(const ConfigTable& table);
 
 // One device, open.
-class HidLink {
+class HidLink : boost::noncopyable {
   public:
     virtual ~HidLink() = default;
-    HidLink() = default;
-    HidLink(const HidLink&) = delete;
-    HidLink& operator=(const HidLink&) = delete;
 
     // Waits for a report, at most `longest`. Its bytes, beginning with its number if the device numbers them; 0: none came;
     // negative: the device is gone.
@@ -49,12 +46,9 @@ class HidLink {
     virtual bool write(std::span<const std::uint8_t> report) = 0;
 };
 
-class HidBus {
+class HidBus : boost::noncopyable {
   public:
     virtual ~HidBus() = default;
-    HidBus() = default;
-    HidBus(const HidBus&) = delete;
-    HidBus& operator=(const HidBus&) = delete;
 
     // All HID devices of this machine, an entry for each of their application collections. Takes milliseconds.
     virtual std::vector<HidDevice> list() = 0;

@@ -52,8 +52,8 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     if (error != 0) {
-        throw Error(ExitCode::kRunFailed, fmt::format("cannot start {}: {}; {}", program.string(),
-                                                      std::strerror(error), place.remedy));
+        throw Error(ExitCode::kRunFailed, "cannot start {}: {}; {}", program.string(), std::strerror(error),
+                    place.remedy);
     }
 }
 

@@ -4,14 +4,14 @@
 
 #include <string>
 
+#include <boost/core/noncopyable.hpp>
+
 namespace thimble {
 
-class Progress {
+class Progress : boost::noncopyable {
   public:
     Progress();
     ~Progress();  // gives the terminal a moment: what the program says next, on stdout perhaps, stands behind
-    Progress(const Progress&) = delete;
-    Progress& operator=(const Progress&) = delete;
     // Shown at once on a terminal; elsewhere only if `milestone`.
     void show(const std::string& line, bool milestone);
     // A line that stays.

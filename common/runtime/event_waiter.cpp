@@ -7,8 +7,6 @@
 #include <sys/timerfd.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 
@@ -27,7 +25,7 @@ EventWaiter::EventWaiter(bool precise)
       timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
       precise_(precise) {
     if (epoll_ < 0 || timer_ < 0 || !add(timer_, kTimerTag)) {
-        throw Error(ExitCode::kRunFailed, fmt::format("cannot make a timer: {}", std::strerror(errno)));
+        throw Error(ExitCode::kRunFailed, "cannot make a timer: {}", std::strerror(errno));
     }
 }
 

@@ -7,6 +7,8 @@
 #include <span>
 #include <sys/epoll.h>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/histogram.hpp"
 #include "common/runtime/wait_margin.hpp"
 #include "common/time.hpp"
@@ -20,13 +22,11 @@ struct WaitCounters {
     Duration spun{};
 };
 
-class EventWaiter {
+class EventWaiter : boost::noncopyable {
   public:
     // Throws Error (run failed) if the kernel refuses a timer.
     explicit EventWaiter(bool precise);
     ~EventWaiter();
-    EventWaiter(const EventWaiter&) = delete;
-    EventWaiter& operator=(const EventWaiter&) = delete;
 
     // `tag` comes back in event.data.u64; UINT64_MAX is taken. False if the kernel refuses.
     bool add(int descriptor, std::uint64_t tag);

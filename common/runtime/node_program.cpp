@@ -87,9 +87,9 @@ void save(const std::string& path, const nlohmann::ordered_json& report) {
     std::ofstream file(path);
     if (file << json_text(report, 2) << '\n') return;
     if (errno == EMFILE || errno == ENFILE)
-        throw Error(ExitCode::kRunFailed, fmt::format("cannot write the report '{}': {}; raise 'ulimit -n'",
-                                                      path, std::strerror(errno)));
-    throw Error(ExitCode::kData, fmt::format("cannot write the report '{}': does its folder exist?", path));
+        throw Error(ExitCode::kRunFailed, "cannot write the report '{}': {}; raise 'ulimit -n'", path,
+                    std::strerror(errno));
+    throw Error(ExitCode::kData, "cannot write the report '{}': does its folder exist?", path);
 }
 
 // Own tables are checked here, the others by the programs they belong to.

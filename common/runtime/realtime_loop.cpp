@@ -100,8 +100,7 @@ RealtimeLoop::RealtimeLoop(std::span<Listener* const> listeners)
     : listeners_(listeners.begin(), listeners.end()) {
     for (std::size_t i = 0; i < listeners_.size(); ++i) {
         if (!waiter_.add(listeners_[i]->file_descriptor(), i))
-            throw Error(ExitCode::kRunFailed,
-                        fmt::format("cannot wait for events: {}", std::strerror(errno)));
+            throw Error(ExitCode::kRunFailed, "cannot wait for events: {}", std::strerror(errno));
     }
     for (Listener* listener : listeners_) listener->set_watched(true);
 }

@@ -9,6 +9,8 @@
 #include <sys/types.h>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/histogram.hpp"
 #include "common/process.hpp"
 #include "common/runtime/event_waiter.hpp"
@@ -53,12 +55,10 @@ std::string ask_for_realtime(const RuntimeSettings& settings);
 
 // While it lives the thread that made it has real-time scheduling, one step below what the settings name for the nodes, if
 // that is granted; programs that it starts do not inherit it. Made and ended by the same thread.
-class RealtimeLease {
+class RealtimeLease : boost::noncopyable {
   public:
     explicit RealtimeLease(const RuntimeSettings& settings);
     ~RealtimeLease();
-    RealtimeLease(const RealtimeLease&) = delete;
-    RealtimeLease& operator=(const RealtimeLease&) = delete;
 
     bool granted() const { return granted_; }
 
@@ -68,14 +68,12 @@ class RealtimeLease {
     bool granted_ = false;
 };
 
-class RealtimeLoop {
+class RealtimeLoop : boost::noncopyable {
   public:
     // Wakes on mail for `listeners`, which outlive the loop: from now on they receive nothing but in a step of it.
     // Throws Error (run failed) if the kernel refuses a timer.
     explicit RealtimeLoop(std::span<Listener* const> listeners);
     ~RealtimeLoop();
-    RealtimeLoop(const RealtimeLoop&) = delete;
-    RealtimeLoop& operator=(const RealtimeLoop&) = delete;
 
     // One wait and one tick, waiting no longer than `latest`.
     void step(Process& process, SessionTime latest);

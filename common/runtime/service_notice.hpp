@@ -5,11 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/time.hpp"
 
 namespace thimble {
 
-class ServiceNotice {
+class ServiceNotice : boost::noncopyable {
   public:
     // As the environment has it: NOTIFY_SOCKET, and WATCHDOG_USEC if WATCHDOG_PID is unset or this process.
     ServiceNotice();
@@ -17,8 +19,6 @@ class ServiceNotice {
     // `watchdog`: how long the manager waits for a sign of life; zero: it does not.
     ServiceNotice(const std::string& socket, Duration watchdog);
     ~ServiceNotice();
-    ServiceNotice(const ServiceNotice&) = delete;
-    ServiceNotice& operator=(const ServiceNotice&) = delete;
 
     void ready() { say("READY=1"); }
     void stopping() { say("STOPPING=1"); }

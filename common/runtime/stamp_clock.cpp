@@ -1,7 +1,6 @@
 #include "common/runtime/stamp_clock.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace thimble {
 namespace {

@@ -1,6 +1,5 @@
 #include "common/runtime/standard_streams.hpp"
 
-#include <array>
 #include <cerrno>
 #include <condition_variable>
 #include <csignal>

@@ -8,17 +8,14 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
 namespace {
 
 [[noreturn]] void fail_to_listen(const Endpoint& local, const char* why) {
-    throw Error(ExitCode::kNetwork,
-                fmt::format("cannot listen on TCP {}:{}: {}; name another address with --listen", local.host,
-                            local.port, why));
+    throw Error(ExitCode::kNetwork, "cannot listen on TCP {}:{}: {}; name another address with --listen",
+                local.host, local.port, why);
 }
 
 sockaddr_in address_of(const Endpoint& local) {

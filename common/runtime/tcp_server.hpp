@@ -5,20 +5,20 @@
 #include <cstdint>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/channel.hpp"
 #include "common/network_settings.hpp"
 
 namespace thimble {
 
-class TcpServer {
+class TcpServer : boost::noncopyable {
   public:
     static constexpr std::size_t kMostClients = 16;  // another one is turned away
 
     // Port 0: the kernel's choice. Throws Error (network) with the address if it is taken or cannot be resolved.
     explicit TcpServer(const Endpoint& local);
     ~TcpServer();
-    TcpServer(const TcpServer&) = delete;
-    TcpServer& operator=(const TcpServer&) = delete;
 
     // Lets in who waits, forgets who has gone.
     void look_after_clients();

@@ -5,8 +5,6 @@
 #include <cerrno>
 #include <cstring>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -57,8 +55,8 @@ void UdpChannel::bind_to(const Endpoint& local) {
                              ? "is another thimble program running there? Stop it, or choose another "
                                "base_port in [network]"
                              : "check the host in [network]";
-    throw Error(ExitCode::kNetwork, fmt::format("cannot listen on UDP {}:{}: {}; {}", local.host, local.port,
-                                                std::strerror(error), advice));
+    throw Error(ExitCode::kNetwork, "cannot listen on UDP {}:{}: {}; {}", local.host, local.port,
+                std::strerror(error), advice);
 }
 
 void UdpChannel::send(Bytes datagram) { send_to(remote_, datagram); }

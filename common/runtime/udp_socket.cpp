@@ -33,8 +33,8 @@ std::uint16_t read_port(std::string_view text, const std::string& whole, const s
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
     if (error != std::errc{} || end != text.data() + text.size()) {
         throw Error(ExitCode::kUsage,
-                    fmt::format("{}: '{}' has no port from 0 to 65535; write it as HOST:PORT or PORT (IPv4)",
-                                option, whole));
+                    "{}: '{}' has no port from 0 to 65535; write it as HOST:PORT or PORT (IPv4)", option,
+                    whole);
     }
     return port;
 }
@@ -48,8 +48,8 @@ UdpAddress UdpAddress::resolved(const std::string& host, std::uint16_t port, std
     addrinfo* found = nullptr;
     const int error = getaddrinfo(host.c_str(), nullptr, &hints, &found);
     if (error != 0 || found == nullptr) {
-        throw Error(ExitCode::kNetwork,
-                    fmt::format("cannot resolve host '{}': {}; {}", host, gai_strerror(error), advice));
+        throw Error(ExitCode::kNetwork, "cannot resolve host '{}': {}; {}", host, gai_strerror(error),
+                    advice);
     }
     sockaddr_in address{};
     std::memcpy(&address, found->ai_addr, sizeof address);
@@ -93,7 +93,7 @@ UdpSocket UdpSocket::open() {
     UdpSocket made;
     made.descriptor_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (made.descriptor_ < 0) {
-        throw Error(ExitCode::kNetwork, fmt::format("cannot open a UDP socket: {}", std::strerror(errno)));
+        throw Error(ExitCode::kNetwork, "cannot open a UDP socket: {}", std::strerror(errno));
     }
     return made;
 }
@@ -115,11 +115,10 @@ UdpSocket UdpSocket::listening(const UdpAddress& local) {
     UdpSocket made = with_room();
     const sockaddr_in address = local.generic();
     if (bind(made.descriptor_, raw(address), sizeof address) != 0) {
-        throw Error(
-            ExitCode::kNetwork,
-            fmt::format("cannot listen on UDP {}: {}; {}", to_string(local), std::strerror(errno),
-                        errno == EADDRINUSE ? "another program has that port: choose another, or stop it"
-                                            : "is that an address of this machine?"));
+        throw Error(ExitCode::kNetwork, "cannot listen on UDP {}: {}; {}", to_string(local),
+                    std::strerror(errno),
+                    errno == EADDRINUSE ? "another program has that port: choose another, or stop it"
+                                        : "is that an address of this machine?");
     }
     return made;
 }
@@ -128,8 +127,8 @@ UdpSocket UdpSocket::connected(const UdpAddress& remote) {
     UdpSocket made = with_room();
     const sockaddr_in address = remote.generic();
     if (connect(made.descriptor_, raw(address), sizeof address) != 0) {
-        throw Error(ExitCode::kNetwork, fmt::format("cannot send to UDP {}: {}; is there a route to it?",
-                                                    to_string(remote), std::strerror(errno)));
+        throw Error(ExitCode::kNetwork, "cannot send to UDP {}: {}; is there a route to it?",
+                    to_string(remote), std::strerror(errno));
     }
     return made;
 }

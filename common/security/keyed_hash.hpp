@@ -7,19 +7,19 @@
 #include <span>
 #include <string_view>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/network_settings.hpp"
 
 namespace thimble {
 
 // Keyed BLAKE2b of several parts, each of fixed length or the last one.
-class KeyedHash {
+class KeyedHash : boost::noncopyable {
   public:
     KeyedHash(std::span<const std::uint8_t> key, std::size_t size) : size_(size) {
         crypto_generichash_init(&state_, key.data(), key.size(), size);
     }
     ~KeyedHash() { sodium_memzero(&state_, sizeof state_); }
-    KeyedHash(const KeyedHash&) = delete;
-    KeyedHash& operator=(const KeyedHash&) = delete;
 
     KeyedHash& add(std::span<const std::uint8_t> part) {
         crypto_generichash_update(&state_, part.data(), part.size());

@@ -47,20 +47,19 @@ bool is_credential(const std::filesystem::path& path, const struct stat& found) 
 
 void check_owner_alone(const std::filesystem::path& path, const struct stat& found) {
     if (!S_ISREG(found.st_mode))
-        throw Error(ExitCode::kUsage, fmt::format("the lab key '{}' is not a file", path.string()));
+        throw Error(ExitCode::kUsage, "the lab key '{}' is not a file", path.string());
     if (is_credential(path, found)) return;
     if (found.st_uid != geteuid()) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format(
-                "the lab key '{}' belongs to somebody else: copy it into a file of your own, or chown it",
-                path.string()));
+        throw Error(ExitCode::kUsage,
+
+                    "the lab key '{}' belongs to somebody else: copy it into a file of your own, or chown it",
+                    path.string());
     }
     if ((found.st_mode & 07777U) == 0600 || (found.st_mode & 07777U) == 0400) return;
     throw Error(ExitCode::kUsage,
-                fmt::format("the lab key '{0}' may be read or changed by others (mode {1:04o}): chmod 600 "
-                            "'{0}'; if others had access, make a new key with thimble keygen",
-                            path.string(), found.st_mode & 07777U));
+                "the lab key '{0}' may be read or changed by others (mode {1:04o}): chmod 600 '{0}'; if "
+                "others had access, make a new key with thimble keygen",
+                path.string(), found.st_mode & 07777U);
 }
 
 std::optional<LabKey> parse_line(const Line& line, std::size_t size) {
@@ -127,8 +126,7 @@ void create_lab_key(const std::filesystem::path& path, const RandomBytes& random
     }
     fchmod(file.get(), 0600);  // whatever the umask says
     if (!write_line(path, file.get(), random))
-        throw Error(ExitCode::kData,
-                    fmt::format("cannot write the lab key '{}': is the disk full?", path.string()));
+        throw Error(ExitCode::kData, "cannot write the lab key '{}': is the disk full?", path.string());
 }
 
 LabKey read_lab_key(const std::filesystem::path& path) {
@@ -136,9 +134,9 @@ LabKey read_lab_key(const std::filesystem::path& path) {
     struct stat found {};
     if (file.get() < 0 || fstat(file.get(), &found) != 0) {
         throw Error(ExitCode::kUsage,
-                    fmt::format("cannot read the lab key '{}': {}; make one with 'thimble keygen', and copy "
-                                "it to each machine (docs/security.md)",
-                                path.string(), std::strerror(errno)));
+                    "cannot read the lab key '{}': {}; make one with 'thimble keygen', and copy it to each "
+                    "machine (docs/security.md)",
+                    path.string(), std::strerror(errno));
     }
     check_owner_alone(path, found);
     Line line{};
@@ -147,9 +145,8 @@ LabKey read_lab_key(const std::filesystem::path& path) {
     wipe(line);
     if (!key) {
         throw Error(ExitCode::kData,
-                    fmt::format("'{}' holds no lab key: one line '{}BASE64' is expected, as thimble keygen "
-                                "writes it",
-                                path.string(), kWord));
+                    "'{}' holds no lab key: one line '{}BASE64' is expected, as thimble keygen writes it",
+                    path.string(), kWord);
     }
     return std::move(*key);
 }

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
 
 #include "common/security/handshake.hpp"
 #include "common/security/sealing.hpp"

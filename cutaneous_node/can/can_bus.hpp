@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/time.hpp"
 
 namespace thimble {
@@ -48,12 +50,9 @@ struct CanCounters {
     std::uint64_t late = 0;         // datagrams that came after a later one
 };
 
-class CanBus {
+class CanBus : boost::noncopyable {
   public:
     virtual ~CanBus() = default;
-    CanBus() = default;
-    CanBus(const CanBus&) = delete;
-    CanBus& operator=(const CanBus&) = delete;
 
     // May wait for flush(), which sends what waits. A frame that cannot be sent is lost and counted.
     virtual void send(const CanFrame& frame) = 0;

@@ -2,19 +2,17 @@
 // go slack in the tick in which anything is wrong with one of them.
 #pragma once
 
-#include <span>
+#include <boost/core/noncopyable.hpp>
 
 #include "common/histogram.hpp"
 #include "cutaneous_node/can/drive_link.hpp"
 
 namespace thimble {
 
-class CanopenMaster {
+class CanopenMaster : boost::noncopyable {
   public:
     // `bus` outlives the master.
     CanopenMaster(const CanMasterSettings& settings, CanBus& bus);
-    CanopenMaster(const CanopenMaster&) = delete;
-    CanopenMaster& operator=(const CanopenMaster&) = delete;
 
     // Takes what has arrived, sends what is due. The first call resets the drives.
     void tick(SessionTime now);

@@ -11,8 +11,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -22,8 +20,8 @@ namespace {
 bool interface_lost(int error) { return error == ENETDOWN || error == ENXIO || error == ENODEV; }
 
 [[noreturn]] void no_bus(const std::string& interface, const char* advice) {
-    throw Error(ExitCode::kNetwork, fmt::format("cannot use the CAN interface '{}': {}; {}", interface,
-                                                std::strerror(errno), advice));
+    throw Error(ExitCode::kNetwork, "cannot use the CAN interface '{}': {}; {}", interface,
+                std::strerror(errno), advice);
 }
 
 bool is_up(int socket, const std::string& interface) {

@@ -1,7 +1,6 @@
 // thimble-drive-emulator: motor drives as programs, for trying the fingertip device without one.
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <memory>
 #include <poll.h>
 #include <string>

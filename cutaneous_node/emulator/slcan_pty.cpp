@@ -20,9 +20,8 @@ namespace thimble {
 namespace {
 
 [[noreturn]] void no_adapter(const char* what) {
-    throw Error(ExitCode::kNetwork,
-                fmt::format("cannot play a CAN adapter: {}: {}; it needs root and 'modprobe slcan'", what,
-                            std::strerror(errno)));
+    throw Error(ExitCode::kNetwork, "cannot play a CAN adapter: {}: {}; it needs root and 'modprobe slcan'",
+                what, std::strerror(errno));
 }
 
 // "tIIILDD..": standard data frames, which is all that CANopen sends.

@@ -3,6 +3,8 @@
 
 #include <string_view>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/time.hpp"
 
 namespace thimble {
@@ -14,12 +16,9 @@ struct HandleSample {
 };
 
 // Every call is pure: a wrapper that forgot to pass one on would compile, and a button or a fault would vanish in it.
-class HapticDevice {
+class HapticDevice : boost::noncopyable {
   public:
     virtual ~HapticDevice() = default;
-    HapticDevice() = default;
-    HapticDevice(const HapticDevice&) = delete;
-    HapticDevice& operator=(const HapticDevice&) = delete;
 
     virtual HandleSample read(SessionTime now) = 0;
 

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/messages.hpp"
 #include "common/time.hpp"
 
@@ -17,12 +19,9 @@ struct OperatorTask {
     Modality modality = Modality::kHF;
 };
 
-class OperatorPort {
+class OperatorPort : boost::noncopyable {
   public:
     virtual ~OperatorPort() = default;
-    OperatorPort() = default;
-    OperatorPort(const OperatorPort&) = delete;
-    OperatorPort& operator=(const OperatorPort&) = delete;
 
     // Hand at rest at z = 0, needle outside the tissue; the trial starts at `now`.
     virtual void start_trial(SessionTime now, const OperatorTask& task) = 0;
@@ -33,12 +32,9 @@ class OperatorPort {
 };
 
 // Receives the place of a person's hand by mouse, trackpad or gamepad, for a device without a handle.
-class HandFollower {
+class HandFollower : boost::noncopyable {
   public:
     virtual ~HandFollower() = default;
-    HandFollower() = default;
-    HandFollower(const HandFollower&) = delete;
-    HandFollower& operator=(const HandFollower&) = delete;
 
     // Each input replaces the last one whole.
     virtual void follow(SessionTime now, const HandInput& input) = 0;

@@ -1,6 +1,5 @@
 // thimble-netem log: a packet log as CSV.
 #include <array>
-#include <cstdio>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -24,7 +23,7 @@ std::size_t read_some(std::istream& file, std::array<std::uint8_t, kSize>& bytes
 
 int print_log(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
-    if (!file) throw Error(ExitCode::kData, fmt::format("cannot read '{}': does it exist?", path));
+    if (!file) throw Error(ExitCode::kData, "cannot read '{}': does it exist?", path);
     std::array<std::uint8_t, kLogHeaderBytes> header{};
     check_log_header({header.data(), read_some(file, header)}, path);
     fmt::print("{}\n", record_csv_header());
@@ -34,8 +33,8 @@ int print_log(const std::string& path) {
         if (size == 0) return 0;
         const auto record = size == kRecordBytes ? decode_record(bytes) : std::nullopt;
         if (!record) {
-            throw Error(ExitCode::kData, fmt::format("'{}': record {} of the log is {}: it ends here", path,
-                                                     i, size < kRecordBytes ? "cut short" : "damaged"));
+            throw Error(ExitCode::kData, "'{}': record {} of the log is {}: it ends here", path, i,
+                        size < kRecordBytes ? "cut short" : "damaged");
         }
         fmt::print("{}\n", to_csv(*record));
     }

@@ -63,17 +63,15 @@ void print_tc_commands(const LinkPair& links, const std::string& device) {
 
 RelaySettings relay_settings(const RelayOptions& options) {
     if (options.listen.size() != options.to.size() || options.listen.empty()) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("{} times --listen and {} times --to: each --listen PORT needs its --to HOST:PORT",
-                        options.listen.size(), options.to.size()));
+        throw Error(ExitCode::kUsage,
+                    "{} times --listen and {} times --to: each --listen PORT needs its --to HOST:PORT",
+                    options.listen.size(), options.to.size());
     }
     RelaySettings relay;
     for (std::size_t i = 0; i < options.listen.size(); ++i) {
         const UdpAddress to = read_udp_address(options.to[i], "--to");
         if (to.host == 0 || to.port == 0) {
-            throw Error(ExitCode::kUsage,
-                        fmt::format("--to {}: write HOST:PORT of the server", options.to[i]));
+            throw Error(ExitCode::kUsage, "--to {}: write HOST:PORT of the server", options.to[i]);
         }
         relay.inlets.push_back({read_udp_address(options.listen[i], "--listen"), to});
     }

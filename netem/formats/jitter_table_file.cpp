@@ -20,7 +20,7 @@ constexpr std::size_t kPerLine = 8;
 double deviate_of(std::string_view word, const LineReader& lines) {
     const auto value = parse_integer(word);
     if (!value || *value < kLeast || *value > kMost) {
-        lines.fail(fmt::format("'{}' is no whole number from {} to {}", word.substr(0, 40), kLeast, kMost));
+        lines.fail("'{}' is no whole number from {} to {}", word.substr(0, 40), kLeast, kMost);
     }
     return static_cast<double>(*value) / kDistScale;
 }
@@ -34,7 +34,7 @@ JitterTable parse_jitter_table(std::string_view text, std::string_view name) {
         if (!lines.line().empty() && lines.line().front() == '#') continue;
         for (const std::string_view word : words_of(lines.line())) {
             if (deviates.size() == kMostDistValues) {
-                lines.fail(fmt::format("more than {} values, the most that tc takes", kMostDistValues));
+                lines.fail("more than {} values, the most that tc takes", kMostDistValues);
             }
             deviates.push_back(deviate_of(word, lines));
         }
@@ -65,9 +65,9 @@ std::shared_ptr<const JitterTable> find_jitter_table(std::string_view name) {
         }
     }
     throw Error(ExitCode::kUsage,
-                fmt::format("distribution '{}': neither uniform, normal, pareto or paretonormal nor a .dist "
-                            "file here or in tc's folders (TC_LIB_DIR)",
-                            name));
+                "distribution '{}': neither uniform, normal, pareto or paretonormal nor a .dist file here or "
+                "in tc's folders (TC_LIB_DIR)",
+                name);
 }
 
 std::string print_jitter_table(const JitterTable& table, std::string_view comment, std::size_t values) {

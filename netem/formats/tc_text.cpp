@@ -71,9 +71,7 @@ class TcParser {
         option->read(*this);
     }
 
-    [[noreturn]] void fail(std::string_view why) const {
-        throw Error(ExitCode::kUsage, fmt::format("tc words: {}", why));
-    }
+    [[noreturn]] void fail(std::string_view why) const { throw Error(ExitCode::kUsage, "tc words: {}", why); }
     [[noreturn]] void fail_word(std::string_view why) const {
         if (at_ < words_.size()) fail(fmt::format("word {}, '{}', {}", at_ + 1, words_[at_], why));
         fail(fmt::format("after '{}': {}", option_, why));
@@ -304,7 +302,7 @@ std::span<const TcParser::Option> TcParser::options() {
 
 TcLink parse_tc_words(std::string_view text, const TableFinder& find_table) {
     if (text.size() > kMostCharacters) {
-        throw Error(ExitCode::kUsage, fmt::format("tc words: more than {} characters", kMostCharacters));
+        throw Error(ExitCode::kUsage, "tc words: more than {} characters", kMostCharacters);
     }
     return TcParser(text, find_table).parse();
 }

@@ -5,8 +5,6 @@
 #include <fstream>
 #include <iterator>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -15,9 +13,8 @@ std::string read_whole_file(const std::filesystem::path& path, std::size_t most_
     std::ifstream stream(path, std::ios::binary);
     // A folder opens as a stream, too, and then throws when it is read.
     if (!stream.is_open() || std::filesystem::is_directory(path)) {
-        throw Error(
-            ExitCode::kData,
-            fmt::format("{}: cannot be read; does this file exist, and is it yours to read?", path.string()));
+        throw Error(ExitCode::kData, "{}: cannot be read; does this file exist, and is it yours to read?",
+                    path.string());
     }
     std::string text;
     std::string block(std::size_t{1} << 16, '\0');
@@ -25,15 +22,15 @@ std::string read_whole_file(const std::filesystem::path& path, std::size_t most_
     while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0) {
         text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
         if (text.size() > most_bytes) {
-            throw Error(ExitCode::kData, fmt::format("{}: is larger than {} bytes, the most that is read",
-                                                     path.string(), most_bytes));
+            throw Error(ExitCode::kData, "{}: is larger than {} bytes, the most that is read", path.string(),
+                        most_bytes);
         }
     }
     return text;
 }
 
 void fail_at_line(std::string_view name, std::size_t line, std::string_view why) {
-    throw Error(ExitCode::kData, fmt::format("{}:{}: {}", name, line, why));
+    throw Error(ExitCode::kData, "{}:{}: {}", name, line, why);
 }
 
 LineReader::LineReader(std::string_view text, std::string_view name) : rest_(text), name_(name) {

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+
 namespace thimble {
 
 // A trace of an hour at 1 kHz takes about 100 MB. A larger file is a mistake.
@@ -29,6 +31,10 @@ class LineReader {
     std::string_view line() const { return line_; }
     std::size_t number() const { return number_; }  // the first line is 1
     [[noreturn]] void fail(std::string_view why) const { fail_at_line(name_, number_, why); }
+    template <class First, class... More>
+    [[noreturn]] void fail(fmt::format_string<First, More...> why, First&& first, More&&... more) const {
+        fail(fmt::format(why, std::forward<First>(first), std::forward<More>(more)...));
+    }
 
   private:
     std::string_view rest_, line_;

@@ -71,11 +71,10 @@ class PathParser {
                                             [field](const ColumnName& c) { return c.name == field; });
             if (known == kNames.end()) {
                 lines_.fail(
-                    fmt::format("unknown column '{}': a trace has time_s or packet, delay_s, loss, "
-                                "rate_bits_per_s",
-                                field.substr(0, 40)));
+                    "unknown column '{}': a trace has time_s or packet, delay_s, loss, rate_bits_per_s",
+                    field.substr(0, 40));
             }
-            if (has(known->quantity)) lines_.fail(fmt::format("column '{}' is there twice", field));
+            if (has(known->quantity)) lines_.fail("column '{}' is there twice", field);
             columns_.push_back(*known);
         }
         if (has(Quantity::kTime) && has(Quantity::kPacket)) lines_.fail("has both times and packet numbers");
@@ -91,11 +90,11 @@ class PathParser {
 
     void read_packet() {
         if (path_.packets.size() == kMostPackets) {
-            lines_.fail(fmt::format("more than {} lines; split the trace", kMostPackets));
+            lines_.fail("more than {} lines; split the trace", kMostPackets);
         }
         const std::vector<std::string_view> fields = fields_of(lines_.line());
         if (fields.size() != columns_.size()) {
-            lines_.fail(fmt::format("has {} fields, the header {}", fields.size(), columns_.size()));
+            lines_.fail("has {} fields, the header {}", fields.size(), columns_.size());
         }
         MeasuredPacket packet;
         for (std::size_t i = 0; i < fields.size(); ++i) read_field(fields[i], columns_[i], packet);
@@ -106,11 +105,9 @@ class PathParser {
     // Up to `most` after scaling.
     double number_in(std::string_view field, const ColumnName& column, double most) const {
         const auto value = parse_number(field);
-        if (!value)
-            lines_.fail(fmt::format("{}: '{}' is no finite number", column.name, field.substr(0, 40)));
+        if (!value) lines_.fail("{}: '{}' is no finite number", column.name, field.substr(0, 40));
         if (!(*value >= 0 && *value * column.scale <= most)) {
-            lines_.fail(
-                fmt::format("{}: {} must lie between 0 and {}", column.name, *value, most / column.scale));
+            lines_.fail("{}: {} must lie between 0 and {}", column.name, *value, most / column.scale);
         }
         return *value * column.scale;
     }
@@ -190,8 +187,7 @@ MeasuredPath parse_path(std::string_view text, std::string_view name) {
 PacketTrace to_trace(const MeasuredPath& path, const TraceChoice& choice, std::string_view name) {
     const TraceBy by = choice.by.value_or(path.by_packet ? TraceBy::kPacket : TraceBy::kTime);
     if (by == TraceBy::kTime && path.by_packet) {
-        throw Error(ExitCode::kData,
-                    fmt::format("{}: is to be replayed by time, but has packet numbers", name));
+        throw Error(ExitCode::kData, "{}: is to be replayed by time, but has packet numbers", name);
     }
     std::vector<TraceRow> rows;
     rows.reserve(path.packets.size());
@@ -232,12 +228,12 @@ DeliveryTrace parse_delivery_trace(std::string_view text, std::string_view name)
         const std::string_view line = trimmed(lines.line());
         const auto time = parse_integer(line);
         if (!time || *time < 0 || *time > kLongestDeliveries_ms) {
-            lines.fail(fmt::format("'{}' is no whole number of milliseconds from 0 to {}", line.substr(0, 40),
-                                   kLongestDeliveries_ms));
+            lines.fail("'{}' is no whole number of milliseconds from 0 to {}", line.substr(0, 40),
+                       kLongestDeliveries_ms);
         }
         if (!times_ms.empty() && *time < times_ms.back()) lines.fail("times must not fall");
         if (times_ms.size() == kMostDeliveries) {
-            lines.fail(fmt::format("more than {} lines; split the trace", kMostDeliveries));
+            lines.fail("more than {} lines; split the trace", kMostDeliveries);
         }
         times_ms.push_back(static_cast<std::uint32_t>(*time));
     }

@@ -127,7 +127,7 @@ class CaptureParser {
         fail(fmt::format("no capture ({}): capture with tcpdump -w", why));
     }
     [[noreturn]] void fail(std::string_view why) const {
-        throw Error(ExitCode::kData, fmt::format("{}: packet {}: {}", name_, packet_, why));
+        throw Error(ExitCode::kData, "{}: packet {}: {}", name_, packet_, why);
     }
 
     std::string_view name_;

@@ -41,9 +41,9 @@ class Matcher {
         pair_up();
         if (pair_.lost == sent_.size()) {
             throw Error(ExitCode::kData,
-                        fmt::format("no datagram of the first capture ({} looked at) is in the second ({} "
-                                    "looked at): are they of the same traffic, and are the ports right?",
-                                    sent_.size(), received_.size()));
+                        "no datagram of the first capture ({} looked at) is in the second ({} looked at): "
+                        "are they of the same traffic, and are the ports right?",
+                        sent_.size(), received_.size());
         }
         build_path();
         remark();
@@ -96,10 +96,10 @@ class Matcher {
         pair_.most = Duration{most};
         if (least < 0 && !options_.least_delay) {
             throw Error(ExitCode::kData,
-                        fmt::format("a datagram arrives {:.6f} s before it was sent: the two clocks are not "
-                                    "synchronised. Say what the least delay should be (--least-delay-s), and "
-                                    "only the variation is taken from the captures",
-                                    -to_seconds(pair_.least)));
+                        "a datagram arrives {:.6f} s before it was sent: the two clocks are not "
+                        "synchronised. Say what the least delay should be (--least-delay-s), and only the "
+                        "variation is taken from the captures",
+                        -to_seconds(pair_.least));
         }
         const std::int64_t shift_ns = options_.least_delay ? options_.least_delay->count() - least : 0;
         if (most - least > kLongestPathDelay.count() || most + shift_ns > kLongestPathDelay.count()) {

@@ -67,7 +67,7 @@ class IrttParser {
 
   private:
     [[noreturn]] void fail(const std::string& why) const {
-        throw Error(ExitCode::kData, fmt::format("{}: {}", name_, why));
+        throw Error(ExitCode::kData, "{}: {}", name_, why);
     }
     [[noreturn]] void fail_here(const std::string& why) const {
         fail(fmt::format("round_trips[{}]{}", paths_.up.packets.size(), why));

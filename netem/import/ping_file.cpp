@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <iterator>
 #include <map>
 
@@ -53,7 +52,7 @@ class PingParser {
     void read_line(std::string_view line) {
         if (line.find("packets transmitted") != std::string_view::npos) {
             const double sent = number_after(line, "").value_or(0);
-            if (sent > kMostPackets) lines_.fail(fmt::format("more than {} packets", kMostPackets));
+            if (sent > kMostPackets) lines_.fail("more than {} packets", kMostPackets);
             sent_ = static_cast<std::int64_t>(sent);
             return;
         }
@@ -84,7 +83,7 @@ class PingParser {
     void add(const Reply& reply) {
         if (!replies_.empty() && reply.number - last_ > kLongestGap)
             lines_.fail("too many packets missing here");
-        if (replies_.size() == kMostPackets) lines_.fail(fmt::format("more than {} replies", kMostPackets));
+        if (replies_.size() == kMostPackets) lines_.fail("more than {} replies", kMostPackets);
         if (!replies_.emplace(reply.number, reply).second) {
             ++duplicates_;  // BSD does not mark them
             return;

@@ -1,7 +1,5 @@
 #include "netem/profiles/profile_link.hpp"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "netem/formats/jitter_table_file.hpp"

@@ -22,7 +22,7 @@ const BuiltInFile* built_in(std::string_view name) {
 
 std::string find_built_in(std::string_view name) {
     if (const BuiltInFile* file = built_in(name)) return std::string(file->text);
-    throw Error(ExitCode::kUsage, fmt::format("{}: no such file comes with the program", name));
+    throw Error(ExitCode::kUsage, "{}: no such file comes with the program", name);
 }
 
 FileFinder beside(const std::filesystem::path& file) {
@@ -149,9 +149,8 @@ LinkProfile load_profile(const std::string& given) {
         return parse_profile(read_whole_file(given), given, beside(given));
     if (looks_like_tc_words(given)) return of_words(given);
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: there is no such profile file, and those that come with the program "
-                            "are {}",
-                            given, fmt::join(profile_names(), ", ")));
+                "{}: there is no such profile file, and those that come with the program are {}", given,
+                fmt::join(profile_names(), ", "));
 }
 
 LinkSources session_sources(const std::filesystem::path& folder, Way way, const FileRead& read) {
@@ -160,8 +159,8 @@ LinkSources session_sources(const std::filesystem::path& folder, Way way, const 
         const LinkProfile profile = session_profile(folder, name, read);
         const bool up = way == Way::kUp;
         if (!(up ? profile.up_changes : profile.down_changes).empty()) {
-            throw Error(ExitCode::kUsage,
-                        fmt::format("{}: changes with time, which a session says in [[timeline]]", name));
+            throw Error(ExitCode::kUsage, "{}: changes with time, which a session says in [[timeline]]",
+                        name);
         }
         return up ? profile.up : profile.down;
     };

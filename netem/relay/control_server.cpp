@@ -9,8 +9,6 @@
 #include <unistd.h>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "common/json_text.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -38,8 +36,8 @@ Address address_of(const std::filesystem::path& path) {
     address.name.sun_family = AF_UNIX;
     const std::string text = path.string();
     if (text.empty() || text.size() >= sizeof address.name.sun_path) {
-        throw Error(ExitCode::kUsage, fmt::format("--control: '{}' must have 1 to {} characters", text,
-                                                  sizeof address.name.sun_path - 1));
+        throw Error(ExitCode::kUsage, "--control: '{}' must have 1 to {} characters", text,
+                    sizeof address.name.sun_path - 1);
     }
     std::memcpy(address.name.sun_path, text.c_str(), text.size() + 1);
     return address;
@@ -48,8 +46,7 @@ Address address_of(const std::filesystem::path& path) {
 int open_socket() {
     const int opened = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (opened < 0) {
-        throw Error(ExitCode::kNetwork,
-                    fmt::format("cannot open a control socket: {}", std::strerror(errno)));
+        throw Error(ExitCode::kNetwork, "cannot open a control socket: {}", std::strerror(errno));
     }
     return opened;
 }
@@ -65,9 +62,8 @@ void remove_stale(const std::filesystem::path& path) {
         close(probe);
         if (dead && unlink(path.c_str()) == 0) return;
     }
-    throw Error(
-        ExitCode::kNetwork,
-        fmt::format("--control: '{}' exists and is in use or no socket: choose another path", path.string()));
+    throw Error(ExitCode::kNetwork, "--control: '{}' exists and is in use or no socket: choose another path",
+                path.string());
 }
 
 // The kernel gives the file the mode of the socket it is bound from: never open to others, not even for a moment.
@@ -79,7 +75,7 @@ int listen_at(const std::filesystem::path& path) {
         chmod(path.c_str(), 0600) != 0) {
         const std::string why = std::strerror(errno);
         close(opened);
-        throw Error(ExitCode::kNetwork, fmt::format("--control: cannot make '{}': {}", path.string(), why));
+        throw Error(ExitCode::kNetwork, "--control: cannot make '{}': {}", path.string(), why);
     }
     return opened;
 }
@@ -171,15 +167,13 @@ nlohmann::ordered_json ask_relay(const std::filesystem::path& path, const std::s
     if (bind(mine.descriptor, unnamed.raw(), unnamed.size) != 0 ||
         connect(mine.descriptor, address.raw(), address.size) != 0 ||
         send(mine.descriptor, request.data(), request.size(), MSG_NOSIGNAL) < 0) {
-        throw Error(ExitCode::kNetwork,
-                    fmt::format("no relay listens at '{}': {}; start one with --control {}", path.string(),
-                                std::strerror(errno), path.string()));
+        throw Error(ExitCode::kNetwork, "no relay listens at '{}': {}; start one with --control {}",
+                    path.string(), std::strerror(errno), path.string());
     }
     const auto size =
         readable(mine.descriptor, kPatience_ms) ? recv(mine.descriptor, answer.data(), answer.size(), 0) : -1;
     if (size < 0) {
-        throw Error(ExitCode::kNetwork,
-                    fmt::format("the relay at '{}' does not answer: is it running?", path.string()));
+        throw Error(ExitCode::kNetwork, "the relay at '{}' does not answer: is it running?", path.string());
     }
     auto json = nlohmann::ordered_json::parse(answer.data(), answer.data() + size, nullptr, false);
     if (!json.is_object() || !json.value("ok", false)) {

@@ -5,10 +5,10 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
-#include <future>
 #include <string>
 #include <thread>
 
+#include <boost/core/noncopyable.hpp>
 #include <nlohmann/json.hpp>
 
 #include "netem/relay/relay_totals.hpp"
@@ -17,15 +17,13 @@ namespace thimble {
 
 class RelayEngine;
 
-class ControlServer {
+class ControlServer : boost::noncopyable {
   public:
     // Starts the thread, which keeps the default scheduling: make this object before asking for real time. A socket
     // that a dead program left at `path` is replaced. Throws Error (network) if `path` is in use or cannot be made.
     explicit ControlServer(const std::filesystem::path& path);
     // Removes the socket.
     ~ControlServer();
-    ControlServer(const ControlServer&) = delete;
-    ControlServer& operator=(const ControlServer&) = delete;
 
     // For the relaying thread, in each of its rounds: what the other thread asks for. Never waits.
     void serve(RelayEngine& engine);

@@ -46,8 +46,8 @@ Assignment parse_assignment(std::string_view text) {
     if (key.empty() || value.empty() || key.find_first_not_of(kKeyCharacters) != std::string_view::npos ||
         value.find('\n') != std::string_view::npos) {
         throw Error(ExitCode::kUsage,
-                    fmt::format("'{}' is no assignment: write KEY=VALUE, e.g. up.delay_s=0.1 or loss=0.01",
-                                text.substr(0, 80)));
+                    "'{}' is no assignment: write KEY=VALUE, e.g. up.delay_s=0.1 or loss=0.01",
+                    text.substr(0, 80));
     }
     Assignment made;
     made.up = !key.starts_with("down.");
@@ -69,8 +69,7 @@ LinkSettings assign(const LinkSettings& base, Way way, const std::string& text) 
 
 ControlRequest parse_request(std::string_view text) {
     if (text.size() > kLongestRequestBytes) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("a request is at most {} bytes long", kLongestRequestBytes));
+        throw Error(ExitCode::kUsage, "a request is at most {} bytes long", kLongestRequestBytes);
     }
     std::vector<std::string> lines = lines_of(text);
     const std::string verb = lines.empty() ? "" : lines.front();

@@ -7,7 +7,6 @@
 #include <memory>
 #include <span>
 #include <sys/socket.h>
-#include <vector>
 
 #include "common/channel.hpp"
 #include "common/runtime/udp_socket.hpp"

@@ -1,7 +1,5 @@
 #include "netem/relay/packet_log.hpp"
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -19,8 +17,8 @@ PacketLog::PacketLog(const std::filesystem::path& path, std::size_t room)
       file_(path, std::ios::binary | std::ios::trunc),
       queue_(room) {
     if (!file_) {
-        throw Error(ExitCode::kData,
-                    fmt::format("cannot write the packet log '{}': does its folder exist?", path.string()));
+        throw Error(ExitCode::kData, "cannot write the packet log '{}': does its folder exist?",
+                    path.string());
     }
     if (text_) {
         file_ << record_csv_header() << '\n';
@@ -55,8 +53,7 @@ void PacketLog::finish() {
     if (thread_.joinable()) thread_.join();
     file_.flush();
     if (!file_) {
-        throw Error(ExitCode::kData,
-                    fmt::format("the packet log '{}' is incomplete: is the disk full?", path_.string()));
+        throw Error(ExitCode::kData, "the packet log '{}' is incomplete: is the disk full?", path_.string());
     }
 }
 

@@ -7,13 +7,14 @@
 #include <fstream>
 #include <thread>
 
+#include <boost/core/noncopyable.hpp>
 #include <boost/lockfree/spsc_queue.hpp>
 
 #include "netem/relay/packet_record.hpp"
 
 namespace thimble {
 
-class PacketLog final : public PacketSink {
+class PacketLog final : public PacketSink, boost::noncopyable {
   public:
     // Records between relay and file: a quarter of a second at a million packets per second.
     static constexpr std::size_t kRoom = std::size_t{1} << 18;
@@ -22,8 +23,6 @@ class PacketLog final : public PacketSink {
     // scheduling: make this object before asking for real time. Throws Error (data) if the file cannot be made.
     explicit PacketLog(const std::filesystem::path& path, std::size_t room = kRoom);
     ~PacketLog() override;  // writes what is left
-    PacketLog(const PacketLog&) = delete;
-    PacketLog& operator=(const PacketLog&) = delete;
 
     void add(const PacketRecord& record) override;  // from one thread only
     std::uint64_t missing() const override { return missing_; }

@@ -53,17 +53,15 @@ void check_log_header(std::span<const std::uint8_t> bytes, const std::string& na
     const auto expected = log_header();
     if (bytes.size() < kLogHeaderBytes || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) {
         throw Error(ExitCode::kData,
-                    fmt::format("'{}' is no packet log of thimble-netem: it does not begin with "
-                                "{}; --log writes one",
-                                name, kMagic));
+                    "'{}' is no packet log of thimble-netem: it does not begin with {}; --log writes one",
+                    name, kMagic);
     }
     if (!std::equal(expected.begin(), expected.end(), bytes.begin())) {
-        throw Error(
-            ExitCode::kData,
-            fmt::format("'{}' is a packet log of version {} with records of {} bytes; this program reads "
-                        "version {} with {}",
-                        name, get<std::uint32_t>(bytes, 8), get<std::uint32_t>(bytes, 12), kFormatVersion,
-                        kRecordBytes));
+        throw Error(ExitCode::kData,
+                    "'{}' is a packet log of version {} with records of {} bytes; this program reads version "
+                    "{} with {}",
+                    name, get<std::uint32_t>(bytes, 8), get<std::uint32_t>(bytes, 12), kFormatVersion,
+                    kRecordBytes);
     }
 }
 

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "common/runtime/runtime_settings.hpp"
-#include "netem/relay/relay_report.hpp"
 #include "netem/relay/relay_settings.hpp"
 
 namespace thimble {

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/runtime/stamp_clock.hpp"
 #include "common/runtime/udp_socket.hpp"
 #include "netem/relay/datagram_batch.hpp"
@@ -27,13 +29,11 @@ struct TrafficWay {
 inline constexpr std::size_t kUpBytes = 104, kDownBytes = 144;  // NeedleCommand, ForceFeedback
 inline constexpr Duration kTrafficPeriod = std::chrono::milliseconds{1};
 
-class SelftestTraffic {
+class SelftestTraffic : boost::noncopyable {
   public:
     // Makes the server's socket; the relay's `to` is address(). `drain`: how long to wait for the last answers.
     SelftestTraffic(std::size_t packets, Duration drain);
     ~SelftestTraffic();
-    SelftestTraffic(const SelftestTraffic&) = delete;
-    SelftestTraffic& operator=(const SelftestTraffic&) = delete;
 
     UdpAddress address() const;
     // In a thread with the scheduling that the caller has now; waits for start().

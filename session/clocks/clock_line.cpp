@@ -1,7 +1,6 @@
 #include "session/clocks/clock_line.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace thimble {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/error.hpp"
 #include "common/messages.hpp"
 #include "common/time.hpp"
@@ -22,12 +24,9 @@ struct NodeOrder {
 };
 
 // Ended, at the latest, when this object goes.
-class RunningNode {
+class RunningNode : boost::noncopyable {
   public:
-    RunningNode() = default;
     virtual ~RunningNode() = default;
-    RunningNode(const RunningNode&) = delete;
-    RunningNode& operator=(const RunningNode&) = delete;
 
     // The exit code once it has ended, 128 + n if signal n ended it. Call often: this also keeps in touch.
     virtual std::optional<int> poll() = 0;

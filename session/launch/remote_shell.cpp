@@ -37,7 +37,7 @@ struct RemoteShell::Pipes {
     // Other children must not inherit the ends that are kept: a shell would not see the end of its input.
     Pipes() {
         if (pipe2(ends.data(), O_CLOEXEC) != 0 || pipe2(ends.data() + 2, O_CLOEXEC) != 0) {
-            throw Error(ExitCode::kRunFailed, fmt::format("cannot make a pipe: {}", std::strerror(errno)));
+            throw Error(ExitCode::kRunFailed, "cannot make a pipe: {}", std::strerror(errno));
         }
         fcntl(we_write, F_SETFL, O_NONBLOCK);
         fcntl(we_read, F_SETFL, O_NONBLOCK);

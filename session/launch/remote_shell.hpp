@@ -11,17 +11,17 @@
 #include <string_view>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/process/child.hpp"
 
 namespace thimble {
 
-class RemoteShell {
+class RemoteShell : boost::noncopyable {
   public:
     // `command`: what gets a shell there, its words. Throws Error (run failed) if it cannot be started.
     RemoteShell(const std::vector<std::string>& command, const std::filesystem::path& log);
     ~RemoteShell();
-    RemoteShell(const RemoteShell&) = delete;
-    RemoteShell& operator=(const RemoteShell&) = delete;
 
     void send(std::string_view bytes) { pending_ += bytes; }
     bool all_sent() const { return pending_.empty(); }

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const fs::path& session, const std::string& name, const char* why) {
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: names the file '{}', which {}; put it beside the session file "
-                            "and name it so, then it is sent to the other machines as well",
-                            session.string(), name, why));
+                "{}: names the file '{}', which {}; put it beside the session file and name it so, then it "
+                "is sent to the other machines as well",
+                session.string(), name, why);
 }
 
 bool leads_out(const fs::path& name) {

@@ -10,8 +10,6 @@
 #include <unistd.h>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -33,8 +31,7 @@ std::string name_among(const std::vector<std::filesystem::path>& all, std::size_
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (i == own || all[i].stem() != all[own].stem()) continue;
         if (all[i] == all[own])
-            throw Error(ExitCode::kUsage,
-                        fmt::format("{}: is given twice; name each log once", all[i].string()));
+            throw Error(ExitCode::kUsage, "{}: is given twice; name each log once", all[i].string());
         if (all[i].parent_path() == all[own].parent_path()) {
             with_extension = true;
             continue;
@@ -48,8 +45,7 @@ std::string name_among(const std::vector<std::filesystem::path>& all, std::size_
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
     const auto fail = [&](const char* why) {
-        throw Error(ExitCode::kData,
-                    fmt::format("{}: cannot be read: {}; is it the name of a log?", path.string(), why));
+        throw Error(ExitCode::kData, "{}: cannot be read: {}; is it the name of a log?", path.string(), why);
     };
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) fail(std::strerror(errno));
@@ -99,9 +95,9 @@ LoggedFile::LoggedFile(const std::filesystem::path& path, std::string name)
     scan_ = scan_mcap(file_.bytes(), reading);
     if (scan_.begins) return;
     throw Error(ExitCode::kData,
-                fmt::format("{}: is no MCAP file, or nothing was written to it; thimble log reads files "
-                            "that end in .mcap (docs/log.md)",
-                            path.string()));
+                "{}: is no MCAP file, or nothing was written to it; thimble log reads files that end in "
+                ".mcap (docs/log.md)",
+                path.string());
 }
 
 std::string LoggedFile::value(std::string_view record, std::string_view key) const {

@@ -9,18 +9,18 @@
 #include <string>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/log/mcap_reader.hpp"
 
 namespace thimble {
 
 // The bytes of a file, as long as this lives.
-class MappedFile {
+class MappedFile : boost::noncopyable {
   public:
     // Throws Error (data) if it cannot be read.
     explicit MappedFile(const std::filesystem::path& path);
     ~MappedFile();
-    MappedFile(const MappedFile&) = delete;
-    MappedFile& operator=(const MappedFile&) = delete;
     Bytes bytes() const { return bytes_; }
 
   private:

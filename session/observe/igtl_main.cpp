@@ -24,7 +24,6 @@
 #include "common/network_settings.hpp"
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/node_program.hpp"
-#include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/tcp_server.hpp"
 #include "common/runtime/wall_clock.hpp"

@@ -1,9 +1,5 @@
 #include "session/observe/monitor_source.hpp"
 
-#include <cmath>
-
-#include <fmt/format.h>
-
 #include "common/codec.hpp"
 #include "common/error.hpp"
 #include "session/log/merged_log.hpp"
@@ -71,9 +67,9 @@ LoggedMonitor::LoggedMonitor(const std::vector<std::string>& logs, double speed)
     }
     if (!moments_.empty()) return;
     throw Error(ExitCode::kData,
-                fmt::format("{}: there is no /slave_sim/record in it, so nothing to show: give the "
-                            "session's log (session_<delay>ms.mcap) of a run with [log] messages = \"all\"",
-                            logs.front()));
+                "{}: there is no /slave_sim/record in it, so nothing to show: give the session's log "
+                "(session_<delay>ms.mcap) of a run with [log] messages = \"all\"",
+                logs.front());
 }
 
 void LoggedMonitor::update(SessionTime now) {

@@ -2,21 +2,19 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
+
+#include <boost/core/noncopyable.hpp>
 
 #include "common/runtime/sockets.hpp"
 #include "visual_node/views/monitor_receiver.hpp"
 
 namespace thimble {
 
-class MonitorSource {
+class MonitorSource : boost::noncopyable {
   public:
     virtual ~MonitorSource() = default;
-    MonitorSource() = default;
-    MonitorSource(const MonitorSource&) = delete;
-    MonitorSource& operator=(const MonitorSource&) = delete;
 
     virtual void update(SessionTime now) = 0;
     virtual const Monitor& newest() const = 0;

@@ -2,8 +2,6 @@
 
 #include <string_view>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "netem/formats/text_lines.hpp"
@@ -20,19 +18,18 @@ Endpoint read_observer(const std::string& text, const std::string& option) {
         endpoint.port = static_cast<std::uint16_t>(*port);
         return endpoint;
     }
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} {}: write PORT or HOST:PORT, with a port from 0 to 65535", option, text));
+    throw Error(ExitCode::kUsage, "{} {}: write PORT or HOST:PORT, with a port from 0 to 65535", option,
+                text);
 }
 
 void require_observer_here(const SecuritySettings& security, const std::string& host,
                            const std::string& option) {
     if (security.allow_unprotected_network || !leaves_this_machine(host)) return;
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("{}: '{}' is not this machine alone, and what is said there has no protection: stay on "
-                    "127.0.0.1 (a tunnel, such as ssh -L, may begin there), or say [security] "
-                    "allow_unprotected_network = true in the session file (docs/security.md)",
-                    option, host));
+    throw Error(ExitCode::kUsage,
+                "{}: '{}' is not this machine alone, and what is said there has no protection: stay on "
+                "127.0.0.1 (a tunnel, such as ssh -L, may begin there), or say [security] "
+                "allow_unprotected_network = true in the session file (docs/security.md)",
+                option, host);
 }
 
 }  // namespace thimble

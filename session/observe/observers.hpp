@@ -1,7 +1,6 @@
 // Programs that only look: where they are, and whether they may be told.
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include "common/network_settings.hpp"

@@ -79,9 +79,9 @@ std::optional<SubjectKind> Dataset::kind() const {
     const auto kind = has_kind ? parse_subject_kind(json[kKindKey].get<std::string>()) : std::nullopt;
     if (!kind) {
         throw Error(ExitCode::kData,
-                    fmt::format("{}: does not say whether its subjects are virtual or human (key \"{}\"): it "
-                                "is no dataset of Thimble, or it was changed; restore it",
-                                description().string(), kKindKey));
+                    "{}: does not say whether its subjects are virtual or human (key \"{}\"): it is no "
+                    "dataset of Thimble, or it was changed; restore it",
+                    description().string(), kKindKey);
     }
     return kind;
 }
@@ -89,17 +89,17 @@ std::optional<SubjectKind> Dataset::kind() const {
 void Dataset::open(SubjectKind wanted, const DatasetSettings& settings) const {
     if (const auto found = kind()) {
         if (*found == wanted) return;
-        throw Error(ExitCode::kUsage, fmt::format("{}: holds data of {} subjects, and data of virtual and "
-                                                  "human subjects never share a folder; name another one "
-                                                  "with --out",
-                                                  folder_.string(), to_string(*found)));
+        throw Error(ExitCode::kUsage,
+                    "{}: holds data of {} subjects, and data of virtual and human subjects never share a "
+                    "folder; name another one with --out",
+                    folder_.string(), to_string(*found));
     }
     const std::vector<Sidecar> sidecars = sidecars_of(wanted, settings.name);
     if (!holds_nothing(folder_, description(), sidecars)) {
         throw Error(ExitCode::kUsage,
-                    fmt::format("{}: holds something that is no dataset of participants; name a new or an "
-                                "empty folder with --out",
-                                folder_.string()));
+                    "{}: holds something that is no dataset of participants; name a new or an empty folder "
+                    "with --out",
+                    folder_.string());
     }
     make_folder(folder_);
     for (const Sidecar& sidecar : sidecars) write_whole(folder_ / sidecar.file, sidecar.text);
@@ -111,9 +111,9 @@ void refuse_dataset(const std::filesystem::path& folder) {
     const auto kind = Dataset(folder).kind();
     if (!kind) return;
     throw Error(ExitCode::kUsage,
-                fmt::format("{}: holds a dataset of {} participants, and nothing else is written there; "
-                            "name another folder with --out",
-                            folder.string(), to_string(*kind)));
+                "{}: holds a dataset of {} participants, and nothing else is written there; name another "
+                "folder with --out",
+                folder.string(), to_string(*kind));
 }
 
 namespace {
@@ -137,7 +137,7 @@ std::string age_text(const std::string& years) {
     if (years == kNotAvailable) return years;
     const auto age = parse_integer(years);
     if (!age || *age < 1 || *age > 120) {
-        throw Error(ExitCode::kUsage, fmt::format("--age {}: must be whole years, 1 to 120, or n/a", years));
+        throw Error(ExitCode::kUsage, "--age {}: must be whole years, 1 to 120, or n/a", years);
     }
     return *age >= 89 ? "89+" : std::to_string(*age);
 }

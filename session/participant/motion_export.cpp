@@ -189,9 +189,8 @@ class MotionDataset {
     const std::set<std::uint32_t>& subjects() const { return subjects_; }
     MotionExport finish() {
         if (done_.trials == 0) {
-            throw Error(
-                ExitCode::kData,
-                fmt::format("{}: no trial has a trajectory; of a study say --trajectories", from_.string()));
+            throw Error(ExitCode::kData, "{}: no trial has a trajectory; of a study say --trajectories",
+                        from_.string());
         }
         done_.subjects = subjects_.size();
         return done_;
@@ -207,7 +206,7 @@ MotionJson read_description(const fs::path& path) {
     std::ifstream file(path);
     MotionJson json = MotionJson::parse(file, nullptr, false);
     if (json.is_object()) return json;
-    throw Error(ExitCode::kData, fmt::format("{}: is no JSON object; restore it", path.string()));
+    throw Error(ExitCode::kData, "{}: is no JSON object; restore it", path.string());
 }
 
 // BIDS knows movements since 1.9.
@@ -269,8 +268,8 @@ MotionExport exported(const fs::path& from, const fs::path& to) {
         export_study(from, to, out);
     } else {
         throw Error(ExitCode::kUsage,
-                    fmt::format("{}: holds neither a participant session's dataset nor a study's trials.csv",
-                                from.string()));
+                    "{}: holds neither a participant session's dataset nor a study's trials.csv",
+                    from.string());
     }
     return out.finish();
 }
@@ -280,8 +279,7 @@ MotionExport exported(const fs::path& from, const fs::path& to) {
 MotionExport export_motion(const fs::path& from, const fs::path& to) {
     std::error_code absent;
     if (fs::exists(to, absent) && !fs::is_empty(to, absent)) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{}: is not empty; name a new folder with --out", to.string()));
+        throw Error(ExitCode::kUsage, "{}: is not empty; name a new folder with --out", to.string());
     }
     try {
         return exported(from, to);

@@ -9,7 +9,6 @@
 // (task-needleExperiment3).
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 
 namespace thimble {

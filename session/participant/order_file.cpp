@@ -73,9 +73,8 @@ std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t
     const ProtocolSettings& plan = *settings.protocol;
     if (participant > plan.subjects) {
         throw Error(ExitCode::kUsage,
-                    fmt::format("participant P{:02} does not fit into [protocol] subjects = {}: correct one "
-                                "of them",
-                                participant, plan.subjects));
+                    "participant P{:02} does not fit into [protocol] subjects = {}: correct one of them",
+                    participant, plan.subjects);
     }
     const std::vector<Protocol> protocols = protocols_of(settings, plan);
     std::vector<OrderEntry> order = practice_of(protocols[0], plan, participant);

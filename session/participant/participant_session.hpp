@@ -8,6 +8,8 @@
 #include <optional>
 #include <string>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/error.hpp"
 #include "session/participant/agenda.hpp"
 #include "session/participant/dataset.hpp"
@@ -17,12 +19,9 @@
 namespace thimble {
 
 // Where trials come from: the real programs, or virtual time in tests.
-class TrialRunner {
+class TrialRunner : boost::noncopyable {
   public:
     virtual ~TrialRunner() = default;
-    TrialRunner() = default;
-    TrialRunner(const TrialRunner&) = delete;
-    TrialRunner& operator=(const TrialRunner&) = delete;
 
     // All nodes are there when it returns, started anew if one was lost. Throws Error (network) if not.
     virtual void prepare() = 0;

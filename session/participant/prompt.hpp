@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/time.hpp"
 
 namespace thimble {
@@ -43,12 +45,9 @@ class Rest {
 };
 
 // Lines from a keyboard or a pipe, read without waiting.
-class LineSource {
+class LineSource : boost::noncopyable {
   public:
     virtual ~LineSource() = default;
-    LineSource() = default;
-    LineSource(const LineSource&) = delete;
-    LineSource& operator=(const LineSource&) = delete;
 
     // The next whole line, without its end; nothing if none is there yet.
     virtual std::optional<std::string> take_line() = 0;

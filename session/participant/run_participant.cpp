@@ -67,16 +67,15 @@ void check_delay(const SystemSettings& settings, const std::vector<OrderEntry>& 
     for (const OrderEntry& entry : order) {
         if (entry.conditions.delay_s == delay_s) continue;
         throw Error(ExitCode::kData,
-                    fmt::format("the order has two delays, {} s and {} s, but a participant session has one",
-                                delay_s, entry.conditions.delay_s));
+                    "the order has two delays, {} s and {} s, but a participant session has one", delay_s,
+                    entry.conditions.delay_s);
     }
     const double theirs_s = to_seconds(settings.netem.force.delay);
     if (!attach || theirs_s == delay_s) return;
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("experiment {} delays the force by {} s, but [netem.force] delay_s is {}: set it, "
-                    "in this file and in that of the running thimble-netem, and start that anew",
-                    order.front().conditions.experiment, delay_s, theirs_s));
+    throw Error(ExitCode::kUsage,
+                "experiment {} delays the force by {} s, but [netem.force] delay_s is {}: set it, in this "
+                "file and in that of the running thimble-netem, and start that anew",
+                order.front().conditions.experiment, delay_s, theirs_s);
 }
 
 // In what the settings would give another order than the written one; empty if in nothing.
@@ -97,16 +96,14 @@ std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& 
     if (!is_table(file)) {
         if (!resume) return plan_order(settings, participant);
         throw Error(ExitCode::kUsage,
-                    fmt::format("{} has no order in {}: check the number and the folder, or "
-                                "leave --resume out",
-                                participant_id(participant), dataset.folder().string()));
+                    "{} has no order in {}: check the number and the folder, or leave --resume out",
+                    participant_id(participant), dataset.folder().string());
     }
     std::vector<OrderEntry> order = read_order(file, participant);
-    if (order.empty()) throw Error(ExitCode::kData, fmt::format("{}: has no trials", file.string()));
+    if (order.empty()) throw Error(ExitCode::kData, "{}: has no trials", file.string());
     if (!resume) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{} has begun already: say --resume to go on, or check the number",
-                                participant_id(participant)));
+        throw Error(ExitCode::kUsage, "{} has begun already: say --resume to go on, or check the number",
+                    participant_id(participant));
     }
     written = true;
     return order;
@@ -198,22 +195,22 @@ void exclude_trial(const std::filesystem::path& folder, const std::string& name,
                    const std::string& reason) {
     const Dataset dataset(folder);
     if (!dataset.kind()) {
-        throw Error(ExitCode::kUsage, fmt::format("{}: is no dataset of participants", folder.string()));
+        throw Error(ExitCode::kUsage, "{}: is no dataset of participants", folder.string());
     }
     const auto participant = parse_participant(name);
-    if (!participant) throw Error(ExitCode::kUsage, fmt::format("{}: is no participant, e.g. P07", name));
+    if (!participant) throw Error(ExitCode::kUsage, "{}: is no participant, e.g. P07", name);
     const auto records = read_records(dataset.records(*participant));
     const auto last = std::find_if(records.rbegin(), records.rend(),
                                    [&](const DatasetRecord& record) { return record.position == position; });
     if (last == records.rend()) {
-        throw Error(ExitCode::kUsage, fmt::format("{} has no record of trial {}: see column 'position' of {}",
-                                                  name, position, dataset.records(*participant).string()));
+        throw Error(ExitCode::kUsage, "{} has no record of trial {}: see column 'position' of {}", name,
+                    position, dataset.records(*participant).string());
     }
     const auto exclusions = read_exclusions(dataset.exclusions());
     const Exclusion* there = find_exclusion(exclusions, *participant, last->record);
     if (there != nullptr && there->kind == ExclusionKind::kExcluded) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("trial {} of {} is excluded already: {}", position, name, there->reason));
+        throw Error(ExitCode::kUsage, "trial {} of {} is excluded already: {}", position, name,
+                    there->reason);
     }
     add_exclusion(dataset.exclusions(),
                   {*participant, position, last->record, ExclusionKind::kExcluded, reason});

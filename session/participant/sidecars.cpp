@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "common/json_text.hpp"
-#include "session/participant/tsv.hpp"
 
 namespace thimble {
 namespace {

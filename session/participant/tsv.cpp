@@ -69,8 +69,7 @@ void write_whole(const std::filesystem::path& path, std::string_view text) {
     std::error_code failure;
     std::filesystem::rename(next, path, failure);
     if (failure) {
-        throw Error(ExitCode::kRunFailed,
-                    fmt::format("{}: cannot be put in place: {}", path.string(), failure.message()));
+        throw Error(ExitCode::kRunFailed, "{}: cannot be put in place: {}", path.string(), failure.message());
     }
 }
 

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "session/play/play_starter.hpp"
 #include "session/settings/system_settings.hpp"

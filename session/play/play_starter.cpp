@@ -58,12 +58,11 @@ void check_window(const std::filesystem::path& programs) {
     std::error_code ignored;
     std::filesystem::remove(words, ignored);
     if (help.find("--window") == std::string::npos) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format(
-                "{} was built without a window: install the packages that docs/play.md names, configure "
-                "and build again",
-                (programs / "thimble-visual").string()));
+        throw Error(ExitCode::kUsage,
+
+                    "{} was built without a window: install the packages that docs/play.md names, configure "
+                    "and build again",
+                    (programs / "thimble-visual").string());
     }
     if (has_text("DISPLAY") || has_text("WAYLAND_DISPLAY")) return;
     throw Error(ExitCode::kUsage,
@@ -75,10 +74,8 @@ void check_window(const std::filesystem::path& programs) {
 ScratchFolder::ScratchFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "thimble_play_XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) {
-        throw Error(
-            ExitCode::kRunFailed,
-            fmt::format("cannot make a folder for logs at {}: set TMPDIR to one that can be written to",
-                        name));
+        throw Error(ExitCode::kRunFailed,
+                    "cannot make a folder for logs at {}: set TMPDIR to one that can be written to", name);
     }
     path_ = name;
 }

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "session/launch/node_starter.hpp"
 
 namespace thimble {
@@ -36,13 +38,11 @@ class PlayStarter final : public NodeStarter {
 void check_window(const std::filesystem::path& programs);
 
 // A folder for logs: gone with this object, unless they are kept.
-class ScratchFolder {
+class ScratchFolder : boost::noncopyable {
   public:
     // Throws Error (run failed) if the system's folder for such things cannot be written to.
     ScratchFolder();
     ~ScratchFolder();
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
     const std::filesystem::path& path() const { return path_; }
     void keep() { kept_ = true; }
 

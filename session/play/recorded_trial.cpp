@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "session/records/trajectory_file.hpp"
 #include "session/records/trial_table.hpp"
@@ -14,12 +12,11 @@ namespace {
 std::filesystem::path trajectory_of(const std::filesystem::path& folder, const TrialConditions& conditions) {
     auto file = find_trajectory(folder / "trajectories", conditions);
     if (!file.empty()) return file;
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format(
-            "{}: the trajectory {} was not kept: thimble study keeps them with --trajectories, thimble "
-            "play with --record",
-            (folder / "trajectories").string(), trajectory_name(conditions)));
+    throw Error(ExitCode::kUsage,
+
+                "{}: the trajectory {} was not kept: thimble study keeps them with --trajectories, thimble "
+                "play with --record",
+                (folder / "trajectories").string(), trajectory_name(conditions));
 }
 
 }  // namespace
@@ -61,15 +58,15 @@ RecordedTrial find_recorded_trial(const std::filesystem::path& folder, std::size
                                   double contact_hold_s) {
     const auto rows = read_trial_table(folder / "trials.csv");
     if (number == 0 || number > rows.size()) {
-        throw Error(ExitCode::kUsage, fmt::format("{} has {} trials, and --trial says {}",
-                                                  (folder / "trials.csv").string(), rows.size(), number));
+        throw Error(ExitCode::kUsage, "{} has {} trials, and --trial says {}",
+                    (folder / "trials.csv").string(), rows.size(), number);
     }
     const TrialRow& row = rows[number - 1];
     RecordedTrial trial;
     trial.file = trajectory_of(folder, row.conditions);
     trial.record.samples = read_trajectory(trial.file).samples;
     if (trial.record.samples.empty()) {
-        throw Error(ExitCode::kData, fmt::format("{}: has no samples to show", trial.file.string()));
+        throw Error(ExitCode::kData, "{}: has no samples to show", trial.file.string());
     }
     trial.record.conditions = row.conditions;
     trial.record.reason = row.reason;

@@ -60,9 +60,8 @@ void play_recorded(const ReplayPlayOptions& options) {
         if (options.starter->window_closed()) return;
         if (window->poll()) throw Error(window->verdict(), window->exit_message());
         if (replay.shows() || now - begin < kWindowWithin) continue;
-        throw Error(ExitCode::kNetwork,
-                    fmt::format("thimble-visual does not answer on ports from {} within {} s",
-                                options.network.base_port, to_seconds(kWindowWithin)));
+        throw Error(ExitCode::kNetwork, "thimble-visual does not answer on ports from {} within {} s",
+                    options.network.base_port, to_seconds(kWindowWithin));
     }
     replay.shut_down(wall_now());
     if (!wait_for_end(*window, kGoodbye)) window->stop();

@@ -2,9 +2,10 @@
 // both.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
+
+#include <boost/core/noncopyable.hpp>
 
 #include "common/flow.hpp"
 #include "common/process.hpp"
@@ -13,12 +14,9 @@
 
 namespace thimble {
 
-class OrderHandler {
+class OrderHandler : boost::noncopyable {
   public:
     virtual ~OrderHandler() = default;
-    OrderHandler() = default;
-    OrderHandler(const OrderHandler&) = delete;
-    OrderHandler& operator=(const OrderHandler&) = delete;
 
     // Why it cannot be obeyed; none: it is (and would be, unchanged, the second time).
     virtual std::optional<Refusal> obey(SessionTime now, const Order& order) = 0;

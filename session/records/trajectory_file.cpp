@@ -1,6 +1,5 @@
 #include "session/records/trajectory_file.hpp"
 
-#include <algorithm>
 #include <array>
 #include <string>
 
@@ -102,8 +101,8 @@ Trajectory read_trajectory(const std::filesystem::path& path) {
     std::string_view ended = reader.comments().back();
     if (ended.starts_with(kEnded)) ended.remove_prefix(kEnded.size());
     if (!parse_outcome(ended, trajectory.reason, trajectory.lost_peer)) {
-        throw Error(ExitCode::kData, fmt::format("{}: the last line says '{}' instead of '# {}<outcome>'",
-                                                 path.string(), reader.comments().back(), kEnded));
+        throw Error(ExitCode::kData, "{}: the last line says '{}' instead of '# {}<outcome>'", path.string(),
+                    reader.comments().back(), kEnded);
     }
     return trajectory;
 }

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>

@@ -1,7 +1,5 @@
 #include "session/render/render.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "common/error.hpp"
@@ -21,9 +19,8 @@ void refuse_to_overwrite(const RenderPlan& plan) {
     std::error_code absent;
     for (const fs::path& file : {frame_file(plan.frames, 0), plan.video.value_or("")}) {
         if (plan.overwrite || file.empty() || !fs::exists(file, absent)) continue;
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("{} is there already: name another place, or say --overwrite", file.string()));
+        throw Error(ExitCode::kUsage, "{} is there already: name another place, or say --overwrite",
+                    file.string());
     }
 }
 
@@ -33,8 +30,8 @@ void prepare(const RenderPlan& plan) {
     std::error_code failure;
     fs::create_directories(plan.frames, failure);
     if (failure) {
-        throw Error(ExitCode::kData,
-                    fmt::format("cannot make the folder {}: {}", plan.frames.string(), failure.message()));
+        throw Error(ExitCode::kData, "cannot make the folder {}: {}", plan.frames.string(),
+                    failure.message());
     }
     for (std::size_t i = 0; fs::remove(frame_file(plan.frames, i), failure); ++i) {
     }
@@ -83,8 +80,8 @@ void make_video(const RenderPlan& plan) {
                      "frame_%06d.png", "-pix_fmt", "yuv420p", file.string()},
                     plan.frames, "install ffmpeg to get a video; the frames are there");
     if (result.exit_code == 0) return;
-    throw Error(ExitCode::kRunFailed, fmt::format("ffmpeg made no {}: {}; the frames are in {}",
-                                                  file.string(), result.output, plan.frames.string()));
+    throw Error(ExitCode::kRunFailed, "ffmpeg made no {}: {}; the frames are in {}", file.string(),
+                result.output, plan.frames.string());
 }
 
 }  // namespace

@@ -74,11 +74,10 @@ void ConditionNodes::wait_for_machines(const Turn& turn) {
         if (late() == nodes_.end()) return;
         const NodeKind& node = kNodes[static_cast<std::size_t>(late() - nodes_.begin())];
         if (wall_now() > deadline) {
-            throw Error(
-                ExitCode::kNetwork,
-                fmt::format("'{}' does not answer, where {} is to run, within {} s: see the logs in {}",
-                            plan_.starter->machine(node.role), node.program,
-                            to_seconds(plan_.starter->reach()), plan_.out.string()));
+            throw Error(ExitCode::kNetwork,
+                        "'{}' does not answer, where {} is to run, within {} s: see the logs in {}",
+                        plan_.starter->machine(node.role), node.program, to_seconds(plan_.starter->reach()),
+                        plan_.out.string());
         }
         turn();
     }

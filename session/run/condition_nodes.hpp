@@ -7,12 +7,14 @@
 #include <string>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "session/run/condition_files.hpp"
 #include "session/run/condition_plan.hpp"
 
 namespace thimble {
 
-class ConditionNodes {
+class ConditionNodes : boost::noncopyable {
   public:
     // One turn of the loop that keeps in touch with the nodes. Throws Error to give up.
     using Turn = std::function<void()>;
@@ -20,8 +22,6 @@ class ConditionNodes {
     // Both outlive the nodes.
     ConditionNodes(const ConditionPlan& plan, ConditionFiles& files) : plan_(plan), files_(files) {}
     ~ConditionNodes();  // ends the nodes, all at once
-    ConditionNodes(const ConditionNodes&) = delete;
-    ConditionNodes& operator=(const ConditionNodes&) = delete;
 
     // Throws Error: run failed, if a machine has no such program.
     void launch();

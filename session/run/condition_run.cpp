@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "common/runtime/node_report.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/version.hpp"
@@ -106,9 +104,9 @@ void ConditionRun::wait_for_nodes() {
         }
         if (now < begin + limit) continue;
         throw Error(ExitCode::kNetwork,
-                    fmt::format("no answer from {} within {} s on ports from {}{}: see the logs in {}",
-                                session_.missing_peers(now, kPeerTimeout), to_seconds(limit),
-                                plan_.network.base_port, why_silent(), plan_.out.string()));
+                    "no answer from {} within {} s on ports from {}{}: see the logs in {}",
+                    session_.missing_peers(now, kPeerTimeout), to_seconds(limit), plan_.network.base_port,
+                    why_silent(), plan_.out.string());
     }
 }
 

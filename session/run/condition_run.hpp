@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
 #include "session/run/condition_files.hpp"
@@ -17,13 +19,11 @@
 
 namespace thimble {
 
-class ConditionRun {
+class ConditionRun : boost::noncopyable {
   public:
     // `plan` and `events` outlive the condition. Throws Error: network, if a port is taken.
     ConditionRun(const ConditionPlan& plan, const ConditionEvents& events);
     ~ConditionRun() = default;  // ends the nodes, all at once
-    ConditionRun(const ConditionRun&) = delete;
-    ConditionRun& operator=(const ConditionRun&) = delete;
 
     // Starts the nodes, unless they run already, and waits for them. Throws Error:
     // - run failed, if a stop of an earlier session holds (stop_file.hpp), or a machine has no such program or another version;

@@ -32,8 +32,8 @@ std::string time_text() {
 }
 
 [[noreturn]] void fail_with(std::string_view what, const std::filesystem::path& path, std::string_view why) {
-    throw Error(ExitCode::kRunFailed, fmt::format("cannot {} {}: {}; a stop is kept there (docs/safety.md)",
-                                                  what, path.string(), why));
+    throw Error(ExitCode::kRunFailed, "cannot {} {}: {}; a stop is kept there (docs/safety.md)", what,
+                path.string(), why);
 }
 
 [[noreturn]] void fail_with(std::string_view what, const std::filesystem::path& path, int error) {
@@ -69,9 +69,9 @@ std::optional<StopFile::Kept> StopFile::kept() const {
 void StopFile::require_released() const {
     const auto stop = kept();
     if (!stop) return;
-    throw Error(ExitCode::kRunFailed, fmt::format("a stop holds and nothing begins: {}; once it is safe: "
-                                                  "thimble stop --release --base-port {}",
-                                                  stop->words, base_port_));
+    throw Error(ExitCode::kRunFailed,
+                "a stop holds and nothing begins: {}; once it is safe: thimble stop --release --base-port {}",
+                stop->words, base_port_);
 }
 
 // It follows no symbolic link of another user.

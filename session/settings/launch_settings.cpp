@@ -30,19 +30,17 @@ void check_flow(const LaunchSettings& launch, const NetworkSettings& network, Ro
     const auto &machine_a = launch.machine(a), &machine_b = launch.machine(b);
     const std::string& host = network.host(a);
     if (means_this_machine(host)) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("[network].host_{} is {}, which every machine takes for itself, but {} runs on {} "
-                        "and {}, which it talks to, on {}: give the address that the others reach it by",
-                        to_string(a), host, to_string(a), where(machine_a), to_string(b), where(machine_b)));
+        throw Error(ExitCode::kUsage,
+                    "[network].host_{} is {}, which every machine takes for itself, but {} runs on {} and "
+                    "{}, which it talks to, on {}: give the address that the others reach it by",
+                    to_string(a), host, to_string(a), where(machine_a), to_string(b), where(machine_b));
     }
     if (host == network.host(b)) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("[network].host_{} and host_{} are both {}, but {} runs on {} and {} on {}: each "
-                        "machine has an address of its own",
-                        to_string(a), to_string(b), host, to_string(a), where(machine_a), to_string(b),
-                        where(machine_b)));
+        throw Error(ExitCode::kUsage,
+                    "[network].host_{} and host_{} are both {}, but {} runs on {} and {} on {}: each machine "
+                    "has an address of its own",
+                    to_string(a), to_string(b), host, to_string(a), where(machine_a), to_string(b),
+                    where(machine_b));
     }
 }
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "session/settings/protocol.hpp"
 #include "visual_node/visual_settings.hpp"
 

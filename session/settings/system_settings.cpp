@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/runtime_settings.hpp"
 
@@ -30,8 +29,7 @@ void read_subject(const ConfigTable& table, SessionPlan& plan) {
     plan.kind = SubjectKind::kHuman;
     const auto participant = parse_participant(name);
     if (!participant && table.has("participant")) {
-        table.fail("participant",
-                   fmt::format("is \"{}\"; use P and a number, e.g. \"P07\", never a name", name));
+        table.fail("participant", "is \"{}\"; use P and a number, e.g. \"P07\", never a name", name);
     }
     plan.subject = participant.value_or(0);
 }
@@ -43,7 +41,7 @@ void read_modalities(const ConfigTable& table, SessionPlan& plan) {
     plan.modalities.clear();
     for (const std::string& name : names) {
         const auto modality = find_modality(name);
-        if (!modality) table.fail("modalities", fmt::format("holds \"{}\"; {}", name, kModalityHelp));
+        if (!modality) table.fail("modalities", "holds \"{}\"; {}", name, kModalityHelp);
         plan.modalities.push_back(*modality);
     }
     if (plan.modalities.empty()) table.fail("modalities", "is empty; name at least one of HF, CF, CCF, VF");

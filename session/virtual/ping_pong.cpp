@@ -11,8 +11,6 @@
 #include <thread>
 #include <unistd.h>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -34,7 +32,7 @@ int loopback_socket(sockaddr_in& address) {
     if (descriptor < 0 || bind(descriptor, generic, length) != 0 ||
         getsockname(descriptor, generic, &length) != 0 ||
         setsockopt(descriptor, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0) {
-        throw Error(ExitCode::kNetwork, fmt::format("cannot measure loopback UDP: {}", std::strerror(errno)));
+        throw Error(ExitCode::kNetwork, "cannot measure loopback UDP: {}", std::strerror(errno));
     }
     return descriptor;
 }
@@ -42,7 +40,7 @@ int loopback_socket(sockaddr_in& address) {
 void connect_to(int descriptor, const sockaddr_in& address) {
     const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
     if (connect(descriptor, generic, sizeof address) != 0) {
-        throw Error(ExitCode::kNetwork, fmt::format("cannot measure loopback UDP: {}", std::strerror(errno)));
+        throw Error(ExitCode::kNetwork, "cannot measure loopback UDP: {}", std::strerror(errno));
     }
 }
 

@@ -1,6 +1,5 @@
 #include "session/virtual/virtual_session.hpp"
 
-#include <array>
 #include <stdexcept>
 #include <utility>
 

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/time.hpp"
 
 namespace thimble {
@@ -56,7 +58,7 @@ class RumblePace {
 
 // The motors of a gamepad, by Linux's force feedback (EVIOCSFF with FF_RUMBLE; Documentation/input/ff.rst). One effect, which is
 // replaced and played again at each change. Never throws: a gamepad that cannot, or may not, is silent, and notice() says why.
-class RumbleDevice {
+class RumbleDevice : boost::noncopyable {
   public:
     // The vibration of set() stops by itself after so long, even if this program has died.
     static constexpr Duration kLasts = std::chrono::milliseconds{500};
@@ -64,8 +66,6 @@ class RumbleDevice {
     // `event`: /dev/input/eventN.
     explicit RumbleDevice(const std::filesystem::path& event);
     ~RumbleDevice();
-    RumbleDevice(const RumbleDevice&) = delete;
-    RumbleDevice& operator=(const RumbleDevice&) = delete;
 
     bool ready() const { return file_ >= 0; }
     // Why it is not ready, for people; empty if it is.

@@ -1,7 +1,6 @@
 #include "visual_node/views/experimenter_panels.hpp"
 
 #include <cmath>
-#include <initializer_list>
 #include <string_view>
 
 #include "visual_node/views/drawing.hpp"

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <epoxy/gl.h>
-#include <optional>
 #include <string_view>
 
 #include <CLI/CLI.hpp>

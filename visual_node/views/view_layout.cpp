@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <initializer_list>
 
 namespace thimble {
 namespace {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 namespace thimble {
 
 struct Tone {
@@ -19,7 +21,7 @@ struct Tone {
 // One channel, 16 bits.
 std::vector<std::int16_t> samples_of(const Tone& tone, int rate_Hz);
 
-class Beeper {
+class Beeper : boost::noncopyable {
   public:
     static constexpr int kRate_Hz = 44100;
 
@@ -29,8 +31,6 @@ class Beeper {
     struct Loopback {};
     Beeper(const Tone& tone, Loopback);
     ~Beeper();
-    Beeper(const Beeper&) = delete;
-    Beeper& operator=(const Beeper&) = delete;
 
     // False where this build has no sound at all (THIMBLE_AUDIO=OFF).
     static bool built();

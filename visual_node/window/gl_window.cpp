@@ -10,8 +10,6 @@
 #include <cstdlib>
 #include <dlfcn.h>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "visual_node/window/gl_window.hpp"
@@ -34,11 +32,10 @@ void start_glfw() {
             "'ssh -X', or under 'xvfb-run -a', or set [visual] display = \"recording\"");
     }
     if (glfwInit() == GLFW_TRUE) return;
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("no screen: {}; is the display that DISPLAY names running, and may this user draw on "
-                    "it? [visual] display = \"recording\" needs none",
-                    glfw_reason()));
+    throw Error(ExitCode::kUsage,
+                "no screen: {}; is the display that DISPLAY names running, and may this user draw on it? "
+                "[visual] display = \"recording\" needs none",
+                glfw_reason());
 }
 
 void set_hints(const WindowSettings& settings) {
@@ -64,11 +61,10 @@ GLFWwindow* open_window(const WindowSettings& settings) {
     }
     GLFWwindow* const window = glfwCreateWindow(width, height, settings.title.c_str(), monitor, nullptr);
     if (window != nullptr) return window;
-    throw Error(
-        ExitCode::kUsage,
-        fmt::format("no window with OpenGL 3.3: {}; install a driver (Debian's libgl1-mesa-dri draws in "
-                    "software) or set [visual] display = \"recording\"",
-                    glfw_reason()));
+    throw Error(ExitCode::kUsage,
+                "no window with OpenGL 3.3: {}; install a driver (Debian's libgl1-mesa-dri draws in "
+                "software) or set [visual] display = \"recording\"",
+                glfw_reason());
 }
 
 std::atomic<bool> screen_lost{false};

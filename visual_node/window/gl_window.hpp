@@ -6,7 +6,8 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <vector>
+
+#include <boost/core/noncopyable.hpp>
 
 #include "common/time.hpp"
 #include "visual_node/window/image.hpp"
@@ -45,13 +46,11 @@ struct WindowEvent {
     SessionTime time{};  // when the program took it from the window system
 };
 
-class GlWindow {
+class GlWindow : boost::noncopyable {
   public:
     // Throws Error (usage) where there is no screen, or none with OpenGL 3.3: what is missing and what to do.
     explicit GlWindow(const WindowSettings& settings);
     ~GlWindow();
-    GlWindow(const GlWindow&) = delete;
-    GlWindow& operator=(const GlWindow&) = delete;
 
     // Takes what the window system has; the events are valid until the next call. More than kMaxEvents between two
     // calls: the rest is lost.

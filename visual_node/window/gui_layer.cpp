@@ -144,8 +144,7 @@ void check_drawable(const std::string& instructions) {
     const std::string missing = undrawable(instructions);
     if (missing.empty()) return;
     throw Error(ExitCode::kUsage,
-                fmt::format("the window's font cannot draw what [instructions] holds: {}. Write it without",
-                            missing));
+                "the window's font cannot draw what [instructions] holds: {}. Write it without", missing);
 }
 
 }  // namespace thimble

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "visual_node/window/gl_window.hpp"
 
 struct ImFont;
@@ -11,13 +13,11 @@ struct ImFontAtlas;
 
 namespace thimble {
 
-class GuiLayer {
+class GuiLayer : boost::noncopyable {
   public:
     // `text`: what will be drawn beyond Latin-1, as far as the font has it.
     explicit GuiLayer(GlWindow& window, std::string text = {});
     ~GuiLayer();
-    GuiLayer(const GuiLayer&) = delete;
-    GuiLayer& operator=(const GuiLayer&) = delete;
 
     // Between GlWindow::begin_frame() and end_frame(): everything of ImGui:: is called between these two.
     void begin();

@@ -4,8 +4,6 @@
 #include <png.h>
 #include <system_error>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -33,8 +31,8 @@ void write_png(const std::filesystem::path& path, const Image& image) {
     }
     const std::string why = failed ? failed.message() : std::string(png.message);
     std::filesystem::remove(part, failed);
-    throw Error(ExitCode::kData, fmt::format("cannot write the picture '{}' ({}): does its folder exist?",
-                                             path.string(), why));
+    throw Error(ExitCode::kData, "cannot write the picture '{}' ({}): does its folder exist?", path.string(),
+                why);
 }
 
 Image read_png(const std::filesystem::path& path) {
@@ -49,7 +47,7 @@ Image read_png(const std::filesystem::path& path) {
     }
     const std::string why = png.message;
     png_image_free(&png);
-    throw Error(ExitCode::kData, fmt::format("cannot read the picture '{}': {}", path.string(), why));
+    throw Error(ExitCode::kData, "cannot read the picture '{}': {}", path.string(), why);
 }
 
 }  // namespace thimble

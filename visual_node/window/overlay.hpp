@@ -2,6 +2,8 @@
 // Lives in the thread of the window and may take its time; channels it has are its own.
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/time.hpp"
 #include "visual_node/window/gl_window.hpp"
 #include "visual_node/window/gui_layer.hpp"
@@ -16,12 +18,9 @@ struct OverlayFrame {
     const FrameTimes* times;  // null where no scene is drawn
 };
 
-class Overlay {
+class Overlay : boost::noncopyable {
   public:
     virtual ~Overlay() = default;
-    Overlay() = default;
-    Overlay(const Overlay&) = delete;
-    Overlay& operator=(const Overlay&) = delete;
 
     // Empties its channels, sends what is due; before each frame and several times in between.
     virtual void tick(SessionTime /*now*/) {}

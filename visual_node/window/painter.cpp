@@ -3,8 +3,6 @@
 #include <array>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "common/error.hpp"
 
 namespace thimble {
@@ -67,9 +65,9 @@ void require(GLint good, GLuint object, Log log) {
     std::array<char, 1024> words{};
     log(object, words.size(), nullptr, words.data());
     throw Error(ExitCode::kRunFailed,
-                fmt::format("OpenGL refuses the shader 'tissue': {}; another driver may take it "
-                            "(LIBGL_ALWAYS_SOFTWARE=1 draws in software)",
-                            words.data()));
+                "OpenGL refuses the shader 'tissue': {}; another driver may take it (LIBGL_ALWAYS_SOFTWARE=1 "
+                "draws in software)",
+                words.data());
 }
 
 void attach(GLuint program, GLenum kind, const char* source) {

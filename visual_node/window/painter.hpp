@@ -3,18 +3,18 @@
 
 #include <epoxy/gl.h>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "visual_node/window/picture.hpp"
 
 namespace thimble {
 
-class Painter {
+class Painter : boost::noncopyable {
   public:
     // Made while a context is current; used and destroyed in the same thread. Throws Error (run failed) with the driver's words if it
     // cannot compile a shader.
     Painter();
     ~Painter();
-    Painter(const Painter&) = delete;
-    Painter& operator=(const Painter&) = delete;
 
     // Into the lower left picture.size pixels of the current framebuffer. Does not clear. The rest of a Picture is draw_over_tissue()'s
     // (captions.hpp).

@@ -6,19 +6,19 @@
 #include <mutex>
 #include <thread>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/hid/hid_connection.hpp"
 #include "common/runtime/runtime_settings.hpp"
 
 namespace thimble {
 
-class HidThread {
+class HidThread : boost::noncopyable {
   public:
     // Starts at once, scheduled as the node's loop is: what is felt may come from here. `user` outlives this. Throws Error
     // as make_hidapi_bus().
     HidThread(HidUser& user, const RuntimeSettings& runtime);
     ~HidThread();
-    HidThread(const HidThread&) = delete;
-    HidThread& operator=(const HidThread&) = delete;
 
   private:
     void run(const RuntimeSettings& runtime);

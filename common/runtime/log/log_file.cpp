@@ -1,12 +1,9 @@
 #include "common/runtime/log/log_file.hpp"
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <unistd.h>
-
-#include <fmt/format.h>
 
 #include "common/error.hpp"
 
@@ -38,8 +35,8 @@ LogFile::LogFile(const std::filesystem::path& path) : path_(path) {
     }
     const char* advice =
         errno == EEXIST ? "a log is never overwritten: name another file" : "check folder and permissions";
-    throw Error(ExitCode::kUsage, fmt::format("cannot create the log '{}': {}; {}", path.string(),
-                                              std::strerror(errno), advice));
+    throw Error(ExitCode::kUsage, "cannot create the log '{}': {}; {}", path.string(), std::strerror(errno),
+                advice);
 }
 
 LogFile::~LogFile() {
@@ -72,12 +69,11 @@ void LogFile::give_back(const std::function<void(Bytes)>& use) {
             const auto got = pread(aside_, portion.data() + done, size - done, static_cast<off_t>(at + done));
             if (got < 0 && errno == EINTR) continue;
             if (got <= 0) {
-                throw Error(
-                    ExitCode::kRunFailed,
-                    fmt::format(
-                        "the log '{}' has no index: it cannot be read back ({}); 'thimble log repair' "
-                        "makes another",
-                        short_path(path_), got == 0 ? "it is shorter than it was" : std::strerror(errno)));
+                throw Error(ExitCode::kRunFailed,
+
+                            "the log '{}' has no index: it cannot be read back ({}); 'thimble log repair' "
+                            "makes another",
+                            short_path(path_), got == 0 ? "it is shorter than it was" : std::strerror(errno));
             }
             done += static_cast<std::size_t>(got);
         }
@@ -97,12 +93,11 @@ void LogFile::write(Bytes bytes) {
             // Half a record would be in the way of what may still fit.
             static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(size_)) == 0);
             lseek(descriptor_, static_cast<off_t>(size_), SEEK_SET);
-            throw Error(
-                ExitCode::kRunFailed,
-                fmt::format(
-                    "the log '{}' cannot be written: {}; make room there or write elsewhere, and start "
-                    "anew. What it holds can be read",
-                    short_path(path_), std::strerror(error)));
+            throw Error(ExitCode::kRunFailed,
+
+                        "the log '{}' cannot be written: {}; make room there or write elsewhere, and start "
+                        "anew. What it holds can be read",
+                        short_path(path_), std::strerror(error));
         }
     }
     size_ += bytes.size();

@@ -6,17 +6,17 @@
 #include <functional>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/log/mcap_writer.hpp"
 
 namespace thimble {
 
-class LogFile final : public McapSink {
+class LogFile final : public McapSink, boost::noncopyable {
   public:
     // Throws Error (usage) if there is such a file already, or if it cannot be created.
     explicit LogFile(const std::filesystem::path& path);
     ~LogFile();
-    LogFile(const LogFile&) = delete;
-    LogFile& operator=(const LogFile&) = delete;
 
     // Throws Error (run failed), in words for people, and leaves the file as it was before.
     void write(Bytes bytes) override;

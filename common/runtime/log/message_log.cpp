@@ -1,6 +1,5 @@
 #include "common/runtime/log/message_log.hpp"
 
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <poll.h>
@@ -8,7 +7,6 @@
 #include <unistd.h>
 #include <utility>
 
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "common/codec.hpp"

@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/log/byte_queue.hpp"
 #include "common/log/log_settings.hpp"
 #include "common/log/mcap_bytes.hpp"
@@ -36,12 +38,10 @@ struct LogOrigin {
     std::vector<std::filesystem::path> files;  // attached with it
 };
 
-class MessageLog final : public Recorder {
+class MessageLog final : public Recorder, boost::noncopyable {
   public:
     MessageLog();
     ~MessageLog();
-    MessageLog(const MessageLog&) = delete;
-    MessageLog& operator=(const MessageLog&) = delete;
 
     // A channel in front of `channel`, whose datagrams are written down as of the flows that arrive at these ports.
     // Only before start().

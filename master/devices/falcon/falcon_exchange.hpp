@@ -13,6 +13,8 @@
 #include <optional>
 #include <thread>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "master/devices/falcon/falcon_link.hpp"
 #include "master/devices/falcon/falcon_packet.hpp"
 
@@ -25,14 +27,12 @@ struct alignas(8) FalconWord {  // as clang wants it to read and write the whole
 };
 static_assert(std::atomic<FalconWord>::is_always_lock_free);
 
-class FalconExchange {
+class FalconExchange : boost::noncopyable {
   public:
     static constexpr int kUnattendedTurns = 20;
 
     explicit FalconExchange(FalconLink& link) : link_(&link) {}
     ~FalconExchange() { stop(); }
-    FalconExchange(const FalconExchange&) = delete;
-    FalconExchange& operator=(const FalconExchange&) = delete;
 
     // The thread, which calls `prepare` first (scheduling belongs to threads). Without it a test calls turn().
     void start(std::function<void()> prepare = {});

@@ -1,7 +1,6 @@
 #include "master/devices/falcon/falcon_handle.hpp"
 
 #include <bit>
-#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -7,16 +7,15 @@
 #include <string>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
+
 #include "common/time.hpp"
 
 namespace thimble {
 
-class FalconLink {
+class FalconLink : boost::noncopyable {
   public:
     virtual ~FalconLink() = default;
-    FalconLink() = default;
-    FalconLink(const FalconLink&) = delete;
-    FalconLink& operator=(const FalconLink&) = delete;
 
     // A vendor's request to the chip, without data. False if it failed.
     virtual bool control(std::uint8_t request, std::uint16_t value) = 0;

@@ -116,29 +116,26 @@ void load_falcon_firmware(FalconLink& link, std::span<const std::uint8_t> image)
         if (failed.empty()) return;
     }
     throw Error(ExitCode::kRunFailed,
-                fmt::format("the Falcon's firmware could not be loaded: {} failed {} times ({}). Unplug the "
-                            "Falcon from power and "
-                            "USB, plug both in again, no hub between; is the file a firmware for it?",
-                            failed, kLoads, link.last_error()));
+                "the Falcon's firmware could not be loaded: {} failed {} times ({}). Unplug the Falcon from "
+                "power and USB, plug both in again, no hub between; is the file a firmware for it?",
+                failed, kLoads, link.last_error());
 }
 
 std::vector<std::uint8_t> read_falcon_firmware(const std::string& path, const std::string& sha256) {
     std::ifstream file(path, std::ios::binary);
     std::vector<std::uint8_t> image{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     if (!file || image.empty()) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("cannot read the Falcon's firmware '{}' ([handle.falcon] firmware): {}", path,
-                                file ? "it is empty" : std::strerror(errno)));
+        throw Error(ExitCode::kUsage, "cannot read the Falcon's firmware '{}' ([handle.falcon] firmware): {}",
+                    path, file ? "it is empty" : std::strerror(errno));
     }
     std::array<std::uint8_t, crypto_hash_sha256_BYTES> sum{};
     crypto_hash_sha256(sum.data(), image.data(), image.size());
     if (hexadecimal(sum) != sha256) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format(
-                "the Falcon's firmware '{}' is not the one that the session file means: its SHA-256 is {}, "
-                "[handle.falcon] firmware_sha256 says {}",
-                path, hexadecimal(sum), sha256));
+        throw Error(ExitCode::kUsage,
+
+                    "the Falcon's firmware '{}' is not the one that the session file means: its SHA-256 is "
+                    "{}, [handle.falcon] firmware_sha256 says {}",
+                    path, hexadecimal(sum), sha256);
     }
     return image;
 }

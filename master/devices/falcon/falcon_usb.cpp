@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <boost/core/noncopyable.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
@@ -93,7 +94,7 @@ std::string falcon_advice() {
 }
 
 // The claimed device; all that belongs to libusb goes with this object.
-class OpenedUsb {
+class OpenedUsb : boost::noncopyable {
   public:
     explicit OpenedUsb(const std::string& wanted_serial) {
         if (libusb_init(&context_) != LIBUSB_SUCCESS)
@@ -106,8 +107,6 @@ class OpenedUsb {
         }
     }
     ~OpenedUsb() { close(); }
-    OpenedUsb(const OpenedUsb&) = delete;
-    OpenedUsb& operator=(const OpenedUsb&) = delete;
 
     libusb_device_handle* handle() const { return handle_; }
     const std::string& serial() const { return serial_; }
@@ -121,17 +120,16 @@ class OpenedUsb {
         if (count >= 0) libusb_free_device_list(devices, 1);
         std::sort(serials.begin(), serials.end());
         if (serials.size() > 1 && wanted_serial.empty()) {
-            throw Error(ExitCode::kUsage, fmt::format("{} Falcons are connected, with the serial numbers {}: "
-                                                      "name one by [handle.falcon] serial",
-                                                      serials.size(), fmt::join(serials, ", ")));
-        }
-        if (handle_ == nullptr) {
             throw Error(
                 ExitCode::kUsage,
-                fmt::format("no Novint Falcon{} to be had{}: {}",
-                            wanted_serial.empty() ? "" : fmt::format(" with serial '{}'", wanted_serial),
-                            serials.empty() ? "" : fmt::format(" (there are {})", fmt::join(serials, ", ")),
-                            falcon_advice()));
+                "{} Falcons are connected, with the serial numbers {}: name one by [handle.falcon] serial",
+                serials.size(), fmt::join(serials, ", "));
+        }
+        if (handle_ == nullptr) {
+            throw Error(ExitCode::kUsage, "no Novint Falcon{} to be had{}: {}",
+                        wanted_serial.empty() ? "" : fmt::format(" with serial '{}'", wanted_serial),
+                        serials.empty() ? "" : fmt::format(" (there are {})", fmt::join(serials, ", ")),
+                        falcon_advice());
         }
         libusb_set_auto_detach_kernel_driver(handle_, 1);
         if (libusb_claim_interface(handle_, 0) != LIBUSB_SUCCESS)

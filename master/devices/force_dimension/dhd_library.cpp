@@ -101,8 +101,8 @@ DhdLibrary::DhdLibrary(const std::string& file) {
         tried.push_back(dl_words() + missing_link(one));
     }
     if (handle_ == nullptr) {
-        throw Error(ExitCode::kUsage, fmt::format("no library for the Force Dimension handle:\n  {}\n{}",
-                                                  fmt::join(tried, "\n  "), kWhereToGetIt));
+        throw Error(ExitCode::kUsage, "no library for the Force Dimension handle:\n  {}\n{}",
+                    fmt::join(tried, "\n  "), kWhereToGetIt);
     }
     bind();
 }
@@ -125,10 +125,9 @@ void DhdLibrary::bind() {
         if (function != nullptr) return;
         const std::string file = std::exchange(file_, "");
         dlclose(std::exchange(handle_, nullptr));
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("{} has no function {}: it is no Force Dimension library, or older than SDK 3.6. {}",
-                        file, name, kWhereToGetIt));
+        throw Error(ExitCode::kUsage,
+                    "{} has no function {}: it is no Force Dimension library, or older than SDK 3.6. {}",
+                    file, name, kWhereToGetIt);
     };
     DhdFunctions& f = functions_;
     needed("dhdOpenID", f.open_id);

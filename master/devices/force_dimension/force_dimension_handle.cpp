@@ -81,15 +81,14 @@ int ForceDimensionHandle::serial_of(int id) const {
 void ForceDimensionHandle::open(int wanted_serial) {
     const int count = dhd_.device_count();
     if (count <= 0) {
-        throw Error(ExitCode::kUsage, fmt::format("no Force Dimension handle found by {}: {}",
-                                                  library_.file(), force_dimension_advice()));
+        throw Error(ExitCode::kUsage, "no Force Dimension handle found by {}: {}", library_.file(),
+                    force_dimension_advice());
     }
     if (count > 1 && wanted_serial == 0) {
-        throw Error(
-            ExitCode::kUsage,
-            fmt::format("{} Force Dimension devices are connected: name one by [handle.force_dimension] "
-                        "serial (it stands on its base)",
-                        count));
+        throw Error(ExitCode::kUsage,
+                    "{} Force Dimension devices are connected: name one by [handle.force_dimension] serial "
+                    "(it stands on its base)",
+                    count);
     }
     std::vector<std::string> others;
     others.reserve(static_cast<std::size_t>(count));
@@ -107,10 +106,9 @@ void ForceDimensionHandle::open(int wanted_serial) {
         others.push_back(fmt::format("number {} has serial {}", index, serial));
         dhd_.close(static_cast<char>(id));
     }
-    throw Error(ExitCode::kUsage,
-                fmt::format("cannot open the Force Dimension handle{}: {}. {}",
-                            wanted_serial == 0 ? "" : fmt::format(" with serial {}", wanted_serial),
-                            fmt::join(others, "; "), force_dimension_advice()));
+    throw Error(ExitCode::kUsage, "cannot open the Force Dimension handle{}: {}. {}",
+                wanted_serial == 0 ? "" : fmt::format(" with serial {}", wanted_serial),
+                fmt::join(others, "; "), force_dimension_advice());
 }
 
 void ForceDimensionHandle::prepare() {
@@ -120,25 +118,24 @@ void ForceDimensionHandle::prepare() {
                         serial_of(id_), library_.version());
     for (const int unfit : kControllerTypes) {
         if (type != unfit) continue;
-        throw Error(ExitCode::kUsage, fmt::format("{} (type {}) is no handle for device = "
-                                                  "\"force-dimension\": a Falcon has a driver of its own "
-                                                  "here, and a bare controller has no arm",
-                                                  name_, type));
+        throw Error(ExitCode::kUsage,
+                    "{} (type {}) is no handle for device = \"force-dimension\": a Falcon has a driver of "
+                    "its own here, and a bare controller has no arm",
+                    name_, type);
     }
     if (settings_.stop_button >= 0 &&
         (dhd_.button == nullptr || dhd_.button(settings_.stop_button, id_) < 0)) {
-        throw Error(ExitCode::kUsage,
-                    fmt::format("{} has no button {}, which [handle.force_dimension] stop_button names",
-                                name_, settings_.stop_button));
+        throw Error(ExitCode::kUsage, "{} has no button {}, which [handle.force_dimension] stop_button names",
+                    name_, settings_.stop_button);
     }
     StatusArray status{};
     if (dhd_.status(status.data(), id_) < 0)
-        throw Error(ExitCode::kRunFailed, fmt::format("{} does not say how it is: {}", name_, last_error()));
+        throw Error(ExitCode::kRunFailed, "{} does not say how it is: {}", name_, last_error());
     if (const std::string trouble = describe_status(status.data()); !trouble.empty())
-        throw Error(ExitCode::kRunFailed, fmt::format("{}: {}", name_, trouble));
+        throw Error(ExitCode::kRunFailed, "{}: {}", name_, trouble);
     const auto demand = [&](int answer, const char* what) {
         if (answer >= 0) return;
-        throw Error(ExitCode::kRunFailed, fmt::format("{} refuses {}: {}", name_, what, last_error()));
+        throw Error(ExitCode::kRunFailed, "{} refuses {}: {}", name_, what, last_error());
     };
     const AxisSettings& axis = settings_.axis;
     const double lateral_N = axis.lateral == LateralHold::kVirtual ? axis.lateral_force_limit_N : 0;
@@ -151,10 +148,10 @@ void ForceDimensionHandle::prepare() {
                      dhd_.enable_expert_mode() >= 0 && dhd_.set_watchdog(kWatchdogTicks, id_) >= 0;
     if (dhd_.disable_expert_mode != nullptr) dhd_.disable_expert_mode();
     if (!set) {
-        throw Error(ExitCode::kRunFailed, fmt::format("{} has no watchdog that could be set ({}): with "
-                                                      "[handle.force_dimension] watchdog = false it "
-                                                      "keeps its last force if this program hangs",
-                                                      name_, last_error()));
+        throw Error(ExitCode::kRunFailed,
+                    "{} has no watchdog that could be set ({}): with [handle.force_dimension] watchdog = "
+                    "false it keeps its last force if this program hangs",
+                    name_, last_error());
     }
 }
 
