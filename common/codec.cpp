@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/codec_fields.hpp"
+#include "messages_bfbs_generated.h"
 #include "messages_generated.h"
 
 namespace thimble {
@@ -249,5 +250,7 @@ const char* to_string(Refusal refusal) {
     const auto index = static_cast<std::size_t>(refusal);
     return index < kNames.size() ? kNames[index] : "none";
 }
+
+Bytes wire_schema() { return {wire::PacketBinarySchema::data(), wire::PacketBinarySchema::size()}; }
 
 }  // namespace thimble

@@ -11,6 +11,10 @@
 
 namespace thimble {
 
+// messages.fbs as FlatBuffers writes schemas down (reflection.fbs): made by flatc at build time, and part of every log.
+inline constexpr const char* kWireSchemaName = "thimble.wire.Packet";
+Bytes wire_schema();
+
 // Why a datagram was refused; each has a counter of this name in every node's report.
 enum class Refusal : std::uint8_t {
     kTooShort,

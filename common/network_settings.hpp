@@ -69,6 +69,7 @@ inline constexpr auto kEveryPort = [] {
 struct Flow {
     Role listens = Role::kSession, hears = Role::kSession;
     const char* what = "";
+    const char* topic = "";  // in a log (docs/log.md): the same at both ends and on both sides of the relay
     bool from_all = false;  // the machines of every role are heard, not only that of `hears`
 };
 const Flow& flow(Port port);

@@ -1,7 +1,10 @@
 // A channel for virtual time: datagrams arrive the moment they are sent. Delay is the LinkModel's business.
 #pragma once
 
+#include <bit>
+#include <cassert>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 
 #include "common/channel.hpp"
@@ -11,7 +14,11 @@ namespace thimble {
 class QueueChannel final : public Channel {
   public:
     // `capacity` datagrams wait at most; one more is lost and counted. A power of two.
-    explicit QueueChannel(std::size_t capacity = 64);
+    explicit QueueChannel(std::size_t capacity = 64)
+        : capacity_(capacity), slots_(std::make_unique_for_overwrite<Slot[]>(capacity)) {
+        assert(std::has_single_bit(capacity) && capacity > 1);
+        known_empty_ = true;
+    }
 
     // `peer` receives the datagrams that this end sends.
     void connect(QueueChannel& peer) { peer_ = &peer; }
@@ -21,7 +28,9 @@ class QueueChannel final : public Channel {
         bit_ = bit;
     }
 
-    void send(Bytes datagram) override;
+    void send(Bytes datagram) override {
+        if (peer_ != nullptr) peer_->deliver(datagram);
+    }
 
     std::uint64_t lost() const { return lost_; }
 
@@ -30,8 +39,26 @@ class QueueChannel final : public Channel {
         std::uint32_t size;
         alignas(16) std::uint8_t bytes[kMaxDatagramBytes];
     };
-    Bytes take() override;
-    void deliver(Bytes datagram);
+    Bytes take() override {
+        const Slot& slot = slots_[head_++ & (capacity_ - 1)];
+        known_empty_ = head_ == tail_;
+        return {slot.bytes, slot.size};
+    }
+
+    void deliver(Bytes datagram) {
+        // A channel that is drained at once uses one slot, always in the cache.
+        if (released_) head_ = tail_ = 0;
+        // One slot stays free: it is the one a receiver may still be reading.
+        if (datagram.size() > kMaxDatagramBytes || tail_ - head_ + 1 >= capacity_) {
+            ++lost_;
+            return;
+        }
+        Slot& slot = slots_[tail_++ & (capacity_ - 1)];
+        slot.size = static_cast<std::uint32_t>(datagram.size());
+        std::memcpy(slot.bytes, datagram.data(), datagram.size());
+        known_empty_ = released_ = false;
+        if (mask_ != nullptr) *mask_ |= bit_;
+    }
 
     std::size_t capacity_;
     std::unique_ptr<Slot[]> slots_;

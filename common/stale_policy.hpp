@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include <fmt/format.h>
+
 #include "common/config.hpp"
 #include "common/time.hpp"
 
@@ -15,7 +17,9 @@ namespace thimble {
 
 enum class StaleMode : std::uint8_t { kHold, kRamp, kZero };
 inline constexpr std::array<std::string_view, 3> kStaleModeNames{"hold", "ramp", "zero"};
-const char* to_string(StaleMode mode);
+inline const char* to_string(StaleMode mode) {
+    return kStaleModeNames[static_cast<std::size_t>(mode)].data();
+}
 
 struct StalePolicy {
     StaleMode mode = StaleMode::kZero;
@@ -30,11 +34,29 @@ struct StalePolicy {
         return std::max(0.0, 1 - to_seconds(silence - after) / to_seconds(ramp));
     }
     // "ramp to zero within 20 ms after 100 ms": for logs and reports.
-    std::string text() const;
+    std::string text() const {
+        const double after_ms = 1000 * to_seconds(after);
+        if (mode == StaleMode::kHold) return fmt::format("hold after {:g} ms", after_ms);
+        if (mode == StaleMode::kZero) return fmt::format("zero after {:g} ms", after_ms);
+        return fmt::format("ramp to zero within {:g} ms after {:g} ms", 1000 * to_seconds(ramp), after_ms);
+    }
 };
 
 // Keys stale ("hold", "ramp" or "zero"), stale_after_s and stale_ramp_s of a node's own table. Throws Error (usage).
-StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Duration shortest,
-                              Duration longest);
+inline StalePolicy read_stale_policy(const ConfigTable& table, StalePolicy defaults, Duration shortest,
+                                     Duration longest) {
+    StalePolicy policy = defaults;
+    table.read(
+        "stale", policy.mode, kStaleModeNames,
+        "Without feedback keep the last output (hold), let it fall (ramp), or have none at once (zero).");
+    table.read("stale_after_s", policy.after, to_seconds(shortest), to_seconds(longest),
+               "Without feedback for so long the output does what stale says.");
+    table.read("stale_ramp_s", policy.ramp, 0, 1, "ramp: how long the output takes to fall.");
+    if (table.has("stale_ramp_s") && policy.mode != StaleMode::kRamp) {
+        table.fail("stale_ramp_s", "is of stale = \"ramp\" only, and stale is \"{}\"",
+                   to_string(policy.mode));
+    }
+    return policy;
+}
 
 }  // namespace thimble

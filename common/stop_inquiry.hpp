@@ -3,6 +3,8 @@
 // again, and however slow the network or this program. No clock: `now` is the caller's.
 #pragma once
 
+#include <algorithm>
+#include <variant>
 #include <vector>
 
 #include <boost/core/noncopyable.hpp>
@@ -24,16 +26,45 @@ class StopInquiry {
         held_.reserve(kMostAnswers);
     }
 
-    void ask(SessionTime now);
+    void ask(SessionTime now) {
+        if (begun_ == kNever) begun_ = now;
+        out_->send(now, 0, StopOrder(0, StopKind::kAsk, EndReason::kEmergencyStop, {}));
+    }
+
     // Takes the answers that have come, to questions or to a stop.
-    void hear(SessionTime now);
+    void hear(SessionTime now) {
+        if (begun_ == kNever) begun_ = now;
+        for (Channel* channel : at_) hear(now, *channel);
+    }
+
     // Each stop once for each program that holds it.
     const std::vector<LatchedStop>& held() const { return held_; }
 
   private:
     static constexpr std::size_t kMostAnswers = 192;  // what six programs can hold
-    void hear(SessionTime now, Channel& channel);
-    void note(const LatchedStop& answer);
+    void hear(SessionTime now, Channel& channel) {
+        for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
+            const Bytes in = channel.receive();
+            if (in.empty()) return;
+            if (decode_into(in, message_)) continue;
+            const auto* order = std::get_if<StopOrder>(&message_.body);
+            if (order == nullptr || order->kind != StopKind::kStop) continue;
+            // It had been held for so long when it was answered, which was before now.
+            const Duration held = std::chrono::milliseconds{order->held_ms};
+            note({message_.header.sender, *order, held >= std::max<Duration>(kHeldAtLeast, now - begun_)});
+        }
+    }
+
+    void note(const LatchedStop& answer) {
+        const auto known = std::find_if(held_.begin(), held_.end(), [&answer](const LatchedStop& other) {
+            return other.by == answer.by && other.stop.id == answer.stop.id;
+        });
+        if (known != held_.end()) {
+            known->since_before = known->since_before || answer.since_before;
+        } else if (held_.size() < kMostAnswers) {
+            held_.push_back(answer);
+        }
+    }
 
     OutboundFlow* out_;
     StopOutlets at_;
@@ -56,7 +87,19 @@ class StopRelease : boost::noncopyable {
           inquiry_(out_, at) {}
 
     // kRounds of them, every kStopRepeat.
-    void round(SessionTime now);
+    void round(SessionTime now) {
+        inquiry_.hear(now);
+        if (rounds_++ < kAskTimes) inquiry_.ask(now);
+        for (const LatchedStop& held : inquiry_.held()) {
+            const bool known = std::any_of(stops_.begin(), stops_.end(), [&held](const StopOrder& other) {
+                return other.id == held.stop.id;
+            });
+            if (held.since_before && !known) stops_.push_back(held.stop);
+        }
+        for (const StopOrder& stop : stops_)
+            out_.send(now, 0, StopOrder(stop.id, StopKind::kRelease, EndReason::kEmergencyStop, {}));
+    }
+
     // The stops named so far, each once.
     const std::vector<StopOrder>& stops() const { return stops_; }
 

@@ -14,12 +14,25 @@ class CutaneousProcess final : public NodeProcess {
   public:
     // Opens its channels. `actuator` outlives the process.
     CutaneousProcess(std::uint64_t instance, const CutaneousSettings& settings, Ports& ports,
-                     FingertipActuator& actuator);
+                     FingertipActuator& actuator)
+        : NodeProcess(Role::kCutaneous, instance,
+                      *ports.between(Port::kCutaneousControl, Port::kSessionCutaneous)),
+          force_in_(ports.inlet(Port::kCutaneousForce)),
+          percept_flow_(Role::kCutaneous, instance, {ports.outlet(Port::kMasterPerceptCutaneous)}),
+          actuator_(settings.guard_limit_N, actuator),
+          node_(settings, actuator_) {
+        join_stop_bus(ports);
+    }
 
     const StaleRecord& stale_record() const { return stale_record_; }
 
   protected:
-    void begin_trial(SessionTime now, const SessionControl& control) override;
+    void begin_trial(SessionTime now, const SessionControl& control) override {
+        force_flow_.expect_from(now + first_answer_within(control) + kPeerTimeout);  // the master starts last
+        actuator_.clear(now);
+        node_.start_trial(now, control, force_flow_.last_accepted());
+    }
+
     void end_trial(SessionTime now) override {
         stale_record_.end(now);
         node_.end_trial(now);
@@ -28,7 +41,17 @@ class CutaneousProcess final : public NodeProcess {
         force_flow_.excuse_silence_until(now + silence_of_change(control));
         node_.network_changed(silence_of_change(control));
     }
-    void work(SessionTime now) override;
+    void work(SessionTime now) override {
+        node_.begin_tick(now, since_last_tick(), resting());
+        force_flow_.drain<ForceFeedback>(now, *force_in_, running(), trial(),
+                                         [&](const Header& header, const ForceFeedback& feedback) {
+                                             node_.on_feedback(now, header.send_time, feedback);
+                                         });
+        if (running() && node_.presses()) stale_record_.watch(now, trial(), node_.stale(now));
+        actuator_.tick(now);
+        if (const auto percept = node_.percept(now)) percept_flow_.send(now, trial(), *percept);
+    }
+
     SessionTime next_work() const override { return std::min(node_.next_percept(), actuator_.next_wakeup()); }
     // Of a trial whose fingers are pressed by it: the others can do without.
     std::string_view device_fault() const override {

@@ -1,6 +1,7 @@
 // thimble-master: the handle with the operator's hand on it.
 #include <memory>
 
+#include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
@@ -82,8 +83,9 @@ int main(int argc, char** argv) {
         "person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
     program.example = "thimble-master deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "guard", "handle", "operator", "control"};
-    program.flags = {
-        {"--pointer", "a person's pointer draws the handle, instead of [handle].device", &pointer}};
+    program.add_options = [&pointer](CLI::App& app) {
+        app.add_flag("--pointer", pointer, "a person's pointer draws the handle, instead of [handle].device");
+    };
     program.build = [&pointer](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         HandleSettings settings = read_handle_settings(file.table("handle"));
         if (pointer) settings.kind = HandleKind::kPointer;

@@ -2,11 +2,13 @@
 // never looks inside them.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "common/node_process.hpp"
 #include "netem/link_model.hpp"
 #include "netem/netem_settings.hpp"
+#include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 
@@ -32,24 +34,80 @@ struct Relay {
 class NetemProcess final : public NodeProcess {
   public:
     // Opens its channels: the needle's link and three for the force.
-    NetemProcess(std::uint64_t instance, const NetemSettings& settings, Ports& ports);
+    NetemProcess(std::uint64_t instance, const NetemSettings& s, Ports& ports)
+        : NodeProcess(Role::kNetem, instance, *ports.between(Port::kNetemControl, Port::kSessionNetem)) {
+        const auto add = [&](Port in, Port out, Direction direction) {
+            const bool up = direction == kDirectionNeedle;
+            Channel* const from = ports.inlet(in);
+            relays_.emplace_back(from, ports.outlet(out), up ? s.needle : s.force, direction,
+                                 up ? s.needle_timeline : s.force_timeline);
+        };
+        add(Port::kNetemNeedle, Port::kSlaveNeedle, kDirectionNeedle);
+        add(Port::kNetemForceMaster, Port::kMasterForce, kDirectionForceMaster);
+        add(Port::kNetemForceCutaneous, Port::kCutaneousForce, kDirectionForceCutaneous);
+        add(Port::kNetemForceVisual, Port::kVisualForce, kDirectionForceVisual);
+        join_stop_bus(ports);
+    }
 
     const std::vector<Relay>& relays() const { return relays_; }
 
   protected:
-    void begin_trial(SessionTime now, const SessionControl& control) override;
+    void begin_trial(SessionTime now, const SessionControl& control) override {
+        for (Relay& relay : relays_) {
+            relay.before += relay.model.counters();
+            if (relay.changed) relay.model.change(now, relay.start);
+            relay.model.restart({control.study_seed, control.experiment, control.subject, trial()}, now);
+        }
+    }
+
     void end_trial(SessionTime /*now*/) override {}  // what is in flight still arrives, as in a real network
     // A profile's two ways, by its name among those that come with the program, and the force path's delay. Packets in
     // flight keep their fate. On a link in order none overtakes them: after a shorter delay the new packets wait for the
     // old ones. Where the profile stays, so do all settings but the delay. The next trial begins with the same. An
     // unknown name changes the delay alone.
-    void network_changed(SessionTime now, const SessionControl& control) override;
-    void work(SessionTime now) override;
-    SessionTime next_work() const override;
+    void network_changed(SessionTime now, const SessionControl& control) override {
+        for (Relay& relay : relays_) change(now, relay, control);
+    }
+
+    void work(SessionTime now) override {
+        for (Relay& relay : relays_) {
+            send_due(now, relay);  // first what is late already
+            bool arrived = false;
+            for (int taken = 0; taken < kMostRefusedAtOnce; ++taken) {
+                const Bytes in = relay.from->receive();
+                if (in.empty()) break;
+                relay.model.push(now, in);
+                arrived = true;
+            }
+            if (arrived) send_due(now, relay);
+        }
+    }
+
+    SessionTime next_work() const override {
+        SessionTime next = kNever;
+        for (const Relay& relay : relays_) next = std::min(next, relay.model.next_due());
+        return next;
+    }
 
   private:
-    static void send_due(SessionTime now, Relay& relay);
-    static void change(SessionTime now, Relay& relay, const SessionControl& control);
+    static void send_due(SessionTime now, Relay& relay) {
+        for (Bytes out = relay.model.pop_due(now); !out.empty(); out = relay.model.pop_due(now))
+            relay.to->send(out);
+    }
+
+    static void change(SessionTime now, Relay& relay, const SessionControl& control) {
+        LinkSettings settings = relay.model.settings();
+        const LinkProfile* profile =
+            control.network == relay.network ? nullptr : built_in_profile(control.network.view());
+        if (profile != nullptr) {
+            relay.network = control.network;
+            relay.start = settings = relay.delayed ? profile->down : profile->up;
+        }
+        if (relay.delayed) relay.start.delay = settings.delay = from_seconds(control.network_delay_s);
+        if (profile == nullptr && !relay.delayed) return;
+        relay.changed = true;
+        relay.model.change(now, settings);
+    }
 
     std::vector<Relay> relays_;
 };

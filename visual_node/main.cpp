@@ -1,6 +1,8 @@
 // thimble-visual: what the operator may see.
 #include <utility>
 
+#include <CLI/CLI.hpp>
+
 #include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/node_report.hpp"
@@ -98,15 +100,15 @@ int main(int argc, char** argv) {
         "frames.";
     program.example = "thimble-visual deploy/sessions/delay50.toml --window";
     program.tables = {"network", "runtime", "visual", "instructions"};
-    program.flags = {{"--window", "open a window, whatever [visual].display says", &choices.window},
-                     {"--fullscreen", "the window fills the screen", &choices.fullscreen}};
-    program.texts = {
-        {"--view",
-         "subject: the scene alone, and the pointer as the hand where [handle] device says so; player: the "
-         "pointer and a panel (implies --window)",
-         &choices.view,
-         {"subject", "player"}},
-        {"--screenshot", "save the last picture to this PNG file", &choices.screenshot}};
+    program.add_options = [&choices](CLI::App& app) {
+        app.add_flag("--window", choices.window, "open a window, whatever [visual].display says");
+        app.add_flag("--fullscreen", choices.fullscreen, "the window fills the screen");
+        app.add_option("--view", choices.view,
+                       "subject: the scene alone, and the pointer as the hand where [handle] device says so; "
+                       "player: the pointer and a panel (implies --window)")
+            ->check(CLI::IsMember({"subject", "player"}));
+        app.add_option("--screenshot", choices.screenshot, "save the last picture to this PNG file");
+    };
     program.build = [&choices](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         return build(choices, file, sockets, instance);
     };

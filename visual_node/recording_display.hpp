@@ -2,6 +2,8 @@
 // panel) and is remembered for whoever wants to check what was shown.
 #pragma once
 
+#include <algorithm>
+#include <cassert>
 #include <cstdint>
 #include <vector>
 
@@ -12,11 +14,28 @@ namespace thimble {
 class RecordingDisplay final : public Display {
   public:
     // Remembers at most `capacity` frames, those on their way included.
-    explicit RecordingDisplay(Duration pipeline, std::size_t capacity = 256);
+    explicit RecordingDisplay(Duration pipeline, std::size_t capacity = 256)
+        : pipeline_(pipeline), ring_(capacity) {
+        assert(pipeline >= Duration::zero() && capacity > 0);
+    }
 
     // With `capacity` frames on their way already, the new one is dropped and counted.
-    void draw(SessionTime now, const Scene& scene) override;
-    std::optional<ShownScene> shown(SessionTime now) override;
+    void draw(SessionTime now, const Scene& scene) override {
+        if (drawn_ - shown_ == ring_.size()) {
+            ++dropped_;
+            return;
+        }
+        at(drawn_) = {scene, now + pipeline_};
+        if (shown_ == drawn_++) next_shown_ = now + pipeline_;
+    }
+
+    std::optional<ShownScene> shown(SessionTime now) override {
+        if (now < next_shown_) return std::nullopt;
+        const ShownScene& scene = at(shown_++);
+        next_shown_ = shown_ == drawn_ ? kNever : at(shown_).shown_at;
+        return scene;
+    }
+
     SessionTime next_shown() const override { return next_shown_; }
     // No person is there.
     void turn_page(SessionTime /*now*/, const Page& /*page*/) override {}
@@ -27,9 +46,16 @@ class RecordingDisplay final : public Display {
     std::uint64_t shown_total() const { return shown_; }
     std::uint64_t dropped_total() const { return dropped_; }
     // How many shown frames are still remembered.
-    std::size_t remembered() const;
+    std::size_t remembered() const {
+        const std::uint64_t overwritten = drawn_ - std::min<std::uint64_t>(drawn_, ring_.size());
+        return static_cast<std::size_t>(shown_ - std::min(shown_, overwritten));
+    }
+
     // The i-th newest of them, 0 the newest.
-    const ShownScene& recent(std::size_t i) const;
+    const ShownScene& recent(std::size_t i) const {
+        assert(i < remembered());
+        return at(shown_ - 1 - i);
+    }
 
   private:
     ShownScene& at(std::uint64_t frame) { return ring_[frame % ring_.size()]; }

@@ -32,12 +32,52 @@ struct VisualSettings {
     std::string vibration_device{};
 };
 
-// Of [visual] alone, and of the whole file. Throw Error (usage).
-VisualSettings read_visual_settings(const ConfigTable& table);
-VisualSettings read_visual_settings(const ConfigFile& file);
-
 // [protocol] next_by = "experimenter" or "subject": who says, at the end of a page, that the next trial may begin. The
 // experimenter may always. Throws Error (usage).
-bool read_subject_goes_on(const ConfigTable& protocol);
+inline bool read_subject_goes_on(const ConfigTable& protocol) {
+    bool goes_on = false;
+    protocol.read("next_by", goes_on, {"experimenter", "subject"},
+                  "Who begins the next trial where a page waits: a subject by the space bar or a click.");
+    return goes_on;
+}
+
+// Of [visual] alone, and of the whole file. Throw Error (usage).
+inline VisualSettings read_visual_settings(const ConfigTable& table) {
+    VisualSettings node;
+    table.read("refresh_Hz", node.refresh_Hz, 1, 1000,
+               "Frames per second; a window without this key takes scenes at 1000 Hz.");
+    node.refresh_given = table.has("refresh_Hz");
+    table.read("pipeline_s", node.pipeline, 0, 1, "From drawing a frame to light.");
+    table.read("bar_full_scale_N", node.bar_full_scale_N, 0.1, 100,
+               "Of the longest bar; equal to [operator] full_scale_bar_N.");
+    table.read("bar_resolution", node.bar_resolution, 1, 10'000, "The longest bar in pixels.");
+    node.stale = read_stale_policy(table, node.stale, std::chrono::milliseconds{2}, std::chrono::seconds{10});
+    table.read("display", node.window, {"recording", "window"},
+               "Where frames go; a window needs a screen (docs/visual.md).");
+    table.read("smoothing_s", node.smoothing, 0, 0.1,
+               "A window shows the past by so much, interpolated, which hides jitter; 0: the newest sample.");
+    table.read("pointer_m_per_count", node.pointer_m_per_count, 1e-7, 0.01,
+               "Of the hand, per count of the mouse, where the mouse is the hand.");
+    table.read(
+        "fingertip", node.fingertip,
+        "CF and CCF as the picture of a fingertip, for a person without devices (always in --view player).");
+    table.read("sound", node.sound, "A window beeps.");
+    table.read("fullscreen", node.fullscreen, "A window fills the screen; or --fullscreen.");
+    table.read("vibration", node.vibration,
+               "CF and CCF in --view player: a gamepad's motors, where it has some (docs/play.md).");
+    table.read("vibration_device", node.vibration_device,
+               "Its event device, /dev/input/eventN; empty: it is sought.");
+    return node;
+}
+
+// Which devices there are is the master's to know.
+inline VisualSettings read_visual_settings(const ConfigFile& file) {
+    VisualSettings node = read_visual_settings(file.table("visual"));
+    std::string handle;
+    file.table("handle").read("device", handle, "");
+    node.pointer = handle == "pointer";
+    node.subject_goes_on = read_subject_goes_on(file.table("protocol"));
+    return node;
+}
 
 }  // namespace thimble

@@ -11,6 +11,9 @@
 // SI units, frame: hand; F positive pushes the hand out.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 namespace thimble {
 
 struct LocalFixtureSettings {
@@ -25,13 +28,39 @@ struct LocalFixtureSettings {
 
 class LocalFixture {
   public:
-    explicit LocalFixture(const LocalFixtureSettings& settings);
-    void reset();
+    explicit LocalFixture(const LocalFixtureSettings& settings)
+        : settings_(settings), stiffness_N_per_m_(settings.stiffness_N_per_m) {}
+    void reset() {
+        forget();
+        stiffness_N_per_m_ = settings_.stiffness_N_per_m;
+    }
 
     // A pair from the feedback. Values that are no number are left out.
-    void learn(double position_hand_m, double force_N);
+    void learn(double position_hand_m, double force_N) {
+        if (!std::isfinite(position_hand_m) || !std::isfinite(force_N)) return;
+        if (force_N <= 0) {
+            if (known_ && position_hand_m > position_m_ + settings_.lost_m) forget();
+            return;
+        }
+        add(position_hand_m, force_N);
+        if (means_.var_m2 > means_.weight * settings_.span_m * settings_.span_m)
+            stiffness_N_per_m_ = std::clamp(means_.cov_N_m / means_.var_m2, 1.0, settings_.stiffest_N_per_m);
+        position_m_ = means_.x_m - means_.force_N / stiffness_N_per_m_;
+        known_ = true;
+    }
+
     // The spring's force with the hand here; once per sample.
-    double force_N(double position_hand_m);
+    double force_N(double position_hand_m) {
+        if (!known_ || !std::isfinite(position_hand_m)) return 0;
+        const double step_m = settings_.shift_m_per_s * settings_.sample_period_s;
+        if (!rendered_) {
+            rendered_m_ = std::max(position_m_, position_hand_m);
+            rendered_ = true;
+        } else {
+            rendered_m_ += std::clamp(position_m_ - rendered_m_, -step_m, step_m);
+        }
+        return stiffness_N_per_m_ * std::max(0.0, position_hand_m - rendered_m_);
+    }
 
     bool known() const { return known_; }
     double stiffness_N_per_m() const { return stiffness_N_per_m_; }
@@ -43,7 +72,18 @@ class LocalFixture {
         double weight = 0, x_m = 0, force_N = 0;
         double var_m2 = 0, cov_N_m = 0;  // about the means, times weight
     };
-    void add(double x_m, double force_N);
+    // West 1979: weighted means and moments without cancellation, the old ones fading.
+    void add(double x_m, double force_N) {
+        const double keep = 1 - 1 / settings_.memory;
+        const double weight = keep * means_.weight + 1;
+        const double away_m = x_m - means_.x_m;
+        means_.x_m += away_m / weight;
+        means_.var_m2 = keep * means_.var_m2 + away_m * (x_m - means_.x_m);
+        means_.cov_N_m = keep * means_.cov_N_m + (x_m - means_.x_m) * (force_N - means_.force_N);
+        means_.force_N += (force_N - means_.force_N) / weight;
+        means_.weight = weight;
+    }
+
     void forget() {
         known_ = rendered_ = false;
         means_ = {};

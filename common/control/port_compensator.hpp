@@ -5,6 +5,8 @@
 // F positive pushes the hand out (-z). SI units, frame: hand.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include <boost/core/noncopyable.hpp>
@@ -22,14 +24,40 @@ class PortCompensator : boost::noncopyable {
     virtual ~PortCompensator() = default;
 
     // A trial begins: nothing known, nothing stored.
-    void reset();
+    void reset() {
+        placed_ = blind_ = false;
+        refused_ = 0;
+        clear();
+    }
 
     // elapsed_s since the sample before. A late sample is credited with no more damping than it can have had. One that is
     // not a number, or comes at no later time, is refused: until the next good one the force is zero, and nothing that
     // happened meanwhile counts in favour of the compensator.
-    void observe(double elapsed_s, double position_hand_m, double force_held_N);
+    void observe(double elapsed_s, double position_hand_m, double force_held_N) {
+        const bool timely = !placed_ || (std::isfinite(elapsed_s) && elapsed_s > 0);
+        if (!timely || !std::isfinite(position_hand_m) || !std::isfinite(force_held_N)) {
+            ++refused_;
+            blind_ = true;
+            lose();
+            return;
+        }
+        // After a gap the force along the way is unknown, so that way is not accounted for.
+        if (placed_ && !blind_)
+            take(position_hand_m - position_hand_m_, std::max(elapsed_s, settings_.sample_period_s),
+                 force_held_N);
+        placed_ = true;
+        blind_ = false;
+        position_hand_m_ = position_hand_m;
+    }
+
     // A request that is not a number counts as none, 0.
-    double force_N(double wanted_N);
+    double force_N(double wanted_N) {
+        if (!std::isfinite(wanted_N)) {
+            ++refused_;
+            wanted_N = 0;
+        }
+        return placed_ && !blind_ ? answer(wanted_N) : 0;
+    }
 
     std::uint64_t refused() const { return refused_; }
 

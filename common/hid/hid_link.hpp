@@ -2,6 +2,7 @@
 // hidapi (runtime/hid/hidapi_bus.hpp).
 #pragma once
 
+#include <charconv>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -9,11 +10,17 @@
 #include <vector>
 
 #include <boost/core/noncopyable.hpp>
+#include <fmt/format.h>
 
 #include "common/config.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
+
+inline bool read_hex(std::string_view text, std::uint16_t& number) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, 16);
+    return error == std::errc{} && end == text.data() + text.size();
+}
 
 struct HidDevice {
     std::string path;  // "/dev/hidraw3"
@@ -22,17 +29,35 @@ struct HidDevice {
     std::uint16_t usage_page = 0, usage = 0;  // what it says it is
 };
 // "SpaceMouse Compact (256f:c635) at /dev/hidraw3"
-std::string to_string(const HidDevice& device);
+inline std::string to_string(const HidDevice& device) {
+    return fmt::format("{} ({:04x}:{:04x}) at {}", device.name.empty() ? "HID device" : device.name,
+                       device.vendor, device.product, device.path);
+}
 
 // Which device a session means, where several are plugged in. Keys device_id = "256f:c635" and serial of a table.
 struct HidChoice {
     std::uint16_t vendor = 0, product = 0;  // both 0: any
     std::string serial;                     // empty: any
 
-    bool matches(const HidDevice& device) const;
+    bool matches(const HidDevice& device) const {
+        const bool any = vendor == 0 && product == 0;
+        return (any || (device.vendor == vendor && device.product == product)) &&
+               (serial.empty() || device.serial == serial);
+    }
 };
 // Throws Error (usage).
-HidChoice read_hid_choice(const ConfigTable& table);
+inline HidChoice read_hid_choice(const ConfigTable& table) {
+    HidChoice choice;
+    std::string id;
+    table.read("serial", choice.serial, "Where two of one kind are plugged in; empty: any.");
+    table.read("device_id", id, "USB's vendor and product, as lsusb shows them: 256f:c635; empty: any.");
+    if (id.empty()) return choice;
+    if (id.size() != 9 || id[4] != ':' || !read_hex(std::string_view(id).substr(0, 4), choice.vendor) ||
+        !read_hex(std::string_view(id).substr(5), choice.product)) {
+        table.fail("device_id", "is \"{}\"; use the numbers that lsusb shows, as \"256f:c635\"", id);
+    }
+    return choice;
+}
 
 // One device, open.
 class HidLink : boost::noncopyable {

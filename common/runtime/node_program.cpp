@@ -336,15 +336,7 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
                        "write the messages that [log] names to this new MCAP file (docs/log.md)");
         app.add_flag("--strict-rt", options.strict_rt, "exit with 4 if too many deadlines were missed");
         app.add_flag("--die-with-parent", options.launcher, kDieWithParentHelp);
-        for (const NumberOption& option : program.options) {
-            app.add_option(option.flag, *option.target, option.help)
-                ->check(CLI::Range(option.low, option.high));
-        }
-        for (const FlagOption& option : program.flags) app.add_flag(option.flag, *option.target, option.help);
-        for (const TextOption& option : program.texts) {
-            CLI::Option* const added = app.add_option(option.flag, *option.target, option.help);
-            if (!option.choices.empty()) added->check(CLI::IsMember(option.choices));
-        }
+        if (program.add_options) program.add_options(app);
         app.set_version_flag("--version", std::string(kVersion));
         app.footer(
             "Example:\n  " + program.example +

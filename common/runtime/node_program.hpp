@@ -11,6 +11,7 @@
 #include "common/config.hpp"
 #include "common/histogram.hpp"
 #include "common/node_process.hpp"
+#include "common/runtime/command_line.hpp"
 #include "common/runtime/sockets.hpp"
 
 namespace thimble {
@@ -31,28 +32,9 @@ class NodeInstance {
     virtual void foreground(const std::function<bool()>& /*stopped*/) {}
 };
 
-struct NumberOption {
-    std::string flag, help;
-    double* target;
-    double low, high;
-};
-
-struct FlagOption {
-    std::string flag, help;
-    bool* target;
-};
-
-struct TextOption {
-    std::string flag, help;
-    std::string* target;
-    std::vector<std::string> choices{};  // empty: any text
-};
-
 struct NodeProgram {
     std::string name, description, example;
-    std::vector<NumberOption> options;
-    std::vector<FlagOption> flags{};
-    std::vector<TextOption> texts{};
+    std::function<void(CLI::App&)> add_options;  // the node's own, besides those of every program
     // Reads the node's tables and opens its channels. The program checks the file for unknown keys
     // afterwards; `tables` are the ones this node reads itself.
     std::vector<std::string_view> tables;

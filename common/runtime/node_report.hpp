@@ -10,9 +10,29 @@
 namespace thimble {
 
 // Counts of protected datagrams; null: without protection.
-nlohmann::ordered_json describe_security(const Security* security);
+inline nlohmann::ordered_json describe_security(const Security* security) {
+    if (security == nullptr) return {{"mode", "none"}};
+    const SecurityCounters c = security->counters();
+    return {{"mode", "lab-key"},          {"sealed", c.sealed},
+            {"opened", c.opened},         {"handshakes", c.handshakes},
+            {"forged", c.forged},         {"replayed", c.replayed},
+            {"wrong_role", c.wrong_role}, {"no_key", c.no_key},
+            {"unsealed", c.unsealed},     {"handshake_refused", c.handshake_refused},
+            {"not_sent", c.not_sent}};
+}
 
 // `stale`: the policy in words; `stale_acted`: the trials in which it acted, how often and how long.
-void describe_stale(nlohmann::ordered_json& report, const StalePolicy& policy, const StaleRecord& record);
+inline void describe_stale(nlohmann::ordered_json& report, const StalePolicy& policy,
+                           const StaleRecord& record) {
+    report["stale"] = policy.text();
+    nlohmann::ordered_json trials = nlohmann::ordered_json::array();
+    for (const StaleRecord::Trial& one : record.known()) {
+        trials.push_back({{"trial", one.trial},
+                          {"times", one.times},
+                          {"acted_s", to_seconds(one.acted)},
+                          {"longest_s", to_seconds(one.longest)}});
+    }
+    report["stale_acted"] = std::move(trials);
+}
 
 }  // namespace thimble

@@ -5,6 +5,7 @@
 // 0.37 ms and at 1 ms gets the bits of whoever reads at 1 ms. A command or percept at the instant of a brain tick counts in that tick.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "master/devices/software_handle.hpp"
@@ -12,14 +13,32 @@
 
 namespace thimble {
 
+inline constexpr unsigned kSubsteps = kBrainTick / Limb::kStep;
+
 class SimulatedHandle final : public SoftwareHandle {
   public:
-    SimulatedHandle(const HandleSettings& settings, const OperatorParameters& parameters);
+    SimulatedHandle(const HandleSettings& settings, const OperatorParameters& parameters)
+        : SoftwareHandle(settings), parameters_(parameters), limb_(settings.mechanics, parameters.hand) {}
 
-    void start_trial(SessionTime now, const OperatorTask& task) override;
+    void start_trial(SessionTime now, const OperatorTask& task) override {
+        operator_.emplace(parameters_, task);
+        limb_.reset(operator_->subject().arm_stiffness_N_per_m, operator_->subject().grip_stiffness_N_per_m);
+        percept_ = {};
+        reached_ = now;
+        substep_ = 0;
+        force_hand_N_ = 0;
+    }
+
     // Each percept replaces the last one whole; touch and beep are remembered.
-    void perceive(SessionTime now, const Percept& percept) override;
-    bool finished() const override;
+    void perceive(SessionTime now, const Percept& percept) override {
+        advance(now);
+        const bool touching = percept_.touching_shown, beep = percept_.beep;
+        percept_ = percept;
+        percept_.touching_shown |= touching;
+        percept_.beep |= beep;
+    }
+
+    bool finished() const override { return operator_ && operator_->finished(); }
 
     double position_hand_m() const override { return limb_.position_hand_m(); }
     // Milliseconds left out because no call came for longer than a second.
@@ -28,7 +47,26 @@ class SimulatedHandle final : public SoftwareHandle {
     const VirtualOperator* operator_in_trial() const { return operator_ ? &*operator_ : nullptr; }
 
   private:
-    void advance(SessionTime now) override;
+    static constexpr Duration kLongestGap = std::chrono::seconds(1);
+
+    void advance(SessionTime now) override {
+        if (!operator_) return;  // no hand holds the handle: it lies at z = 0
+        if (const Duration excess = now - reached_ - kLongestGap; excess > Duration::zero()) {
+            const auto skipped = excess / kBrainTick;
+            reached_ += skipped * kBrainTick;
+            skipped_ms_ += static_cast<std::uint64_t>(skipped);
+        }
+        while (now - reached_ >= Limb::kStep) {
+            if (substep_ == 0) {
+                limb_.command(operator_->tick(force_hand_N_, percept_, limb_.position_arm_m()));
+            }
+            const auto due = static_cast<unsigned>((now - reached_) / Limb::kStep);
+            const unsigned steps = std::min(due, kSubsteps - substep_);
+            limb_.advance(steps, force_hand_N_);
+            reached_ += steps * Limb::kStep;
+            substep_ = (substep_ + steps) % kSubsteps;
+        }
+    }
 
     OperatorParameters parameters_;
     Limb limb_;

@@ -1,6 +1,8 @@
 // thimble-netem as a node of a session: the network between the others.
 #include <cmath>
 
+#include <CLI/CLI.hpp>
+
 #include "common/runtime/node_program.hpp"
 #include "netem/commands/commands.hpp"
 #include "netem/netem_process.hpp"
@@ -41,11 +43,15 @@ int run_node(int argc, char** argv) {
         "Relays the datagrams between master and slave_sim through a delay, jitter and loss model: one link "
         "for the needle, one each for the force to handle, fingertips and screen.";
     program.example = "thimble-netem deploy/sessions/delay50.toml --force-delay-s 0.05";
-    program.options = {
-        {"--force-delay-s", "one-way delay of the force path, instead of [netem.force].delay_s",
-         &force_delay_s, 0, 60},
-        {"--needle-delay-s", "one-way delay of the needle path, instead of [netem.needle].delay_s",
-         &needle_delay_s, 0, 60}};
+    program.add_options = [&](CLI::App& app) {
+        const CLI::Range most_a_minute(0.0, 60.0);
+        app.add_option("--force-delay-s", force_delay_s,
+                       "one-way delay of the force path, instead of [netem.force].delay_s")
+            ->check(most_a_minute);
+        app.add_option("--needle-delay-s", needle_delay_s,
+                       "one-way delay of the needle path, instead of [netem.needle].delay_s")
+            ->check(most_a_minute);
+    };
     program.tables = {"network", "runtime", "netem"};
     program.relays = true;
     program.build = [&](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {

@@ -10,6 +10,9 @@
 #include <boost/core/noncopyable.hpp>
 #include <boost/lockfree/spsc_queue.hpp>
 
+#include "common/error.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "netem/relay/packet_record.hpp"
 
 namespace thimble {
@@ -21,17 +24,79 @@ class PacketLog final : public PacketSink, boost::noncopyable {
 
     // Binary records (packet_record.hpp), or text if the name ends in .csv. Starts the thread, which keeps the default
     // scheduling: make this object before asking for real time. Throws Error (data) if the file cannot be made.
-    explicit PacketLog(const std::filesystem::path& path, std::size_t room = kRoom);
-    ~PacketLog() override;  // writes what is left
+    explicit PacketLog(const std::filesystem::path& path, std::size_t room = kRoom)
+        : path_(path),
+          text_(path.extension() == ".csv"),
+          file_(path, std::ios::binary | std::ios::trunc),
+          queue_(room) {
+        if (!file_) {
+            throw Error(ExitCode::kData, "cannot write the packet log '{}': does its folder exist?",
+                        path.string());
+        }
+        if (text_) {
+            file_ << record_csv_header() << '\n';
+        } else {
+            const auto header = log_header();
+            file_.write(reinterpret_cast<const char*>(header.data()), header.size());
+        }
+        thread_ = std::thread([this] { run(); });
+    }
 
-    void add(const PacketRecord& record) override;  // from one thread only
+    // writes what is left
+    ~PacketLog() override {
+        stop_ = true;
+        if (thread_.joinable()) thread_.join();
+    }
+
+    // from one thread only
+    void add(const PacketRecord& record) override {
+        if (gap_ > 0) {
+            PacketRecord gap;
+            gap.packet = gap_;
+            gap.received_ns = record.received_ns;
+            gap.fate = LoggedFate::kGap;
+            if (queue_.push(gap)) gap_ = 0;
+        }
+        if (gap_ > 0 || !queue_.push(record)) {
+            ++missing_;
+            ++gap_;
+        }
+    }
+
     std::uint64_t missing() const override { return missing_; }
     // Writes what was added so far and ends the thread. Throws Error (data) if a write failed, e.g. a full disk.
-    void finish();
+    void finish() {
+        stop_ = true;
+        if (thread_.joinable()) thread_.join();
+        file_.flush();
+        if (!file_) {
+            throw Error(ExitCode::kData, "the packet log '{}' is incomplete: is the disk full?",
+                        path_.string());
+        }
+    }
 
   private:
-    void run();
-    void write(const PacketRecord& record);
+    static constexpr Duration kPause = std::chrono::milliseconds{20};
+
+    void run() {
+        block_signals();
+        for (bool stopping = false; !stopping;) {
+            stopping = stop_;  // before the last look, so that nothing stays behind
+            bool idle = true;
+            // One by one: consume_all would free no room before the last of them is written.
+            while (queue_.consume_one([this](const PacketRecord& record) { write(record); })) idle = false;
+            if (idle && !stopping) wall_sleep(kPause);
+        }
+    }
+
+    void write(const PacketRecord& record) {
+        if (text_) {
+            file_ << to_csv(record) << '\n';
+            return;
+        }
+        const auto bytes = encode(record);
+        file_.write(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    }
 
     std::filesystem::path path_;
     bool text_;

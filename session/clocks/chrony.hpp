@@ -1,9 +1,16 @@
 // This machine's clock as chrony reports it, if chrony runs. Nothing here needs it: offsets are measured.
 #pragma once
 
+#include <cctype>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include <fmt/format.h>
+
+#include "common/error.hpp"
+#include "common/process/child.hpp"
+#include "netem/formats/text_lines.hpp"
 
 namespace thimble {
 
@@ -15,10 +22,37 @@ struct ChronyTracking {
 };
 
 // One line of `chronyc -n -c tracking`; none if it is not one.
-std::optional<ChronyTracking> parse_chrony_tracking(std::string_view line);
+inline std::optional<ChronyTracking> parse_chrony_tracking(std::string_view line) {
+    // Of `chronyc -c tracking`: reference id, name, stratum, reference time, system time, last offset, RMS offset,
+    // frequency, residual frequency, skew, root delay, root dispersion, update interval, leap status.
+    constexpr std::size_t kFields = 14, kName = 1, kStratum = 2, kLastOffset = 5, kRootDispersion = 11;
+    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) line.remove_suffix(1);
+    const auto fields = fields_of(line);
+    if (fields.size() != kFields) return std::nullopt;
+    const auto stratum = parse_integer(fields[kStratum]);
+    const auto last_offset_s = parse_number(fields[kLastOffset]);
+    const auto root_dispersion_s = parse_number(fields[kRootDispersion]);
+    if (!stratum || *stratum < 0 || !last_offset_s || !root_dispersion_s) return std::nullopt;
+    return ChronyTracking{std::string(fields[kName]), static_cast<unsigned>(*stratum), *last_offset_s,
+                          *root_dispersion_s};
+}
+
+inline std::string describe(const ChronyTracking& tracking) {
+    if (tracking.reference.empty()) return "chrony runs, but follows no source; not needed";
+    return fmt::format("chrony follows {} (stratum {}), last offset {:+.1f} us, root dispersion {:.1f} us",
+                       tracking.reference, tracking.stratum, 1e6 * tracking.last_offset_s,
+                       1e6 * tracking.root_dispersion_s);
+}
 
 // A sentence for reports, whether chrony is there or not. Runs chronyc.
-std::string describe_chrony();
-std::string describe(const ChronyTracking& tracking);
+inline std::string describe_chrony() {
+    try {
+        const ProgramResult result = run_program("chronyc", {"-n", "-c", "tracking"}, ".", "");
+        if (const auto tracking = parse_chrony_tracking(result.output)) return describe(*tracking);
+        return "chronyc is installed, but its daemon gives no answer; not needed";
+    } catch (const Error&) {
+        return "no chrony here; not needed";
+    }
+}
 
 }  // namespace thimble

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "common/codec.hpp"
-#include "common/log/log_topics.hpp"
+#include "common/codec.hpp"
 
 namespace thimble {
 namespace {

@@ -3,33 +3,92 @@
 
 #include <atomic>
 #include <optional>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "common/process/progress.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "session/participant/participant_session.hpp"
+#include "session/records/condition_summary.hpp"
 #include "session/run/condition_run.hpp"
 
 namespace thimble {
 
+// The logs of an earlier start stay.
+inline std::filesystem::path next_start(const std::filesystem::path& nodes) {
+    std::error_code absent;
+    unsigned start = 1;
+    while (std::filesystem::exists(nodes / fmt::format("start{:02}", start), absent)) ++start;
+    return nodes / fmt::format("start{:02}", start);
+}
+
 class RealTrials final : public TrialRunner {
   public:
     // `plan.out`: each start of the programs gets a folder of its own in it.
-    RealTrials(ConditionPlan plan, const std::atomic<bool>* stop);
+    RealTrials(ConditionPlan plan, const std::atomic<bool>* stop)
+        : plan_(std::move(plan)), nodes_(plan_.out) {
+        events_.stop = [stop] { return stop != nullptr && *stop; };
+        events_.progress = [this](const TrialConditions& c, const TrajectorySample& s) {
+            progress_.show(fmt::format("{} {}: {:.1f} s, needle {:.1f} mm, force {:.2f} N, contact {:.1f} s",
+                                       delay_text(c.delay_s), to_string(c.modality), s.time_s,
+                                       1000 * s.position_needle_m, s.force_total_N, s.contact_time_s),
+                           false);
+        };
+    }
 
-    void prepare() override;
+    void prepare() override {
+        if (condition_ && !condition_->broken()) return;
+        if (condition_ && plan_.starter && condition_->revive()) return;
+        if (condition_) condition_->close();
+        const std::string stopped = stop_text();
+        condition_.reset();
+        plan_.out = next_start(nodes_);
+        plan_.holds_stop = !stopped.empty();
+        condition_.emplace(plan_, events_);
+        condition_->open();
+        // A stop outlives the programs that knew of it.
+        if (!stopped.empty()) condition_->emergency_stop("stopped before all programs were started anew");
+    }
+
     std::uint32_t last_number() const override { return condition_ ? condition_->last_number() : 0; }
     TrialRecord run(const TrialConditions& conditions, std::uint32_t number,
-                    const std::filesystem::path& trajectory) override;
-    void show(const Page& page) override;
+                    const std::filesystem::path& trajectory) override {
+        TrialRecord record = condition_->run_trial(conditions, number, trajectory);
+        problem_ = condition_->result().problem;
+        return record;
+    }
+
+    void show(const Page& page) override {
+        if (condition_) condition_->show(page);
+    }
+
     bool take_go_on() override { return condition_ && condition_->take_go_on(); }
-    void idle(Duration limit) override;
-    SessionTime now() const override;
+    void idle(Duration limit) override {
+        if (!condition_) return wall_sleep(limit);
+        // A participant who is to go on needs the window that asks.
+        if (plan_.starter && condition_->broken() && !events_.stop()) {
+            say("a program has ended: it is started anew");
+            prepare();
+        }
+        condition_->idle(limit);
+    }
+
+    SessionTime now() const override { return wall_now(); }
     std::string problem() const override { return problem_; }
-    std::string stop_text() const override;
-    void release_stop() override;
+    std::string stop_text() const override { return condition_ ? condition_->stop_text() : std::string(); }
+    void release_stop() override {
+        if (condition_) condition_->release_stop();
+    }
 
     void say(const std::string& line) { progress_.say(line); }
     // Ends the programs. Not ok with ExitCode::kRealtime, if one missed too many deadlines under strict_rt.
-    ConditionResult close();
+    ConditionResult close() {
+        ConditionResult result;
+        if (condition_) result = condition_->close();
+        condition_.reset();
+        return result;
+    }
 
   private:
     ConditionPlan plan_;

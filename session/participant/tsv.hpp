@@ -3,38 +3,92 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "common/csv/columns.hpp"
 #include "common/csv/csv_file.hpp"
+#include "common/error.hpp"
+#include "session/records/participant.hpp"
 
 namespace thimble {
+
+// There, and not empty.
+inline bool is_table(const std::filesystem::path& path) {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(path, ignored) && std::filesystem::file_size(path, ignored) > 0;
+}
+
+inline const std::filesystem::path& with_whole_lines(const std::filesystem::path& path,
+                                                     std::span<const std::string_view> columns) {
+    if (is_table(path)) CsvReader(path, columns, '\t', 0, LastLine::kMayBeTorn);  // its header, or Error
+    keep_lines(path, std::numeric_limits<std::size_t>::max() - 1);
+    return path;
+}
 
 inline constexpr std::string_view kNotAvailable = "n/a";
 
 // Of a column participant_id. Throws Error (data).
-std::uint32_t read_participant(const CsvField& field);
+inline std::uint32_t read_participant(const CsvField& field) {
+    const auto participant = parse_participant(field.text);
+    if (!participant) field.fail("is no participant, e.g. sub-07");
+    return *participant;
+}
+
 // Free text as one field: line breaks and tabs become spaces, an empty text becomes "n/a".
-std::string tsv_text(std::string_view words);
+inline std::string tsv_text(std::string_view words) {
+    std::string text;
+    for (const char c : words) {
+        const bool breaks = static_cast<unsigned char>(c) < ' ' || c == '\x7f';
+        if (breaks || c == ' ') {
+            if (!text.empty() && text.back() != ' ') text += ' ';
+        } else {
+            text += c;
+        }
+    }
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    return text.empty() ? std::string(kNotAvailable) : text;
+}
 
 // Of whole lines only.
 class TsvFile {
   public:
     // New, or to be continued. Throws Error: data, if it holds other columns; usage, if it cannot be created.
-    TsvFile(const std::filesystem::path& path, std::span<const std::string_view> columns);
+    TsvFile(const std::filesystem::path& path, std::span<const std::string_view> columns)
+        : file_(with_whole_lines(path, columns), IfExists::kContinue) {
+        if (!file_.is_new()) return;
+        file_.write(fmt::format("{}\n", fmt::join(columns, "\t")));
+        file_.sync();
+    }
+
     // `line` without its end. On the disk when it returns.
-    void append(std::string_view line);
+    void append(std::string_view line) {
+        file_.write(fmt::format("{}\n", line));
+        file_.sync();
+    }
 
   private:
     CsvFile file_;
 };
 
-// There, and not empty.
-bool is_table(const std::filesystem::path& path);
-
 // Replaces a file as a whole: a reader, also after a power cut, finds the old text or the new one.
-void write_whole(const std::filesystem::path& path, std::string_view text);
+inline void write_whole(const std::filesystem::path& path, std::string_view text) {
+    const std::filesystem::path next = path.string() + ".new";
+    {
+        CsvFile file(next, IfExists::kReplace);
+        file.write(text);
+        file.sync();
+    }
+    std::error_code failure;
+    std::filesystem::rename(next, path, failure);
+    if (failure) {
+        throw Error(ExitCode::kRunFailed, "{}: cannot be put in place: {}", path.string(), failure.message());
+    }
+}
 
 }  // namespace thimble

@@ -7,14 +7,33 @@
 #include <string>
 #include <string_view>
 
+#include <fmt/format.h>
+
+#include "netem/formats/text_lines.hpp"
+
 namespace thimble {
 
 enum class SubjectKind : std::uint8_t { kVirtual, kHuman };
-const char* to_string(SubjectKind kind);  // "virtual", "human"
-std::optional<SubjectKind> parse_subject_kind(std::string_view text);
+// "virtual", "human"
+inline const char* to_string(SubjectKind kind) { return kind == SubjectKind::kHuman ? "human" : "virtual"; }
+inline std::optional<SubjectKind> parse_subject_kind(std::string_view text) {
+    for (const SubjectKind kind : {SubjectKind::kVirtual, SubjectKind::kHuman}) {
+        if (text == to_string(kind)) return kind;
+    }
+    return std::nullopt;
+}
 
 // "P07", "P7" and "sub-07" are 7; from 1 to 1 000 000. Nothing for any other text.
-std::optional<std::uint32_t> parse_participant(std::string_view text);
-std::string participant_id(std::uint32_t participant);  // "sub-07", as BIDS calls it
+inline std::optional<std::uint32_t> parse_participant(std::string_view text) {
+    for (const std::string_view prefix : {"P", "sub-"}) {
+        if (!text.starts_with(prefix)) continue;
+        const auto number = parse_integer(text.substr(prefix.size()));
+        if (number && *number >= 1 && *number <= 1'000'000) return static_cast<std::uint32_t>(*number);
+    }
+    return std::nullopt;
+}
+
+// "sub-07", as BIDS calls it
+inline std::string participant_id(std::uint32_t participant) { return fmt::format("sub-{:02}", participant); }
 
 }  // namespace thimble

@@ -19,7 +19,7 @@ using S = TrajectorySample;
 // A double takes at most 24 characters and a comma; the longest phase is "penetrated".
 constexpr std::size_t kLongestLine = 7 * 25 + 16;
 constexpr std::size_t kBuffer = std::size_t{1} << 16;
-constexpr std::string_view kEnded = "ended: ";
+constexpr std::string_view kOutcome = "ended: ";
 
 void write_phase(fmt::memory_buffer& out, const TrajectorySample& sample) {
     write_value(out, to_string(sample.phase));
@@ -70,7 +70,7 @@ void TrajectoryWriter::flush() {
 
 void TrajectoryWriter::end(EndReason reason, Role lost_peer) {
     flush();
-    file_.write(fmt::format("# {}{}\n", kEnded, outcome_text(reason, lost_peer)));
+    file_.write(fmt::format("# {}{}\n", kOutcome, outcome_text(reason, lost_peer)));
     file_.sync();
 }
 
@@ -99,10 +99,10 @@ Trajectory read_trajectory(const std::filesystem::path& path) {
     }
     if (reader.comments().empty()) return trajectory;
     std::string_view ended = reader.comments().back();
-    if (ended.starts_with(kEnded)) ended.remove_prefix(kEnded.size());
+    if (ended.starts_with(kOutcome)) ended.remove_prefix(kOutcome.size());
     if (!parse_outcome(ended, trajectory.reason, trajectory.lost_peer)) {
         throw Error(ExitCode::kData, "{}: the last line says '{}' instead of '# {}<outcome>'", path.string(),
-                    reader.comments().back(), kEnded);
+                    reader.comments().back(), kOutcome);
     }
     return trajectory;
 }

@@ -32,7 +32,8 @@ void write_compensator(fmt::memory_buffer& out, const TrialRow& row) {
 void read_compensator(const CsvField& field, TrialRow& row) {
     if (field.text.empty()) return;
     const auto* const name = std::find(kCompensatorNames.begin(), kCompensatorNames.end(), field.text);
-    if (name == kCompensatorNames.end()) field.fail("is none of {}", fmt::join(kCompensatorNames, ", "));
+    if (name == kCompensatorNames.end())
+        field.fail(fmt::format("is none of {}", fmt::join(kCompensatorNames, ", ")));
     row.conditions.compensator = static_cast<Compensator>(name - kCompensatorNames.begin());
 }
 

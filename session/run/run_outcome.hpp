@@ -4,6 +4,9 @@
 #include <string>
 #include <string_view>
 
+#include <fmt/format.h>
+
+#include "session/records/trial_table.hpp"
 #include "session/run/condition_files.hpp"
 #include "session/run/condition_nodes.hpp"
 #include "session/run/session_stop.hpp"
@@ -17,14 +20,43 @@ class RunOutcome {
         : files_(files), nodes_(nodes), stop_(stop) {}
 
     // A trial begins: a stop that has been released is forgotten.
-    void begin_trial();
+    void begin_trial() {
+        if (halted_) forget();
+    }
+
     // `interrupted`: by this program's user. If an observer has ended the trial, the run goes on.
-    void judge(const TrialRecord& record, bool interrupted);
+    void judge(const TrialRecord& record, bool interrupted) {
+        if (record.reason == EndReason::kInterrupted && interrupted) {
+            fail(ExitCode::kRunFailed, "interrupted; what was recorded is kept");
+        } else if (is_stop(record.reason)) {
+            halted_ = true;
+            fail(ExitCode::kRunFailed,
+                 fmt::format("{}: {}; {}", outcome_text(record.reason, record.lost_peer), record.fault,
+                             stop_.how_to_release()));
+        } else if (record.reason == EndReason::kDeviceFault) {
+            fail(ExitCode::kRunFailed, fault_text(record));
+        } else if (record.reason == EndReason::kPeerLost) {
+            const auto dead = nodes_.dead();
+            fail(ExitCode::kNetwork, dead ? nodes_.exit_message(*dead)
+                                          : fmt::format("lost contact with {}", to_string(record.lost_peer)));
+        }
+        add_write_fault(files_.fault());
+    }
+
     // Also where a trial had ended well before: nothing is missing without a word. Empty words change nothing.
-    void add_write_fault(std::string_view words);
+    void add_write_fault(std::string_view words) {
+        if (!words.empty() && !failed()) fail(ExitCode::kRunFailed, std::string(words));
+    }
+
     // A stop that holds at the end of the run.
-    void add_last_stop();
-    void forget();
+    void add_last_stop() {
+        if (stop_.stopped() && !failed()) fail(ExitCode::kRunFailed, stop_.words());
+    }
+
+    void forget() {
+        result_ = {};
+        halted_ = false;
+    }
 
     bool failed() const { return result_.code != ExitCode::kOk; }
     bool halted() const { return halted_; }  // by a stop, which the result names until the next trial
@@ -32,8 +64,19 @@ class RunOutcome {
     const ConditionResult& result() const { return result_; }
 
   private:
-    void fail(ExitCode code, const std::string& problem);
-    std::string fault_text(const TrialRecord& record) const;
+    void fail(ExitCode code, const std::string& problem) {
+        result_.code = code;
+        result_.problem = problem;
+    }
+
+    // A file that cannot be written ends the trial as a failed device does.
+    std::string fault_text(const TrialRecord& record) const {
+        if (record.lost_peer == Role::kSession && !files_.fault().empty()) return files_.fault();
+        if (record.lost_peer == Role::kSession && files_.log() != nullptr) return files_.log_fault();
+        if (record.fault.starts_with("the log "))
+            return fmt::format("{}: {}", to_string(record.lost_peer), record.fault);
+        return fmt::format("the device of {} failed: {}", to_string(record.lost_peer), record.fault);
+    }
 
     const ConditionFiles& files_;
     ConditionNodes& nodes_;

@@ -1,31 +1,87 @@
 // A stop of a session, as its program sees it: it hears the stop key, keeps the stop in a file, and says how to release it.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <string>
 
+#include <fmt/format.h>
+
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/standard_streams.hpp"
+#include "common/runtime/udp_channel.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "session/run/condition_plan.hpp"
 #include "session/run/stop_file.hpp"
 
 namespace thimble {
 
+// Stop keys that a run of this program has carried out. One pressed between two runs is the next run's.
+inline std::atomic<unsigned> keys_carried_out{0};
+
 class SessionStop {
   public:
     // Both outlive this.
-    SessionStop(SessionProcess& session, const ConditionPlan& plan);
+    SessionStop(SessionProcess& session, const ConditionPlan& plan)
+        : session_(session), plan_(plan), file_(plan.network.base_port), heard_(keys_carried_out) {}
 
     // Throws Error (run failed) if a stop of an earlier session holds.
     void require_released() const { file_.require_released(); }
     // Hears the stop key. Afterwards the file says what the stop bus holds.
-    void look();
+    void look() {
+        hear_key();
+        keep();
+    }
+
     bool stopped() const { return session_.stop_bus().stopped(); }
     // Of a stop: its source, its reason and how to release it. Empty: no stop holds.
-    std::string words() const;
-    std::string how_to_release() const;
+    std::string words() const {
+        return stopped() ? fmt::format("{}; {}", who(), how_to_release()) : std::string();
+    }
+
+    std::string how_to_release() const {
+        const int base = plan_.network.base_port;
+        const auto& hosts = plan_.network.hosts;
+        const bool by_file = plan_.network.security.mode != SecurityMode::kNone ||
+                             std::any_of(hosts.begin(), hosts.end(), leaves_this_machine);
+        std::string how(kHowToRelease);
+        if (by_file && !plan_.session_file.empty()) how += " " + plan_.session_file.string();
+        if (base != NetworkSettings::kDefaultBasePort) how += fmt::format(" --base-port {}", base);
+        return how + fault_;
+    }
 
   private:
-    void hear_key();
-    void keep();
-    std::string who() const;
+    void hear_key() {
+        const unsigned pressed = emergency_stops();
+        if (pressed == heard_) return;
+        heard_ = keys_carried_out = pressed;
+        session_.emergency_stop(wall_now(), "Ctrl-\\ at thimble's terminal");
+    }
+
+    void keep() {
+        if (!stopped() && !kept_) return;
+        kept_ = stopped();
+        try {
+            if (kept_) {
+                file_.keep(who());
+            } else {
+                file_.release(file_.kept());
+            }
+            fault_.clear();
+        } catch (const Error& error) {
+            if (fault_.empty())
+                write_stderr(
+                    fmt::format("a stop that is not kept ends with this program: {}\n", error.what()));
+            fault_ = fmt::format("; it ends with this program, since it could not be kept: {}", error.what());
+        }
+    }
+
+    std::string who() const {
+        const StopBus& bus = session_.stop_bus();
+        return fmt::format("{} ({}): {}",
+                           bus.reason() == EndReason::kSafetyStop ? "safety stop" : "emergency stop",
+                           to_string(bus.raised_by()), bus.words());
+    }
 
     SessionProcess& session_;
     const ConditionPlan& plan_;

@@ -14,8 +14,41 @@ class ExperimenterModel {
     ExperimenterModel(std::uint64_t instance, const SessionLink::Channels& channels)
         : link_(instance, channels, 10) {}
 
-    void update(SessionTime now);
-    void press(SessionTime now, Command command);
+    void update(SessionTime now) {
+        link_.update(now);
+        if (!choosing_ && link_.receiver().heard()) chosen_ = link_.monitor().modality;
+    }
+
+    void press(SessionTime now, Command command) {
+        const std::uint32_t trial = link_.receiver().trial();
+        if (const auto modality = modality_of(command)) {
+            chosen_ = *modality;
+            choosing_ = true;
+            return;
+        }
+        if (link_.take(now, command)) return;
+        switch (command) {
+            case Command::kStart:
+                return link_.ask(now, OrderKind::kStart, chosen_);
+            case Command::kRepeat:
+                if (trial == 0) return;
+                unseen_ = OrderKind::kRepeat;
+                return link_.ask(now, OrderKind::kRepeat);
+            case Command::kExclude:
+                if (trial != 0) question_ = trial;
+                return;
+            case Command::kYes:
+                return answer(now, true);
+            case Command::kNo:
+                return answer(now, false);
+            case Command::kHelp:
+                help_ = !help_;
+                return;
+            default:
+                return;
+        }
+    }
+
     void set_delay(SessionTime now, double delay_s) { link_.ask_delay(now, delay_s); }
 
     const SessionLink& link() const { return link_; }
@@ -24,10 +57,25 @@ class ExperimenterModel {
     // The trial about which it is asked whether to exclude it.
     std::optional<std::uint32_t> question() const { return question_; }
     // About the newest repeat or exclusion, which no Monitor shows; empty if there was none.
-    TextLine notice() const;
+    TextLine notice() const {
+        if (!unseen_) return {};
+        const OrderSender& orders = link_.orders();
+        const bool sent = orders.progress(*unseen_) == OrderProgress::kSent;
+        return TextLine::of("{} of trial {}: {}", to_string(*unseen_), orders.asked(*unseen_).trial,
+                            sent ? "sent, the session's log has the answer" : "being sent");
+    }
 
   private:
-    void answer(SessionTime now, bool yes);
+    void answer(SessionTime now, bool yes) {
+        if (yes && question_) {
+            Order order;
+            order.kind = OrderKind::kExclude;
+            order.trial = *question_;  // the trial shown may be the next one by now
+            link_.ask(now, order);
+            unseen_ = OrderKind::kExclude;
+        }
+        question_.reset();
+    }
 
     SessionLink link_;
     Modality chosen_ = Modality::kHF;

@@ -12,26 +12,57 @@
 
 namespace thimble {
 
+template <class T>
+std::optional<T> take_from(boost::lockfree::spsc_queue<T>& ring) {
+    T oldest;
+    return ring.pop(oldest) ? std::optional{oldest} : std::nullopt;
+}
+
 class WindowDisplay final : public Display {
   public:
     // `pipeline`: from a swap's return to light.
-    explicit WindowDisplay(Duration pipeline);
+    explicit WindowDisplay(Duration pipeline)
+        : pipeline_(pipeline),
+          scenes_(kScenes),
+          pages_(kRareThings),
+          beeps_(kRareThings),
+          shown_(kShownScenes) {}
 
     // The node's thread.
-    void draw(SessionTime now, const Scene& scene) override;
-    std::optional<ShownScene> shown(SessionTime now) override;
-    SessionTime next_shown() const override;
-    void turn_page(SessionTime now, const Page& page) override;
-    void beep(SessionTime now) override;
+    void draw(SessionTime /*now*/, const Scene& scene) override {
+        if (!open_ || !scenes_.push(scene)) ++unseen_;
+    }
+
+    std::optional<ShownScene> shown(SessionTime now) override {
+        offer_page();
+        if (now < next_shown()) return std::nullopt;
+        return take_from(shown_);
+    }
+
+    SessionTime next_shown() const override {
+        return shown_.read_available() == 0 ? kNever : shown_.front().shown_at;
+    }
+
+    void turn_page(SessionTime /*now*/, const Page& page) override {
+        newest_page_ = page;
+        offer_page();
+    }
+
+    // A full ring has sixty-four of them waiting for a window that hangs: one more says nothing new.
+    void beep(SessionTime now) override { static_cast<void>(beeps_.push(now)); }
     bool take_go_on() override { return go_on_.exchange(false); }
     bool take_stop() override { return stop_.exchange(false); }
 
     // The window's thread. The next scene, page or beep (when it was asked for) that waits, oldest first.
-    std::optional<Scene> take_scene();
-    std::optional<Page> take_page();
-    std::optional<SessionTime> take_beep();
+    std::optional<Scene> take_scene() { return take_from(scenes_); }
+    std::optional<Page> take_page() { return take_from(pages_); }
+    std::optional<SessionTime> take_beep() { return take_from(beeps_); }
     // This scene has been swapped to the screen.
-    void presented(const Scene& scene, SessionTime swapped);
+    // Full: the node has not looked for four seconds, and percepts that old are worth nothing.
+    void presented(const Scene& scene, SessionTime swapped) {
+        static_cast<void>(shown_.push({scene, swapped + pipeline_}));
+    }
+
     // The subject asks to go on.
     void ask_to_go_on() { go_on_ = true; }
     // A person at the window asks everything to stop.
@@ -43,7 +74,14 @@ class WindowDisplay final : public Display {
     std::uint64_t unseen() const { return unseen_; }
 
   private:
-    void offer_page();
+    static constexpr std::size_t kScenes = 1024;  // a second of them at 1 kHz
+    static constexpr std::size_t kShownScenes = 256;
+    static constexpr std::size_t kRareThings = 64;
+
+    // The newest page is the one that is to be read: while a window hangs and the ring is full, it waits here.
+    void offer_page() {
+        if (newest_page_ && pages_.push(*newest_page_)) newest_page_.reset();
+    }
 
     Duration pipeline_;
     boost::lockfree::spsc_queue<Scene> scenes_;

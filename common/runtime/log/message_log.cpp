@@ -11,7 +11,6 @@
 
 #include "common/codec.hpp"
 #include "common/error.hpp"
-#include "common/log/log_topics.hpp"
 #include "common/log/mcap_writer.hpp"
 #include "common/runtime/log/log_file.hpp"
 #include "common/runtime/log/tapped_channel.hpp"
@@ -186,7 +185,7 @@ void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
     LoggedFlow& flow = flows_[entry.tag];
     int& channel = readable ? flow.channel : flow.unreadable;
     if (channel < 0) {
-        const std::string topic = std::string(log_topic(flow.port)) + (readable ? "" : "/unreadable");
+        const std::string topic = std::string(thimble::flow(flow.port).topic) + (readable ? "" : "/unreadable");
         channel = writer.add_channel(readable ? writing_->schema : std::uint16_t{0}, topic,
                                      readable ? "flatbuffer" : "", {{"direction", flow.direction}});
     }

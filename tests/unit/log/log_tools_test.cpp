@@ -14,7 +14,7 @@
 
 #include "common/codec.hpp"
 #include "common/error.hpp"
-#include "common/log/log_topics.hpp"
+#include "common/network_settings.hpp"
 #include "common/text_file.hpp"
 #include "tests/fuzz/packets.hpp"
 #include "tests/read_text.hpp"
@@ -253,19 +253,19 @@ TEST(LogFiles, WhatIsNoLogIsRefusedWithItsName) {
 }
 
 TEST(LogTopics, BothSidesOfTheRelayHaveOneName) {
-    EXPECT_STREQ(log_topic(Port::kNetemNeedle), "/master/needle_command");
+    EXPECT_STREQ(flow(Port::kNetemNeedle).topic, "/master/needle_command");
     for (const auto& [before, behind] : {std::pair{Port::kNetemNeedle, Port::kSlaveNeedle},
                                          std::pair{Port::kNetemForceMaster, Port::kMasterForce},
                                          std::pair{Port::kNetemForceCutaneous, Port::kCutaneousForce},
                                          std::pair{Port::kNetemForceVisual, Port::kVisualForce}}) {
-        EXPECT_STREQ(log_topic(before), log_topic(behind));
+        EXPECT_STREQ(flow(before).topic, flow(behind).topic);
     }
 }
 
 // Each is named after its sender. Where netem sends, after the sender to netem.
 TEST(LogTopics, AreNamedAfterTheirSpeakers) {
     for (const Port port : kEveryPort) {
-        const std::string topic = log_topic(port);
+        const std::string topic = flow(port).topic;
         if (flow(port).hears == Role::kNetem && flow(port).listens != Role::kSession) continue;
         if (flow(port).from_all) continue;  // stop buses: after the receiver
         EXPECT_THAT(topic, testing::StartsWith(std::string("/") + to_string(flow(port).hears) + "/"));

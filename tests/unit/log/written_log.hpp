@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/codec.hpp"
-#include "common/log/log_topics.hpp"
+#include "common/codec.hpp"
 #include "common/log/mcap_writer.hpp"
 #include "common/runtime/log/log_file.hpp"
 
