@@ -49,8 +49,7 @@ void ReferenceTissue::step(const ReferenceNumber& duration_s, const ReferenceNum
     for (unsigned count = 0; phase_ == TissuePhase::kContact ? contact_leg() : moving_leg(); ++count) {
         if (count == kMostTransitions) {
             throw Error(ExitCode::kRunFailed,
-                        "the reference solution goes through 100 000 transitions in one "
-                        "step, near t = " +
+                        "the reference solution goes through 100 000 transitions in one step, near t = " +
                             end_s.str(10) + " s: check the problem");
         }
     }

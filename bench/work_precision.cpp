@@ -110,8 +110,7 @@ std::string panel_script(std::size_t panel, const Problem& problem) {
     for (std::size_t i = 0; i < kFamilies.size(); ++i) {
         script += fmt::format(
             "{}'{}.tsv' index {} using 1:2 with linespoints linewidth 1.4 pointtype {} pointsize {} "
-            "linecolor "
-            "'{}' title '{}'",
+            "linecolor '{}' title '{}'",
             i > 0 ? ", \\\n     " : "", kFigure, panel * kFamilies.size() + i, 3 + 2 * i, i == 0 ? 1.6 : 0.7,
             kColours[i], kFamilies[i]);
     }

@@ -47,8 +47,7 @@ int main(int argc, char** argv) {
         "Presses the force that the needle feels on a finger: the index for a push, the thumb for a pull, of "
         "the hand "
         "on the handle (CF) or of the other one (CCF). The device is simulated, a fingertip board on USB, or "
-        "drives on "
-        "a CAN bus ([cutaneous] device).";
+        "drives on a CAN bus ([cutaneous] device).";
     program.example = "thimble-cutaneous deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "cutaneous", "control"};
     program.build = build;

@@ -79,8 +79,7 @@ int main(int argc, char** argv) {
         "Reads the handle 1000 times a second, sends the needle to thimble-slave-sim through thimble-netem, "
         "and gives "
         "the returned force to the handle. The handle is simulated, with a virtual operator's hand on it, or "
-        "drawn by a "
-        "person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
+        "drawn by a person's pointer, SpaceMouse or gamepad, or a real one (docs/handles.md).";
     program.example = "thimble-master deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "master", "guard", "handle", "operator", "control"};
     program.add_options = [&pointer](CLI::App& app) {

@@ -68,8 +68,7 @@ std::unique_ptr<NodeInstance> build_window(const VisualSettings&, Instructions, 
                                            std::uint64_t) {
     throw Error(ExitCode::kUsage,
                 "this build has no windows (THIMBLE_GUI is off): use [visual] display = \"recording\", "
-                "without --window "
-                "and --view");
+                "without --window and --view");
 }
 
 #endif

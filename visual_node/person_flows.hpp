@@ -1,6 +1,8 @@
 // Two flows from a person at the screen: the place of the hand (mouse, trackpad, gamepad), and the request to go on.
 #pragma once
 
+#include <cassert>
+
 #include <boost/core/noncopyable.hpp>
 
 #include "common/flow.hpp"
@@ -26,15 +28,40 @@ class HandFlow {
     static constexpr Duration kSignOfLife = std::chrono::milliseconds{10};
 
     // Both null: no hand here, never a message.
-    HandFlow(std::uint64_t instance, Channel* out, HandSource* hand);
+    HandFlow(std::uint64_t instance, Channel* out, HandSource* hand)
+        : flow_(Role::kVisual, instance, {out}), hand_(hand) {
+        assert((out == nullptr) == (hand == nullptr));
+    }
 
-    void start_trial();
-    void work(SessionTime now, bool running, std::uint32_t trial);
+    void start_trial() {
+        if (hand_ == nullptr) return;
+        hand_->home();
+        said_any_ = false;
+        next_look_ = {};
+    }
+
+    void work(SessionTime now, bool running, std::uint32_t trial) {
+        if (hand_ == nullptr || !running) {
+            next_look_ = kNever;
+            return;
+        }
+        if (now < next_look_) return;
+        next_look_ = now + kPeriod;
+        const HandInput hand = hand_->hand();
+        if (!news(hand) && now - said_at_ < kSignOfLife) return;
+        flow_.send(now, trial, hand);
+        said_ = hand;
+        said_at_ = now;
+        said_any_ = true;
+    }
+
     // When to look again; kNever outside of trials.
     SessionTime next() const { return next_look_; }
 
   private:
-    bool news(const HandInput& hand) const;
+    bool news(const HandInput& hand) const {
+        return !said_any_ || hand.engaged != said_.engaged || hand.position_hand_m != said_.position_hand_m;
+    }
 
     OutboundFlow flow_;
     HandSource* hand_;
@@ -56,10 +83,31 @@ class GoOnRequest {
     explicit GoOnRequest(bool enabled) : enabled_(enabled) {}
 
     // The page shown now; the same one again changes nothing.
-    void turn(SessionTime now, const Page& page);
-    void press(SessionTime now);
+    void turn(SessionTime now, const Page& page) {
+        if (page.kind == kind_ && page.trial == trial_) return;
+        kind_ = page.kind;
+        trial_ = page.trial;
+        wanted_ = false;
+        next_look_ = enabled_ && waits_to_go_on(kind_) ? now : kNever;
+    }
+
+    void press(SessionTime now) {
+        if (next_look_ == kNever || wanted_) return;
+        wanted_ = true;
+        next_saying_ = now;
+        until_ = now + kPatience;
+    }
+
     // Whether to say it now.
-    bool take_due(SessionTime now);
+    bool take_due(SessionTime now) {
+        if (next_look_ == kNever) return false;
+        next_look_ = now + kLook;
+        if (wanted_ && now >= until_) wanted_ = false;
+        if (!wanted_ || now < next_saying_) return false;
+        next_saying_ = now + kRepeat;
+        return true;
+    }
+
     // When to look for a key and call take_due() again; kNever while no page waits.
     SessionTime next() const { return next_look_; }
 

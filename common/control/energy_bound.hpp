@@ -9,6 +9,9 @@
 // did in the excess time; the least conservative form then gives no force until that is made good.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/control/port_compensator.hpp"
 
 namespace thimble {
@@ -20,9 +23,21 @@ class MemorylessBound final : public PortCompensator {
 
   private:
     void clear() override { reach_N_ = 0; }
-    void take(double travel_hand_m, double period_s, double force_N) override;
+    void take(double travel_hand_m, double period_s, double force_N) override {
+        const double h_s = settings().sample_period_s;
+        const double c = 2 * settings().device_damping_Ns_per_m / h_s;
+        if (period_s == h_s) {
+            reach_N_ = std::fabs(force_N + c * travel_hand_m);
+            return;
+        }
+        // The same stored energy, with the damping of a longer period.
+        const double squared = force_N * force_N + 2 * c * force_N * travel_hand_m +
+                               c * c * travel_hand_m * travel_hand_m * h_s / period_s;
+        reach_N_ = std::sqrt(std::max(0.0, squared));
+    }
+
     void lose() override { reach_N_ = 0; }
-    double answer(double wanted_N) const override;
+    double answer(double wanted_N) const override { return std::clamp(wanted_N, -reach_N_, reach_N_); }
 
     double reach_N_ = 0;
 };
@@ -39,7 +54,11 @@ class EnergyStore {
     // Of a sample that is missing the worst is assumed, which the bound allows to be all there was.
     void lose() { energy_J_ = energy_J_ < 0 ? energy_J_ : 0; }
     double energy_J() const { return energy_J_; }
-    double bounded_N(double wanted_N) const;
+    double bounded_N(double wanted_N) const {
+        const double most_N = std::sqrt(4 * settings_.device_damping_Ns_per_m * std::max(0.0, energy_J_) /
+                                        settings_.sample_period_s);
+        return std::clamp(wanted_N, -most_N, most_N);
+    }
 
   private:
     PortSettings settings_;

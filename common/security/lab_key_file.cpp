@@ -51,7 +51,6 @@ void check_owner_alone(const std::filesystem::path& path, const struct stat& fou
     if (is_credential(path, found)) return;
     if (found.st_uid != geteuid()) {
         throw Error(ExitCode::kUsage,
-
                     "the lab key '{}' belongs to somebody else: copy it into a file of your own, or chown it",
                     path.string());
     }

@@ -27,8 +27,7 @@ constexpr std::array<std::string_view, 10> kTroubles{
     "fingertip board: a fault of its own (docs/board-protocol.md, code 255), it has let go; plug it in anew",
     "fingertip board: not plugged in, or this user may not open it; plug it in, and ask thimble doctor",
     "fingertip board: no good report for 100 ms, or always the same; plug it in anew, and check its "
-    "firmware's "
-    "report rate, CRC and sequence",
+    "firmware's report rate, CRC and sequence",
     "fingertip board: it speaks another version of docs/board-protocol.md; load firmware of version 1 into "
     "it"};
 

@@ -134,8 +134,7 @@ int main(int argc, char** argv) {
         EmulatorOptions options;
         CLI::App app(
             "Motor drives (CANopen CiA 402) with cable and finger pad, on a CAN interface or in cannelloni's "
-            "UDP "
-            "datagrams.",
+            "UDP datagrams.",
             "thimble-drive-emulator");
         app.add_option("--can", options.interface,
                        "the interface, e.g. vcan0; without it cannelloni over UDP");

@@ -40,8 +40,7 @@ std::shared_ptr<Handle> open_falcon_here([[maybe_unused]] const HandleSettings& 
 #else
     throw Error(ExitCode::kUsage,
                 "this build has no driver for the Falcon ([handle] device = \"falcon\"): install "
-                "libusb-1.0-0-dev and "
-                "libsodium-dev and build with -DTHIMBLE_DEVICES=ON");
+                "libusb-1.0-0-dev and libsodium-dev and build with -DTHIMBLE_DEVICES=ON");
 #endif
 }
 

@@ -48,8 +48,7 @@ class TcPrinter {
             // Successive uniform numbers x_n = (1 - c) u_n + c x_(n-1), as the kernel mixes them.
             cannot(
                 fmt::format("jitter: tc's correlation narrows the distribution, to {:.0f} % of the spread "
-                            "here (exactly so "
-                            "for uniform); this program's keeps it",
+                            "here (exactly so for uniform); this program's keeps it",
                             100 * std::sqrt((1 - correlation) / (1 + correlation))));
         }
         if (jittery && link_.in_order) {
@@ -133,8 +132,7 @@ class TcPrinter {
         if (rate.queue_packets > 0 || rate.queue_bytes > 0) {
             cannot(
                 "rate: tc has one limit for what queues and what is delayed, in packets; chain a tbf or "
-                "pfifo "
-                "for a limit of the queue");
+                "pfifo for a limit of the queue");
         }
         if (rate.drop == Drop::kHead) cannot("rate: tc drops the newest packet, not the oldest");
         cannot(

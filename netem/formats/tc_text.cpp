@@ -246,8 +246,7 @@ class TcParser {
         if (jitter.spread > link().delay) {
             note(
                 "delay: the jitter is larger than the delay, and no delay is below 0: its mean is then "
-                "larger "
-                "than what was asked");
+                "larger than what was asked");
         }
     }
     // As of a session file: twice what a flow of 1 kHz needs.

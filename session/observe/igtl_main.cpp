@@ -199,8 +199,7 @@ void add_igtl_options(CLI::App& app, IgtlOptions& o) {
         ->type_name("[HOST:]PORT");
     app.add_option("--seat", o.seat,
                    "whose view this is instead of: experimenter (thimble run --monitor), or player (where an "
-                   "experimenter's "
-                   "view is open as well)")
+                   "experimenter's view is open as well)")
         ->check(CLI::IsMember({"experimenter", "player"}))
         ->default_val(o.seat);
     app.add_option(

@@ -1,17 +1,45 @@
 // Which trials of a dataset an analysis may use, and why it may not use the others.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "session/participant/dataset.hpp"
+#include "session/participant/order_file.hpp"
+#include "session/participant/record_table.hpp"
 #include "session/records/trial_table.hpp"
 
 namespace thimble {
 
+inline std::optional<LeftOutTrial> judge(const DatasetRecord& record, const std::vector<DatasetRecord>& all,
+                                         const std::vector<Exclusion>& exclusions,
+                                         std::uint32_t participant) {
+    const auto left_out = [&](LeftOut why, std::string reason) {
+        return LeftOutTrial{why, participant, record.position, record.record, std::move(reason)};
+    };
+    if (record.practice) return left_out(LeftOut::kPractice, "");
+    if (const Exclusion* mark = find_exclusion(exclusions, participant, record.record)) {
+        const bool excluded = mark->kind == ExclusionKind::kExcluded;
+        return left_out(excluded ? LeftOut::kExcluded : LeftOut::kRejected, mark->reason);
+    }
+    const auto repeat = std::find_if(
+        all.begin(), all.end(), [&](const DatasetRecord& other) { return other.repeat_of == record.record; });
+    if (repeat != all.end()) return left_out(LeftOut::kSuperseded, repeat->repeat_reason);
+    if (ran_to_its_end(record.row)) return std::nullopt;
+    return left_out(LeftOut::kFailed, outcome_text(record.row.reason, record.row.lost_peer));
+}
+
 enum class LeftOut : std::uint8_t { kPractice, kExcluded, kRejected, kSuperseded, kFailed };
-const char* to_string(LeftOut why);
+inline const char* to_string(LeftOut why) {
+    constexpr std::array kNames{"practice", "excluded", "rejected", "superseded by a repeat", "failed"};
+    return kNames.at(static_cast<std::size_t>(why));
+}
 
 struct LeftOutTrial {
     LeftOut why = LeftOut::kFailed;
@@ -28,9 +56,53 @@ struct CountedTrials {
 
 // A record counts unless it is practice, excluded, rejected, superseded by a repeat, or failed (interrupted
 // or a peer lost). Throws Error (data) if a file cannot be read.
-CountedTrials counted_trials(const Dataset& dataset);
+inline CountedTrials counted_trials(const Dataset& dataset) {
+    CountedTrials trials;
+    const std::vector<Exclusion> exclusions = read_exclusions(dataset.exclusions());
+    for (const std::uint32_t participant : read_participants(dataset)) {
+        const std::vector<DatasetRecord> records = read_records(dataset.records(participant));
+        // A crash came before the first trial: there is nothing to count.
+        if (records.empty() && !is_table(dataset.order(participant))) continue;
+        ++trials.participants;
+        trials.records += records.size();
+        const std::size_t before = trials.rows.size();
+        for (const DatasetRecord& record : records) {
+            if (auto left_out = judge(record, records, exclusions, participant)) {
+                trials.left_out.push_back(std::move(*left_out));
+            } else {
+                trials.rows.push_back(record.row);
+            }
+        }
+        std::size_t planned = 0;
+        for (const OrderEntry& entry : read_order(dataset.order(participant), participant)) {
+            planned += entry.practice ? 0 : 1;
+        }
+        trials.missing += planned - std::min(planned, trials.rows.size() - before);
+    }
+    return trials;
+}
 
 // In words, a line each.
-std::vector<std::string> describe(const CountedTrials& trials);
+inline std::vector<std::string> describe(const CountedTrials& trials) {
+    std::vector<std::string> lines{fmt::format("{} of {} records of {} participant{} count",
+                                               trials.rows.size(), trials.records, trials.participants,
+                                               trials.participants == 1 ? "" : "s")};
+    for (const LeftOut why : {LeftOut::kPractice, LeftOut::kExcluded, LeftOut::kRejected,
+                              LeftOut::kSuperseded, LeftOut::kFailed}) {
+        const auto n = std::count_if(trials.left_out.begin(), trials.left_out.end(),
+                                     [&](const LeftOutTrial& trial) { return trial.why == why; });
+        if (n > 0) lines.push_back(fmt::format("left out: {} {}", n, to_string(why)));
+        if (why == LeftOut::kPractice) continue;
+        for (const LeftOutTrial& trial : trials.left_out) {
+            if (trial.why != why) continue;
+            lines.push_back(fmt::format("  {} trial {} (record {}): {}", participant_id(trial.participant),
+                                        trial.position, trial.record, trial.reason));
+        }
+    }
+    if (trials.missing > 0) {
+        lines.push_back(fmt::format("planned trials without a record that counts: {}", trials.missing));
+    }
+    return lines;
+}
 
 }  // namespace thimble

@@ -93,8 +93,7 @@ std::string motion_json(const MotionTrial& trial, const std::vector<TrajectorySa
     MotionJson json{{"TaskName", trial.task},
                     {"TaskDescription",
                      "Insert a needle into simulated tissue until a virtual fixture is felt or seen, hold "
-                     "the contact until "
-                     "the beep, withdraw."},
+                     "the contact until the beep, withdraw."},
                     {"SamplingFrequency", sampling_frequency_Hz(samples)},
                     {"TrackingSystemName", "slave"},
                     {"Manufacturer", "Thimble"},

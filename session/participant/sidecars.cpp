@@ -108,8 +108,7 @@ std::string readme(SubjectKind kind, const std::string& name) {
         "are free text: keep names out of them.\n\n"
         "`orders/`: each participant's trials, written before the first one. `sub-*/beh/`: a line per trial "
         "(`task-needle_beh.json` says what the columns mean). `exclusions.tsv`: what was rejected or "
-        "excluded, "
-        "and why. `sourcedata/`: every sample, and the programs' logs.\n\n"
+        "excluded, and why. `sourcedata/`: every sample, and the programs' logs.\n\n"
         "`thimble analyse` of this folder takes the trials that count and says which it left out.\n",
         name, to_string(kind));
 }

@@ -59,7 +59,6 @@ void check_window(const std::filesystem::path& programs) {
     std::filesystem::remove(words, ignored);
     if (help.find("--window") == std::string::npos) {
         throw Error(ExitCode::kUsage,
-
                     "{} was built without a window: install the packages that docs/play.md names, configure "
                     "and build again",
                     (programs / "thimble-visual").string());
@@ -67,8 +66,7 @@ void check_window(const std::filesystem::path& programs) {
     if (has_text("DISPLAY") || has_text("WAYLAND_DISPLAY")) return;
     throw Error(ExitCode::kUsage,
                 "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a "
-                "desktop, or over "
-                "`ssh -X`, or give it one: xvfb-run -a thimble ...");
+                "desktop, or over `ssh -X`, or give it one: xvfb-run -a thimble ...");
 }
 
 ScratchFolder::ScratchFolder() {

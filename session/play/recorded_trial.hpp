@@ -16,7 +16,6 @@ inline std::filesystem::path trajectory_of(const std::filesystem::path& folder,
     auto file = find_trajectory(folder / "trajectories", conditions);
     if (!file.empty()) return file;
     throw Error(ExitCode::kUsage,
-
                 "{}: the trajectory {} was not kept: thimble study keeps them with --trajectories, thimble "
                 "play with --record",
                 (folder / "trajectories").string(), trajectory_name(conditions));

@@ -1,6 +1,8 @@
 // The node programs of a condition's run: started, waited for, started anew, ended.
 #pragma once
 
+#include <algorithm>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -8,7 +10,11 @@
 #include <vector>
 
 #include <boost/core/noncopyable.hpp>
+#include <fmt/format.h>
 
+#include "common/runtime/standard_streams.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "session/launch/node_kinds.hpp"
 #include "session/run/condition_files.hpp"
 #include "session/run/condition_plan.hpp"
 
@@ -21,26 +27,112 @@ class ConditionNodes : boost::noncopyable {
 
     // Both outlive the nodes.
     ConditionNodes(const ConditionPlan& plan, ConditionFiles& files) : plan_(plan), files_(files) {}
-    ~ConditionNodes();  // ends the nodes, all at once
+    // ends the nodes, all at once
+    ~ConditionNodes() {
+        for (const auto& node : nodes_) node->stop();
+    }
 
     // Throws Error: run failed, if a machine has no such program.
-    void launch();
+    void launch() {
+        for (std::size_t i = 0; i < kNodes.size(); ++i) nodes_.push_back(start(i));
+    }
+
     // Starts the ended programs anew. False: none has ended, or the user started the programs.
-    bool restart_dead();
+    bool restart_dead() {
+        if (!plan_.starter || !dead()) return false;
+        files_.nodes_start_anew();
+        lines_passed_on_ = 0;
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            if (nodes_[i]->poll()) nodes_[i] = start(i);
+        }
+        return true;
+    }
+
     // The index of a node that has ended. Asks every one of them: that is how they learn that we are here.
-    std::optional<std::size_t> dead();
+    std::optional<std::size_t> dead() {
+        std::optional<std::size_t> dead;
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            if (nodes_[i]->poll() && !dead) dead = i;
+        }
+        return dead;
+    }
+
     // Throws Error (as its program ended), with its words, if a node has ended.
-    void throw_if_dead();
+    void throw_if_dead() {
+        if (const auto i = dead()) throw Error(nodes_[*i]->verdict(), nodes_[*i]->exit_message());
+    }
+
     std::string exit_message(std::size_t node) const { return nodes_[node]->exit_message(); }
     // Until each program runs. Throws Error (network) with the machine that does not answer.
-    void wait_for_machines(const Turn& turn);
+    void wait_for_machines(const Turn& turn) {
+        const auto late = [this] {
+            return std::find_if(nodes_.begin(), nodes_.end(),
+                                [](const auto& node) { return !node->started(); });
+        };
+        const SessionTime deadline = wall_now() + (plan_.starter ? plan_.starter->reach() : Duration{});
+        while (late() != nodes_.end()) {
+            throw_if_dead();
+            if (late() == nodes_.end()) return;
+            const NodeKind& node = kNodes[static_cast<std::size_t>(late() - nodes_.begin())];
+            if (wall_now() > deadline) {
+                throw Error(ExitCode::kNetwork,
+                            "'{}' does not answer, where {} is to run, within {} s: see the logs in {}",
+                            plan_.starter->machine(node.role), node.program,
+                            to_seconds(plan_.starter->reach()), plan_.out.string());
+            }
+            turn();
+        }
+    }
+
     // Repeats what the master's program has said since the last call.
-    void pass_on_messages();
+    void pass_on_messages() {
+        std::ifstream file(files_.log_path(kNodes.size() - 1));
+        std::size_t lines = 0;
+        for (std::string line; std::getline(file, line);)
+            if (++lines > lines_passed_on_) write_stderr(line + "\n");
+        lines_passed_on_ = std::max(lines_passed_on_, lines);
+    }
+
     // After the session has told them to end: their reports, and an exit code that matters.
-    void end(ConditionResult& result);
+    void end(ConditionResult& result) {
+        for (const auto& node : nodes_) {
+            if (!wait_for_end(*node, kFarewell)) node->stop();
+            const auto code = wait_for_end(*node, kFarewell);
+            if (code == static_cast<int>(ExitCode::kRealtime) && result.code == ExitCode::kOk) {
+                result.code = ExitCode::kRealtime;
+                result.problem = node->exit_message();
+            }
+        }
+        nodes_.clear();
+        for (std::size_t i = 0; i < kNodes.size(); ++i) {
+            std::ifstream file(files_.report_path(i));
+            auto report = nlohmann::ordered_json::parse(file, nullptr, false);
+            if (!report.is_discarded()) result.reports.push_back(std::move(report));
+        }
+    }
 
   private:
-    std::shared_ptr<RunningNode> start(std::size_t node);
+    static constexpr Duration kFarewell = std::chrono::seconds{1};  // to end when told to, and again
+
+    std::shared_ptr<RunningNode> start(std::size_t node) {
+        const NodeKind& node = kNodes[i];
+        NodeOrder order;
+        order.role = node.role;
+        order.program = node.program;
+        order.log = files_.log_path(i);
+        order.report = files_.report_path(i);
+        order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
+        // On another machine with a folder for logs its log stays there: it may be too long for the way.
+        if (files_.log() != nullptr &&
+            (plan_.log.folder.empty() || plan_.starter->machine(node.role).empty()))
+            order.messages = files_.messages_path(node.program);
+        if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
+        if (node.role == Role::kNetem) {
+            order.arguments.insert(order.arguments.end(),
+                                   {"--force-delay-s", fmt::format("{}", plan_.delay_s)});
+        }
+        return plan_.starter->start(order);
+    }
 
     const ConditionPlan& plan_;
     ConditionFiles& files_;

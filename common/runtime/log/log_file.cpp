@@ -70,7 +70,6 @@ void LogFile::give_back(const std::function<void(Bytes)>& use) {
             if (got < 0 && errno == EINTR) continue;
             if (got <= 0) {
                 throw Error(ExitCode::kRunFailed,
-
                             "the log '{}' has no index: it cannot be read back ({}); 'thimble log repair' "
                             "makes another",
                             short_path(path_), got == 0 ? "it is shorter than it was" : std::strerror(errno));
@@ -94,7 +93,6 @@ void LogFile::write(Bytes bytes) {
             static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(size_)) == 0);
             lseek(descriptor_, static_cast<off_t>(size_), SEEK_SET);
             throw Error(ExitCode::kRunFailed,
-
                         "the log '{}' cannot be written: {}; make room there or write elsewhere, and start "
                         "anew. What it holds can be read",
                         short_path(path_), std::strerror(error));

@@ -7,11 +7,13 @@
 // The light is red before homing, blue while some legs are homed, green once all are.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include <boost/core/noncopyable.hpp>
 
@@ -19,6 +21,11 @@
 #include "master/devices/falcon/falcon_packet.hpp"
 
 namespace thimble {
+
+inline std::uint8_t light_of(const FalconReport& report) {
+    if (report.homed()) return kFalconGreen;
+    return report.homed_legs == 0 ? kFalconRed : kFalconBlue;
+}
 
 struct alignas(8) FalconWord {  // as clang wants it to read and write the whole at once
     FalconTriple values{};      // motors or encoders
@@ -35,30 +42,81 @@ class FalconExchange : boost::noncopyable {
     ~FalconExchange() { stop(); }
 
     // The thread, which calls `prepare` first (scheduling belongs to threads). Without it a test calls turn().
-    void start(std::function<void()> prepare = {});
+    void start(std::function<void()> prepare = {}) {
+        thread_ = std::thread([this, prepare = std::move(prepare)] {
+            if (prepare) prepare();
+            while (!stop_.load(std::memory_order_acquire) && turn()) {
+            }
+        });
+    }
+
     // Ends it, with a last command without force.
-    void stop();
+    void stop() {
+        stop_ = true;
+        if (thread_.joinable()) thread_.join();
+        if (!lost()) link_->write(encode(FalconCommand{}));
+    }
 
     // One command and what comes back. False once the link is lost.
-    bool turn();
+    bool turn() {
+        const FalconWord word = command_.load(std::memory_order_acquire);
+        unattended_ = word == carried_ ? unattended_ + 1 : 0;
+        carried_ = word;
+        FalconCommand command{word.values, true, light_};
+        if (silent() || unattended_ > kUnattendedTurns) command.motors = {};
+        const auto report = link_->write(encode(command)) ? listen() : std::nullopt;
+        if (report) publish(*report);
+        silent_.store(!report, std::memory_order_release);
+        if (link_->lost()) lost_.store(true, std::memory_order_release);
+        return !lost();
+    }
 
     // From the handle's side; any thread, one at a time.
-    void command(const FalconTriple& motors);
+    void command(const FalconTriple& motors) {
+        command_.store({motors, 0, ++commands_}, std::memory_order_release);
+    }
+
     struct Latest {
         FalconReport report;
         std::uint8_t count = 0;  // changes with each report
         bool any = false;
     };
-    Latest latest() const;
+    Latest latest() const {
+        if (!any_.load(std::memory_order_acquire)) return {};
+        const FalconWord word = report_.load(std::memory_order_acquire);
+        return {{word.values, static_cast<std::uint8_t>(word.flags & 0xfU),
+                 static_cast<std::uint8_t>(word.flags >> 4)},
+                word.count,
+                true};
+    }
+
     // All buttons that are down, or have been since the last call: FalconButton, together.
-    std::uint8_t take_buttons();
+    std::uint8_t take_buttons() { return pressed_.exchange(0) | latest().report.buttons; }
     // The newest command was not answered: what is sent now has no force.
     bool silent() const { return silent_.load(std::memory_order_acquire); }
     bool lost() const { return lost_.load(std::memory_order_acquire); }
 
   private:
-    std::optional<FalconReport> listen();
-    void publish(const FalconReport& report);
+    // A report may come in two packets, or behind one that is empty. Later work belongs to the next turn.
+    static constexpr int kReads = 2;
+    static constexpr Duration kRead = std::chrono::milliseconds{1};
+
+    std::optional<FalconReport> listen() {
+        std::optional<FalconReport> report;
+        for (int i = 0; i < kReads && !report; ++i) {
+            std::array<std::uint8_t, 64> bytes{};
+            report = reader_.take(std::span(bytes).first(link_->read(bytes, kRead)));
+        }
+        return report;
+    }
+
+    void publish(const FalconReport& report) {
+        pressed_ |= report.buttons;  // first, so that no reader misses it
+        const auto flags = static_cast<std::uint8_t>(report.buttons | (report.homed_legs << 4));
+        report_.store({report.encoders, flags, ++reports_}, std::memory_order_release);
+        any_.store(true, std::memory_order_release);
+        light_ = light_of(report);
+    }
 
     FalconLink* link_;
     FalconReportReader reader_;

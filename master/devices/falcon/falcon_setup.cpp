@@ -132,7 +132,6 @@ std::vector<std::uint8_t> read_falcon_firmware(const std::string& path, const st
     crypto_hash_sha256(sum.data(), image.data(), image.size());
     if (hexadecimal(sum) != sha256) {
         throw Error(ExitCode::kUsage,
-
                     "the Falcon's firmware '{}' is not the one that the session file means: its SHA-256 is "
                     "{}, [handle.falcon] firmware_sha256 says {}",
                     path, hexadecimal(sum), sha256);

@@ -177,8 +177,7 @@ struct FalconParts {
         if (settings.firmware.empty()) {
             throw Error(ExitCode::kUsage,
                         "the Falcon has no firmware, which it forgets without power: name Novint's file in "
-                        "[handle.falcon] firmware "
-                        "(docs/handles.md)");
+                        "[handle.falcon] firmware (docs/handles.md)");
         }
         const auto image = read_falcon_firmware(settings.firmware, settings.firmware_sha256);
         spdlog::info("loading the Falcon's firmware, {} bytes", image.size());

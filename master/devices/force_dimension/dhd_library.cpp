@@ -68,8 +68,7 @@ std::string dl_words() {
 
 constexpr const char* kWhereToGetIt =
     "The Force Dimension SDK comes from the maker of the device (forcedimension.com, Software): unpack it "
-    "and set FDSDK to its "
-    "folder, or name the file in [handle.force_dimension] library.";
+    "and set FDSDK to its folder, or name the file in [handle.force_dimension] library.";
 
 }  // namespace
 

@@ -161,8 +161,7 @@ std::string ForceDimensionHandle::describe_status(const int* status) const {
     if (status[kDhdConnected] == 0) return "it is not connected: plug in its USB cable";
     if (status[kDhdReset] != 0)
         return "it is not calibrated: hold the handle in its rest position until the light shows steadily, "
-               "or run the SDK's "
-               "autoinit";
+               "or run the SDK's autoinit";
     if (status[kDhdError] != 0)
         return "its controller reports an error: switch it off and on, and look at the SDK's test program";
     if (forced_ && status[kDhdForce] == 0)

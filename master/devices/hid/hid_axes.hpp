@@ -7,6 +7,7 @@
 // read as their report descriptor says. Number 3 of a SpaceMouse is a bit per button.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -26,10 +27,31 @@ class HidAxes {
   public:
     static HidAxes of_spacemouse() { return {}; }
     // Those of its first joystick, gamepad or multi-axis controller that has any; nothing if none has.
-    static std::optional<HidAxes> described_by(const HidLayout& layout);
+    static std::optional<HidAxes> described_by(const HidLayout& layout) {
+        HidAxes axes;
+        axes.layout_ = layout;
+        std::optional<std::size_t> stick;
+        for (const HidField& field : layout.fields) {
+            const unsigned axis = static_cast<unsigned>(field.usage) - kFirstAxisUsage;
+            if (field.usage_page != kGenericDesktop || axis >= kHidAxes || axes.fields_[axis].bits > 0)
+                continue;
+            if (field.application >= layout.applications.size() ||
+                !is_stick(layout.applications[field.application]))
+                continue;
+            if (stick.value_or(field.application) != field.application) continue;
+            stick = field.application;
+            axes.fields_[axis] = field;
+        }
+        axes.stick_ = stick.value_or(0);
+        return stick ? std::optional(axes) : std::nullopt;
+    }
 
     // A bad report changes nothing.
-    ReportVerdict take(std::span<const std::uint8_t> report);
+    ReportVerdict take(std::span<const std::uint8_t> report) {
+        if (report.empty()) return ReportVerdict::kBad;
+        return layout_ ? take_described(report) : take_spacemouse(report);
+    }
+
     // At rest until the first report.
     const std::array<double, kHidAxes>& values() const { return values_; }
     bool has(std::size_t axis) const { return !layout_ || fields_[axis].bits > 0; }
@@ -37,12 +59,70 @@ class HidAxes {
     bool pressed(unsigned button) const {
         return button >= 1 && button <= kHidButtons && ((buttons_ >> (button - 1)) & 1U) != 0;
     }
-    bool has_button(unsigned button) const;
+    bool has_button(unsigned button) const {
+        if (!layout_) return button >= 1 && button <= kHidButtons;  // not told
+        return std::any_of(layout_->fields.begin(), layout_->fields.end(), [&](const HidField& field) {
+            return field.usage_page == kButtonPage && field.application == stick_ && field.usage == button;
+        });
+    }
 
   private:
-    ReportVerdict take_spacemouse(std::span<const std::uint8_t> report);
-    ReportVerdict take_described(std::span<const std::uint8_t> report);
-    void take_buttons(std::span<const std::uint8_t> report);
+    static constexpr double kFullScale = 350;
+    static constexpr int kNonsense = 700;                   // no cap of any model gives twice the full scale
+    static constexpr std::uint16_t kFirstAxisUsage = 0x30;  // X; then Y, Z, Rx, Ry, Rz
+    static constexpr std::uint8_t kTranslation = 1, kRotation = 2, kButtons = 3;
+    static constexpr std::uint16_t kButtonPage = 0x09;
+
+    ReportVerdict take_spacemouse(std::span<const std::uint8_t> report) {
+        const bool translation = report[0] == kTranslation, rotation = report[0] == kRotation;
+        if (report[0] == kButtons) {
+            buttons_ = 0;
+            for (std::size_t i = 1; i < std::min<std::size_t>(report.size(), 5); ++i)
+                buttons_ |= std::uint32_t{report[i]} << (8 * (i - 1));
+        }
+        if (!translation && !rotation) return ReportVerdict::kOther;
+        const std::size_t count = report.size() == 13 && translation ? 6 : 3;
+        if (report.size() != 1 + 2 * count) return ReportVerdict::kBad;
+        std::array<double, kHidAxes> read{};
+        for (std::size_t i = 0; i < count; ++i) {
+            const unsigned raw = report[1 + 2 * i] + 256U * report[2 + 2 * i];
+            const int value = static_cast<int>(raw) - (raw >= 0x8000 ? 0x10000 : 0);
+            if (value < -kNonsense || value > kNonsense) return ReportVerdict::kBad;
+            read[i] = std::clamp(value / kFullScale, -1.0, 1.0);
+        }
+        std::copy_n(read.begin(), count, values_.begin() + (rotation ? 3 : 0));
+        return ReportVerdict::kTaken;
+    }
+
+    // The range's middle is rest. A value outside its range is what the standard calls a null state: no news.
+    ReportVerdict take_described(std::span<const std::uint8_t> report) {
+        take_buttons(report);
+        ReportVerdict verdict = ReportVerdict::kOther;
+        for (std::size_t axis = 0; axis < kHidAxes; ++axis) {
+            const HidField& field = fields_[axis];
+            if (field.bits == 0 || (layout_->numbered && report[0] != field.report)) continue;
+            const auto value = value_of(*layout_, field, report);
+            if (!value) return ReportVerdict::kBad;  // too short
+            if (*value < field.minimum || *value > field.maximum) continue;
+            const double low = field.minimum, high = field.maximum;
+            values_[axis] = (2 * *value - low - high) / (high - low);
+            verdict = ReportVerdict::kTaken;
+        }
+        return verdict;
+    }
+
+    // A report that is too short says nothing of them.
+    void take_buttons(std::span<const std::uint8_t> report) {
+        for (const HidField& field : layout_->fields) {
+            const bool button = field.usage_page == kButtonPage && field.application == stick_ &&
+                                field.usage >= 1 && field.usage <= kHidButtons;
+            if (!button || (layout_->numbered && report[0] != field.report)) continue;
+            const auto value = value_of(*layout_, field, report);
+            if (!value) continue;
+            const std::uint32_t bit = std::uint32_t{1} << (field.usage - 1U);
+            buttons_ = *value != 0 ? buttons_ | bit : buttons_ & ~bit;
+        }
+    }
 
     std::array<double, kHidAxes> values_{};
     std::uint32_t buttons_ = 0;
