@@ -2,7 +2,6 @@
 #include "bench/accuracy.hpp"
 
 #include <cmath>
-#include <memory>
 #include <set>
 #include <string>
 
@@ -10,9 +9,9 @@
 
 #include "bench/peers/cvode_tissue.hpp"
 #include "bench/peers/odeint_tissue.hpp"
-#include "common/error.hpp"
 #include "slave_sim/exact_tissue.hpp"
 #include "slave_sim/stepped_tissue.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -65,32 +64,6 @@ TEST(Accuracy, ASolverThatRunsAwayIsSaidToDiverge) {
     EXPECT_TRUE(accuracy_of(problem, lost).diverged);
 }
 
-class ExactAccuracy : public testing::TestWithParam<std::string_view> {};
-
-std::vector<std::string_view> every_name() {
-    std::vector<std::string_view> names;
-    for (const Problem& problem : problems()) names.push_back(problem.name);
-    return names;
-}
-
-INSTANTIATE_TEST_SUITE_P(Problems, ExactAccuracy, testing::ValuesIn(every_name()), [](const auto& name) {
-    std::string text;
-    for (const char c : name.param) text += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-    return text + "_" + std::to_string(name.index);
-});
-
-// The claim of docs/solvers.md: below 1e-13 m and 1e-12 s. It holds on the rough problems, too.
-TEST_P(ExactAccuracy, KeepsItsPromise) {
-    const Problem& problem = problem_named(GetParam());
-    ExactTissue solver(problem.tissue);
-    const Accuracy found = accuracy_of(problem, solver);
-    EXPECT_LT(found.position_m, 1e-13);
-    EXPECT_FALSE(found.events_differ);
-    ASSERT_GT(found.events_reference, 0u);
-    EXPECT_LT(found.event_time_s, 1e-12);
-    EXPECT_EQ(solver.unresolved_steps(), 0u);
-}
-
 // A tenth of the step is a tenth of the error: all three are of order 1 across transitions.
 template <class Rule>
 void expect_first_order(std::string_view name) {
@@ -138,13 +111,8 @@ TEST(PeerAccuracy, ATissueThatIsTooStiffIsGivenUpNotIntegratedForHours) {
 TEST(Problems, HaveNamesOfTheirOwnAndAnUnknownOneListsThem) {
     std::set<std::string_view> names;
     for (const Problem& problem : problems()) EXPECT_TRUE(names.insert(problem.name).second) << problem.name;
-    try {
-        problem_named("soup");
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        EXPECT_NE(std::string(error.what()).find("insert_100mm_s"), std::string::npos);
-    }
+    EXPECT_NE(refusal([] { problem_named("soup"); }, ExitCode::kUsage).find("insert_100mm_s"),
+              std::string::npos);
 }
 
 }  // namespace

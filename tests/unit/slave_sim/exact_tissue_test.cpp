@@ -8,8 +8,10 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <rapidcheck.h>
 
 #include "tests/unit/slave_sim/phases.hpp"
+#include "tests/unit/slave_sim/random_values.hpp"
 
 namespace thimble {
 namespace {
@@ -35,33 +37,6 @@ TEST(ExactTissue, ForceResistsWhatTheNeedleDoes) {
     EXPECT_LT(tissue.state().force_N, 0);  // deeper: pushed out
     tissue.advance(0.1, kRest_m + 0.05, events);
     EXPECT_GT(tissue.state().force_N, 0);  // out: held back
-}
-
-TEST(ExactTissue, TouchRestsThenPressPiercesWhereTheLineSays) {
-    ExactTissue tissue{TissueParameters{}};
-    Transitions events;
-    tissue.reset(kRest_m);
-    tissue.advance(10, kRest_m + 0.1, events);  // f = 2 x 0.01 t + 5 x 0.01 = 0.1 at t = 2.5 s
-    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
-    EXPECT_EQ(events[0].offset_s, 0);
-    EXPECT_NEAR(events[1].offset_s, 2.5, 1e-14);
-}
-
-// With powers of two F_p is hit to the last bit: f > F_p pierces, f = F_p does not.
-TEST(ExactTissue, ForceOnTheThresholdIsNotAboveIt) {
-    const TissueParameters exact{1, 2, 4, 0.5, 0.125, 0};
-    ExactTissue tissue{exact};
-    Transitions events;
-    tissue.reset(0);
-    tissue.advance(64, 0.03125, events);
-    tissue.advance(64, 0.0625 - 0x1p-8, events);
-    ASSERT_EQ(phases(events), Phases{kContact});
-    // v = 2^-10 over 2 s: f ends at 2 x (2^-4 - 2^-9) + 4 x 2^-10 = 0.125.
-    tissue.advance(2, 0.0625 - 0x1p-9, events);
-    EXPECT_EQ(tissue.state().force_N, -0.125);
-    EXPECT_EQ(phases(events), Phases{kContact});
-    tissue.advance(2, 0.0625, events);  // the same speed onwards: above at once
-    EXPECT_EQ(phases(events), (Phases{kContact, kPenetrated}));
 }
 
 TEST(ExactTissue, PullingLetsGoOfTheSurface) {
@@ -92,61 +67,6 @@ TEST(ExactTissue, ReleaseInsideAStepIsOneEvent) {
         ASSERT_EQ(phases(events), Phases{kFree}) << speed;
         EXPECT_NEAR(events[0].offset_s, (0.02 - 2.5 * speed) / speed, 1e-9) << speed;  // 2 x = 5 v
     }
-}
-
-TEST(ExactTissue, SurfaceComesBackToAWaitingNeedle) {
-    ExactTissue tissue{TissueParameters{}};
-    Transitions events;
-    tissue.reset(0.06);
-    tissue.advance(1.0, 0.2, events);  // in the tissue, drags the surface a centimetre along
-    ASSERT_EQ(events.size(), 0u);
-    tissue.advance(0.1, 0.025, events);  // out, faster than the surface follows
-    ASSERT_EQ(phases(events), Phases{kFree});
-    const TissueState left = tissue.state();
-    ASSERT_GT(left.position_surface_m, 0.025);
-    tissue.advance(100, 0.025, events);  // waits
-    ASSERT_EQ(phases(events), (Phases{kFree, kContact}));
-    const SecondOrder law(1, 5, 2);
-    const Propagator p = law.propagator(events[1].offset_s);
-    const double x = left.position_surface_m - kRest_m;
-    const double v = left.velocity_surface_m_per_s;
-    EXPECT_NEAR(
-        x + p.position_per_velocity_s * v + p.position_per_acceleration_s2 * law.acceleration(0, x, v), 0.005,
-        1e-16);
-    EXPECT_NEAR(tissue.state().position_surface_m, 0.025, 1e-17);
-    EXPECT_NEAR(tissue.state().force_N, -2 * 0.005, 1e-15);
-}
-
-// Underdamped: the surface springs through its rest position to a needle that waits above it.
-TEST(ExactTissue, SeveralTransitionsInOneLongStep) {
-    const TissueParameters soft{1, 40, 0.5, 0.7, 1.0, 0};
-    ExactTissue tissue{soft};
-    Transitions events;
-    tissue.reset(-0.01);
-    tissue.advance(0.02, 0.03, events);  // 2 m/s: f = 1 N on touch, pierces as soon as x > 0
-    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
-    events.clear();
-    tissue.advance(2, 0.03,
-                   events);  // held: the surface overtakes it, swings back and is caught, then let go
-    ASSERT_GE(events.size(), 2u);
-    EXPECT_EQ(phase_named(events[0].phase), kFree);
-    EXPECT_EQ(phase_named(events[1].phase), kContact);
-    EXPECT_LT(events[0].offset_s, events[1].offset_s);
-
-    // The same two seconds in pieces.
-    ExactTissue pieces{soft};
-    Transitions first;
-    pieces.reset(-0.01);
-    pieces.advance(0.02, 0.03, first);
-    std::vector<double> times;
-    for (int i = 0; i < 2000; ++i) {
-        Transitions now;
-        pieces.advance(0.001, 0.03, now);
-        for (const Transition& e : now) times.push_back(i * 0.001 + e.offset_s);
-    }
-    ASSERT_EQ(times.size(), events.size());
-    for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], events[i].offset_s, 1e-9);
-    EXPECT_NEAR(pieces.state().position_surface_m, tissue.state().position_surface_m, 1e-12);
 }
 
 // An undamped surface swings at 1e6 rad/s beneath a needle that slowly comes nearer: they touch once in a
@@ -284,6 +204,43 @@ TEST(ExactTissue, AStepCostsNoMoreThanItMay) {
     EXPECT_EQ(s.tissue.unresolved_steps(), 1u);
 }
 
+// Each step from the same state. With damping: an undamped surface comes back to where it was let go
+// tangentially, and whether it touches there is decided by rounding.
+TEST(TissueProperty, AStepSplitAlongItsLineIsTheSameStep) {
+    EXPECT_TRUE(rc::check("split", [] {
+        TissueParameters p = random_tissue(-1);
+        p.rest_position_m = between(-0.01, 0.03);
+        if (p.damping_Ns_per_m == 0) p.damping_Ns_per_m = 0.1;
+        ExactTissue whole{p};
+        double from_m = p.rest_position_m - 0.01;
+        whole.reset(from_m);
+        for (const PathSample& step : random_path(p.rest_position_m)) {
+            ExactTissue split = whole;
+            Transitions at_once;
+            Transitions parts;
+            const double cut = between(0.01, 0.99);
+            const double first_s = cut * step.duration_s;
+            whole.advance(step.duration_s, step.needle_m, at_once);
+            split.advance(first_s, from_m + cut * (step.needle_m - from_m), parts);
+            const std::size_t before_cut = parts.size();
+            split.advance(step.duration_s - first_s, step.needle_m, parts);
+            RC_ASSERT(phases(parts) == phases(at_once));
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                const double offset_s = parts[i].offset_s + (i < before_cut ? 0 : first_s);
+                RC_ASSERT(std::abs(offset_s - at_once[i].offset_s) <= 1e-9);
+            }
+            const TissueState a = whole.state();
+            const TissueState b = split.state();
+            RC_ASSERT(a.phase == b.phase);
+            RC_ASSERT(std::abs(a.position_surface_m - b.position_surface_m) <= 1e-12);
+            RC_ASSERT(std::abs(a.velocity_surface_m_per_s - b.velocity_surface_m_per_s) <= 1e-10);
+            RC_ASSERT(std::abs(a.force_N - b.force_N) <= 1e-9);
+            from_m = step.needle_m;
+        }
+        RC_ASSERT(whole.unresolved_steps() == 0u);
+    }));
+}
+
 TEST(Transitions, AFullListCountsWhatItDrops) {
     Transitions events(5);
     for (int i = 0; i < 8; ++i) events.push(0.001, "contact");
@@ -292,28 +249,6 @@ TEST(Transitions, AFullListCountsWhatItDrops) {
     events.clear();
     EXPECT_EQ(events.size(), 0u);
     EXPECT_EQ(events.overflows(), 3u);
-}
-
-// A hand that moves the needle at 10 mm/s, read by an encoder of 0.03 mm at 1 kHz and pressed 4 mm deep.
-TissuePhase press(double filter_s) {
-    ExactTissue tissue{TissueParameters{}};
-    Transitions events;
-    double smooth_m = 0.018;
-    tissue.reset(smooth_m);
-    TissuePhase deepest = kFree;
-    for (int i = 1; i <= 600; ++i) {
-        const double read_m = 0.00003 * std::round((0.018 + 1e-5 * i) / 0.00003);
-        smooth_m +=
-            filter_s > 0 ? (read_m - smooth_m) * (1 - std::exp(-0.001 / filter_s)) : read_m - smooth_m;
-        tissue.advance(0.001, smooth_m, events);
-        if (tissue.state().phase > deepest) deepest = tissue.state().phase;
-    }
-    return deepest;
-}
-
-TEST(ExactTissue, RawEncoderStepsPierceASmoothEstimateDoesNot) {
-    EXPECT_EQ(press(0), kPenetrated);
-    EXPECT_EQ(press(0.005), kContact);
 }
 
 }  // namespace

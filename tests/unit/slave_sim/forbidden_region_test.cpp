@@ -1,5 +1,7 @@
 #include "slave_sim/elements/forbidden_region.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <utility>
@@ -10,38 +12,27 @@
 namespace thimble {
 namespace {
 
-TEST(ForbiddenRegion, PushesBackWhatIsBeyondIt) {
-    const ForbiddenRegion fixture({3000, 0, 0.123, {}});
-    const FixtureContact c = fixture.touch(0.124);
-    EXPECT_EQ(c.position_proxy_m, 0.123);
-    EXPECT_NEAR(c.penetration_m, 0.001, 1e-17);
-    EXPECT_NEAR(c.force_N, -3, 1e-12);
-}
-
-TEST(ForbiddenRegion, LetsTheNeedleComeUpToIt) {
-    const ForbiddenRegion fixture({3000, 0, 0.123, {}});
-    for (const double needle_m : {-1.0, 0.0, 0.1229, 0.123}) {
-        const FixtureContact c = fixture.touch(needle_m);
-        EXPECT_EQ(c.position_proxy_m, needle_m);
-        EXPECT_EQ(c.penetration_m, 0);
-        EXPECT_EQ(c.force_N, 0);
+TEST(ForbiddenRegion, PushesBackWhatIsBeyondItWhereItIsPut) {
+    struct Place {
+        double plane_m;
+        bool present;
+        double needle_m, proxy_m, penetration_m, force_N;
+    };
+    for (const Place& p : {Place{0.123, true, 0.124, 0.123, 0.001, -3},
+                           {0.123, true, -1, -1, 0, 0},  // up to the plane
+                           {0.123, true, 0.1229, 0.1229, 0, 0},
+                           {0.123, true, 0.123, 0.123, 0, 0},
+                           {0.123, false, 0.2, 0.2, 0, 0},
+                           {0.1, true, 0.123, 0.1, 0.023, -69}}) {
+        ForbiddenRegion fixture({3000, 0, 0.123, {}});
+        fixture.place(p.plane_m, p.present, 0);
+        EXPECT_EQ(fixture.present(), p.present);
+        EXPECT_EQ(fixture.position_m(), p.plane_m);
+        const FixtureContact c = fixture.touch(p.needle_m);
+        EXPECT_EQ(c.position_proxy_m, p.proxy_m);
+        EXPECT_NEAR(c.penetration_m, p.penetration_m, 1e-17) << p.needle_m;
+        EXPECT_NEAR(c.force_N, p.force_N, 1e-10);
     }
-}
-
-TEST(ForbiddenRegion, AbsentItIsNotFelt) {
-    ForbiddenRegion fixture({3000, 0, 0.123, {}});
-    fixture.place(0.123, false, 0);
-    EXPECT_FALSE(fixture.present());
-    EXPECT_EQ(fixture.touch(0.2).force_N, 0);
-    EXPECT_EQ(fixture.touch(0.2).penetration_m, 0);
-    EXPECT_EQ(fixture.touch(0.2).position_proxy_m, 0.2);
-}
-
-TEST(ForbiddenRegion, MovesWhereItIsPut) {
-    ForbiddenRegion fixture({3000, 0, 0.123, {}});
-    fixture.place(0.1, true, 0);
-    EXPECT_EQ(fixture.position_m(), 0.1);
-    EXPECT_NEAR(fixture.touch(0.123).force_N, -69, 1e-10);
 }
 
 using Events = std::vector<std::pair<double, std::string>>;
@@ -187,6 +178,74 @@ TEST(ForbiddenRegion, EventsComeWhenTheyAreDue) {
         EXPECT_EQ(w.events, c.events);
         EXPECT_NEAR(w.fixture.force_N(), c.force_N, 1e-9);
     }
+}
+
+// However stiff: forces to the rounding of one product, times to that of one quotient.
+class HardFixture : public testing::TestWithParam<double> {
+  protected:
+    FixtureWalker walk(double damping_Ns_per_m, double start_m) const {
+        return {{GetParam(), damping_Ns_per_m, 0.125, {}}, start_m};
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Stiffness, HardFixture, testing::Values(3000.0, 1e6, 1e9));
+
+// The plane itself is free; the next double beyond it is beyond it.
+TEST_P(HardFixture, OneUlpBeyondIsContact) {
+    FixtureWalker w = walk(100, 0.125);
+    w.to(0.125, 0.001);
+    w.to(0.0625, 1);  // and up to the plane again
+    w.to(0.125, 1);
+    EXPECT_EQ(w.fixture.force_N(), 0);
+    EXPECT_EQ(w.fixture.touch(0.125).penetration_m, 0);
+    EXPECT_EQ(w.fixture.rests_above_m(), 0.125);
+    EXPECT_EQ(w.events, Events{});
+    w = walk(0, 0.125);
+    const double beyond_m = std::nextafter(0.125, 1.0);
+    w.to(beyond_m, 0.001);
+    EXPECT_EQ(w.fixture.force_N(), -GetParam() * (beyond_m - 0.125));
+    w.to(0.125, 0.001);
+    EXPECT_EQ(w.events, (Events{{0, "touched"}, {0.002, "left"}}));
+}
+
+// Where the needle is within a factor of two of the plane their difference is exact, so the force carries the
+// rounding of one product.
+TEST_P(HardFixture, ForceIsRoundedOnce) {
+    const double position_m = 0.123;
+    const ForbiddenRegion fixture({GetParam(), 0, position_m, {}});
+    for (int i = 1; i < 2000; ++i) {
+        const double needle_m = position_m + 1.7e-9 * i * i;
+        ASSERT_EQ(fixture.touch(needle_m).force_N, -(GetParam() * (needle_m - position_m)));
+    }
+}
+
+// B of 1e9 N s/m and a metre in 1e-7 s: 1e16 N, and still a number; out again the damper never pulls.
+TEST_P(HardFixture, DampingNeitherOverflowsNorPulls) {
+    FixtureWalker w = walk(1e9, 0);
+    w.to(1, 1e-7);
+    EXPECT_NEAR(w.fixture.force_N() / -(GetParam() * 0.875 + 1e16), 1, 1e-15);
+    w.to(0.25, 1e-7);
+    EXPECT_EQ(w.fixture.force_N(), 0);
+    EXPECT_EQ(w.events.size(), 1u) << "no force, but still beyond the plane";
+}
+
+// Work done on the spring along piecewise straight paths that end where they began: the trapezoid between the
+// crossing and the samples is exact, so what remains is rounding.
+TEST_P(HardFixture, SpringGivesBackWhatItTook) {
+    FixtureWalker w = walk(0, 0);
+    double before_N = 0;
+    double work_J = 0;
+    double moved_J = 0;
+    for (int i = 1; i <= 20000; ++i) {
+        const double from_m = std::max(w.needle_m, 0.125);
+        w.to(i == 20000 ? 0 : 0.125 + 0.002 * std::sin(0.37 * i) * std::cos(0.011 * i), 0.001);
+        const double part_J =
+            -0.5 * (before_N + w.fixture.force_N()) * (std::max(w.needle_m, 0.125) - from_m);
+        work_J += part_J;
+        moved_J += std::abs(part_J);
+        before_N = w.fixture.force_N();
+    }
+    EXPECT_GT(moved_J, 1e-4 * GetParam() * 0.002);
+    EXPECT_LE(std::abs(work_J), 1e-13 * moved_J);
 }
 
 TEST(ForbiddenRegion, ResetBringsBackWhatWasPlaced) {

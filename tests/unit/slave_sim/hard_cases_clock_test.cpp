@@ -120,24 +120,5 @@ TEST_P(HardClock, WhatTheNeedleDoesDoesNotDependOnTheClock) {
     }
 }
 
-// A million steps, a change every second: 1000 of them, none lost, none twice, none late by more than the
-// clock's grain.
-TEST(HardClockLong, AThousandChangesInAMillionSteps) {
-    constexpr std::int64_t kStart_s = 1'000'000;
-    std::string scene = "[fixture]\nposition_m = 0.5\n";
-    for (int i = 0; i < 1000; ++i) {
-        scene +=
-            fmt::format("[[fixture.event]]\ntime_s = {}.{:03}5\npresent = {}\n", kStart_s + i, i, i % 2 == 1);
-    }
-    Clocked run(scene, std::chrono::seconds(kStart_s), 0.25);
-    for (int i = 0; i < 1'000'000; ++i) run.to(0.25);
-    ASSERT_EQ(run.seen().size(), 1000u);
-    for (std::int64_t i = 0; i < 1000; ++i) {
-        const Seen& change = run.seen()[static_cast<std::size_t>(i)];
-        ASSERT_EQ(change.step, 1000 * i + i);  // i seconds and i milliseconds
-        ASSERT_NEAR(change.offset_s, 0.0005, 2 * grain_s(static_cast<double>(kStart_s)));
-    }
-}
-
 }  // namespace
 }  // namespace thimble

@@ -54,34 +54,6 @@ TEST(HardContactExact, GrazingIsSeenIfItPassesAndOnlyThen) {
     EXPECT_EQ(events[1].offset_s, events[2].offset_s);
 }
 
-// As deep as 1 mm the visit lasts 0.09 s, and no solver misses it.
-TEST_P(HardContact, APassingSurfaceIsMetTwice) {
-    const auto tissue = make(kSwing);
-    Transitions events;
-    const double needle_m = 1 - 1e-3;
-    pierce_and_wait(*tissue, needle_m, events);
-    tissue->advance(2, needle_m, events);
-    ASSERT_EQ(phases(events), (Phases{kFree, kContact, kPenetrated}));
-    const double half_s = std::acos(needle_m);
-    // semi_implicit_euler pierces up to a step late, and its swing is off by h / 2 (of a phase of 1 rad/s): of
-    // a visit so shallow each can take that divided by the slope of 0.045 m/s.
-    const double rounding_s = exact() ? 1e-12 : 2 * kStep_s / half_s;
-    EXPECT_NEAR(needle_m + events[0].offset_s, kPi / 2 - half_s, late_s() + rounding_s);
-    EXPECT_NEAR(needle_m + events[1].offset_s, kPi / 2 + half_s, late_s() + rounding_s);
-}
-
-// The surface reaches the needle at the top of its swing, with no speed at all. Whether that counts as a
-// transition is up to rounding; what follows must not be: the surface goes on as sin(t).
-TEST(HardContactExact, TouchAtZeroVelocityChangesNothing) {
-    ExactTissue tissue{kSwing};
-    Transitions events;
-    pierce_and_wait(tissue, 1, events);
-    tissue.advance(2, 1, events);
-    EXPECT_EQ(tissue.state().phase, kPenetrated);
-    EXPECT_NEAR(tissue.state().position_surface_m, std::sin(3.0), 1e-8);  // sqrt(1e-16) in time, at worst
-    EXPECT_EQ(tissue.unresolved_steps(), 0u);
-}
-
 // As pierce_and_wait, with a first step so short that no solver pierces late.
 void pierce_in_time(TissueSolver& tissue, double needle_m, Transitions& events) {
     tissue.reset(0);
@@ -167,25 +139,23 @@ TEST_P(HardContact, NeedleAtRestOnTheThresholdIsHeld) {
     EXPECT_EQ(phases(events), (Phases{kContact, kPenetrated}));
 }
 
-TEST_P(HardContact, TouchAndPunctureInOneInstant) {
-    const auto tissue = make(TissueParameters{});
-    Transitions events;
-    tissue->reset(0);
-    tissue->advance(0.5, 0.05, events);  // 0.1 m/s: f = 0.5 N on touch, five times F_p
-    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
-    expect_time(events[0].offset_s, 0.2, 1e-15);
-    EXPECT_EQ(events[0].offset_s, events[1].offset_s);
-}
-
-// One step of 2 s: touch at 0.4 s, pierced where f = 2 x 0.015 (t - 0.4) + 5 x 0.015 = 0.1.
-TEST_P(HardContact, SeveralEventsInAStepOfTwoSeconds) {
-    const auto tissue = make(TissueParameters{});
-    Transitions events;
-    tissue->reset(0.014);
-    tissue->advance(2, 0.044, events);
-    ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
-    expect_time(events[0].offset_s, 0.4, 1e-14);
-    expect_time(events[1].offset_s, 0.4 + 0.025 / 0.03, 1e-13);
+// One step on a straight line: touch where it meets the surface, puncture where f = 2 x + 5 v = 0.1 N.
+TEST_P(HardContact, TouchAndPunctureWhereTheLineSays) {
+    struct Line {
+        double from_m, to_m, duration_s, touch_s, puncture_s;
+    };
+    for (const Line& line : {Line{0.02, 0.12, 10, 0, 2.5},
+                             {0, 0.05, 0.5, 0.2, 0.2},  // 0.1 m/s: f = 0.5 N on touch
+                             {0.014, 0.044, 2, 0.4, 0.4 + 0.025 / 0.03}}) {
+        const auto tissue = make(TissueParameters{});
+        Transitions events;
+        tissue->reset(line.from_m);
+        tissue->advance(line.duration_s, line.to_m, events);
+        ASSERT_EQ(phases(events), (Phases{kContact, kPenetrated}));
+        expect_time(events[0].offset_s, line.touch_s, 1e-14);
+        expect_time(events[1].offset_s, line.puncture_s, 1e-13);
+        EXPECT_EQ(events[0].offset_s == events[1].offset_s, line.touch_s == line.puncture_s);
+    }
 }
 
 // Ten steps of 2 s against 20 000 of 1 ms along the same lines.

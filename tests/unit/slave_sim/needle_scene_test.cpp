@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "slave_sim/element_types.hpp"
-#include "slave_sim/exact_tissue.hpp"
 #include "slave_sim/scene_file.hpp"
 #include "slave_sim/solvers.hpp"
 
@@ -112,39 +110,6 @@ TEST(NeedleScene, LayersWakeOneAfterTheOther) {
     EXPECT_EQ(w.scene.awake(), 0u);
     EXPECT_EQ(w.scene.surface()->state().position_surface_m, 0.020);
     EXPECT_EQ(w.scene.surface()->state().velocity_surface_m_per_s, 0);
-}
-
-// Each layer by a solver of its own, which never sleeps, is the oracle.
-TEST(NeedleScene, ForcesAndEventsAreThoseOfTheElements) {
-    const TissueParameters first{1, 2, 5, 0.7, 0.1, 0.02};
-    const TissueParameters second{0.2, 30, 2, 0.3, 0.4, 0.05};
-    SceneDeclaration declaration = scene_of("[fixture]\nposition_m = 0.08\n[guidance]\n");
-    declaration.elements.push_back(declare_tissue("a", first));
-    declaration.elements.push_back(declare_tissue("b", second));
-    SceneWalker w(declaration);
-    ExactTissue a(first);
-    ExactTissue b(second);
-    a.reset(0);
-    b.reset(0);
-    std::size_t transitions = 0;
-    for (int i = 1; i <= 3000; ++i) {
-        const double needle_m = 0.05 - 0.05 * std::cos(0.01 * i);
-        Transitions own(64);
-        w.scene.clear_transitions();
-        w.to(needle_m);
-        a.advance(kStep_s, needle_m, own);
-        b.advance(kStep_s, needle_m, own);
-        ASSERT_NEAR(w.scene.force_tissue_N(), a.force_N() + b.force_N(), 1e-12) << i;
-        const double fixture_N = needle_m > 0.08 ? -3000 * (needle_m - 0.08) : 0;
-        ASSERT_NEAR(w.scene.force_fixture_N(), fixture_N - 50 * (needle_m - 0.1), 1e-9) << i;
-        std::size_t of_tissue = 0;
-        for (const Transition& t : w.scene.transitions()) {
-            of_tissue += w.scene.element_name(t.element).size() == 1 ? 1 : 0;
-        }
-        ASSERT_EQ(of_tissue, own.size()) << i;
-        transitions += own.size();
-    }
-    EXPECT_GE(transitions, 6u);
 }
 
 TEST(NeedleScene, FixturesFollowTheReadingAndTissueTheEstimate) {

@@ -17,12 +17,6 @@
 namespace thimble {
 namespace {
 
-struct Sample {
-    double duration_s;
-    double needle_m;
-};
-using Path = std::vector<Sample>;
-
 struct Observed {
     PortEnergy energy;
     double deviation_m;  // of the solver's surface from the observer's, at worst
@@ -38,7 +32,7 @@ Observed observe(const TissueParameters& p, double start_m, const Path& path) {
     Observed seen{PortEnergy(p, start_m), 0, 0, 0, 0};
     double from_m = start_m;
     double before_N = 0;
-    for (const Sample& sample : path) {
+    for (const PathSample& sample : path) {
         Transitions events(1000);
         tissue.advance(sample.duration_s, sample.needle_m, events);
         seen.energy.step(sample.duration_s, sample.needle_m, events);
@@ -76,18 +70,6 @@ Path insertion(double start_m, double end_m, double in_m_per_s, double out_m_per
 
 constexpr double kSoftest = -0.5;  // decade of N/m
 
-Path random_path(double rest_m) {
-    Path path;
-    double needle_m = rest_m - 0.01;
-    for (int i = 0; i < 30; ++i) {
-        const double kind = between(0, 1);
-        if (kind < 0.5) needle_m += between(-0.01, 0.01);
-        if (kind > 0.8) needle_m = rest_m + between(-0.03, 0.03);
-        path.push_back({decade(-4, 0), needle_m});
-    }
-    return path;
-}
-
 TEST(PortEnergy, ExactCreatesNone) {
     EXPECT_TRUE(rc::check("work + given = stored + dissipated", [] {
         const TissueParameters p = random_tissue(kSoftest);
@@ -95,43 +77,6 @@ TEST(PortEnergy, ExactCreatesNone) {
         RC_ASSERT(seen.deviation_m <= 1e-13);
         RC_ASSERT(std::abs(seen.energy.imbalance_J()) <= 1e-12 * seen.energy.turnover_J() + 1e-25);
         RC_CLASSIFY(seen.energy.work_J() > 0);
-    }));
-}
-
-// From rest to rest nothing is stored: the operator gets back no more than the model gave the surface.
-TEST(PortEnergy, AClosedCycleReturnsAtMostWhatWasGiven) {
-    EXPECT_TRUE(rc::check("closed cycle", [] {
-        TissueParameters p = random_tissue(kSoftest);
-        p.damping_Ns_per_m += 0.1;
-        const double start_m = p.rest_position_m - 0.005;
-        Path path = random_path(p.rest_position_m);
-        double needle_m = path.back().needle_m;
-        move(path, needle_m, start_m, decade(-3, 0), 1e-3);
-        path.push_back({1e5, start_m});
-        const Observed seen = observe(p, p.rest_position_m - 0.01, path);
-        const double rounding_J = 1e-12 * seen.energy.turnover_J() + 1e-25;
-        RC_ASSERT(seen.energy.stored_J() <= 1e-12 * seen.energy.turnover_J());
-        RC_ASSERT(seen.energy.dissipated_J() >= 0);
-        RC_ASSERT(seen.energy.work_J() >= -seen.energy.given_J() - rounding_J);
-        RC_ASSERT(seen.energy.given_J() <= seen.energy.gifts_J() + rounding_J);
-        RC_CLASSIFY(seen.energy.work_J() < -rounding_J, "model returned energy");
-    }));
-}
-
-// One touch at v gives M v^2 / 2; the way x_p = (F_p - B v) / K to the puncture costs B v x_p beside the
-// spring. So in and out at one speed costs work if v <= B F_p / (K M / 2 + B^2): nothing later is given.
-TEST(PortEnergy, ASlowCycleCostsTheOperatorWork) {
-    EXPECT_TRUE(rc::check("slow cycle", [] {
-        TissueParameters p = random_tissue(kSoftest);
-        p.damping_Ns_per_m += 0.1;
-        const double b = p.damping_Ns_per_m;
-        const double slow_m_per_s = b * p.puncture_force_N / (p.stiffness_N_per_m * p.mass_kg / 2 + b * b);
-        const double v = slow_m_per_s * between(0.05, 1);
-        const double depth_m = between(0.1, 3) * p.puncture_force_N / p.stiffness_N_per_m;
-        const double start_m = p.rest_position_m - 0.005;
-        const Path path = insertion(start_m, p.rest_position_m + depth_m, v, v, (depth_m + 0.005) / v / 100);
-        const Observed seen = observe(p, start_m, path);
-        RC_ASSERT(seen.energy.work_J() >= -1e-12 * seen.energy.turnover_J());
     }));
 }
 
@@ -180,7 +125,7 @@ double felt_work_J(TissueSolver& tissue, double start_m, const Path& path,
     tissue.reset(start_m);
     double work_J = 0;
     double from_m = start_m;
-    for (const Sample& sample : path) {
+    for (const PathSample& sample : path) {
         tissue.advance(sample.duration_s, sample.needle_m, events);
         work_J -= tissue.state().force_N * (sample.needle_m - from_m);
         from_m = sample.needle_m;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include <rapidcheck.h>
 
@@ -25,6 +26,25 @@ inline TissueParameters random_tissue(double softest) {
     p.drag_Ns_per_m = decade(-2, 0.5);
     p.puncture_force_N = decade(-2, 0);
     return p;
+}
+
+struct PathSample {
+    double duration_s;
+    double needle_m;
+};
+using Path = std::vector<PathSample>;
+
+// Strokes, holds and jitter about the surface.
+inline Path random_path(double rest_m) {
+    Path path;
+    double needle_m = rest_m - 0.01;
+    for (int i = 0; i < 40; ++i) {
+        const double kind = between(0, 1);
+        if (kind < 0.5) needle_m += between(-0.01, 0.01);
+        if (kind > 0.8) needle_m = rest_m + between(-0.03, 0.03);
+        path.push_back({decade(-4, 0), needle_m});
+    }
+    return path;
 }
 
 }  // namespace thimble

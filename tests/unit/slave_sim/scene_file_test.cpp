@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "slave_sim/element_types.hpp"
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/solvers.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -33,14 +33,7 @@ std::vector<std::string> names(const SceneDeclaration& scene) {
 }
 
 std::string refusal_of(const std::string& text) {
-    try {
-        scene_of(text);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        return error.what();
-    }
-    ADD_FAILURE() << "was not refused: " << text;
-    return "";
+    return refusal([&] { scene_of(text); }, ExitCode::kUsage);
 }
 
 TEST(SceneFile, DeclaresWhatItNamesAndNothingElse) {
@@ -58,14 +51,6 @@ TEST(SceneFile, SeveralOfATypeAreNumberedOrNamed) {
     EXPECT_THAT(names(scene_of("[vessel]\nname = 'artery'\n")), ElementsAre("artery.near", "artery.far"));
 }
 
-// Event lists could not have told the two apart.
-TEST(SceneFile, NamesOfPartsAreTakenToo) {
-    EXPECT_THAT(refusal_of("[tissue]\nname = 'vessel.near'\n[vessel]\n"),
-                HasSubstr("\"vessel.near\" is taken"));
-    EXPECT_THAT(refusal_of("[vessel]\nname = 'a'\n[fixture]\nname = 'a.far'\n"),
-                AllOf(StartsWith("scene.toml:4:"), HasSubstr("\"a.far\" is taken")));
-}
-
 TEST(SceneFile, TheSurfaceIsTheOutermostLayersNotTheFirst) {
     const SceneDeclaration scene =
         scene_of("[[tissue]]\nrest_position_m = 0.05\n[[tissue]]\nrest_position_m = 0.01\nmass_kg = 1e-12\n");
@@ -73,19 +58,28 @@ TEST(SceneFile, TheSurfaceIsTheOutermostLayersNotTheFirst) {
 }
 
 TEST(SceneFile, RefusesWithLineAndKey) {
-    EXPECT_THAT(refusal_of("[tissue]\n[bone]\n"), AllOf(StartsWith("scene.toml:2:"), HasSubstr("'bone'")));
-    EXPECT_THAT(refusal_of("[[tissue]]\n[[tissue]]\nmas_kg = 1\n"),
-                AllOf(StartsWith("scene.toml:3:"), HasSubstr("'tissue[1].mas_kg'")));
-    EXPECT_THAT(refusal_of("[[tissue]]\n[[tissue]]\nmass_kg = 0\n"),
-                AllOf(StartsWith("scene.toml:3:"), HasSubstr("'tissue[1].mass_kg'")));
-    EXPECT_THAT(refusal_of("tissue = 3\n"), HasSubstr("[[tissue]]"));
-    EXPECT_THAT(refusal_of("tissue = []\n"), HasSubstr("[[tissue]]"));
-    EXPECT_THAT(refusal_of("[tissue]\nname = 'a,b'\n"), HasSubstr("'tissue.name'"));
-    EXPECT_THAT(refusal_of("[tissue]\nname = 'x'\n[fixture]\nname = 'x'\n"), HasSubstr("\"x\" is taken"));
-    EXPECT_THAT(refusal_of("[fixture]\n[[fixture.event]]\npresent = false\n"), HasSubstr("time_s"));
-    EXPECT_THAT(refusal_of("[fixture]\n[[fixture.event]]\ntime_s = 1\nafter_contact_s = 2\n"),
-                AllOf(StartsWith("scene.toml:3:"), HasSubstr("after_contact_s")));
-    EXPECT_THAT(refusal_of("[fixture]\nstiffness_N_per_m = -1\n"), StartsWith("scene.toml:2:"));
+    struct Bad {
+        const char* text;
+        const char* begins;
+        const char* names;
+    };
+    for (const Bad& bad : std::vector<Bad>{
+             {"[tissue]\n[bone]\n", "scene.toml:2:", "'bone'"},
+             {"[[tissue]]\n[[tissue]]\nmas_kg = 1\n", "scene.toml:3:", "'tissue[1].mas_kg'"},
+             {"[[tissue]]\n[[tissue]]\nmass_kg = 0\n", "scene.toml:3:", "'tissue[1].mass_kg'"},
+             {"tissue = 3\n", "", "[[tissue]]"},
+             {"tissue = []\n", "", "[[tissue]]"},
+             {"[tissue]\nname = 'a,b'\n", "", "'tissue.name'"},
+             {"[tissue]\nname = 'x'\n[fixture]\nname = 'x'\n", "", "\"x\" is taken"},
+             // Names of parts: event lists could not tell the two apart.
+             {"[tissue]\nname = 'vessel.near'\n[vessel]\n", "", "\"vessel.near\" is taken"},
+             {"[vessel]\nname = 'a'\n[fixture]\nname = 'a.far'\n", "scene.toml:4:", "\"a.far\" is taken"},
+             {"[fixture]\n[[fixture.event]]\npresent = false\n", "", "time_s"},
+             {"[fixture]\n[[fixture.event]]\ntime_s = 1\nafter_contact_s = 2\n",
+              "scene.toml:3:", "after_contact_s"},
+             {"[fixture]\nstiffness_N_per_m = -1\n", "scene.toml:2:", ""}}) {
+        EXPECT_THAT(refusal_of(bad.text), AllOf(StartsWith(bad.begins), HasSubstr(bad.names))) << bad.text;
+    }
 }
 
 TEST(SceneFile, ThePapersSceneHasThePapersNumbers) {
@@ -114,13 +108,8 @@ TEST(SceneFile, EverySceneThatComesWithTheProgramIsGood) {
 }
 
 TEST(SceneFile, AFileThatIsNotThereNamesTheScenesThatAre) {
-    try {
-        load_scene("no-such-scene.toml");
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        EXPECT_THAT(error.what(), AllOf(HasSubstr("no-such-scene.toml"), HasSubstr("paper.toml")));
-    }
+    EXPECT_THAT(refusal([] { load_scene("no-such-scene.toml"); }, ExitCode::kUsage),
+                AllOf(HasSubstr("no-such-scene.toml"), HasSubstr("paper.toml")));
     EXPECT_THROW(load_scene("/nowhere/paper.toml"), Error);
 }
 

@@ -1,14 +1,12 @@
 #include "slave_sim/slave_settings.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "slave_sim/needle_scene.hpp"
 #include "slave_sim/stepped_tissue.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -42,14 +40,12 @@ TEST(SlaveSettings, AnotherSceneAndAnotherSolver) {
 }
 
 TEST(SlaveSettings, ASceneBesideTheSessionFileComesFirst) {
-    const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "slave_settings";
-    std::filesystem::create_directories(folder);
-    std::ofstream(folder / "paper.toml") << "[tissue]\nmass_kg = 3\n[fixture]\nposition_m = 0.07\n";
-    std::ofstream(folder / "session.toml") << "[slave_sim]\nscene = 'paper.toml'\n";
+    const TemporaryDirectory folder;
+    write_text(folder / "paper.toml", "[tissue]\nmass_kg = 3\n[fixture]\nposition_m = 0.07\n");
+    write_text(folder / "session.toml", "[slave_sim]\nscene = 'paper.toml'\n");
     const SlaveSettings s = read_slave_settings(ConfigFile::load(folder / "session.toml"));
     EXPECT_EQ(tissue_of(s).mass_kg, 3);
     EXPECT_EQ(s.fixture_position_m(), 0.07);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(SlaveSettings, RefusesScenesThatNoTrialCanRunIn) {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -20,14 +20,11 @@ Instructions read_words(const std::string& text) {
     return words;
 }
 
+// Empty if it is taken.
 std::string refusal_of(const std::string& text) {
-    try {
-        read_words(text);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        return error.what();
-    }
-    return "";
+    std::string taken;
+    const std::string said = refusal([&] { read_words(text), taken = "taken"; }, ExitCode::kUsage);
+    return taken.empty() ? said : "";
 }
 
 Page page_with(PageKind kind, double remaining_s = 0) {

@@ -44,40 +44,25 @@ struct HandFlowTest : testing::Test {
     bool move = false;
 };
 
-TEST_F(HandFlowTest, RestingHandGivesASignOfLife) {
-    hand.input.engaged = true;
+TEST_F(HandFlowTest, SaysWhereAHandRestsWhereItMovesAndAtOnceThatItLetsGo) {
     flow.start_trial();
     run_ms(0, 100);
-    EXPECT_EQ(caught.messages.size(), 10U);
+    EXPECT_EQ(caught.messages.size(), 10U) << "signs of life";
     EXPECT_EQ(caught.messages.front().header.trial, 7U);
-}
-
-TEST_F(HandFlowTest, MovingHandIsSaidEveryMillisecond) {
-    hand.input.engaged = true;
-    flow.start_trial();
     move = true;
-    run_ms(0, 100);
-    ASSERT_EQ(caught.messages.size(), 100U);
+    run_ms(100, 200);
+    ASSERT_EQ(caught.messages.size(), 110U) << "every millisecond";
     EXPECT_NEAR(std::get<HandInput>(caught.messages.back().body).position_hand_m, 100e-4, 1e-12);
-}
-
-TEST_F(HandFlowTest, LettingGoIsSaidAtOnce) {
+    move = false;
     hand.input.engaged = true;
-    flow.start_trial();
-    run_ms(0, 3);
+    run_ms(200, 202);
     hand.input.engaged = false;
-    run_ms(3, 4);
-    ASSERT_EQ(caught.messages.size(), 2U);
+    run_ms(202, 203);
+    ASSERT_EQ(caught.messages.size(), 112U);
     EXPECT_FALSE(std::get<HandInput>(caught.messages.back().body).engaged);
-}
-
-TEST_F(HandFlowTest, ANewTrialHearsOfTheHandAtOnce) {
     flow.start_trial();
-    run_ms(0, 2);
-    ASSERT_EQ(caught.messages.size(), 1U);
-    flow.start_trial();
-    run_ms(2, 4);
-    EXPECT_EQ(caught.messages.size(), 2U);
+    run_ms(203, 204);
+    EXPECT_EQ(caught.messages.size(), 113U) << "a new trial hears of the hand at once";
 }
 
 TEST_F(HandFlowTest, NothingBetweenTrials) {
@@ -93,13 +78,10 @@ TEST_F(HandFlowTest, ATrialBeginsAtHome) {
     hand.input.position_hand_m = 0.05;
     flow.start_trial();
     EXPECT_EQ(hand.input.position_hand_m, 0);
-}
-
-TEST(HandFlowWithoutHand, IsSilentForEver) {
-    HandFlow flow(1, nullptr, nullptr);
-    flow.start_trial();
-    flow.work(at(milliseconds{5}), true, 1);
-    EXPECT_EQ(flow.next(), kNever);
+    HandFlow nobody(1, nullptr, nullptr);
+    nobody.start_trial();
+    nobody.work(at(milliseconds{5}), true, 1);
+    EXPECT_EQ(nobody.next(), kNever);
 }
 
 Page ready_page(std::uint32_t trial) {

@@ -34,17 +34,20 @@ ForceFeedback feedback(double needle_m, double surface_m, double total_N = 0,
     return message;
 }
 
+VisualNode started(Modality modality, SessionTime start = {}, const VisualSettings& settings = {}) {
+    VisualNode node{settings};
+    node.start_trial(start, trial(modality), 1);
+    return node;
+}
+
 // The scene drawn when the only feedback of a trial is `message`, so long ago.
 Scene scene_of(const ForceFeedback& message, Modality modality, const VisualSettings& settings = {},
                Duration silence = {}) {
-    VisualNode node{settings};
-    node.start_trial(at(seconds{1}), trial(modality), 1);
+    VisualNode node = started(modality, at(seconds{1}), settings);
     const SessionTime now = node.next_frame();
     node.on_feedback(now - silence, message);
     return node.frame(now).value();
 }
-
-bool pressed_in(Modality modality) { return modality == Modality::kCF || modality == Modality::kCCF; }
 
 ForceFeedback arbitrary_feedback() {
     const auto metres = [] { return 1e-4 * *rc::gen::inRange(-2000, 2000); };
@@ -98,14 +101,6 @@ TEST(VisualNode, TheFixtureIsNeverVisible) {
     }));
 }
 
-TEST(VisualNode, OnlyVisualFeedbackHasABar) {
-    const ForceFeedback pushing = feedback(0.15, 0.1, -6, TissuePhase::kPenetrated);
-    EXPECT_EQ(scene_of(pushing, Modality::kVF).bar_N, 6);
-    for (const Modality modality : {Modality::kHF, Modality::kCF, Modality::kCCF}) {
-        EXPECT_EQ(scene_of(pushing, modality).bar_N, 0);
-    }
-}
-
 TEST(VisualNode, BarHasWholePixelsAndAnEnd) {
     EXPECT_TRUE(rc::check("bar is the resisting force, clipped, rounded down to a pixel", [] {
         const ForceFeedback message = arbitrary_feedback();
@@ -116,106 +111,77 @@ TEST(VisualNode, BarHasWholePixelsAndAnEnd) {
         RC_ASSERT(bar_N <= force_N + 1e-12);
         RC_ASSERT(bar_N > force_N - 12.0 / 400 - 1e-12);
     }));
-    EXPECT_EQ(scene_of(feedback(0, 1, -100), Modality::kVF).bar_N, 12);
-    EXPECT_EQ(scene_of(feedback(0, 1, 5), Modality::kVF).bar_N, 0) << "pulling out shows no bar";
-    EXPECT_EQ(scene_of(feedback(0, 1, -0.029), Modality::kVF).bar_N, 0);
-    EXPECT_DOUBLE_EQ(scene_of(feedback(0, 1, -0.031), Modality::kVF).bar_N, 0.03);
-}
-
-TEST(VisualNode, BarDropsWhenFeedbackStops) {
-    VisualNode node{VisualSettings{}};
-    node.start_trial(at({}), trial(Modality::kVF), 1);
-    node.on_feedback(at(milliseconds{20}), feedback(0.05, 0.1, -6));
-    for (int frames = 0; frames < 20; ++frames) {
-        const SessionTime now = node.next_frame();
-        const auto scene = node.frame(now);
-        if (now < at(milliseconds{20})) continue;
-        ASSERT_TRUE(scene.has_value());
-        EXPECT_EQ(scene->bar_N, now < at(milliseconds{120}) ? 6 : 0);
-        EXPECT_EQ(scene->stale, now >= at(milliseconds{120})) << "for the screen to say so";
-        EXPECT_EQ(scene->position_needle_m, 0.05) << "the needle stays where it was last seen";
-        EXPECT_EQ(scene->sample_time, at(milliseconds{20}));
-    }
-}
-
-TEST(VisualNode, BarHoldsOrFallsWhereItIsToldTo) {
-    for (const StaleMode mode : {StaleMode::kHold, StaleMode::kRamp}) {
+    struct Bar {
+        double full_N;
+        int pixels;
+        double total_N, bar_N;
+    };
+    for (const Bar& bar : {Bar{12, 400, -100, 12},
+                           {12, 400, 5, 0},  // pulling out
+                           {12, 400, -0.029, 0},
+                           {12, 400, -0.031, 0.03},
+                           {6, 12, -1.2, 1},
+                           {6, 12, -5.99, 5.5},
+                           {6, 12, std::nan(""), 0}}) {
         VisualSettings settings;
-        settings.refresh_Hz = 1000;
-        settings.stale = {mode, milliseconds{100}, milliseconds{50}};
-        VisualNode node(settings);
-        node.start_trial(at({}), trial(Modality::kVF), 1);
-        node.on_feedback(at({}), feedback(0.05, 0.1, -6));
-        double before_N = 6;
-        for (SessionTime now{}; now < at(milliseconds{200}); now = node.next_frame()) {
-            const auto scene = node.frame(now);
-            if (!scene) continue;
-            EXPECT_LE(scene->bar_N, before_N);
-            before_N = scene->bar_N;
-            if (now < at(milliseconds{100}) || mode == StaleMode::kHold) {
-                EXPECT_EQ(scene->bar_N, 6);
-            }
-        }
-        EXPECT_EQ(before_N, mode == StaleMode::kHold ? 6 : 0);
+        settings.bar_full_scale_N = bar.full_N;
+        settings.bar_resolution = bar.pixels;
+        const Scene scene = scene_of(feedback(0.05, 0.1, bar.total_N), Modality::kVF, settings);
+        EXPECT_DOUBLE_EQ(scene.bar_N, bar.bar_N) << bar.total_N;
+        EXPECT_EQ(scene.bar_full_scale_N, bar.full_N);
     }
 }
 
-TEST(VisualNode, FingersAreForThosePeopleWhoHaveNoDevices) {
-    VisualSettings settings;
-    settings.fingertip = true;
-    for (const Modality modality : kModalities) {
-        SCOPED_TRACE(to_string(modality));
-        const Scene resisted = scene_of(feedback(0.05, 0.1, -2), modality, settings);
-        const Scene drawn = scene_of(feedback(0.05, 0.1, 3), modality, settings);
-        EXPECT_EQ(resisted.fingertip_N, pressed_in(modality) ? 2 : 0);
-        EXPECT_EQ(resisted.thumb_N, 0);
-        EXPECT_EQ(drawn.fingertip_N, 0);
-        EXPECT_EQ(drawn.thumb_N, pressed_in(modality) ? 3 : 0);
-        VisualNode node(settings);
-        node.start_trial(at({}), trial(modality), 1);
-        node.on_feedback(at({}), feedback(0.05, 0.1, 3));
-        node.end_trial(at({}));
-        EXPECT_EQ(node.frame(node.next_frame()).value().thumb_N, 0);
+// Of the bar, and of the fingers of a person without devices.
+TEST(VisualNode, WhatIsShownFollowsThePolicyFromTheLimitOn) {
+    constexpr Duration kAfter = milliseconds{100};
+    struct Late {
+        StaleMode mode;
+        Duration silence;
+        double shown_N;
+    };
+    for (const Late& late : {Late{StaleMode::kZero, kAfter - Duration{1}, 6},
+                             {StaleMode::kZero, kAfter, 0},
+                             {StaleMode::kHold, milliseconds{900}, 6},
+                             {StaleMode::kRamp, kAfter, 6},
+                             {StaleMode::kRamp, milliseconds{110}, 3},
+                             {StaleMode::kRamp, milliseconds{120}, 0}}) {
+        VisualSettings settings;
+        settings.fingertip = true;
+        settings.stale = {late.mode, kAfter, milliseconds{20}};
+        const auto shown = [&](Modality modality) {
+            return scene_of(feedback(0.05, 0.1, -6), modality, settings, late.silence);
+        };
+        EXPECT_DOUBLE_EQ(shown(Modality::kVF).bar_N, late.shown_N);
+        EXPECT_DOUBLE_EQ(shown(Modality::kCF).fingertip_N, late.shown_N);
+        EXPECT_EQ(shown(Modality::kVF).stale, late.silence >= kAfter) << "for the screen to say so";
+        EXPECT_EQ(shown(Modality::kVF).position_needle_m, 0.05) << "the needle stays where it was last seen";
     }
 }
 
-TEST(VisualNode, FeedbackIsStaleFromItsLimitOn) {
-    VisualSettings settings;
-    settings.fingertip = true;
-    settings.stale = {StaleMode::kRamp, milliseconds{100}, milliseconds{20}};
-    const auto after = [&](Modality modality, Duration silence) {
-        return scene_of(feedback(0.05, 0.1, -2), modality, settings, silence);
-    };
-    EXPECT_FALSE(after(Modality::kVF, milliseconds{100} - Duration{1}).stale);
-    EXPECT_TRUE(after(Modality::kVF, milliseconds{100}).stale);
-    EXPECT_EQ(after(Modality::kCF, milliseconds{100}).fingertip_N, 2);
-    EXPECT_DOUBLE_EQ(after(Modality::kCF, milliseconds{110}).fingertip_N, 1);
-    EXPECT_DOUBLE_EQ(after(Modality::kVF, milliseconds{110}).bar_N, 0.99);  // whole pixels of 0.03 N
-    EXPECT_EQ(after(Modality::kVF, milliseconds{120}).bar_N, 0);
-}
-
-TEST(VisualNode, TheBarHasTheSettingsScaleAndPixels) {
-    VisualSettings settings;
-    settings.bar_full_scale_N = 6;
-    settings.bar_resolution = 12;
-    const auto scene_with = [&](double force_N) {
-        return scene_of(feedback(0.05, 0.1, force_N), Modality::kVF, settings);
-    };
-    EXPECT_EQ(scene_with(-1.2).bar_N, 1);
-    EXPECT_EQ(scene_with(-5.99).bar_N, 5.5);
-    EXPECT_EQ(scene_with(0).bar_full_scale_N, 6);
-    EXPECT_EQ(scene_with(std::nan("")).bar_N, 0) << "what is no number is no force";
-}
-
+// The bar in VF, and two fingers for a person without devices in CF and CCF.
 TEST(VisualNode, EachModalityShowsItsOwn) {
     for (const bool fingertip : {false, true}) {
         VisualSettings settings;
         settings.fingertip = fingertip;
         for (const Modality modality : kModalities) {
-            const Scene scene = scene_of(feedback(0.05, 0.1, std::nan("")), modality, settings);
-            EXPECT_EQ(scene.bar_shown, modality == Modality::kVF) << to_string(modality);
-            EXPECT_EQ(scene.fingertip_shown, fingertip && pressed_in(modality)) << to_string(modality);
-            EXPECT_EQ(scene.fingertip_N + scene.thumb_N, 0) << to_string(modality);
+            SCOPED_TRACE(to_string(modality));
+            const bool pressed = fingertip && (modality == Modality::kCF || modality == Modality::kCCF);
+            const Scene none = scene_of(feedback(0.05, 0.1, std::nan("")), modality, settings);
+            EXPECT_EQ(none.bar_shown, modality == Modality::kVF);
+            EXPECT_EQ(none.fingertip_shown, pressed);
+            EXPECT_EQ(none.bar_N + none.fingertip_N + none.thumb_N, 0);
+            const Scene resisted = scene_of(feedback(0.05, 0.1, -3), modality, settings);
+            EXPECT_EQ(resisted.bar_N, modality == Modality::kVF ? 3 : 0);
+            EXPECT_EQ(resisted.fingertip_N, pressed ? 3 : 0);
+            EXPECT_EQ(resisted.thumb_N, 0);
+            VisualNode node = started(modality, {}, settings);
+            node.on_feedback(at({}), feedback(0.05, 0.1, 3));
+            const Scene drawn = node.frame(node.next_frame()).value();
+            EXPECT_EQ(drawn.fingertip_N, 0);
+            EXPECT_EQ(drawn.thumb_N, pressed ? 3 : 0);
+            node.end_trial(drawn.sample_time);
+            EXPECT_EQ(node.frame(node.next_frame()).value().thumb_N, 0);
         }
     }
 }
@@ -241,8 +207,7 @@ TEST(VisualNode, ASceneKnowsItsTrialItsStampsAndTheSurfaceAtRest) {
 }
 
 TEST(VisualNode, TheFirstInstantBelongsToTheTrial) {
-    VisualNode node{VisualSettings{}};
-    node.start_trial(at(seconds{3}), trial(Modality::kVF), 1);
+    VisualNode node = started(Modality::kVF, at(seconds{3}));
     EXPECT_DOUBLE_EQ(node.beep(at(seconds{3} + milliseconds{40})).sample_age_s, 0.040) << "nothing seen yet";
     Scene scene;
     scene.sample_time = at(seconds{3}) - Duration{1};
@@ -260,8 +225,7 @@ TEST(VisualNode, TouchingIsSeen) {
 }
 
 TEST(VisualNode, ShowsTheNewestFeedback) {
-    VisualNode node{VisualSettings{}};
-    node.start_trial(at({}), trial(Modality::kHF), 1);
+    VisualNode node = started(Modality::kHF);
     EXPECT_FALSE(node.frame(node.next_frame()).has_value()) << "nothing to show yet";
     const SessionTime now = node.next_frame();
     node.on_feedback(now - milliseconds{2}, feedback(0.01, 0.1));
@@ -272,8 +236,7 @@ TEST(VisualNode, ShowsTheNewestFeedback) {
 }
 
 TEST(VisualNode, FramesComeAtSixtyHertzWithoutDrift) {
-    VisualNode node{VisualSettings{}};
-    node.start_trial(at(seconds{5}), trial(Modality::kHF), 1);
+    VisualNode node = started(Modality::kHF, at(seconds{5}));
     node.on_feedback(at(seconds{5}), feedback(0, 0.1));
     const SessionTime first = node.next_frame();
     EXPECT_GE(first, at(seconds{5}));
@@ -289,8 +252,7 @@ TEST(VisualNode, FramesComeAtSixtyHertzWithoutDrift) {
 }
 
 TEST(VisualNode, ALateFrameKeepsThePhase) {
-    VisualNode node{VisualSettings{}};
-    node.start_trial(at({}), trial(Modality::kHF), 1);
+    VisualNode node = started(Modality::kHF);
     const SessionTime first = node.next_frame();
     node.frame(first + milliseconds{990});
     EXPECT_EQ(node.next_frame(), first + seconds{1});
@@ -354,8 +316,7 @@ TEST(VisualNode, PerceptIsWhatTheScreenShowed) {
 }
 
 TEST(VisualNode, BeepIsHeardAtOnceAndStays) {
-    VisualNode node{VisualSettings{}};
-    node.start_trial(at({}), trial(Modality::kVF), 1);
+    VisualNode node = started(Modality::kVF);
     Scene scene;
     scene.bar_N = 4;
     scene.sample_time = at(milliseconds{30});
