@@ -2,17 +2,33 @@
 
 #include "visual_node/gamepad/vibration.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "tests/unit/gamepad/fake_input_classes.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
 namespace {
 
+// A folder that looks like /sys/class/input.
+struct FakeInputClasses {
+    // `effects`: as the kernel writes which force feedback there is.
+    void add(const std::string& entry, const JoystickIdentity& identity, const std::string& effects) const {
+        const auto device = folder / entry / "device";
+        std::filesystem::create_directories(device / "capabilities");
+        std::filesystem::create_directories(device / "id");
+        write_text(device / "name", identity.name + '\n');
+        write_text(device / "id" / "vendor", fmt::format("{:04x}\n", identity.vendor));
+        write_text(device / "id" / "product", fmt::format("{:04x}\n", identity.product));
+        write_text(device / "capabilities" / "ff", effects + '\n');
+    }
+    const TemporaryDirectory folder;
+};
+
 TEST(Vibration, WithoutAGamepadThereIsNothingToSay) {
     const FakeInputClasses classes;
-    Vibration vibration("", classes.folder());
+    Vibration vibration("", classes.folder.path());
     vibration.plugged({});
     vibration.feel(at(std::chrono::seconds{1}), 4, 4);
     vibration.stop();
@@ -23,7 +39,7 @@ TEST(Vibration, WithoutAGamepadThereIsNothingToSay) {
 TEST(Vibration, AGamepadWithoutMotorsIsNamed) {
     const FakeInputClasses classes;
     classes.add("event3", {"Old pad", 1, 2}, "0");
-    Vibration vibration("", classes.folder());
+    Vibration vibration("", classes.folder.path());
     vibration.plugged({"Old pad", 1, 2});
     EXPECT_FALSE(vibration.ready());
     EXPECT_NE(vibration.notice().find("'Old pad' has no motors"), std::string::npos) << vibration.notice();
@@ -62,20 +78,20 @@ TEST(EventDevice, IdentityIsReadFromTheGuidOfGlfw) {
 }
 
 TEST(EventDevice, NameAndIdentityAndMotorsDecide) {
-    FakeInputClasses classes;
+    const FakeInputClasses classes;
     classes.add("event3", {"Pad", 0x045e, 0x028e}, "0");                   // no motors
     classes.add("event4", {"Pad", 0x045e, 0x1111}, "107030000 0");         // another make
     classes.add("event5", {"Pad Consumer Control", 0x045e, 0x028e}, "1");  // another part of it
     classes.add("event7", {"Pad", 0x045e, 0x028e}, "107030000 0");
     classes.add("js0", {"Pad", 0x045e, 0x028e}, "107030000 0");
     const auto find = [&](const JoystickIdentity& joystick) {
-        return find_event_device(classes.folder(), joystick);
+        return find_event_device(classes.folder.path(), joystick);
     };
     EXPECT_EQ(find({"Pad", 0x045e, 0x028e}), "/dev/input/event7");
     EXPECT_EQ(find({"Pad"}), "/dev/input/event4");  // its name is all that is known
     EXPECT_EQ(find({"Pad", 0x045e, 0x9999}), std::nullopt);
     EXPECT_EQ(find({"Stick"}), std::nullopt);
-    EXPECT_EQ(find_event_device(classes.folder() / "absent", {"Pad"}), std::nullopt);
+    EXPECT_EQ(find_event_device(classes.folder / "absent", {"Pad"}), std::nullopt);
 }
 
 }  // namespace

@@ -34,11 +34,17 @@ TEST(AxisConstraint, ClipsAndRefusesWhatIsNoNumber) {
     EXPECT_EQ(axis.force_device_N(std::numeric_limits<double>::infinity())[0], 0);
 }
 
-TEST(AxisConstraint, TheSpringPullsTowardsTheLineOnly) {
+// Along z, with a virtual line to hold the hand on.
+AxisSettings held(double stiffness_N_per_m, double damping_Ns_per_m) {
     AxisSettings settings{2, 1};
     settings.lateral = LateralHold::kVirtual;
-    settings.lateral_damping_Ns_per_m = 0;
-    AxisConstraint axis(settings, 12);
+    settings.lateral_stiffness_N_per_m = stiffness_N_per_m;
+    settings.lateral_damping_Ns_per_m = damping_Ns_per_m;
+    return settings;
+}
+
+TEST(AxisConstraint, TheSpringPullsTowardsTheLineOnly) {
+    AxisConstraint axis(held(1000, 0), 12);
     axis.move_to(at(milliseconds{0}), {0.1, 0.2, 0});
     axis.hold_here();
     axis.move_to(at(milliseconds{1}), {0.101, 0.198, 0.03});
@@ -46,25 +52,14 @@ TEST(AxisConstraint, TheSpringPullsTowardsTheLineOnly) {
     EXPECT_NEAR(force_N[0], -1, 1e-9);
     EXPECT_NEAR(force_N[1], 2, 1e-9);
     EXPECT_EQ(force_N[2], -2);
-}
-
-TEST(AxisConstraint, ItsLimitKeepsTheDirection) {
-    AxisSettings settings{2, 1};
-    settings.lateral = LateralHold::kVirtual;
-    settings.lateral_damping_Ns_per_m = 0;
-    AxisConstraint axis(settings, 12);
-    axis.move_to(at(milliseconds{1}), {0.03, 0.04, 0});
-    const DeviceVector force_N = axis.force_device_N(0);  // the line is through 0: 50 N without the limit
-    EXPECT_NEAR(force_N[0], -0.6 * 4, 1e-9);
-    EXPECT_NEAR(force_N[1], -0.8 * 4, 1e-9);
+    AxisConstraint limited(held(1000, 0), 12);
+    limited.move_to(at(milliseconds{1}), {0.03, 0.04, 0});  // from the line through 0: 50 N without the limit
+    EXPECT_NEAR(limited.force_device_N(0)[0], -0.6 * 4, 1e-9);
+    EXPECT_NEAR(limited.force_device_N(0)[1], -0.8 * 4, 1e-9);
 }
 
 TEST(AxisConstraint, TheDamperOpposesLateralMotion) {
-    AxisSettings settings{2, 1};
-    settings.lateral = LateralHold::kVirtual;
-    settings.lateral_stiffness_N_per_m = 0;
-    settings.lateral_damping_Ns_per_m = 10;
-    AxisConstraint axis(settings, 12);
+    AxisConstraint axis(held(0, 10), 12);
     for (int ms = 0; ms < 100; ++ms) axis.move_to(at(milliseconds{ms}), {1e-4 * ms, 0, 0});
     EXPECT_NEAR(axis.force_device_N(0)[0], -10 * 0.1, 1e-6);
     axis.move_to(at(milliseconds{500}), {0.5, 0, 0});  // a pause says nothing about now

@@ -50,19 +50,6 @@ TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEnds) {
     EXPECT_EQ(device.commanded.motors[0], 100);
 }
 
-TEST_F(FalconExchangeTest, ShortAndGarbledReportsAreNone) {
-    device.short_reports = true;
-    for (int i = 0; i < 5; ++i) exchange.turn();
-    EXPECT_FALSE(exchange.latest().any);
-    device.short_reports = false;
-    exchange.turn();
-    EXPECT_TRUE(exchange.latest().any);
-    const auto before = exchange.latest().count;
-    device.garbled_reports = true;
-    exchange.turn();
-    EXPECT_EQ(exchange.latest().count, before);
-}
-
 // From the second tick on: the first still answers the last report.
 TEST_F(FalconExchangeTest, WhatIsNotAnsweredCostsTheForceUntilItIs) {
     for (bool FalconEmulator::*fault :

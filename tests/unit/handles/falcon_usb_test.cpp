@@ -1,7 +1,6 @@
 // The Falcon's driver through the real libusb, with an emulated device below it (umockdev): found, loaded, read, pushed, lost.
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <numeric>
 #include <thread>
@@ -9,10 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "master/devices/falcon/falcon_handle.hpp"
 #include "master/devices/usb_presence.hpp"
 #include "tests/devices/mock_falcon.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -33,13 +32,8 @@ class FalconUsb : public testing::Test {
         device.running = true;
         device.put_hand_at({0, 0, 0.115});
     }
-    std::string refusal() const {
-        try {
-            open_falcon(settings, kLimit_N);
-        } catch (const Error& error) {
-            return error.what();
-        }
-        return "opened";
+    std::string why_not() const {
+        return refusal([&] { open_falcon(settings, kLimit_N); }, ExitCode::kUsage);
     }
     // The exchange has a thread of its own: waits for what it must bring. False if patience ended first.
     static bool comes(const std::function<bool()>& condition) {
@@ -70,33 +64,22 @@ TEST_F(FalconUsb, IsReadAndPushed) {
     }));
 }
 
-TEST_F(FalconUsb, AButtonOfTheGripIsAStop) {
-    MockFalcon falcon(bus, 2, "F1");
-    falcon.with(make_ready);
-    const auto handle = open_falcon(settings, kLimit_N);
-    ASSERT_TRUE(comes([&] { return handle->fault().empty(); }));
-    EXPECT_FALSE(handle->take_stop(now));
-    falcon.with([](FalconEmulator& device) { device.report.buttons = 4; });
-    EXPECT_TRUE(comes([&] { return handle->take_stop(now); }));
-}
-
 TEST_F(FalconUsb, GetsItsFirmware) {
-    std::vector<char> image(500);
+    std::string image(500, '\0');
     std::iota(image.begin(), image.end(), char{0});
-    const auto path = std::filesystem::temp_directory_path() / "thimble-falcon-usb-test.bin";
-    std::ofstream(path, std::ios::binary).write(image.data(), static_cast<std::streamsize>(image.size()));
+    const TemporaryDirectory folder;
+    write_text(folder / "falcon.bin", image);
     MockFalcon falcon(bus, 2, "F1");
     falcon.with([](FalconEmulator& device) { device.image_bytes = 500; });
-    EXPECT_THAT(refusal(), HasSubstr("the Falcon has no firmware"));
-    settings.firmware = path.string();
+    EXPECT_THAT(why_not(), HasSubstr("the Falcon has no firmware"));
+    settings.firmware = folder / "falcon.bin";
     settings.firmware_sha256 = std::string(64, '0');
-    EXPECT_THAT(refusal(), HasSubstr("firmware_sha256 says 000"));
+    EXPECT_THAT(why_not(), HasSubstr("firmware_sha256 says 000"));
     // sha256sum of the bytes 0, 1, ... 255, 0, ... 243
     settings.firmware_sha256 = "6a259da4dacdfb0f51369649cbf8864d8e2d675462c8625a70334bfc2c50d1af";
-    EXPECT_EQ(refusal(), "opened");
+    EXPECT_NO_THROW(open_falcon(settings, kLimit_N));
     EXPECT_TRUE(
         falcon.with([](FalconEmulator& device) { return device.running && device.loaded.size() == 500; }));
-    std::filesystem::remove(path);
 }
 
 TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
@@ -114,21 +97,21 @@ TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
 
 TEST_F(FalconUsb, TellsAbsentFromBusyAndOneFromTwo) {
     EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kAbsent);
-    EXPECT_THAT(refusal(), HasSubstr("no Novint Falcon is on the USB"));
+    EXPECT_THAT(why_not(), HasSubstr("no Novint Falcon is on the USB"));
     MockFalcon first(bus, 2, "F1");
     first.with(make_ready);
     EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kFree);
     EXPECT_EQ(look_for_usb(0x0403, 0x6001).presence, UsbPresence::kAbsent);
     EXPECT_EQ(look_for_usb(0x0403, std::nullopt).count, 1);
     first.be_claimed_by_somebody();
-    EXPECT_THAT(refusal(), HasSubstr("another program has it: `sudo fuser -v " + first.file()));
+    EXPECT_THAT(why_not(), HasSubstr("another program has it: `sudo fuser -v " + first.file()));
     MockFalcon second(bus, 3, "F2");
     second.with(make_ready);
-    EXPECT_THAT(refusal(), HasSubstr("2 Falcons are connected, with the serial numbers F1, F2"));
+    EXPECT_THAT(why_not(), HasSubstr("2 Falcons are connected, with the serial numbers F1, F2"));
     settings.serial = "F2";
-    EXPECT_EQ(refusal(), "opened");
+    EXPECT_NO_THROW(open_falcon(settings, kLimit_N));
     settings.serial = "F3";
-    EXPECT_THAT(refusal(), HasSubstr("with serial 'F3' to be had (there are F1, F2)"));
+    EXPECT_THAT(why_not(), HasSubstr("with serial 'F3' to be had (there are F1, F2)"));
 }
 
 TEST(UsbAdvice, NamesTheNextStep) {
@@ -149,7 +132,7 @@ TEST_F(FalconUsb, TellsForbidden) {
     MockFalcon falcon(bus, 2, "F1");
     std::filesystem::permissions(falcon.file(), std::filesystem::perms::none);
     EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kForbidden);
-    EXPECT_THAT(refusal(), HasSubstr("deploy/udev/70-thimble-handles.rules"));
+    EXPECT_THAT(why_not(), HasSubstr("deploy/udev/70-thimble-handles.rules"));
 }
 
 }  // namespace

@@ -1,15 +1,14 @@
 // Force Dimension's handle through the real dlopen, with a library of our own and a script behind it.
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "common/error.hpp"
 #include "master/devices/force_dimension/force_dimension_handle.hpp"
+#include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/session_time.hpp"
 
 namespace thimble {
@@ -21,35 +20,20 @@ using testing::HasSubstr;
 
 class ForceDimension : public testing::Test {
   protected:
-    ForceDimension() {
-        std::string name = (fs::temp_directory_path() / "thimble-dhd-XXXXXX").string();
-        folder_ = ::mkdtemp(name.data());
-        script("");
-    }
-    ~ForceDimension() override { fs::remove_all(folder_); }
+    ForceDimension() { script(""); }
 
     void script(const std::string& lines) {
-        std::ofstream(folder_ / "script") << "log " << (folder_ / "log").string() << '\n' << lines;
+        write_text(folder_ / "script", "log " + (folder_ / "log").string() + "\n" + lines);
         setenv("THIMBLE_FAKE_DHD", (folder_ / "script").c_str(), 1);
     }
     std::unique_ptr<ForceDimensionHandle> open() {
         return std::make_unique<ForceDimensionHandle>(settings_, 12.0, DhdLibrary(THIMBLE_FAKE_DHD_FILE));
     }
     // Why it cannot be opened.
-    std::string refusal() {
-        try {
-            open();
-        } catch (const Error& error) {
-            return error.what();
-        }
-        return "opened";
+    std::string why_not(ExitCode code = ExitCode::kUsage) {
+        return refusal([&] { open(); }, code);
     }
-    std::string log() const {
-        std::ifstream file(folder_ / "log");
-        std::stringstream text;
-        text << file.rdbuf();
-        return text.str();
-    }
+    std::string log() const { return read_text(folder_ / "log"); }
     // Reads for so many milliseconds with this force; false from the first that is not valid.
     bool reads(ForceDimensionHandle& handle, int count, double force_hand_N = 0) {
         for (int i = 0; i < count; ++i) {
@@ -67,7 +51,7 @@ class ForceDimension : public testing::Test {
         return good;
     }
 
-    fs::path folder_;
+    TemporaryDirectory folder_;
     ForceDimensionSettings settings_;
     SessionTime now_ = at(milliseconds{5});
 };
@@ -184,35 +168,30 @@ TEST_F(ForceDimension, AClockThatStandsStillCostsTheForceInTwoTicks) {
 
 TEST_F(ForceDimension, SaysWhichDeviceItCannotHave) {
     script("devices 0\n");
-    EXPECT_THAT(refusal(), HasSubstr("no Force Dimension handle found"));
+    EXPECT_THAT(why_not(), HasSubstr("no Force Dimension handle found"));
     script("devices 2\n");
-    EXPECT_THAT(refusal(), HasSubstr("name one by [handle.force_dimension] serial"));
+    EXPECT_THAT(why_not(), HasSubstr("name one by [handle.force_dimension] serial"));
     settings_.serial = 1002;
     EXPECT_EQ(open()->name(), "omega.3, serial 1002, SDK 3.17.0.0");
     settings_.serial = 7;
-    EXPECT_THAT(refusal(), HasSubstr("serial 7: number 0 has serial 1001; number 1 has serial 1002"));
+    EXPECT_THAT(why_not(), HasSubstr("serial 7: number 0 has serial 1001; number 1 has serial 1002"));
     settings_.serial = 0;
     script("in_use 1\n");
-    EXPECT_THAT(refusal(), HasSubstr("device already in use (error 20)"));
+    EXPECT_THAT(why_not(), HasSubstr("device already in use (error 20)"));
     script("type 60\n");
-    EXPECT_THAT(refusal(), HasSubstr("a Falcon has a driver of its own"));
+    EXPECT_THAT(why_not(), HasSubstr("a Falcon has a driver of its own"));
     script("uncalibrated 1\n");
-    EXPECT_THAT(refusal(), HasSubstr("it is not calibrated"));
+    EXPECT_THAT(why_not(ExitCode::kRunFailed), HasSubstr("it is not calibrated"));
     script("power 0\n");
-    EXPECT_THAT(refusal(), HasSubstr("switch it on"));
+    EXPECT_THAT(why_not(ExitCode::kRunFailed), HasSubstr("switch it on"));
     script("no_watchdog 1\n");
-    EXPECT_THAT(refusal(), HasSubstr("watchdog = false"));
+    EXPECT_THAT(why_not(ExitCode::kRunFailed), HasSubstr("watchdog = false"));
     settings_.watchdog = false;
-    EXPECT_EQ(refusal(), "opened");
+    EXPECT_NO_THROW(open());
 }
 
 std::string library_refusal(const std::string& file) {
-    try {
-        const DhdLibrary library(file);
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "opened";
+    return refusal([&] { const DhdLibrary library(file); }, ExitCode::kUsage);
 }
 
 TEST_F(ForceDimension, SaysWhichLibraryItLacks) {
@@ -220,7 +199,7 @@ TEST_F(ForceDimension, SaysWhichLibraryItLacks) {
                 HasSubstr("/nowhere/libdhd.so.3: cannot open shared object"));
     EXPECT_THAT(library_refusal("/nowhere/libdhd.so.3"), HasSubstr("[handle.force_dimension] library"));
     EXPECT_THAT(library_refusal(THIMBLE_NO_DHD_FILE), HasSubstr("has no function dhdOpenID"));
-    std::ofstream(folder_ / "libdhd.so.3.17.0") << "no library";
+    write_text(folder_ / "libdhd.so.3.17.0", "no library");
     const std::string link = (folder_ / "libdhd.so.3").string();
     EXPECT_THAT(library_refusal(link),
                 HasSubstr("The link is missing: run `sudo ln -s libdhd.so.3.17.0 " + link));
@@ -238,15 +217,15 @@ TEST_F(ForceDimension, AButtonThatTheFileNamesIsAnEmergencyStop) {
     EXPECT_TRUE(reads(*handle, 6));
     EXPECT_TRUE(handle->take_stop(now_));
     settings_.stop_button = 3;
-    EXPECT_THAT(refusal(), HasSubstr("has no button 3"));
+    EXPECT_THAT(why_not(), HasSubstr("has no button 3"));
 }
 
 TEST_F(ForceDimension, NamesTheFoldersItLookedInInVain) {
-    setenv("FDSDK", folder_.c_str(), 1);
+    setenv("FDSDK", folder_.path().c_str(), 1);
     const std::string words = library_refusal("");
     unsetenv("FDSDK");
-    if (words == "opened") GTEST_SKIP() << "the real library is installed here";
-    EXPECT_THAT(words, HasSubstr(folder_.string() + "/lib/release/lin-"));
+    if (words == "nothing was refused") GTEST_SKIP() << "the real library is installed here";
+    EXPECT_THAT(words, HasSubstr(folder_.path().string() + "/lib/release/lin-"));
     EXPECT_THAT(words, HasSubstr("-gcc: neither libdrd.so.* nor libdhd.so.*"));
     EXPECT_THAT(words, HasSubstr("libdhd.so.3: cannot open shared object file"));
 }
@@ -254,9 +233,8 @@ TEST_F(ForceDimension, NamesTheFoldersItLookedInInVain) {
 TEST_F(ForceDimension, LooksWhereTheSdkLiesNewestFirst) {
     const fs::path lib = folder_ / "lib";
     fs::create_directories(lib);
-    for (const char* name : {"libdhd.so.3.9.1", "libdhd.so.3.17.0", "libdrd.so.3.9.1", "libother.so.3"}) {
-        std::ofstream(lib / name) << "";
-    }
+    for (const char* name : {"libdhd.so.3.9.1", "libdhd.so.3.17.0", "libdrd.so.3.9.1", "libother.so.3"})
+        write_text(lib / name, "");
     std::vector<std::string> names;
     for (const fs::path& file : dhd_files_in(lib)) names.push_back(file.filename().string());
     EXPECT_THAT(names, testing::ElementsAre("libdrd.so.3.9.1", "libdhd.so.3.17.0", "libdhd.so.3.9.1"));

@@ -26,6 +26,20 @@ TEST(RealHandleSettings, AnAxisIsAPlaceAndASign) {
     EXPECT_FALSE(read.watchdog);
 }
 
+TEST(HandleSettings, ReadsDeviceMechanicsAndCoupling) {
+    const HandleSettings read = handle_from(
+        "[handle]\ndevice = 'pointer'\ncoupling_stiffness_N_per_m = 800\ncoupling_damping_Ns_per_m = 20\n"
+        "friction_N = 1.5\nforce_limit_N = 8.0\n");
+    EXPECT_EQ(read.kind, HandleKind::kPointer);
+    EXPECT_EQ(read.coupling.stiffness_N_per_m, 800);
+    EXPECT_EQ(read.coupling.damping_Ns_per_m, 20);
+    EXPECT_EQ(read.mechanics.friction_N, 1.5);
+    EXPECT_EQ(read.force_limit_N, 8);
+    EXPECT_EQ(handle_from("").kind, HandleKind::kSimulated);
+    EXPECT_EQ(handle_from("").encoder_resolution_m, 1e-5);
+    EXPECT_ANY_THROW(handle_from("[handle]\ndevice = 'mouse'\n"));
+}
+
 TEST(RealHandleSettings, DefaultsPushAwayFromTheUser) {
     const HandleSettings settings = handle_from("");
     EXPECT_FALSE(held_by_person(settings.kind));

@@ -2,7 +2,6 @@
 // between two of them.
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -10,6 +9,7 @@
 #include "master/devices/force_dimension/force_dimension_handle.hpp"
 #include "master/devices/hid/hid_hand.hpp"
 #include "master/master_process.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/hid/fake_hid.hpp"
 #include "tests/unit/queue_ports.hpp"
 #include "tests/unit/session_time.hpp"
@@ -55,54 +55,56 @@ void expect_all_heard(Handle& handle, const Turn& turn) {
         EXPECT_EQ(heard_of(handle, turn, milliseconds{press_ms}), kPresses) << press_ms << " ms";
 }
 
-TEST(StopButton, NoShortPressOfAHidDeviceIsMissed) {
-    HidHandSettings settings;
-    settings.stop_button = 1;
+// A SpaceMouse whose first button is the stop.
+struct Cap {
+    Cap() {
+        std::string trouble;
+        EXPECT_TRUE(hand.attach(test::compact_cap(), {}, trouble)) << trouble;
+    }
+    static HidHandSettings with_button() {
+        HidHandSettings settings;
+        settings.stop_button = 1;
+        return settings;
+    }
+    HidHandSettings settings = with_button();
     test::FakeCable cable;
-    test::FakeLink link(cable);
-    HidHand hand(settings);
-    HidHandle handle(HandleSettings{}, settings, hand);
-    std::string trouble;
-    ASSERT_TRUE(hand.attach(test::compact_cap(), {}, trouble)) << trouble;
+    test::FakeLink link{cable};
+    HidHand hand{settings};
+};
+
+TEST(StopButton, NoShortPressOfAHidDeviceIsMissed) {
+    Cap cap;
+    HidHandle handle(HandleSettings{}, cap.settings, cap.hand);
     bool was_down = false;
     expect_all_heard(handle, [&](bool down) {
-        if (down != was_down) cable.said.push_back({3, static_cast<std::uint8_t>(down ? 1 : 0), 0});
+        if (down != was_down) cap.cable.said.push_back({3, static_cast<std::uint8_t>(down ? 1 : 0), 0});
         was_down = down;
-        hand.turn({}, link);
+        cap.hand.turn({}, cap.link);
     });
 }
 
 TEST(StopButton, APressBeforeTheHidDeviceIsPulledOutCounts) {
-    HidHandSettings settings;
-    settings.stop_button = 1;
-    test::FakeCable cable;
-    test::FakeLink link(cable);
-    HidHand hand(settings);
-    std::string trouble;
-    ASSERT_TRUE(hand.attach(test::compact_cap(), {}, trouble)) << trouble;
-    cable.said.push_back({3, 1, 0});
-    hand.turn({}, link);
-    hand.detach();
-    EXPECT_TRUE(hand.take_stop());
-    EXPECT_FALSE(hand.take_stop());
+    Cap cap;
+    cap.cable.said.push_back({3, 1, 0});
+    cap.hand.turn({}, cap.link);
+    cap.hand.detach();
+    EXPECT_TRUE(cap.hand.take_stop());
+    EXPECT_FALSE(cap.hand.take_stop());
 }
 
 TEST(StopButton, NoShortPressOfAForceDimensionHandleIsMissed) {
-    namespace fs = std::filesystem;
-    std::string name = (fs::temp_directory_path() / "thimble-button-XXXXXX").string();
-    const fs::path folder = ::mkdtemp(name.data());
-    std::ofstream(folder / "script") << "button_file " << (folder / "down").string() << '\n';
+    const TemporaryDirectory folder;
+    write_text(folder / "script", "button_file " + (folder / "down").string() + "\n");
     setenv("THIMBLE_FAKE_DHD", (folder / "script").c_str(), 1);
     ForceDimensionSettings settings;
     settings.stop_button = 0;
     ForceDimensionHandle handle(settings, 12.0, DhdLibrary(THIMBLE_FAKE_DHD_FILE));
     bool was_down = false;
     expect_all_heard(handle, [&](bool down) {
-        if (down && !was_down) std::ofstream(folder / "down") << "";
-        if (!down && was_down) fs::remove(folder / "down");
+        if (down && !was_down) write_text(folder / "down", "");
+        if (!down && was_down) std::filesystem::remove(folder / "down");
         was_down = down;
     });
-    fs::remove_all(folder);
 }
 
 #ifdef THIMBLE_DEVICES

@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "common/error.hpp"
 #include "master/master_process.hpp"
+#include "tests/refusal.hpp"
 #include "tests/unit/queue_ports.hpp"
 
 namespace thimble {
@@ -288,12 +288,8 @@ TEST(GuardSettings, TheMasterMayNotAskForMoreThanTheGuardLetsThrough) {
     EXPECT_EQ(limit_N(""), 12);
     EXPECT_EQ(limit_N("[guard]\nforce_limit_N = 3"), 12) << "its own default is cut, not refused";
     EXPECT_EQ(limit_N("[master]\nforce_limit_N = 20\n[guard]\nforce_limit_N = 20"), 20);
-    try {
-        limit_N("[master]\nforce_limit_N = 20");
-        ADD_FAILURE() << "accepted";
-    } catch (const Error& error) {
-        EXPECT_NE(std::string(error.what()).find("[guard] force_limit_N"), std::string::npos) << error.what();
-    }
+    const std::string why = refusal([&] { limit_N("[master]\nforce_limit_N = 20"); }, ExitCode::kUsage);
+    EXPECT_NE(why.find("[guard] force_limit_N"), std::string::npos) << why;
 }
 
 class NobodyAtTheHandle final : public OperatorPort {

@@ -148,19 +148,5 @@ TEST_F(RoughPointerHandleTest, FrictionHoldsItWhereThePullIsTooWeak) {
     EXPECT_NEAR(handle.position_hand_m(), 0.02, 0.65 / 500);
 }
 
-TEST(HandleSettings, ReadsDeviceAndCoupling) {
-    ConfigFile file = ConfigFile::parse(
-        "[handle]\ndevice = 'pointer'\ncoupling_stiffness_N_per_m = 800\ncoupling_damping_Ns_per_m = 20\n",
-        "a.toml");
-    const HandleSettings settings = read_handle_settings(file.table("handle"));
-    EXPECT_EQ(settings.kind, HandleKind::kPointer);
-    EXPECT_EQ(settings.coupling.stiffness_N_per_m, 800);
-    EXPECT_EQ(settings.coupling.damping_Ns_per_m, 20);
-    EXPECT_NO_THROW(file.finish());
-    EXPECT_EQ(read_handle_settings(ConfigFile::empty().table("handle")).kind, HandleKind::kSimulated);
-    ConfigFile wrong = ConfigFile::parse("[handle]\ndevice = 'mouse'\n", "a.toml");
-    EXPECT_ANY_THROW(read_handle_settings(wrong.table("handle")));
-}
-
 }  // namespace
 }  // namespace thimble::test

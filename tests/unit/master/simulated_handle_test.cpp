@@ -191,14 +191,5 @@ TEST(SimulatedHandle, BeforeATrialItLiesStillAndOnlyHoldsItsForce) {
     EXPECT_EQ(handle.operator_in_trial(), nullptr);
 }
 
-TEST(SimulatedHandle, SettingsComeFromTheFile) {
-    const ConfigFile file = ConfigFile::parse("[handle]\nfriction_N = 1.5\nforce_limit_N = 8.0", "test.toml");
-    const HandleSettings settings = read_handle_settings(file.table("handle"));
-    file.finish();
-    EXPECT_EQ(settings.mechanics.friction_N, 1.5);
-    EXPECT_EQ(settings.force_limit_N, 8);
-    EXPECT_EQ(settings.encoder_resolution_m, 1e-5);
-}
-
 }  // namespace
 }  // namespace thimble::test

@@ -29,13 +29,14 @@ TEST(CriticalDelay, OfAHeldMassAtFullPrecision) {
 
 // Five-parameter hands: grip and arm move apart at the loop's frequency.
 TEST(CriticalDelay, OfAHandleInAHand) {
-    const auto hand = [](double handle_damping) {
-        return HeldHandle{0.25, handle_damping, 380, 0.8, 0.2, 4.6, 79};
-    };
-    EXPECT_NEAR(critical_delay_s(hand(0.5), 3000) / 0.000560062147852525, 1, 1e-10);
-    EXPECT_NEAR(critical_delay_s(hand(0.5), 9000) / 0.0001552599995853973, 1, 1e-10);
-    EXPECT_NEAR(critical_delay_s(hand(5), 3000) / 0.002084423044327223, 1, 1e-10);
-    EXPECT_NEAR(critical_delay_s(hand(5), 9000) / 0.0006570937247204992, 1, 1e-10);
+    const double cases[][3]{{0.5, 3000, 0.000560062147852525},
+                            {0.5, 9000, 0.0001552599995853973},
+                            {5, 3000, 0.002084423044327223},
+                            {5, 9000, 0.0006570937247204992}};
+    for (const auto& [handle_damping, loop, critical_s] : cases) {
+        const HeldHandle hand{0.25, handle_damping, 380, 0.8, 0.2, 4.6, 79};
+        EXPECT_NEAR(critical_delay_s(hand, loop) / critical_s, 1, 1e-10);
+    }
 }
 
 // Below K_di = b sqrt(4mk - b^2) / (2m) no delay makes it unstable.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -14,86 +15,60 @@
 namespace thimble {
 namespace {
 
-// The borders between two outcomes, measured: the swing that friction stops, the press that ends the limit cycle.
-
-constexpr double kFirstSwing_m = 1e-7, kLongest_s = 120;
-
-// Greatest |p| since the last zero crossing, said at each crossing.
-class SwingMeter {
-  public:
-    // Whether a half swing has ended with this sample.
-    bool add(double position_m) {
-        const bool crossed = (position_m > 0) != positive_;
-        if (crossed) {
-            last_m_ = now_m_;
-            now_m_ = 0;
-            positive_ = position_m > 0;
-        }
-        now_m_ = std::max(now_m_, std::abs(position_m));
-        return crossed;
-    }
-    double last_m() const { return last_m_; }
-
-  private:
-    bool positive_ = true;
-    double now_m_ = 0, last_m_ = 0;
-};
-
-// A loop that swings up from nothing, and rubs from the first half swing of some size on.
-struct RubbedRun {
-    bool grows = false;
-    double steady_m = 0;  // the half swing that differed least from the one before the last
-};
-
-RubbedRun run_rubbed(const LoopConditions& conditions, double from_m, double friction_N) {
-    constexpr double kFar = 3;
-    LoopSimulator run(conditions, kFirstSwing_m, 0);
-    SwingMeter meter;
-    const auto most = static_cast<long>(kLongest_s / conditions.loop.step_s), still = most / 60;
-    RubbedRun result;
-    bool rubs = false;
-    double least = 1, before_m = 0, last_m = 0;
-    for (long i = 0, quiet = 0; i < most && (!rubs || quiet < still); ++i, ++quiet) {
+// The greatest |p| of the half swing that ends now; nothing if the loop sticks.
+std::optional<double> next_swing_m(LoopSimulator& run, double step_s) {
+    const bool positive = run.position_m() > 0;
+    double most_m = std::abs(run.position_m());
+    for (int i = 0; i < 2 / step_s; ++i) {
         run.step();
-        if (!meter.add(run.position_m())) continue;
-        quiet = 0;
-        const double swing_m = meter.last_m();
-        if (!rubs) {
-            rubs = swing_m >= from_m;
-            if (rubs) run.rub(friction_N);
-            continue;
-        }
-        if (before_m > 0 && std::abs(std::log(swing_m / before_m)) < least) {
-            least = std::abs(std::log(swing_m / before_m));
-            result.steady_m = swing_m;
-        }
-        before_m = std::exchange(last_m, swing_m);
-        result.grows = swing_m > from_m;
-        if (swing_m > kFar * from_m || swing_m < from_m / kFar) return result;
+        if ((run.position_m() > 0) != positive) return most_m;
+        most_m = std::max(most_m, std::abs(run.position_m()));
     }
-    if (!rubs)
-        throw Error(ExitCode::kUsage, "stability: this loop does not swing up, so friction has no threshold");
-    result.grows = false;  // sticks
-    return result;
+    return std::nullopt;
 }
 
-// Of an unstable linear loop with dry friction: the amplitude that neither dies out nor grows, found by letting the friction begin at
-// ever closer amplitudes of a loop that swings up without. Throws Error (usage) for a loop that does not swing up.
-double measured_friction_threshold_m(const SampledLoop& loop, double friction_N) {
+struct Rubbed {
+    bool grows;
+    double steady_m;  // the half swing that differed least from the one before the last
+};
+
+// An unstable linear loop that rubs from a half swing of `from_m` on.
+Rubbed rubbed_from(const SampledLoop& loop, double from_m, double friction_N) {
+    constexpr double kFirst_m = 1e-7, kFar = 3;
     LoopConditions conditions;
     conditions.loop = loop;
-    constexpr double kFine = 1 + 1e-7;  // close to it for many swings
-    constexpr double kWidest_m = 1e3;
-    double low = 2 * kFirstSwing_m, high = low;
-    while (high < kWidest_m && !run_rubbed(conditions, high, friction_N).grows) {
-        low = high;
-        high *= 4;
+    const auto settled_m = [&](LoopSimulator& run) {
+        double swing_m = 0;
+        for (int i = 0; i < 30; ++i) swing_m = next_swing_m(run, loop.step_s).value();
+        return swing_m;
+    };
+    LoopSimulator free(conditions, kFirst_m, 0);
+    LoopSimulator run(conditions, kFirst_m * from_m / settled_m(free), 0);
+    EXPECT_NEAR(settled_m(run), from_m, 1e-9 * from_m);
+    run.rub(friction_N);
+    Rubbed result{false, 0};
+    for (double least = 1, before_m = 0, last_m = from_m;;) {
+        const auto swing_m = next_swing_m(run, loop.step_s);
+        result.grows = swing_m && *swing_m > kFar * from_m;
+        if (!swing_m || result.grows || *swing_m < from_m / kFar) return result;
+        if (before_m > 0 && std::abs(std::log(*swing_m / before_m)) < least) {
+            least = std::abs(std::log(*swing_m / before_m));
+            result.steady_m = *swing_m;
+        }
+        before_m = std::exchange(last_m, *swing_m);
     }
-    while (high / low > kFine) {
-        const double middle = std::sqrt(low * high);
-        (run_rubbed(conditions, middle, friction_N).grows ? high : low) = middle;
+}
+
+// The amplitude that neither dies out nor grows: friction begins ever closer to it.
+double measured_threshold_m(const SampledLoop& loop, double friction_N, double forecast_m) {
+    double low_m = forecast_m / 3, high_m = 3 * forecast_m;
+    EXPECT_FALSE(rubbed_from(loop, low_m, friction_N).grows);
+    EXPECT_TRUE(rubbed_from(loop, high_m, friction_N).grows);
+    while (high_m / low_m > 1 + 1e-7) {
+        const double middle_m = std::sqrt(low_m * high_m);
+        (rubbed_from(loop, middle_m, friction_N).grows ? high_m : low_m) = middle_m;
     }
-    return run_rubbed(conditions, high, friction_N).steady_m;
+    return rubbed_from(loop, high_m, friction_N).steady_m;
 }
 
 // The greatest press with which the loop at the wall still cycles, pressed harder and harder by rise_N_per_s from half of the limit.
@@ -178,11 +153,10 @@ TEST(LoopMeasures, FrictionStopsSwingsUpToItsThreshold) {
         SampledLoop loop{hand, 1, 0.05, 1e-3};
         loop.stiffness_N_per_m = excess * critical_sampled_stiffness(loop).stiffness_N_per_m;
         const double forecast_m = friction_threshold_m({hand, loop.stiffness_N_per_m}, 0.0505, 0.05);
-        const double measured_m = measured_friction_threshold_m(loop, 0.05);
+        const double measured_m = measured_threshold_m(loop, 0.05, forecast_m);
         EXPECT_GT(measured_m, 0.90 * forecast_m) << excess;
         EXPECT_LT(measured_m, 1.17 * forecast_m) << excess;
     }
-    EXPECT_THROW(measured_friction_threshold_m({hand, 300, 0.05, 1e-3}, 0.05), Error);
 }
 
 // F0_fold of the study, N, for delays of 10, 25, 50, 100 ms: the loop that runs, and the forecast.

@@ -91,10 +91,7 @@ TEST(LimitCycle, AHandThatPressesHarderThanTheHandlePushesThrough) {
     EXPECT_NEAR(forecast.rest_m, 8.0 / 500, 1e-15);
     EXPECT_FALSE(forecast.cycle);  // past the fold nothing else is left
     EXPECT_TRUE(forecast_press({{1, 20, 500}, 9000, 0.05, 12, 13}).cycle);
-}
-
-// The hand's own spring takes a part of the press: 12 N at the handle hold 12 (1 + 500 / 9000) = 12.67 N.
-TEST(LimitCycle, TheHandsSpringTakesItsPartOfThePress) {
+    // The hand's own spring takes a part of the press: 12 N at the handle hold 12 (1 + 500 / 9000) = 12.67 N.
     EXPECT_FALSE(forecast_press({{1, 20, 500}, 9000, 0.05, 12, 12.6}).pushed_through);
     EXPECT_TRUE(forecast_press({{1, 20, 500}, 9000, 0.05, 12, 12.7}).pushed_through);
 }

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "stability/circle_count.hpp"
-#include "stability/sampled_loop.hpp"
+#include "stability/delayed_loop.hpp"
 
 namespace thimble {
 namespace {
@@ -74,44 +74,6 @@ TEST(TenDecades, RightmostRoots) {
             << root.real_per_s << ' ' << root.imaginary_rad_per_s;
         // The growth rate for itself, however much faster the loop swings.
         EXPECT_LT(abs(step.re), kLimit * abs(s.re)) << root.real_per_s << ' ' << root.imaginary_rad_per_s;
-    }
-}
-
-// a1, a0 and the numerator from the hand's modes and its step response, as in the tables of the z-transform.
-TEST(TenDecades, CoefficientsOfTheSampledLoop) {
-    for (const DelayedLoop& loop : loops_of_ten_decades()) {
-        const double h = 1e-3;
-        const auto p = pulse_polynomial({loop.hand, loop.stiffness_N_per_m, 0, h});
-        const Exact m(loop.hand.mass_kg), k(loop.hand.stiffness_N_per_m),
-            half = Exact(loop.hand.damping_Ns_per_m) / (2 * m);
-        const Exact discriminant = half * half - k / m, root = sqrt(Exact(abs(discriminant)));
-        const Exact faded = exp(Exact(-half * h));
-        const bool swings = discriminant < 0;
-        const Exact even = swings ? cos(Exact(root * h)) : cosh(Exact(root * h));
-        const Exact odd = (swings ? sin(Exact(root * h)) : sinh(Exact(root * h))) / root;
-        const Exact a1 = 2 * faded * even, a0 = faded * faded;
-        const Exact answer = (1 - faded * (even + half * odd)) / k;
-        const Exact constant = (1 - a1 + a0) / k - answer;
-        EXPECT_LT(abs(Exact(Exact(p.hand[1]) / -a1 - 1)), 1e-25);
-        EXPECT_LT(abs(Exact(Exact(p.hand[0]) / a0 - 1)), 1e-25);
-        EXPECT_LT(abs(Exact(Exact(p.feedback[1]) / answer - 1)), 1e-25);
-        EXPECT_LT(abs(Exact(Exact(p.feedback[0]) / constant - 1)), 1e-20);
-    }
-}
-
-TEST(TenDecades, SampledLimits) {
-    int i = 0;
-    for (const DelayedLoop& loop : loops_of_ten_decades()) {
-        if (++i % 3 != 0) continue;
-        SampledLoop sampled{loop.hand, 1, std::pow(10, 3 * std::fmod(i * std::sqrt(13), 1) - 3), 1e-3};
-        sampled.stiffness_N_per_m = critical_sampled_stiffness(sampled).stiffness_N_per_m;
-        EXPECT_NEAR(dominant_mode(sampled).radius, 1, kLimit);
-        const SampledLoop less{loop.hand, sampled.stiffness_N_per_m * (1 - 1e-9), sampled.delay_s,
-                               sampled.step_s};
-        const SampledLoop more{loop.hand, sampled.stiffness_N_per_m * (1 + 1e-9), sampled.delay_s,
-                               sampled.step_s};
-        EXPECT_EQ(growing_modes(less), 0);
-        EXPECT_GT(growing_modes(more), 0);
     }
 }
 
