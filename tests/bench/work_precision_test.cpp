@@ -1,6 +1,5 @@
 // thimble-bench work-precision, small: every solver has its rows, with errors that no clock can change.
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -11,6 +10,7 @@
 
 #include "common/process/child.hpp"
 #include "tests/read_text.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble::test {
 namespace {
@@ -38,22 +38,13 @@ std::vector<Row> read_rows(const std::filesystem::path& file) {
 
 class WorkPrecision : public testing::Test {
   protected:
-    WorkPrecision()
-        : folder_(std::filesystem::path(testing::TempDir()) /
-                  (std::string("thimble_work_precision_") +
-                   testing::UnitTest::GetInstance()->current_test_info()->name())) {
-        std::filesystem::remove_all(folder_);
-        std::filesystem::create_directories(folder_);
-    }
-    ~WorkPrecision() override { std::filesystem::remove_all(folder_); }
-
     ProgramResult bench(std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), {"work-precision", "--quick"});
         return run_program((std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-bench").string(), arguments,
-                           folder_, "build thimble-bench");
+                           folder_.path(), "build thimble-bench");
     }
 
-    std::filesystem::path folder_;
+    TemporaryDirectory folder_;
 };
 
 TEST_F(WorkPrecision, WritesTableCsvAndFigure) {
@@ -88,7 +79,7 @@ TEST_F(WorkPrecision, SaysHowToUseIt) {
     const ProgramResult unknown = bench({"--problem", "soup"});
     EXPECT_EQ(unknown.exit_code, 2);
     EXPECT_THAT(unknown.output, HasSubstr("insert_100mm_s"));
-    std::ofstream(folder_ / "file") << "in the way";
+    write_text(folder_ / "file", "in the way");
     const ProgramResult blocked = bench({"--problem", "press", "--out", "file/folder"});
     EXPECT_NE(blocked.exit_code, 0);
     EXPECT_THAT(blocked.output, HasSubstr("file/folder"));

@@ -21,12 +21,10 @@ using testing::HasSubstr;
 
 Report bytes_of(const BoardReport& report) { return {report.begin(), report.end()}; }
 
-class HidDevices : public testing::Test {
+class HidDevices : public OnABed<MockHid> {
   protected:
     void SetUp() override {
-        if (!MockBed::possible())
-            GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
-        mock.emplace();
+        OnABed::SetUp();
         bus = make_hidapi_bus();
     }
     // Steps until the condition holds, as the thread would but without its pauses.
@@ -39,7 +37,7 @@ class HidDevices : public testing::Test {
         return holds();
     }
 
-    std::optional<MockHid> mock;
+    std::optional<MockHid>& mock = bed_;
     std::unique_ptr<HidBus> bus;
     std::vector<std::string> said;
     std::function<void(const std::string&)> say = [this](const std::string& words) { said.push_back(words); };
@@ -90,22 +88,6 @@ TEST_F(HidDevices, OfAReceiverTheCapIsRead) {
     mock->say(5, Report{3, 0, 0, 0xa2, 0xfe, 0, 0, 0, 0, 0, 0, 0, 0});
     EXPECT_TRUE(step_until(connection, [&] { return hand.deflection() == -1.0; }));
     EXPECT_EQ(hand.bad_reports(), 0U);
-}
-
-TEST_F(HidDevices, TwoAreNotGuessedAtAndOneIsChosenBySerial) {
-    mock->plug(mock_cap(0, "A1"));
-    mock->plug(mock_cap(1, "B2"));
-    HidHand any{HidHandSettings{}};
-    HidConnection unsure(*bus, any, say);
-    unsure.step(now);
-    EXPECT_FALSE(unsure.attached());
-    EXPECT_THAT(said.back(), HasSubstr("two devices could be the hand"));
-    HidHandSettings settings;
-    settings.device.serial = "B2";
-    HidHand second{settings};
-    HidConnection sure(*bus, second, say);
-    sure.step(now);
-    EXPECT_THAT(said.back(), HasSubstr("/dev/hidraw1 is in use"));
 }
 
 TEST_F(HidDevices, ABoardIsToldAndHeard) {

@@ -19,13 +19,8 @@ namespace {
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
-class HidPrograms : public testing::Test {
+class HidPrograms : public OnABed<MockHid> {
   protected:
-    void SetUp() override {
-        if (!MockBed::possible())
-            GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
-        mock.emplace();
-    }
     static SessionFile session(const std::string& modality, const std::string& more) {
         SessionFile file;
         file.modalities = "[\"" + modality + "\"]";
@@ -36,7 +31,7 @@ class HidPrograms : public testing::Test {
     static std::string log_of(const RealRun& run, const std::string& program) {
         return read_text(run.out() / "nodes" / (program + "_0ms.log"));
     }
-    std::optional<MockHid> mock;
+    std::optional<MockHid>& mock = bed_;
 };
 
 TEST_F(HidPrograms, AHandThatIsPulledOutLetsGoAndComesBack) {

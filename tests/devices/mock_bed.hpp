@@ -2,8 +2,11 @@
 // their system calls answered here. Needs libumockdev-preload.so.0 in LD_PRELOAD.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <umockdev.h>
+
+#include <gtest/gtest.h>
 
 namespace thimble {
 
@@ -28,6 +31,18 @@ class MockBed {
 
   private:
     UMockdevTestbed* testbed_;
+};
+
+// A test that needs such a bed; skipped where nothing on it would be seen. `Bed` stands while the test runs.
+template <class Bed>
+class OnABed : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!MockBed::possible())
+            GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
+        bed_.emplace();
+    }
+    std::optional<Bed> bed_;
 };
 
 }  // namespace thimble

@@ -20,6 +20,10 @@ namespace {
 constexpr int kCases = 100'000;
 using Octets = std::vector<std::uint8_t>;
 
+std::uint8_t& any_byte(Octets& packet, RandomStream& random) {
+    return packet[random.below(static_cast<std::uint32_t>(packet.size()))];
+}
+
 std::vector<Octets> valid_packets() {
     std::vector<Octets> packets;
     Encoder encoder;
@@ -28,16 +32,6 @@ std::vector<Octets> valid_packets() {
         packets.emplace_back(bytes.begin(), bytes.end());
     }
     return packets;
-}
-
-void flip_bit(Octets& packet, RandomStream& random) {
-    packet[random.below(static_cast<std::uint32_t>(packet.size()))] ^=
-        static_cast<std::uint8_t>(1U << random.below(8));
-}
-
-void set_byte(Octets& packet, RandomStream& random) {
-    constexpr std::array<std::uint8_t, 6> kBytes{0x00, 0x01, 0x04, 0x7f, 0x80, 0xff};
-    packet[random.below(static_cast<std::uint32_t>(packet.size()))] = kBytes[random.below(kBytes.size())];
 }
 
 // Aligned, since that is where numbers are.
@@ -61,24 +55,19 @@ void set_number(Octets& packet, RandomStream& random) {
     std::copy(bits.begin(), bits.end(), packet.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-void truncate(Octets& packet, RandomStream& random) {
-    packet.resize(1 + random.below(static_cast<std::uint32_t>(packet.size())));
-}
-
-void extend(Octets& packet, RandomStream& random) {
-    for (std::uint32_t n = 1 + random.below(500); n > 0; --n)
-        packet.push_back(static_cast<std::uint8_t>(random()));
-}
-
 // One to three wounds, small ones most often: a packet that is damaged too much is refused at the first look.
 void damage(Octets& packet, RandomStream& random) {
+    constexpr std::array<std::uint8_t, 6> kBytes{0x00, 0x01, 0x04, 0x7f, 0x80, 0xff};
     for (std::uint32_t n = 1 + random.below(3); n > 0; --n) {
         const std::uint32_t wound = random.below(16);
-        if (wound == 0) truncate(packet, random);
-        if (wound == 1) extend(packet, random);
-        if (wound >= 2 && wound <= 4) set_byte(packet, random);
+        if (wound == 0) packet.resize(1 + random.below(static_cast<std::uint32_t>(packet.size())));
+        if (wound == 1) {
+            for (std::uint32_t more = 1 + random.below(500); more > 0; --more)
+                packet.push_back(static_cast<std::uint8_t>(random()));
+        }
+        if (wound >= 2 && wound <= 4) any_byte(packet, random) = kBytes[random.below(kBytes.size())];
         if (wound >= 5 && wound <= 8) set_number(packet, random);
-        if (wound > 8) flip_bit(packet, random);
+        if (wound > 8) any_byte(packet, random) ^= static_cast<std::uint8_t>(1U << random.below(8));
     }
 }
 

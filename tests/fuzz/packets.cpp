@@ -1,6 +1,7 @@
 #include "tests/fuzz/packets.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "common/codec.hpp"
 #include "tests/fuzz/checks.hpp"
@@ -10,59 +11,59 @@ namespace {
 
 using Numbers = std::vector<LegalNumber>;
 
+Numbers operator+(Numbers first, const Numbers& second) {
+    first.insert(first.end(), second.begin(), second.end());
+    return first;
+}
+
+// The ranges of the page, by quantity.
+Numbers within(double low, double high, std::span<double* const> values) {
+    Numbers all;
+    for (double* const value : values) all.push_back({value, low, high});
+    return all;
+}
+using Doubles = std::vector<double*>;
+Numbers places_m(const Doubles& values) { return within(-10, 10, values); }
+Numbers speeds_m_per_s(const Doubles& values) { return within(-1000, 1000, values); }
+Numbers forces_N(const Doubles& values) { return within(-1e5, 1e5, values); }
+Numbers sums_N(const Doubles& values) { return within(-2e5, 2e5, values); }
+Numbers shown_N(const Doubles& values) { return within(0, 1e5, values); }
+Numbers energies_J(const Doubles& values) { return within(-1e6, 1e6, values); }
+Numbers spans_s(const Doubles& values) { return within(0, 1e6, values); }
+Numbers known_spans_s(const Doubles& values) { return within(-1, 1e6, values); }
+
 Numbers numbers(NeedleCommand& m) {
-    return {{&m.position_needle_m, -10, 10},          {&m.velocity_needle_m_per_s, -1000, 1000},
-            {&m.position_needle_estimate_m, -10, 10}, {&m.position_hand_m, -10, 10},
-            {&m.velocity_hand_m_per_s, -1000, 1000},  {&m.force_hand_N, -1e5, 1e5}};
+    return places_m({&m.position_needle_m, &m.position_needle_estimate_m, &m.position_hand_m}) +
+           speeds_m_per_s({&m.velocity_needle_m_per_s, &m.velocity_hand_m_per_s}) +
+           forces_N({&m.force_hand_N});
 }
 Numbers numbers(ForceFeedback& m) {
-    return {{&m.position_needle_m, -10, 10},
-            {&m.position_surface_m, -10, 10},
-            {&m.velocity_surface_m_per_s, -1000, 1000},
-            {&m.position_proxy_m, -10, 10},
-            {&m.force_tissue_N, -1e5, 1e5},
-            {&m.force_fixture_N, -1e5, 1e5},
-            {&m.force_total_N, -2e5, 2e5},
-            {&m.contact_time_s, 0, 1e6}};
+    return places_m({&m.position_needle_m, &m.position_surface_m, &m.position_proxy_m}) +
+           speeds_m_per_s({&m.velocity_surface_m_per_s}) + forces_N({&m.force_tissue_N, &m.force_fixture_N}) +
+           sums_N({&m.force_total_N}) + spans_s({&m.contact_time_s});
 }
 Numbers numbers(Percept& m) {
-    return {{&m.force_N, 0, 1e5},
-            {&m.bar_N, 0, 1e5},
-            {&m.position_needle_shown_m, -10, 10},
-            {&m.position_surface_shown_m, -10, 10},
-            {&m.sample_age_s, 0, 1e6}};
+    return shown_N({&m.force_N, &m.bar_N}) +
+           places_m({&m.position_needle_shown_m, &m.position_surface_shown_m}) + spans_s({&m.sample_age_s});
 }
 Numbers numbers(SessionControl& m) {
-    return {{&m.fixture_position_m, -10, 10}, {&m.network_delay_s, 0, 1e6}, {&m.silence_s, 0, 1e6}};
+    return places_m({&m.fixture_position_m}) + spans_s({&m.network_delay_s, &m.silence_s});
 }
 Numbers numbers(Heartbeat& m) {
-    return {{&m.round_trip_median_s, 0, 1e6},
-            {&m.round_trip_worst_s, 0, 1e6},
-            {&m.hold_median_s, 0, 1e6},
-            {&m.force_hand_N, -1e5, 1e5},
-            {&m.energy_in_J, -1e6, 1e6}};
+    return spans_s({&m.round_trip_median_s, &m.round_trip_worst_s, &m.hold_median_s}) +
+           forces_N({&m.force_hand_N}) + energies_J({&m.energy_in_J});
 }
-Numbers numbers(HandInput& m) { return {{&m.position_hand_m, -10, 10}}; }
+Numbers numbers(HandInput& m) { return places_m({&m.position_hand_m}); }
 Numbers numbers(Monitor& m) {
-    return {{&m.time_s, 0, 1e6},
-            {&m.position_needle_m, -10, 10},
-            {&m.position_surface_m, -10, 10},
-            {&m.position_fixture_m, -10, 10},
-            {&m.force_tissue_N, -1e5, 1e5},
-            {&m.force_fixture_N, -1e5, 1e5},
-            {&m.force_total_N, -2e5, 2e5},
-            {&m.contact_time_s, 0, 1e6},
-            {&m.force_hand_N, -1e5, 1e5},
-            {&m.energy_in_J, -1e6, 1e6},
-            {&m.round_trip_s, 0, 1e6},
-            {&m.one_way_s, -1, 1e6},
-            {&m.one_way_bound_s, 0, 1e6},
-            {&m.network_delay_s, 0, 1e6}};
+    return places_m({&m.position_needle_m, &m.position_surface_m, &m.position_fixture_m}) +
+           forces_N({&m.force_tissue_N, &m.force_fixture_N, &m.force_hand_N}) + sums_N({&m.force_total_N}) +
+           energies_J({&m.energy_in_J}) + known_spans_s({&m.one_way_s}) +
+           spans_s({&m.time_s, &m.contact_time_s, &m.round_trip_s, &m.one_way_bound_s, &m.network_delay_s});
 }
-Numbers numbers(Order& m) { return {{&m.value, 0, 1e6}}; }
-Numbers numbers(Page& m) { return {{&m.remaining_s, 0, 1e6}}; }
+Numbers numbers(Order& m) { return spans_s({&m.value}); }
+Numbers numbers(Page& m) { return spans_s({&m.remaining_s}); }
 Numbers numbers(ReplayState& m) {
-    Numbers all{{&m.duration_s, 0, 1e6}, {&m.speed, 0, 1e6}, {&m.contact_s, -1, 1e6}, {&m.beep_s, -1, 1e6}};
+    Numbers all = spans_s({&m.duration_s, &m.speed}) + known_spans_s({&m.contact_s, &m.beep_s});
     for (double& time_s : m.change_s) all.push_back({&time_s, 0, 1e6});
     return all;
 }
@@ -71,12 +72,8 @@ Numbers numbers(WaveBurst& m) {
     for (double& wave_root_W : m.wave_root_W) all.push_back({&wave_root_W, -1e6, 1e6});
     return all;
 }
-Numbers both(Numbers first, const Numbers& second) {
-    first.insert(first.end(), second.begin(), second.end());
-    return first;
-}
-Numbers numbers(NeedleWave& m) { return both(numbers(m.command), numbers(m.waves)); }
-Numbers numbers(ForceWave& m) { return both(numbers(m.feedback), numbers(m.waves)); }
+Numbers numbers(NeedleWave& m) { return numbers(m.command) + numbers(m.waves); }
+Numbers numbers(ForceWave& m) { return numbers(m.feedback) + numbers(m.waves); }
 template <class Body>
 Numbers numbers(Body& /*without any*/) {
     return {};
@@ -126,20 +123,12 @@ bool plausible_rest(const Body& /*numbers alone*/) {
 
 std::vector<Message> sample_messages() {
     const Header header{0x1122334455667788, from_nanoseconds(1'234'567'890), 42, 7, Role::kSlaveSim};
-    ForceFeedback feedback{0.031,
-                           0.012,
-                           -0.002,
-                           0.029,
-                           -0.8,
-                           -2.5,
-                           -3.3,
-                           1.25,
-                           from_nanoseconds(1'200'000'000),
-                           Duration{150'000},
-                           41,
-                           TissuePhase::kPenetrated,
-                           true,
-                           true};
+    ForceFeedback feedback{0.031, 0.012, -0.002, 0.029, -0.8, -2.5, -3.3, 1.25};
+    feedback.echo_time = from_nanoseconds(1'200'000'000);
+    feedback.hold_time = Duration{150'000};
+    feedback.echo_sequence = 41;
+    feedback.phase = TissuePhase::kPenetrated;
+    feedback.fixture_present = feedback.needle_held = true;
     Monitor monitor;
     monitor.time_s = 2.5;
     monitor.position_needle_m = 0.031;

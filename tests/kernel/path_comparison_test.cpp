@@ -5,14 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 
 #include <gmock/gmock.h>
 
-#include "common/error.hpp"
 #include "common/random.hpp"
 #include "netem/link_model.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -79,13 +77,18 @@ TEST(PathComparison, TwoLinksAsAskedAgree) {
     }
 }
 
-TEST(PathComparison, ConstantDelayMayNeitherComeEarlyNorLate) {
+TEST(PathComparison, ConstantDelayMayNeitherComeEarlyNorLateNorTwiceNorNever) {
     const PathSample good = sample_of(constant(), 1);
-    PathSample early = good, late = good;
+    PathSample early = good, late = good, copied = good, none;
     early.packets[7].delay = milliseconds{50} - Duration{1};
     late.packets[7].delay = milliseconds{50} + microseconds{501};
+    copied.copies = 3;
+    none.packets.resize(kPackets);
     EXPECT_THAT(judge(kConstant, early, good), ElementsAre(HasSubstr("kernel: delays from 50.0000")));
     EXPECT_THAT(judge(kConstant, good, late), ElementsAre(HasSubstr("thimble-netem: delays from")));
+    EXPECT_THAT(judge(kConstant, good, copied), ElementsAre(HasSubstr("thimble-netem: 3 copies")));
+    EXPECT_THAT(judge(kConstant, none, none), ElementsAre(HasSubstr("only 0 and 0 packets")));
+    EXPECT_THAT(judge(kConstant, {}, {}), ElementsAre(HasSubstr("only 0 and 0 packets")));
 }
 
 TEST(PathComparison, AnotherSpreadShapeMeanOrOrderIsSeen) {
@@ -118,22 +121,10 @@ TEST(PathComparison, LossIsJudgedByTheBinomial) {
     EXPECT_THAT(judge({}, good, sample_of({}, 2)), testing::Contains(HasSubstr("kernel: ")));
 }
 
-TEST(PathComparison, NothingArrivedIsNoAgreement) {
-    PathSample none;
-    none.packets.resize(kPackets);
-    EXPECT_THAT(judge(kConstant, none, none), ElementsAre(HasSubstr("only 0 and 0 packets")));
-    EXPECT_THAT(judge(kConstant, {}, {}), ElementsAre(HasSubstr("only 0 and 0 packets")));
-}
-
-TEST(PathComparison, CopiesAreNamed) {
-    const PathSample good = sample_of(constant(), 1);
-    PathSample copied = good;
-    copied.copies = 3;
-    EXPECT_THAT(judge(kConstant, good, copied), ElementsAre(HasSubstr("thimble-netem: 3 copies")));
-}
-
 TEST(PathSample, IsReadAsWritten) {
-    const std::string file = testing::TempDir() + "path_sample_test";
+    const TemporaryDirectory folder;
+    const std::string file = folder / "sample";
+    EXPECT_THROW(read_path_sample(file), Error);
     PathSample sample;
     sample.packets = {{true, false, microseconds{51}}, {}, {true, true, Duration{7}}};
     sample.copies = 1;
@@ -146,9 +137,7 @@ TEST(PathSample, IsReadAsWritten) {
     EXPECT_FALSE(read.packets[1].arrived);
     EXPECT_TRUE(read.packets[2].overtaken);
     EXPECT_EQ(read.copies + 10 * read.strangers + 100 * read.untrusted, 321U);
-    std::ofstream(file, std::ios::app) << "7,a\n";
-    EXPECT_THROW(read_path_sample(file), Error);
-    std::filesystem::remove(file);
+    write_text(file, "1,2,3\n7,a\n");
     EXPECT_THROW(read_path_sample(file), Error);
 }
 

@@ -1,20 +1,59 @@
 // The experimenter's view as a process: pictures by content, keys and mouse by xdotool. Its picture is known, because the session here is a demonstration.
 #include <cmath>
+#include <csignal>
+#include <optional>
 
 #include <gtest/gtest.h>
 
+#include "common/process/child.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "tests/views/fake_session.hpp"
-#include "tests/views/view_bench.hpp"
+#include "tests/views/pixels.hpp"
+#include "tests/window/virtual_screen.hpp"
 #include "visual_node/views/experimenter_panels.hpp"
 
 namespace thimble {
 namespace {
 
-class ExperimenterView : public testing::Test {
+// The real view on the screen, a session that talks to it, and what the view's last frame shows.
+class ExperimenterView : public OnAScreen {
   protected:
-    void SetUp() override {
-        if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
+    // 800x600 at scale 1 unless `size` says otherwise. The session's demonstration has run for `ahead_s`.
+    void begin(double ahead_s = 4,
+               const std::vector<std::string>& size = {"--width", "800", "--height", "600", "--scale", "1"}) {
+        folder_.emplace();
+        session_.emplace(ports_.base(), ++sessions_, ahead_s);
+        std::vector<std::string> arguments{
+            "--view",       "experimenter",        "--base-port",      std::to_string(ports_.base()),
+            "--screenshot", *folder_ / "last.png", "--die-with-parent"};
+        arguments.insert(arguments.end(), size.begin(), size.end());
+        view_.emplace(std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-visual", arguments,
+                      *folder_ / "words");
+        ASSERT_TRUE(
+            wait_until([this] { return read_text(*folder_ / "words").find("ready") != std::string::npos; }));
+        ASSERT_TRUE(screen_->wait_for_window("Thimble, experimenter"));
     }
+    // SIGTERM; the last frame. Empty if the view did not end well.
+    Image end() {
+        view_->signal(SIGTERM);
+        return view_->wait(kPatience) == 0 ? read_png(*folder_ / "last.png") : Image{};
+    }
+    // Until so many orders of this kind have come.
+    bool asked(OrderKind kind, int count = 1) {
+        return wait_until([&] { return session_->count(kind) >= count; });
+    }
+    void click_control(int row, int column, int columns) {
+        const Rect cell = control_cell(experimenter_layout(800, 600, 1).controls, 1, row, column, columns);
+        ASSERT_TRUE(screen_->click(static_cast<int>(cell.x + cell.width / 2),
+                                   static_cast<int>(cell.y + cell.height / 2)));
+    }
+    static void pass(double seconds) { wall_sleep(from_seconds(seconds)); }
+
+    PortBlock ports_;
+    std::optional<Folder> folder_;
+    std::uint64_t sessions_ = 0;
+    std::optional<FakeSession> session_;
+    std::optional<Child> view_;
 };
 
 // Checks that the fixture's line stands where it belongs in the side view, and nowhere else.
@@ -35,7 +74,7 @@ std::pair<int, int> reach(const Image& image, const Rect& box, Colour colour, in
     std::pair<int, int> range{image.height, -1};
     for (int x = from; x < to; ++x) {
         for (int y = static_cast<int>(box.y); y < static_cast<int>(box.bottom()); ++y) {
-            if (distance(image, x, y, colour) > 12) continue;
+            if (!has_colour(image, x, y, colour)) continue;
             range.first = std::min(range.first, y);
             range.second = std::max(range.second, y);
         }
@@ -48,18 +87,10 @@ bool alarmed(const Image& image) {
     return count_pixels(image, banner, kVermillion) > banner.width * banner.height / 2;
 }
 
-void click_control(ViewBench& bench, int row, int column, int columns) {
-    const Rect cell = control_cell(experimenter_layout(800, 600, 1).controls, 1, row, column, columns);
-    ASSERT_TRUE(bench.screen().click(static_cast<int>(cell.x + cell.width / 2),
-                                     static_cast<int>(cell.y + cell.height / 2)));
-}
-
 TEST_F(ExperimenterView, ShowsTheFixtureAtItsPlaceAndTheOscillationWhole) {
-    ViewBench bench;
-    FakeSession session(bench.base_port(), 1, kDemonstrationContact_s + 1);
-    ASSERT_TRUE(bench.ready());
-    view_sleep(2);
-    const Image image = bench.end();
+    begin(kDemonstrationContact_s + 1);
+    pass(2);
+    const Image image = end();
     ASSERT_EQ(image.width, 800);
     ASSERT_EQ(image.height, 600);
     EXPECT_FALSE(alarmed(image));
@@ -79,108 +110,97 @@ TEST_F(ExperimenterView, ShowsTheFixtureAtItsPlaceAndTheOscillationWhole) {
 }
 
 TEST_F(ExperimenterView, SaysInRedThatTheSessionIsSilentAndHearsTheNextOne) {
-    ViewBench bench;
-    {
-        FakeSession session(bench.base_port(), 1, 4);
-        ASSERT_TRUE(bench.ready());
-        ASSERT_TRUE(bench.screen().type("p"));
-        ASSERT_TRUE(wait_for(session, OrderKind::kPause));
-    }
-    view_sleep(1.5);  // the session has gone; the next one is another
-    FakeSession next(bench.base_port(), 2, 4);
-    ASSERT_TRUE(bench.screen().type("p"));  // it is not paused, and the view has seen that
-    view_sleep(1);
-    EXPECT_FALSE(alarmed(bench.end()));
-    EXPECT_GT(next.count(OrderKind::kPause) + next.count(OrderKind::kResume), 0);
-    ViewBench lonely;
-    {
-        FakeSession session(lonely.base_port(), 3, 4);
-        ASSERT_TRUE(lonely.ready());
-        view_sleep(0.5);
-    }
-    view_sleep(1);
-    const Image silent = lonely.end();
+    begin();
+    ASSERT_TRUE(screen_->type("p"));
+    ASSERT_TRUE(asked(OrderKind::kPause));
+    session_.reset();
+    pass(1.5);
+    session_.emplace(ports_.base(), ++sessions_, 4);  // another one
+    ASSERT_TRUE(screen_->type("p"));                  // it is not paused, and the view has seen that
+    pass(1);
+    EXPECT_FALSE(alarmed(end()));
+    EXPECT_GT(session_->count(OrderKind::kPause) + session_->count(OrderKind::kResume), 0);
+    begin();
+    pass(0.5);
+    session_.reset();
+    pass(1);
+    const Image silent = end();
     EXPECT_TRUE(alarmed(silent));
     expect_fixture_at_its_place(silent, 1);  // what was known last stays, and its age stands beside it
 }
 
 TEST_F(ExperimenterView, EveryKeyAsksTheSession) {
-    ViewBench bench;
-    FakeSession session(bench.base_port(), 1, 4);
-    ASSERT_TRUE(bench.ready());
-    ASSERT_TRUE(bench.screen().type("8"));
-    ASSERT_TRUE(wait_for(session, OrderKind::kNetwork));
-    EXPECT_EQ(session.last(OrderKind::kNetwork)->network.view(), "leo");
-    view_sleep(0.1);  // until its delay shows
+    begin();
+    ASSERT_TRUE(screen_->type("8"));
+    ASSERT_TRUE(asked(OrderKind::kNetwork));
+    EXPECT_EQ(session_->last(OrderKind::kNetwork)->network.view(), "leo");
+    pass(0.1);  // until its delay shows
     // Held as a finger would: ImGui asks at each frame whether an arrow is down.
-    ASSERT_TRUE(bench.screen().hand({"keydown", "Right"}));
-    view_sleep(0.15);
-    ASSERT_TRUE(bench.screen().hand({"keyup", "Right"}));
-    ASSERT_TRUE(wait_for(session, OrderKind::kDelay));
-    EXPECT_TRUE(wait_until([&] { return std::abs(session.last(OrderKind::kDelay)->value - 0.023) < 1e-9; }));
-    ASSERT_TRUE(bench.screen().type("p"));
-    EXPECT_TRUE(wait_for(session, OrderKind::kPause));
-    view_sleep(0.3);
-    ASSERT_TRUE(bench.screen().type("p"));
-    EXPECT_TRUE(wait_for(session, OrderKind::kResume));
-    ASSERT_TRUE(bench.screen().type("r"));
-    EXPECT_TRUE(wait_for(session, OrderKind::kRepeat, 5));
-    EXPECT_EQ(session.last(OrderKind::kRepeat)->trial, 4U);
-    ASSERT_TRUE(bench.screen().type("xnxy"));
-    EXPECT_TRUE(wait_for(session, OrderKind::kExclude, 5));
-    ASSERT_TRUE(bench.screen().type("e"));
-    EXPECT_TRUE(wait_for(session, OrderKind::kEndTrial));
-    view_sleep(0.3);
-    ASSERT_TRUE(bench.screen().type("4s"));
-    ASSERT_TRUE(wait_for(session, OrderKind::kStart));
-    EXPECT_EQ(session.last(OrderKind::kStart)->modality, Modality::kVF);
-    view_sleep(0.5);
-    EXPECT_EQ(session.count(OrderKind::kExclude), 5);  // the one that was answered with No was never sent
-    EXPECT_FALSE(alarmed(bench.end()));
+    ASSERT_TRUE(screen_->hand({"keydown", "Right"}));
+    pass(0.15);
+    ASSERT_TRUE(screen_->hand({"keyup", "Right"}));
+    ASSERT_TRUE(asked(OrderKind::kDelay));
+    EXPECT_TRUE(
+        wait_until([&] { return std::abs(session_->last(OrderKind::kDelay)->value - 0.023) < 1e-9; }));
+    ASSERT_TRUE(screen_->type("p"));
+    EXPECT_TRUE(asked(OrderKind::kPause));
+    pass(0.3);
+    ASSERT_TRUE(screen_->type("p"));
+    EXPECT_TRUE(asked(OrderKind::kResume));
+    ASSERT_TRUE(screen_->type("r"));
+    EXPECT_TRUE(asked(OrderKind::kRepeat, 5));
+    EXPECT_EQ(session_->last(OrderKind::kRepeat)->trial, 4U);
+    ASSERT_TRUE(screen_->type("xnxy"));
+    EXPECT_TRUE(asked(OrderKind::kExclude, 5));
+    ASSERT_TRUE(screen_->type("e"));
+    EXPECT_TRUE(asked(OrderKind::kEndTrial));
+    pass(0.3);
+    ASSERT_TRUE(screen_->type("4s"));
+    ASSERT_TRUE(asked(OrderKind::kStart));
+    EXPECT_EQ(session_->last(OrderKind::kStart)->modality, Modality::kVF);
+    pass(0.5);
+    EXPECT_EQ(session_->count(OrderKind::kExclude), 5);  // the one that was answered with No was never sent
+    EXPECT_FALSE(alarmed(end()));
 }
 
 TEST_F(ExperimenterView, ButtonsAndSliderAskTheSession) {
-    ViewBench bench;
-    FakeSession session(bench.base_port(), 1, 4);
-    ASSERT_TRUE(bench.ready());
-    click_control(bench, kSliderRow, 0, 1);
-    ASSERT_TRUE(wait_for(session, OrderKind::kDelay));
-    EXPECT_NEAR(session.last(OrderKind::kDelay)->value, 0.25, 0.02);
-    click_control(bench, kNetworkRow + 1, 2, kNetworksPerRow);
+    begin();
+    click_control(kSliderRow, 0, 1);
+    ASSERT_TRUE(asked(OrderKind::kDelay));
+    EXPECT_NEAR(session_->last(OrderKind::kDelay)->value, 0.25, 0.02);
+    click_control(kNetworkRow + 1, 2, kNetworksPerRow);
     EXPECT_TRUE(wait_until([&] {
-        const auto network = session.last(OrderKind::kNetwork);
+        const auto network = session_->last(OrderKind::kNetwork);
         return network && network->network.view() == "geo";
     }));
     // A machine that stalls may show the view two clicks at once. The user sees that, and clicks again.
     EXPECT_TRUE(wait_until([&] {
-        click_control(bench, kModalityRow, 1, 4);
-        click_control(bench, kTrialRow, 0, 3);
-        const auto start = session.last(OrderKind::kStart);
+        click_control(kModalityRow, 1, 4);
+        click_control(kTrialRow, 0, 3);
+        const auto start = session_->last(OrderKind::kStart);
         return start && start->modality == Modality::kCF;
     }));
-    click_control(bench, kAfterRow, 1, 3);  // Exclude, which asks
-    view_sleep(0.5);
-    EXPECT_EQ(session.count(OrderKind::kExclude), 0);
+    click_control(kAfterRow, 1, 3);  // Exclude, which asks
+    pass(0.5);
+    EXPECT_EQ(session_->count(OrderKind::kExclude), 0);
     const Rect question{190, 258, 420, 84};
     const Rect yes = control_cell(question, 1, 1, 0, 2);
-    ASSERT_TRUE(bench.screen().click(static_cast<int>(yes.x + 20), static_cast<int>(yes.y + 10)));
-    EXPECT_TRUE(wait_for(session, OrderKind::kExclude));
+    ASSERT_TRUE(screen_->click(static_cast<int>(yes.x + 20), static_cast<int>(yes.y + 10)));
+    EXPECT_TRUE(asked(OrderKind::kExclude));
 }
 
 TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
-    ViewBench bench;
-    FakeSession session(bench.base_port(), 1, 4);
-    session.obey(false);
-    ASSERT_TRUE(bench.ready());
-    ASSERT_TRUE(bench.screen().type("p"));
-    ASSERT_TRUE(wait_for(session, OrderKind::kPause, 20));
-    view_sleep(2.5);
-    EXPECT_LE(session.count(OrderKind::kPause), 41);
-    session.fail(
+    begin();
+    session_->obey(false);
+    ASSERT_TRUE(screen_->type("p"));
+    ASSERT_TRUE(asked(OrderKind::kPause, 20));
+    pass(2.5);
+    EXPECT_LE(session_->count(OrderKind::kPause), 41);
+    session_->fail(
         "drive 3 (acting hand, index, cable 2): EMCY 0x2310 (over-current); remove the cause, then start "
         "again");
-    view_sleep(0.3);
-    const Image image = bench.end();
+    pass(0.3);
+    const Image image = end();
     EXPECT_TRUE(alarmed(image));
     // The device's words, black on red, over the top of the side view and no more.
     const Rect side = experimenter_layout(800, 600, 1).side_view;
@@ -189,12 +209,10 @@ TEST_F(ExperimenterView, SaysThatTheSessionDoesNotAnswer) {
 }
 
 TEST_F(ExperimenterView, ListsEveryKey) {
-    ViewBench bench;
-    FakeSession session(bench.base_port(), 1, 4);
-    ASSERT_TRUE(bench.ready());
-    ASSERT_TRUE(bench.screen().type("?"));
-    view_sleep(0.5);
-    const Image image = bench.end();
+    begin();
+    ASSERT_TRUE(screen_->type("?"));
+    pass(0.5);
+    const Image image = end();
     // The list stands in the middle, its keys in orange, one below the other.
     int lines = 0, before = 0;
     for (int y = 0; y < image.height; ++y) {
@@ -206,33 +224,26 @@ TEST_F(ExperimenterView, ListsEveryKey) {
 }
 
 TEST_F(ExperimenterView, FollowsTheWindowsSizeAndTheMonitorsScale) {
-    {
-        ViewBench bench;
-        FakeSession session(bench.base_port(), 1, 4);
-        ASSERT_TRUE(bench.ready());
-        ASSERT_TRUE(bench.screen().resize(1100, 700));
-        view_sleep(0.7);
-        const Image image = bench.end();
-        ASSERT_EQ(image.width, 1100);
-        ASSERT_EQ(image.height, 700);
-        expect_fixture_at_its_place(image, 1);
-    }
-    ViewBench twice({"--width", "600", "--height", "480", "--scale", "2"});
-    FakeSession session(twice.base_port(), 1, 4);
-    ASSERT_TRUE(twice.ready());
-    view_sleep(0.7);
-    const Image image = twice.end();
-    ASSERT_EQ(image.width, 1200);
-    ASSERT_EQ(image.height, 960);
-    expect_fixture_at_its_place(image, 2);
+    begin();
+    ASSERT_TRUE(screen_->resize(1100, 700));
+    pass(0.7);
+    const Image resized = end();
+    ASSERT_EQ(resized.width, 1100);
+    ASSERT_EQ(resized.height, 700);
+    expect_fixture_at_its_place(resized, 1);
+    begin(4, {"--width", "600", "--height", "480", "--scale", "2"});
+    pass(0.7);
+    const Image twice = end();
+    ASSERT_EQ(twice.width, 1200);
+    ASSERT_EQ(twice.height, 960);
+    expect_fixture_at_its_place(twice, 2);
 }
 
 TEST_F(ExperimenterView, WithoutScreenOrPortItSaysWhatToDo) {
     const Folder folder;
-    const PortBlock ports;
     const auto run = [&](const std::string& name) {
         Child view(std::filesystem::path(THIMBLE_BIN_DIR) / "thimble-visual",
-                   {"--view", "experimenter", "--base-port", std::to_string(ports.base()), "--seconds", "1"},
+                   {"--view", "experimenter", "--base-port", std::to_string(ports_.base()), "--seconds", "1"},
                    folder / name);
         return view.wait(kPatience).value_or(-1);
     };
@@ -241,7 +252,7 @@ TEST_F(ExperimenterView, WithoutScreenOrPortItSaysWhatToDo) {
     EXPECT_EQ(run("no_screen"), 2);
     EXPECT_NE(read_text(folder / "no_screen").find("no screen"), std::string::npos);
     NetworkSettings network;
-    network.base_port = ports.base();
+    network.base_port = ports_.base();
     Sockets other(network);
     (void)other.inlet(Port::kExperimenterMonitor);
     EXPECT_EQ(run("no_port"), 3);

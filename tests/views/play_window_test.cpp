@@ -9,7 +9,7 @@
 #include "tests/loopback/played_view.hpp"
 #include "tests/loopback/workbench.hpp"
 #include "tests/views/pushed_needle.hpp"
-#include "tests/views/virtual_screen.hpp"
+#include "tests/window/virtual_screen.hpp"
 #include "visual_node/window/image.hpp"
 #include "visual_node/window/picture.hpp"
 

@@ -1,7 +1,6 @@
 // The player's panel over an empty scene, in this process.
 #include "visual_node/views/player_panel.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -9,7 +8,8 @@
 #include "common/runtime/wall_clock.hpp"
 #include "tests/unit/views/played_session.hpp"
 #include "tests/views/fake_session.hpp"
-#include "tests/views/view_bench.hpp"
+#include "tests/views/pixels.hpp"
+#include "tests/window/virtual_screen.hpp"
 
 namespace thimble {
 namespace {
@@ -32,13 +32,8 @@ class PlayerWindow {
             gui_.end();
             image_ = window_.read_pixels();
             window_.end_frame();
-            for (const HeardOrder& order : session_.heard(now)) orders_.push_back(order.order);
             wall_sleep(std::chrono::milliseconds{30});
         }
-    }
-    bool asked(OrderKind kind, const std::function<bool(const Order&)>& such) const {
-        return std::any_of(orders_.begin(), orders_.end(),
-                           [&](const Order& order) { return order.kind == kind && such(order); });
     }
     const Image& image() const { return image_; }
     static WindowSettings settings() {
@@ -64,7 +59,6 @@ class PlayerWindow {
     GlWindow window_;
     GuiLayer gui_;
     Image image_;
-    std::vector<Order> orders_;
     SessionTime begun_{};
     double told_ms_ = 0;
 };
@@ -84,22 +78,6 @@ TEST_F(PlayerPanelTest, ShowsTheLastSecondsAndNeverTheFixture) {
     EXPECT_EQ(count_pixels(image, panel, kVermillion), 0);
     player.run(1, false);
     EXPECT_GT(count_pixels(player.image(), panel, kVermillion), 50);  // silence, in red
-}
-
-TEST_F(PlayerPanelTest, KeysAskTheSession) {
-    PlayerWindow player;
-    player.run(0.3);
-    ASSERT_TRUE(screen_->wait_for_window("panel under test"));
-    ASSERT_TRUE(screen_->hand({"key", "3"}));
-    player.run(0.3);
-    EXPECT_TRUE(player.asked(OrderKind::kStart, [](const Order& o) { return o.modality == Modality::kCCF; }));
-    ASSERT_TRUE(screen_->hand({"key", "5"}));
-    player.run(0.3);
-    EXPECT_TRUE(
-        player.asked(OrderKind::kNetwork, [](const Order& o) { return o.network.view() == "ideal"; }));
-    ASSERT_TRUE(screen_->hand({"key", "plus"}));
-    player.run(0.3);
-    EXPECT_TRUE(player.asked(OrderKind::kDelay, [](const Order& o) { return o.value > 0; }));
 }
 
 TEST_F(PlayerPanelTest, WithSocketsOfItsOwnItAsksARealSession) {
@@ -122,6 +100,18 @@ TEST_F(PlayerPanelTest, WithSocketsOfItsOwnItAsksARealSession) {
     };
     frame();
     ASSERT_TRUE(screen_->wait_for_window("panel under test"));
+    ASSERT_TRUE(screen_->press("5"));
+    EXPECT_TRUE(wait_until([&] {
+        frame();
+        const auto order = session.last(OrderKind::kNetwork);
+        return order && order->network.view() == "ideal";
+    }));
+    ASSERT_TRUE(screen_->press("plus"));
+    EXPECT_TRUE(wait_until([&] {
+        frame();
+        const auto delay = session.last(OrderKind::kDelay);
+        return delay && delay->value > 0;
+    }));
     ASSERT_TRUE(screen_->press("4"));
     EXPECT_TRUE(wait_until([&] {
         frame();
@@ -140,7 +130,7 @@ TEST_F(PlayerPanelTest, WithSocketsOfItsOwnItAsksARealSession) {
         for (int i = 0; i < 4; ++i) frame();
         ASSERT_TRUE(screen_->hand({"mouseup", "1"}));
         for (int i = 0; i < 4; ++i) frame();
-        view_sleep(0.05);
+        wall_sleep(std::chrono::milliseconds{50});
     }
     EXPECT_TRUE(half());
 }

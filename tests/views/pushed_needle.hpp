@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tests/loopback/workbench.hpp"
-#include "tests/views/virtual_screen.hpp"
+#include "tests/window/virtual_screen.hpp"
 
 namespace thimble {
 

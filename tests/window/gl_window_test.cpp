@@ -6,9 +6,9 @@
 
 #include <gmock/gmock.h>
 
-#include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
-#include "tests/window/x_server.hpp"
+#include "tests/refusal.hpp"
+#include "tests/window/virtual_screen.hpp"
 #include "visual_node/window/image.hpp"
 
 namespace thimble {
@@ -18,13 +18,7 @@ using std::chrono::milliseconds;
 using testing::HasSubstr;
 
 std::string refusal_of_window() {
-    try {
-        GlWindow window{WindowSettings{}};
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        return error.what();
-    }
-    return "";
+    return refusal([] { GlWindow window{WindowSettings{}}; }, ExitCode::kUsage);
 }
 
 // The window system answers when it likes: asks for a second.
@@ -33,19 +27,13 @@ bool comes_true(GlWindow& window, const std::function<bool()>& request) {
     return request();
 }
 
-TEST(GlWindow, SaysThatThereIsNoScreen) {
-    unsetenv("DISPLAY");
-    unsetenv("WAYLAND_DISPLAY");
-    EXPECT_THAT(refusal_of_window(), HasSubstr("no screen: DISPLAY and WAYLAND_DISPLAY are not set"));
-}
-
 TEST(GlWindow, SaysThatTheScreenDoesNotAnswer) {
     setenv("DISPLAY", ":4711", 1);
     EXPECT_THAT(refusal_of_window(), HasSubstr(":4711"));
     unsetenv("DISPLAY");
 }
 
-using GlWindowOnAScreen = WithXServer;
+using GlWindowOnAScreen = OnAScreen;
 
 TEST_F(GlWindowOnAScreen, ReadsBackWhatItCleared) {
     GlWindow window{WindowSettings{}};
@@ -95,7 +83,7 @@ TEST_F(GlWindowOnAScreen, OutlivesItsScreen) {
             window.begin_frame(kBlack);
             window.end_frame();
             const bool alive = !window.lost();
-            server_.kill();
+            screen_->kill();
             for (int i = 0; i < 100 && !window.lost(); ++i) {
                 window.wait_events(milliseconds{10});
                 window.begin_frame(kBlack);
@@ -109,13 +97,13 @@ TEST_F(GlWindowOnAScreen, OutlivesItsScreen) {
 TEST(PngFile, GivesBackWhatWasWritten) {
     Image image{2, 3, {}};
     for (int i = 0; i < 18; ++i) image.rgb.push_back(static_cast<std::uint8_t>(13 * i));
-    const auto path = std::filesystem::path(testing::TempDir()) / "png_file_test.png";
+    const TemporaryDirectory folder;
+    const auto path = folder / "png_file_test.png";
     write_png(path, image);
     const Image read = read_png(path);
     EXPECT_EQ(read.width, 2);
     EXPECT_EQ(read.height, 3);
     EXPECT_EQ(read.rgb, image.rgb);
-    std::filesystem::remove(path);
 }
 
 TEST(PngFile, SaysWhatItCannotWriteOrRead) {

@@ -10,7 +10,7 @@
 #include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
 #include "tests/loopback/workbench.hpp"
-#include "tests/window/x_server.hpp"
+#include "tests/window/virtual_screen.hpp"
 
 namespace thimble {
 namespace {
@@ -35,15 +35,15 @@ TEST(WindowProgram, RefusesToStartWithoutScreen) {
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("no screen: DISPLAY and WAYLAND_DISPLAY are not set"));
 }
 
-using WindowProgramOnAScreen = WithXServer;
+using WindowProgramOnAScreen = OnAScreen;
 
 TEST_F(WindowProgramOnAScreen, ReportsItsFramesAndEndsBySignal) {
-    const auto report = server_.folder() / "report.json";
+    const auto report = screen_->folder() / "report.json";
     const PortBlock ports;
     Child visual(kProgram,
                  {"--view", "player", "--base-port", std::to_string(ports.base()), "--report", report},
-                 server_.folder() / "log");
-    ASSERT_TRUE(wait_for_words(server_.folder() / "log", "ready"));
+                 screen_->folder() / "log");
+    ASSERT_TRUE(wait_for_words(screen_->folder() / "log", "ready"));
     wall_sleep(milliseconds{500});
     visual.signal(SIGTERM);
     ASSERT_EQ(visual.wait(seconds{20}), 0) << visual.last_lines();
@@ -54,14 +54,14 @@ TEST_F(WindowProgramOnAScreen, ReportsItsFramesAndEndsBySignal) {
 }
 
 TEST_F(WindowProgramOnAScreen, OutlivesItsScreen) {
-    const auto report = server_.folder() / "report.json";
+    const auto report = screen_->folder() / "report.json";
     const PortBlock ports;
     Child visual(kProgram, {"--window", "--base-port", std::to_string(ports.base()), "--report", report},
-                 server_.folder() / "log");
-    ASSERT_TRUE(wait_for_words(server_.folder() / "log", "ready"));
+                 screen_->folder() / "log");
+    ASSERT_TRUE(wait_for_words(screen_->folder() / "log", "ready"));
     wall_sleep(milliseconds{300});
-    server_.kill();
-    EXPECT_TRUE(wait_for_words(server_.folder() / "log", "the node goes on"));
+    screen_->kill();
+    EXPECT_TRUE(wait_for_words(screen_->folder() / "log", "the node goes on"));
     wall_sleep(milliseconds{300});
     EXPECT_FALSE(visual.poll()) << "it has ended: " << visual.last_lines();
     visual.signal(SIGTERM);
@@ -71,11 +71,7 @@ TEST_F(WindowProgramOnAScreen, OutlivesItsScreen) {
 
 // A subject who presses the stop key at the screen of a session under a lab key: everything stops, and says who it was.
 TEST_F(WindowProgramOnAScreen, ItsStopKeyStopsASessionUnderALabKey) {
-    const auto folder = server_.folder();
-    const auto person = [&](const std::vector<std::string>& words) {
-        return Child("xdotool", words, folder / "xdotool").wait(seconds{20}) == 0;
-    };
-    if (!person({"version"})) GTEST_SKIP() << "xdotool is not installed (deploy/packages.txt, [test])";
+    const Folder& folder = screen_->folder();
     create_lab_key(folder / "lab.key", system_random_bytes());
     std::ofstream(folder / "session.toml") << "[session]\nmodalities = ['HF']\ndelays_s = "
                                               "[0.0]\n[trial]\ncontact_hold_s = 40\n[visual]\ndisplay = "
@@ -88,8 +84,8 @@ TEST_F(WindowProgramOnAScreen, ItsStopKeyStopsASessionUnderALabKey) {
               folder / "log");
     const auto trajectory = folder / "out/trajectories/trial01_HF_0ms.csv";
     ASSERT_TRUE(wait_for_words(trajectory, "\n0.2")) << run.last_lines();
-    ASSERT_TRUE(person({"search", "--onlyvisible", "--name", "Thimble", "windowfocus"}));
-    ASSERT_TRUE(person({"key", "BackSpace"}));
+    ASSERT_TRUE(screen_->wait_for_window("Thimble"));
+    ASSERT_TRUE(screen_->press("BackSpace"));
     EXPECT_EQ(run.wait(seconds{40}), 1) << run.last_lines();
     EXPECT_THAT(read_text(folder / "log"), HasSubstr("the stop key at the subject's screen"));
     EXPECT_THAT(read_text(folder / "out/trials.csv"), HasSubstr("emergency_stop"));

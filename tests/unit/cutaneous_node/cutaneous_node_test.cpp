@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <type_traits>
 #include <utility>
 
 #include <gtest/gtest.h>
 
+#include "common/error.hpp"
 #include "cutaneous_node/cutaneous_process.hpp"
+#include "cutaneous_node/cutaneous_settings.hpp"
 #include "cutaneous_node/simulated_actuator.hpp"
 #include "tests/unit/queue_ports.hpp"
 #include "tests/unit/session_time.hpp"
@@ -123,7 +126,7 @@ TEST(CutaneousNode, PressesWhatTheHandleDoesNotGive) {
     EXPECT_EQ(bench.actuator.current.force_N, 2);
 }
 
-TEST(CutaneousNode, IsSlackOutsideTrials) {
+TEST(CutaneousNode, IsSlackOutsideTrialsAndWhereAnotherModalityBegins) {
     NotingActuator actuator;
     CutaneousNode node(CutaneousSettings{}, actuator);
     EXPECT_FALSE(node.active());
@@ -138,9 +141,6 @@ TEST(CutaneousNode, IsSlackOutsideTrials) {
     EXPECT_FALSE(node.percept(at(milliseconds{2})).has_value());
     node.on_feedback(at(milliseconds{2}), at(milliseconds{2}), force(-1));
     EXPECT_EQ(actuator.commands, 1);
-}
-
-TEST(CutaneousNode, ChangeOfModalityReleasesTheFingers) {
     Bench bench(Modality::kCCF);
     bench.feed(0, -1);
     bench.start(1, Modality::kHF);
@@ -315,6 +315,28 @@ TEST_F(RunningCutaneous, AtRestNoForceReachesTheFingersThatComesMeanwhile) {
     feed_and_tick(-0.7);
     EXPECT_EQ(actuator.current.force_N, 0.7);
     EXPECT_EQ(process.stale_record().trials(), 0U) << "nothing was stale";
+}
+
+CutaneousSettings settings_of(const std::string& text) {
+    const ConfigFile file = ConfigFile::parse("[cutaneous]\n" + text, "cutaneous.toml");
+    const CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
+    file.finish();
+    return settings;
+}
+
+TEST(CutaneousSettings, DrivesNeedABus) {
+    EXPECT_EQ(settings_of("").device, FingertipDevice::kSimulated);
+    EXPECT_THROW(settings_of("device = \"drives\""), Error);
+    const CutaneousSettings settings = settings_of("device = \"drives\"\n[cutaneous.drives]\nbus = \"can1\"");
+    EXPECT_EQ(settings.device, FingertipDevice::kDrives);
+    EXPECT_EQ(settings.drives.bus, "can1");
+    EXPECT_EQ(settings.drives.fingers.size(), 4U);
+}
+
+TEST(CutaneousSettings, TheDeviceIsAskedForNoMoreThanTheGuardLetsThrough) {
+    EXPECT_THROW(settings_of("guard_limit_N = 1"), Error);
+    EXPECT_THROW(settings_of("force_limit_N = 6"), Error);
+    EXPECT_EQ(settings_of("force_limit_N = 6\nguard_limit_N = 6").force_limit_N, 6);
 }
 
 }  // namespace

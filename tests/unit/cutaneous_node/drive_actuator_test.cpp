@@ -67,15 +67,6 @@ TEST(DriveActuator, DrivesThatStoodStillAreNoSecondDevices) {
     EXPECT_EQ(bench.fault(), "");
 }
 
-TEST(DriveActuator, TheOtherHandWearsTheOtherSixDrives) {
-    ReadyDrives bench;
-    bench.actuator.use_hand(bench.now, Hand::kOther);
-    bench.press(Finger::kIndex, 1.0, milliseconds{300});
-    EXPECT_GT(bench.drives.force_N(2), 0.9);
-    EXPECT_LT(bench.drives.force_N(0), 0.1);
-    EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kIndex);
-}
-
 TEST(DriveActuator, ByPositionThePadsModelMakesTheForceOfTheFirstMoment) {
     ReadyDrives bench("mode = \"position\"");
     bench.press(Finger::kIndex, 1.0, milliseconds{60});
@@ -86,19 +77,25 @@ TEST(DriveActuator, ByPositionThePadsModelMakesTheForceOfTheFirstMoment) {
     EXPECT_EQ(bench.fault(), "");
 }
 
-TEST(DriveActuator, AReversedMotorIsTheSameToTheFinger) {
-    PlantParameters plant;
-    plant.cable.reversed = true;
-    ReadyDrives bench("reversed = true", plant);
-    bench.press(Finger::kIndex, 1.0, milliseconds{300});
-    EXPECT_NEAR(bench.felt_N(), 1.0, 0.01);
-    EXPECT_NEAR(bench.drives.force_N(0), 1.09, 0.05);
+// The other hand's finger, and a reversed motor: the same to the finger.
+TEST(DriveActuator, WhicheverDrivesPullTheForceIsTheSame) {
+    for (const bool reversed : {false, true}) {
+        PlantParameters plant;
+        plant.cable.reversed = reversed;
+        ReadyDrives bench(reversed ? "reversed = true" : "", plant);
+        bench.actuator.use_hand(bench.now, reversed ? Hand::kActing : Hand::kOther);
+        bench.press(Finger::kIndex, 1.0, milliseconds{300});
+        EXPECT_NEAR(bench.felt_N(), 1.0, 0.01);
+        EXPECT_NEAR(bench.drives.force_N(reversed ? 0 : 2), 1.09, 0.05);
+        EXPECT_LT(bench.drives.force_N(reversed ? 2 : 0), 0.1);
+        EXPECT_EQ(bench.actuator.output(bench.now).finger, Finger::kIndex);
+    }
 }
 
 struct FaultCase {
     const char* words;
     const char* said;
-    int within_ms;  // from the fault to no torque at the drives that still listen
+    int within_ms = 0;  // from the fault to no torque at the drives that still listen
 };
 
 void PrintTo(const FaultCase& fault, std::ostream* out) { *out << fault.words; }
@@ -116,7 +113,7 @@ TEST_P(DriveFaults, CablesGoSlackAndTheFaultIsNamed) {
     }
     EXPECT_THAT(bench.fault(), HasSubstr(GetParam().said));
     EXPECT_LE(bench.now - since, milliseconds{GetParam().within_ms});
-    // Two ticks later no drive is told to press, though the commands go on.
+    // Two ticks later no drive gets a target, although the commands go on.
     bench.press(Finger::kIndex, 1.0, milliseconds{2});
     EXPECT_EQ(bench.felt_N(), 0);
     for (const std::size_t drive : {0U, 1U}) {
@@ -140,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"cut 3", "drive 3 (acting hand, index, cable 2): the cable is slack or torn", 300},
         FaultCase{"emcy 12 0x4210", "drive 12 (other hand, thumb, cable 2): EMCY 0x4210 (too hot)", 2}));
 
-// What drive 1 is told; and as with an interface's default queue of 10 frames: the last one of each cycle, the SYNC, is lost.
+// Notes the target of drive 1. If `full`, it loses the last frame of each cycle, the SYNC, as an interface's queue of 10 frames does.
 class WatchedBus final : public CanBus {
   public:
     explicit WatchedBus(CanBus& bus) : bus_(&bus) {}
@@ -230,14 +227,7 @@ TEST(DriveActuator, ABusThatIsOffIsNamedAndTheDrivesHelpThemselves) {
     EXPECT_LT(lonely.drives.force_N(0), 0.05);
 }
 
-struct StartCase {
-    const char* words;
-    const char* said;
-};
-
-void PrintTo(const StartCase& fault, std::ostream* out) { *out << fault.words; }
-
-class DriveStartFaults : public testing::TestWithParam<StartCase> {};
+class DriveStartFaults : public testing::TestWithParam<FaultCase> {};
 
 TEST_P(DriveStartFaults, AreNamedWithTheirStep) {
     DriveBench bench;
@@ -250,12 +240,12 @@ TEST_P(DriveStartFaults, AreNamedWithTheirStep) {
 INSTANTIATE_TEST_SUITE_P(
     Each, DriveStartFaults,
     testing::Values(
-        StartCase{"refuse 3 0x6060",
+        FaultCase{"refuse 3 0x6060",
                   "drive 3 (acting hand, index, cable 2): refused 'mode 0x6060' with SDO abort 0x06020000 "
                   "(no such object)"},
-        StartCase{"refuse 7 0x1a00 2", "drive 7 (other hand, index, cable 0): refused 'TPDO1 position'"},
-        StartCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id"},
-        StartCase{"cut 5", "drive 5 (acting hand, thumb, cable 1): the cable does not get taut"}));
+        FaultCase{"refuse 7 0x1a00 2", "drive 7 (other hand, index, cable 0): refused 'TPDO1 position'"},
+        FaultCase{"duplicate 3", "drive 3 (acting hand, index, cable 2): two devices have this node id"},
+        FaultCase{"cut 5", "drive 5 (acting hand, thumb, cable 1): the cable does not get taut"}));
 
 TEST(DriveActuator, ADriveThatIsNotThereIsNamed) {
     DriveBench bench;

@@ -114,13 +114,10 @@ TEST(SlackDetector, WantsMoreThanTheMarginForAWhile) {
     EXPECT_FALSE(slack.slack(0.0099, 0.007, 0.001)) << "back within the margin: it starts anew";
     for (int i = 0; i < 49; ++i) EXPECT_FALSE(slack.slack(0.0101, 0.007, 0.001));
     EXPECT_TRUE(slack.slack(0.0101, 0.007, 0.002));
-}
-
-TEST(SlackDetector, SaysSoOnceTheTimeIsFull) {
-    SlackDetector detector(0.001, 0.5);
-    EXPECT_FALSE(detector.slack(0.003, 0.001, 0.25));
-    EXPECT_TRUE(detector.slack(0.003, 0.001, 0.25));
-    EXPECT_FALSE(detector.slack(0.002, 0.001, 0.25)) << "the pad explains it again";
+    SlackDetector exact(0.001, 0.5);
+    EXPECT_FALSE(exact.slack(0.003, 0.001, 0.25));
+    EXPECT_TRUE(exact.slack(0.003, 0.001, 0.25)) << "once the time is full";
+    EXPECT_FALSE(exact.slack(0.002, 0.001, 0.25)) << "the pad explains it again";
 }
 
 }  // namespace

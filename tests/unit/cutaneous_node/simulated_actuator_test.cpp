@@ -35,13 +35,6 @@ TEST(SimulatedActuator, DeadTimeIsExactToTheNanosecond) {
     EXPECT_EQ(after.sample_time, sent);
 }
 
-TEST(SimulatedActuator, WithoutDeadTimeActsAtOnce) {
-    SimulatedActuator actuator(lagging({}, {}));
-    actuator.command(at(milliseconds{1}), Finger::kThumb, 0.5);
-    EXPECT_EQ(actuator.output(at(milliseconds{1})).finger, Finger::kThumb);
-    EXPECT_EQ(actuator.output(at(milliseconds{1})).force_N, 0.5);
-}
-
 TEST(SimulatedActuator, FollowsIrregularCommandsInOrder) {
     EXPECT_TRUE(rc::check("output is the command of one dead time ago", [] {
         SimulatedActuator actuator{CutaneousSettings{}};
@@ -121,7 +114,8 @@ TEST(SimulatedActuator, NeverPullsAndNeverExceedsTheLimit) {
 
 TEST(SimulatedActuator, ClipsWhatIsTooMuchOrNoForce) {
     SimulatedActuator actuator(lagging({}, {}));
-    actuator.command(at({}), Finger::kIndex, 9);
+    actuator.command(at({}), Finger::kThumb, 9);
+    EXPECT_EQ(actuator.output(at({})).finger, Finger::kThumb) << "at once, without dead time";
     EXPECT_EQ(actuator.output(at({})).force_N, 1.5);
     for (const double force_N : {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN()}) {
         actuator.command(at({}), Finger::kIndex, force_N);
@@ -141,15 +135,10 @@ TEST(SimulatedActuator, SwitchingRelaxesOneFingerAndPressesTheOther) {
     const FingertipForce late = actuator.output(at(milliseconds{120}));
     EXPECT_EQ(late.finger, Finger::kThumb);
     EXPECT_NEAR(late.force_N, 1 - std::exp(-1.0), 1e-12);
-}
-
-TEST(SimulatedActuator, RelaxesToSlack) {
-    SimulatedActuator actuator(lagging({}, milliseconds{20}));
-    actuator.command(at({}), Finger::kIndex, 1.0);
-    actuator.command(at(milliseconds{100}), Finger::kNone, 1.0);
-    EXPECT_EQ(actuator.output(at(milliseconds{150})).finger, Finger::kIndex);
-    EXPECT_EQ(actuator.output(at(milliseconds{600})).finger, Finger::kNone);
-    EXPECT_EQ(actuator.output(at(milliseconds{600})).force_N, 0);
+    actuator.command(at(milliseconds{200}), Finger::kNone, 1.0);
+    EXPECT_EQ(actuator.output(at(milliseconds{250})).finger, Finger::kThumb);
+    EXPECT_EQ(actuator.output(at(milliseconds{700})).finger, Finger::kNone) << "slack in the end";
+    EXPECT_EQ(actuator.output(at(milliseconds{700})).force_N, 0);
 }
 
 TEST(SimulatedActuator, ReleaseForgetsWhatIsPressedAndInFlight) {

@@ -124,23 +124,6 @@ TEST_F(FalconHandleTest, ForcesBeyondTheMotorsAreCountedAndCut) {
     for (const std::int16_t counts : device.commanded.motors) EXPECT_LE(std::abs(counts), kFalconMotorLimit);
 }
 
-TEST_F(FalconHandleTest, BeforeHomingThereIsNoForceAndTheWordsSayWhatToDo) {
-    device.report.homed_legs = 3;
-    FalconExchange fresh(link);
-    fresh.turn();
-    FalconHandle unhomed(FalconSettings{}, 8, "Falcon", fresh);
-    EXPECT_THAT(std::string(unhomed.fault()), HasSubstr("pull the grip out"));
-    unhomed.enable_force(now, true);
-    EXPECT_FALSE(unhomed.read(now += milliseconds{1}).valid);
-    unhomed.command_force(now, 5);
-    fresh.turn();
-    EXPECT_TRUE(motors_still());
-    device.report.homed_legs = 7;  // the person has done it
-    fresh.turn();
-    EXPECT_TRUE(unhomed.fault().empty());
-    EXPECT_TRUE(unhomed.read(now += milliseconds{1}).valid);
-}
-
 TEST_F(FalconHandleTest, UnpluggedItIsGoneAtOnce) {
     EXPECT_LE(good_reads_after([this] { device.unplugged = true; }), 1);
     expect_gone_for_good("unplugged");
@@ -164,22 +147,28 @@ TEST_F(FalconHandleTest, WithoutReportsTheForceIsGoneInTwoTicksAndBackWithThem) 
     }
 }
 
-TEST_F(FalconHandleTest, SaysWhatItWaitsForUntilItIsHomed) {
+TEST_F(FalconHandleTest, UntilItIsHomedThereIsNoForceAndTheWordsSayWhatToDo) {
     EXPECT_EQ(handle.awaits(), "");
     FalconExchange fresh(link);
     FalconHandle waiting(FalconSettings{}, 8, "Falcon", fresh);
     EXPECT_EQ(waiting.awaits(), "Falcon: no report yet");
+    waiting.enable_force(now, true);
     for (const auto& [legs, words] : {std::pair{0, "Falcon: 0 of 3 legs homed; pull the grip out"},
                                       std::pair{5, "Falcon: 2 of 3 legs homed; pull the grip out"}}) {
         device.report.homed_legs = static_cast<std::uint8_t>(legs);
         fresh.turn();
         EXPECT_THAT(waiting.awaits(), testing::StartsWith(words));
+        EXPECT_THAT(std::string(waiting.fault()), HasSubstr("pull the grip out"));
+        EXPECT_FALSE(waiting.read(now += milliseconds{1}).valid);
+        waiting.command_force(now, 5);
+        fresh.turn();
         EXPECT_TRUE(motors_still());
     }
-    device.report.homed_legs = 7;
+    device.report.homed_legs = 7;  // the person has done it
     fresh.turn();
     EXPECT_EQ(waiting.awaits(), "");
     EXPECT_EQ(waiting.fault(), "");
+    EXPECT_TRUE(waiting.read(now += milliseconds{1}).valid);
     device.report.homed_legs = 0;
     device.unplugged = true;
     fresh.turn();

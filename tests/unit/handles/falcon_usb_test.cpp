@@ -21,12 +21,8 @@ using testing::HasSubstr;
 
 constexpr double kLimit_N = 8;
 
-class FalconUsb : public testing::Test {
+class FalconUsb : public OnABed<MockBed> {
   protected:
-    void SetUp() override {
-        if (!MockBed::possible())
-            GTEST_SKIP() << "libumockdev-preload.so.0 is not preloaded (package umockdev; ctest does it)";
-    }
     // Running and homed, the hand in the middle.
     static void make_ready(FalconEmulator& device) {
         device.running = true;
@@ -44,13 +40,12 @@ class FalconUsb : public testing::Test {
         return false;
     }
 
-    MockBed bus;
     FalconSettings settings;
     SessionTime now = at(std::chrono::milliseconds{5});  // stands still: no report is late
 };
 
 TEST_F(FalconUsb, IsReadAndPushed) {
-    MockFalcon falcon(bus, 2, "F1");
+    MockFalcon falcon(*bed_, 2, "F1");
     falcon.with(make_ready);
     const auto handle = open_falcon(settings, kLimit_N);
     EXPECT_EQ(handle->name(), "Novint Falcon, serial F1");
@@ -69,7 +64,7 @@ TEST_F(FalconUsb, GetsItsFirmware) {
     std::iota(image.begin(), image.end(), char{0});
     const TemporaryDirectory folder;
     write_text(folder / "falcon.bin", image);
-    MockFalcon falcon(bus, 2, "F1");
+    MockFalcon falcon(*bed_, 2, "F1");
     falcon.with([](FalconEmulator& device) { device.image_bytes = 500; });
     EXPECT_THAT(why_not(), HasSubstr("the Falcon has no firmware"));
     settings.firmware = folder / "falcon.bin";
@@ -83,7 +78,7 @@ TEST_F(FalconUsb, GetsItsFirmware) {
 }
 
 TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
-    MockFalcon falcon(bus, 2, "F1");
+    MockFalcon falcon(*bed_, 2, "F1");
     falcon.with(make_ready);
     const auto handle = open_falcon(settings, kLimit_N);
     ASSERT_TRUE(comes([&] { return handle->fault().empty(); }));
@@ -98,14 +93,14 @@ TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
 TEST_F(FalconUsb, TellsAbsentFromBusyAndOneFromTwo) {
     EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kAbsent);
     EXPECT_THAT(why_not(), HasSubstr("no Novint Falcon is on the USB"));
-    MockFalcon first(bus, 2, "F1");
+    MockFalcon first(*bed_, 2, "F1");
     first.with(make_ready);
     EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kFree);
     EXPECT_EQ(look_for_usb(0x0403, 0x6001).presence, UsbPresence::kAbsent);
     EXPECT_EQ(look_for_usb(0x0403, std::nullopt).count, 1);
     first.be_claimed_by_somebody();
     EXPECT_THAT(why_not(), HasSubstr("another program has it: `sudo fuser -v " + first.file()));
-    MockFalcon second(bus, 3, "F2");
+    MockFalcon second(*bed_, 3, "F2");
     second.with(make_ready);
     EXPECT_THAT(why_not(), HasSubstr("2 Falcons are connected, with the serial numbers F1, F2"));
     settings.serial = "F2";
@@ -129,7 +124,7 @@ TEST(UsbAdvice, NamesTheNextStep) {
 
 TEST_F(FalconUsb, TellsForbidden) {
     if (geteuid() == 0) GTEST_SKIP() << "root may open everything";
-    MockFalcon falcon(bus, 2, "F1");
+    MockFalcon falcon(*bed_, 2, "F1");
     std::filesystem::permissions(falcon.file(), std::filesystem::perms::none);
     EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kForbidden);
     EXPECT_THAT(why_not(), HasSubstr("deploy/udev/70-thimble-handles.rules"));

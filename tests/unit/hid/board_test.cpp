@@ -97,6 +97,9 @@ TEST_F(BoardActuatorTest, PressesWhatIsCommandedWithinItsLimit) {
     actuator.command(now, Finger::kIndex, -3);
     turn();
     EXPECT_EQ(last_told().index_mN, 0);
+    actuator.release(now);
+    turn();
+    EXPECT_FALSE(last_told().press);
 }
 
 TEST_F(BoardActuatorTest, SaysWhatTheBoardMeasuresAndWhenItWasCommanded) {
@@ -128,14 +131,6 @@ TEST_F(BoardActuatorTest, LetsGoWhenTheNodesLoopStands) {
     actuator.output(now);  // alive again
     turn(milliseconds{10});
     EXPECT_TRUE(last_told().press);
-}
-
-TEST_F(BoardActuatorTest, ReleaseIsWrittenInTheNextTurn) {
-    actuator.command(now, Finger::kIndex, 1.0);
-    turn();
-    actuator.release(now);
-    turn();
-    EXPECT_FALSE(last_told().press);
 }
 
 TEST_F(BoardActuatorTest, ASilentBoardIsTroubleAndOneThatSpeaksAgainIsNot) {
@@ -187,7 +182,11 @@ TEST_F(BoardActuatorTest, GarbledReportsAreNoSignOfLife) {
     EXPECT_EQ(actuator.output(now).force_N, 0);
 }
 
-TEST_F(BoardActuatorTest, AFaultOfTheBoardIsToldAndPressesNothing) {
+TEST_F(BoardActuatorTest, ABoardThatIsSlackOrFaultyPressesNothing) {
+    board_says({0, false, true, BoardFault::kNone, 900, 0});  // by its watchdog
+    turn();
+    EXPECT_EQ(actuator.output(now).finger, Finger::kNone);
+    EXPECT_THAT(actuator.fault(), IsEmpty());
     board_says({0, true, false, BoardFault::kOverTemperature, 900, 0});
     turn();
     EXPECT_THAT(actuator.fault(), HasSubstr("over-temperature"));
@@ -218,13 +217,6 @@ TEST_F(BoardActuatorTest, UnpluggedItIsTroubleAtOnce) {
     actuator.detach();
     EXPECT_THAT(actuator.fault(), HasSubstr("not plugged in"));
     EXPECT_EQ(actuator.output(now).force_N, 0);
-}
-
-TEST_F(BoardActuatorTest, ABoardThatIsSlackByItsWatchdogPressesNothing) {
-    board_says({0, false, true, BoardFault::kNone, 900, 0});
-    turn();
-    EXPECT_EQ(actuator.output(now).finger, Finger::kNone);
-    EXPECT_THAT(actuator.fault(), IsEmpty());
 }
 
 TEST_F(BoardActuatorTest, TheLoopsHalfAllocatesNothing) {

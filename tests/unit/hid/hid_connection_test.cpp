@@ -85,26 +85,31 @@ TEST_F(HidAttendantTest, GarbledReportsAreCountedAndMoveNothing) {
     EXPECT_EQ(hand.bad_reports(), 2U);
 }
 
-TEST_F(HidAttendantTest, TwoDevicesAreNotGuessedAt) {
-    bus.present = {compact_cap("/dev/hidraw0", "A1"), compact_cap("/dev/hidraw1", "B2")};
-    EXPECT_EQ(step(), HidConnection::kLookAgain);
-    ASSERT_EQ(said.size(), 1U);
-    EXPECT_THAT(said[0], HasSubstr("/dev/hidraw1: name one with [handle.hid] device_id or serial"));
+// Nothing is guessed: what cannot be the hand is named.
+TEST_F(HidAttendantTest, WhatIsNotTakenIsNamed) {
+    HidDevice mouse = compact_cap();
+    mouse.name = "CadMouse";
+    mouse.product = 0xc650;
+    mouse.usage = kMouseUsage;
+    const HidDevice pad{"/dev/hidraw0", "Pad", "", 0x054c, 0x0ce6, 1, kGamepadUsage};
+    struct Case {
+        std::vector<HidDevice> present;
+        const char* words;
+    };
+    for (const Case& c : {Case{{compact_cap("/dev/hidraw0", "A1"), compact_cap("/dev/hidraw1", "B2")},
+                               "/dev/hidraw1: name one with [handle.hid] device_id or serial"},
+                          Case{{mouse}, "CadMouse (256f:c650) at /dev/hidraw0 is no SpaceMouse"},
+                          Case{{pad}, "has no axis y: choose another with [handle.hid] axis"}}) {
+        bus.present = c.present;
+        EXPECT_EQ(step(), HidConnection::kLookAgain);
+        EXPECT_THAT(said.back(), HasSubstr(c.words));
+    }
+    EXPECT_EQ(said.size(), 3U);
 }
 
 TEST_F(HidAttendantTest, SeveralEntriesOfOneDeviceAreOne) {
     bus.present = {compact_cap(), compact_cap()};
     EXPECT_EQ(step(), Duration::zero());
-}
-
-TEST_F(HidAttendantTest, AWrongTypeIsNamed) {
-    HidDevice mouse = compact_cap();
-    mouse.name = "CadMouse";
-    mouse.product = 0xc650;
-    mouse.usage = kMouseUsage;
-    bus.present = {mouse};
-    EXPECT_EQ(step(), HidConnection::kLookAgain);
-    EXPECT_THAT(said[0], HasSubstr("CadMouse (256f:c650) at /dev/hidraw0 is no SpaceMouse"));
 }
 
 TEST_F(HidAttendantTest, AGamepadIsReadAsItDescribesItself) {
@@ -113,12 +118,6 @@ TEST_F(HidAttendantTest, AGamepadIsReadAsItDescribesItself) {
     cable().said = {{1, 128, 255, 128, 128, 0}};
     EXPECT_EQ(step(), Duration::zero());
     EXPECT_EQ(hand.deflection(), 1.0);
-}
-
-TEST_F(HidAttendantTest, AGamepadWithoutTheAxisIsRefused) {
-    bus.present = {{"/dev/hidraw0", "Pad", "", 0x054c, 0x0ce6, 1, kGamepadUsage}};
-    EXPECT_EQ(step(), HidConnection::kLookAgain);
-    EXPECT_THAT(said[0], HasSubstr("has no axis y: choose another with [handle.hid] axis"));
 }
 
 }  // namespace

@@ -29,6 +29,11 @@ class Actor {
     void spend(int ticks, const Sensation& sensation) {
         for (int i = 0; i < ticks; ++i) behaviour_.step(sensation, touching, beep, arm_m);
     }
+    // In the tissue, at the speed of the insertion.
+    void insert() {
+        touching = true;
+        spend(3000, kNothing);
+    }
     // Up to a quiet hold on the fixture.
     void hold() {
         touching = true;
@@ -69,20 +74,13 @@ TEST(Behaviour, TheApproachIsTheSameInEveryModality) {
     }
 }
 
-TEST(Behaviour, InsertsAtItsOwnSpeed) {
-    Actor actor(Modality::kHF);
-    actor.touching = true;
-    actor.spend(3000, kNothing);
-    EXPECT_EQ(actor.behaviour().phase(), BehaviourPhase::kInsert);
-    EXPECT_NEAR(actor.velocity_m_per_s(), 0.005, 1e-6);
-}
-
 TEST(Behaviour, StopsOneReactionTimeAfterTheFixtureIsFelt) {
     for (const auto& [modality, ticks] : {std::pair{Modality::kHF, 115}, std::pair{Modality::kCF, 130},
                                           std::pair{Modality::kCCF, 178}, std::pair{Modality::kVF, 240}}) {
         Actor actor(modality);
-        actor.touching = true;
-        actor.spend(3000, kNothing);
+        actor.insert();
+        EXPECT_EQ(actor.behaviour().phase(), BehaviourPhase::kInsert);
+        EXPECT_NEAR(actor.velocity_m_per_s(), 0.005, 1e-6);
         actor.spend(1, kFixture);  // a moment is enough: the decision is made
         EXPECT_EQ(actor.until(BehaviourPhase::kBrake, kNothing), ticks) << to_string(modality);
     }
@@ -90,21 +88,15 @@ TEST(Behaviour, StopsOneReactionTimeAfterTheFixtureIsFelt) {
 
 TEST(Behaviour, BrakesAlongARaisedCosine) {
     Actor actor(Modality::kHF);
-    actor.touching = true;
-    actor.spend(3000, kNothing);
+    actor.insert();
     actor.until(BehaviourPhase::kBrake, kFixture);
     const double from_m = actor.position_m() - actor.velocity_m_per_s() * 1e-3;  // the first tick has moved
     EXPECT_EQ(actor.until(BehaviourPhase::kHold, kFixture), 150);
     EXPECT_NEAR(actor.position_m() - from_m, 0.005 * 0.150 / 2, 1e-8);
     EXPECT_EQ(actor.velocity_m_per_s(), 0);
-}
-
-TEST(Behaviour, HoldsStillWhileInContact) {
-    Actor actor(Modality::kHF);
-    actor.hold();
     const double there_m = actor.position_m();
     actor.spend(10000, kFixture);
-    EXPECT_EQ(actor.position_m(), there_m);
+    EXPECT_EQ(actor.position_m(), there_m) << "in contact it holds still";
     EXPECT_EQ(actor.behaviour().recoveries(), 0U);
 }
 
@@ -172,8 +164,7 @@ TEST(Behaviour, PushesHarderEachTimeContactBreaks) {
 
 TEST(Behaviour, DoesNotPushBeforeTheRefractoryTimeIsOver) {
     Actor actor(Modality::kHF, pushing_parameters());
-    actor.touching = true;
-    actor.spend(3000, kNothing);
+    actor.insert();
     actor.until(BehaviourPhase::kHold, kFixture);
     EXPECT_EQ(actor.until(BehaviourPhase::kPush, kNothing), 250 + 115);
 }
@@ -241,8 +232,8 @@ TEST(Behaviour, APushMayStartBeforeTheWithdrawalAndIsOverriddenByIt) {
 
 TEST(Behaviour, WithdrawsAtItsSpeed) {
     Actor actor(Modality::kHF);
-    actor.touching = true;
-    actor.spend(6000, kNothing);
+    actor.insert();
+    actor.insert();
     actor.beep = true;
     actor.spend(148 + 700, kNothing);
     EXPECT_NEAR(actor.velocity_m_per_s(), -0.1 / 3, 1e-4);

@@ -30,27 +30,36 @@ double correlation(const std::vector<double>& values, std::size_t lag) {
     return sum / static_cast<double>(values.size() - lag);
 }
 
+// Exact whatever the tick.
 TEST(OrnsteinUhlenbeck, HasUnitVarianceAndItsCorrelationTime) {
-    const auto values = run(OrnsteinUhlenbeck(key(1), 0.05, kTick), 2'000'000);
-    EXPECT_NEAR(correlation(values, 0), 1, 0.04);
-    EXPECT_NEAR(correlation(values, 50), std::exp(-1.0), 0.04);
-    EXPECT_NEAR(correlation(values, 400), 0, 0.04);
+    for (const std::size_t tick_ms : {1, 25}) {
+        const auto values =
+            run(OrnsteinUhlenbeck(key(1), 0.05, static_cast<int>(tick_ms) * kTick), 2'000'000 / tick_ms);
+        EXPECT_NEAR(correlation(values, 0), 1, 0.04);
+        EXPECT_NEAR(correlation(values, 50 / tick_ms), std::exp(-1.0), 0.04);
+        EXPECT_NEAR(correlation(values, 400 / tick_ms), 0, 0.04);
+    }
 }
 
-TEST(OrnsteinUhlenbeck, IsExactWhateverTheTick) {
-    const auto values = run(OrnsteinUhlenbeck(key(1), 0.05, 25 * kTick), 200'000);
-    EXPECT_NEAR(correlation(values, 0), 1, 0.04);
-    EXPECT_NEAR(correlation(values, 2), std::exp(-1.0), 0.04);
-}
-
-TEST(OrnsteinUhlenbeck, StartsInItsStationaryDistribution) {
-    double sum = 0;
+// Over many starts: at once, and a quarter period of the tremor later.
+template <typename Make>
+void expect_stationary(const Make& make) {
+    double now = 0, later = 0;
     constexpr std::uint32_t kRuns = 20000;
     for (std::uint32_t trial = 1; trial <= kRuns; ++trial) {
-        const double value = OrnsteinUhlenbeck(key(trial), 1.0, kTick).next();
-        sum += value * value;
+        auto noise = make(key(trial));
+        double value = noise.next();
+        now += value * value;
+        for (int i = 0; i < 28; ++i) value = noise.next();
+        later += value * value;
     }
-    EXPECT_NEAR(sum / kRuns, 1, 0.05);
+    EXPECT_NEAR(now / kRuns, 1, 0.05);
+    EXPECT_NEAR(later / kRuns, 1, 0.05);
+}
+
+TEST(Noise, StartsInItsStationaryDistribution) {
+    expect_stationary([](const StreamKey& each) { return OrnsteinUhlenbeck(each, 1.0, kTick); });
+    expect_stationary([](const StreamKey& each) { return Tremor(each, 9, 0.15, kTick); });
 }
 
 TEST(Tremor, HasUnitVarianceAndRingsAtItsFrequency) {
@@ -66,20 +75,6 @@ TEST(Tremor, HasUnitVarianceAndRingsAtItsFrequency) {
             std::exp(-zeta * w * t) * (std::cos(w * root * t) + zeta / root * std::sin(w * root * t));
         EXPECT_NEAR(correlation(values, lag), expected, 0.04) << lag;
     }
-}
-
-TEST(Tremor, StartsInItsStationaryDistribution) {
-    double now = 0, later = 0;
-    constexpr std::uint32_t kRuns = 20000;
-    for (std::uint32_t trial = 1; trial <= kRuns; ++trial) {
-        Tremor tremor(key(trial), 9, 0.15, kTick);
-        double value = tremor.next();
-        now += value * value;
-        for (int i = 0; i < 28; ++i) value = tremor.next();  // a quarter period
-        later += value * value;
-    }
-    EXPECT_NEAR(now / kRuns, 1, 0.05);
-    EXPECT_NEAR(later / kRuns, 1, 0.05);
 }
 
 TEST(Noise, IsItsKey) {

@@ -22,12 +22,17 @@ Perception calm(Modality modality, double criterion_N = 2) {
 }
 
 TEST(Criterion, IsCappedByTheRangeOfTheDisplayInUse) {
-    EXPECT_EQ(calm(Modality::kHF, 5).criterion_N(), 5);
-    EXPECT_EQ(calm(Modality::kVF, 5).criterion_N(), 5);
-    EXPECT_DOUBLE_EQ(calm(Modality::kCF, 5).criterion_N(), 1.35);
-    EXPECT_DOUBLE_EQ(calm(Modality::kCCF, 5).criterion_N(), 1.35);
-    EXPECT_DOUBLE_EQ(calm(Modality::kHF, 50).criterion_N(), 10.8);
-    EXPECT_EQ(calm(Modality::kCF, 1).criterion_N(), 1);
+    struct Case {
+        Modality modality;
+        double own_N, used_N;
+    };
+    for (const Case& c : {Case{Modality::kHF, 5, 5},
+                          {Modality::kVF, 5, 5},
+                          {Modality::kCF, 5, 1.35},
+                          {Modality::kCCF, 5, 1.35},
+                          {Modality::kHF, 50, 10.8},
+                          {Modality::kCF, 1, 1}})
+        EXPECT_DOUBLE_EQ(calm(c.modality, c.own_N).criterion_N(), c.used_N);
 }
 
 TEST(Perception, EachModalityHasItsOwnStimulus) {

@@ -72,28 +72,23 @@ TEST_F(PointerHandleTest, LetGoItIsBrakedAndNotDrawnBack) {
     EXPECT_NEAR(handle.position_hand_m(), here_m + speed_m_per_s * 0.25 / (15 + 1), 1e-4);  // v m / b
 }
 
+// The tenth of a second is exact: from then on it moves as one that was told to let go.
 TEST_F(PointerHandleTest, WithoutInputForATenthOfASecondItIsLetGo) {
-    handle.follow(now, {0.02, true});
-    handle.read(now + milliseconds{100});
-    const double drawn_m = handle.position_hand_m();
-    handle.read(now + seconds{3});
-    const double rest_m = handle.position_hand_m();
-    EXPECT_GT(drawn_m, 0.001);
-    EXPECT_GT(std::fabs(rest_m - 0.02), 1e-4);  // it was not drawn to the end
-    handle.read(now + seconds{4});
-    EXPECT_NEAR(handle.position_hand_m(), rest_m, 1e-9);
-}
-
-TEST_F(PointerHandleTest, TheTenthOfASecondIsExact) {
     PointerHandle told(without_friction());
+    told.start_trial(now, {});
     for (PointerHandle* each : {&handle, &told}) {
-        each->start_trial(now, {});
         each->follow(now, {0.02, true});
         each->read(now + milliseconds{100});
     }
+    EXPECT_GT(handle.position_hand_m(), 0.001);
     told.follow(now + milliseconds{100}, {0.02, false});
-    EXPECT_EQ(handle.read(now + milliseconds{150}).position_hand_m,
-              told.read(now + milliseconds{150}).position_hand_m);
+    for (const Duration later : {Duration{milliseconds{150}}, Duration{seconds{3}}}) {
+        EXPECT_EQ(handle.read(now + later).position_hand_m, told.read(now + later).position_hand_m);
+    }
+    const double rest_m = handle.position_hand_m();
+    EXPECT_GT(std::fabs(rest_m - 0.02), 1e-4);  // it was not drawn to the end
+    handle.read(now + seconds{4});
+    EXPECT_NEAR(handle.position_hand_m(), rest_m, 1e-9);
 }
 
 TEST_F(PointerHandleTest, OnceLetGoAPushMovesItOutAndNothingDrawsItIn) {

@@ -18,10 +18,16 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
+struct HandleInTrial {
+    explicit HandleInTrial(SessionTime start = {}) { handle.start_trial(start, task_of(Modality::kHF)); }
+    SimulatedHandle* operator->() { return &handle; }
+    SimulatedHandle handle{HandleSettings{}, OperatorParameters{}};
+};
+
 class SimulatedHandleTest : public testing::Test {
   protected:
-    void SetUp() override { handle.start_trial(at(Duration{0}), task_of(Modality::kHF)); }
-    SimulatedHandle handle{HandleSettings{}, OperatorParameters{}};
+    HandleInTrial in_trial_;
+    SimulatedHandle& handle = in_trial_.handle;
 };
 
 TEST_F(SimulatedHandleTest, StartsAtRestAtZeroAndMovesIn) {
@@ -61,58 +67,51 @@ TEST_F(SimulatedHandleTest, AForceThatIsNoNumberIsZeroAndCounted) {
 }
 
 TEST_F(SimulatedHandleTest, APositiveForcePushesTheHandOut) {
-    SimulatedHandle pushed(HandleSettings{}, OperatorParameters{});
-    pushed.start_trial(at(Duration{0}), task_of(Modality::kHF));
-    pushed.command_force(at(Duration{0}), 3);
-    EXPECT_LT(pushed.read(at(milliseconds{200})).position_hand_m,
+    HandleInTrial pushed;
+    pushed->command_force(at(Duration{0}), 3);
+    EXPECT_LT(pushed->read(at(milliseconds{200})).position_hand_m,
               handle.read(at(milliseconds{200})).position_hand_m - 0.005);
 }
 
 TEST_F(SimulatedHandleTest, AFewMoreReadsInBetweenChangeNoBit) {
     EXPECT_TRUE(rc::check("time grid", [] {
-        SimulatedHandle regular(HandleSettings{}, OperatorParameters{}), irregular(HandleSettings{}, {});
-        for (SimulatedHandle* each : {&regular, &irregular}) {
-            each->start_trial(at(milliseconds{5}), task_of(Modality::kHF));
-        }
+        HandleInTrial regular(at(milliseconds{5})), irregular(at(milliseconds{5}));
         for (int ms = 6; ms < 60; ++ms) {
             for (int extra = *rc::gen::inRange(0, 3), from = 0; extra > 0; --extra) {
                 from = *rc::gen::inRange(from, 1000);
-                irregular.read(at(milliseconds{ms - 1} + microseconds{from}));
+                irregular->read(at(milliseconds{ms - 1} + microseconds{from}));
             }
             const auto now = at(milliseconds{ms});
-            RC_ASSERT(irregular.read(now).position_hand_m == regular.read(now).position_hand_m);
-            RC_ASSERT(irregular.position_hand_m() == regular.position_hand_m());
+            RC_ASSERT(irregular->read(now).position_hand_m == regular->read(now).position_hand_m);
+            RC_ASSERT(irregular->position_hand_m() == regular->position_hand_m());
             const double force_N = *rc::gen::inRange(-12, 13);
-            regular.command_force(now, force_N);
-            irregular.command_force(now, force_N);
+            regular->command_force(now, force_N);
+            irregular->command_force(now, force_N);
         }
     }));
 }
 
 TEST_F(SimulatedHandleTest, AForceActsFromTheGridPointItIsCommandedAt) {
-    SimulatedHandle late(HandleSettings{}, OperatorParameters{}),
-        later(HandleSettings{}, OperatorParameters{});
-    for (SimulatedHandle* each : {&late, &later}) each->start_trial(at(Duration{0}), task_of(Modality::kHF));
-    late.command_force(at(microseconds{510}), 12);
-    later.command_force(at(microseconds{590}), 12);
+    HandleInTrial late, later;
+    late->command_force(at(microseconds{510}), 12);
+    later->command_force(at(microseconds{590}), 12);
     handle.command_force(at(microseconds{600}), 12);
-    late.read(at(milliseconds{1})), later.read(at(milliseconds{1})), handle.read(at(milliseconds{1}));
-    EXPECT_EQ(late.position_hand_m(), later.position_hand_m());
-    EXPECT_LT(later.position_hand_m(), handle.position_hand_m());
+    late->read(at(milliseconds{1})), later->read(at(milliseconds{1})), handle.read(at(milliseconds{1}));
+    EXPECT_EQ(late->position_hand_m(), later->position_hand_m());
+    EXPECT_LT(later->position_hand_m(), handle.position_hand_m());
 }
 
 TEST_F(SimulatedHandleTest, WhatIsPerceivedAtATickCountsInItWhateverTheOrder) {
-    SimulatedHandle read_first(HandleSettings{}, OperatorParameters{});
-    read_first.start_trial(at(Duration{0}), task_of(Modality::kHF));
+    HandleInTrial read_first;
     const auto now = at(milliseconds{300});
     handle.perceive(now, {.touching_shown = true});
     handle.command_force(now, 0.3);
-    read_first.read(now);
-    read_first.command_force(now, 0.3);
-    read_first.perceive(now, {.touching_shown = true});
+    read_first->read(now);
+    read_first->command_force(now, 0.3);
+    read_first->perceive(now, {.touching_shown = true});
     for (int ms = 301; ms < 1500; ++ms) {
         ASSERT_EQ(handle.read(at(milliseconds{ms})).position_hand_m,
-                  read_first.read(at(milliseconds{ms})).position_hand_m);
+                  read_first->read(at(milliseconds{ms})).position_hand_m);
     }
     EXPECT_EQ(handle.operator_in_trial()->behaviour().phase(), BehaviourPhase::kInsert);
 }
@@ -126,36 +125,27 @@ TEST_F(SimulatedHandleTest, ABriefTouchBetweenTwoTicksIsNotForgotten) {
 
 TEST_F(SimulatedHandleTest, ALongSilenceIsSkippedNotIntegrated) {
     handle.read(at(milliseconds{500}));
-    SimulatedHandle patient(HandleSettings{}, OperatorParameters{});
-    patient.start_trial(at(Duration{0}), task_of(Modality::kHF));
-    patient.read(at(milliseconds{500}));
-    const double after_a_second_m = patient.read(at(milliseconds{1500})).position_hand_m;
+    HandleInTrial patient;
+    patient->read(at(milliseconds{500}));
+    const double after_a_second_m = patient->read(at(milliseconds{1500})).position_hand_m;
     EXPECT_EQ(handle.read(at(seconds{3600})).position_hand_m, after_a_second_m);
     EXPECT_EQ(handle.skipped_ms(), 3'600'000U - 1500U);
-    EXPECT_EQ(patient.skipped_ms(), 0U);
+    EXPECT_EQ(patient->skipped_ms(), 0U);
 }
 
+// Wherever it begins, also between two ticks, and whatever was before.
 TEST_F(SimulatedHandleTest, TheSameTaskGivesTheSameTrialAgain) {
-    std::vector<double> first, second;
-    for (auto* positions_m : {&first, &second}) {
-        const auto start = at(positions_m == &first ? Duration{0} : seconds{7});
+    std::vector<std::vector<double>> runs;
+    for (const Duration begun : {Duration{0}, Duration{seconds{7}}, Duration{microseconds{9'000'300}}}) {
+        const SessionTime start = at(begun);
         handle.start_trial(start, task_of(Modality::kCF));
         handle.perceive(start, {.touching_shown = true});
-        for (int ms = 0; ms < 2000; ++ms) {
-            positions_m->push_back(handle.read(start + milliseconds{ms}).position_hand_m);
-        }
+        auto& positions_m = runs.emplace_back();
+        for (int ms = 0; ms < 2000; ++ms)
+            positions_m.push_back(handle.read(start + milliseconds{ms}).position_hand_m);
     }
-    EXPECT_EQ(first, second);
-}
-
-TEST_F(SimulatedHandleTest, ATrialThatBeginsBetweenTwoTicksIsAsAnyOther) {
-    handle.read(at(milliseconds{50} + microseconds{300}));
-    SimulatedHandle fresh{HandleSettings{}, OperatorParameters{}};
-    const SessionTime start = at(milliseconds{50} + microseconds{300});
-    for (SimulatedHandle* each : {&handle, &fresh}) each->start_trial(start, task_of(Modality::kHF));
-    handle.read(start + milliseconds{500});
-    fresh.read(start + milliseconds{500});
-    EXPECT_EQ(handle.position_hand_m(), fresh.position_hand_m());
+    EXPECT_EQ(runs[0], runs[1]);
+    EXPECT_EQ(runs[0], runs[2]);
 }
 
 TEST_F(SimulatedHandleTest, FinishesAfterTheBeepAndComesToRest) {

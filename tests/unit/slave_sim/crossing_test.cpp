@@ -67,13 +67,20 @@ TEST(Crossing, TheCheapTestNeverHidesARise) {
     }));
 }
 
+// Of a needle and a surface under this law, which are this far from each other.
+GapMotion gap_of(const SecondOrder& law, double gap_m, double needle_m_per_s, double surface_m_per_s) {
+    GapMotion gap;
+    gap.gap_m = gap_m;
+    gap.velocity_needle_m_per_s = needle_m_per_s;
+    gap.velocity_surface_m_per_s = surface_m_per_s;
+    gap.law = &law;
+    return gap;
+}
+
 // gap = 0.25 - (t - 1)^2 / 4 - depth, drawn with a mass that nothing holds.
 GapMotion parabola(const SecondOrder& free_mass, double depth_m) {
-    GapMotion gap;
-    gap.gap_m = -depth_m;
-    gap.velocity_needle_m_per_s = 0.5;
+    GapMotion gap = gap_of(free_mass, -depth_m, 0.5, 0);
     gap.acceleration_surface_m_per_s2 = 0.5;
-    gap.law = &free_mass;
     return gap;
 }
 
@@ -88,8 +95,7 @@ TEST(Crossing, GrazingIsAnEventOnlyIfItPasses) {
 
 TEST(Crossing, AGapOnTheGuardFiresOnlyIfItRises) {
     const SecondOrder law(1, 5, 2);
-    GapMotion gap;
-    gap.law = &law;
+    GapMotion gap = gap_of(law, 0, 0, 0);
     EXPECT_EQ(first_rise(gap, 1), kNoCrossing);  // rests
     gap.velocity_needle_m_per_s = -0.1;
     EXPECT_EQ(first_rise(gap, 1), kNoCrossing);  // falls
@@ -108,11 +114,8 @@ TEST(Crossing, AGapOnTheGuardFiresOnlyIfItRises) {
 // Hundreds of half periods in one step; only the late drift of the needle reaches the surface.
 TEST(Crossing, SkipsNoOscillationOfALongStep) {
     const SecondOrder spring(1, 0, 1e4);  // 100 rad/s
-    GapMotion gap;
-    gap.gap_m = -1;
-    gap.velocity_needle_m_per_s = 0.1;
-    gap.velocity_surface_m_per_s = 20;  // amplitude 0.2 m: the first touch is where a trough meets the needle
-    gap.law = &spring;
+    // Amplitude 0.2 m: the first touch is where a trough meets the needle.
+    const GapMotion gap = gap_of(spring, -1, 0.1, 20);
     const double rise_s = first_rise(gap, 100);
     EXPECT_NEAR(rise_s, scan(gap, 10, 2000000), 1e-5);
     EXPECT_NEAR(gap.at(rise_s).value_m, 0, 1e-12);
@@ -121,12 +124,8 @@ TEST(Crossing, SkipsNoOscillationOfALongStep) {
 // 3e8 swings before the needle comes within reach at t = 1 s, and 3e8 after it in which it never would: both
 // are passed over. Within reach it is met in the next swing.
 TEST(Crossing, PassesOverSwingsThatCannotReachTheNeedle) {
-    const SecondOrder spring(1e-12, 0, 4e6);  // 2e9 rad/s
-    GapMotion gap;
-    gap.gap_m = -1e-3;
-    gap.velocity_surface_m_per_s = 2e5;  // amplitude 1e-4 m
-    gap.velocity_needle_m_per_s = 0.9e-3;
-    gap.law = &spring;
+    const SecondOrder spring(1e-12, 0, 4e6);             // 2e9 rad/s
+    GapMotion gap = gap_of(spring, -1e-3, 0.9e-3, 2e5);  // amplitude 1e-4 m
     EXPECT_EQ(first_rise(gap, 0.999999), kNoCrossing);
     EXPECT_NEAR(first_rise(gap, 2), 1, 1e-6);
     gap.velocity_needle_m_per_s = 0;
@@ -137,10 +136,7 @@ TEST(Crossing, PassesOverSwingsThatCannotReachTheNeedle) {
 
 TEST(Crossing, ALongStepOfADampedSurfaceEndsSoon) {
     const SecondOrder law(1e-6, 1e-3, 1e6);  // a million rad/s, gone after a few milliseconds
-    GapMotion gap;
-    gap.gap_m = -1;
-    gap.velocity_surface_m_per_s = 1;
-    gap.law = &law;
+    const GapMotion gap = gap_of(law, -1, 0, 1);
     EXPECT_EQ(first_rise(gap, 1e6), kNoCrossing);  // 3e11 half periods: would never end if walked
 }
 

@@ -83,16 +83,6 @@ TEST(NeedleScene, AnElementIsNotSteppedWhileItRests) {
     }
 }
 
-TEST(NeedleScene, NothingDeclaredIsNothingFelt) {
-    SceneWalker w(SceneDeclaration{});
-    w.stroke(0.2, 100);
-    EXPECT_EQ(w.scene.surface(), nullptr);
-    EXPECT_EQ(w.scene.fixture(), nullptr);
-    EXPECT_EQ(w.scene.force_tissue_N(), 0);
-    EXPECT_EQ(w.scene.force_fixture_N(), 0);
-    EXPECT_EQ(w.scene.transitions().size(), 0u);
-}
-
 TEST(NeedleScene, LayersWakeOneAfterTheOther) {
     SceneWalker w(load_scene("layers.toml"));
     EXPECT_EQ(w.scene.awake(), 0u);
@@ -122,7 +112,7 @@ TEST(NeedleScene, FixturesFollowTheReadingAndTissueTheEstimate) {
     EXPECT_NEAR(scene.force_fixture_N(), -6, 1e-9) << "from the first instant on";
 }
 
-TEST(NeedleScene, WithoutTimeNothingMoves) {
+TEST(NeedleScene, WithoutTimeOrElementsNothingMoves) {
     SceneWalker w(scene_of("[tissue]\n[fixture]\n"));
     w.stroke(0.05, 100);
     const TissueState before = w.scene.surface()->state();
@@ -130,6 +120,12 @@ TEST(NeedleScene, WithoutTimeNothingMoves) {
     EXPECT_EQ(w.scene.needle().position_m, 0.05);
     EXPECT_EQ(w.scene.surface()->state().position_surface_m, before.position_surface_m);
     EXPECT_EQ(w.scene.force_fixture_N(), 0);
+    SceneWalker none(SceneDeclaration{});
+    none.stroke(0.2, 100);
+    EXPECT_EQ(none.scene.surface(), nullptr);
+    EXPECT_EQ(none.scene.fixture(), nullptr);
+    EXPECT_EQ(none.scene.force_tissue_N() + none.scene.force_fixture_N(), 0);
+    EXPECT_EQ(none.scene.transitions().size(), 0u);
 }
 
 TEST(NeedleScene, AFixturePlacedOnTheNeedleIsFeltAtOnce) {

@@ -180,16 +180,5 @@ TEST(SecondOrder, InflectionsAreTheFirstZeros) {
     }
 }
 
-TEST(SecondOrder, AccelerationNeverExceedsItsBound) {
-    for (const double b : {0.0, 0.3, 2.0, 5.0}) {
-        const SecondOrder law(1, b, 9);
-        const double bound = law.acceleration_bound(-0.7, 0.2);
-        for (int i = 0; i < 1000; ++i) {
-            EXPECT_LE(std::abs(law.acceleration_after(law.propagator(0.01 * i), -0.7, 0.2)),
-                      bound * (1 + 1e-15));
-        }
-    }
-}
-
 }  // namespace
 }  // namespace thimble

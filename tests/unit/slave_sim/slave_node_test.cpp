@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "slave_sim/contact_timer.hpp"
+
 namespace thimble {
 namespace {
 
@@ -139,15 +141,10 @@ TEST(SlaveNode, OnlyALongGapBreaksContact) {
 
 // After a long gap the needle has waited, then moved: the drag force is that of the last 100 ms, not of the
 // gap.
-TEST(SlaveNode, NeedleWaitsThroughALongGap) {
+TEST(SlaveNode, NeedleWaitsThroughALongGapAndTheTissueRests) {
     Bench bench;
     bench.stay(0.05, 1);
     EXPECT_NEAR(bench.send(needle(0.06), seconds(60)).force_tissue_N, -0.7 * 0.1, 0.005);
-}
-
-TEST(SlaveNode, TissueGoesBackToRestInALongGap) {
-    Bench bench;
-    bench.stay(0.05, 1);
     EXPECT_GT(bench.send(needle(0.08), milliseconds(50)).position_surface_m, 0.0201);
     EXPECT_NEAR(bench.send(needle(0.08), seconds(60)).position_surface_m, 0.02, 1e-12);
 }
@@ -212,14 +209,8 @@ TEST(SlaveNode, RefusesPositionsThatAreNone) {
     bench.node.on_needle(SessionTime{Duration::min()}, 1, needle(0.1));
     EXPECT_EQ(bench.node.refused(), 11u);
     EXPECT_EQ(bench.stay(0.06, 1).position_needle_m, 0.06);
-}
-
-TEST(SlaveNode, ARefusedFirstCommandCarriesNoForce) {
-    Bench bench;
-    bench.stay(0.05, 10);
-    bench.send(needle(0.06));
     bench.node.start_trial(trial());
-    EXPECT_EQ(bench.send(needle(std::nan(""))).force_total_N, 0);
+    EXPECT_EQ(bench.send(needle(std::nan(""))).force_total_N, 0) << "a first command that is refused";
 }
 
 TEST(SlaveNode, RemovedFixtureIsGoneAtTheNextSample) {
@@ -256,6 +247,14 @@ TEST(SlaveNode, NoForceAndNoBeepOutsideATrial) {
 
     SlaveNode fresh{SlaveSettings{}};
     EXPECT_EQ(fresh.on_needle(SessionTime{seconds(1)}, 1, needle(0.2)).force_total_N, 0);
+}
+
+// A third of a millisecond has no exact decimal: integers neither gain nor lose a sample over five seconds.
+TEST(ContactTimer, CountsNanoseconds) {
+    ContactTimer timer{seconds(5)};
+    EXPECT_FALSE(timer.update(SessionTime(Duration{7}), true));
+    EXPECT_FALSE(timer.update(SessionTime(Duration{7 + 4'999'999'999}), true));
+    EXPECT_TRUE(timer.update(SessionTime(Duration{7 + 5'000'000'000}), true));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The tissue against recorded needles solved at 40 digits (tests/golden/tissue.json).
+#include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -9,6 +9,7 @@
 
 #include "slave_sim/elements/forbidden_region.hpp"
 #include "slave_sim/exact_tissue.hpp"
+#include "tests/read_text.hpp"
 #include "tests/unit/slave_sim/phases.hpp"
 
 namespace thimble {
@@ -16,63 +17,19 @@ namespace {
 
 using nlohmann::json;
 
+double number(const json& text) { return std::stod(text.get<std::string>()); }
+
+TissuePhase phase(const json& name) { return phase_named(name.get<std::string>()); }
+
+bool near_event(const json& events, double t_s) {
+    return std::any_of(events.begin(), events.end(),
+                       [t_s](const json& e) { return std::abs(number(e.at("t")) - t_s) < 1e-9; });
+}
+
 struct TimedEvent {
     double t_s;
     TissuePhase phase;
 };
-
-struct Golden {
-    std::string name;
-    TissueParameters parameters;
-    FixtureParameters fixture;
-    std::vector<double> t_s, needle_m, surface_m, velocity_m_per_s, force_N;
-    std::vector<TissuePhase> phase;
-    std::vector<TimedEvent> events;
-};
-
-double number(const json& text) { return std::stod(text.get<std::string>()); }
-
-std::vector<double> numbers(const json& texts) {
-    std::vector<double> values;
-    for (const json& text : texts) values.push_back(number(text));
-    return values;
-}
-
-Golden parse(const json& j) {
-    Golden g;
-    g.name = j.at("name");
-    const json& p = j.at("params");
-    g.parameters = {number(p.at("M")), number(p.at("K")),  number(p.at("B")),
-                    number(p.at("V")), number(p.at("Fp")), number(p.at("zbar"))};
-    g.fixture.stiffness_N_per_m = number(p.at("Kvf"));
-    g.fixture.position_m = number(p.at("zvf"));
-    g.t_s = numbers(j.at("t"));
-    g.needle_m = numbers(j.at("z_needle"));
-    g.surface_m = numbers(j.at("z_tissue"));
-    g.velocity_m_per_s = numbers(j.at("v_tissue"));
-    g.force_N = numbers(j.at("force"));
-    for (const json& mode : j.at("mode")) g.phase.push_back(phase_named(mode.get<std::string>()));
-    for (const json& e : j.at("events"))
-        g.events.push_back({number(e.at("t")), phase_named(e.at("mode").get<std::string>())});
-    return g;
-}
-
-const std::vector<Golden>& golden_cases() {
-    static const std::vector<Golden> cases = [] {
-        std::ifstream in(THIMBLE_GOLDEN_DIR "/tissue.json");
-        std::vector<Golden> all;
-        for (const json& j : json::parse(in)) all.push_back(parse(j));
-        return all;
-    }();
-    return cases;
-}
-
-bool near_event(const Golden& g, double t_s) {
-    for (const TimedEvent& e : g.events) {
-        if (std::abs(e.t_s - t_s) < 1e-9) return true;
-    }
-    return false;
-}
 
 // How a recorded interval is walked: the cached propagator wants one and the same duration every time, uneven
 // pieces along the same line force a new propagator for each.
@@ -84,46 +41,51 @@ struct Walk {
 
 class TissueGolden : public testing::TestWithParam<Walk> {};
 
-void walk_interval(const Golden& g, std::size_t i, const Walk& walk, ExactTissue& tissue,
+void walk_interval(const json& g, std::size_t i, const Walk& walk, ExactTissue& tissue,
                    std::vector<TimedEvent>& found) {
-    const double dt_s = walk.same_duration ? g.t_s[1] - g.t_s[0] : g.t_s[i] - g.t_s[i - 1];
+    const double from_s = number(g.at("t")[i - 1]);
+    const double dt_s =
+        walk.same_duration ? number(g.at("t")[1]) - number(g.at("t")[0]) : number(g.at("t")[i]) - from_s;
+    const double from_m = number(g.at("z_needle")[i - 1]), to_m = number(g.at("z_needle")[i]);
     double before = 0;
     for (const double cut : walk.cuts) {
         Transitions events;
-        const double to_m =
-            cut == 1 ? g.needle_m[i] : g.needle_m[i - 1] + cut * (g.needle_m[i] - g.needle_m[i - 1]);
-        tissue.advance((cut - before) * dt_s, to_m, events);
-        for (const Transition& e : events) {
-            found.push_back({g.t_s[i - 1] + before * dt_s + e.offset_s, phase_named(e.phase)});
-        }
+        tissue.advance((cut - before) * dt_s, cut == 1 ? to_m : from_m + cut * (to_m - from_m), events);
+        for (const Transition& e : events)
+            found.push_back({from_s + before * dt_s + e.offset_s, phase_named(e.phase)});
         before = cut;
     }
 }
 
 TEST_P(TissueGolden, SamplesAndEvents) {
-    ASSERT_EQ(golden_cases().size(), 6u);
-    for (const Golden& g : golden_cases()) {
-        SCOPED_TRACE(g.name);
-        ExactTissue tissue(g.parameters);
-        tissue.reset(g.needle_m[0]);
+    const json cases = json::parse(read_text(THIMBLE_GOLDEN_DIR "/tissue.json"));
+    ASSERT_EQ(cases.size(), 6u);
+    for (const json& g : cases) {
+        SCOPED_TRACE(g.at("name").get<std::string>());
+        const json &p = g.at("params"), &events = g.at("events");
+        ExactTissue tissue({number(p.at("M")), number(p.at("K")), number(p.at("B")), number(p.at("V")),
+                            number(p.at("Fp")), number(p.at("zbar"))});
+        const ForbiddenRegion fixture({number(p.at("Kvf")), 0, number(p.at("zvf")), {}});
+        tissue.reset(number(g.at("z_needle")[0]));
         std::vector<TimedEvent> found;
         std::size_t compared = 0;
-        for (std::size_t i = 1; i < g.t_s.size(); ++i) {
+        for (std::size_t i = 1; i < g.at("t").size(); ++i) {
             walk_interval(g, i, GetParam(), tissue, found);
-            if (near_event(g, g.t_s[i])) continue;
+            const double t_s = number(g.at("t")[i]);
+            if (near_event(events, t_s)) continue;
             const TissueState s = tissue.state();
-            ASSERT_EQ(s.phase, g.phase[i]) << "t " << g.t_s[i];
-            ASSERT_NEAR(s.position_surface_m, g.surface_m[i], 1e-12) << "t " << g.t_s[i];
-            ASSERT_NEAR(s.velocity_surface_m_per_s, g.velocity_m_per_s[i], 1e-10) << "t " << g.t_s[i];
-            const double force_N = s.force_N + ForbiddenRegion(g.fixture).touch(g.needle_m[i]).force_N;
-            ASSERT_NEAR(force_N, g.force_N[i], 1e-9) << "t " << g.t_s[i];
+            ASSERT_EQ(s.phase, phase(g.at("mode")[i])) << "t " << t_s;
+            ASSERT_NEAR(s.position_surface_m, number(g.at("z_tissue")[i]), 1e-12) << "t " << t_s;
+            ASSERT_NEAR(s.velocity_surface_m_per_s, number(g.at("v_tissue")[i]), 1e-10) << "t " << t_s;
+            const double force_N = s.force_N + fixture.touch(number(g.at("z_needle")[i])).force_N;
+            ASSERT_NEAR(force_N, number(g.at("force")[i]), 1e-9) << "t " << t_s;
             ++compared;
         }
-        EXPECT_GE(compared + g.events.size(), g.t_s.size() - 1);
-        ASSERT_EQ(found.size(), g.events.size());
+        EXPECT_GE(compared + events.size(), g.at("t").size() - 1);
+        ASSERT_EQ(found.size(), events.size());
         for (std::size_t i = 0; i < found.size(); ++i) {
-            EXPECT_NEAR(found[i].t_s, g.events[i].t_s, 1e-9);
-            EXPECT_EQ(found[i].phase, g.events[i].phase);
+            EXPECT_NEAR(found[i].t_s, number(events[i].at("t")), 1e-9);
+            EXPECT_EQ(found[i].phase, phase(events[i].at("mode")));
         }
         EXPECT_EQ(tissue.unresolved_steps(), 0u);
     }

@@ -1,9 +1,8 @@
-// The loop in continuous time: golden figures, laws that hold for every hand, and a Newton search that knows nothing of the counting.
+// The loop in continuous time: golden figures, laws that hold for every hand.
 #include "stability/delayed_loop.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -169,41 +168,6 @@ RC_GTEST_PROP(DelayedLoop, AboveTheCriticalStiffnessItIsUnstable, ()) {
     RC_ASSERT(critical >= hand.damping_Ns_per_m / delay_s * (1 - 1e-12));
     RC_ASSERT(unstable_roots({hand, critical * (1 - 1e-9), 0}, delay_s) == 0);
     RC_ASSERT(unstable_roots({hand, critical * (1 + 1e-9), 0}, delay_s) == 2);
-}
-
-using RootOfLoop = std::complex<double>;
-
-// From many starts: the rightmost of the roots that Newton finds.
-double searched_real(const DelayedLoop& loop, double delay_s, double reach) {
-    const double m = loop.hand.mass_kg, b = loop.hand.damping_Ns_per_m, k = loop.hand.stiffness_N_per_m;
-    const double K = loop.stiffness_N_per_m;
-    double rightmost = -1e300;
-    for (int i = 0; i < 12; ++i) {
-        for (int j = 0; j <= 60; ++j) {
-            RootOfLoop s(reach * (i / 6.0 - 1), reach * j / 60.0);
-            for (int step = 0; step < 60; ++step) {
-                const RootOfLoop late = K * std::exp(-s * delay_s);
-                s -= (m * s * s + b * s + k + late) / (2 * m * s + b - delay_s * late);
-            }
-            const RootOfLoop late = K * std::exp(-s * delay_s);
-            const double scale = std::abs(m * s * s) + std::abs(b * s) + k + std::abs(late);
-            if (std::abs(m * s * s + b * s + k + late) < 1e-12 * scale)
-                rightmost = std::max(rightmost, s.real());
-        }
-    }
-    return rightmost;
-}
-
-TEST(DelayedLoop, NewtonFromManyStartsFindsNoRootFartherRight) {
-    for (const double K : {50.0, 400.0, 3000.0, 1e5}) {
-        for (const double T : {0.001, 0.03, 0.1}) {
-            const DelayedLoop loop{{0.8, 5, 300}, K, 0};
-            const DominantRoot root = rightmost_root(loop, T);
-            const double reach = std::sqrt((K + 300) / 0.8) * 1.2;
-            const double searched = searched_real(loop, T, reach);
-            EXPECT_NEAR(root.real_per_s, searched, 1e-9 * reach) << K << ' ' << T;
-        }
-    }
 }
 
 }  // namespace

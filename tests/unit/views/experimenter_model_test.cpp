@@ -64,14 +64,6 @@ TEST(ExperimenterModel, ANetworkIsAskedByNameUntilItHoldsWithItsDelay) {
     EXPECT_FALSE(bench.model.link().holds(Command::kNetwork5));
 }
 
-TEST(ExperimenterModel, AnUnknownNetworkIsSaid) {
-    ExperimenterBench bench;
-    bench.press(Command::kNetwork1);
-    bench.pass(2100);
-    const TextLine alarm = bench.model.link().alarm(bench.now);
-    EXPECT_NE(alarm.view().find("has not taken the network 'wifi'"), std::string::npos) << alarm.view();
-}
-
 TEST(ExperimenterModel, TheSliderCallsOffANetworkThatIsStillAsked) {
     ExperimenterBench bench;
     bench.press(Command::kNetwork5);
@@ -128,6 +120,11 @@ TEST(ExperimenterModel, AlarmsForSilenceAndForOrdersWithoutAnswer) {
     bench.model.press(bench.now, Command::kPause);
     bench.pass(2100);
     EXPECT_NE(bench.model.link().alarm(bench.now).view().find("does not answer: 'pause'"), std::string::npos);
+    ExperimenterBench unknown;
+    unknown.press(Command::kNetwork1);
+    unknown.pass(2100);
+    EXPECT_NE(unknown.model.link().alarm(unknown.now).view().find("has not taken the network 'wifi'"),
+              std::string::npos);
     const SessionTime later = bench.now + milliseconds{700};
     bench.model.update(later);
     EXPECT_NE(bench.model.link().alarm(later).view().find("silent, for 700 ms"), std::string::npos);

@@ -2,6 +2,8 @@
 
 #include <limits>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -15,27 +17,27 @@ std::string value_of(const Monitor& monitor, std::string_view name, std::uint32_
     return "no such reading";
 }
 
-TEST(MonitorText, NumbersHaveUnits) {
-    EXPECT_EQ(length_text(0.0123456).view(), "12.35 mm");
-    EXPECT_EQ(length_text(-1e-9).view(), "0.00 mm");
-    EXPECT_EQ(force_text(-3.2).view(), "-3.20 N");
-    EXPECT_EQ(force_text(-0.001).view(), "0.00 N");
-    EXPECT_EQ(force_text(-0.0).view(), "0.00 N");
-    EXPECT_EQ(time_text(0.0123).view(), "12.3 ms");
-    EXPECT_EQ(time_text(1.5).view(), "1.50 s");
-    EXPECT_EQ(age_text(std::chrono::milliseconds{4}).view(), "4 ms");
-    EXPECT_EQ(age_text(std::chrono::milliseconds{1234}).view(), "1.2 s");
-    EXPECT_EQ(age_text(Duration::max()).view(), "no message yet");
-}
-
-TEST(MonitorText, WhatIsNotKnownIsSaidToBe) {
-    EXPECT_EQ(one_way_text(-1, 0).view(), kNotKnownText);
-    EXPECT_EQ(one_way_text(0.01, 0.01).view(), kNotKnownText);
-    EXPECT_EQ(one_way_text(0.01, 0.02).view(), kNotKnownText);
-    EXPECT_EQ(one_way_text(0, 0).view(), kNotKnownText);
-    EXPECT_EQ(one_way_text(0.0249, 0.0003).view(), "24.9 ms ± 0.3 ms");
-    EXPECT_EQ(round_trip_text(0).view(), kNotKnownText);
-    EXPECT_EQ(round_trip_text(0.051).view(), "51.0 ms");
+TEST(MonitorText, NumbersHaveUnitsAndWhatIsNotKnownIsSaidToBe) {
+    const std::string not_known(kNotKnownText);
+    const std::vector<std::pair<TextLine, std::string>> texts{
+        {length_text(0.0123456), "12.35 mm"},
+        {length_text(-1e-9), "0.00 mm"},
+        {force_text(-3.2), "-3.20 N"},
+        {force_text(-0.001), "0.00 N"},
+        {force_text(-0.0), "0.00 N"},
+        {time_text(0.0123), "12.3 ms"},
+        {time_text(1.5), "1.50 s"},
+        {age_text(std::chrono::milliseconds{4}), "4 ms"},
+        {age_text(std::chrono::milliseconds{1234}), "1.2 s"},
+        {age_text(Duration::max()), "no message yet"},
+        {one_way_text(-1, 0), not_known},
+        {one_way_text(0.01, 0.01), not_known},
+        {one_way_text(0.01, 0.02), not_known},
+        {one_way_text(0, 0), not_known},
+        {one_way_text(0.0249, 0.0003), "24.9 ms ± 0.3 ms"},
+        {round_trip_text(0), not_known},
+        {round_trip_text(0.051), "51.0 ms"}};
+    for (const auto& [text, expected] : texts) EXPECT_EQ(text.view(), expected);
     EXPECT_EQ(value_of({}, "one way"), kNotKnownText);
     EXPECT_EQ(value_of({}, "round trip"), kNotKnownText);
 }
@@ -93,20 +95,20 @@ TEST(TextLine, CutsWhatIsTooLong) {
     EXPECT_TRUE(TextLine{}.view().empty());
 }
 
+// Rounding of encoder steps is neither passive nor active.
 TEST(EnergyBalance, WhatGoesInIsPassiveWhatComesOutIsNot) {
-    EXPECT_EQ(judge_energy(0.02), EnergyBalance::kPassive);
-    EXPECT_EQ(judge_energy(-0.02), EnergyBalance::kActive);
-    EXPECT_STREQ(to_string(judge_energy(-0.02)), "gives out more than it got");
-    EXPECT_STREQ(to_string(judge_energy(0.02)), "passive");
-}
-
-TEST(EnergyBalance, RoundingOfEncoderStepsIsNeither) {
-    EXPECT_EQ(judge_energy(0), EnergyBalance::kNone);
-    EXPECT_EQ(judge_energy(kEnergyResolution_J), EnergyBalance::kNone);
-    EXPECT_EQ(judge_energy(-kEnergyResolution_J), EnergyBalance::kNone);
-    EXPECT_EQ(judge_energy(-1.01 * kEnergyResolution_J), EnergyBalance::kActive);
-    EXPECT_EQ(judge_energy(1.01 * kEnergyResolution_J), EnergyBalance::kPassive);
-    EXPECT_EQ(judge_energy(std::numeric_limits<double>::quiet_NaN()), EnergyBalance::kNone);
+    const std::vector<std::pair<double, EnergyBalance>> cases{
+        {0.02, EnergyBalance::kPassive},
+        {1.01 * kEnergyResolution_J, EnergyBalance::kPassive},
+        {kEnergyResolution_J, EnergyBalance::kNone},
+        {0, EnergyBalance::kNone},
+        {-kEnergyResolution_J, EnergyBalance::kNone},
+        {std::numeric_limits<double>::quiet_NaN(), EnergyBalance::kNone},
+        {-1.01 * kEnergyResolution_J, EnergyBalance::kActive},
+        {-0.02, EnergyBalance::kActive}};
+    for (const auto& [energy_J, balance] : cases) EXPECT_EQ(judge_energy(energy_J), balance) << energy_J;
+    EXPECT_STREQ(to_string(EnergyBalance::kActive), "gives out more than it got");
+    EXPECT_STREQ(to_string(EnergyBalance::kPassive), "passive");
 }
 
 }  // namespace

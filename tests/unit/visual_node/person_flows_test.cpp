@@ -62,7 +62,10 @@ TEST_F(HandFlowTest, SaysWhereAHandRestsWhereItMovesAndAtOnceThatItLetsGo) {
     EXPECT_FALSE(std::get<HandInput>(caught.messages.back().body).engaged);
     flow.start_trial();
     run_ms(203, 204);
-    EXPECT_EQ(caught.messages.size(), 113U) << "a new trial hears of the hand at once";
+    ASSERT_EQ(caught.messages.size(), 113U);
+    flow.start_trial();
+    run_ms(204, 205);
+    EXPECT_EQ(caught.messages.size(), 114U) << "a new trial hears at once of a hand that rests";
 }
 
 TEST_F(HandFlowTest, NothingBetweenTrials) {

@@ -70,12 +70,18 @@ TEST(FramePace, KeepsItsRateWithoutAMonitorHoweverLongDrawingTakes) {
     }
 }
 
+// By the hand, at the slave, here; `hand_ms` 0: there is none.
+Scene stamped(int hand_ms, int answer_ms, int sample_ms) {
+    Scene scene;
+    if (hand_ms > 0) scene.hand_time = at(milliseconds{hand_ms});
+    scene.answer_time = at(milliseconds{answer_ms});
+    scene.sample_time = at(milliseconds{sample_ms});
+    return scene;
+}
+
 TEST(FrameTimes, CountsNewSamplesByStageAndFramesByInterval) {
     FrameTimes times(true);
-    Scene scene;
-    scene.hand_time = at(milliseconds{100});
-    scene.answer_time = at(milliseconds{101});
-    scene.sample_time = at(milliseconds{103});
+    const Scene scene = stamped(100, 101, 103);
     times.add(scene, at(milliseconds{110}), at(milliseconds{115}));
     times.add(scene, at(milliseconds{120}), at(milliseconds{125}));
     EXPECT_EQ(times.hand_to_slave.worst(), milliseconds{1});
@@ -87,24 +93,15 @@ TEST(FrameTimes, CountsNewSamplesByStageAndFramesByInterval) {
     EXPECT_EQ(times.interval.worst(), milliseconds{10});
 }
 
-TEST(FrameTimes, SaysNothingAboutOtherMachinesClocks) {
-    FrameTimes times(false);
-    Scene scene;
-    scene.hand_time = scene.answer_time = at(milliseconds{900});
-    scene.sample_time = at(milliseconds{3});
-    times.add(scene, at(milliseconds{10}), at(milliseconds{15}));
-    EXPECT_EQ(times.hand_to_swap.count() + times.hand_to_slave.count() + times.slave_to_arrival.count(), 0U);
-    EXPECT_EQ(times.arrival_to_frame.worst(), milliseconds{7});
-}
-
-TEST(FrameTimes, SaysNothingAboutAHandThatAReplayHasNot) {
-    FrameTimes times(true);
-    Scene scene;
-    scene.answer_time = at(milliseconds{7});
-    scene.sample_time = at(milliseconds{9});
-    times.add(scene, at(milliseconds{10}), at(milliseconds{15}));
-    EXPECT_EQ(times.hand_to_swap.count() + times.hand_to_slave.count() + times.slave_to_arrival.count(), 0U);
-    EXPECT_EQ(times.arrival_to_frame.count(), 1U);
+TEST(FrameTimes, SaysNothingAboutOtherMachinesClocksAndAHandThatAReplayHasNot) {
+    for (const bool one_clock : {false, true}) {
+        FrameTimes times(one_clock);
+        times.add(one_clock ? stamped(0, 2, 3) : stamped(900, 900, 3), at(milliseconds{10}),
+                  at(milliseconds{15}));
+        EXPECT_EQ(times.hand_to_swap.count() + times.hand_to_slave.count() + times.slave_to_arrival.count(),
+                  0U);
+        EXPECT_EQ(times.arrival_to_frame.worst(), milliseconds{7});
+    }
 }
 
 }  // namespace

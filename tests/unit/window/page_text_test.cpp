@@ -21,13 +21,12 @@ Page page_of(PageKind kind, double remaining_s = 0) {
     return page;
 }
 
-TEST(PageText, CountsABreakDown) {
+TEST(PageText, CountsABreakDownAndSaysWhichTrialComes) {
+    EXPECT_EQ(page_text(page_of(PageKind::kReady)).body, "Trial 3 of 12");
     EXPECT_EQ(page_text(page_of(PageKind::kBreak, 61.2)).body, "1:02 to go");
     EXPECT_EQ(page_text(page_of(PageKind::kBreak, 5)).body, "0:05 to go");
     EXPECT_THAT(page_text(page_of(PageKind::kBreak)).body, Not(HasSubstr("0:00")));
 }
-
-TEST(PageText, SaysWhichTrialComes) { EXPECT_EQ(page_text(page_of(PageKind::kReady)).body, "Trial 3 of 12"); }
 
 TEST(PageText, ALabsOwnWordsStandInPlaceOfOurs) {
     Instructions words;

@@ -33,24 +33,6 @@ TEST(Picture, NeedleNeverEndsBeneathTheSurface) {
     }));
 }
 
-TEST(Picture, BarIsProportionalAndEndsAtFullScale) {
-    const auto length = [](double force_N) {
-        return picture_of(scene_with(0, 0.02, force_N), {}).bar.value().length;
-    };
-    EXPECT_EQ(length(0), 0);
-    EXPECT_EQ(length(3), 100);
-    EXPECT_EQ(length(12), 400);
-    EXPECT_EQ(length(100), 400);
-    EXPECT_EQ(length(std::numeric_limits<double>::quiet_NaN()), 0);
-}
-
-TEST(Picture, ScalesWithTheMonitor) {
-    const Picture::Bar plain = picture_of(scene_with(0, 0.02, 6), {800, 600, 1}).bar.value();
-    const Picture::Bar large = picture_of(scene_with(0, 0.02, 6), {1600, 1200, 2}).bar.value();
-    EXPECT_EQ(large.full_length, 2 * plain.full_length);
-    EXPECT_EQ(large.height, 2 * plain.height);
-}
-
 TEST(Picture, DimpleIsAsDeepAsTheSurfaceIsPressedIn) {
     const Picture picture = picture_of(scene_with(0.03, 0.03), {});
     EXPECT_NEAR(picture.dimple_depth, 0.01 * picture.pixels_per_m, 1e-9);
@@ -91,27 +73,37 @@ TEST(Picture, PlacesEverythingInItsWindow) {
     EXPECT_EQ(picture_of(scene_with(0, 0.02), {800, 600, 1.25}).needle_width, 9) << "whole pixels";
 }
 
-TEST(Picture, TheBarFitsItsWindow) {
-    const auto bar = [](int width, double scale = 1, double full_N = 12) {
-        Scene scene = scene_with(0, 0.02, 12);
-        scene.bar_full_scale_N = full_N;
-        return picture_of(scene, {width, 600, scale}).bar;
+TEST(Picture, TheBarIsProportionalAndFitsItsWindow) {
+    struct Case {
+        double force_N;
+        int width;
+        double scale, length, full_length;
     };
-    const Picture::Bar plain = bar(801).value();
-    EXPECT_EQ(plain.left, 200);
-    EXPECT_EQ(plain.top, 520);
-    EXPECT_EQ(plain.height, 26);
-    EXPECT_EQ(plain.full_N, 12);
-    EXPECT_EQ(bar(448)->full_length, 400);
-    EXPECT_EQ(bar(447)->full_length, 399);
-    EXPECT_EQ(bar(447)->length, 399);
-    EXPECT_EQ(bar(447, 2)->full_length, 351);
-    EXPECT_EQ(bar(10)->full_length, 1) << "never none";
-    EXPECT_EQ(bar(2000, 2.5)->full_length, 1000);
-    EXPECT_EQ(bar(2000, 2.5)->top, 600 - 200);
-    EXPECT_FALSE(bar(800, 1, -1));
-    EXPECT_FALSE(bar(800, 1, 0));
-    EXPECT_EQ(picture_of(scene_with(0, 0.02, -3), {}).bar->length, 0);
+    for (const Case& c : {Case{0, 800, 1, 0, 400},
+                          {3, 800, 1, 100, 400},
+                          {12, 800, 1, 400, 400},
+                          {100, 800, 1, 400, 400},
+                          {-3, 800, 1, 0, 400},
+                          {std::numeric_limits<double>::quiet_NaN(), 800, 1, 0, 400},
+                          {12, 448, 1, 400, 400},
+                          {12, 447, 1, 399, 399},
+                          {12, 447, 2, 351, 351},
+                          {12, 10, 1, 1, 1},  // never none
+                          {6, 1600, 2, 400, 800},
+                          {12, 2000, 2.5, 1000, 1000}}) {
+        const auto bar = picture_of(scene_with(0, 0.02, c.force_N), {c.width, 600, c.scale}).bar.value();
+        EXPECT_EQ(bar.length, c.length) << c.width;
+        EXPECT_EQ(bar.full_length, c.full_length) << c.width;
+        EXPECT_EQ(bar.height, 26 * c.scale);
+        EXPECT_EQ(bar.top, 600 - 80 * c.scale);
+        EXPECT_EQ(bar.full_N, 12);
+    }
+    EXPECT_EQ(picture_of(scene_with(0, 0.02, 12), {801, 600, 1}).bar->left, 200);
+    for (const double none_N : {-1.0, 0.0}) {
+        Scene scene = scene_with(0, 0.02, 12);
+        scene.bar_full_scale_N = none_N;
+        EXPECT_FALSE(picture_of(scene, {}).bar);
+    }
 }
 
 TEST(Picture, MarksAreOneTwoOrFiveOfADecade) {

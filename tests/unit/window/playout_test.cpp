@@ -23,10 +23,9 @@ Scene moving(Duration stamp, Duration took) {
     return scene;
 }
 
-TEST(Playout, HasNothingBeforeTheFirst) { EXPECT_FALSE(Playout(Duration::zero()).at(at(milliseconds{5}))); }
-
 TEST(Playout, WithoutSmoothingShowsTheNewestAsItIs) {
     Playout playout(Duration::zero());
+    EXPECT_FALSE(playout.at(at(milliseconds{5}))) << "nothing before the first";
     playout.add(moving(milliseconds{10}, milliseconds{5}));
     playout.add(moving(milliseconds{11}, milliseconds{9}));
     EXPECT_EQ(playout.at(at(milliseconds{20})).value().position_needle_m, 0.011);

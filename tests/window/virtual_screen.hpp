@@ -1,4 +1,5 @@
-// An X server without a screen for tests with real windows, and a person's keys and mouse by xdotool.
+// An X server without a monitor for tests with real windows, and a person's keys and mouse by xdotool. One for each test, so that a
+// test may kill it. No other server has its number.
 #pragma once
 
 #include <optional>
@@ -7,18 +8,25 @@
 
 #include <gtest/gtest.h>
 
+#include "common/process/child.hpp"
 #include "tests/loopback/workbench.hpp"
-#include "tests/window/x_server.hpp"
 
 namespace thimble {
 
-// The reason to skip such tests on this machine; empty: none.
-std::string missing_for_windows();
-
 class VirtualScreen {
   public:
-    // False if the server did not come up.
-    bool ready() const { return server_.missing().empty(); }
+    // Starts Xvfb and lets DISPLAY name it. missing() says why there is none: then skip.
+    VirtualScreen();
+    ~VirtualScreen();
+    VirtualScreen(const VirtualScreen&) = delete;
+    VirtualScreen& operator=(const VirtualScreen&) = delete;
+
+    const std::string& missing() const { return missing_; }
+    // As a crash or a pulled cable: no goodbye.
+    void kill();
+    // For programs that a test starts.
+    const Folder& folder() const { return folder_; }
+
     // Waits for a window with this in its title, and for its turn to hear keys.
     bool wait_for_window(const std::string& title);
     // One call of xdotool with these words, which are its own. False if it failed.
@@ -30,18 +38,17 @@ class VirtualScreen {
     bool resize(int width, int height) const;
 
   private:
-    XServer server_;
     Folder folder_;
-    std::string window_;
+    std::optional<Child> server_;
+    std::string number_, missing_, window_;
 };
 
 // A test with a screen of its own, which it may take away.
 class OnAScreen : public testing::Test {
   protected:
     void SetUp() override {
-        if (const std::string missing = missing_for_windows(); !missing.empty()) GTEST_SKIP() << missing;
         screen_.emplace();
-        ASSERT_TRUE(screen_->ready());
+        if (!screen_->missing().empty()) GTEST_SKIP() << screen_->missing();
     }
 
     std::optional<VirtualScreen> screen_;
