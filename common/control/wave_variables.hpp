@@ -18,11 +18,6 @@
 
 namespace thimble {
 
-inline const WaveSettings& checked(const WaveSettings& settings) {
-    check_wave_settings(settings);
-    return settings;
-}
-
 struct WaveSettings {
     double impedance_Ns_per_m = 20;  // b
     double sample_period_s = 1e-3;   // h
@@ -33,11 +28,11 @@ struct WaveSettings {
 
 // Throws Error (usage) unless the first two are finite and above 0: with an impedance of 0 or infinity no wave carries both
 // velocity and force.
-inline void check_wave_settings(const WaveSettings& settings) {
+inline const WaveSettings& checked(const WaveSettings& settings) {
     const auto good = [](double value) { return std::isfinite(value) && value > 0; };
     if (good(settings.impedance_Ns_per_m) && good(settings.sample_period_s) &&
         settings.slave_damping_Ns_per_m >= 0)
-        return;
+        return settings;
     throw Error(ExitCode::kUsage,
                 "wave variables need an impedance and a sample period above 0 and finite, not " +
                     std::to_string(settings.impedance_Ns_per_m) + " Ns/m and " +

@@ -1,55 +1,11 @@
 // Faults of a drive or its bus, each with its message: which device, why, what to do.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 
-#include <fmt/format.h>
-
-#include "cutaneous_node/can/canopen.hpp"
-#include "cutaneous_node/can/cia402.hpp"
-
 namespace thimble {
-
-// By DriveFaultKind. {means}: the code in words.
-inline constexpr std::array<const char*, 20> kFaultTexts{
-    "{device}: no boot-up on {bus} after its reset; is it powered, wired, terminated, and is that its node "
-    "id and bit rate?",
-    "{device}: no answer to '{step}'; check cable and termination of {bus}",
-    "{device}: refused '{step}' with SDO abort {code:#010x} ({means}); does its firmware know CiA 402?",
-    "{device}: device type {code:#010x} is no CiA 402 drive; check the node ids",
-    "{device}: its modes {code:#x} lack the one asked for; set [cutaneous.drives] mode",
-    "{device}: rated torque (0x6076) is 0; set the motor's data in the drive",
-    "{device}: stays at '{means}' at the step '{step}'; look at its error (0x603F) and its power stage",
-    "{device}: the cable does not get taut; is the device worn, the cable on its pulley, the sign (reversed) "
-    "right?",
-    "{device}: heartbeat lost; check its power and the cable of {bus}",
-    "{device}: lives, but sends no process data; is {bus} overloaded (longer cycle_s)?",
-    "{device}: process data of {code} bytes, not 8; has something else changed its mapping?",
-    "{device}: EMCY {code:#06x} ({means}); remove the cause, then start again",
-    "{device}: has restarted, or a second device has its node id; check the supply, then start again",
-    "{device}: two devices have this node id; give one of them another",
-    "{device}: left operation, now '{means}'; look at its error (0x603F), then start again",
-    "{device}: the cable is slack or torn, or the device came off; check it, then start again",
-    "no device for a finger that this trial presses; name its drives in [cutaneous.drives], or choose "
-    "another modality",
-    "{bus}: bus-off; check termination, bit rate and cables, then set the interface down and up",
-    "{bus}: the interface is gone or down; 'ip link set {bus} up', then start again",
-    "{bus}: frames cannot be sent, its queue is full; 'ip link set {bus} txqueuelen 100', or is it not "
-    "connected?"};
-
-inline const char* meaning(const DriveFault& f) {
-    switch (f.kind) {
-        case DriveFaultKind::kAborted:
-            return abort_text(f.code);
-        case DriveFaultKind::kEmergency:
-            return emergency_text(static_cast<std::uint16_t>(f.code));
-        default:
-            return to_string(state_of(static_cast<std::uint16_t>(f.code)));
-    }
-}
 
 enum class DriveFaultKind : std::uint8_t {
     // while the drives are brought up; `step` says where
@@ -85,10 +41,6 @@ struct DriveFault {
 };
 
 // `device`: "drive 5 (acting hand, thumb, cable 2)".
-inline std::string describe(const DriveFault& fault, const std::string& device, const std::string& bus) {
-    return fmt::format(fmt::runtime(kFaultTexts.at(static_cast<std::size_t>(f.kind))),
-                       fmt::arg("device", device), fmt::arg("bus", bus), fmt::arg("step", f.step),
-                       fmt::arg("code", f.code), fmt::arg("means", meaning(f)));
-}
+std::string describe(const DriveFault& fault, const std::string& device, const std::string& bus);
 
 }  // namespace thimble

@@ -1,16 +1,21 @@
 // How a node's program is started and ended: on this machine or on another (remote_starter.hpp).
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 #include <boost/core/noncopyable.hpp>
+#include <fmt/format.h>
 
 #include "common/error.hpp"
 #include "common/messages.hpp"
+#include "common/process/child.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -51,7 +56,29 @@ class NodeStarter {
 };
 
 // Waits, at most `limit`, for it to end.
-std::optional<int> wait_for_end(RunningNode& node, Duration limit);
+inline std::optional<int> wait_for_end(RunningNode& node, Duration limit) {
+    const SessionTime deadline = wall_now() + limit;
+    while (!node.poll() && wall_now() < deadline) wall_sleep(std::chrono::milliseconds{5});
+    return node.poll();
+}
+
+class LocalNode final : public RunningNode {
+  public:
+    LocalNode(std::string program, Child child) : program_(std::move(program)), child_(std::move(child)) {}
+
+    std::optional<int> poll() override { return child_.poll(); }
+    bool started() const override { return true; }
+    void stop() override { child_.signal(SIGTERM); }
+    std::string exit_message() override {
+        return fmt::format("{} ended with code {}: {}", program_, child_.poll().value_or(-1),
+                           child_.last_lines());
+    }
+    ExitCode verdict() const override { return ExitCode::kNetwork; }
+
+  private:
+    std::string program_;
+    Child child_;
+};
 
 class LocalStarter final : public NodeStarter {
   public:
@@ -59,7 +86,21 @@ class LocalStarter final : public NodeStarter {
     LocalStarter(std::filesystem::path programs, std::filesystem::path config)
         : programs_(std::move(programs)), config_(std::move(config)) {}
 
-    std::shared_ptr<RunningNode> start(const NodeOrder& order) const override;
+    std::shared_ptr<RunningNode> start(const NodeOrder& order) const override {
+        std::filesystem::remove(order.log);
+        std::filesystem::remove(order.report);
+        std::vector<std::string> arguments = order.arguments;
+        if (!order.messages.empty()) {
+            std::filesystem::remove(order.messages);
+            arguments.insert(arguments.end(), {"--log", order.messages.string()});
+        }
+        arguments.insert(arguments.end(), {"--report", order.report.string(),
+                                           fmt::format("--die-with-parent={}", ::getpid())});
+        if (!config_.empty()) arguments.push_back(config_.string());
+        return std::make_unique<LocalNode>(order.program,
+                                           Child(programs_ / order.program, arguments, order.log));
+    }
+
     Duration reach() const override { return Duration::zero(); }
     std::string machine(Role /*role*/) const override { return ""; }
 

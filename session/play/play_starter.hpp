@@ -2,30 +2,61 @@
 // program that a test puts in its place.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <boost/core/noncopyable.hpp>
+#include <fmt/format.h>
 
+#include "common/error.hpp"
+#include "common/process/child.hpp"
 #include "session/launch/node_starter.hpp"
 
 namespace thimble {
+
+inline constexpr Duration kHelpWithin = std::chrono::seconds{5};
+
+inline bool has_text(const char* variable) {
+    const char* value = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe): nobody sets it
+    return value != nullptr && *value != '\0';
+}
 
 class PlayStarter final : public NodeStarter {
   public:
     // `visual_command`: program and arguments instead of thimble-visual's window; empty: the window. `pointer`: the window's
     // pointer is the hand, else the session file's [handle] says what is.
     PlayStarter(std::filesystem::path programs, std::filesystem::path config,
-                std::vector<std::string> visual_command, bool pointer = true);
+                std::vector<std::string> visual_command, bool pointer = true)
+        : local_(std::move(programs), std::move(config)),
+          visual_command_(std::move(visual_command)),
+          pointer_(pointer) {}
 
-    std::shared_ptr<RunningNode> start(const NodeOrder& order) const override;
+    std::shared_ptr<RunningNode> start(const NodeOrder& order) const override {
+        NodeOrder mine = order;
+        if (order.role == Role::kMaster && pointer_) mine.arguments.emplace_back("--pointer");
+        if (order.role != Role::kVisual) return local_.start(mine);
+        if (visual_command_.empty()) {
+            for (const char* word : {"--window", "--view", "player"}) mine.arguments.emplace_back(word);
+        } else {
+            mine.program = visual_command_.front();
+            mine.arguments.insert(mine.arguments.end(), visual_command_.begin() + 1, visual_command_.end());
+        }
+        auto window = local_.start(mine);
+        window_ = window;
+        return window;
+    }
+
     Duration reach() const override { return local_.reach(); }
     std::string machine(Role role) const override { return local_.machine(role); }
 
     // The user has closed the window: its program has ended with exit code 0.
-    bool window_closed() const;
+    bool window_closed() const {
+        const auto window = window_.lock();
+        return window && window->poll() == static_cast<int>(ExitCode::kOk);
+    }
 
   private:
     LocalStarter local_;
@@ -35,14 +66,48 @@ class PlayStarter final : public NodeStarter {
 };
 
 // A window needs a screen and a thimble-visual that can open one. Throws Error (usage) that says which is missing.
-void check_window(const std::filesystem::path& programs);
+inline void check_window(const std::filesystem::path& programs) {
+    const auto words = std::filesystem::temp_directory_path() / fmt::format("thimble_help_{}", ::getpid());
+    std::string help;
+    {
+        Child child(programs / "thimble-visual", {"--help"}, words);
+        child.wait(kHelpWithin);
+        help = child.last_lines(1000);
+    }
+    std::error_code ignored;
+    std::filesystem::remove(words, ignored);
+    if (help.find("--window") == std::string::npos) {
+        throw Error(ExitCode::kUsage,
+                    "{} was built without a window: install the packages that docs/play.md names, configure "
+                    "and build again",
+                    (programs / "thimble-visual").string());
+    }
+    if (has_text("DISPLAY") || has_text("WAYLAND_DISPLAY")) return;
+    throw Error(ExitCode::kUsage,
+                "there is no screen here: neither DISPLAY nor WAYLAND_DISPLAY is set. Start it from a "
+                "desktop, or over `ssh -X`, or give it one: xvfb-run -a thimble ...");
+}
 
 // A folder for logs: gone with this object, unless they are kept.
 class ScratchFolder : boost::noncopyable {
   public:
     // Throws Error (run failed) if the system's folder for such things cannot be written to.
-    ScratchFolder();
-    ~ScratchFolder();
+    ScratchFolder() {
+        std::string name = (std::filesystem::temp_directory_path() / "thimble_play_XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr) {
+            throw Error(ExitCode::kRunFailed,
+                        "cannot make a folder for logs at {}: set TMPDIR to one that can be written to",
+                        name);
+        }
+        path_ = name;
+    }
+
+    ~ScratchFolder() {
+        if (kept_) return;
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+
     const std::filesystem::path& path() const { return path_; }
     void keep() { kept_ = true; }
 

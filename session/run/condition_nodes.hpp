@@ -114,7 +114,7 @@ class ConditionNodes : boost::noncopyable {
   private:
     static constexpr Duration kFarewell = std::chrono::seconds{1};  // to end when told to, and again
 
-    std::shared_ptr<RunningNode> start(std::size_t node) {
+    std::shared_ptr<RunningNode> start(std::size_t i) {
         const NodeKind& node = kNodes[i];
         NodeOrder order;
         order.role = node.role;

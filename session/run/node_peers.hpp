@@ -1,15 +1,21 @@
 // The five nodes as the session hears them over their control channels: newest heartbeat, clock, why one has failed.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "common/flow.hpp"
+#include "common/node_process.hpp"
 #include "session/clocks/clock_prober.hpp"
 #include "session/launch/node_kinds.hpp"
 
 namespace thimble {
+
+// Reasons whose text follows the heartbeat.
+inline bool has_words(EndReason reason) { return reason == EndReason::kDeviceFault || is_stop(reason); }
 
 class NodePeer {
   public:
@@ -26,23 +32,49 @@ class NodePeer {
 
     // The next message that waits, null if there is none. take() keeps heartbeats and faults. False: it is another kind.
     const Message* receive(SessionTime now) { return in_.receive(now, *channel_); }
-    bool take(const Message& message);
-    std::optional<ClockExchange> take(SessionTime now, const Header& header, const ClockReply& reply);
+    bool take(const Message& message) {
+        if (const auto* heartbeat = std::get_if<Heartbeat>(&message.body)) {
+            newest_ = *heartbeat;
+            trial_ = message.header.trial;
+            return true;
+        }
+        const auto* fault = std::get_if<DeviceFault>(&message.body);
+        if (fault != nullptr) fault_ = *fault;
+        return fault != nullptr;
+    }
+
+    std::optional<ClockExchange> take(SessionTime now, const Header& header, const ClockReply& reply) {
+        return prober_.take(reply, header.send_time, channel_->arrival().value_or(now));
+    }
+
     void refuse(Refusal refusal) { in_.refuse_admitted(refusal); }
 
     template <class Body>
     void send(SessionTime now, std::uint32_t trial, const Body& body) {
         out_.send(now, trial, body);
     }
-    void send_probe_if_due(SessionTime now, std::uint32_t trial);
+    void send_probe_if_due(SessionTime now, std::uint32_t trial) {
+        if (prober_.due(now)) send(now, trial, prober_.probe(now));
+    }
 
-    void forget_trial();
+    void forget_trial() {
+        fault_.reset();
+        told_ = false;
+    }
+
     void tell() { told_ = true; }  // to begin this trial
     bool told() const { return told_; }
     // Its device has failed or it has been stopped in this trial, and its words have arrived; else null.
-    const DeviceFault* fault(std::uint32_t trial) const;
+    // The heartbeat says that it has failed, the datagram behind it why; if that is lost, the next one comes in 100 ms.
+    const DeviceFault* fault(std::uint32_t trial) const {
+        const bool failed = newest_.state == NodeState::kFailed && has_words(newest_.reason);
+        return trial_ == trial && failed && fault_ ? &*fault_ : nullptr;
+    }
+
     // It has given up this trial for another reason, which is that a peer of it is silent.
-    bool misses_peer(std::uint32_t trial) const;
+    bool misses_peer(std::uint32_t trial) const {
+        return trial_ == trial && newest_.state == NodeState::kFailed && !has_words(newest_.reason);
+    }
 
   private:
     Role role_;
@@ -59,22 +91,63 @@ class NodePeer {
 // In the order of kNodeRoles.
 class NodePeers {
   public:
-    NodePeers(std::uint64_t instance, const std::array<Channel*, kNodes.size()>& channels);
+    NodePeers(std::uint64_t instance, const std::array<Channel*, kNodes.size()>& channels) {
+        for (std::size_t i = 0; i < kNodes.size(); ++i)
+            peers_.emplace_back(kNodes[i].role, instance, *channels[i]);
+    }
 
     auto begin() { return peers_.begin(); }
     auto end() { return peers_.end(); }
     auto begin() const { return peers_.begin(); }
     auto end() const { return peers_.end(); }
-    const NodePeer& of(Role role) const;
+    const NodePeer& of(Role role) const {
+        return *std::find_if(begin(), end(), [&](const NodePeer& peer) { return peer.role() == role; });
+    }
 
     // The greatest trial number that a node has reported.
-    std::uint32_t last_number() const;
+    std::uint32_t last_number() const {
+        return std::max_element(begin(), end(),
+                                [](const NodePeer& a, const NodePeer& b) { return a.trial() < b.trial(); })
+            ->trial();
+    }
+
     // Roles that have not been heard within `limit`, as text; empty if all are there.
-    std::string missing(SessionTime now, Duration limit) const;
-    bool all_run(std::uint32_t trial, bool with_master) const;
-    const NodePeer& quietest() const;
+    std::string missing(SessionTime now, Duration limit) const {
+        std::string names;
+        for (const NodePeer& peer : peers_) {
+            const bool heard = peer.counters().accepted > 0 && !peer.silent_for(now, limit);
+            if (!heard) names += (names.empty() ? "" : ", ") + std::string(to_string(peer.role()));
+        }
+        return names;
+    }
+
+    bool all_run(std::uint32_t trial, bool with_master) const {
+        return std::all_of(begin(), end(), [&](const NodePeer& peer) {
+            if (peer.role() == Role::kMaster && !with_master) return true;
+            return peer.trial() == trial && peer.newest().state == NodeState::kRunning;
+        });
+    }
+
+    const NodePeer& quietest() const {
+        return *std::min_element(begin(), end(), [](const NodePeer& a, const NodePeer& b) {
+            return a.last_heard() < b.last_heard();
+        });
+    }
+
     // The node that prevents a start: a dead one, else the first that has not obeyed, else the first that has given up.
-    const NodePeer& laggard(SessionTime now, std::uint32_t trial, bool with_master) const;
+    const NodePeer& laggard(SessionTime now, std::uint32_t trial, bool with_master) const {
+        const NodePeer& quiet = quietest();
+        if (quiet.silent_for(now, kPeerTimeout)) return quiet;
+        const auto first = [&](auto stuck) {
+            return std::find_if(begin(), end(), [&](const NodePeer& peer) {
+                return (peer.role() != Role::kMaster || with_master) && stuck(peer);
+            });
+        };
+        auto found = first([&](const NodePeer& peer) { return peer.trial() != trial; });
+        if (found == end())
+            found = first([](const NodePeer& peer) { return peer.newest().state != NodeState::kRunning; });
+        return found == end() ? quiet : *found;
+    }
 
   private:
     std::deque<NodePeer> peers_;
