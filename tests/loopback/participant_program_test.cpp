@@ -22,8 +22,11 @@ using testing::HasSubstr;
 // A session file of one trial per modality, a folder, ports, and what is run with them.
 class ParticipantSessions {
   public:
-    explicit ParticipantSessions(const std::string& who, double contact_hold_s = 0.5)
-        : contact_hold_s_(contact_hold_s), file_(write("session.toml", who)), dataset_(folder_ / "data") {}
+    explicit ParticipantSessions(const std::string& who, double contact_hold_s = 0.5, int break_every = 1)
+        : contact_hold_s_(contact_hold_s),
+          break_every_(break_every),
+          file_(write("session.toml", who)),
+          dataset_(folder_ / "data") {}
 
     std::filesystem::path write(const std::string& name, const std::string& who) const {
         return folder_.write(name,
@@ -31,8 +34,8 @@ class ParticipantSessions {
                                          "[fixture]\nposition_m = 0.035\n"
                                          "[trial]\ncontact_hold_s = {}\n"
                                          "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\n"
-                                         "practice_trials = 0\nbreak_every = 1\nbreak_minimum_s = 0.1\n",
-                                         who, contact_hold_s_));
+                                         "practice_trials = 0\nbreak_every = {}\nbreak_minimum_s = 0.1\n",
+                                         who, contact_hold_s_, break_every_));
     }
 
     std::vector<std::string> arguments(const std::vector<std::string>& more) const {
@@ -84,6 +87,7 @@ class ParticipantSessions {
     Folder folder_;
     PortBlock ports_;
     double contact_hold_s_;
+    int break_every_;
     std::filesystem::path file_;
     Dataset dataset_;
 };
@@ -280,7 +284,7 @@ TEST(MonitorOfARun, WithoutItNobodyListens) {
 }
 
 TEST(MonitorOfAParticipantSession, ATrialIsRepeatedWhenTheViewAsks) {
-    const ParticipantSessions sessions("subject = 7", 0.2);
+    const ParticipantSessions sessions("subject = 7", 0.2, 10);
     Child child = sessions.start({"--monitor"});
     PlayedView view(sessions.base_port());
     ASSERT_TRUE(watch(view, [&] { return view.running(); })) << sessions.words();
