@@ -38,6 +38,11 @@ SWITCHED = (
         f"const int k = (MUTATED({m.number}) ? (4) : (3));",
     ),
     (
+        "constexpr int k[]{1,\n  3};",
+        [m := mutant("1, «3»", "4")],
+        f"const int k[]{{1,\n  (MUTATED({m.number}) ? (4) : (3))}};",
+    ),
+    (
         "static constexpr int k{3};",
         [m := mutant("k{«3»}", "4")],
         f"static inline const int k{{(MUTATED({m.number}) ? (4) : (3))}};",

@@ -10,6 +10,7 @@ delivered, its receiver accepted or refused by name. What is missing at a socket
 
 import json
 import os
+import pathlib
 import subprocess
 import sys
 import tempfile
@@ -87,11 +88,8 @@ def memory_findings(memory, seconds):
 
 
 def report_of(folder, node):
-    for root, _, files in os.walk(folder):
-        for file in files:
-            if file.startswith(f"thimble-{node}_") and file.endswith(".json"):
-                with open(os.path.join(root, file)) as text:
-                    return json.load(text)
+    for path in pathlib.Path(folder).rglob(f"thimble-{node}_*.json"):
+        return json.loads(path.read_text())
     raise SystemExit(f"soak: there is no report of thimble-{node}")
 
 

@@ -72,9 +72,10 @@ def locate(mutant, text):
 
 def constant_before(span, text):
     """The constexpr of the variable whose initialiser holds the span, if it does: a constant cannot be switched."""
-    line = text[text.rfind("\n", 0, span.begin) + 1 : span.begin]
-    match = re.search(r"\b(?:static )?(?:inline )?constexpr\b(?=[^()]*(?:=|\{)[^;]*$)", line)
-    return match and Span(span.begin - len(line) + match.start(), span.begin - len(line) + match.end(), None)
+    declaration = text[max(text.rfind(";", 0, span.begin), text.rfind("\n\n", 0, span.begin)) + 1 : span.begin]
+    match = re.search(r"\b(?:static )?(?:inline )?constexpr\b(?=[^()]*(?:=|\{)[^;]*$)", declaration)
+    begin = span.begin - len(declaration)
+    return match and Span(begin + match.start(), begin + match.end(), None)
 
 
 def _switched(mutant, old):
