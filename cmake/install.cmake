@@ -38,6 +38,9 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/thimble-config-version.cmak
 install(FILES ${CMAKE_BINARY_DIR}/thimble-config.cmake ${CMAKE_BINARY_DIR}/thimble-config-version.cmake
     DESTINATION ${THIMBLE_PACKAGE_DIR} COMPONENT development)
 
+# Programs find the sessions by name beside the folder they lie in, installed or not.
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/share/thimble)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/deploy/sessions ${CMAKE_BINARY_DIR}/share/thimble/sessions SYMBOLIC)
 # Session files, scenes and networks to begin with.
 install(DIRECTORY deploy/sessions deploy/scenes deploy/profiles DESTINATION ${CMAKE_INSTALL_DATADIR}/thimble
     COMPONENT programs)

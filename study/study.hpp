@@ -1,4 +1,4 @@
-// `thimble study`: whole experiments in virtual time, in this one process.
+// `thimble study`: all trials of a session in virtual time, in this one process.
 #pragma once
 
 #include <atomic>
@@ -19,7 +19,7 @@
 namespace thimble {
 
 struct StudyOptions {
-    std::vector<Protocol> protocols;  // one per experiment, in order
+    std::vector<Protocol> protocols;  // one per experiment and delay, in order
     std::filesystem::path out;
     std::string command;                     // as typed, for the report's provenance
     unsigned jobs = 0;                       // threads; 0: one per core
@@ -32,6 +32,7 @@ struct StudyOptions {
     // compared (compensators.json). The paper's claims are about HF without.
     std::vector<Compensator> compensators{};
     AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
+    bool paper_design = true;                     // the paper's claims are judged only then
     const std::atomic<bool>* stop = nullptr;      // asked between trials
 };
 

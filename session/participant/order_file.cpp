@@ -34,19 +34,6 @@ std::string field_of(const OrderEntry& entry, std::size_t column) {
     return fmt::to_string(field);
 }
 
-std::vector<Protocol> protocols_of(const SystemSettings& settings, const ProtocolSettings& plan) {
-    std::vector<Protocol> protocols;
-    for (const std::uint32_t experiment : plan.experiments) {
-        const auto make = experiment == 1 ? experiment_1 : experiment == 2 ? experiment_2 : experiment_3;
-        Protocol protocol = make(settings, plan.subjects, settings.plan.seed);
-        protocol.trials_per_modality = plan.trials_per_modality;
-        protocol.modalities = settings.plan.modalities;
-        if (protocol.removals_per_subject > 0) protocol.removals_per_subject = plan.removals;
-        protocols.push_back(protocol);
-    }
-    return protocols;
-}
-
 // Each modality in turn, as [session] lists them: a newcomer to the handle knows what comes.
 std::vector<OrderEntry> practice_of(const Protocol& protocol, const ProtocolSettings& plan,
                                     std::uint32_t participant) {
@@ -76,7 +63,13 @@ std::vector<OrderEntry> plan_order(const SystemSettings& settings, std::uint32_t
                     "participant P{:02} does not fit into [protocol] subjects = {}: correct one of them",
                     participant, plan.subjects);
     }
-    const std::vector<Protocol> protocols = protocols_of(settings, plan);
+    if (settings.plan.delays.size() > 1) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("[session] delays_s names {} delays, and a participant session has one: name "
+                                "one, and give the others files of their own (thimble study takes all)",
+                                settings.plan.delays.size()));
+    }
+    const std::vector<Protocol> protocols = session_protocols(settings);
     std::vector<OrderEntry> order = practice_of(protocols[0], plan, participant);
     std::uint32_t counted = 0;
     for (const TrialConditions& conditions :

@@ -102,14 +102,38 @@ Protocol experiment_1(const SystemSettings& settings, std::uint32_t subjects, st
 
 Protocol experiment_2(const SystemSettings& settings, std::uint32_t subjects, std::uint64_t seed) {
     Protocol protocol = protocol_of(settings, 2, subjects, seed);
-    protocol.removals_per_subject = 2;
+    protocol.removals_per_subject = kRemovals;
     return protocol;
 }
 
 Protocol experiment_3(const SystemSettings& settings, std::uint32_t subjects, std::uint64_t seed) {
     Protocol protocol = protocol_of(settings, 3, subjects, seed);
-    protocol.delay_s = 0.05;
+    protocol.delay_s = to_seconds(kDelayOfExperiment3);
     return protocol;
+}
+
+std::vector<Protocol> session_protocols(const SystemSettings& settings) {
+    const ProtocolSettings plan = settings.protocol.value_or(ProtocolSettings{});
+    std::vector<Protocol> protocols;
+    for (const std::uint32_t experiment : plan.experiments) {
+        Protocol protocol = protocol_of(settings, experiment, plan.subjects, settings.plan.seed);
+        protocol.trials_per_modality = plan.trials_per_modality;
+        protocol.modalities = settings.plan.modalities;
+        if (experiment == 2) protocol.removals_per_subject = plan.removals;
+        for (const Duration delay : settings.plan.delays) {
+            protocol.delay_s = to_seconds(delay);
+            protocols.push_back(protocol);
+        }
+    }
+    return protocols;
+}
+
+bool is_paper_design(const Protocol& protocol) {
+    const Protocol paper;
+    const double delay_s = protocol.experiment == 3 ? to_seconds(kDelayOfExperiment3) : 0;
+    return protocol.trials_per_modality == paper.trials_per_modality &&
+           protocol.modalities == paper.modalities && protocol.delay_s == delay_s &&
+           protocol.removals_per_subject == (protocol.experiment == 2 ? kRemovals : 0);
 }
 
 double draw_fixture_position_m(const Protocol& protocol, std::uint32_t subject, std::uint32_t trial) {

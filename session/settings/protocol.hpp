@@ -27,12 +27,18 @@ struct Protocol {
 
 inline constexpr std::uint32_t kSubjectsWithoutDelay = 16;  // of experiments 1 and 2: the same people
 inline constexpr std::uint32_t kSubjectsWithDelay = 10;     // of experiment 3
+inline constexpr std::uint32_t kRemovals = 2;               // of experiment 2, per subject
 
 // The paper's experiments. 1: no delay, 6 trials per modality. 2: two further trials of each subject of
 // experiment 1, with the fixture's sudden removal. 3: as 1, with 50 ms on the force path.
 Protocol experiment_1(const SystemSettings& settings, std::uint32_t subjects, std::uint64_t seed);
 Protocol experiment_2(const SystemSettings& settings, std::uint32_t subjects, std::uint64_t seed);
 Protocol experiment_3(const SystemSettings& settings, std::uint32_t subjects, std::uint64_t seed);
+
+// The trials that a session file plans: each experiment of [protocol], at each delay. Without [protocol] as by an empty one.
+std::vector<Protocol> session_protocols(const SystemSettings& settings);
+// The trials are those of the paper, whatever the subjects, their number, the order and the fixtures.
+bool is_paper_design(const Protocol& protocol);
 
 // Uniform within +-jitter around the nominal position.
 double draw_fixture_position_m(const Protocol& protocol, std::uint32_t subject, std::uint32_t trial);

@@ -12,7 +12,7 @@ namespace {
 std::vector<std::uint32_t> read_experiments(const ConfigTable& table) {
     std::vector<double> numbers{3};
     table.read("experiments", numbers, 1, 3,
-               "[1], [2], [1, 2] or [3], as in thimble study; a participant session has one delay.");
+               "[1], [2] or [1, 2], without delay, or [3], at the delays of [session].");
     std::vector<std::uint32_t> experiments;
     for (const double number : numbers) {
         experiments.push_back(static_cast<std::uint32_t>(number));
@@ -21,9 +21,8 @@ std::vector<std::uint32_t> read_experiments(const ConfigTable& table) {
     const std::vector<std::vector<std::uint32_t>> allowed{{1}, {2}, {1, 2}, {3}};
     if (std::find(allowed.begin(), allowed.end(), experiments) == allowed.end()) {
         table.fail("experiments",
-                   "must be [1], [2], [1, 2] or [3]: 1 and 2 are without delay and 3 is with, and a "
-                   "participant session "
-                   "has one delay; give other people, or another day, a file and a folder of their own");
+                   "must be [1], [2], [1, 2] or [3]: 1 and 2 are without delay and 3 is with; give other "
+                   "people, or another day, a file and a folder of their own");
     }
     return experiments;
 }

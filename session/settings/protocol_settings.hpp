@@ -1,7 +1,8 @@
-// Tables [protocol] and [dataset] of a session file: the participant session of one participant after another, and what
-// the data are called. Without [protocol] `thimble run` runs one trial per modality and delay.
+// Tables [protocol] and [dataset] of a session file: the design of a study, whose participant sessions `thimble run` runs one by one,
+// and the data's names. Without [protocol] `thimble run` runs one trial per modality and delay.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,12 +11,13 @@
 
 namespace thimble {
 
+inline constexpr Duration kDelayOfExperiment3 = std::chrono::milliseconds{50};
+
 enum class RepeatWhen : std::uint8_t { kEndOfBlock, kAtOnce };
 
 struct ProtocolSettings {
-    std::vector<std::uint32_t> experiments{
-        3};                       // [1], [2], [1, 2] or [3]: a participant session has one delay
-    std::uint32_t subjects = 10;  // planned: participants P01 to P<subjects>
+    std::vector<std::uint32_t> experiments{3};  // [1], [2], [1, 2] or [3]: those without delay, or that with
+    std::uint32_t subjects = 10;                // planned: participants P01 to P<subjects>
     std::uint32_t trials_per_modality = 6;
     std::uint32_t removals = 2;  // of the fixture, per participant; experiment 2
     std::uint32_t practice_trials = 4;

@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/network_settings.hpp"
 #include "common/runtime/runtime_settings.hpp"
+#include "netem/packet_trace.hpp"
 
 namespace thimble {
 namespace {
@@ -37,31 +39,44 @@ void read_subject(const ConfigTable& table, SessionPlan& plan) {
 void read_modalities(const ConfigTable& table, SessionPlan& plan) {
     std::vector<std::string> names;
     for (const Modality modality : plan.modalities) names.emplace_back(to_string(modality));
-    table.read("modalities", names, "Trials of thimble run, in this order: of HF, CF, CCF and VF.");
+    table.read("modalities", names, "Of HF, CF, CCF and VF; thimble run keeps their order.");
+    plan.names_modalities = table.has("modalities");
     plan.modalities.clear();
     for (const std::string& name : names) {
         const auto modality = find_modality(name);
         if (!modality) table.fail("modalities", "holds \"{}\"; {}", name, kModalityHelp);
+        if (std::find(plan.modalities.begin(), plan.modalities.end(), *modality) != plan.modalities.end())
+            table.fail("modalities", "holds \"{}\" twice", name);
         plan.modalities.push_back(*modality);
     }
     if (plan.modalities.empty()) table.fail("modalities", "is empty; name at least one of HF, CF, CCF, VF");
 }
 
+void read_delays(const ConfigTable& table, SessionPlan& plan) {
+    std::vector<double> delays;
+    for (const Duration delay : plan.delays) delays.push_back(to_seconds(delay));
+    table.read(
+        "delays_s", delays, 0, 60,
+        "One-way delays of the force path; without this key the delay of [netem.force], if it has one.");
+    if (delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
+    plan.names_delays = table.has("delays_s");
+    plan.delays.clear();
+    for (const double delay_s : delays) {
+        if (std::find(plan.delays.begin(), plan.delays.end(), from_seconds(delay_s)) != plan.delays.end())
+            table.fail("delays_s", fmt::format("holds {} twice", delay_s));
+        plan.delays.push_back(from_seconds(delay_s));
+    }
+}
+
 SessionPlan read_plan(const ConfigTable& table) {
     SessionPlan plan;
     read_modalities(table, plan);
-    std::vector<double> delays;
-    for (const Duration delay : plan.delays) delays.push_back(to_seconds(delay));
-    table.read("delays_s", delays, 0, 60,
-               "One-way delays of the force path; each replaces [netem.force] delay_s.");
-    if (delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
-    plan.delays.clear();
-    for (const double delay_s : delays) plan.delays.push_back(from_seconds(delay_s));
-    table.read("seed", plan.seed, 0, INT64_MAX, "Of thimble run; thimble study takes --seed.");
+    read_delays(table, plan);
+    table.read("seed", plan.seed, 0, INT64_MAX, "Of all random numbers; --seed of a study replaces it.");
     read_subject(table, plan);
-    table.read(
-        "order", plan.order, kTrialOrderNames,
-        "Of a subject's trials in thimble study: as in the paper, or balanced for position and carry-over.");
+    table.read("order", plan.order, kTrialOrderNames,
+               "Of a subject's trials, with [protocol] or in thimble study: as in the paper, or balanced for "
+               "position and carry-over.");
     table.read("fixture_jitter_m", plan.fixture_jitter_m, 0, 1,
                "Half width of the uniform draw of the fixture around [fixture] position_m.");
     table.read("parallel_conditions", plan.parallel_conditions, 0, 64,
@@ -94,6 +109,51 @@ void check_agreement(const ConfigFile& file, const SystemSettings& s) {
           "visual.bar_full_scale_N");
 }
 
+// Delays of a trace hold whatever the mean delay is.
+bool has_traced_delay(const LinkSettings& link) {
+    return link.trace != nullptr && link.trace->layout().has_delay;
+}
+
+std::string list_of(const std::vector<Duration>& delays) {
+    std::vector<double> delays_s;
+    for (const Duration delay : delays) delays_s.push_back(to_seconds(delay));
+    return fmt::format("[{}]", fmt::join(delays_s, ", "));
+}
+
+void check_named_delays(const ConfigFile& file, const SystemSettings& s) {
+    const ConfigTable session = file.table("session");
+    if (has_traced_delay(s.netem.force))
+        session.fail("delays_s", fmt::format("is {}, but the trace of [netem.force] gives the delays: leave "
+                                             "delays_s out, or the trace",
+                                             list_of(s.plan.delays)));
+    if (!file.table("netem").table("force").has("delay_s")) return;
+    if (s.plan.delays == std::vector{s.netem.force.delay}) return;
+    session.fail("delays_s",
+                 fmt::format("is {}, but netem.force.delay_s is {}: both are the delay of the force path, so "
+                             "leave one of them out",
+                             list_of(s.plan.delays), to_seconds(s.netem.force.delay)));
+}
+
+// One delay of the force path for all commands, wherever the file says it.
+void settle_delays(const ConfigFile& file, SystemSettings& s) {
+    const ConfigTable force = file.table("netem").table("force");
+    const bool undelayed = s.protocol && s.protocol->experiments != std::vector{3U};
+    if (s.plan.names_delays) {
+        check_named_delays(file, s);
+    } else if (force.has("delay_s") || force.has("profile") || has_traced_delay(s.netem.force)) {
+        s.plan.names_delays = true;
+        s.plan.delays = {s.netem.force.delay};
+    } else if (s.protocol) {
+        s.plan.delays = {undelayed ? Duration{0} : kDelayOfExperiment3};
+    }
+    if (!undelayed || s.plan.delays == std::vector{Duration{0}}) return;
+    file.table("protocol")
+        .fail("experiments",
+              fmt::format("holds 1 or 2, which are without delay, but the force path's delay is {} s: write "
+                          "[3] here, or delays_s = [0.0] in [session] (and no delay_s in [netem.force])",
+                          list_of(s.plan.delays)));
+}
+
 }  // namespace
 
 std::optional<TrialOrder> parse_order(std::string_view text) {
@@ -123,9 +183,21 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     s.dataset = read_dataset_settings(file.table("dataset"));
     s.launch = read_launch_settings(file);
     s.log = read_log_settings(file);
+    settle_delays(file, s);
     check_agreement(file, s);
     file.finish();
     return s;
+}
+
+void require_virtual_subjects(const SystemSettings& settings, std::string_view command) {
+    const auto refuse = [command](const char* person, const char* key) {
+        throw Error(ExitCode::kUsage,
+                    fmt::format("{}, and thimble {} runs virtual subjects, who hold the simulated handle: "
+                                "leave {} out (thimble run is for people)",
+                                person, command, key));
+    };
+    if (held_by_person(settings.handle.kind)) refuse("[handle] device is for a person's hand", "device");
+    if (settings.plan.kind == SubjectKind::kHuman) refuse("[session] subject is \"human\"", "subject");
 }
 
 SessionSettings session_settings(const SystemSettings& settings) {

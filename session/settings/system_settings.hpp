@@ -40,10 +40,12 @@ constexpr const char* to_string(TrialOrder order) {
 }
 std::optional<TrialOrder> parse_order(std::string_view text);
 
-// How trials are drawn and what `thimble run` runs. Table [session].
+// Which trials a session has, and how they are drawn: the same for every command. Table [session].
 struct SessionPlan {
     std::vector<Modality> modalities{kModalities.begin(), kModalities.end()};
-    std::vector<Duration> delays{Duration{0}, std::chrono::milliseconds{50}};  // of the force path, one-way
+    // Of the force path, one-way: delays_s, else the delay of [netem.force], else that of [protocol]'s experiments.
+    std::vector<Duration> delays{Duration{0}, std::chrono::milliseconds{50}};
+    bool names_modalities = false, names_delays = false;  // the file gives them
     std::uint64_t seed = 1;
     std::uint32_t subject = 1;  // of a human subject: the participant, 0 where the file names none
     SubjectKind kind = SubjectKind::kVirtual;
@@ -81,6 +83,9 @@ struct SettingChange {
 // An empty path gives the defaults, which are the paper's. The changes stand as if they were in the file.
 SystemSettings load_system_settings(const std::filesystem::path& path,
                                     const std::vector<SettingChange>& changes = {});
+
+// Throws Error (usage) if a person takes part: `command` runs virtual subjects with the simulated handle.
+void require_virtual_subjects(const SystemSettings& settings, std::string_view command);
 
 // Those of the session, its network_delay filled in from both links.
 SessionSettings session_settings(const SystemSettings& settings);

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 
 #include "common/error.hpp"
+#include "session/settings/session_files.hpp"
+#include "session/settings/system_settings.hpp"
 
 namespace thimble {
 namespace {
@@ -26,8 +28,11 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
     CLI::Option* stiffness =
         command.add_option("--stiffness-N-per-m", a.own_hand.stiffness_N_per_m, "of the hand")->needs(mass);
     mass->needs(damping)->needs(stiffness)->excludes("--hand");
-    add(command, "--delay-s", a.delays, "of the whole way round: evenly spread, or values like 0,0.05")
-        .type_name("LOW:HIGH:POINTS");
+    command
+        .add_option("--delay-s", a.delays,
+                    "of the whole way round: evenly spread, or values like 0,0.05; without it the session's, "
+                    "else 0:0.2:41")
+        ->type_name("LOW:HIGH:POINTS");
     CLI::Option* contact =
         command
             .add_option("--contact-stiffness-N-per-m", a.stiffness,
@@ -41,10 +46,11 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
         ->excludes(contact);
     add(command, "--full-stiffness-N-per-m", a.rest.full_stiffness_N_per_m, "of a gain of 1, at the handle")
         .check(CLI::PositiveNumber);
-    add(command, "--compensator", a.compensators,
-        "none, scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
-        "local-fixture, wave, two-port (docs/compensators.md), several with commas")
-        .delimiter(',')
+    command
+        .add_option("--compensator", a.compensators,
+                    "none (default), scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
+                    "local-fixture, wave, two-port (docs/compensators.md), several with commas")
+        ->delimiter(',')
         ->allow_extra_args(false);
 }
 
@@ -53,7 +59,8 @@ void add_network_options(CLI::App& command, SweepArguments& a) {
     add(command, "--loss", a.losses, "share of packets that is lost");
     add(command, "--loss-burst", a.rest.mean_burst, "packets lost in a row on average; 1: each by itself")
         .check(CLI::Range(1.0, 1e6));
-    add(command, "--seed", a.rest.seed, "of delays, losses and virtual subjects");
+    command.add_option("--seed", a.seed,
+                       "of delays, losses and virtual subjects, instead of [session] seed (1)");
 }
 
 void add_hold_options(CLI::App& command, SweepArguments& a) {
@@ -73,7 +80,30 @@ void add_operator_options(CLI::App& command, SweepArguments& a) {
         .check(CLI::IsMember({"passive", "virtual"}));
     add(command, "--trials", a.rest.trials, "of the virtual operator in each cell, each another subject")
         .check(CLI::Range(1, 10000));
-    command.add_option("--config", a.rest.config, "session file (TOML) for the virtual operator");
+    command.add_option(
+        "session", a.session,
+        "session file (TOML) or name, for the virtual operator: also its delays and modalities, "
+        "unless --delay-s and --compensator are given");
+}
+
+// The virtual operator has the session's trials, but for their number, which is --trials.
+void take_session(const SweepArguments& a, MapGrid& grid) {
+    if (!a.session.empty()) grid.config = find_session_file(a.session).string();
+    const SystemSettings settings = load_system_settings(grid.config);
+    require_virtual_subjects(settings, "sweep");
+    if (settings.protocol)
+        throw Error(ExitCode::kUsage,
+                    "[protocol] says how many trials each subject does, and thimble sweep runs --trials "
+                    "trials in each cell, each of another subject: leave [protocol] out");
+    grid.seed = a.seed.value_or(settings.plan.seed);
+    if (a.delays.empty() && settings.plan.names_delays) {
+        grid.delays_s.clear();
+        for (const Duration delay : settings.plan.delays) grid.delays_s.push_back(to_seconds(delay));
+    }
+    if (!a.compensators.empty() || !settings.plan.names_modalities) return;
+    grid.compensators.clear();
+    for (const Modality modality : settings.plan.modalities)
+        grid.compensators.emplace_back(modality == Modality::kHF ? "none" : to_string(modality));
 }
 
 }  // namespace
@@ -95,6 +125,7 @@ void add_sweep_options(CLI::App& command, SweepArguments& a) {
         "Examples:\n  thimble sweep --hand D --out out/map\n"
         "  thimble sweep --hand A,D --compensator none,wave,energy-bound --jitter-s 0,0.005 --loss 0,0.05 "
         "--out out/compensators\n"
+        "  thimble sweep my-session.toml --operator virtual --gain 0.1:1:4 --trials 3 --out out/people\n"
         "  mpirun -n 4 thimble sweep --hand A,B,C,D,E --out out/hands\n"
         "What the classes mean, and why peak-to-peak alone is not one: docs/stability.md");
 }
@@ -104,10 +135,11 @@ MapGrid grid_of(const SweepArguments& a) {
     const bool person = a.who == "virtual";
     grid.who = person ? MapOperator::kVirtual : MapOperator::kPassive;
     if (person && (a.own_hand.mass_kg > 0 || a.hands != std::vector<std::string>{"D"}))
-        throw Error(
-            ExitCode::kUsage,
-            "--operator virtual has a hand of its own ([operator] of --config): leave out --hand, --mass-kg");
-    if (!person && !a.rest.config.empty()) throw Error(ExitCode::kUsage, "--config is of --operator virtual");
+        throw Error(ExitCode::kUsage,
+                    "--operator virtual has a hand of its own ([operator] of the session): leave out --hand, "
+                    "--mass-kg");
+    if (!person && !a.session.empty())
+        throw Error(ExitCode::kUsage, "a session is of --operator virtual: say that, or leave it out");
     if (person) {
         grid.hands = {{"virtual", {1, 0, 0}}};
     } else if (a.own_hand.mass_kg != 0) {
@@ -115,8 +147,10 @@ MapGrid grid_of(const SweepArguments& a) {
     } else {
         for (const std::string& letter : a.hands) grid.hands.push_back(named_hand(letter));
     }
-    grid.compensators = a.compensators;
-    grid.delays_s = parse_map_axis("--delay-s", a.delays, false);
+    grid.seed = a.seed.value_or(grid.seed);
+    grid.compensators = a.compensators.empty() ? std::vector<std::string>{"none"} : a.compensators;
+    grid.delays_s = parse_map_axis("--delay-s", a.delays.empty() ? "0:0.2:41" : a.delays, false);
+    if (person) take_session(a, grid);
     grid.jitters_s = parse_map_axis("--jitter-s", a.jitters, false);
     grid.losses = parse_map_axis("--loss", a.losses, false);
     if (!a.gain.empty()) {

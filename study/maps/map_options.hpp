@@ -1,7 +1,9 @@
 // thimble sweep, and thimble-sweep-mpi: what they take, and what they do.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +17,12 @@ class App;
 namespace thimble {
 
 struct SweepArguments {
-    std::vector<std::string> hands{"D"}, compensators{"none"};
+    std::vector<std::string> hands{"D"},
+        compensators;   // no compensators: the session's modalities, else "none"
     HeldMass own_hand;  // a mass above 0: instead of `hands`
-    std::string delays = "0:0.2:41", stiffness, gain, jitters = "0", losses = "0", who = "passive";
-    std::string out;
+    std::string delays, stiffness, gain, jitters = "0", losses = "0", who = "passive";
+    std::string session, out;
+    std::optional<std::uint64_t> seed;
     MapGrid rest;
     unsigned jobs = 0;
     std::size_t block = 0;

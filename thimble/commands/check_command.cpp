@@ -1,12 +1,18 @@
-// thimble check: what is wrong with a session file.
+// thimble check: what is wrong with a session file, or which trials it means.
 #include <chrono>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include "common/error.hpp"
+#include "session/participant/order_file.hpp"
+#include "session/records/condition_summary.hpp"
+#include "session/settings/protocol.hpp"
 #include "session/settings/system_settings.hpp"
 #include "thimble/commands/commands.hpp"
 #include "thimble/commands/shared.hpp"
@@ -25,12 +31,55 @@ void warn_of_milliseconds(const SessionPlan& plan) {
     }
 }
 
+std::string conditions_text(const SessionPlan& plan) {
+    std::vector<std::string> delays, modalities;
+    for (const Duration delay : plan.delays) delays.push_back(delay_text(to_seconds(delay)));
+    for (const Modality modality : plan.modalities) modalities.emplace_back(to_string(modality));
+    return fmt::format("delay of the force path {}; modalities {}", fmt::join(delays, ", "),
+                       fmt::join(modalities, ", "));
+}
+
+std::string run_text(const SystemSettings& settings) {
+    const SessionPlan& plan = settings.plan;
+    if (settings.protocol) {
+        return fmt::format("one participant's session of {} trials ({} of them for practice), of {} planned",
+                           plan_order(settings, 1).size(), settings.protocol->practice_trials,
+                           settings.protocol->subjects);
+    }
+    if (plan.kind == SubjectKind::kHuman)
+        throw Error(ExitCode::kUsage, "a person's session needs a table [protocol]");
+    return fmt::format("{} trials, one for each delay and modality, of virtual subject {}",
+                       plan.delays.size() * plan.modalities.size(), plan.subject);
+}
+
+std::string study_text(const SystemSettings& settings) {
+    require_virtual_subjects(settings, "study");
+    std::uint64_t trials = 0;
+    const std::vector<Protocol> protocols = session_protocols(settings);
+    for (const Protocol& protocol : protocols)
+        trials += std::uint64_t{protocol.subjects} * subject_trials(protocol, 1).size();
+    return fmt::format("{} trials of {} virtual subject{}{}", trials, protocols[0].subjects,
+                       protocols[0].subjects == 1 ? "" : "s",
+                       is_paper_session(settings.file) ? ", judged by the paper's claims" : "");
+}
+
+// A line for each command, which says the same as the command: also why it refuses the session.
+void say(const char* command, std::string (*text)(const SystemSettings&), const SystemSettings& settings) {
+    try {
+        fmt::print("thimble {}: {}\n", command, text(settings));
+    } catch (const Error& refusal) {
+        fmt::print("thimble {}: refused: {}\n", command, refusal.what());
+    }
+}
+
 int check_config(const std::string& config) {
     const SystemSettings settings = load_system_settings(config);
     check_build(settings);
     warn_of_milliseconds(settings.plan);
     for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
-    fmt::print("{}: good\n", config);
+    fmt::print("{}: good\n{}\n", config, conditions_text(settings.plan));
+    say("run", run_text, settings);
+    say("study", study_text, settings);
     return 0;
 }
 
@@ -38,9 +87,10 @@ int check_config(const std::string& config) {
 
 Subcommand add_check(CLI::App& app) {
     const auto config = std::make_shared<std::string>();
-    CLI::App* check = app.add_subcommand("check", "read a session file and say what is wrong with it");
-    check->add_option("session", *config, "session file (TOML)")->required();
-    check->footer("Example:\n  thimble check deploy/sessions/delay50.toml");
+    CLI::App* check = app.add_subcommand(
+        "check", "read a session file: what is wrong with it, or which trials run and study would do");
+    takes_session(check->add_option("session", *config, "session file (TOML) or name"))->required();
+    check->footer("Examples:\n  thimble check my-session.toml\n  thimble check paper-experiment-3");
     return {check, [config] { return check_config(*config); }};
 }
 

@@ -1,5 +1,6 @@
-// thimble compensators: experiment 3 with each delay compensator, beside HF, CF, CCF and VF.
+// thimble compensators: a session's trials with each delay compensator in HF, beside HF, CF, CCF and VF.
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -22,14 +23,18 @@
 #include "study/compensators/compensator_report.hpp"
 #include "study/compensators/compensator_table.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
 
 struct CompensatorsArguments {
-    std::string config, out;
+    std::string session, out;
     std::vector<double> delays_ms;
-    CompensatorStudyOptions study;
+    std::vector<std::string> only;
+    std::optional<std::uint32_t> subjects, trials;  // instead of the session's
+    std::optional<std::uint64_t> seed;
+    CompensatorStudyOptions study;  // as the session and the above have it
     bool overwrite = false;
 };
 
@@ -59,8 +64,8 @@ std::string plan_text(const CompensatorsArguments& a) {
     for (const CompensatorNetwork& network : s.networks)
         text += fmt::format("network {}: {} s, jitter {} s, loss {}\n", network.name, network.delay_s,
                             network.jitter_spread_s, network.loss);
-    if (a.config.empty()) return text;
-    std::ifstream file(a.config, std::ios::binary);
+    if (a.session.empty()) return text;
+    std::ifstream file(a.session, std::ios::binary);
     return text + "session file:\n" + std::string(std::istreambuf_iterator<char>(file), {});
 }
 
@@ -82,11 +87,12 @@ IfExists prepare_folder(const CompensatorsArguments& a) {
 
 // The command that gives the same results, without the output folder.
 std::string compensators_command(const CompensatorsArguments& a) {
-    std::string command = fmt::format("thimble compensators --subjects {} --trials {} --seed {}",
-                                      a.study.subjects, a.study.trials, a.study.seed);
-    if (!a.config.empty()) command += " --config " + a.config;
+    std::string command = "thimble compensators";
+    if (!a.session.empty()) command += " " + shipped_name(a.session).value_or(a.session);
+    command +=
+        fmt::format(" --subjects {} --trials {} --seed {}", a.study.subjects, a.study.trials, a.study.seed);
     if (!a.delays_ms.empty()) command += fmt::format(" --delays-ms {}", fmt::join(a.delays_ms, " "));
-    if (!a.study.names.empty()) command += fmt::format(" --only {}", fmt::join(a.study.names, " "));
+    if (!a.only.empty()) command += fmt::format(" --only {}", fmt::join(a.only, " "));
     return command;
 }
 
@@ -115,19 +121,48 @@ bool run_all(const SystemSettings& settings, const CompensatorsArguments& a,
     return complete;
 }
 
-int compare_compensators(CompensatorsArguments arguments) {
-    const SystemSettings settings = load_system_settings(arguments.config);
-    if (held_by_person(settings.handle.kind))
-        throw Error(ExitCode::kUsage,
-                    "thimble compensators needs the virtual operator: remove [handle] device");
-    install_stop_signals();
-    arguments.study.stop = &stop_requested();
-    arguments.study.networks = standard_networks();
-    if (!arguments.delays_ms.empty()) {
-        std::vector<double> delays_s;
-        for (const double delay_ms : arguments.delays_ms) delays_s.push_back(delay_ms / 1000);
-        arguments.study.networks = plain_networks(delays_s);
+// As typed, else as the session says, else those of the comparison.
+std::vector<CompensatorNetwork> networks_of(const SystemSettings& settings, const CompensatorsArguments& a) {
+    std::vector<double> delays_s;
+    for (const double delay_ms : a.delays_ms) delays_s.push_back(delay_ms / 1000);
+    if (delays_s.empty() && settings.plan.names_delays)
+        for (const Duration delay : settings.plan.delays) delays_s.push_back(to_seconds(delay));
+    return delays_s.empty() ? standard_networks() : plain_networks(delays_s);
+}
+
+// A session that names its modalities has these and all compensators, which act in HF.
+std::vector<std::string> conditions_of(const SystemSettings& settings, const CompensatorsArguments& a) {
+    if (!a.only.empty() || !settings.plan.names_modalities) return a.only;
+    std::vector<std::string> names;
+    for (const Modality modality : settings.plan.modalities) names.emplace_back(to_string(modality));
+    for (std::size_t i = 1; i < kCompensatorNames.size(); ++i) names.emplace_back(kCompensatorNames[i]);
+    return names;
+}
+
+CompensatorStudyOptions study_of(const SystemSettings& settings, const CompensatorsArguments& a) {
+    CompensatorStudyOptions study = a.study;
+    if (const auto& protocol = settings.protocol) {
+        if (protocol->experiments != std::vector{3U})
+            throw Error(ExitCode::kUsage,
+                        "[protocol] experiments holds 1 or 2, and thimble compensators has the trials of "
+                        "experiment 3: write [3], or leave the key out");
+        study.subjects = protocol->subjects;
+        study.trials = protocol->trials_per_modality;
     }
+    study.subjects = a.subjects.value_or(study.subjects);
+    study.trials = a.trials.value_or(study.trials);
+    study.seed = a.seed.value_or(settings.plan.seed);
+    study.networks = networks_of(settings, a);
+    study.names = conditions_of(settings, a);
+    return study;
+}
+
+int compare_compensators(CompensatorsArguments arguments) {
+    const SystemSettings settings = load_system_settings(arguments.session);
+    require_virtual_subjects(settings, "compensators");
+    install_stop_signals();
+    arguments.study = study_of(settings, arguments);
+    arguments.study.stop = &stop_requested();
     std::vector<CompensatorTrial> trials = plan_compensator_trials(settings, arguments.study);
     if (!run_all(settings, arguments, trials)) return static_cast<int>(ExitCode::kRunFailed);
     print_rows(condense(settings, arguments.study, trials));
@@ -147,22 +182,24 @@ Subcommand add_compensators(CLI::App& app) {
     CLI::App* sub = app.add_subcommand(
         "compensators",
         "experiment 3 in virtual time with each delay compensator, beside HF, CF, CCF and VF");
-    sub->add_option("--config", a.config, "session file (TOML); its network holds, but for the force delay");
+    takes_session(sub->add_option("session", a.session,
+                                  "session file (TOML) or name: its network, delays, modalities, numbers of "
+                                  "subjects and trials"));
     sub->add_option(
         "--out", a.out,
         "folder for report.html, figures/ and the tables; the same command goes on there after Ctrl-C");
-    sub->add_option(
-           "--delays-ms", a.delays_ms,
-           "delays of the force path, one way, instead of 0 10 25 50 100 200 and 50 with jitter and loss")
+    sub->add_option("--delays-ms", a.delays_ms,
+                    "delays of the force path, one way, instead of the session's, or of 0 10 25 50 100 200 "
+                    "and 50 with "
+                    "jitter and loss")
         ->check(CLI::Range(0.0, 10000.0));
-    sub->add_option("--only", a.study.names, "these conditions alone, e.g. HF CF wave");
-    sub->add_option("--subjects", a.study.subjects, "virtual subjects")
-        ->check(CLI::Range(1, 10000))
-        ->capture_default_str();
-    sub->add_option("--trials", a.study.trials, "of each subject, condition and delay")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    sub->add_option("--seed", a.study.seed, "of subjects, fixtures and networks")->capture_default_str();
+    sub->add_option("--only", a.only, "these conditions alone, e.g. HF CF wave");
+    sub->add_option("--subjects", a.subjects, "virtual subjects, instead of [protocol] subjects (10)")
+        ->check(CLI::Range(1, 10000));
+    sub->add_option("--trials", a.trials,
+                    "of each subject, condition and delay, instead of [protocol] trials_per_modality (1)")
+        ->check(CLI::Range(1, 1000));
+    sub->add_option("--seed", a.seed, "of subjects, fixtures and networks, instead of [session] seed (1)");
     sub->add_option("--jobs", a.study.jobs, "threads; 0: one per core")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str();

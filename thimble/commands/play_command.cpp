@@ -27,7 +27,8 @@ struct PlayArguments {
     PlayOptions play;
     ReplayPlayOptions replay;
     RenderPlan render;
-    std::string config, modality = "HF", visual_command, video;
+    std::string config, modality, visual_command, video;
+    std::optional<double> delay_s;
     double seconds = 0;
     int base_port = 0;
 };
@@ -57,6 +58,19 @@ int render_recorded(PlayArguments& a, const SystemSettings& settings) {
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
+// As typed, else as the session has it, of which the first comes first.
+void choose_first_trial(PlayArguments& a, const SessionPlan& plan) {
+    if (plan.names_modalities) a.play.modality = plan.modalities.front();
+    if (!a.modality.empty()) a.play.modality = *find_modality(a.modality);
+    if (plan.names_delays) a.play.delay_s = to_seconds(plan.delays.front());
+    if (a.delay_s) a.play.delay_s = *a.delay_s;
+    if (a.play.delay_s <= PlayHandler::kLongestDelay_s) return;
+    throw Error(ExitCode::kUsage,
+                fmt::format("the session's force path has a delay of {} s, and thimble play "
+                            "delays by {} s at most: say --delay-s",
+                            a.play.delay_s, PlayHandler::kLongestDelay_s));
+}
+
 int run_play(PlayArguments a) {
     const SystemSettings settings = load_system_settings(a.config);
     if (settings.launch.anywhere_else()) {
@@ -65,7 +79,7 @@ int run_play(PlayArguments a) {
                     "this one: leave [launch] out");
     }
     a.play.network = a.replay.network = network_of(a.config, a.base_port);
-    a.play.modality = *find_modality(a.modality);
+    choose_first_trial(a, settings.plan);
     a.play.stop = a.replay.stop = a.render.stop = &stop_requested();
     a.replay.contact_hold_s = to_seconds(settings.slave.contact_hold);
     if (a.seconds > 0) a.play.longest = a.replay.longest = from_seconds(a.seconds);
@@ -113,12 +127,13 @@ Subcommand add_play(CLI::App& app) {
     const auto arguments = std::make_shared<PlayArguments>();
     CLI::App* sub =
         app.add_subcommand("play", "feel the experiment with a mouse: every node on this machine, a window");
-    sub->add_option("session", arguments->config, "session file (TOML); without it the paper's scene");
-    sub->add_option("--modality", arguments->modality, "of the first trial: HF, CF, CCF or VF")
-        ->default_val(arguments->modality)
+    takes_session(sub->add_option("session", arguments->config,
+                                  "session file (TOML) or name; without it the paper's scene"));
+    sub->add_option("--modality", arguments->modality,
+                    "of the first trial: HF, CF, CCF or VF, instead of the session's first (HF)")
         ->check(CLI::IsMember({"HF", "CF", "CCF", "VF"}));
-    sub->add_option("--delay-s", arguments->play.delay_s, "one-way delay of the force path at the start")
-        ->default_val(arguments->play.delay_s)
+    sub->add_option("--delay-s", arguments->delay_s,
+                    "one-way delay of the force path at the start, instead of the session's first (0.05)")
         ->check(CLI::Range(0.0, PlayHandler::kLongestDelay_s));
     sub->add_option("--record", arguments->play.record,
                     "keep each trial in this folder, as thimble run does");

@@ -22,14 +22,25 @@
 namespace thimble {
 namespace {
 
+// Nodes that run already have the delay that [netem.force] of their file gives them.
+std::vector<Duration> delay_of_running_nodes(const SystemSettings& settings) {
+    const Duration theirs = settings.netem.force.delay;
+    if (!settings.plan.names_delays || settings.plan.delays == std::vector{theirs}) return {theirs};
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("[session] delays_s asks for another delay than nodes that run already have, which "
+                    "is that of [netem.force], {} s: say delay_s there instead, in this file and in "
+                    "that of thimble-netem",
+                    to_seconds(theirs)));
+}
+
 class Run {
   public:
     Run(const SystemSettings& settings, const RunOptions& options)
         : settings_(settings),
           options_(options),
           if_exists_(options.overwrite ? IfExists::kReplace : IfExists::kRefuse),
-          // Nodes that run already have the delay that their own file gives them.
-          delays_(options.starter ? settings.plan.delays : std::vector{settings.netem.force.delay}) {
+          delays_(options.starter ? settings.plan.delays : delay_of_running_nodes(settings)) {
         const std::size_t ports = condition_count() * static_cast<std::size_t>(Port::kCount);
         if (options.network.base_port + ports <= 65536) return;
         throw Error(ExitCode::kUsage,

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <fstream>
 #include <iostream>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -63,10 +62,12 @@ std::filesystem::path output_file(const std::filesystem::path& out, const char* 
     return file ? out : out / name;
 }
 
-std::filesystem::path program_folder() {
-    std::error_code error;
-    const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-    return error ? std::filesystem::path("/usr/bin") : self.parent_path();
+CLI::Option* takes_session(CLI::Option* option) {
+    const auto find = [](std::string& given) {
+        given = find_session_file(given).string();
+        return std::string();
+    };
+    return option->transform(CLI::Validator(find, "", ""));
 }
 
 void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows) {

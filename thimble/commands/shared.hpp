@@ -7,6 +7,7 @@
 
 #include "common/network_settings.hpp"
 #include "session/records/trial_table.hpp"
+#include "session/settings/session_files.hpp"
 #include "session/settings/system_settings.hpp"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): theirs
@@ -28,8 +29,8 @@ NetworkSettings network_of(const std::string& session_file, int base_port);
 // made.
 std::filesystem::path output_file(const std::filesystem::path& out, const char* name);
 
-// The nodes' programs lie beside this one.
-std::filesystem::path program_folder();
+// The option gets a session file: of the name of a session that comes with the program, that one's path.
+CLI::Option* takes_session(CLI::Option* option);
 
 // Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF), or letters of
 // [instructions] that the window's font lacks (where there are windows).

@@ -1,8 +1,11 @@
-// thimble study: the paper's experiments in virtual time, once or over many seeds.
+// thimble study: a session's trials by virtual subjects in virtual time, once or over many seeds; by default the paper's.
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -31,25 +34,59 @@ struct SweepRequest {
 };
 
 struct StudyArguments {
-    std::string config, out;
-    std::string experiment = "3", order, analysis = "full";
+    std::string session, out;
+    std::string experiment, order, analysis = "full";
     std::vector<std::string> compensators;
-    std::uint32_t subjects = 0, seeds = 1;
-    std::uint64_t seed = 1;
+    std::optional<std::uint32_t> subjects;
+    std::optional<std::uint64_t> seed;
+    std::uint32_t seeds = 1;
     unsigned jobs = 0;
     SweepRequest sweep;
     bool overwrite = false, resume = false, json = false, trajectories = false, no_control = false;
 };
 
-std::vector<Protocol> protocols_of(const StudyArguments& a, const SystemSettings& settings) {
-    const std::uint32_t without = a.subjects != 0 ? a.subjects : kSubjectsWithoutDelay;
-    const std::uint32_t with = a.subjects != 0 ? a.subjects : kSubjectsWithDelay;
-    const bool all = a.experiment == "all";
+// The sessions' trials. One session, or all three of the paper, which differ in nothing but their trials.
+struct StudyDesign {
+    SystemSettings settings;
     std::vector<Protocol> protocols;
-    if (all || a.experiment == "1") protocols.push_back(experiment_1(settings, without, a.seed));
-    if (all || a.experiment == "2") protocols.push_back(experiment_2(settings, without, a.seed));
-    if (all || a.experiment == "3") protocols.push_back(experiment_3(settings, with, a.seed));
-    return protocols;
+    bool paper = true;
+    std::string words;  // of a command line that names it
+};
+
+// --experiment N is the short form of the paper's sessions.
+std::vector<std::filesystem::path> sessions_of(const StudyArguments& a) {
+    if (!a.session.empty()) return {a.session};
+    const std::string experiment = a.experiment.empty() ? "3" : a.experiment;
+    std::vector<std::filesystem::path> files;
+    for (const std::string_view name : kPaperSessions) {
+        if (experiment == "all" || name.ends_with(experiment))
+            files.push_back(find_session_file(std::string(name)));
+    }
+    return files;
+}
+
+SystemSettings settings_of(const std::filesystem::path& file, const StudyArguments& a) {
+    SystemSettings settings = load_system_settings(file);
+    require_virtual_subjects(settings, "study");
+    if (!a.order.empty()) settings.plan.order = *parse_order(a.order);
+    if (a.seed) settings.plan.seed = *a.seed;
+    if (!a.subjects) return settings;
+    if (!settings.protocol) settings.protocol.emplace();
+    settings.protocol->subjects = *a.subjects;
+    return settings;
+}
+
+StudyDesign design_of(const StudyArguments& a) {
+    const std::vector<std::filesystem::path> files = sessions_of(a);
+    StudyDesign design;
+    for (const std::filesystem::path& file : files) {
+        design.settings = settings_of(file, a);
+        design.paper = design.paper && is_paper_session(file);
+        for (Protocol& protocol : session_protocols(design.settings))
+            design.protocols.push_back(std::move(protocol));
+    }
+    design.words = files.size() > 1 ? "--experiment all" : shipped_name(files[0]).value_or(files[0].string());
+    return design;
 }
 
 // Each once, and none that HF has already: it would be the same condition twice.
@@ -61,7 +98,7 @@ std::vector<Compensator> compensators_of(const StudyArguments& a, const SystemSe
         if (settings.master.control.compensator == compensator)
             throw Error(
                 ExitCode::kUsage,
-                fmt::format("--compensators {}: HF has it already, by [control] of {}", name, a.config));
+                fmt::format("--compensators {}: HF has it already, by [control] of {}", name, a.session));
         if (std::find(compensators.begin(), compensators.end(), compensator) != compensators.end())
             throw Error(ExitCode::kUsage, fmt::format("--compensators: {} is there twice", name));
         compensators.push_back(compensator);
@@ -70,11 +107,10 @@ std::vector<Compensator> compensators_of(const StudyArguments& a, const SystemSe
 }
 
 // The command that gives the same results, without output folder and way of running: a resumed study equals another.
-std::string study_command(const StudyArguments& a) {
-    std::string command = fmt::format("thimble study --experiment {} --seed {}", a.experiment, a.seed);
-    if (a.subjects != 0) command += fmt::format(" --subjects {}", a.subjects);
+std::string study_command(const StudyArguments& a, const StudyDesign& design) {
+    std::string command = fmt::format("thimble study {} --seed {}", design.words, design.protocols[0].seed);
+    if (a.subjects) command += fmt::format(" --subjects {}", *a.subjects);
     if (!a.order.empty()) command += " --order " + a.order;
-    if (!a.config.empty()) command += " --config " + a.config;
     if (a.no_control) command += " --no-control";
     if (!a.compensators.empty()) command += fmt::format(" --compensators {}", fmt::join(a.compensators, ","));
     if (a.analysis != "full") command += " --analysis " + a.analysis;
@@ -147,44 +183,61 @@ int sweep_parameters(const std::filesystem::path& config, const SweepRequest& re
     return finish(options, result.complete, fmt::format("the {} draws", result.tally.studies()));
 }
 
-SweepOptions sweep_options(const StudyArguments& arguments, const SystemSettings& settings) {
+// Many studies keep the paper's claims and nothing else. These need the paper's trials; other parameters are what may be asked about.
+void require_paper_trials(const std::vector<Protocol>& protocols) {
+    if (std::all_of(protocols.begin(), protocols.end(), is_paper_design)) return;
+    throw Error(
+        ExitCode::kUsage,
+        "--seeds, --vary and --draws count how often the paper's claims come out, and this session's "
+        "delays, modalities or numbers of trials are not the paper's: leave these options out, or copy "
+        "[session] and [protocol] of a paper-experiment session");
+}
+
+SweepOptions sweep_options(const StudyArguments& arguments, const StudyDesign& design) {
+    require_paper_trials(design.protocols);
     SweepOptions options;
-    options.protocols = protocols_of(arguments, settings);
+    options.protocols = design.protocols;
     options.seeds = arguments.seeds;
     options.out = arguments.out;
-    options.command = study_command(arguments);
+    options.command = study_command(arguments, design);
     options.jobs = arguments.jobs;
     if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     options.stop = &stop_requested();
     return options;
 }
 
-int run_one_study(const StudyArguments& arguments) {
-    SystemSettings settings = load_system_settings(arguments.config);
-    if (!arguments.order.empty()) settings.plan.order = *parse_order(arguments.order);
-    refuse_dataset(arguments.out);
-    install_stop_signals();
-    if (arguments.sweep.asked()) {
-        return sweep_parameters(arguments.config, arguments.sweep, sweep_options(arguments, settings));
-    }
-    if (arguments.seeds > 1) return sweep_seeds(settings, sweep_options(arguments, settings));
+StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& design) {
     StudyOptions options;
-    options.protocols = protocols_of(arguments, settings);
+    options.protocols = design.protocols;
+    options.paper_design = design.paper;
     options.out = arguments.out;
-    options.command = study_command(arguments);
+    options.command = study_command(arguments, design);
     options.jobs = arguments.jobs;
     if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
-    options.control = !arguments.no_control;
-    options.compensators = compensators_of(arguments, settings);
+    // A user's session names its delays itself.
+    options.control = design.paper && !arguments.no_control;
+    options.compensators = compensators_of(arguments, design.settings);
     options.analysis = *parse_analysis(arguments.analysis);
     options.stop = &stop_requested();
-    const StudyResult result = run_study(settings, options);
+    return options;
+}
+
+int run_one_study(const StudyArguments& arguments) {
+    const StudyDesign design = design_of(arguments);
+    refuse_dataset(arguments.out);
+    install_stop_signals();
+    if (arguments.sweep.asked()) {
+        return sweep_parameters(design.settings.file, arguments.sweep, sweep_options(arguments, design));
+    }
+    if (arguments.seeds > 1) return sweep_seeds(design.settings, sweep_options(arguments, design));
+    const StudyOptions options = study_options(arguments, design);
+    const StudyResult result = run_study(design.settings, options);
     if (result.resumed > 0) spdlog::info("{} trials were there already", result.resumed);
     spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
                  result.simulated_s / result.wall_s);
-    if (!arguments.json) fmt::print("{}\n", claims_sentence(result.claims));
+    if (!arguments.json && design.paper) fmt::print("{}\n", claims_sentence(result.claims));
     say_results(arguments.json, options.out, result.rows);
     if (!result.complete)
         spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume",
@@ -222,7 +275,8 @@ std::vector<CLI::Option*> add_sweeps(CLI::App* study, StudyArguments& a) {
 void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Option*>& sweeps) {
     CLI::Option* no_control = study->add_flag(
         "--no-control", a.no_control,
-        "leave out the same trials without delay (control.csv) and without the actuators' lag (no_lag.csv)");
+        "of the paper's sessions: leave out the same trials without delay (control.csv) and without the "
+        "actuators' lag (no_lag.csv)");
     CLI::Option* analysis = add_analysis_option(*study, a.analysis);
     CLI::Option* compensators =
         study
@@ -251,19 +305,25 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
 Subcommand add_study(CLI::App& app) {
     const auto arguments = std::make_shared<StudyArguments>();
     StudyArguments& a = *arguments;
-    CLI::App* study = app.add_subcommand("study", "the paper's experiments in virtual time");
+    CLI::App* study = app.add_subcommand("study", "a session's trials by virtual subjects, in virtual time");
+    CLI::Option* session =
+        takes_session(study->add_option("session", a.session,
+                                        "session file (TOML), or one that comes with the program: "
+                                        "paper-experiment-1, -2, -3 (default)"));
     study
-        ->add_option(
-            "-e,--experiment", a.experiment,
-            "1: no delay; 2: the fixture vanishes after 5 s of contact; 3: 50 ms on the force path; or all")
-        ->default_val("3")
-        ->check(CLI::IsMember({"1", "2", "3", "all"}));
-    study->add_option("-n,--subjects", a.subjects, "virtual subjects (default: 16, in experiment 3 10)")
+        ->add_option("-e,--experiment", a.experiment,
+                     "short for the paper's sessions. 1: no delay; 2: the fixture vanishes after 5 s of "
+                     "contact; 3: 50 ms on the force path; or all")
+        ->check(CLI::IsMember({"1", "2", "3", "all"}))
+        ->excludes(session);
+    study
+        ->add_option("-n,--subjects", a.subjects,
+                     "virtual subjects, instead of [protocol] subjects (16, in experiment 3 10)")
         ->check(CLI::Range(1, 100000));
     study->add_option("--order", a.order, "of trials: shuffled, as in the paper, or williams (balanced)")
         ->check(CLI::IsMember({"shuffled", "williams"}));
-    study->add_option("-s,--seed", a.seed, "the same seed gives the same bytes")->default_val(1);
-    study->add_option("-c,--config", a.config, "session file (TOML); without it the paper's defaults");
+    study->add_option("-s,--seed", a.seed,
+                      "instead of [session] seed (1); the same seed gives the same bytes");
     study->add_option("-o,--out", a.out, "folder for the results")->default_val("out/study");
     study->add_option("-j,--jobs", a.jobs, "threads, 0: one per core; the results do not depend on it")
         ->check(CLI::Range(0, 1024));
@@ -273,9 +333,10 @@ Subcommand add_study(CLI::App& app) {
         "  thimble study --experiment all --seeds 100 --out out/seeds\n"
         "  thimble study --vary handle.friction_N=0.3:1:8 --seeds 12 --out out/friction\n"
         "  thimble study --experiment all --draws 300 --out out/robust\n"
-        "  thimble study --experiment 3 --compensators wave,energy-bound --out out/controllers\n"
-        "  thimble study --experiment 3 --subjects 40 --order williams --out out/large\n"
-        "  thimble study --experiment 3 --subjects 40 --order williams --out out/large --resume");
+        "  thimble study paper-experiment-3 --compensators wave,energy-bound --out out/controllers\n"
+        "  thimble study my-session.toml --subjects 40 --order williams --out out/large\n"
+        "  thimble study my-session.toml --subjects 40 --order williams --out out/large --resume\n"
+        "docs/studies.md is the manual.");
     return {study, [arguments] { return run_one_study(*arguments); }};
 }
 

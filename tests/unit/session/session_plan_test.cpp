@@ -1,0 +1,139 @@
+// Delays, modalities and numbers of trials: the same meaning for all commands, or a refusal that names the keys.
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/settings/session_files.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+SystemSettings settings_of(const std::string& text) {
+    return read_system_settings(ConfigFile::parse(text, "session.toml"));
+}
+
+std::string session_refusal(const std::string& text) {
+    try {
+        settings_of(text);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kUsage);
+        return error.what();
+    }
+    return "accepted";
+}
+
+std::filesystem::path scratch() {
+    const auto folder = std::filesystem::path(testing::TempDir()) / "session_plan_test";
+    std::filesystem::create_directories(folder);
+    return folder;
+}
+
+TEST(SessionPlan, TheNetworksDelayIsThatOfTheSession) {
+    EXPECT_THAT(settings_of("[netem.force]\ndelay_s = 0.009\n").plan.delays, ElementsAre(milliseconds{9}));
+    EXPECT_THAT(settings_of("[netem.force]\nprofile = 'paper50'\n").plan.delays,
+                ElementsAre(milliseconds{50}));
+    EXPECT_THAT(settings_of("[session]\ndelays_s = [0.02]\n[netem.force]\nprofile = 'paper50'\n").plan.delays,
+                ElementsAre(milliseconds{20}));
+    EXPECT_THAT(settings_of("[netem.force]\nloss = 0.1\n").plan.delays,
+                ElementsAre(milliseconds{0}, milliseconds{50}));
+}
+
+TEST(SessionPlan, AContradictionNamesBothKeysAndBothValues) {
+    EXPECT_EQ(session_refusal("[session]\ndelays_s = [0.009]\n[netem.force]\ndelay_s = 0.009\n"), "accepted");
+    EXPECT_THAT(session_refusal("[session]\ndelays_s = [0.009, 0.03]\n[netem.force]\ndelay_s = 0.009\n"),
+                AllOf(HasSubstr("session.toml:2"), HasSubstr("delays_s' is [0.009, 0.03]"),
+                      HasSubstr("netem.force.delay_s is 0.009")));
+    EXPECT_THAT(session_refusal("[session]\ndelays_s = [0.05]\n[protocol]\nexperiments = [1, 2]\n"),
+                AllOf(HasSubstr("experiments"), HasSubstr("[0.05]"), HasSubstr("delays_s")));
+    EXPECT_THAT(session_refusal("[netem.force]\ndelay_s = 0.02\n[protocol]\nexperiments = [1]\n"),
+                HasSubstr("delay_s"));
+    EXPECT_THAT(session_refusal("[session]\ndelays_s = [0.05, 0.05]\n"), HasSubstr("twice"));
+    EXPECT_THAT(session_refusal("[session]\nmodalities = ['HF', 'HF']\n"), HasSubstr("twice"));
+}
+
+// The trace is beside the file, so there has to be one.
+TEST(SessionPlan, ATraceOfDelaysAllowsNoOther) {
+    const auto folder = scratch();
+    std::ofstream(folder / "path.csv") << "time_s,delay_s\n0,0.01\n5,0.02\n";
+    const auto read = [&folder](const std::string& text) {
+        std::ofstream(folder / "session.toml") << text;
+        return load_system_settings(folder / "session.toml");
+    };
+    const std::string trace = "[netem.force]\ntrace = 'path.csv'\n";
+    EXPECT_EQ(read(trace).plan.delays.size(), 1U);
+    EXPECT_THROW(read(trace + "[session]\ndelays_s = [0.05]\n"), Error);
+}
+
+TEST(SessionPlan, AUsersTrialsAreDelaysTimesModalitiesTimesNumber) {
+    const SystemSettings settings = settings_of(
+        "[session]\ndelays_s = [0.009, 0.03]\nmodalities = ['HF', 'CF']\nseed = 7\n"
+        "[protocol]\nsubjects = 2\ntrials_per_modality = 3\n");
+    const auto trials = all_trials(session_protocols(settings));
+    ASSERT_EQ(trials.size(), 2U * 2 * 2 * 3);
+    for (const TrialConditions& trial : trials) {
+        EXPECT_EQ(trial.experiment, 3U);
+        EXPECT_EQ(trial.study_seed, 7U);
+        EXPECT_TRUE(trial.modality == Modality::kHF || trial.modality == Modality::kCF);
+    }
+    EXPECT_EQ(trials.front().delay_s, 0.009);
+    EXPECT_EQ(trials.back().delay_s, 0.03);
+    // The same fixtures and orders at each delay: subjects are compared with themselves.
+    EXPECT_EQ(trials.front().fixture_position_m, trials[12].fixture_position_m);
+    EXPECT_EQ(trials.front().modality, trials[12].modality);
+    EXPECT_EQ(all_trials(session_protocols(settings_of(""))).size(), 2U * 10 * 24);
+}
+
+TEST(SessionPlan, ThePapersSessionsAreThePapersExperiments) {
+    const SystemSettings defaults = settings_of("");
+    const std::vector<Protocol> papers{experiment_1(defaults, 16, 1), experiment_2(defaults, 16, 1),
+                                       experiment_3(defaults, 10, 1)};
+    for (std::size_t i = 0; i < papers.size(); ++i) {
+        const auto file = find_session_file(std::string(kPaperSessions.at(i)));
+        EXPECT_TRUE(is_paper_session(file));
+        const auto protocols = session_protocols(load_system_settings(file));
+        ASSERT_EQ(protocols.size(), 1U);
+        EXPECT_TRUE(is_paper_design(protocols[0]));
+        const auto paper = all_trials({papers[i]}), ours = all_trials(protocols);
+        ASSERT_EQ(paper.size(), ours.size());
+        for (std::size_t k = 0; k < paper.size(); ++k) {
+            EXPECT_EQ(paper[k].modality, ours[k].modality);
+            EXPECT_EQ(paper[k].delay_s, ours[k].delay_s);
+            EXPECT_EQ(paper[k].fixture_position_m, ours[k].fixture_position_m);
+            EXPECT_EQ(paper[k].removes_fixture, ours[k].removes_fixture);
+        }
+    }
+    EXPECT_FALSE(is_paper_design(session_protocols(settings_of("[session]\ndelays_s = [0.009]\n"))[0]));
+    EXPECT_FALSE(
+        is_paper_design(session_protocols(settings_of("[session]\nmodalities = ['HF']\n[protocol]\n"))[0]));
+}
+
+TEST(SessionFiles, AFileComesBeforeANameAndAnUnknownNameListsThem) {
+    const auto copy = scratch() / "paper-experiment-3.toml";
+    std::filesystem::copy_file(find_session_file("paper-experiment-3"), copy,
+                               std::filesystem::copy_options::overwrite_existing);
+    EXPECT_EQ(find_session_file(copy.string()), copy);
+    EXPECT_FALSE(is_paper_session(copy)) << "a copy is its owner's";
+    EXPECT_EQ(shipped_name(find_session_file("delay50")), "delay50");
+    EXPECT_FALSE(is_paper_session(find_session_file("delay50")));
+    try {
+        find_session_file("paper-experiment-4");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ExitCode::kUsage);
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("paper-experiment-4"), HasSubstr("paper-experiment-3"),
+                                        HasSubstr("delay50")));
+    }
+    EXPECT_THROW(find_session_file("../sessions/delay50"), Error);
+    EXPECT_THROW(find_session_file(""), Error);
+}
+
+}  // namespace
+}  // namespace thimble
