@@ -174,8 +174,9 @@ TEST_F(Outputs, AFolderThatCannotBeMadeIsNamed) {
 
 TEST_F(Outputs, ANameThatIsNoUtf8IsWrittenAsFarAsItGoes) {
     const std::string out = (folder_ / "caf\xe9").string();
-    const Outcome study = run_thimble({"study", "--experiment", "2", "--subjects", "1", "--no-control",
-                                       "--config", folder_.write("s\xe9.toml", "").string(), "--out", out});
+    const Outcome study =
+        run_thimble({"study", folder_.write("s\xe9.toml", "[session]\ndelays_s = [0.0]\n").string(),
+                     "--subjects", "1", "--out", out});
     EXPECT_EQ(study.code, 0) << study.words;
     const auto summary = nlohmann::json::parse(read_text(std::filesystem::path(out) / "summary.json"));
     EXPECT_THAT(summary["provenance"]["command"].get<std::string>(), HasSubstr("s\xef\xbf\xbd.toml"));

@@ -109,9 +109,10 @@ SessionFile SessionFile::endless() {
 
 std::string SessionFile::text() const {
     return fmt::format(
-        "[session]\nmodalities = {}\ndelays_s = {}\nfixture_jitter_m = 0\nparallel_conditions = {}\n"
+        "[session]\nmodalities = {}\n{}fixture_jitter_m = 0\nparallel_conditions = {}\n"
         "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = {}\ntimeout_s = 60\n{}\n",
-        modalities, delays_s, parallel_conditions, contact_hold_s, more);
+        modalities, delays_s.empty() ? "" : fmt::format("delays_s = {}\n", delays_s), parallel_conditions,
+        contact_hold_s, more);
 }
 
 }  // namespace thimble

@@ -61,7 +61,7 @@ inline constexpr double kEndlessHold_s = 40;
 // A session that is over quickly: the fixture close to the tissue, a short contact until the beep.
 struct SessionFile {
     std::string modalities = R"(["HF"])";
-    std::string delays_s = "[0.0]";
+    std::string delays_s = "[0.0]";  // empty: the file does not say
     double contact_hold_s = 0.5;
     int parallel_conditions = 1;
     std::string more;  // further tables

@@ -21,7 +21,7 @@ modalities = ["CF", "CCF", "VF"]
 [network]
 base_port = {port}
 [protocol]
-experiments = [1]
+experiments = [3]
 trials_per_modality = {trials}
 practice_trials = 0
 break_every = 0

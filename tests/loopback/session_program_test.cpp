@@ -1,0 +1,171 @@
+// A session file means the same to every command, or the command says why not.
+#include <algorithm>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "session/records/trial_table.hpp"
+#include "tests/loopback/programs.hpp"
+#include "tests/loopback/workbench.hpp"
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kHome = "[session]\ndelays_s = [0.009]\nmodalities = ['HF', 'CF']\n";
+constexpr const char* kSmall = "[protocol]\nsubjects = 2\ntrials_per_modality = 1\n";
+
+class SessionOfAUser : public testing::Test {
+  protected:
+    // thimble COMMAND SESSION --out OUT MORE
+    Outcome use(const std::string& command, const std::string& text, const std::string& out,
+                const std::vector<std::string>& more = {}) const {
+        const std::string file = folder_.write("session.toml", text).string();
+        return run_thimble(words_in(command + " " + file + " --out " + (folder_ / out).string(), more));
+    }
+    std::vector<TrialRow> study(const std::string& text, const std::string& out,
+                                const std::vector<std::string>& more = {}) const {
+        const Outcome outcome = use("study", text, out, more);
+        EXPECT_EQ(outcome.code, 0) << outcome.words;
+        return read_trial_table(folder_ / out / "trials.csv");
+    }
+    void expect_refused(const std::string& command, const std::string& text,
+                        const std::vector<std::string>& more,
+                        const testing::Matcher<std::string>& words) const {
+        const Outcome outcome = use(command, text, "refused", more);
+        EXPECT_EQ(outcome.code, 2) << outcome.words;
+        EXPECT_THAT(outcome.words, words);
+        EXPECT_FALSE(fs::exists(folder_ / "refused"));
+    }
+
+    const Folder folder_;
+};
+
+std::set<double> delays_in(const std::vector<TrialRow>& rows) {
+    std::set<double> delays;
+    for (const TrialRow& row : rows) delays.insert(row.conditions.delay_s);
+    return delays;
+}
+
+TEST_F(SessionOfAUser, AStudyHasItsDelaysAndModalitiesOnly) {
+    const auto rows = study(std::string(kHome) + kSmall, "home", {"--seed", "1"});
+    ASSERT_EQ(rows.size(), 2U * 2);
+    EXPECT_THAT(delays_in(rows), ElementsAre(0.009));
+    for (const TrialRow& row : rows) {
+        EXPECT_EQ(row.conditions.experiment, 3U);
+        EXPECT_TRUE(row.conditions.modality == Modality::kHF || row.conditions.modality == Modality::kCF);
+    }
+    EXPECT_FALSE(fs::exists(folder_ / "home" / "control.csv"));
+    EXPECT_EQ(study(std::string(kHome) + kSmall, "one", {"--subjects", "1"}).size(), 2U);
+    EXPECT_EQ(study("[session]\ndelays_s = [0.009, 0.03]\nmodalities = ['CF']\n" + std::string(kSmall), "two")
+                  .size(),
+              2U * 2);
+}
+
+TEST_F(SessionOfAUser, TheNetworksDelayAndLossHold) {
+    const std::string delay = "[session]\nmodalities = ['HF']\n[netem.force]\ndelay_s = 0.009\n";
+    const auto rows = study(delay + kSmall, "plain"), lossy = study(delay + "loss = 0.3\n" + kSmall, "lossy");
+    EXPECT_THAT(delays_in(rows), ElementsAre(0.009));
+    ASSERT_EQ(rows.size(), lossy.size());
+    EXPECT_NE(rows[0].metrics.penetration_mean_m, lossy[0].metrics.penetration_mean_m);
+    const auto named =
+        study("[session]\nmodalities = ['HF']\ndelays_s = [0.009]\n" + std::string(kSmall), "named");
+    EXPECT_EQ(read_text(folder_ / "plain" / "trials.csv"), read_text(folder_ / "named" / "trials.csv"));
+}
+
+TEST_F(SessionOfAUser, AStudyThatWasInterruptedGoesOn) {
+    const std::string text =
+        "[session]\ndelays_s = [0.009, 0.03]\nmodalities = ['CF']\n" + std::string(kSmall);
+    study(text, "whole");
+    const fs::path table = folder_ / "whole" / "trials.csv";
+    const std::string whole = read_text(table);
+    std::size_t cut = 0;
+    for (int line = 0; line < 4; ++line) cut = whole.find('\n', cut) + 1;  // into the second delay
+    fs::resize_file(table, cut);
+    study(text, "whole", {"--resume"});
+    EXPECT_EQ(read_text(table), whole);
+    const Outcome other = use("study", std::string(kHome) + kSmall, "whole", {"--resume"});
+    EXPECT_EQ(other.code, 2) << other.words;
+    EXPECT_EQ(read_text(table), whole);
+}
+
+TEST_F(SessionOfAUser, ThePapersExperimentIsASession) {
+    const auto run = [this](std::vector<std::string> words, const std::string& out) {
+        words.insert(words.end(), {"--subjects", "2", "--seed", "4", "--out", (folder_ / out).string()});
+        const Outcome outcome = run_thimble(words);
+        EXPECT_EQ(outcome.code, 0) << outcome.words;
+    };
+    run({"study", "--experiment", "3"}, "short");
+    run({"study", "paper-experiment-3"}, "named");
+    run({"study"}, "neither");
+    for (const char* file : {"trials.csv", "control.csv", "subjects.csv", "claims.json", "report.html"}) {
+        const std::string expected = read_text(folder_ / "short" / file);
+        EXPECT_FALSE(expected.empty()) << file;
+        EXPECT_EQ(read_text(folder_ / "named" / file), expected) << file;
+        EXPECT_EQ(read_text(folder_ / "neither" / file), expected) << file;
+    }
+}
+
+TEST_F(SessionOfAUser, WhatAStudyCannotObeyIsRefusedByName) {
+    expect_refused("study", "[session]\ndelays_s = [0.009]\n[netem.force]\ndelay_s = 0.05\n", {},
+                   AllOf(HasSubstr("delays_s' is [0.009]"), HasSubstr("netem.force.delay_s is 0.05")));
+    expect_refused("study", "[session]\nsubject = 'human'\n[protocol]\n", {}, HasSubstr("subject"));
+    expect_refused("study", "[handle]\ndevice = 'pointer'\n", {}, HasSubstr("[handle] device"));
+    expect_refused("study", kHome, {"--experiment", "3"}, HasSubstr("--experiment"));
+    for (const std::vector<std::string>& many : {std::vector<std::string>{"--seeds", "2"},
+                                                 {"--draws", "2"},
+                                                 {"--vary", "handle.friction_N=0.5:1:2"}})
+        expect_refused("study", kHome, many, AllOf(HasSubstr(many[0]), HasSubstr("paper-experiment")));
+    expect_refused("compensators", "[protocol]\nexperiments = [1]\n", {}, HasSubstr("experiments"));
+    expect_refused("sweep", "[protocol]\n", {"--operator", "virtual"}, HasSubstr("[protocol]"));
+    const Outcome unknown = run_thimble({"study", "paper-experiment-4"});
+    EXPECT_EQ(unknown.code, 2);
+    EXPECT_THAT(unknown.words, AllOf(HasSubstr("paper-experiment-3"), HasSubstr("delay50")));
+}
+
+// Many studies ask how the paper's claims depend on a rig: its trials, other parameters.
+TEST_F(SessionOfAUser, ClaimsAreCountedForThePapersTrialsWithAnotherRig) {
+    const Outcome outcome = use(
+        "study", "[session]\ndelays_s = [0.0]\n[protocol]\nexperiments = [1]\n[handle]\nfriction_N = 0.3\n",
+        "seeds", {"--seeds", "2", "--subjects", "1"});
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+    EXPECT_TRUE(fs::exists(folder_ / "seeds" / "claims.json"));
+}
+
+TEST_F(SessionOfAUser, CompensatorsAndMapsHaveItsDelaysToo) {
+    const Outcome compared =
+        use("compensators", kHome, "compared", {"--only", "HF", "wave", "--subjects", "1"});
+    EXPECT_EQ(compared.code, 0) << compared.words;
+    const std::string trials = read_text(folder_ / "compared" / "compensator_trials.csv");
+    EXPECT_THAT(trials, AllOf(HasSubstr("\nHF,9 ms,0.009,"), HasSubstr("\nwave,9 ms,0.009,"),
+                              Not(HasSubstr(",50 ms,"))));
+    const Outcome map =
+        use("sweep", kHome, "map", {"--operator", "virtual", "--contact-stiffness-N-per-m", "9000"});
+    EXPECT_EQ(map.code, 0) << map.words;
+    const std::string rows = read_text(folder_ / "map" / "map.csv");
+    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 2) << "HF and CF at 9 ms\n" << rows;
+    EXPECT_THAT(rows, HasSubstr(",0.009,"));
+}
+
+TEST_F(SessionOfAUser, CheckSaysWhichTrialsAreMeant) {
+    const auto check = [this](const std::string& text) {
+        return run_thimble({"check", folder_.write("checked.toml", text).string()}).words;
+    };
+    EXPECT_THAT(check(std::string(kHome) + kSmall),
+                AllOf(HasSubstr("9 ms; modalities HF, CF"), HasSubstr("thimble run: one participant"),
+                      HasSubstr("thimble study: 4 trials of 2 virtual subjects")));
+    EXPECT_THAT(check("[session]\ndelays_s = [0.0, 0.1]\n" + std::string(kSmall)),
+                HasSubstr("thimble run: refused: [session] delays_s"));
+    EXPECT_THAT(check("[handle]\ndevice = 'pointer'\n"),
+                HasSubstr("thimble study: refused: [handle] device"));
+    EXPECT_THAT(run_thimble({"check", "paper-experiment-1"}).words, HasSubstr("384 trials of 16"));
+}
+
+}  // namespace
+}  // namespace thimble
