@@ -4,9 +4,7 @@
 #pragma once
 
 #include "common/config.hpp"
-#include "netem/link_reader.hpp"
 #include "netem/link_settings.hpp"
-#include "netem/profiles/profiles.hpp"
 
 namespace thimble {
 
@@ -18,14 +16,7 @@ struct NetemSettings {
 
 // Another mean delay, as a condition of an experiment or a command line has it: at the start, and in all that the
 // timeline changes without changing the delay.
-inline void set_delay(LinkSettings& link, Timeline& timeline, Duration delay) {
-    const Duration before = link.delay;
-    link.delay = delay;
-    for (LinkChange& change : timeline) {
-        if (change.settings.delay != before) break;
-        change.settings.delay = delay;
-    }
-}
+void set_delay(LinkSettings& link, Timeline& timeline, Duration delay);
 
 // Tell the links of one session apart in every random draw: part of each published seed.
 enum Direction : std::uint32_t {
@@ -35,21 +26,11 @@ enum Direction : std::uint32_t {
     kDirectionForceVisual = 4,
 };
 
+inline constexpr double kLongestForceDelay_s = 60;  // of [session] delays_s
+
+// The force's delay is that of its table, of the profile there, or the least of [session] delays_s.
 // Traces, tables and profiles that are files are sought beside the session file. The needle's link is a profile's way up,
 // the force's its way down.
-inline NetemSettings read_netem_settings(const ConfigFile& file) {
-    const ConfigTable netem = file.table("netem");
-    const auto read = [&](std::string_view name, Way way, LinkSettings& link, Timeline& timeline) {
-        const ConfigTable table = netem.table(name);
-        const LinkSources sources =
-            session_sources(file.folder(), way, [&file](std::string_view used) { file.uses(used); });
-        link = read_link_settings(table, {}, sources);
-        timeline = read_timeline(table, link, sources);
-    };
-    NetemSettings settings;
-    read("needle", Way::kUp, settings.needle, settings.needle_timeline);
-    read("force", Way::kDown, settings.force, settings.force_timeline);
-    return settings;
-}
+NetemSettings read_netem_settings(const ConfigFile& file);
 
 }  // namespace thimble

@@ -46,7 +46,7 @@ int run_thimble(int argc, char** argv) {
     app.set_version_flag("--version", std::string(kVersion));
     app.require_subcommand(1);
     app.footer(
-        "Examples:\n  thimble run deploy/sessions/delay50.toml --out out/run\n"
+        "Examples:\n  thimble run delay50 --out out/run\n  thimble study paper-experiment-3 --out out/study\n"
         "  thimble help study\n\n"
         "Exit codes: 0 ok, 1 failed or interrupted, 2 usage or configuration, 3 network, 4 real time, 5 "
         "data.");

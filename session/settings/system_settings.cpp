@@ -56,7 +56,7 @@ void read_delays(const ConfigTable& table, SessionPlan& plan) {
     std::vector<double> delays;
     for (const Duration delay : plan.delays) delays.push_back(to_seconds(delay));
     table.read(
-        "delays_s", delays, 0, 60,
+        "delays_s", delays, 0, kLongestForceDelay_s,
         "One-way delays of the force path; without this key the delay of [netem.force], if it has one.");
     if (delays.empty()) table.fail("delays_s", "is empty; name at least one delay, e.g. [0.05]");
     plan.names_delays = table.has("delays_s");

@@ -22,15 +22,15 @@
 namespace thimble {
 namespace {
 
-// Nodes that run already have the delay that [netem.force] of their file gives them.
+// Nodes that run already have the delay that their own file gives them, which is to be this one.
 std::vector<Duration> delay_of_running_nodes(const SystemSettings& settings) {
     const Duration theirs = settings.netem.force.delay;
     if (!settings.plan.names_delays || settings.plan.delays == std::vector{theirs}) return {theirs};
     throw Error(
         ExitCode::kUsage,
-        fmt::format("[session] delays_s asks for another delay than nodes that run already have, which "
-                    "is that of [netem.force], {} s: say delay_s there instead, in this file and in "
-                    "that of thimble-netem",
+        fmt::format("[session] delays_s asks for other delays than nodes that run already have, which "
+                    "is one, {} s with this file: name one, and no profile in [netem.force], in this "
+                    "file and in that of the running thimble-netem",
                     to_seconds(theirs)));
 }
 

@@ -96,9 +96,9 @@ Subcommand add_run(CLI::App& app, const std::string& typed) {
     add_real_run_options(*run, *arguments);
     add_machine_options(*run, *arguments);
     run->footer(
-        "Examples:\n  thimble run deploy/sessions/delay50.toml --out out/run\n"
-        "  thimble run deploy/sessions/mouse-study.toml --out out/study7 --consent --participant P07\n"
-        "  thimble run deploy/sessions/human.toml --out out/study8 --attach --consent --participant P07 "
+        "Examples:\n  thimble run delay50 --out out/run\n"
+        "  thimble run mouse-study --out out/study7 --consent --participant P07\n"
+        "  thimble run human --out out/study8 --attach --consent --participant P07 "
         "--age 31\n"
         "  thimble run deploy/sessions/three_machines.toml --check\n"
         "  thimble run session.toml --exec \"ip netns exec {host}\" --programs /opt/thimble/bin\n"

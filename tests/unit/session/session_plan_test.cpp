@@ -46,6 +46,20 @@ TEST(SessionPlan, TheNetworksDelayIsThatOfTheSession) {
                 ElementsAre(milliseconds{0}, milliseconds{50}));
 }
 
+// The network has to know the session's delays: jitter must fit the least of them.
+TEST(SessionPlan, JitterFitsTheSessionsDelays) {
+    const std::string jitter = "[netem.force]\njitter = 'uniform'\njitter_spread_s = 0.008\n";
+    const SystemSettings settings = settings_of("[session]\ndelays_s = [0.05, 0.009]\n" + jitter);
+    EXPECT_EQ(settings.netem.force.delay, milliseconds{9});
+    EXPECT_EQ(settings.netem.needle.delay, milliseconds{0});
+    EXPECT_THAT(session_refusal("[session]\ndelays_s = [0.05, 0.007]\n" + jitter),
+                HasSubstr("jitter_spread_s"));
+    EXPECT_EQ(
+        settings_of("[session]\ndelays_s = [0.02]\n[netem.force]\nprofile = 'paper50'\n").netem.force.delay,
+        milliseconds{50})
+        << "a profile's jitter fits the profile's delay";
+}
+
 TEST(SessionPlan, AContradictionNamesBothKeysAndBothValues) {
     EXPECT_EQ(session_refusal("[session]\ndelays_s = [0.009]\n[netem.force]\ndelay_s = 0.009\n"), "accepted");
     EXPECT_THAT(session_refusal("[session]\ndelays_s = [0.009, 0.03]\n[netem.force]\ndelay_s = 0.009\n"),
