@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace thimble {
 namespace {
@@ -33,9 +34,13 @@ std::string name_of(Modality modality, Compensator compensator, bool several) {
 
 }  // namespace
 
-StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment)
+StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment,
+                           std::optional<double> delay_s)
     : experiment_(experiment), rows_(of_experiment(rows, experiment)) {
-    std::erase_if(rows_, [](const TrialRow& row) { return !has_own_delay(row) || !ran_to_its_end(row); });
+    std::erase_if(rows_, [&](const TrialRow& row) {
+        const bool at_delay = delay_s ? same_delay(row.conditions.delay_s, *delay_s) : has_own_delay(row);
+        return !at_delay || !ran_to_its_end(row);
+    });
     for (const TrialRow& row : rows_) subjects_.push_back(row.conditions.subject);
     std::sort(subjects_.begin(), subjects_.end());
     subjects_.erase(std::unique(subjects_.begin(), subjects_.end()), subjects_.end());
@@ -52,6 +57,13 @@ StudyColumns::StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t expe
 bool StudyColumns::is_of(const TrialRow& row, const Condition& condition) const {
     return row.conditions.modality == condition.modality &&
            row.conditions.compensator == condition.compensator;
+}
+
+std::vector<TrialRow> StudyColumns::rows_of(const Condition& condition) const {
+    std::vector<TrialRow> rows;
+    std::copy_if(rows_.begin(), rows_.end(), std::back_inserter(rows),
+                 [&](const TrialRow& row) { return is_of(row, condition); });
+    return rows;
 }
 
 std::vector<NamedValues> StudyColumns::subject_means(Metric metric) const {
@@ -97,6 +109,11 @@ std::vector<NamedValues> StudyColumns::groups(Metric metric) const {
         groups.push_back(std::move(group));
     }
     return groups;
+}
+
+std::vector<Metric> measures_of(std::uint32_t experiment) {
+    if (experiment == 2) return {Metric::kPeakDisplacement};
+    return {Metric::kPenetrationMean, Metric::kPenetrationMax, Metric::kCompletionTime};
 }
 
 }  // namespace thimble

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,14 +14,24 @@ namespace thimble {
 
 class StudyColumns {
   public:
-    // Of the rows those of this experiment that ran to their end, with its own delay: experiment 3 with one,
-    // the others without (the control trials of experiment 3 are not its own).
-    StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment);
+    struct Condition {
+        Modality modality;
+        Compensator compensator;
+        std::string name;
+    };
+
+    // Of the rows those of this experiment that ran to their end, at this delay. Without one: with the experiment's own,
+    // which is any in experiment 3 and none in the others (the control trials of experiment 3 are not its own).
+    StudyColumns(const std::vector<TrialRow>& rows, std::uint32_t experiment,
+                 std::optional<double> delay_s = std::nullopt);
 
     bool empty() const { return rows_.empty(); }
     const std::vector<TrialRow>& rows() const { return rows_; }
     std::uint32_t experiment() const { return experiment_; }
     const std::vector<std::uint32_t>& subjects() const { return subjects_; }  // ascending
+    // In the order of the columns, also those without trials.
+    const std::vector<Condition>& conditions() const { return conditions_; }
+    std::vector<TrialRow> rows_of(const Condition& condition) const;
 
     // Each subject's mean per modality, columns in the order of kModalities (HF's compensators in the order of kCompensatorNames, "HF" and
     // "HF+wave"), subjects as above; NaN: no trial of that modality came to that measure.
@@ -34,11 +45,6 @@ class StudyColumns {
     std::vector<NamedValues> groups(Metric metric) const;
 
   private:
-    struct Condition {
-        Modality modality;
-        Compensator compensator;
-        std::string name;
-    };
     bool is_of(const TrialRow& row, const Condition& condition) const;
     NamedValues column(Metric metric, const Condition& condition) const;
 
@@ -47,5 +53,8 @@ class StudyColumns {
     std::vector<TrialRow> rows_;
     std::vector<std::uint32_t> subjects_;  // ascending
 };
+
+// The measures that the paper reports of an experiment: penetration and time; of experiment 2 peak displacement.
+std::vector<Metric> measures_of(std::uint32_t experiment);
 
 }  // namespace thimble

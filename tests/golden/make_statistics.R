@@ -76,6 +76,13 @@ interval <- function(name, x) {
     say(name, "interval_90", t.test(x, conf.level = 0.9)$conf.int)
 }
 
+# Hodges and Lehmann's estimate, P, and the interval of this comparison alone and of six.
+shift <- function(name, ...) {
+    one <- wilcox.test(..., exact = TRUE, conf.int = TRUE)
+    all <- wilcox.test(..., exact = TRUE, conf.int = TRUE, conf.level = 1 - 0.05 / 6)
+    say(name, "shift", c(one$estimate, one$p.value, one$conf.int, all$conf.int))
+}
+
 # Noncentralities at which the observed statistic lies in the tails; NaN where even zero is too far.
 root <- function(f, low, high) uniroot(f, c(low, high), tol = 1e-13, maxiter = 10000)$root
 delta <- function(name, t, df) {
@@ -109,6 +116,11 @@ for (line in readLines(file("stdin"))) {
         oneway(name, groups)
     } else if (kind == "interval") {
         interval(name, x)
+    } else if (kind == "signed_rank") {
+        shift(name, x)
+    } else if (kind == "rank_sum") {
+        groups <- split(x, rep(seq_along(columns), columns))
+        shift(name, groups[[1]], groups[[2]])
     } else if (kind == "delta") {
         delta(name, x[1], x[2])
     } else if (kind == "lambda") {

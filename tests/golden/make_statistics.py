@@ -174,6 +174,23 @@ def make_pairs():
     return pairs
 
 
+def make_shifts():
+    """Values without ties or zeros; R is exact for those. A stream of its own: the data sets above stay as they are."""
+    of_shifts = random.Random(20261124)
+
+    def some(n, mean=0.0, sd=1.0, digits=6):
+        return [round(mean + of_shifts.gauss(0, 1) * sd, digits) for _ in range(n)]
+
+    signed = {"none": some(10), "all_above": some(10, 9), "six": some(6, 2), "eight": some(8, 1.5), "paper_like": some(16, 0.7),
+              "below": some(12, -1), "odd": some(9, 0.4), "metres": some(10, 1e-9, 1e-9, 15), "many": some(45, 0.3),
+              "hundred": some(100, 0.2), "tiny_p": some(40, 5), "heavy": [x ** 3 for x in some(11, 0.5)]}
+    sums = {"none": (some(8), some(8)), "apart": (some(8, 9), some(8)), "uneven": (some(5, 1), some(14)), "four": (some(4, 5), some(4)),
+            "paper_like": (some(8, 1.2), some(8)), "below": (some(12), some(9, 1)), "metres": (some(8, 1e-9, 1e-9, 15), some(8, 0, 1e-9, 15)),
+            "many": (some(30, 0.5), some(35)), "fifty": (some(50, 0.3), some(50)), "odd": (some(7, 0.5), some(9)),
+            "heavy": ([x ** 3 for x in some(9, 0.5)], some(10))}
+    return signed, sums
+
+
 # ---- references written here ----------------------------------------------------------------------------------
 
 def repeated(rows):
@@ -384,6 +401,12 @@ def pair_case_answers(r, name, pair):
             "d_z": differences.mean() / differences.std(ddof=1), "d_z_interval": [d / root_n for d in delta]}
 
 
+def shift_answers(r, name, p_scipy, **values):
+    estimate, p, low, high, low_six, high_six = r.get(name, "shift")
+    same([p], [p_scipy], 1e-9)
+    return {"name": name, **values, "estimate": estimate, "p": p, "interval": [low, high], "interval_of_six": [low_six, high_six]}
+
+
 F_CASES = [(106.5, 3, 45), (81.89, 3, 45), (100.3, 3, 28), (1.2, 3, 28), (0.05, 2, 10), (4.0, 1, 9), (2.9, 3, 27),
            (0.0, 2, 12), (1000.0, 3, 45), (7.0, 5, 500), (3.2, 1, 2), (12.5, 2.4, 21.6)]
 PROPORTIONS = [(0, 10), (10, 10), (1, 10), (5, 10), (0, 1), (1, 1), (3, 7), (999, 1000), (1, 1000000), (500, 1000), (17, 20)]
@@ -403,6 +426,7 @@ def lambda_answers(r, name, case):
 def main():
     tables, groups, columns = make_tables(), make_groups(), make_columns()
     pairs = make_pairs()
+    signed, sums = make_shifts()
     r = R()
     for name, (_, near) in tables.items():
         flat = [x for row in near for x in row]
@@ -421,6 +445,10 @@ def main():
         r.ask("lambda", f"f.{i}", [0], case)
     for i, p in enumerate(P_VALUES):
         r.ask("adjust", f"a.{i}", [0], p)
+    for name, x in signed.items():
+        r.ask("signed_rank", "w." + name, [0], x)
+    for name, (first, second) in sums.items():
+        r.ask("rank_sum", "u." + name, [len(first), len(second)], [*first, *second])
     r.run()
     golden = {
         "versions": {"R": r.get("r", "version")[0], "scipy": scipy.__version__, "statsmodels": statsmodels.__version__,
@@ -434,6 +462,10 @@ def main():
                         for s, n in PROPORTIONS],
         "adjustments": [{"p": p, "bonferroni": r.get(f"a.{i}", "bonferroni"), "holm": r.get(f"a.{i}", "holm")}
                         for i, p in enumerate(P_VALUES)],
+        "signed_rank": [shift_answers(r, "w." + name, scipy.stats.wilcoxon(x, mode="exact").pvalue, values=x)
+                        for name, x in signed.items()],
+        "rank_sum": [shift_answers(r, "u." + name, scipy.stats.mannwhitneyu(*both, method="exact").pvalue, first=both[0], second=both[1])
+                     for name, both in sums.items()],
     }
     text = json.dumps(golden, default=float, allow_nan=False)
     # One data set a line.
