@@ -29,59 +29,6 @@ OscillationShare share_of(const std::string& condition, const std::vector<TrialR
     return share;
 }
 
-Comparison paired_comparison(Comparison comparison, const NamedValues& first, const NamedValues& second) {
-    NamedValues differences{fmt::format("{} - {}", first.name, second.name), {}};
-    for (std::size_t s = 0; s < first.values.size(); ++s) {
-        const double difference = first.values[s] - second.values[s];
-        if (!std::isnan(difference)) differences.values.push_back(difference);
-    }
-    comparison.n = comparison.subjects = differences.values.size();
-    if (comparison.n > 0) comparison.shift = signed_rank(differences, comparison.family, kFindingLevel);
-    return comparison;
-}
-
-std::size_t subjects_of(const StudyColumns& columns, Metric metric, const std::string& first,
-                        const std::string& second) {
-    std::set<std::uint32_t> subjects;
-    for (const StudyColumns::Condition& condition : columns.conditions()) {
-        if (condition.name != first && condition.name != second) continue;
-        for (const TrialRow& row : columns.rows_of(condition)) {
-            if (!std::isnan(info(metric).value(row.metrics))) subjects.insert(row.conditions.subject);
-        }
-    }
-    return subjects.size();
-}
-
-// Of experiment 2: each trial another subject's or modality's.
-Comparison independent_comparison(Comparison comparison, const StudyColumns& columns,
-                                  const NamedValues& first, const NamedValues& second) {
-    comparison.paired = false;
-    comparison.n = first.values.size() + second.values.size();
-    comparison.subjects = subjects_of(columns, comparison.metric, first.name, second.name);
-    comparison.shift = rank_sum(first, second, comparison.family, kFindingLevel);
-    return comparison;
-}
-
-bool has_values(const NamedValues& column) {
-    return std::any_of(column.values.begin(), column.values.end(),
-                       [](double value) { return !std::isnan(value); });
-}
-
-void compare(GroupFindings& group, const StudyColumns& columns, Metric metric) {
-    const bool paired = columns.experiment() != 2;
-    std::vector<NamedValues> values = paired ? columns.subject_means(metric) : columns.groups(metric);
-    std::erase_if(values, [](const NamedValues& column) { return !has_values(column); });
-    const std::size_t pairs = values.size() * (values.size() - 1) / 2;
-    for (std::size_t a = 0; a + 1 < values.size(); ++a) {
-        for (std::size_t b = a + 1; b < values.size(); ++b) {
-            Comparison blank{metric, values[a].name, values[b].name, 0, 0, pairs, paired, {}};
-            group.comparisons.push_back(
-                paired ? paired_comparison(std::move(blank), values[a], values[b])
-                       : independent_comparison(std::move(blank), columns, values[a], values[b]));
-        }
-    }
-}
-
 GroupFindings find_in(const std::vector<TrialRow>& rows, std::uint32_t experiment, double delay_s) {
     GroupFindings group;
     group.experiment = experiment;
@@ -91,7 +38,10 @@ GroupFindings find_in(const std::vector<TrialRow>& rows, std::uint32_t experimen
         const std::vector<TrialRow> own = columns.rows_of(condition);
         if (!own.empty()) group.oscillations.push_back(share_of(condition.name, own));
     }
-    for (const Metric metric : measures_of(experiment)) compare(group, columns, metric);
+    for (const Metric metric : measures_of(experiment)) {
+        const std::vector<Comparison> pairs = compare_conditions(columns, metric);
+        group.comparisons.insert(group.comparisons.end(), pairs.begin(), pairs.end());
+    }
     return group;
 }
 
@@ -131,11 +81,7 @@ nlohmann::ordered_json json_of(const Comparison& c, const GroupFindings& group) 
 
 }  // namespace
 
-std::size_t Comparison::fewest() const {
-    return paired ? fewest_for_signed_rank(family, kFindingLevel) : fewest_for_rank_sum(family, kFindingLevel);
-}
-
-std::vector<GroupFindings> find(const std::vector<TrialRow>& rows) {
+std::vector<GroupFindings> findings_of(const std::vector<TrialRow>& rows) {
     std::vector<GroupFindings> groups;
     std::set<std::uint32_t> experiments;
     for (const TrialRow& row : rows) experiments.insert(row.conditions.experiment);
@@ -145,7 +91,7 @@ std::vector<GroupFindings> find(const std::vector<TrialRow>& rows) {
         for (const double delay_s : delays_of(trials)) {
             GroupFindings group = find_in(rows, experiment, delay_s);
             group.name = delay_text(delay_s);
-            if (experiments.size() > 1) group.name += fmt::format(", experiment {}", experiment);
+            if (experiments.size() > 1) group.name += fmt::format(" in experiment {}", experiment);
             groups.push_back(std::move(group));
         }
     }

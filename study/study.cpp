@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/findings.hpp"
 #include "analysis/report/report.hpp"
 #include "analysis/report/study_figures.hpp"
 #include "common/process/progress.hpp"
@@ -40,8 +41,9 @@ class Study {
         if (result_.complete) run_with_compensators();
         // Not before a table: it is the one that refuses a folder with another study in it.
         write_subjects(options_.out / "subjects.csv", settings_.person, options_.protocols);
-        result_.claims = judge_claims(result_.rows, no_lag_);
-        write_claims(result_.claims, options_.out / "claims.json");
+        findings_ = findings_of(result_.rows);
+        write_findings(findings_, options_.out / "findings.json");
+        write_claims();
         if (!result_.rows.empty()) report();
         return std::move(result_);
     }
@@ -64,7 +66,14 @@ class Study {
             for (const char* end : {".csv", "_curves.csv"})
                 std::filesystem::remove(options_.out / fmt::format("hf_{}{}", compensator, end));
         }
-        std::filesystem::remove(options_.out / "compensators.json");
+        for (const char* name : {"compensators.json", "claims.json"})
+            std::filesystem::remove(options_.out / name);
+    }
+
+    void write_claims() {
+        if (!options_.paper_design) return;
+        result_.claims = judge_claims(result_.rows, no_lag_);
+        thimble::write_claims(result_.claims, options_.out / "claims.json");
     }
 
     // Its rows are no part of the study's: they only tell what the lag costs.
@@ -134,51 +143,37 @@ class Study {
     ReportSection claims_section() const {
         ReportSection section;
         section.title = "The paper's claims";
-        section.text = claims_sentence(result_.claims) + ", with this seed. How often over many: --seeds.";
+        section.text =
+            claims_sentence(result_.claims) + ". How often each comes out over many seeds: --seeds.";
         section.tables = {claims_table(result_.claims)};
         return section;
     }
 
-    ReportSection section(std::uint32_t experiment, const StudyFigures& figures,
-                          const std::vector<MeasureAnalysis>& measures) const {
-        const std::vector<TrialRow> rows = of_experiment(result_.rows, experiment);
-        const bool alone = panels_.size() == 1;
-        ReportSection section =
-            trials_section(alone ? "Virtual study" : fmt::format("Experiment {}", experiment), rows,
-                           figures.experiments.at(experiment));
-        add_analysis(section, result_.rows, experiment, measures);
-        if (experiment == delayed_experiment()) {
-            section.headline = judge_headline(summarize(without_removals(result_.rows)));
-        } else {
-            section.headline.reset();
-        }
-        return section;
+    ReportSection section(std::uint32_t experiment, const StudyFigures& figures) const {
+        std::vector<GroupFindings> own = findings_;
+        std::erase_if(own, [&](const GroupFindings& group) { return group.experiment != experiment; });
+        return trials_section(title_of(experiment), of_experiment(result_.rows, experiment), own,
+                              figures.experiments.at(experiment));
     }
 
-    // HF, each compensator, CF, CCF and VF, by the paper's rule for choosing tests.
+    std::string title_of(std::uint32_t experiment) const {
+        return panels_.size() == 1 ? "Virtual study" : fmt::format("Experiment {}", experiment);
+    }
+
+    // HF, each compensator, CF, CCF and VF.
     ReportSection compensators_section() const {
         std::vector<TrialRow> rows = result_.rows;
         rows.insert(rows.end(), with_compensators_.begin(), with_compensators_.end());
-        const std::vector<MeasureAnalysis> measures = analyse_trials(rows, options_.analysis);
-        write_analysis(measures, options_.analysis, options_.out / "compensators.json");
+        const std::vector<GroupFindings> findings = findings_of(rows);
+        write_findings(findings, options_.out / "compensators.json");
         ReportSection section;
         section.title = "Delay compensators";
         section.text =
             "The trials with HF again, with a controller in the handle's loop: the same subjects, fixtures "
             "and delays.";
-        for (const MeasureAnalysis& measure : measures) {
-            section.findings.push_back(finding_text(measure));
-            for (ReportTable& table : analysis_tables({measure})) section.tables.push_back(std::move(table));
-        }
+        section.findings = answer(findings);
+        section.tables = finding_tables(findings);
         return section;
-    }
-
-    // The experiment of the headline, judged against all trials without delay; 0: none.
-    std::uint32_t delayed_experiment() const {
-        for (const Protocol& protocol : options_.protocols) {
-            if (protocol.delay_s > 0) return protocol.experiment;
-        }
-        return 0;
     }
 
     std::string experiments() const {
@@ -189,21 +184,35 @@ class Study {
         return names;
     }
 
+    std::string design() const {
+        if (!options_.paper_design) return kUsersDesign;
+        std::string sessions;
+        for (const Protocol& protocol : options_.protocols)
+            sessions +=
+                fmt::format("{}paper-experiment-{}", sessions.empty() ? "" : ", ", protocol.experiment);
+        return sessions;
+    }
+
+    std::string title() const {
+        if (!options_.paper_design) return "Thimble: a study in virtual time";
+        return fmt::format("Thimble: experiment{} {} in virtual time",
+                           options_.protocols.size() > 1 ? "s" : "", experiments());
+    }
+
     void report() const {
         ReportInput report;
-        report.title = fmt::format("Thimble: experiment{} {} in virtual time",
-                                   options_.protocols.size() > 1 ? "s" : "", experiments());
-        const std::vector<MeasureAnalysis> measures = analyse_trials(result_.rows, options_.analysis);
-        write_analysis(measures, options_.analysis, options_.out / "analysis.json");
+        report.title = title();
+        report.answers = {{"", answer(findings_)}};
         const StudyFigures figures = draw_study(result_.rows, panels_, options_.out);
-        if (panels_.size() > 1) report.sections.push_back(overview_section(measures, figures.side_by_side));
-        report.sections.push_back(claims_section());
-        for (const auto& [experiment, panels] : panels_) {
-            report.sections.push_back(section(experiment, figures, measures));
-        }
+        if (panels_.size() > 1)
+            report.sections.push_back({"The experiments side by side", "", {}, {}, figures.side_by_side, {}});
+        for (const auto& [experiment, panels] : panels_)
+            report.sections.push_back(section(experiment, figures));
         if (!with_compensators_.empty()) report.sections.push_back(compensators_section());
+        if (options_.paper_design) report.sections.push_back(claims_section());
         const Protocol& protocol = options_.protocols[0];
         report.provenance = {{"command", options_.command},
+                             {kDesign, design()},
                              {"seed", std::to_string(protocol.seed)},
                              {"subjects", std::to_string(protocol.subjects)},
                              {"order of trials", to_string(protocol.order)},
@@ -218,6 +227,7 @@ class Study {
     unsigned jobs_;
     Progress progress_;
     PanelsByExperiment panels_;
+    std::vector<GroupFindings> findings_;
     std::vector<TrialRow> no_lag_, with_compensators_;
     StudyResult result_;
 };

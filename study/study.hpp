@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "analysis/analysis.hpp"
 #include "analysis/claims/claims.hpp"
 #include "session/records/mean_trajectory.hpp"
 #include "session/records/trial_table.hpp"
@@ -29,11 +28,10 @@ struct StudyOptions {
     // its trials with CF, with actuators without lag, into no_lag.csv.
     bool control = true;
     // The trials with HF again, with each of these in the handle's loop, into hf_NAME.csv: HF, each of them, CF, CCF and VF are then
-    // compared (compensators.json). The paper's claims are about HF without.
+    // compared (compensators.json, as findings.json). The paper's claims are about HF without.
     std::vector<Compensator> compensators{};
-    AnalysisKind analysis = AnalysisKind::kFull;  // of the report and analysis.json; claims are the paper's
-    bool paper_design = true;                     // the paper's claims are judged only then
-    const std::atomic<bool>* stop = nullptr;      // asked between trials
+    bool paper_design = true;                 // the paper's claims are judged only then
+    const std::atomic<bool>* stop = nullptr;  // asked between trials
 };
 
 // Runs trials on `jobs` threads and hands each record over in the order of `trials`, whatever order they end
@@ -43,14 +41,15 @@ bool run_trials(const SystemSettings& settings, std::span<const TrialConditions>
 
 struct StudyResult {
     std::vector<TrialRow> rows;  // of trials.csv, then of control.csv
-    std::vector<Claim> claims;
+    std::vector<Claim> claims;   // empty unless the design is the paper's
     bool complete = true;
     std::size_t resumed = 0;             // rows that were there already
     double simulated_s = 0, wall_s = 0;  // of the trials alone, without report
 };
 
 // Writes trials.csv (a row is on the disk as soon as its trial is in), control.csv, the curves of both,
-// no_lag.csv, hf_NAME.csv, subjects.csv, claims.json, analysis.json, report.html, summary.json and figures/ below options.out.
+// no_lag.csv, hf_NAME.csv, subjects.csv, findings.json, claims.json (the paper's design), report.html, summary.json and figures/ below
+// options.out.
 StudyResult run_study(const SystemSettings& settings, const StudyOptions& options);
 
 // subjects.csv: what was drawn for each virtual subject, SI units named in the columns. A line per subject of each cohort

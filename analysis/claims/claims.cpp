@@ -24,6 +24,7 @@ struct PaperClaim {
     const char *id, *claim, *paper;
     std::vector<StudyColumns E::*> needs;  // without trials of each of them the claim is not judged
     std::function<Finding(const E&)> judge;
+    bool has_test = true;  // false: it only counts, so that any number of subjects will do
 };
 
 using Columns = StudyColumns;
@@ -61,8 +62,12 @@ std::vector<PaperClaim> paper_claims() {
            "Bonferroni, P < .001 each", [](const Columns& c) { return removal_pairs_finding(c, true); }),
         of(&E::two, "E2.peak.rest", "VF, CF and CCF do not differ from each other",
            "Bonferroni, not significant", [](const Columns& c) { return removal_pairs_finding(c, false); }),
-        of(&E::three, "E3.stable", "at 50 ms only HF oscillates; VF, CF and CCF hold a stable contact",
-           "figure", stability_finding),
+        PaperClaim{"E3.stable",
+                   "at 50 ms only HF oscillates; VF, CF and CCF hold a stable contact",
+                   "figure",
+                   {&E::three},
+                   [](const E& e) { return stability_finding(e.three); },
+                   false},
         of(&E::three, "E3.max.differs", "maximum penetration differs", "Friedman, P < .0001",
            [](const Columns& c) { return friedman_finding(c, kMax); }),
         dunn("E3.max.hf_cf", "maximum penetration HF > CF", "Dunn, P < .001", kMax, "HF", "CF", 1e-3),
@@ -89,8 +94,33 @@ std::vector<PaperClaim> paper_claims() {
                    "a sitting takes as long as the paper's",
                    "text: 9.13 min with experiments 1 and 2 (26 trials), 8.39 min with experiment 3",
                    {&E::one, &E::two, &E::three},
-                   [](const E& e) { return length_finding(e.one, e.two, e.three); }},
+                   [](const E& e) { return length_finding(e.one, e.two, e.three); },
+                   false},
     };
+}
+
+std::size_t fewest_subjects(const PaperClaim& of, const Experiments& experiments) {
+    std::size_t fewest = kFewestJudged;
+    for (const auto need : of.needs) fewest = std::min(fewest, (experiments.*need).subjects().size());
+    return fewest;
+}
+
+constexpr double kPapersDelay_s = 0.05;
+
+bool is_of_the_paper(const TrialConditions& c) {
+    const bool delay =
+        same_delay(c.delay_s, 0) || (c.experiment == 3 && same_delay(c.delay_s, kPapersDelay_s));
+    return c.experiment >= 1 && c.experiment <= 3 && delay && c.removes_fixture == (c.experiment == 2) &&
+           c.compensator == Compensator::kNone;
+}
+
+// Of an experiment that has trials at all.
+bool has_all_modalities(const std::vector<TrialRow>& rows, std::uint32_t experiment) {
+    if (of_experiment(rows, experiment).empty()) return true;
+    const StudyColumns columns(rows, experiment);
+    const auto& conditions = columns.conditions();
+    return std::none_of(conditions.begin(), conditions.end(),
+                        [&](const auto& condition) { return columns.rows_of(condition).empty(); });
 }
 
 Claim judged(const PaperClaim& of, const Experiments& experiments) {
@@ -99,6 +129,11 @@ Claim judged(const PaperClaim& of, const Experiments& experiments) {
                                     [&](const auto need) { return (experiments.*need).empty(); });
     if (!claim.had_trials) {
         claim.ours = "no trials to judge it by";
+        return claim;
+    }
+    const std::size_t fewest = fewest_subjects(of, experiments);
+    if (of.has_test && fewest < kFewestJudged) {
+        claim.ours = fmt::format("not judged: {} subjects, at least {} are needed", fewest, kFewestJudged);
         return claim;
     }
     try {
@@ -113,6 +148,13 @@ Claim judged(const PaperClaim& of, const Experiments& experiments) {
 }
 
 }  // namespace
+
+bool is_papers_design(const std::vector<TrialRow>& rows) {
+    return !rows.empty() &&
+           std::all_of(rows.begin(), rows.end(),
+                       [](const TrialRow& row) { return is_of_the_paper(row.conditions); }) &&
+           has_all_modalities(rows, 1) && has_all_modalities(rows, 2) && has_all_modalities(rows, 3);
+}
 
 std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows, const std::vector<TrialRow>& no_lag) {
     const Experiments experiments{{rows, 1}, {rows, 2}, {rows, 3}, {no_lag, 1}};
@@ -143,9 +185,9 @@ ReportTable claims_table(const std::vector<Claim>& claims) {
                       "Reproduced: direction and the paper's significance both come out.",
                       {"id", "claim", "the paper", "here", "reproduced"}};
     for (const Claim& c : claims) {
+        if (!c.reproduced) continue;
         table.rows.push_back({c.id, c.claim, c.paper, c.ours,
-                              !c.reproduced         ? "not judged"
-                              : *c.reproduced       ? "yes"
+                              *c.reproduced         ? "yes"
                               : c.direction == true ? "no, but the direction"
                                                     : "no"});
     }
@@ -153,19 +195,21 @@ ReportTable claims_table(const std::vector<Claim>& claims) {
 }
 
 std::string claims_sentence(const std::vector<Claim>& claims) {
-    unsigned judged = 0;
-    unsigned reproduced = 0;
+    unsigned judged = 0, reproduced = 0, refused = 0;
     std::string missing;
     for (const Claim& c : claims) {
-        if (!c.reproduced) continue;
-        ++judged;
-        if (*c.reproduced) {
-            ++reproduced;
-        } else {
-            missing += (missing.empty() ? "; not: " : ", ") + c.id;
-        }
+        judged += c.reproduced.has_value();
+        reproduced += c.reproduced.value_or(false);
+        refused += c.had_trials && !c.reproduced;
+        if (c.reproduced == false) missing += (missing.empty() ? "; not: " : ", ") + c.id;
     }
-    return fmt::format("{} of {} judged claims are reproduced{}", reproduced, judged, missing);
+    if (judged == 0)
+        return fmt::format("No claim of the paper can be judged: it takes at least {} subjects",
+                           kFewestJudged);
+    std::string text = fmt::format("{} of {} judged claims {} reproduced{}", reproduced, judged,
+                                   reproduced == 1 ? "is" : "are", missing);
+    if (refused > 0) text += fmt::format("; {} more cannot be judged (see claims.json)", refused);
+    return text;
 }
 
 }  // namespace thimble

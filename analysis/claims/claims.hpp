@@ -28,6 +28,12 @@ struct Claim {
     bool had_trials = false;  // false: its experiment was not run
 };
 
+// With fewer subjects a P says little: only claims without a test are judged then.
+inline constexpr std::size_t kFewestJudged = 6;
+
+// Whether experiments, delays and modalities of the rows are the paper's. Other trials say nothing about its claims.
+bool is_papers_design(const std::vector<TrialRow>& rows);
+
 // Every claim of the paper that can be checked, in a fixed order. Rows of any experiments, also of none.
 // `no_lag`: trials of experiment 1 with CF again, the same but for actuators without lag (no_lag.csv).
 std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows, const std::vector<TrialRow>& no_lag = {});
@@ -40,6 +46,7 @@ nlohmann::ordered_json to_json(const Claim& claim);
 // (run failed) if it cannot be written.
 void write_claims(const std::vector<Claim>& claims, const std::filesystem::path& json);
 
+// Those that were judged.
 ReportTable claims_table(const std::vector<Claim>& claims);
 // "17 of 19 judged claims are reproduced; not: E3.max.vf_cf, E1.normal".
 std::string claims_sentence(const std::vector<Claim>& claims);

@@ -16,34 +16,30 @@
 namespace thimble {
 namespace {
 
-const char* css_class(Verdict verdict) {
-    switch (verdict) {
-        case Verdict::kSupported:
-            return "headline supported";
-        case Verdict::kNotSupported:
-            return "headline not-supported";
-        case Verdict::kNotJudged:
-            break;
-    }
-    return "headline";
-}
+// A stranger's first questions about the letters.
+constexpr std::string_view kLegend =
+    "<dl class=\"legend\">\n"
+    "<dt>HF</dt><dd>force on the handle that the hand holds</dd>\n"
+    "<dt>CF</dt><dd>fingertip devices on the acting hand, no force on the handle</dd>\n"
+    "<dt>CCF</dt><dd>the same devices on the other hand</dd>\n"
+    "<dt>VF</dt><dd>a bar on a screen</dd>\n"
+    "<dt>Oscillates</dt><dd>the needle leaves and meets the tissue's surface again and again</dd>\n"
+    "<dt>Penetration</dt><dd>how far the needle is beyond the surface</dd>\n"
+    "<dt>Delay</dt><dd>one way, on the path of the force</dd>\n</dl>\n";
 
-std::string headlines_html(const ReportInput& report) {
+std::string answers_html(const std::vector<Answer>& answers) {
     std::string html;
-    for (const ReportSection& section : report.sections) {
-        if (!section.headline) continue;
-        html += fmt::format("<p class=\"{}\"><b>{}.</b> {}</p>\n", css_class(section.headline->verdict),
-                            html_escape(section.title), html_escape(section.headline->sentence()));
+    for (const Answer& answer : answers) {
+        html += "<div class=\"answer\">\n";
+        if (!answer.of.empty()) html += html_element("h3", answer.of) + "\n";
+        for (const std::string& sentence : answer.sentences) html += html_element("p", sentence) + "\n";
+        html += "</div>\n";
     }
-    return html;
+    return html + std::string(kLegend);
 }
 
-std::string section_html(const ReportSection& section) {
-    std::string html = html_element("h2", section.title) + "\n";
-    if (!section.text.empty()) html += html_element("p", section.text) + "\n";
-    for (const std::string& finding : section.findings) {
-        html += fmt::format("<p class=\"finding\">{}</p>\n", html_escape(finding));
-    }
+std::string figures_html(const ReportSection& section) {
+    std::string html;
     if (!section.drawn.problem.empty()) {
         html += fmt::format("<p class=\"problem\">{}: {}</p>\n",
                             section.drawn.figures.empty() ? "No figures" : "Not all figures",
@@ -55,7 +51,47 @@ std::string section_html(const ReportSection& section) {
             "class=\"figure\">\n{}\n<figure>\n{}\n<figcaption>{}</figcaption>\n</figure>\n</section>\n",
             html_element("h3", figure.title), figure.svg, html_escape(figure.caption));
     }
-    for (const ReportTable& table : section.tables) html += html_table(table);
+    return html;
+}
+
+std::string words_html(const ReportSection& section) {
+    std::string html = html_element("h2", section.title) + "\n";
+    if (!section.text.empty()) html += html_element("p", section.text) + "\n";
+    for (const std::string& finding : section.findings) {
+        html += fmt::format("<p class=\"finding\">{}</p>\n", html_escape(finding));
+    }
+    return html;
+}
+
+std::string tables_html(const ReportSection& section) {
+    std::string html;
+    for (const ReportTable& table : section.tables) {
+        if (!table.rows.empty()) html += html_table(table);
+    }
+    return html;
+}
+
+bool says_something(const ReportSection& section) {
+    return !section.text.empty() || !section.findings.empty() || !tables_html(section).empty();
+}
+
+// Answer and figures first: whoever reads on finds the numbers behind them.
+std::string answered_html(const ReportInput& report) {
+    std::string html = answers_html(report.answers);
+    for (const ReportSection& section : report.sections) {
+        const std::string figures = figures_html(section);
+        if (!figures.empty()) html += html_element("h2", "Figures: " + section.title) + "\n" + figures;
+    }
+    for (const ReportSection& section : report.sections) {
+        if (says_something(section)) html += words_html(section) + tables_html(section);
+    }
+    return html;
+}
+
+std::string plain_html(const ReportInput& report) {
+    std::string html;
+    for (const ReportSection& section : report.sections)
+        html += words_html(section) + figures_html(section) + tables_html(section);
     return html;
 }
 
@@ -68,15 +104,6 @@ std::string provenance_html(const ReportInput& report) {
 
 // Keeps the order of insertion. NaN becomes null.
 using Json = nlohmann::ordered_json;
-
-Json to_json(const Headline& headline) {
-    return {{"claim", headline.claim()},
-            {"delay_s", headline.delay_s},
-            {"verdict", to_string(headline.verdict)},
-            {"supported", headline.verdict == Verdict::kSupported},
-            {"reasons", headline.reasons},
-            {"sentence", headline.sentence()}};
-}
 
 Json to_json(const ConditionSummary& condition) {
     Json json{{"modality", to_string(condition.modality)},
@@ -101,7 +128,6 @@ Json to_json(const ReportTable& table) {
 Json to_json(const ReportSection& section) {
     Json json{{"title", section.title}, {"text", section.text}};
     if (!section.findings.empty()) json["findings"] = section.findings;
-    if (section.headline) json["headline"] = to_json(*section.headline);
     json["conditions"] = Json::array();
     for (const ConditionSummary& condition : section.conditions)
         json["conditions"].push_back(to_json(condition));
@@ -119,21 +145,6 @@ Json to_json(const ReportSection& section) {
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& why) {
     throw Error(ExitCode::kData, fmt::format("{}: {}; is this the --out folder of a thimble run or study?",
                                              file.string(), why));
-}
-
-Verdict verdict_of(const std::string& text) {
-    for (const Verdict verdict : {Verdict::kSupported, Verdict::kNotSupported}) {
-        if (text == to_string(verdict)) return verdict;
-    }
-    return Verdict::kNotJudged;
-}
-
-Headline read_headline(const Json& json) {
-    Headline headline;
-    headline.delay_s = json.at("delay_s").get<double>();
-    headline.verdict = verdict_of(json.at("verdict").get<std::string>());
-    headline.reasons = json.at("reasons").get<std::vector<std::string>>();
-    return headline;
 }
 
 Figure read_figure(const Json& json, const std::filesystem::path& folder) {
@@ -158,7 +169,6 @@ ReportSection read_section(const Json& json, const std::filesystem::path& folder
     section.title = json.at("title").get<std::string>();
     section.text = json.at("text").get<std::string>();
     section.findings = json.value("findings", std::vector<std::string>{});
-    if (json.contains("headline")) section.headline = read_headline(json.at("headline"));
     for (const Json& figure : json.at("figures"))
         section.drawn.figures.push_back(read_figure(figure, folder));
     section.drawn.problem = json.value("figures_problem", "");
@@ -173,6 +183,7 @@ void add_folder(ReportInput& report, const std::filesystem::path& folder, const 
     if (!file) fail(path, "cannot be read");
     try {
         const Json json = Json::parse(file);
+        report.answers.push_back({what, json.at("answer").get<std::vector<std::string>>()});
         for (const Json& section : json.at("sections"))
             report.sections.push_back(read_section(section, folder));
         for (const auto& [key, value] : json.at("provenance").items()) {
@@ -185,16 +196,16 @@ void add_folder(ReportInput& report, const std::filesystem::path& folder, const 
 
 }  // namespace
 
-ReportSection trials_section(std::string title, const std::vector<TrialRow>& rows, DrawnFigures drawn,
-                             double headline_delay_s) {
+ReportSection trials_section(std::string title, const std::vector<TrialRow>& rows,
+                             const std::vector<GroupFindings>& findings, DrawnFigures drawn) {
     ReportSection section;
     section.title = std::move(title);
-    section.text = fmt::format("{} trials.", rows.size());
+    section.text = fmt::format("{}.", counted(rows.size(), "trial"));
     section.conditions = summarize(rows);
-    section.headline = judge_headline(section.conditions, headline_delay_s);
     section.drawn = std::move(drawn);
-    section.tables = {class_table(section.conditions), oscillation_table(section.conditions),
-                      metrics_table(section.conditions)};
+    section.tables = finding_tables(findings);
+    section.tables.push_back(metrics_table(section.conditions));
+    section.tables.push_back(oscillation_table(section.conditions));
     return section;
 }
 
@@ -212,14 +223,15 @@ ReportSection agreement_section(const std::vector<TrialRow>& real,
 }
 
 void write_report(const ReportInput& report, const std::filesystem::path& html) {
-    std::string body = html_element("h1", report.title) + "\n" + headlines_html(report);
-    for (const ReportSection& section : report.sections) body += section_html(section);
+    std::string body = html_element("h1", report.title) + "\n";
+    body += report.answers.empty() ? plain_html(report) : answered_html(report);
     body += provenance_html(report);
     write_text_file(html, html_page(report.title, body));
 }
 
 void write_summary(const ReportInput& report, const std::filesystem::path& json_path) {
     Json json{{"title", report.title}};
+    for (const Answer& answer : report.answers) json["answer"] = answer.sentences;
     json["provenance"] = Json::object();
     for (const auto& [key, value] : report.provenance) json["provenance"][key] = value;
     json["sections"] = Json::array();
@@ -240,6 +252,17 @@ void write_combined_report(const std::filesystem::path& run, const std::filesyst
     report.provenance.emplace_back("version", kVersion);
     make_folder(html.parent_path());
     write_report(report, html);
+}
+
+std::optional<std::string> design_in(const std::filesystem::path& folder) {
+    std::ifstream file(folder / "summary.json");
+    if (!file) return std::nullopt;
+    const Json summary = Json::parse(file, nullptr, false);
+    if (summary.is_discarded() || !summary.is_object()) return std::nullopt;
+    const Json provenance = summary.value("provenance", Json::object());
+    if (!provenance.is_object() || !provenance.contains(kDesign) || !provenance[kDesign].is_string())
+        return std::nullopt;
+    return provenance[kDesign].get<std::string>();
 }
 
 }  // namespace thimble

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "analysis/claims/headline.hpp"
 #include "analysis/figures/figures.hpp"
+#include "analysis/findings.hpp"
 #include "analysis/text/html.hpp"
 #include "session/records/condition_summary.hpp"
 #include "session/records/trial_table.hpp"
@@ -21,21 +21,27 @@ struct ReportSection {
     std::string title;
     std::string text;
     std::vector<std::string> findings;         // a paragraph each
-    std::optional<Headline> headline;          // also shown at the top of the report
     std::vector<ConditionSummary> conditions;  // for summary.json; the tables hold them for people
     DrawnFigures drawn;
     std::vector<ReportTable> tables;
 };
 
+struct Answer {
+    std::string of;  // "study", "run"; empty if there is one
+    std::vector<std::string> sentences;
+};
+
+// With an answer the page has it first, then a legend of the modalities, all figures, and the statistics.
 struct ReportInput {
     std::string title;
     std::vector<ReportSection> sections;
     std::vector<std::pair<std::string, std::string>> provenance;  // seed, command, settings, versions
+    std::vector<Answer> answers = {};
 };
 
-// Headline, figures and the tables of classes, oscillation and metrics.
-ReportSection trials_section(std::string title, const std::vector<TrialRow>& rows, DrawnFigures drawn,
-                             double headline_delay_s = kHeadlineDelay_s);
+// Figures, and the tables of findings, metrics and movement during the hold.
+ReportSection trials_section(std::string title, const std::vector<TrialRow>& rows,
+                             const std::vector<GroupFindings>& findings, DrawnFigures drawn);
 // Real processes against the same trials (experiment, subject, trial, modality, delay) in virtual time.
 ReportSection agreement_section(const std::vector<TrialRow>& real,
                                 const std::vector<TrialRow>& in_virtual_time);
@@ -50,5 +56,11 @@ void write_summary(const ReportInput& report, const std::filesystem::path& json)
 // both are empty, data if a folder holds no readable results.
 void write_combined_report(const std::filesystem::path& run, const std::filesystem::path& study,
                            const std::filesystem::path& html, const std::string& command);
+
+// Provenance of a study: the paper's sessions whose design it has, or "user". A run has always the user's.
+inline constexpr const char* kDesign = "design";
+inline constexpr const char* kUsersDesign = "user";
+// As summary.json in this folder says it; nothing if there is none, or of an earlier version.
+std::optional<std::string> design_in(const std::filesystem::path& folder);
 
 }  // namespace thimble

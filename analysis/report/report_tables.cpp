@@ -77,22 +77,6 @@ const char* class_text(bool oscillates) { return oscillates ? "oscillates" : "ho
 
 }  // namespace
 
-ReportTable class_table(const std::vector<ConditionSummary>& conditions) {
-    ReportTable table{
-        "Who oscillates",
-        fmt::format("A trial oscillates if the needle leaves the fixture at least {} times and moves by more "
-                    "than {:g} mm rms during the hold ({:g} s after the first contact to the beep). Judged "
-                    "are trials that ran to their end and touched the fixture.",
-                    kOscillationContactsLost, kOscillationRms_m * 1e3, kHoldSettling_s),
-        {"delay", "modality", "trials", "judged", "oscillating", "ended with the beep"}};
-    for (const ConditionSummary& condition : conditions) {
-        table.rows.push_back({delay_text(condition.delay_s), to_string(condition.modality),
-                              fmt::format("{}", condition.trials), fmt::format("{}", condition.judged),
-                              fmt::format("{}", condition.oscillating), fmt::format("{}", condition.beeped)});
-    }
-    return table;
-}
-
 ReportTable oscillation_table(const std::vector<ConditionSummary>& conditions) {
     return statistics_table("Movement of the needle during the hold", conditions, kOscillation);
 }

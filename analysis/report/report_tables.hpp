@@ -9,8 +9,6 @@
 
 namespace thimble {
 
-// How many trials oscillate, of how many.
-ReportTable class_table(const std::vector<ConditionSummary>& conditions);
 // Peak to peak, rms, frequency and contacts lost during the hold.
 ReportTable oscillation_table(const std::vector<ConditionSummary>& conditions);
 // Penetration, completion time and, where the fixture was removed, peak displacement.

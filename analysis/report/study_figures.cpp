@@ -4,22 +4,42 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include "common/json_text.hpp"
-#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
 
-std::vector<FigureSource> figures_of(const StudyColumns& columns, const TrajectoryPanels& panels,
-                                     const std::vector<TrialRow>& rows, const std::string& suffix) {
+// The delays that an experiment is about: without delay only where there is nothing else.
+std::vector<double> own_delays(const std::vector<TrialRow>& rows) {
+    std::vector<TrialConditions> trials;
+    for (const TrialRow& row : rows) trials.push_back(row.conditions);
+    std::vector<double> delays_s = delays_of(trials);
+    if (delays_s.size() > 1) std::erase_if(delays_s, [](double delay_s) { return same_delay(delay_s, 0); });
+    return delays_s;
+}
+
+std::vector<FigureSource> figures_at(const StudyColumns& columns, const std::string& suffix) {
     const std::vector<Metric> metrics = measures_of(columns.experiment());
-    return {trajectory_figure(panels.panels(), "trajectories" + suffix),
-            bar_figure(summarize(of_experiment(rows, columns.experiment())), "bars" + suffix),
-            subject_figure(columns, metrics, "subjects" + suffix),
+    return {subject_figure(columns, metrics, "subjects" + suffix),
             distribution_figure(columns, metrics, "distributions" + suffix),
             difference_figure(columns, metrics, "differences" + suffix)};
+}
+
+std::vector<FigureSource> figures_of(const std::vector<TrialRow>& rows, std::uint32_t experiment,
+                                     const TrajectoryPanels& panels, const std::string& suffix) {
+    const std::vector<TrialRow> own = of_experiment(rows, experiment);
+    const std::vector<double> delays_s = own_delays(own);
+    std::vector<FigureSource> figures{trajectory_figure(panels.panels(), "trajectories" + suffix),
+                                      bar_figure(summarize(own), "bars" + suffix)};
+    for (const double delay_s : delays_s) {
+        const bool alone = delays_s.size() == 1;
+        for (FigureSource& figure :
+             figures_at(StudyColumns(rows, experiment, delay_s),
+                        alone ? suffix : fmt::format("{}_{:g}ms", suffix, 1000 * delay_s))) {
+            if (!alone) figure.title += " at " + delay_text(delay_s);
+            figures.push_back(std::move(figure));
+        }
+    }
+    return figures;
 }
 
 std::vector<FigureSource> side_by_side(const std::vector<StudyColumns>& columns,
@@ -43,10 +63,6 @@ DrawnFigures part_of(const DrawnFigures& drawn, const std::vector<FigureSource>&
     return part;
 }
 
-std::string with_experiment(const MeasureAnalysis& measure) {
-    return fmt::format("Experiment {}. {}", measure.experiment, finding_in_brief(measure));
-}
-
 }  // namespace
 
 StudyFigures draw_study(const std::vector<TrialRow>& rows, const PanelsByExperiment& panels,
@@ -57,7 +73,7 @@ StudyFigures draw_study(const std::vector<TrialRow>& rows, const PanelsByExperim
     std::vector<FigureSource> all;
     for (const auto& [experiment, of_experiment] : panels) {
         columns.emplace_back(rows, experiment);
-        sources[experiment] = figures_of(columns.back(), of_experiment, rows,
+        sources[experiment] = figures_of(rows, experiment, of_experiment,
                                          alone ? "" : fmt::format("_experiment{}", experiment));
         all.insert(all.end(), sources[experiment].begin(), sources[experiment].end());
     }
@@ -68,30 +84,6 @@ StudyFigures draw_study(const std::vector<TrialRow>& rows, const PanelsByExperim
     StudyFigures figures{part_of(drawn, together), {}};
     for (const auto& [experiment, own] : sources) figures.experiments[experiment] = part_of(drawn, own);
     return figures;
-}
-
-ReportSection overview_section(const std::vector<MeasureAnalysis>& measures, DrawnFigures side_by_side) {
-    ReportSection section;
-    section.title = "The experiments side by side";
-    for (const MeasureAnalysis& measure : measures) section.findings.push_back(with_experiment(measure));
-    section.drawn = std::move(side_by_side);
-    return section;
-}
-
-void add_analysis(ReportSection& section, const std::vector<TrialRow>& rows, std::uint32_t experiment,
-                  const std::vector<MeasureAnalysis>& measures) {
-    std::vector<MeasureAnalysis> own;
-    for (const MeasureAnalysis& measure : measures) {
-        if (measure.experiment == experiment) own.push_back(measure);
-    }
-    section.findings.push_back(stability_text(StudyColumns(rows, experiment)));
-    for (const MeasureAnalysis& measure : own) section.findings.push_back(finding_text(measure));
-    for (ReportTable& table : analysis_tables(own)) section.tables.push_back(std::move(table));
-}
-
-void write_analysis(const std::vector<MeasureAnalysis>& measures, AnalysisKind kind,
-                    const std::filesystem::path& json) {
-    write_text_file(json, json_text(to_json(measures, kind), 2) + "\n");
 }
 
 }  // namespace thimble

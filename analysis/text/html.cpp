@@ -20,8 +20,10 @@ body { font: 16px/1.5 system-ui, "DejaVu Sans", Helvetica, Arial, sans-serif; co
   max-width: 1180px; margin: 0 auto; padding: 1.5rem 1rem 4rem; }
 h1 { font-size: 1.7rem; } h2 { font-size: 1.3rem; margin-top: 3rem; border-bottom: 1px solid var(--line); }
 h3 { font-size: 1.05rem; margin: 2rem 0 .4rem; }
-.headline { font-size: 1.15rem; border-left: 5px solid #999999; background: var(--tint); padding: .7rem 1rem; margin: .6rem 0; }
-.headline.supported { border-color: #009E73; } .headline.not-supported { border-color: #D55E00; }
+.answer { font-size: 1.1rem; border-left: 5px solid #0072B2; background: var(--tint); padding: .3rem 1rem; margin: .6rem 0; }
+.answer p { margin: .5rem 0; } .answer h3 { margin: .4rem 0 0; }
+.legend { display: grid; grid-template-columns: max-content 1fr; gap: .1rem 1rem; font-size: .92rem; }
+.legend dt { font-weight: bold; } .legend dd { margin: 0; color: var(--soft); }
 .problem { border-left: 5px solid #D55E00; background: var(--tint); padding: .5rem 1rem; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
@@ -34,7 +36,7 @@ figcaption, .note { color: var(--soft); font-size: .88rem; max-width: 62rem; }
 @media print {
   :root { color-scheme: light; --ink: #000000; --soft: #333333; --line: #999999; --ground: #ffffff; --tint: #ffffff; }
   body { font-size: 10pt; max-width: none; margin: 0; padding: 0; }
-  h1, h2, h3 { break-after: avoid; } .figure, figure, .headline, .problem, tr { break-inside: avoid; }
+  h1, h2, h3 { break-after: avoid; } .figure, figure, .answer, .problem, tr { break-inside: avoid; }
   figure svg { max-height: 205mm; } .wide { overflow: visible; } table { font-size: 7.5pt; }
   th, td { padding: .1rem .35rem; } thead { display: table-header-group; } p { orphans: 3; widows: 3; }
 }

@@ -104,9 +104,9 @@ TEST(Completion, KnowsSubcommandsOptionsAndChoices) {
     EXPECT_EQ(completed("thimble", "st"), "study stability stop\n");
     EXPECT_EQ(completed("thimble", "log re"), "repair\n");
     EXPECT_EQ(completed("thimble", "run --over"), "--overwrite\n");
-    EXPECT_EQ(completed("thimble", "study --analysis ''"), "paper full\n");
-    EXPECT_EQ(completed("thimble", "study --analysis = p"), "paper\n");
-    EXPECT_EQ(completed("thimble", "study --analysis=p"), "--analysis=paper\n");
+    EXPECT_EQ(completed("thimble", "study --order ''"), "shuffled williams\n");
+    EXPECT_EQ(completed("thimble", "study --order = w"), "williams\n");
+    EXPECT_EQ(completed("thimble", "study --order=w"), "--order=williams\n");
     EXPECT_EQ(completed("thimble", "completion z"), "zsh\n");
     EXPECT_EQ(completed("thimble", "run --out st"), "\n");  // a file's name: the shell's own business
     EXPECT_EQ(completed("thimble-netem", "--max"), "--max-flows\n");

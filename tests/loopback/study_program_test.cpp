@@ -1,4 +1,7 @@
 // `thimble study` and `thimble analyse` as users start them.
+#include <filesystem>
+#include <fstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -44,23 +47,46 @@ TEST(StudyProgram, RemovalsAreRunKeptResumedAndAnalysed) {
     EXPECT_EQ(thimble_with(resume).code, 2);
     EXPECT_EQ(read_text(folder / "out" / "trials.csv"), table);
 
-    const Outcome analysed = thimble_with({"analyse", out, "--out", (folder / "claims.json").string()});
+    const Outcome analysed = thimble_with({"analyse", out, "--out", (folder / "analysis").string()});
     EXPECT_EQ(analysed.code, 0) << analysed.words;
-    EXPECT_THAT(analysed.words, HasSubstr("E2.peak.hf"));
-    EXPECT_THAT(analysed.words, HasSubstr("Peak displacement"));
-    EXPECT_EQ(read_text(folder / "claims.json"), read_text(folder / "out" / "claims.json"));
+    EXPECT_THAT(analysed.words,
+                AllOf(HasSubstr("Which conditions oscillate"), HasSubstr("peak displacement")));
+    for (const char* file : {"findings.json", "claims.json"})
+        EXPECT_EQ(read_text(folder / "analysis" / file), read_text(folder / "out" / file)) << file;
 
     const Outcome json = thimble_with({"analyse", out, "--json"});
     EXPECT_EQ(json.code, 0) << json.words;
     const auto parsed = Json::parse(json.words);
     EXPECT_EQ(parsed["claims"].dump(), Json::parse(read_text(folder / "out" / "claims.json")).dump());
-    EXPECT_EQ(parsed["analysis"].dump(), Json::parse(read_text(folder / "out" / "analysis.json")).dump());
-    const Outcome paper = thimble_with({"analyse", out, "--analysis", "paper", "--json"});
-    EXPECT_EQ(paper.code, 0) << paper.words;
-    const auto measure = Json::parse(paper.words)["analysis"]["measures"].at(0);
-    EXPECT_EQ(measure["test"], "one-way ANOVA");
-    EXPECT_TRUE(measure["p"].is_number());
-    EXPECT_FALSE(measure["one_way_anova"].contains("eta_squared"));
+    EXPECT_EQ(parsed["findings"].dump(), Json::parse(read_text(folder / "out" / "findings.json")).dump());
+    EXPECT_EQ(parsed["answer"].size(), 3U);
+}
+
+// Of a table by itself its rows say whether the design is the paper's; beside a summary the summary does.
+TEST(StudyProgram, ClaimsAreJudgedOnlyOfThePapersDesign) {
+    const Folder folder;
+    const std::string out = (folder / "out").string();
+    const Outcome study = thimble_with({"study", "--experiment", "3", "--subjects", "1", "--out", out});
+    EXPECT_EQ(study.code, 0) << study.words;
+    EXPECT_THAT(study.words, HasSubstr("1 subject is too few to say how modalities differ"));
+    const auto claims_of = [&](const std::filesystem::path& table) {
+        const Outcome analysed = thimble_with({"analyse", table.string(), "--json"});
+        EXPECT_EQ(analysed.code, 0) << analysed.words;
+        return Json::parse(analysed.words).value("claims", Json::array()).size();
+    };
+    EXPECT_GT(claims_of(out), 20U);
+    const Folder elsewhere;
+    const std::filesystem::path table = elsewhere / "trials.csv";
+    std::filesystem::copy_file(folder / "out" / "trials.csv", table);
+    EXPECT_GT(claims_of(table), 20U);
+    std::ofstream(elsewhere / "summary.json") << R"({"provenance": {"design": "user"}})";
+    EXPECT_EQ(claims_of(table), 0U);
+    std::filesystem::remove(elsewhere / "summary.json");
+    std::string rows = read_text(table);
+    for (std::size_t at = rows.find(",0.05,"); at != std::string::npos; at = rows.find(",0.05,", at))
+        rows.replace(at, 6, ",0.02,");
+    std::ofstream(table) << rows;
+    EXPECT_EQ(claims_of(table), 0U);
 }
 
 TEST(StudyProgram, FiguresAreAlsoPdf) {
@@ -99,15 +125,12 @@ TEST(StudyProgram, MistakesAreNamed) {
     EXPECT_EQ(thimble_with({"study", "--experiment", "4"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--order", "latin"}).code, 2);
     EXPECT_EQ(thimble_with({"study", "--resume", "--overwrite"}).code, 2);
-    EXPECT_EQ(thimble_with({"study", "--analysis", "mine"}).code, 2);
-    EXPECT_EQ(thimble_with({"study", "--seeds", "2", "--analysis", "paper"}).code, 2);
-    EXPECT_EQ(thimble_with({"analyse", "x.csv", "--analysis", "mine"}).code, 2);
+    EXPECT_EQ(thimble_with({"study", "--seeds", "2", "--json"}).code, 2);
     const std::string out = (folder / "out").string();
     for (const std::vector<std::string>& sweep : {std::vector<std::string>{"--seeds", "2"},
                                                   {"--draws", "2"},
                                                   {"--vary", "handle.friction_N=0.5:1:2"}}) {
-        for (const char* option :
-             {"--resume", "--trajectories", "--json", "--no-control", "--analysis=paper"}) {
+        for (const char* option : {"--resume", "--trajectories", "--json", "--no-control"}) {
             std::vector<std::string> command{"study", option, "--out", out};
             command.insert(command.end(), sweep.begin(), sweep.end());
             const Outcome refused = thimble_with(command);

@@ -71,7 +71,7 @@ TEST_F(Determinism, TheSameSeedGivesTheSameBytesOnAnyNumberOfThreads) {
         options.jobs = jobs;
         EXPECT_EQ(study(options), first) << jobs << " threads";
         const auto other = folder_ / std::to_string(studies_ - 1);
-        EXPECT_EQ(read_text(other / "analysis.json"), read_text(folder_ / "0" / "analysis.json"))
+        EXPECT_EQ(read_text(other / "findings.json"), read_text(folder_ / "0" / "findings.json"))
             << jobs << " threads";
         EXPECT_EQ(figures_of(other), figures_of(folder_ / "0")) << jobs << " threads";
     }
@@ -115,7 +115,7 @@ TEST_F(Determinism, AResumedStudyIsTheUninterruptedOne) {
     EXPECT_GT(result.resumed, 0U);
     EXPECT_LT(result.resumed, result.rows.size());
     for (const char* file : {"trials.csv", "trials_curves.csv", "subjects.csv", "claims.json",
-                             "analysis.json", "summary.json", "report.html"}) {
+                             "findings.json", "summary.json", "report.html"}) {
         EXPECT_EQ(read_text(options.out / file), read_text(folder_ / "0" / file)) << file;
     }
     EXPECT_EQ(figures_of(options.out), figures_of(folder_ / "0"));

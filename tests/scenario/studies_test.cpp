@@ -198,18 +198,30 @@ TEST_F(StudyFiles, AllAnalysesAndFiguresOfAllExperiments) {
             EXPECT_FALSE(read_text(folder / "figures" / (name + ".gp")).empty()) << name;
         }
     }
-    const auto analysis = json("analysis.json");
-    EXPECT_EQ(analysis["analysis"], "full");
-    ASSERT_EQ(analysis["measures"].size(), 7U);
+    // Seven measures of six pairs, and who oscillates in three groups of four.
+    const auto findings = json("findings.json");
+    EXPECT_EQ(findings.size(), 7U * 6 + 3 * 4);
+    for (const auto& finding : findings) EXPECT_FALSE(finding["words"].get<std::string>().empty());
+    EXPECT_EQ(json("summary.json")["provenance"]["design"],
+              "paper-experiment-1, paper-experiment-2, paper-experiment-3");
     const std::string html = read_text(folder / "report.html");
-    for (const auto& measure : analysis["measures"]) {
-        EXPECT_TRUE(measure["p"].is_number()) << measure.dump();
-        const std::string finding = measure["finding"].get<std::string>();
-        // To the first sign that HTML writes otherwise.
-        EXPECT_NE(html.find(finding.substr(0, finding.find_first_of("&<>\""))), std::string::npos) << finding;
+    std::size_t before = 0;
+    for (const char* part : {"class=\"answer\"", "<dt>HF</dt>", "Which conditions oscillate",
+                             "<h2>The paper's claims", "Provenance"}) {
+        EXPECT_GT(html.find(part), before) << part;
+        before = html.find(part);
     }
-    // Side by side before the claims, the claims before the experiments.
-    EXPECT_LT(html.find("The experiments side by side"), html.find("The paper's claims"));
+}
+
+// No claim of the paper is about another design.
+TEST_F(StudyFiles, AUsersStudyHasFindingsAndNoClaims) {
+    use({experiment_3(paper(), 2, 1)});
+    options.control = options.paper_design = false;
+    EXPECT_TRUE(run_study(paper(), options).claims.empty());
+    EXPECT_FALSE(std::filesystem::exists(folder / "claims.json"));
+    EXPECT_EQ(json("findings.json").size(), 3U * 6 + 4);
+    EXPECT_EQ(json("summary.json")["provenance"]["design"], "user");
+    EXPECT_EQ(read_text(folder / "report.html").find("claim"), std::string::npos);
 }
 
 TEST_F(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
@@ -231,27 +243,25 @@ TEST_F(StudyFiles, CompensatorsAreComparedByTheSameStatistics) {
     for (const char* name : {"HF+wave", "HF+energy-bound", "CCF"})
         EXPECT_NE(text.find(name), std::string::npos) << name;
     // The paper's claims are about HF as it is.
-    EXPECT_EQ(read_text(folder / "analysis.json").find("HF+"), std::string::npos);
+    EXPECT_EQ(read_text(folder / "claims.json").find("HF+"), std::string::npos);
     // A study with other compensators than these goes on, with its own beside them.
     options.if_exists = IfExists::kContinue;
     options.compensators = {Compensator::kWave};
     EXPECT_EQ(run_study(paper(), options).resumed, 15U);
 }
 
-// One subject is no sample: every test says why, and the study is whole.
+// One subject is no sample: every comparison says how many are needed, and the study is whole.
 TEST_F(StudyFiles, TooFewSubjectsForAnyTest) {
     use({experiment_3(paper(), 1, 1)});
     options.control = false;
-    options.analysis = AnalysisKind::kPaper;
     EXPECT_TRUE(run_study(paper(), options).complete);
-    const auto analysis = json("analysis.json");
-    EXPECT_EQ(analysis["analysis"], "paper");
-    ASSERT_EQ(analysis["measures"].size(), 3U);
-    for (const auto& measure : analysis["measures"]) {
-        EXPECT_TRUE(measure["p"].is_null());
-        EXPECT_FALSE(measure["problems"].empty());
-        EXPECT_NE(measure["finding"].get<std::string>().find("could not be tested"), std::string::npos);
+    for (const auto& finding : json("findings.json")) {
+        EXPECT_TRUE(finding["P"].is_null());
+        if (finding["comparison"].get<std::string>().find("oscillates") != std::string::npos) continue;
+        EXPECT_NE(finding["words"].get<std::string>().find("at least 8 subjects"), std::string::npos);
     }
+    for (const auto& claim : json("claims.json"))
+        EXPECT_EQ(claim["reproduced"].is_null(), claim["id"] != "E3.stable") << claim["id"];
     EXPECT_TRUE(std::filesystem::exists(folder / "report.html"));
     EXPECT_FALSE(std::filesystem::exists(folder / "figures" / "differences.gp"));
 }

@@ -1,5 +1,4 @@
-// thimble analyse: the paper's claims and the analysis of every measure on any table of trials.
-#include <cstdint>
+// thimble analyse: the findings of any table of trials, and the paper's claims where the design is the paper's.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,81 +8,106 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "analysis/analysis.hpp"
 #include "analysis/claims/claims.hpp"
+#include "analysis/findings.hpp"
+#include "analysis/report/report.hpp"
 #include "common/json_text.hpp"
+#include "common/text_file.hpp"
 #include "session/participant/counted_trials.hpp"
 #include "session/records/trial_table.hpp"
 #include "thimble/commands/commands.hpp"
-#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
 
 struct AnalyseArguments {
-    std::string table, claims_out, analysis = "full";
+    std::string table, out;
     bool json = false;
 };
+
+struct Analysis {
+    std::vector<std::string> counted;  // which trials of a dataset count, and why others do not
+    std::vector<GroupFindings> findings;
+    std::vector<Claim> claims;  // empty unless the design is the paper's
+};
+
+// With the same trials without delay, where the study had them.
+std::vector<TrialRow> rows_of_study(const std::filesystem::path& folder) {
+    std::vector<TrialRow> rows = read_trial_table(folder / "trials.csv");
+    if (!std::filesystem::exists(folder / "control.csv")) return rows;
+    const std::vector<TrialRow> control = read_trial_table(folder / "control.csv");
+    rows.insert(rows.end(), control.begin(), control.end());
+    return rows;
+}
 
 // `counted` gets which trials of a dataset count, and why others do not.
 std::vector<TrialRow> rows_of(const std::filesystem::path& given, std::vector<std::string>& counted) {
     if (!std::filesystem::is_directory(given)) return read_trial_table(given);
     const Dataset dataset(given);
-    if (!dataset.kind()) return read_trial_table(given / "trials.csv");
+    if (!dataset.kind()) return rows_of_study(given);
     const CountedTrials trials = counted_trials(dataset);
     counted = describe(trials);
     return trials.rows;
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& given) {
+    return std::filesystem::is_directory(given) ? given : given.parent_path();
+}
+
 // A table that the study wrote beside its trials. Without it the claim is not judged.
 std::vector<TrialRow> no_lag_rows(const std::filesystem::path& given) {
-    const auto folder = std::filesystem::is_directory(given) ? given : given.parent_path();
-    const auto table = folder / "no_lag.csv";
+    const auto table = folder_of(given) / "no_lag.csv";
     return std::filesystem::exists(table) ? read_trial_table(table) : std::vector<TrialRow>{};
 }
 
-void say_claims(const std::vector<Claim>& claims) {
-    for (const Claim& c : claims) {
-        fmt::print("{:<12} {:<18} {}\n{:<12} paper: {}\n{:<12} here:  {}\n",
-                   !c.reproduced   ? "not judged"
-                   : *c.reproduced ? "reproduced"
-                                   : "no",
-                   c.id, c.claim, "", c.paper, "", c.ours);
-    }
-    fmt::print("{}\n", claims_sentence(claims));
+// As the study said it; of a table by itself as its rows say it.
+bool has_papers_design(const std::filesystem::path& given, const std::vector<TrialRow>& rows) {
+    const auto design = design_in(folder_of(given));
+    return design ? *design != kUsersDesign : is_papers_design(rows);
 }
 
-void say_analysis(const std::vector<MeasureAnalysis>& measures) {
-    for (const std::uint32_t experiment : {1U, 2U, 3U}) {
-        std::vector<MeasureAnalysis> own;
-        for (const MeasureAnalysis& measure : measures) {
-            if (measure.experiment == experiment) own.push_back(measure);
-        }
-        if (own.empty()) continue;
-        fmt::print("\nExperiment {}\n", experiment);
-        for (const MeasureAnalysis& measure : own) fmt::print("{}\n", finding_text(measure));
-        for (const ReportTable& table : analysis_tables(own)) fmt::print("\n{}", plain_table(table));
+Analysis analyse(const std::filesystem::path& given) {
+    Analysis analysis;
+    const std::vector<TrialRow> rows = rows_of(given, analysis.counted);
+    analysis.findings = findings_of(rows);
+    if (has_papers_design(given, rows)) analysis.claims = judge_claims(rows, no_lag_rows(given));
+    return analysis;
+}
+
+// A file if it is named as one, else a folder.
+void write_to(const std::filesystem::path& out, const Analysis& analysis) {
+    if (out.extension() == ".json") {
+        write_findings(analysis.findings, out);
+        return;
     }
+    make_folder(out);
+    write_findings(analysis.findings, out / "findings.json");
+    if (!analysis.claims.empty()) write_claims(analysis.claims, out / "claims.json");
+}
+
+void say(const Analysis& analysis) {
+    for (const std::string& line : analysis.counted) fmt::print("{}\n", line);
+    for (const std::string& sentence : answer(analysis.findings)) fmt::print("{}\n", sentence);
+    for (const ReportTable& table : finding_tables(analysis.findings)) fmt::print("\n{}", plain_table(table));
+    if (analysis.claims.empty()) return;
+    const ReportTable table = claims_table(analysis.claims);
+    if (!table.rows.empty()) fmt::print("\n{}", plain_table(table));
+    fmt::print("{}.\n", claims_sentence(analysis.claims));
+}
+
+void say_json(const Analysis& analysis) {
+    nlohmann::ordered_json json{{"counted", analysis.counted}};
+    json["answer"] = answer(analysis.findings);
+    json["findings"] = to_json(analysis.findings);
+    if (!analysis.claims.empty()) json["claims"] = nlohmann::ordered_json::array();
+    for (const Claim& claim : analysis.claims) json["claims"].push_back(to_json(claim));
+    fmt::print("{}\n", json_text(json, 2));
 }
 
 int analyse_table(const AnalyseArguments& arguments) {
-    std::vector<std::string> counted;
-    const std::vector<TrialRow> rows = rows_of(arguments.table, counted);
-    const std::vector<Claim> claims = judge_claims(rows, no_lag_rows(arguments.table));
-    if (!arguments.claims_out.empty()) write_claims(claims, arguments.claims_out);
-    const AnalysisKind kind = *parse_analysis(arguments.analysis);
-    const std::vector<MeasureAnalysis> measures = analyse_trials(rows, kind);
-    if (arguments.json) {
-        nlohmann::ordered_json json{{"counted", counted}};
-        json["claims"] = nlohmann::ordered_json::array();
-        for (const Claim& claim : claims) json["claims"].push_back(to_json(claim));
-        json["analysis"] = to_json(measures, kind);
-        fmt::print("{}\n", json_text(json, 2));
-    } else {
-        for (const std::string& line : counted) fmt::print("{}\n", line);
-        say_claims(claims);
-        say_analysis(measures);
-    }
+    const Analysis analysis = analyse(arguments.table);
+    if (!arguments.out.empty()) write_to(arguments.out, analysis);
+    arguments.json ? say_json(analysis) : say(analysis);
     return 0;
 }
 
@@ -93,16 +117,17 @@ Subcommand add_analyse(CLI::App& app) {
     const auto arguments = std::make_shared<AnalyseArguments>();
     AnalyseArguments& a = *arguments;
     CLI::App* analyse = app.add_subcommand(
-        "analyse", "the paper's claims and an analysis of every measure on a table of trials");
+        "analyse", "which conditions oscillate and how they differ, from a table of trials");
     analyse
         ->add_option("table", a.table, "a trials.csv, a folder that holds one, or a dataset of participants")
         ->required();
-    analyse->add_option("-o,--out", a.claims_out, "claims as JSON");
-    add_analysis_option(*analyse, a.analysis);
-    analyse->add_flag("--json", a.json, "print claims and analysis as JSON on stdout");
+    analyse->add_option("-o,--out", a.out,
+                        "folder for findings.json (and claims.json, if the design is the paper's), or the "
+                        "findings' file, which ends in .json");
+    analyse->add_flag("--json", a.json, "print answer, findings and claims as JSON on stdout");
     analyse->footer(
-        "Examples:\n  thimble analyse out/study --out claims.json\n"
-        "  thimble analyse out/study/trials.csv --analysis paper --json");
+        "Examples:\n  thimble analyse out/study --out out/analysis\n"
+        "  thimble analyse out/study/trials.csv --json");
     return {analyse, [arguments] { return analyse_table(*arguments); }};
 }
 

@@ -182,12 +182,14 @@ class Run {
     }
 
     void report() const {
-        const auto conditions = summarize(result_.rows);
+        const std::vector<GroupFindings> findings = findings_of(result_.rows);
+        write_findings(findings, options_.out / "findings.json");
         ReportInput report;
         report.title = "Thimble: real processes over UDP";
+        report.answers = {{"", answer(findings)}};
         report.sections.push_back(
-            trials_section("Real processes, real time", result_.rows,
-                           draw_figures(panels_.panels(), conditions, options_.out, "_real")));
+            trials_section("Real processes, real time", result_.rows, findings,
+                           draw_figures(panels_.panels(), summarize(result_.rows), options_.out, "_real")));
         report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
         ReportSection timing;
         timing.title = "How well time was kept";
@@ -200,6 +202,7 @@ class Run {
         if (elsewhere()) timing.tables.push_back(machine_table(*options_.starter, options_.network));
         report.sections.push_back(std::move(timing));
         report.provenance = {{"command", options_.command},
+                             {kDesign, kUsersDesign},
                              {"seed", std::to_string(settings_.plan.seed)},
                              {"subject", std::to_string(settings_.plan.subject)},
                              {"version", kVersion},

@@ -1,7 +1,5 @@
 #include "thimble/commands/shared.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <iostream>
@@ -9,37 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "analysis/claims/headline.hpp"
-#include "session/records/condition_summary.hpp"
+#include "analysis/findings.hpp"
 
 namespace thimble {
-namespace {
-
-std::string number_text(double value) { return std::isnan(value) ? "-" : fmt::format("{:.2f}", value); }
-
-void say_condition(std::uint32_t experiment, const ConditionSummary& c) {
-    const Statistic& displacement = c.of(Metric::kPeakDisplacement);
-    fmt::print(
-        "experiment {} {:>6} {:<4} {:3} trials, {:3} oscillate, maximum penetration {:>6} mm, "
-        "completion {:>5} s{}\n",
-        experiment, delay_text(c.delay_s), to_string(c.modality), c.trials, c.oscillating,
-        number_text(1000 * c.of(Metric::kPenetrationMax).mean),
-        number_text(c.of(Metric::kCompletionTime).mean),
-        displacement.n > 0 ? fmt::format(", peak displacement {} mm", number_text(1000 * displacement.mean))
-                           : "");
-}
-
-}  // namespace
-
-CLI::Option* add_analysis_option(CLI::App& command, std::string& name) {
-    return command
-        .add_option(
-            "--analysis", name,
-            "paper: its tests, chosen by its normality rule; full: also corrections, effect sizes and "
-            "confidence intervals")
-        ->default_val("full")
-        ->check(CLI::IsMember({"paper", "full"}));
-}
 
 void add_base_port_option(CLI::App& command, int& base_port) {
     command.add_option("--base-port", base_port, "first UDP port, instead of [network].base_port")
@@ -76,15 +46,7 @@ void say_results(bool json, const std::filesystem::path& folder, const std::vect
         std::cout << summary.rdbuf();
         return;
     }
-    for (const std::uint32_t experiment : {1U, 2U, 3U}) {
-        for (const ConditionSummary& c : summarize(of_experiment(rows, experiment))) {
-            say_condition(experiment, c);
-        }
-    }
-    const auto delayed = [](const TrialRow& row) { return row.conditions.delay_s > 0; };
-    if (std::any_of(rows.begin(), rows.end(), delayed)) {
-        fmt::print("{}\n", judge_headline(summarize(without_removals(rows))).sentence());
-    }
+    for (const std::string& sentence : answer(findings_of(rows))) fmt::print("{}\n", sentence);
     fmt::print("report: {}\n", (folder / "report.html").string());
 }
 

@@ -17,8 +17,6 @@ class Option;
 
 namespace thimble {
 
-// --analysis: `name` gets "paper" or "full"; parse_analysis (analysis.hpp) reads both.
-CLI::Option* add_analysis_option(CLI::App& command, std::string& name);
 // --base-port; 0 unless it is given.
 void add_base_port_option(CLI::App& command, int& base_port);
 
@@ -36,8 +34,7 @@ CLI::Option* takes_session(CLI::Option* option);
 // [instructions] that the window's font lacks (where there are windows).
 void check_build(const SystemSettings& settings);
 
-// Prints the results of a run or a study: a line per condition, the headline if there was a delay, and the report's place in `folder`.
-// As JSON it prints the folder's summary.json instead.
+// Prints the results of a run or a study: the answer in three sentences, and the report's place in `folder`. As JSON it prints the folder's summary.json instead.
 void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows);
 
 }  // namespace thimble

@@ -35,7 +35,7 @@ struct SweepRequest {
 
 struct StudyArguments {
     std::string session, out;
-    std::string experiment, order, analysis = "full";
+    std::string experiment, order;
     std::vector<std::string> compensators;
     std::optional<std::uint32_t> subjects;
     std::optional<std::uint64_t> seed;
@@ -113,7 +113,6 @@ std::string study_command(const StudyArguments& a, const StudyDesign& design) {
     if (!a.order.empty()) command += " --order " + a.order;
     if (a.no_control) command += " --no-control";
     if (!a.compensators.empty()) command += fmt::format(" --compensators {}", fmt::join(a.compensators, ","));
-    if (a.analysis != "full") command += " --analysis " + a.analysis;
     if (a.seeds > 1) command += fmt::format(" --seeds {}", a.seeds);
     for (const std::string& range : a.sweep.vary) command += " --vary " + range;
     if (a.sweep.draws > 0) command += fmt::format(" --draws {}", a.sweep.draws);
@@ -219,7 +218,6 @@ StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& d
     // A user's session names its delays itself.
     options.control = design.paper && !arguments.no_control;
     options.compensators = compensators_of(arguments, design.settings);
-    options.analysis = *parse_analysis(arguments.analysis);
     options.stop = &stop_requested();
     return options;
 }
@@ -237,7 +235,7 @@ int run_one_study(const StudyArguments& arguments) {
     if (result.resumed > 0) spdlog::info("{} trials were there already", result.resumed);
     spdlog::info("{:.0f} s simulated in {:.2f} s: {:.0f} x real time", result.simulated_s, result.wall_s,
                  result.simulated_s / result.wall_s);
-    if (!arguments.json && design.paper) fmt::print("{}\n", claims_sentence(result.claims));
+    if (!arguments.json && !result.claims.empty()) fmt::print("{}.\n", claims_sentence(result.claims));
     say_results(arguments.json, options.out, result.rows);
     if (!result.complete)
         spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume",
@@ -277,7 +275,6 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
         "--no-control", a.no_control,
         "of the paper's sessions: leave out the same trials without delay (control.csv) and without the "
         "actuators' lag (no_lag.csv)");
-    CLI::Option* analysis = add_analysis_option(*study, a.analysis);
     CLI::Option* compensators =
         study
             ->add_option("--compensators", a.compensators,
@@ -295,7 +292,7 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
                        "go on where an interrupted study of the same settings ended; the same bytes come out")
             ->excludes(overwrite);
     CLI::Option* json = study->add_flag("--json", a.json, "print summary.json on stdout");
-    for (CLI::Option* of_one_study : {no_control, compensators, analysis, trajectories, resume, json}) {
+    for (CLI::Option* of_one_study : {no_control, compensators, trajectories, resume, json}) {
         for (CLI::Option* of_many : sweeps) of_one_study->excludes(of_many);
     }
 }

@@ -259,10 +259,43 @@ TEST(Claims, DataThatATestRefusesAreNotJudgedAndSayWhy) {
     few.add(1, 2, {0.001, 0.004, 0.0055, 0.008}, {11, 11, 11, 11});
     const Claim order = claim_of(judge_claims(few.rows), "E1.mean.order");
     EXPECT_FALSE(order.reproduced);
-    EXPECT_THAT(order.ours, HasSubstr("not judged"));
+    EXPECT_THAT(order.ours, HasSubstr("not judged: 2 subjects, at least 6 are needed"));
+    Table steady = the_papers();  // what only counts needs no number of subjects
+    std::erase_if(steady.rows, [](const TrialRow& row) { return row.conditions.subject > 2; });
+    const std::vector<Claim> two = judge_claims(steady.rows);
+    EXPECT_EQ(claim_of(two, "E3.stable").reproduced, true);
+    EXPECT_FALSE(claim_of(two, "E3.max.differs").reproduced);
+    ASSERT_EQ(claims_table(two).rows.size(), 1U);  // those that are not judged have no row
+    EXPECT_EQ(claims_table(two).rows[0][0], "E3.stable");
+    EXPECT_THAT(claims_sentence(two),
+                testing::MatchesRegex("1 of [12] judged claims is reproduced.*; [0-9]+ more "
+                                      "cannot be judged \\(see claims.json\\)"));
+    EXPECT_THAT(claims_sentence({}), HasSubstr("at least 6 subjects"));
     Table interrupted = the_papers();
     for (TrialRow& row : interrupted.rows) row.reason = EndReason::kInterrupted;
     for (const Claim& c : judge_claims(interrupted.rows)) EXPECT_FALSE(c.reproduced) << c.id;
+}
+
+TEST(Claims, OnlyThePapersDesignIsThePapers) {
+    Table papers = the_papers();
+    papers.add(3, 10, {0.001, 0.004, 0.005, 0.008}, {11, 11, 11, 11}, 0);  // its control
+    EXPECT_TRUE(is_papers_design(papers.rows));
+    EXPECT_FALSE(is_papers_design({}));
+    const auto changed = [&](const auto& change) {
+        std::vector<TrialRow> rows = papers.rows;
+        change(rows);
+        return is_papers_design(rows);
+    };
+    EXPECT_FALSE(changed([](auto& rows) { rows[0].conditions.experiment = 4; }));
+    EXPECT_FALSE(changed([](auto& rows) { rows[0].conditions.delay_s = 0.05; }));       // experiment 1
+    EXPECT_FALSE(changed([](auto& rows) { rows.back().conditions.delay_s = 0.009; }));  // experiment 3
+    EXPECT_FALSE(changed([](auto& rows) { rows.back().conditions.removes_fixture = true; }));
+    EXPECT_FALSE(changed([](auto& rows) { rows.back().conditions.compensator = Compensator::kWave; }));
+    EXPECT_FALSE(changed([](auto& rows) {
+        std::erase_if(rows, [](const TrialRow& row) {
+            return row.conditions.experiment == 3 && row.conditions.modality == Modality::kHF;
+        });
+    }));
 }
 
 // Experiment 3's control trials have no delay and are not experiment 1's.

@@ -53,7 +53,10 @@ TEST(Report, StandsAloneWithInlineFigures) {
     ReportInput report{"A <study>", {}, {{"seed", "1"}, {"command", "thimble study \"x\" & y"}}};
     DrawnFigures drawn = draw_figures(study.panels.panels(), summarize(study.rows), directory.path());
     ASSERT_EQ(drawn.problem, "");
-    report.sections.push_back(trials_section("Virtual time", study.rows, std::move(drawn)));
+    const auto findings = findings_of(study.rows);
+    report.sections.push_back(trials_section("Virtual time", study.rows, findings, std::move(drawn)));
+    report.sections.push_back({"Nothing was measured", "", {}, {}, {}, {{"Empty", "", {"one"}, {}}}});
+    report.answers = {{"", answer(findings)}};
     write_report(report, directory / "report.html");
 
     const std::string html = read_text(directory / "report.html");
@@ -63,7 +66,17 @@ TEST(Report, StandsAloneWithInlineFigures) {
     for (const char* outside : {"https://", "<script", "<link", "<img", "@import", "src=", "<?xml"}) {
         EXPECT_EQ(count(html, outside), 0U) << outside;
     }
-    EXPECT_EQ(count(html, "At 50 ms only HF oscillates: supported."), 1U);
+    // Answer, legend, figures, statistics; nothing empty.
+    std::size_t before = 0;
+    for (const char* part :
+         {"At 50 ms HF oscillates in 4 of 4 trials", "<dt>HF</dt>", "<h2>Figures: Virtual time</h2>", "<svg",
+          "Which conditions oscillate", "<h3>Differences</h3>", "Provenance"}) {
+        EXPECT_EQ(count(html, part) > 0, true) << part;
+        EXPECT_GT(html.find(part), before) << part;
+        before = html.find(part);
+    }
+    for (const char* absent : {"not judged", "supported", "Empty", "Nothing was measured"})
+        EXPECT_EQ(count(html, absent), 0U) << absent;
     EXPECT_EQ(count(html, "A &lt;study&gt;"), 2U);
     EXPECT_EQ(count(html, "thimble study &quot;x&quot; &amp; y"), 1U);
     for (const char* file : {"trajectories.svg", "trajectories.gp", "trajectories.tsv", "bars.svg"}) {
@@ -104,12 +117,13 @@ TEST(Report, WithoutGnuplotTheTablesRemain) {
         drawn = draw_figures(study.panels.panels(), conditions, directory.path());
     }
     EXPECT_TRUE(drawn.figures.empty());
-    ReportInput report{"Study", {trials_section("Virtual time", study.rows, drawn)}, {}};
+    ReportInput report{
+        "Study", {trials_section("Virtual time", study.rows, findings_of(study.rows), drawn)}, {}};
     write_report(report, directory / "report.html");
     write_summary(report, directory / "summary.json");
     const std::string html = read_text(directory / "report.html");
     EXPECT_EQ(count(html, "No figures: cannot start gnuplot"), 1U);
-    EXPECT_EQ(count(html, "<table>"), 3U);
+    EXPECT_EQ(count(html, "<table>"), 4U);
     EXPECT_THAT(read_text(directory / "summary.json"), HasSubstr("figures_problem"));
 }
 
@@ -132,12 +146,16 @@ TEST(Report, AFailingGnuplotSaysWhy) {
 TEST(Report, SummaryHasTheNumbersOfTheTables) {
     const TemporaryDirectory directory;
     const Study study = small_study();
-    ReportInput report{"Study", {trials_section("Virtual time", study.rows, {})}, {{"seed", "1"}}};
+    ReportInput report{
+        "Study", {trials_section("Virtual time", study.rows, findings_of(study.rows), {})}, {{"seed", "1"}}};
+    report.answers = {{"", {"One.", "Two.", "Three."}}};
+    report.provenance.emplace_back(kDesign, "paper-experiment-3");
+    EXPECT_EQ(design_in(directory.path()), std::nullopt);
     write_summary(report, directory / "summary.json");
     const auto summary = nlohmann::json::parse(read_text(directory / "summary.json"));
     const auto& section = summary["sections"][0];
-    EXPECT_EQ(section["headline"]["verdict"], "supported");
-    EXPECT_EQ(section["headline"]["supported"], true);
+    EXPECT_EQ(summary["answer"].dump(), R"(["One.","Two.","Three."])");
+    EXPECT_EQ(design_in(directory.path()), "paper-experiment-3");
     EXPECT_EQ(summary["provenance"]["seed"], "1");
     ASSERT_EQ(section["conditions"].size(), 8U);
     const auto& condition = section["conditions"][4];

@@ -167,15 +167,28 @@ TEST(DrawFigures, OneThatFailsDoesNotTakeTheOthersAlong) {
     EXPECT_THAT(drawn.problem, testing::AllOf(HasSubstr("not drawn: bad"), HasSubstr("plod")));
 }
 
-TEST(AddAnalysis, PutsFindingsAndTablesOfItsExperiment) {
-    const ThreeExperiments study;
-    const auto measures = analyse_trials(study.rows, AnalysisKind::kFull);
-    ReportSection section;
-    add_analysis(section, study.rows, 2, measures);
-    ASSERT_EQ(section.findings.size(), 2U);
-    EXPECT_THAT(section.findings[1], HasSubstr("Peak displacement"));
-    EXPECT_EQ(section.tables.size(), 3U);
-    EXPECT_EQ(overview_section(measures, {}).findings.size(), 7U);
+// Trials of several delays are not averaged: each delay has figures of its own.
+TEST(StudyFigures, SeveralDelaysAreDrawnApart) {
+    const TemporaryDirectory directory;
+    std::vector<TrialRow> rows;
+    PanelsByExperiment panels;
+    for (const double delay_s : {0.0, 0.02, 0.05}) {
+        for (TrialRow row : rows_of(normal_columns(4, kMeans), 3)) {
+            row.conditions.delay_s = delay_s;
+            rows.push_back(row);
+        }
+    }
+    TrialRecord record = sine_record(0.004, 0.0005, 0.7);
+    record.conditions.experiment = 3;
+    panels[3].add(record);
+    const Path nothing(directory.path().string());
+    draw_study(rows, panels, directory.path());
+    for (const char* name : {"subjects_20ms.tsv", "distributions_50ms.tsv", "trajectories.tsv"})
+        EXPECT_TRUE(std::filesystem::exists(directory / "figures" / name)) << name;
+    EXPECT_FALSE(std::filesystem::exists(directory / "figures" / "subjects.tsv"));
+    std::erase_if(rows, [](const TrialRow& row) { return row.conditions.delay_s > 0; });
+    draw_study(rows, panels, directory.path());  // without delay, where there is nothing else
+    EXPECT_TRUE(std::filesystem::exists(directory / "figures" / "subjects.tsv"));
 }
 
 }  // namespace

@@ -1,0 +1,265 @@
+// The answer in three sentences: which conditions oscillate, how modalities differ, what cannot be said.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "analysis/findings.hpp"
+
+namespace thimble {
+namespace {
+
+using Groups = std::vector<GroupFindings>;
+using Texts = std::vector<std::string>;
+
+// The mean penetration says what the maximum says; the table has it.
+constexpr std::array kAnswered{Metric::kPenetrationMax, Metric::kCompletionTime, Metric::kPeakDisplacement};
+constexpr std::size_t kMostListed = 3;
+
+std::string sentence(std::string text) {
+    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+    return text + ".";
+}
+
+// ---- which conditions oscillate
+
+std::string of_trials(std::size_t oscillating, std::size_t trials) {
+    return fmt::format("{} of {}", oscillating, counted(trials, "trial"));
+}
+
+std::string with_interval(const OscillationShare& share) {
+    return fmt::format("{} oscillates in {} (95 % interval {:.0f} to {:.0f} %)", share.condition,
+                       of_trials(share.oscillating, share.trials), 100 * share.interval->low,
+                       100 * share.interval->high);
+}
+
+struct Silent {
+    Texts names;
+    std::size_t trials = 0;
+    void add(const std::string& name, std::size_t more) {
+        names.push_back(name);
+        trials += more;
+    }
+};
+
+std::string oscillating_text(const GroupFindings& group) {
+    Texts loud;
+    Silent silent;
+    for (const OscillationShare& share : group.oscillations) {
+        if (share.oscillating > 0) {
+            loud.push_back(with_interval(share));
+        } else if (share.trials > 0) {
+            silent.add(share.condition, share.trials);
+        }
+    }
+    std::string text = fmt::format("at {} {}", group.name, list_text(loud));
+    if (silent.trials == 0) return text;
+    return text + fmt::format(", and {} {} not ({})", list_text(silent.names),
+                              silent.names.size() == 1 ? "does" : "do", of_trials(0, silent.trials));
+}
+
+bool oscillates(const GroupFindings& group) {
+    return std::any_of(group.oscillations.begin(), group.oscillations.end(),
+                       [](const OscillationShare& share) { return share.oscillating > 0; });
+}
+
+std::size_t trials_of(const GroupFindings& group) {
+    std::size_t trials = 0;
+    for (const OscillationShare& share : group.oscillations) trials += share.trials;
+    return trials;
+}
+
+std::string no_condition_text(const GroupFindings& group) {
+    return group.oscillations.size() == 1
+               ? fmt::format("{} does not oscillate", group.oscillations[0].condition)
+               : "no condition oscillates";
+}
+
+std::string oscillation_sentence(const Groups& groups) {
+    Texts parts;
+    Silent silent;
+    std::string nothing;
+    for (const GroupFindings& group : groups) {
+        if (oscillates(group)) {
+            parts.push_back(oscillating_text(group));
+        } else if (trials_of(group) > 0) {
+            silent.add("at " + group.name, trials_of(group));
+            nothing = silent.names.size() == 1 ? no_condition_text(group) : "no condition oscillates";
+        }
+    }
+    if (silent.trials > 0)
+        parts.push_back(
+            fmt::format("{} {} ({})", list_text(silent.names), nothing, of_trials(0, silent.trials)));
+    if (parts.empty())
+        return "No trial ran to its end and touched the fixture, so nothing is known of oscillation.";
+    return sentence(fmt::format("{}", fmt::join(parts, "; ")));
+}
+
+// ---- how modalities differ
+
+template <class Wanted>
+std::vector<const Comparison*> chosen(const GroupFindings& group, Metric metric, const Wanted& wanted) {
+    std::vector<const Comparison*> found;
+    for (const Comparison& comparison : group.comparisons) {
+        if (comparison.metric == metric && wanted(comparison)) found.push_back(&comparison);
+    }
+    return found;
+}
+
+const Comparison& largest(const std::vector<const Comparison*>& comparisons) {
+    return **std::max_element(comparisons.begin(), comparisons.end(), [](auto* a, auto* b) {
+        return std::abs(a->shift->estimate) < std::abs(b->shift->estimate);
+    });
+}
+
+std::string apart_text(const std::vector<const Comparison*>& apart) {
+    const Comparison& c = largest(apart);
+    std::string pairs = "the only pair compared";
+    if (c.family > 1)
+        pairs = fmt::format("the largest of {} differences among {} pairs", apart.size(), c.family);
+    if (c.family > 1 && apart.size() == 1)
+        pairs = fmt::format("the only difference found among {} pairs", c.family);
+    return fmt::format("{} in {} (95 % interval {}; {})", difference_text(c), name_of(c.metric),
+                       interval_text(c), pairs);
+}
+
+// Of `wanted` comparisons one clause per group and measure.
+template <class Wanted, class Tell>
+Texts clauses(const Groups& groups, const Wanted& wanted, const Tell& tell) {
+    Texts parts;
+    for (const GroupFindings& group : groups) {
+        Texts of_group;
+        for (const Metric metric : kAnswered) {
+            const auto found = chosen(group, metric, wanted);
+            if (!found.empty()) of_group.push_back(tell(found));
+        }
+        if (!of_group.empty()) parts.push_back(fmt::format("at {} {}", group.name, list_text(of_group)));
+    }
+    return parts;
+}
+
+bool any_comparison(const Groups& groups, bool (*wanted)(const Comparison&)) {
+    return std::any_of(groups.begin(), groups.end(), [&](const GroupFindings& group) {
+        return std::any_of(group.comparisons.begin(), group.comparisons.end(), wanted);
+    });
+}
+
+bool anything(const Comparison&) { return true; }
+bool measured(const Comparison& c) { return c.shift.has_value(); }
+bool judged(const Comparison& c) { return c.can_be_judged(); }
+bool told_apart(const Comparison& c) { return c.apart(); }
+
+std::string difference_sentence(const Groups& groups) {
+    const Texts apart = clauses(groups, told_apart, apart_text);
+    if (!apart.empty()) return sentence(fmt::format("{}", fmt::join(apart, "; ")));
+    if (any_comparison(groups, told_apart))
+        return "Modalities differ in mean penetration only; the table has the sizes.";
+    if (any_comparison(groups, judged)) return "No two modalities are told apart in any measure.";
+    if (!any_comparison(groups, anything))
+        return "No two modalities can be compared: at no delay is there a measure of more than one.";
+    const Texts seen = clauses(groups, measured, [](const std::vector<const Comparison*>& all) {
+        const Comparison& c = largest(all);
+        return fmt::format("{} in {}", difference_text(c), name_of(c.metric));
+    });
+    if (seen.empty()) return "No subject has a measure of two modalities, so nothing is compared.";
+    return sentence(fmt::format("the largest differences seen: {}", fmt::join(seen, "; ")));
+}
+
+// ---- what cannot be said
+
+std::string pairs_text(const std::vector<const Comparison*>& comparisons) {
+    Texts pairs;
+    for (const Comparison* c : comparisons)
+        pairs.push_back(fmt::format("{} - {} ({})", c->first, c->second, interval_text(*c)));
+    const std::size_t more = pairs.size() > kMostListed ? pairs.size() - kMostListed : 0;
+    if (more > 0) {
+        pairs.resize(kMostListed);
+        pairs.push_back(fmt::format("{} more", counted(more, "pair")));
+    }
+    return fmt::format("{} {}", name_of(comparisons[0]->metric), list_text(pairs));
+}
+
+// A condition that has trials but none that came to this measure.
+Texts unmeasured(const GroupFindings& group) {
+    Texts missing;
+    for (const Metric metric : measures_of(group.experiment)) {
+        const auto all = chosen(group, metric, anything);
+        for (const OscillationShare& share : group.oscillations) {
+            const bool there = std::any_of(all.begin(), all.end(), [&](const Comparison* c) {
+                return c->first == share.condition || c->second == share.condition;
+            });
+            if (there || all.empty()) continue;
+            missing.push_back(
+                fmt::format("{} has no {} at {}", share.condition, name_of(metric), group.name));
+        }
+    }
+    return missing;
+}
+
+std::string need_text(const Comparison& c) {
+    return fmt::format("{} {} too few to say how modalities differ, which takes at least {}",
+                       counted(c.n, c.paired ? "subject" : "trial"), c.n == 1 ? "is" : "are",
+                       c.paired ? counted(c.fewest(), "subject")
+                                : fmt::format("{} of each modality", counted(c.fewest(), "trial")));
+}
+
+// The first of each group; groups that lack the same are named together.
+Texts too_few(const Groups& groups) {
+    std::vector<std::pair<std::string, Texts>> needs;
+    for (const GroupFindings& group : groups) {
+        const auto& all = group.comparisons;
+        const auto few =
+            std::find_if(all.begin(), all.end(), [](const auto& c) { return !c.can_be_judged(); });
+        if (few == all.end()) continue;
+        const std::string need = need_text(*few);
+        const auto known =
+            std::find_if(needs.begin(), needs.end(), [&](const auto& other) { return other.first == need; });
+        (known == needs.end() ? needs.emplace_back(need, Texts{}) : *known).second.push_back(group.name);
+    }
+    Texts parts;
+    for (const auto& [need, names] : needs)
+        parts.push_back(fmt::format("{} (at {})", need, list_text(names)));
+    return parts;
+}
+
+std::string limits_sentence(const Groups& groups) {
+    Texts parts = too_few(groups);
+    const Texts alike = clauses(
+        groups, [](const Comparison& c) { return c.can_be_judged() && !c.apart(); }, pairs_text);
+    if (!alike.empty())
+        parts.push_back(fmt::format("not told apart, which does not make them equal (95 % intervals): {}",
+                                    fmt::join(alike, "; ")));
+    for (const GroupFindings& group : groups) {
+        for (std::string& text : unmeasured(group)) parts.push_back(std::move(text));
+    }
+    if (!parts.empty()) return sentence(fmt::format("{}", fmt::join(parts, "; ")));
+    if (!any_comparison(groups, anything))
+        return "How modalities differ takes trials of at least two of them.";
+    return "Every pair is told apart; nothing here speaks of other hands, tissues or delays.";
+}
+
+// The same trials without delay only show that it is the delay: the tables compare them.
+Groups without_controls(Groups groups) {
+    const auto delayed = [](const GroupFindings& group) { return group.delay_s > 0; };
+    std::set<std::uint32_t> experiments;
+    for (const GroupFindings& group : groups) {
+        if (delayed(group)) experiments.insert(group.experiment);
+    }
+    std::erase_if(groups, [&](const GroupFindings& group) {
+        return !delayed(group) && experiments.contains(group.experiment);
+    });
+    return groups;
+}
+
+}  // namespace
+
+std::vector<std::string> answer(const std::vector<GroupFindings>& groups) {
+    const Groups compared = without_controls(groups);
+    return {oscillation_sentence(groups), difference_sentence(compared), limits_sentence(compared)};
+}
+
+}  // namespace thimble
