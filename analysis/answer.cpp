@@ -18,7 +18,7 @@ using Texts = std::vector<std::string>;
 
 // The mean penetration says what the maximum says; the table has it.
 constexpr std::array kAnswered{Metric::kPenetrationMax, Metric::kCompletionTime, Metric::kPeakDisplacement};
-constexpr std::size_t kMostListed = 3;
+constexpr std::size_t kMostListed = 6;
 
 std::string sentence(std::string text) {
     if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
@@ -175,12 +175,29 @@ std::string pairs_text(const std::vector<const Comparison*>& comparisons) {
     Texts pairs;
     for (const Comparison* c : comparisons)
         pairs.push_back(fmt::format("{} - {} ({})", c->first, c->second, interval_text(*c)));
-    const std::size_t more = pairs.size() > kMostListed ? pairs.size() - kMostListed : 0;
-    if (more > 0) {
-        pairs.resize(kMostListed);
-        pairs.push_back(fmt::format("{} more", counted(more, "pair")));
-    }
     return fmt::format("{} {}", name_of(comparisons[0]->metric), list_text(pairs));
+}
+
+std::string count_text(const std::vector<const Comparison*>& comparisons) {
+    return fmt::format("{} of {} in {}", comparisons.size(), counted(comparisons[0]->family, "pair"),
+                       name_of(comparisons[0]->metric));
+}
+
+bool alike(const Comparison& c) { return c.can_be_judged() && !c.apart(); }
+
+// Each with its interval, or, where they are many, how many.
+std::string alike_text(const Groups& groups) {
+    std::size_t pairs = 0;
+    for (const GroupFindings& group : groups) {
+        for (const Metric metric : kAnswered) pairs += chosen(group, metric, alike).size();
+    }
+    if (pairs == 0) return "";
+    if (pairs > kMostListed)
+        return fmt::format(
+            "not told apart, which does not make them equal: {} (the tables have the intervals)",
+            fmt::join(clauses(groups, alike, count_text), "; "));
+    return fmt::format("not told apart, which does not make them equal (95 % intervals): {}",
+                       fmt::join(clauses(groups, alike, pairs_text), "; "));
 }
 
 // A condition that has trials but none that came to this measure.
@@ -201,10 +218,13 @@ Texts unmeasured(const GroupFindings& group) {
 }
 
 std::string need_text(const Comparison& c) {
+    if (!c.paired)
+        return fmt::format(
+            "{} of two modalities are too few to say how they differ, which takes at least {} "
+            "of each",
+            counted(c.n, "trial"), counted(c.fewest(), "trial"));
     return fmt::format("{} {} too few to say how modalities differ, which takes at least {}",
-                       counted(c.n, c.paired ? "subject" : "trial"), c.n == 1 ? "is" : "are",
-                       c.paired ? counted(c.fewest(), "subject")
-                                : fmt::format("{} of each modality", counted(c.fewest(), "trial")));
+                       counted(c.n, "subject"), c.n == 1 ? "is" : "are", counted(c.fewest(), "subject"));
 }
 
 // The first of each group; groups that lack the same are named together.
@@ -228,11 +248,7 @@ Texts too_few(const Groups& groups) {
 
 std::string limits_sentence(const Groups& groups) {
     Texts parts = too_few(groups);
-    const Texts alike = clauses(
-        groups, [](const Comparison& c) { return c.can_be_judged() && !c.apart(); }, pairs_text);
-    if (!alike.empty())
-        parts.push_back(fmt::format("not told apart, which does not make them equal (95 % intervals): {}",
-                                    fmt::join(alike, "; ")));
+    if (std::string text = alike_text(groups); !text.empty()) parts.push_back(std::move(text));
     for (const GroupFindings& group : groups) {
         for (std::string& text : unmeasured(group)) parts.push_back(std::move(text));
     }

@@ -87,19 +87,40 @@ std::vector<std::string> row_of(const Comparison& c, const GroupFindings& group)
             judged && c.n >= kFewestForEffect ? fmt::format("{:.2f}", c.shift->rank_biserial) : dash};
 }
 
+bool any_judged(const std::vector<GroupFindings>& groups) {
+    return std::any_of(groups.begin(), groups.end(), [](const GroupFindings& group) {
+        return std::any_of(group.comparisons.begin(), group.comparisons.end(),
+                           [](const Comparison& c) { return c.can_be_judged(); });
+    });
+}
+
+// Columns in which no row has a value.
+void drop_empty_columns(ReportTable& table) {
+    for (std::size_t column = table.columns.size(); column-- > 0;) {
+        const auto empty = [&](const std::vector<std::string>& row) { return row[column] == kDash; };
+        if (!std::all_of(table.rows.begin(), table.rows.end(), empty)) continue;
+        const auto place = static_cast<std::ptrdiff_t>(column);
+        table.columns.erase(table.columns.begin() + place);
+        for (auto& row : table.rows) row.erase(row.begin() + place);
+    }
+}
+
+constexpr const char* kTested =
+    "First minus second. Of the subjects' own differences: the Wilcoxon signed-rank test, exact up to 200 "
+    "subjects, Hodges and Lehmann's estimate, and the interval in which that test finds no difference. "
+    "Experiment 2, whose trials are independent: the rank-sum test in the same way. Interval and P hold for "
+    "all pairs of a measure at once (Bonferroni). r: rank-biserial correlation, 1 if all subjects agree.";
+constexpr const char* kOnlySeen =
+    "First minus second: Hodges and Lehmann's estimate. There are too few data for a test and its interval.";
+
 ReportTable comparisons(const std::vector<GroupFindings>& groups) {
-    ReportTable table{
-        "Differences",
-        "First minus second. Of the subjects' own differences: the Wilcoxon signed-rank test, exact up to "
-        "200 "
-        "subjects, Hodges and Lehmann's estimate, and the interval in which that test finds no difference. "
-        "Experiment 2, whose trials are independent: the rank-sum test in the same way. Interval and P hold "
-        "for "
-        "all pairs of a measure at once (Bonferroni). r: rank-biserial correlation, 1 if all subjects agree.",
-        {"delay", "measure", "pair", "n", "difference", "95 % interval", "P", "r"}};
+    ReportTable table{"Differences",
+                      any_judged(groups) ? kTested : kOnlySeen,
+                      {"delay", "measure", "pair", "n", "difference", "95 % interval", "P", "r"}};
     for (const GroupFindings& group : groups) {
         for (const Comparison& c : group.comparisons) table.rows.push_back(row_of(c, group));
     }
+    if (!table.rows.empty()) drop_empty_columns(table);
     return table;
 }
 

@@ -8,7 +8,7 @@
 
 #include "analysis/claims/claim_findings.hpp"
 #include "analysis/statistics/descriptive.hpp"
-#include "analysis/statistics/effect_size.hpp"
+#include "analysis/statistics/equivalence.hpp"
 #include "analysis/statistics/pairwise.hpp"
 #include "common/error.hpp"
 

@@ -23,8 +23,9 @@ constexpr std::string_view kLegend =
     "<dt>CF</dt><dd>fingertip devices on the acting hand, no force on the handle</dd>\n"
     "<dt>CCF</dt><dd>the same devices on the other hand</dd>\n"
     "<dt>VF</dt><dd>a bar on a screen</dd>\n"
-    "<dt>Oscillates</dt><dd>the needle leaves and meets the tissue's surface again and again</dd>\n"
-    "<dt>Penetration</dt><dd>how far the needle is beyond the surface</dd>\n"
+    "<dt>Virtual fixture</dt><dd>the surface in the tissue at which the needle is to stop</dd>\n"
+    "<dt>Oscillates</dt><dd>the needle leaves and meets the virtual fixture again and again</dd>\n"
+    "<dt>Penetration</dt><dd>how far the needle is beyond the virtual fixture</dd>\n"
     "<dt>Delay</dt><dd>one way, on the path of the force</dd>\n</dl>\n";
 
 std::string answers_html(const std::vector<Answer>& answers) {
@@ -54,8 +55,8 @@ std::string figures_html(const ReportSection& section) {
     return html;
 }
 
-std::string words_html(const ReportSection& section) {
-    std::string html = html_element("h2", section.title) + "\n";
+std::string words_html(const ReportSection& section, const std::string& title) {
+    std::string html = html_element("h2", title) + "\n";
     if (!section.text.empty()) html += html_element("p", section.text) + "\n";
     for (const std::string& finding : section.findings) {
         html += fmt::format("<p class=\"finding\">{}</p>\n", html_escape(finding));
@@ -83,7 +84,10 @@ std::string answered_html(const ReportInput& report) {
         if (!figures.empty()) html += html_element("h2", "Figures: " + section.title) + "\n" + figures;
     }
     for (const ReportSection& section : report.sections) {
-        if (says_something(section)) html += words_html(section) + tables_html(section);
+        if (!says_something(section)) continue;
+        const bool has_figures = !section.drawn.figures.empty();
+        html +=
+            words_html(section, (has_figures ? "Statistics: " : "") + section.title) + tables_html(section);
     }
     return html;
 }
@@ -91,7 +95,7 @@ std::string answered_html(const ReportInput& report) {
 std::string plain_html(const ReportInput& report) {
     std::string html;
     for (const ReportSection& section : report.sections)
-        html += words_html(section) + figures_html(section) + tables_html(section);
+        html += words_html(section, section.title) + figures_html(section) + tables_html(section);
     return html;
 }
 

@@ -16,21 +16,4 @@ double t_half_width(double confidence, double df);
 double f_upper(double f, double df_1, double df_2);  // P(F >= f), f >= 0
 double chi_squared_upper(double x, double df);       // P(X >= x), x >= 0
 
-// Of the noncentral distributions (distributions.hpp solves for the noncentrality).
-double noncentral_t_upper(double t, double df, double noncentrality);
-double noncentral_t_lower(double t, double df, double noncentrality);
-double noncentral_f_upper(double f, double df_1, double df_2, double noncentrality);
-double noncentral_f_lower(double f, double df_1, double df_2, double noncentrality);
-
-// Confidence intervals of noncentrality parameters by inverting the noncentral distribution at the observed
-// statistic (Steiger and Fouladi, "Noncentrality interval estimation", in Harlow et al., "What if there were
-// no significance tests?", 1997).
-
-// Of delta, where the statistic is distributed as noncentral t with `df` and delta. Finite t, df > 0.
-ConfidenceInterval noncentrality_of_t(double t, double df, double confidence);
-
-// Of lambda >= 0, where the statistic is distributed as noncentral F. An end at which even lambda = 0 puts too
-// much probability beyond f is 0. Finite f >= 0.
-ConfidenceInterval noncentrality_of_f(double f, double df_1, double df_2, double confidence);
-
 }  // namespace thimble

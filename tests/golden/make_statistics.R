@@ -83,21 +83,6 @@ shift <- function(name, ...) {
     say(name, "shift", c(one$estimate, one$p.value, one$conf.int, all$conf.int))
 }
 
-# Noncentralities at which the observed statistic lies in the tails; NaN where even zero is too far.
-root <- function(f, low, high) uniroot(f, c(low, high), tol = 1e-13, maxiter = 10000)$root
-delta <- function(name, t, df) {
-    say(name, "delta", c(
-        root(function(d) pt(t, df, d, lower.tail = FALSE) - 0.025, max(-37, t - 20), min(37, t + 5)),
-        root(function(d) pt(t, df, d) - 0.025, max(-37, t - 5), min(37, t + 20))))
-}
-lambda <- function(name, f, a, b) {
-    say(name, "lambda", c(
-        if (pf(f, a, b, lower.tail = FALSE) > 0.025) NaN
-        else root(function(l) pf(f, a, b, l, lower.tail = FALSE) - 0.025, 0, 10 * f * a + 10),
-        if (pf(f, a, b) < 0.025) NaN
-        else root(function(l) pf(f, a, b, l) - 0.025, 0, 10 * f * a + 50)))
-}
-
 cat("r version", paste(R.version$major, R.version$minor, sep = "."), "\n")
 for (line in readLines(file("stdin"))) {
     words <- strsplit(line, " ")[[1]]
@@ -121,10 +106,6 @@ for (line in readLines(file("stdin"))) {
     } else if (kind == "rank_sum") {
         groups <- split(x, rep(seq_along(columns), columns))
         shift(name, groups[[1]], groups[[2]])
-    } else if (kind == "delta") {
-        delta(name, x[1], x[2])
-    } else if (kind == "lambda") {
-        lambda(name, x[1], x[2], x[3])
     } else if (kind == "adjust") {
         say(name, "bonferroni", p.adjust(x, "bonferroni"))
         say(name, "holm", p.adjust(x, "holm"))
