@@ -94,17 +94,6 @@ bool any_judged(const std::vector<GroupFindings>& groups) {
     });
 }
 
-// Columns in which no row has a value.
-void drop_empty_columns(ReportTable& table) {
-    for (std::size_t column = table.columns.size(); column-- > 0;) {
-        const auto empty = [&](const std::vector<std::string>& row) { return row[column] == kDash; };
-        if (!std::all_of(table.rows.begin(), table.rows.end(), empty)) continue;
-        const auto place = static_cast<std::ptrdiff_t>(column);
-        table.columns.erase(table.columns.begin() + place);
-        for (auto& row : table.rows) row.erase(row.begin() + place);
-    }
-}
-
 constexpr const char* kTested =
     "First minus second. Of the subjects' own differences: the Wilcoxon signed-rank test, exact up to 200 "
     "subjects, Hodges and Lehmann's estimate, and the interval in which that test finds no difference. "
@@ -120,7 +109,7 @@ ReportTable comparisons(const std::vector<GroupFindings>& groups) {
     for (const GroupFindings& group : groups) {
         for (const Comparison& c : group.comparisons) table.rows.push_back(row_of(c, group));
     }
-    if (!table.rows.empty()) drop_empty_columns(table);
+    drop_empty_columns(table);
     return table;
 }
 

@@ -180,14 +180,16 @@ ReportSection read_section(const Json& json, const std::filesystem::path& folder
     return section;
 }
 
-void add_folder(ReportInput& report, const std::filesystem::path& folder, const std::string& what) {
+void add_folder(ReportInput& report, const std::filesystem::path& folder, const std::string& what,
+                const std::string& title) {
     if (folder.empty()) return;
     const auto path = folder / "summary.json";
     std::ifstream file(path);
     if (!file) fail(path, "cannot be read");
     try {
         const Json json = Json::parse(file);
-        report.answers.push_back({what, json.at("answer").get<std::vector<std::string>>()});
+        if (json.contains("answer"))
+            report.answers.push_back({title, json.at("answer").get<std::vector<std::string>>()});
         for (const Json& section : json.at("sections"))
             report.sections.push_back(read_section(section, folder));
         for (const auto& [key, value] : json.at("provenance").items()) {
@@ -249,9 +251,9 @@ void write_combined_report(const std::filesystem::path& run, const std::filesyst
         throw Error(ExitCode::kUsage, "nothing to report: give --run FOLDER, --study FOLDER or both");
     }
     ReportInput report;
-    report.title = "Thimble: the 50 ms delay experiment";
-    add_folder(report, study, "study");
-    add_folder(report, run, "run");
+    report.title = "Thimble: results";
+    add_folder(report, study, "study", "Virtual study");
+    add_folder(report, run, "run", "Real processes");
     report.provenance.emplace_back("command", command);
     report.provenance.emplace_back("version", kVersion);
     make_folder(html.parent_path());

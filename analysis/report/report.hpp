@@ -27,7 +27,7 @@ struct ReportSection {
 };
 
 struct Answer {
-    std::string of;  // "study", "run"; empty if there is one
+    std::string of;  // "Virtual study", "Real processes"; empty if there is one
     std::vector<std::string> sentences;
 };
 

@@ -42,6 +42,7 @@ ReportTable statistics_table(std::string title, const std::vector<ConditionSumma
         }
         table.rows.push_back(std::move(row));
     }
+    drop_empty_columns(table);
     return table;
 }
 

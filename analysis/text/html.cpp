@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstddef>
 #include <utility>
 
 #include <boost/algorithm/string/replace.hpp>
@@ -68,6 +69,17 @@ std::string cells(const std::vector<std::string>& texts, bool head) {
 }
 
 }  // namespace
+
+void drop_empty_columns(ReportTable& table) {
+    if (table.rows.empty()) return;
+    for (std::size_t column = table.columns.size(); column-- > 0;) {
+        const auto empty = [&](const std::vector<std::string>& row) { return row[column] == kDash; };
+        if (!std::all_of(table.rows.begin(), table.rows.end(), empty)) continue;
+        const auto place = static_cast<std::ptrdiff_t>(column);
+        table.columns.erase(table.columns.begin() + place);
+        for (auto& row : table.rows) row.erase(row.begin() + place);
+    }
+}
 
 std::string html_escape(std::string_view text) {
     std::string escaped(text);

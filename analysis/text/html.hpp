@@ -17,6 +17,9 @@ struct ReportTable {
     std::vector<std::vector<std::string>> rows = {};  // each as long as `columns`
 };
 
+// Columns that have a dash in every row; a table without rows keeps them.
+void drop_empty_columns(ReportTable& table);
+
 std::string html_escape(std::string_view text);
 std::string html_element(std::string_view tag, std::string_view text);  // escapes the text
 // Cells that are numbers stand to the right.

@@ -256,5 +256,15 @@ TEST(PlainTable, PadsByCharacters) {
     EXPECT_EQ(plain_table(table), "T\n  x    long\n  –    1\n  abc  2\n  a note\n");
 }
 
+TEST(ReportTable, LosesColumnsWithoutAValue) {
+    ReportTable table{"T", "", {"x", "nothing", "some"}, {{"1", "–", "–"}, {"2", "–", "3"}}};
+    drop_empty_columns(table);
+    EXPECT_THAT(table.columns, ElementsAre("x", "some"));
+    EXPECT_THAT(table.rows[1], ElementsAre("2", "3"));
+    ReportTable empty{"T", "", {"x"}, {}};
+    drop_empty_columns(empty);
+    EXPECT_EQ(empty.columns.size(), 1U);
+}
+
 }  // namespace
 }  // namespace thimble
