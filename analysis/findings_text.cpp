@@ -38,7 +38,7 @@ std::string size_text(double value, Metric metric) {
     return fmt::format("{:.3g}", value * info(metric).shown_per_si);
 }
 
-std::string range_text(ConfidenceInterval interval, Metric metric) {
+std::string shown_range(ConfidenceInterval interval, Metric metric) {
     return fmt::format("{} to {}", size_text(interval.low, metric), size_text(interval.high, metric));
 }
 
@@ -82,7 +82,7 @@ std::vector<std::string> row_of(const Comparison& c, const GroupFindings& group)
             fmt::format("{} - {}", c.first, c.second),
             fmt::format("{}", c.n),
             c.shift ? size_text(c.shift->estimate, c.metric) : dash,
-            judged ? range_text(*c.shift->interval, c.metric) : dash,
+            judged ? shown_range(*c.shift->interval, c.metric) : dash,
             judged ? fmt::format("{:.2g}", c.shift->p) : dash,
             judged && c.n >= kFewestForEffect ? fmt::format("{:.2f}", c.shift->rank_biserial) : dash};
 }
@@ -139,7 +139,7 @@ std::string difference_text(const Comparison& c) {
 std::string interval_text(const Comparison& c) {
     ConfidenceInterval interval = *c.shift->interval;
     if (c.apart() && c.shift->estimate < 0) interval = {-interval.high, -interval.low};
-    return fmt::format("{} {}", range_text(interval, c.metric), phrase_of(c.metric).unit);
+    return fmt::format("{} {}", shown_range(interval, c.metric), phrase_of(c.metric).unit);
 }
 
 std::string words(const OscillationShare& share, const GroupFindings& group) {

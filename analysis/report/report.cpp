@@ -245,8 +245,9 @@ void write_summary(const ReportInput& report, const std::filesystem::path& json_
     write_text_file(json_path, json_text(json, 2) + "\n");
 }
 
-void write_combined_report(const std::filesystem::path& run, const std::filesystem::path& study,
-                           const std::filesystem::path& html, const std::string& command) {
+std::vector<Answer> write_combined_report(const std::filesystem::path& run,
+                                          const std::filesystem::path& study,
+                                          const std::filesystem::path& html, const std::string& command) {
     if (run.empty() && study.empty()) {
         throw Error(ExitCode::kUsage, "nothing to report: give --run FOLDER, --study FOLDER or both");
     }
@@ -258,6 +259,7 @@ void write_combined_report(const std::filesystem::path& run, const std::filesyst
     report.provenance.emplace_back("version", kVersion);
     make_folder(html.parent_path());
     write_report(report, html);
+    return report.answers;
 }
 
 std::optional<std::string> design_in(const std::filesystem::path& folder) {

@@ -52,10 +52,11 @@ void write_summary(const ReportInput& report, const std::filesystem::path& json)
 
 // `thimble report`: one report.html from the folders that a run and a study left behind.
 
-// Reads summary.json and figures/ of each folder; an empty path leaves that part out. Throws Error: usage if
+// Reads summary.json and figures/ of each folder; an empty path leaves that part out. Gives their answers. Throws Error: usage if
 // both are empty, data if a folder holds no readable results.
-void write_combined_report(const std::filesystem::path& run, const std::filesystem::path& study,
-                           const std::filesystem::path& html, const std::string& command);
+std::vector<Answer> write_combined_report(const std::filesystem::path& run,
+                                          const std::filesystem::path& study,
+                                          const std::filesystem::path& html, const std::string& command);
 
 // Provenance of a study: the paper's sessions whose design it has, or "user". A run has always the user's.
 inline constexpr const char* kDesign = "design";

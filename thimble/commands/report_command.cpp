@@ -24,12 +24,16 @@ Subcommand add_report(CLI::App& app, const std::string& typed) {
             "the report, replaced if it exists: a file that ends in .html, or a folder for report.html")
         ->default_val("out/report.html");
     report->footer("Example:\n  thimble report --run out/run --study out/study --out out/report.html");
-    return {report, [a, typed] {
-                const auto file = output_file(a->out, "report.html");
-                write_combined_report(a->run_folder, a->study_folder, file, typed);
-                fmt::print("report: {}\n", file.string());
-                return 0;
-            }};
+    return {
+        report, [a, typed] {
+            const auto file = output_file(a->out, "report.html");
+            for (const Answer& answer : write_combined_report(a->run_folder, a->study_folder, file, typed)) {
+                fmt::print("{}\n", answer.of);
+                for (const std::string& sentence : answer.sentences) fmt::print("  {}\n", sentence);
+            }
+            fmt::print("report: {}\n", file.string());
+            return 0;
+        }};
 }
 
 }  // namespace thimble
