@@ -104,8 +104,8 @@ std::string figure_data(const std::vector<Sweep>& panels) {
 }
 
 std::string panel_script(std::size_t panel, const Problem& problem) {
-    constexpr std::array<std::string_view, kFamilies.size()> kColours{"#000000",  kSkyBlue, kGreen, kGrey,
-                                                                      kVermilion, kBlue,    kPurple};
+    constexpr std::array<Colour, kFamilies.size()> kColours{kBlack,      kSkyBlue, kBluishGreen,  kGrey,
+                                                            kVermillion, kBlue,    kReddishPurple};
     std::string script = fmt::format("set title '{}: {}'\nplot ", problem.name, problem.about);
     for (std::size_t i = 0; i < kFamilies.size(); ++i) {
         script += fmt::format(
@@ -131,7 +131,7 @@ void draw_figure(const std::filesystem::path& folder, std::vector<Sweep> panels)
         "set xrange [1e-19:1]; set yrange [1:1e6]\nset grid linecolor '#dddddd'\n"
         "set xlabel 'greatest position error (m)'\nset ylabel 'ns per simulated ms'\n"
         "set multiplot layout 2,2 margins 0.08,0.98,0.08,0.88 spacing 0.09,0.14\n"
-        "set key at screen 0.5,0.99 center top maxrows 2\n";
+        "set key at screen 0.5,0.99 center top Left reverse maxrows 2\n";
     for (std::size_t i = 0; i < panels.size(); ++i) script += panel_script(i, *panels[i].front().problem);
     run_gnuplot(folder, kFigure, figure_data(panels), script + "unset multiplot\n");
 }

@@ -2,9 +2,22 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "common/error.hpp"
 
 namespace thimble {
+
+std::string trials_text(const StudyColumns& columns) {
+    std::vector<TrialConditions> conditions;
+    for (const TrialRow& row : columns.rows()) conditions.push_back(row.conditions);
+    std::string delays;
+    for (const double delay_s : delays_of(conditions))
+        delays += (delays.empty() ? "" : ", ") + delay_text(delay_s);
+    const std::size_t trials = conditions.size(), subjects = columns.subjects().size();
+    return fmt::format("{} trial{} of {} subject{} at {} one-way delay.", trials, trials == 1 ? "" : "s",
+                       subjects, subjects == 1 ? "" : "s", delays);
+}
 
 DrawnFigures draw_figures(std::vector<FigureSource> sources, const std::filesystem::path& output) {
     const std::filesystem::path directory = output / "figures";

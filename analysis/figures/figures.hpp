@@ -41,10 +41,13 @@ FigureSource subject_figure(const StudyColumns& columns, const std::vector<Metri
 // every trial as a point beside the box of its modality (quartiles, median, whiskers to 1.5 times the box):
 FigureSource distribution_figure(const StudyColumns& columns, const std::vector<Metric>& metrics,
                                  const std::string& name);
-// the difference of each pair of modalities with its 95 % confidence interval and the one of all six at once.
+// the difference of each pair of modalities with its 95 % confidence interval and the one of all pairs at once.
 // Measures whose differences cannot be tested have no panel; nothing at all: an empty script.
 FigureSource difference_figure(const StudyColumns& columns, const std::vector<Metric>& metrics,
                                const std::string& name);
+
+// "240 trials of 10 subjects at 50 ms.": what the figures of one experiment are made from.
+std::string trials_text(const StudyColumns& columns);
 
 struct DrawnFigures {
     std::vector<Figure> figures;

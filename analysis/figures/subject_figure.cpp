@@ -5,6 +5,7 @@
 
 #include "analysis/figures/figure_grid.hpp"
 #include "analysis/figures/figures.hpp"
+#include "analysis/figures/measure_axes.hpp"
 #include "analysis/statistics/descriptive.hpp"
 #include "analysis/text/gnuplot.hpp"
 
@@ -16,20 +17,26 @@ constexpr std::string_view kSubjectLine =
 constexpr std::string_view kMeanLine =
     "with linespoints pointtype 7 pointsize 0.9 linewidth 2.5 linecolor 'black'";
 
+using MeasureColumns = std::vector<std::vector<NamedValues>>;  // of each measure
+
+double mean_of_numbers(NamedValues column) {
+    std::erase_if(column.values, [](double value) { return std::isnan(value); });
+    return column.values.empty() ? std::nan("") : sample_mean(column);
+}
+
 // A block per measure, a line per modality: place on the axis, mean, then every subject.
-std::string subject_data(const StudyColumns& columns, const std::vector<Metric>& metrics) {
+std::string subject_data(const StudyColumns& of, const MeasureColumns& measures,
+                         const std::vector<Metric>& metrics) {
     std::string data;
-    for (const Metric metric : metrics) {
-        data += fmt::format("# {}: x, mean, subjects", info(metric).label);
-        for (const std::uint32_t subject : columns.subjects()) data += fmt::format(" {}", subject);
+    for (std::size_t i = 0; i < metrics.size(); ++i) {
+        data += fmt::format("# {}: x, mean, subjects", info(metrics[i]).label);
+        for (const std::uint32_t subject : of.subjects()) data += fmt::format(" {}", subject);
         data += "\n";
         double x = 0;
-        for (const NamedValues& column : columns.subject_means(metric)) {
-            NamedValues values = column;
-            std::erase_if(values.values, [](double value) { return std::isnan(value); });
+        for (const NamedValues& column : measures[i]) {
             write_cell(data, x++);
-            write_shown(data, values.values.empty() ? std::nan("") : sample_mean(values), metric);
-            for (const double value : column.values) write_shown(data, value, metric);
+            write_shown(data, mean_of_numbers(column), metrics[i]);
+            for (const double value : column.values) write_shown(data, value, metrics[i]);
             data.back() = '\n';
         }
         data += "\n\n";
@@ -37,22 +44,23 @@ std::string subject_data(const StudyColumns& columns, const std::vector<Metric>&
     return data;
 }
 
-std::string subject_script(const StudyColumns& columns, const std::vector<Metric>& metrics,
-                           const std::string& name) {
-    const FigureGrid grid = measure_grid(metrics.size());
+std::string subject_script(const StudyColumns& of, const MeasureColumns& measures,
+                           const std::vector<Metric>& metrics, const std::string& name) {
+    FigureGrid grid = measure_grid(metrics.size());
+    grid.entries = {{std::string(kSubjectLine), "one subject"},
+                    {std::string(kMeanLine), "mean of all subjects"}};
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
-    script += modality_axis() + "unset key\nset multiplot\n";
+    script += "unset key\nset multiplot\n";
     for (std::size_t i = 0; i < metrics.size(); ++i) {
-        script += grid.margins(0, i) + measure_axis(metrics[i], values_of(columns.subject_means(metrics[i])));
+        script += grid.margins(0, i) + place_axis(places_of(measures[i])) +
+                  measure_axis(metrics[i], values_of(measures[i]));
         script += fmt::format(
             "plot for [subject=3:{last}] '{name}.tsv' index {i} using 1:subject {subject} notitle, \\\n"
             "     '{name}.tsv' index {i} using 1:2 {mean} notitle\n",
-            fmt::arg("last", columns.subjects().size() + 2), fmt::arg("name", name), fmt::arg("i", i),
+            fmt::arg("last", of.subjects().size() + 2), fmt::arg("name", name), fmt::arg("i", i),
             fmt::arg("subject", kSubjectLine), fmt::arg("mean", kMeanLine));
     }
-    script +=
-        grid.key(fmt::format("NaN {} title 'one subject', NaN {} title 'mean'", kSubjectLine, kMeanLine));
-    return script + "unset multiplot\n";
+    return script + grid.key() + "unset multiplot\n";
 }
 
 }  // namespace
@@ -60,13 +68,14 @@ std::string subject_script(const StudyColumns& columns, const std::vector<Metric
 FigureSource subject_figure(const StudyColumns& columns, const std::vector<Metric>& metrics,
                             const std::string& name) {
     if (columns.empty() || metrics.empty()) return {};
+    MeasureColumns measures;
+    for (const Metric metric : metrics) measures.push_back(columns.subject_means(metric));
+    measures = present_columns(std::move(measures));
     return {name, "Every subject",
-            fmt::format("{} subjects, the trials of each averaged per modality; black: their mean.{}",
-                        columns.subjects().size(),
-                        columns.experiment() == 2
-                            ? " A subject's line joins the modalities of its trials with sudden removal."
-                            : ""),
-            subject_data(columns, metrics), subject_script(columns, metrics, name)};
+            fmt::format("{} The trials of each subject are averaged per modality. n: subjects that have the "
+                        "measure. Black: the mean of these n.",
+                        trials_text(columns)),
+            subject_data(columns, measures, metrics), subject_script(columns, measures, metrics, name)};
 }
 
 }  // namespace thimble

@@ -9,6 +9,7 @@
 
 #include "analysis/figures/figure_grid.hpp"
 #include "analysis/figures/figures.hpp"
+#include "analysis/figures/measure_axes.hpp"
 #include "analysis/text/gnuplot.hpp"
 
 namespace thimble {
@@ -59,8 +60,6 @@ std::string trajectory_data(const std::vector<TrajectoryCell>& cells) {
     return data;
 }
 
-constexpr int kLegend_px = 52, kHead_px = 84;
-
 struct DepthRange {
     double low_percent = -5;
     double high_percent = 110;
@@ -102,45 +101,45 @@ plot @data:(shown($4-$5,$7)):(shown($4+$5,$7)) with filledcurves fillcolor '{sur
      100 with lines dashtype (3,3) linewidth 1 linecolor 'black' notitle
 )",
                    fmt::arg("name", name), fmt::arg("index", index), fmt::arg("least", least_trials(curve)),
-                   fmt::arg("needle", kBlue), fmt::arg("surface", kVermilion), fmt::arg("example", kGrey));
+                   fmt::arg("needle", kNeedleOnLight), fmt::arg("surface", kSurfaceOnLight),
+                   fmt::arg("example", kGrey));
 }
 
 FigureGrid layout(const TrajectoryGrid& of) {
+    constexpr int kWidth_px = 1160, kWidest_px = 520;
     FigureGrid grid;
     grid.columns = of.columns;
     grid.rows = of.row_labels.size();
     grid.left_px = 87;
-    grid.head_px = kHead_px;
+    grid.right_px = 14;
+    grid.head_px = 32;
     grid.foot_px = 68;
     grid.between_px = 21;
     grid.beneath_px = 48;
-    grid.panel_width_px =
-        (1160 - grid.left_px - grid.right_px + grid.between_px) / static_cast<int>(of.columns) -
-        grid.between_px;
+    grid.panel_width_px = std::min(kWidest_px, (kWidth_px - grid.left_px - grid.right_px + grid.between_px) /
+                                                       static_cast<int>(of.columns) -
+                                                   grid.between_px);
     grid.panel_height_px = of.panel_height_px;
+    grid.entries = {
+        {fmt::format("with lines linewidth 2 linecolor '{}'", kNeedleOnLight), "needle, mean ± SD"},
+        {fmt::format("with lines linewidth 2 dashtype (9,3) linecolor '{}'", kSurfaceOnLight),
+         "surface, mean ± SD"},
+        {fmt::format("with lines linewidth 0.8 linecolor '{}'", kGrey), "needle, one trial"},
+        {"with lines dashtype (3,3) linewidth 1 linecolor 'black'", "virtual fixture"}};
     return grid;
 }
 
-// An empty plot as wide as the figure: a key that belongs to a panel would be stacked to fit that panel.
-void write_legend(Text out, const FigureGrid& grid) {
-    fmt::format_to(out, R"(unset border; unset tics
-set lmargin at screen {left:.4f}; set rmargin at screen {right:.4f}; set bmargin at screen {bottom:.4f}; set tmargin at screen 0.99
-set key center center horizontal samplen 2.5 textcolor '#222222'
-plot NaN with lines linewidth 2 linecolor '{needle}' title 'needle, mean ± SD', \
-     NaN with lines linewidth 2 dashtype (9,3) linecolor '{surface}' title 'tissue surface, mean ± SD', \
-     NaN with lines linewidth 0.8 linecolor '{example}' title 'needle, one trial', \
-     NaN with lines dashtype (3,3) linewidth 1 linecolor 'black' title 'virtual fixture'
-unset key
-set border 3 linecolor '#444444'
-set xtics 25 nomirror out scale 0.6 textcolor '#222222'; set ytics 25 nomirror out scale 0.6 textcolor '#222222'
-set for [x in "0 100"] arrow from x, graph 0 to x, graph 1 nohead dashtype (2,3) linecolor '#666666' back
-set label 1 '{{/*0.85  entry}}' at 0, graph 0.96 left textcolor '#444444'
-set label 2 '{{/*0.85 beep }}' at 100, graph 0.96 right textcolor '#444444'
-)",
-                   fmt::arg("left", 1.0 * grid.left_px / grid.width_px()),
-                   fmt::arg("right", 1 - 1.0 * grid.right_px / grid.width_px()),
-                   fmt::arg("bottom", 1 - 1.0 * kLegend_px / grid.height_px()), fmt::arg("needle", kBlue),
-                   fmt::arg("surface", kVermilion), fmt::arg("example", kGrey));
+// A cell beside which, or below which, there is none bears the numbers of its axis.
+bool is_first_of_its_row(const TrajectoryGrid& of, const TrajectoryCell& cell) {
+    return std::none_of(of.cells.begin(), of.cells.end(), [&](const TrajectoryCell& other) {
+        return other.row == cell.row && other.column < cell.column;
+    });
+}
+
+bool is_last_of_its_column(const TrajectoryGrid& of, const TrajectoryCell& cell) {
+    return std::none_of(of.cells.begin(), of.cells.end(), [&](const TrajectoryCell& other) {
+        return other.column == cell.column && other.row > cell.row;
+    });
 }
 
 void write_axes(Text out, bool left, bool bottom, const std::string& row_label) {
@@ -153,27 +152,36 @@ void write_axes(Text out, bool left, bool bottom, const std::string& row_label) 
     fmt::format_to(out, "{}\n", bottom ? "set xlabel 'time, entry to beep (%)'" : "unset xlabel");
 }
 
-std::string trajectory_script(const TrajectoryGrid& of, const std::string& name) {
-    const FigureGrid grid = layout(of);
-    const DepthRange range = depth_range(of.cells);
-    std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
-    const Text out(script);
-    fmt::format_to(out, R"(set macros
-set xrange [{}:{}]
-set yrange [{}:{}]
+void write_shared_axes(Text out, const DepthRange& range) {
+    const double span_percent = range.high_percent - range.low_percent;
+    fmt::format_to(out, R"(set macros; unset key
+set xrange [{}:{}]; set xtics 25
+set yrange [{}:{}]; set ytics {:g}
+set for [x in "0 100"] arrow from x, graph 0 to x, graph 1 nohead dashtype (2,3) linecolor '#666666' back
+set label 1 '{{/*0.85  entry}}' at 0, graph 0.96 left textcolor '#444444'
+set label 2 '{{/*0.85 beep }}' at 100, graph 0.96 right textcolor '#444444'
 set multiplot
 )",
-                   kCurveBegin_percent, kCurveEnd_percent, range.low_percent, range.high_percent);
-    write_legend(out, grid);
+                   kCurveBegin_percent, kCurveEnd_percent, range.low_percent, range.high_percent,
+                   span_percent <= 200 ? 25 : nice_step(span_percent, 7));
+}
+
+std::string trajectory_script(const TrajectoryGrid& of, const std::string& name) {
+    const FigureGrid grid = layout(of);
+    std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
+    const Text out(script);
+    write_shared_axes(out, depth_range(of.cells));
     for (std::size_t i = 0; i < of.cells.size(); ++i) {
         const TrajectoryCell& cell = of.cells[i];
         script += grid.margins(cell.row, cell.column);
-        write_axes(out, cell.column == 0, cell.row + 1 == grid.rows, of.row_labels[cell.row]);
+        write_axes(out, is_first_of_its_row(of, cell), is_last_of_its_column(of, cell),
+                   of.row_labels[cell.row]);
         const MeanCurve& curve = cell.panel->mean.curve();
-        fmt::format_to(out, "set title '{{/:Bold {}}}  n = {}' offset 0,-0.6\n", cell.title, curve.trials());
+        fmt::format_to(out, "set title '{{/:Bold {}}}  n = {} trials' offset 0,-0.6\n", cell.title,
+                       curve.trials());
         write_curves(out, name, i, curve);
     }
-    return script + "unset multiplot\n";
+    return script + grid.key() + "unset multiplot\n";
 }
 
 std::string trajectory_caption(const std::vector<TrajectoryCell>& cells) {
@@ -211,16 +219,27 @@ const TrajectoryPanel* own_panel(const TrajectoryPanels& experiment, Modality mo
     return own;
 }
 
+std::vector<Modality> modalities_in(const std::vector<TrajectoryPanel>& panels) {
+    std::vector<Modality> modalities;
+    for (const Modality modality : kModalities) {
+        if (std::any_of(panels.begin(), panels.end(),
+                        [&](const TrajectoryPanel& panel) { return panel.modality == modality; }))
+            modalities.push_back(modality);
+    }
+    return modalities;
+}
+
 }  // namespace
 
 FigureSource trajectory_figure(const std::vector<TrajectoryPanel>& panels, const std::string& name) {
     const std::vector<double> delays_s = delays_of(panels);
     TrajectoryGrid grid;
-    grid.columns = kModalities.size();
+    const std::vector<Modality> modalities = modalities_in(panels);
+    grid.columns = modalities.size();
     for (std::size_t row = 0; row < delays_s.size(); ++row) {
-        grid.row_labels.push_back(delay_text(delays_s[row]));
-        for (std::size_t column = 0; column < kModalities.size(); ++column) {
-            const auto panel = find_condition(panels, kModalities[column], delays_s[row]);
+        grid.row_labels.push_back(delay_text(delays_s[row]) + " delay");
+        for (std::size_t column = 0; column < modalities.size(); ++column) {
+            const auto panel = find_condition(panels, modalities[column], delays_s[row]);
             if (panel == panels.end()) continue;
             grid.cells.push_back({row, column, to_string(panel->modality), &*panel});
         }

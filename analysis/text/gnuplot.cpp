@@ -65,9 +65,11 @@ if (exists("as_pdf")) {{
     set output '{name}.pdf'
 }} else {{
     set terminal svg size {},{} font 'DejaVu Sans,Helvetica,Arial,sans-serif,13' linewidth 1.2 background 'white'
-    set output '{name}.svg'
+    # A browser shows each <title> under the pointer: "Gnuplot", "gnuplot_plot_1a".
+    set output "| sed 's,<title>[^<]*</title>,,' > '{name}.svg'"
 }}
 set datafile missing 'NaN'
+set encoding utf8; set minussign
 set border 3 linecolor '#444444'
 set tics nomirror out scale 0.6 textcolor '#222222'
 )",
@@ -78,7 +80,7 @@ void write_cell(std::string& data, double value) {
     data += std::isnan(value) ? "NaN\t" : fmt::format("{:.6g}\t", value);
 }
 
-std::string range_text(std::uint32_t low, std::uint32_t high) {
+std::string range_text(std::size_t low, std::size_t high) {
     return low == high ? fmt::format("{}", low) : fmt::format("{}-{}", low, high);
 }
 

@@ -1,7 +1,7 @@
 // gnuplot: data and scripts in, SVG and PDF out.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,25 +10,19 @@
 
 #include <fmt/format.h>
 
+#include "common/colours.hpp"
+
 namespace thimble {
 
-// Okabe and Ito (2008): told apart with every common form of colour blindness.
-inline constexpr std::string_view kBlue = "#0072B2";
-inline constexpr std::string_view kVermilion = "#D55E00";
-inline constexpr std::string_view kSkyBlue = "#56B4E9";
-inline constexpr std::string_view kGreen = "#009E73";
-inline constexpr std::string_view kPurple = "#CC79A7";
-inline constexpr std::string_view kGrey = "#999999";
-
 // The lines every script begins with: terminal, output, fonts, borders. With the lines that are put behind it
-// (write_gnuplot_files) a script draws itself twice: NAME.svg, then, where gnuplot has pdfcairo, NAME.pdf.
+// (draw_with_gnuplot) a script draws itself twice: NAME.svg, then, where gnuplot has pdfcairo, NAME.pdf.
 std::string gnuplot_preamble(const std::string& name, int width_px, int height_px);
 
 // One value and a tab; NaN as gnuplot's missing value. Six digits are more than any picture shows.
 void write_cell(std::string& data, double value);
 
 // "10", or "9-10" where panels differ.
-std::string range_text(std::uint32_t low, std::uint32_t high);
+std::string range_text(std::size_t low, std::size_t high);
 
 // "'HF' 0, 'CF' 1": the tics of an axis, label(i) at i.
 template <class Label>

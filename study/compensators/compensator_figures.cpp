@@ -2,8 +2,10 @@
 #include <array>
 #include <cmath>
 
+#include <boost/algorithm/string/replace.hpp>
 #include <fmt/format.h>
 
+#include "analysis/figures/heat_map.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "study/compensators/compensator_report.hpp"
 
@@ -12,21 +14,21 @@ namespace {
 
 // Modalities dark and dashed, compensators in colour; what shares a colour differs in dash and point.
 struct LineStyle {
-    std::string_view condition, colour;
+    std::string_view condition;
+    Colour colour;
     int dash, point;
 };
-constexpr std::string_view kInk = "#000000", kOrange = "#E69F00";
-constexpr std::array kStyles{LineStyle{"HF", kInk, 1, 7},
-                             LineStyle{"CF", kInk, 2, 6},
-                             LineStyle{"CCF", kInk, 3, 4},
+constexpr std::array kStyles{LineStyle{"HF", kBlack, 1, 7},
+                             LineStyle{"CF", kBlack, 2, 6},
+                             LineStyle{"CCF", kBlack, 3, 4},
                              LineStyle{"VF", kGrey, 2, 8},
                              LineStyle{"scaled", kOrange, 1, 9},
                              LineStyle{"passivity", kSkyBlue, 1, 5},
-                             LineStyle{"energy-bound-memoryless", kGreen, 2, 10},
-                             LineStyle{"energy-bound", kGreen, 1, 11},
+                             LineStyle{"energy-bound-memoryless", kBluishGreen, 2, 10},
+                             LineStyle{"energy-bound", kBluishGreen, 1, 11},
                              LineStyle{"two-layer", kBlue, 1, 13},
-                             LineStyle{"local-fixture", kPurple, 1, 7},
-                             LineStyle{"wave", kVermilion, 1, 5},
+                             LineStyle{"local-fixture", kReddishPurple, 1, 7},
+                             LineStyle{"wave", kVermillion, 1, 5},
                              LineStyle{"two-port", kBlue, 2, 12}};
 
 LineStyle style_of(std::string_view condition) {
@@ -41,6 +43,16 @@ std::vector<CompensatorNetwork> plain_in(const std::vector<CompensatorRow>& rows
     std::vector<CompensatorNetwork> networks = networks_in(rows);
     std::erase_if(networks, [](const CompensatorNetwork& network) { return !is_plain(network); });
     return networks;
+}
+
+// "30", or "28-30" where conditions differ.
+std::string trials_each(const std::vector<CompensatorRow>& rows) {
+    std::uint32_t low = ~0U, high = 0;
+    for (const CompensatorRow& row : rows) {
+        low = std::min(low, row.trials);
+        high = std::max(high, row.trials);
+    }
+    return range_text(std::min(low, high), high);
 }
 
 // A column per condition.
@@ -67,9 +79,10 @@ std::string measure_script(const std::vector<CompensatorRow>& rows, const Compen
         networks.size(), [&](std::size_t i) { return fmt::format("{:g}", 1000 * networks[i].delay_s); });
     std::string script = gnuplot_preamble(name, 860, 430);
     script += fmt::format(
-        "set xtics ({})\nset xrange [-0.2:{:.1f}]\nset xlabel 'delay of the force path, one way (ms)'\n"
-        "set ylabel '{}'\nset key outside right center vertical samplen 3 noenhanced\n{}plot ",
-        tics, static_cast<double>(networks.size()) - 0.8, measure.label,
+        "set xtics ({})\nset xrange [-0.2:{:.1f}]\n"
+        "set xlabel 'delay of the force path, one way (ms); n = {} trials per point'\n"
+        "set ylabel '{}'\nset key outside right center vertical Left reverse samplen 3 noenhanced\n{}plot ",
+        tics, static_cast<double>(networks.size()) - 0.8, trials_each(rows), measure.label,
         measure.logarithmic ? "set logscale y\nset format y '%g'\n" : "set yrange [0:*]\n");
     const std::vector<std::string> conditions = conditions_in(rows);
     for (std::size_t i = 0; i < conditions.size(); ++i) {
@@ -89,9 +102,9 @@ std::string matrix_cell(const CompensatorRow& row) {
     return fmt::format("{}  {}", shown(1000 * row.penetration_max_m, 1), shown(row.rendered_stiffness, 2));
 }
 
-// Column, row from the top, share of trials that failed or oscillated (no more than once each), label.
-std::string matrix_data(const std::vector<CompensatorRow>& rows) {
-    std::string data;
+// In percent of trials; one that failed and oscillated counts once.
+std::vector<HeatCell> matrix_cells(const std::vector<CompensatorRow>& rows) {
+    std::vector<HeatCell> cells;
     const std::vector<std::string> conditions = conditions_in(rows);
     const std::vector<CompensatorNetwork> networks = networks_in(rows);
     for (std::size_t x = 0; x < networks.size(); ++x) {
@@ -99,37 +112,10 @@ std::string matrix_data(const std::vector<CompensatorRow>& rows) {
             const CompensatorRow* const row = find_row(rows, conditions[y], networks[x].name);
             if (row == nullptr || row->trials == 0) continue;
             const std::uint32_t bad = std::max(row->oscillating, row->trials - row->completed);
-            data +=
-                fmt::format("{}\t{}\t{:.4g}\t\"{}\"\n", x, y, 100.0 * bad / row->trials, matrix_cell(*row));
+            cells.push_back({x, y, 100.0 * bad / row->trials, matrix_cell(*row)});
         }
-        data += '\n';
     }
-    return data;
-}
-
-std::string matrix_script(const std::vector<CompensatorRow>& rows, const std::string& name) {
-    const std::vector<std::string> conditions = conditions_in(rows);
-    const std::vector<CompensatorNetwork> networks = networks_in(rows);
-    std::string x;
-    for (std::size_t i = 0; i < networks.size(); ++i) {
-        std::string broken = networks[i].name;
-        for (std::size_t plus = broken.find(" + "); plus != std::string::npos; plus = broken.find(" + "))
-            broken.replace(plus, 1, "\\n");
-        x += fmt::format("{}\"{}\" {}", i > 0 ? ", " : "", broken, i);
-    }
-    const std::string y = numbered_tics(conditions.size(), [&](std::size_t i) { return conditions[i]; });
-    std::string script = gnuplot_preamble(name, 960, 130 + 27 * static_cast<int>(conditions.size()));
-    script += fmt::format(
-        "set bmargin 4.5\nset xtics ({}) noenhanced\nset ytics ({}) noenhanced\nunset key\nset xrange "
-        "[-0.5:{:.1f}]\n"
-        "set yrange [{:.1f}:-0.5]\nset palette defined (0 '#FFFFFF', 1 '#FBE3D6', 100 '{}')\nset cbrange "
-        "[0:100]\n"
-        "set cblabel 'percent of trials not completed or oscillating'\n"
-        "plot '{}.tsv' using 1:2:3 with image pixels, \\\n"
-        "     '' using 1:2:4 with labels font ',10' textcolor '#000000'\n",
-        x, y, static_cast<double>(networks.size()) - 0.5, static_cast<double>(conditions.size()) - 0.5,
-        kVermilion, name);
-    return script;
+    return cells;
 }
 
 }  // namespace
@@ -161,19 +147,33 @@ std::vector<FigureSource> delay_figures(const std::vector<CompensatorRow>& rows)
     sources.reserve(compensator_measures().size());
     for (const CompensatorMeasure& measure : compensator_measures()) {
         const std::string name = "compensators_" + std::string(measure.name);
-        sources.push_back({name, std::string(measure.label),
-                           "Means over trials. A point that is missing has no such trial.",
-                           measure_data(rows, measure), measure_script(rows, measure, name)});
+        sources.push_back(
+            {name, std::string(measure.label),
+             fmt::format("Means over n = {} trials per point. A point that is missing has no such "
+                         "trial.",
+                         trials_each(rows)),
+             measure_data(rows, measure), measure_script(rows, measure, name)});
     }
     return sources;
 }
 
 FigureSource matrix_figure(const std::vector<CompensatorRow>& rows) {
-    const std::string name = "compensators_matrix";
-    return {name, "Who is stable where, and at what cost",
-            "In each cell the maximum penetration in mm and the stiffness felt over the true one; the "
-            "darker, the more trials were not completed or oscillated.",
-            matrix_data(rows), matrix_script(rows, name)};
+    HeatMap map{{},
+                conditions_in(rows),
+                matrix_cells(rows),
+                "delay of the force path, one way",
+                fmt::format("trials (n = {}) that did not complete or oscillated", trials_each(rows)),
+                "maximum penetration (mm) and stiffness felt over the true one",
+                kVermillion};
+    for (const CompensatorNetwork& network : networks_in(rows))
+        map.columns.push_back(boost::replace_all_copy(network.name, " + ", "\n+ "));
+    FigureSource figure = heat_map_figure(map, "compensators_matrix");
+    figure.title = "Who is stable where, and at what cost";
+    figure.caption = fmt::format(
+        "In each cell the maximum penetration in mm and the stiffness felt over the true one, means over n = "
+        "{} trials (-: none held still); the darker, the more of them were not completed or oscillated.",
+        trials_each(rows));
+    return figure;
 }
 
 std::vector<std::string> conditions_in(const std::vector<CompensatorRow>& rows) {

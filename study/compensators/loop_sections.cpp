@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "analysis/text/gnuplot.hpp"
+#include "analysis/figures/cell_map.hpp"
 #include "master/operator/limb.hpp"
 #include "stability/critical_delay.hpp"
 #include "stability/loop_measures.hpp"
@@ -41,38 +41,28 @@ std::vector<std::vector<MapCell>> map_columns(const MapPlan& plan, unsigned jobs
     return columns;
 }
 
-// Delay in ms, stiffness, class, boundary.
-FigureSource loop_map_figure(const std::vector<std::vector<MapCell>>& columns) {
-    std::string data;
+FigureSource loop_map_figure(const MapPlan& plan, const std::vector<std::vector<MapCell>>& columns) {
+    CellMap map{"delay of the whole way round (ms)",
+                "contact stiffness at the handle (N/m)",
+                {},
+                plan.stiffness_N_per_m,
+                true,
+                outcome_classes(),
+                {{"", {}, {}}},
+                1,
+                "theory",
+                {{kPaperLoop_N_per_m, "the paper's fixture"}}};
     for (const std::vector<MapCell>& column : columns) {
-        for (const MapCell& cell : column) {
-            data += fmt::format("{:.6g}\t{:.6g}\t{}\t{:.6g}\n", 1000 * cell.delay_s, cell.stiffness_N_per_m,
-                                static_cast<char>(cell.hold.label), cell.critical_stiffness_N_per_m);
-        }
+        map.x.push_back(1000 * column.front().delay_s);
+        map.panels[0].curve.push_back(column.front().critical_stiffness_N_per_m);
+        for (const MapCell& cell : column) map.panels[0].labels.push_back(static_cast<char>(cell.hold.label));
     }
-    const std::string name = "compensators_map";
-    std::string script = gnuplot_preamble(name, 860, 480);
-    script +=
-        "set logscale y\nset yrange [50:20000]\nset xrange [0:200]\nset key outside bottom center "
-        "horizontal\n"
-        "set xlabel 'delay of the whole way round (ms)'\nset ylabel 'contact stiffness at the handle "
-        "(N/m)'\nplot ";
-    const auto points = [&](char label, std::string_view colour, const char* title) {
-        return fmt::format(
-            "'{}.tsv' using 1:(strcol(3) eq '{}' ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{}' title '{}', "
-            "\\\n     ",
-            name, label, colour, title);
-    };
-    script += points('S', kSkyBlue, "settles") + points('M', kGrey, "in between") +
-              points('O', kVermilion, "oscillates");
-    script += fmt::format(
-        "'{}.tsv' using 1:4 with lines lw 2 lc rgb 'black' title 'theory', \\\n     {} with lines dt 2 lw "
-        "1.5 lc rgb 'black' title 'the paper'\n",
-        name, kPaperLoop_N_per_m);
-    return {name, "Delay against stiffness",
-            "A firm grip (D) at the fixture: what became of 12 s of holding, and the boundary of the sampled "
-            "loop by theory. The paper's fixture is the dashed line.",
-            data, script};
+    FigureSource figure = cell_map_figure(map, "compensators_map");
+    figure.title = "Delay against stiffness";
+    figure.caption =
+        "A firm grip (D) at the fixture: what became of 12 s of holding, and the boundary of the sampled "
+        "loop by theory. The paper's fixture is the dashed line.";
+    return figure;
 }
 
 ReportTable critical_delay_table() {
@@ -115,36 +105,33 @@ double device_lag_s(const SystemSettings& settings) {
     return to_seconds(settings.cutaneous.dead_time + settings.cutaneous.time_constant) + kPaperDelay_s;
 }
 
-// Reaction in ms, gain, oscillates (1) or not (0), theory.
 FigureSource perceptual_figure(const SystemSettings& settings) {
     constexpr int kReactions = 16, kGains = 16;
-    const HeldMass hand = lumped(settings);
-    std::string data;
+    CellMap map{"reaction time (ms)",
+                "gain of the correction (1/s)",
+                {},
+                {},
+                false,
+                {{'S', kSkyBlue, "dies out"}, {'O', kVermillion, "oscillates"}},
+                {{"", {}, {}}},
+                1,
+                "theory, hand and arm as one mass",
+                {}};
+    for (int j = 0; j < kGains; ++j) map.y.push_back(1 + 0.75 * j);
     for (int i = 0; i < kReactions; ++i) {
         const double reaction_s = 0.05 + 0.025 * i, lag_s = device_lag_s(settings) + reaction_s;
-        const double theory = perceptual_limit(hand, lag_s).gain_per_s;
-        for (int j = 0; j < kGains; ++j) {
-            const double gain_per_s = 1 + 0.75 * j;
-            data += fmt::format("{:.6g}\t{:.6g}\t{}\t{:.6g}\n", 1000 * reaction_s, gain_per_s,
-                                operator_growth_per_s(settings, lag_s, gain_per_s) > 0 ? 1 : 0, theory);
-        }
+        map.x.push_back(1000 * reaction_s);
+        map.panels[0].curve.push_back(perceptual_limit(lumped(settings), lag_s).gain_per_s);
+        for (const double gain_per_s : map.y)
+            map.panels[0].labels.push_back(operator_growth_per_s(settings, lag_s, gain_per_s) > 0 ? 'O'
+                                                                                                  : 'S');
     }
-    const std::string name = "compensators_perceptual";
-    std::string script = gnuplot_preamble(name, 860, 430);
-    script += fmt::format(
-        "set xlabel 'reaction time (ms)'\nset ylabel 'gain of the correction (1/s)'\nset xrange "
-        "[40:435]\nset yrange [0:13]\n"
-        "set key outside bottom center horizontal\n"
-        "plot '{0}.tsv' using 1:($3 == 0 ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{1}' title 'dies out', "
-        "\\\n"
-        "     '{0}.tsv' using 1:($3 == 1 ? $2 : 1/0) with points pt 5 ps 0.9 lc rgb '{2}' title "
-        "'oscillates', \\\n"
-        "     '{0}.tsv' using 1:4 with lines lw 2 lc rgb 'black' title 'theory, hand and arm as one mass'\n",
-        name, kSkyBlue, kVermilion);
-    return {name, "A person's own loop",
-            "The virtual operator's arm, corrected without pauses by what the skin says; the device and 50 "
-            "ms of network come on top of the reaction.",
-            data, script};
+    FigureSource figure = cell_map_figure(map, "compensators_perceptual");
+    figure.title = "A person's own loop";
+    figure.caption =
+        "The virtual operator's arm, corrected without pauses by what the skin says; the device and 50 ms of "
+        "network come on top of the reaction.";
+    return figure;
 }
 
 ReportTable perceptual_table() {
@@ -228,7 +215,8 @@ double operator_growth_per_s(const SystemSettings& settings, double lag_s, doubl
 }
 
 ReportSection handle_loop_section(const std::filesystem::path& out, unsigned jobs) {
-    const auto columns = map_columns(map_plan(), jobs);
+    const MapPlan plan = map_plan();
+    const auto columns = map_columns(plan, jobs);
     std::size_t cells = 0, wrong = 0;
     for (const std::vector<MapCell>& column : columns) {
         for (const MapCell& cell : column) {
@@ -245,7 +233,7 @@ ReportSection handle_loop_section(const std::filesystem::path& out, unsigned job
         "A force rendered late drives the hand. Of {} cells of the map farther than 2 % from the boundary, "
         "{} grow or fade on the wrong side of it.",
         cells, wrong);
-    section.drawn = draw_figures({loop_map_figure(columns)}, out);
+    section.drawn = draw_figures({loop_map_figure(plan, columns)}, out);
     section.tables = {critical_delay_table()};
     return section;
 }

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "analysis/text/gnuplot.hpp"
+#include "analysis/figures/heat_map.hpp"
 #include "common/json_text.hpp"
 #include "common/process/progress.hpp"
 #include "common/text_file.hpp"
@@ -118,46 +118,6 @@ class Sweep {
     VariationResult result_;
 };
 
-// A line per cell: column, row from the top, percent.
-std::string cells(const Variation& variation, const std::vector<std::size_t>& indices) {
-    std::string data = "# point, claim, percent of seeds\n";
-    for (std::size_t x = 0; x < variation.points.size(); ++x) {
-        for (std::size_t y = 0; y < indices.size(); ++y) {
-            write_cell(data, static_cast<double>(x));
-            write_cell(data, static_cast<double>(y));
-            write_cell(data, 100 * variation.points[x].tally.counts()[indices[y]].fraction());
-            data.back() = '\n';
-        }
-        data += '\n';
-    }
-    return data;
-}
-
-std::string tics(const Variation& variation, const std::vector<std::size_t>& indices) {
-    const auto& claims = variation.points.front().tally.counts();
-    return fmt::format(
-        "set xtics ({})\nset ytics ({})\n",
-        numbered_tics(variation.points.size(),
-                      [&](std::size_t i) { return fmt::format("{:g}", variation.points[i].value); }),
-        numbered_tics(indices.size(), [&](std::size_t i) { return claims[indices[i]].claim.id; }));
-}
-
-std::string script(const Variation& variation, const std::vector<std::size_t>& indices,
-                   const std::string& name) {
-    const int height = 130 + 24 * static_cast<int>(indices.size());
-    std::string text = gnuplot_preamble(name, 900, height);
-    text += tics(variation, indices);
-    text += fmt::format(
-        "set xlabel '{}' noenhanced\nset ytics noenhanced\nunset key\n"
-        "set xrange [-0.5:{}]\nset yrange [{}:-0.5]\n"
-        "set palette defined (0 'white', 100 '{}')\nset cbrange [0:100]\nset cblabel 'percent of seeds'\n"
-        "plot '{}.tsv' using 1:2:3 with image pixels, \\\n"
-        "     '' using 1:2:(sprintf('%.0f', $3)) with labels font ',11' textcolor '#222222'\n",
-        variation.range.name(), static_cast<double>(variation.points.size()) - 0.5,
-        static_cast<double>(indices.size()) - 0.5, kSkyBlue, name);
-    return text;
-}
-
 }  // namespace
 
 std::vector<std::size_t> shown_claims(const Variation& variation) {
@@ -175,13 +135,25 @@ VariationResult run_variations(const std::filesystem::path& config, const std::v
 }
 
 DrawnFigures draw_survival(const Variation& variation, const std::filesystem::path& output) {
+    const auto& claims = variation.points.front().tally.counts();
     const std::vector<std::size_t> indices = shown_claims(variation);
-    const std::string name = "survival_" + variation.range.name();
-    return draw_figures(
-        {{name, "Claims that survive",
-          fmt::format("Percent of seeds in which each claim comes out, over {}.", variation.range.name()),
-          cells(variation, indices), script(variation, indices, name)}},
-        output);
+    HeatMap map{
+        {},      {}, {}, variation.range.name(), "seeds", "percent of seeds in which the claim comes out",
+        kSkyBlue};
+    for (const std::size_t index : indices) map.rows.push_back(claims[index].claim.id);
+    for (std::size_t x = 0; x < variation.points.size(); ++x) {
+        const VariedPoint& point = variation.points[x];
+        map.columns.push_back(fmt::format("{:g}", point.value));
+        for (std::size_t y = 0; y < indices.size(); ++y) {
+            const double percent = 100 * point.tally.counts()[indices[y]].fraction();
+            map.cells.push_back({x, y, percent, fmt::format("{:.0f}", percent)});
+        }
+    }
+    FigureSource figure = heat_map_figure(map, "survival_" + variation.range.name());
+    figure.title = "Claims that survive";
+    figure.caption =
+        fmt::format("Percent of seeds in which each claim comes out, over {}.", variation.range.name());
+    return draw_figures({figure}, output);
 }
 
 }  // namespace thimble

@@ -34,10 +34,10 @@ void draw_depths(ImDrawList& list, const SideFrame& frame) {
 void draw_tissue(ImDrawList& list, const SideFrame& frame, const Monitor& monitor) {
     const Rect& box = frame.z.box;
     const double x = std::clamp(frame.z.x(monitor.position_surface_m), box.x, box.right());
-    list.AddRectFilled(point(x, box.y), far_corner(box), paint(kSkyBlue, 0.25));
+    list.AddRectFilled(point(x, box.y), far_corner(box), paint(kSurfaceOnDark, 0.25));
     const double width = 2 * frame.pixels;
     list.AddRectFilled(point(std::floor(x - width / 2), box.y),
-                       point(std::floor(x + width / 2), box.bottom()), paint(kSkyBlue));
+                       point(std::floor(x + width / 2), box.bottom()), paint(kSurfaceOnDark));
 }
 
 void draw_needle(ImDrawList& list, const SideFrame& frame, const Monitor& monitor) {
@@ -49,12 +49,12 @@ void draw_needle(ImDrawList& list, const SideFrame& frame, const Monitor& monito
     list.AddRectFilled(point(box.x, frame.middle - half), point(entry, frame.middle + half), paint(kWhite));
     if (inside) {
         list.AddRectFilled(point(entry, frame.middle - half), point(tip, frame.middle + half),
-                           paint(kOrange));
+                           paint(kNeedleOnDark));
     }
     const double tip_length = 8 * frame.pixels;
     list.AddTriangleFilled(point(tip - tip_length, frame.middle - 2 * half), point(tip, frame.middle),
                            point(tip - tip_length, frame.middle + 2 * half),
-                           paint(inside ? kOrange : kWhite));
+                           paint(inside ? kNeedleOnDark : kWhite));
 }
 
 void draw_fixture(ImDrawList& list, const SideFrame& frame, const Monitor& monitor) {
@@ -79,9 +79,10 @@ void draw_legend(ImDrawList& list, const Rect& rect, const SideFrame& frame, con
     double x = rect.x + 8 * frame.pixels;
     x += draw_text(list, point(x, y), kWhite, "side view, mm");
     const bool inside = monitor.phase == TissuePhase::kPenetrated;
-    for (const Entry& entry : {Entry{kSkyBlue, "surface", true}, Entry{kOrange, "inserted", inside},
-                               Entry{kReddishPurple, "fixture", monitor.fixture_present},
-                               Entry{kYellow, "god-object", monitor.fixture_present}}) {
+    for (const Entry& entry :
+         {Entry{kSurfaceOnDark, "surface", true}, Entry{kNeedleOnDark, "inserted", inside},
+          Entry{kReddishPurple, "fixture", monitor.fixture_present},
+          Entry{kYellow, "god-object", monitor.fixture_present}}) {
         if (!entry.shown) continue;
         x += 16 * frame.pixels;
         x += draw_text(list, point(x, y), entry.colour, entry.name);

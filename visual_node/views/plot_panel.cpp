@@ -8,8 +8,8 @@ namespace thimble {
 namespace {
 
 constexpr std::array kPositionCurves{
-    Curve{Quantity::kSurface_m, kSkyBlue, Dash::kDashed, "surface"},
-    Curve{Quantity::kNeedle_m, kOrange, Dash::kSolid, "needle"},
+    Curve{Quantity::kSurface_m, kSurfaceOnDark, Dash::kDashed, "surface"},
+    Curve{Quantity::kNeedle_m, kNeedleOnDark, Dash::kSolid, "needle"},
     Curve{Quantity::kFixture_m, kReddishPurple, Dash::kDotted, "fixture"},
 };
 constexpr std::array kForceCurves{
@@ -24,8 +24,8 @@ constexpr std::array kEnergyCurves{
     Curve{Quantity::kEnergy_J, kYellow, Dash::kSolid, "into the handle's port"},
 };
 constexpr std::array kPlayerCurves{
-    Curve{Quantity::kSurface_m, kSkyBlue, Dash::kDashed, "surface"},
-    Curve{Quantity::kNeedle_m, kOrange, Dash::kSolid, "needle"},
+    Curve{Quantity::kSurface_m, kSurfaceOnDark, Dash::kDashed, "surface"},
+    Curve{Quantity::kNeedle_m, kNeedleOnDark, Dash::kSolid, "needle"},
 };
 constexpr Band kOneWayBand{Quantity::kOneWayLow_s, Quantity::kOneWayHigh_s, kSkyBlue};
 

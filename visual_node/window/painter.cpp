@@ -165,8 +165,8 @@ void Painter::paint(const Picture& picture) const {
                 f(picture.block_bottom));
     glUniform2f(find("dimple"), f(picture.dimple_depth), f(picture.dimple_radius));
     glUniform1f(find("tilt"), f(kTilt));
-    const auto [red, green, blue] = colours::kTissue;
-    glUniform3f(find("colour"), f(red / 255.0), f(green / 255.0), f(blue / 255.0));
+    const Colour& tissue = colours::kTissue;
+    glUniform3f(find("colour"), f(tissue[0] / 255.0), f(tissue[1] / 255.0), f(tissue[2] / 255.0));
     glBindVertexArray(array_);
     glDrawElements(GL_TRIANGLES, index_count_, GL_UNSIGNED_INT, nullptr);
 }

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "analysis/figures/figure_grid.hpp"
+#include "analysis/figures/measure_axes.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "tests/unit/analysis/gnuplot_or_none.hpp"
 #include "tests/unit/analysis/modality_rows.hpp"
@@ -74,9 +74,29 @@ TEST(DifferenceFigure, IsLeftOutWhereNothingCanBeTested) {
     EXPECT_TRUE(
         difference_figure(StudyColumns(rows_of(normal_columns(1, kMeans)), 1), kOne, "d").script.empty());
     Columns columns = normal_columns(9, kMeans);
+    columns[1].clear();
+    columns[2].clear();
     columns[3].clear();
     EXPECT_TRUE(difference_figure(StudyColumns(rows_of(columns), 1), kOne, "d").script.empty());
     EXPECT_TRUE(draw_figures(std::vector<FigureSource>(2), "/nowhere").problem.empty());
+}
+
+// Without HF, and with two modalities: one pair, and no interval for several.
+TEST(DifferenceFigure, ComparesTheModalitiesThatThereAre) {
+    Columns columns = normal_columns(9, kMeans);
+    columns[0].clear();
+    columns[2].clear();
+    const FigureSource figure = difference_figure(StudyColumns(rows_of(columns), 1), kOne, "d");
+    EXPECT_EQ(lines_of(figure.data).size(), 1 + 9 + 1U);
+    EXPECT_THAT(figure.script, testing::AllOf(HasSubstr("'CF − VF' 0"), Not(HasSubstr("at once"))));
+    EXPECT_THAT(figure.caption, HasSubstr("n = 9 subjects"));
+}
+
+TEST(NiceStep, IsOneTwoOrFiveAndFewEnough) {
+    EXPECT_DOUBLE_EQ(nice_step(10, 5), 2);
+    EXPECT_DOUBLE_EQ(nice_step(11, 5), 5);
+    EXPECT_DOUBLE_EQ(nice_step(0.9, 10), 0.1);
+    EXPECT_DOUBLE_EQ(nice_step(60, 6), 10);
 }
 
 TEST(BarFigure, ShowsTheJumpWhereTheFixtureWasRemoved) {
@@ -92,8 +112,9 @@ TEST(MeasureAxis, IsLogarithmicOnlyForFarOutPositiveValues) {
     EXPECT_TRUE(wants_logarithm(std::array{1.0, 2.0, 3.0, 90.0, std::nan("")}));
     EXPECT_FALSE(wants_logarithm(std::array{0.0, 2.0, 3.0, 90.0}));
     EXPECT_FALSE(wants_logarithm(std::array{std::nan("")}));
-    EXPECT_THAT(measure_axis(kOne[0], std::array{-1.0, 2.0}), HasSubstr("set yrange [*:*]"));
-    EXPECT_THAT(measure_axis(kOne[0], std::array{1.0, 2.0}), HasSubstr("set yrange [0:*]"));
+    EXPECT_THAT(measure_axis(kOne[0], std::array{-0.001, 0.002}), HasSubstr("set yrange [-1.18:2.18]"));
+    EXPECT_THAT(measure_axis(kOne[0], std::array{0.001, 0.002}), HasSubstr("set yrange [0:2.12]"));
+    EXPECT_THAT(measure_axis(kOne[0], std::array{std::nan("")}), HasSubstr("set yrange [0:1.06]"));
 }
 
 struct ThreeExperiments {
