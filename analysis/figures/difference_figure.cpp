@@ -145,7 +145,7 @@ std::string axes(const Differences& of) {
 }
 
 FigureGrid layout(const std::vector<Differences>& panels) {
-    FigureGrid grid = measure_grid(panels.back().column + 1);
+    FigureGrid grid = measure_grid(panels.back().column + 1, {});
     std::size_t most = 0, longest = 0;
     for (const Differences& of : panels) {
         grid.rows = std::max(grid.rows, of.row + 1);

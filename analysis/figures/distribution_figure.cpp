@@ -77,7 +77,7 @@ constexpr const char* kMeanCross = "with points pointtype 2 pointsize 0.7 linewi
 
 std::string distribution_script(const MeasureGroups& measures, const std::vector<Metric>& metrics,
                                 const std::string& name) {
-    FigureGrid grid = measure_grid(metrics.size());
+    FigureGrid grid = measure_grid(metrics.size(), places_of(measures[0]));
     grid.entries = {{trial_point(), "one trial"},
                     {"with boxes fillstyle solid 0.15 border linewidth 1 linecolor 'black'", "quartiles"},
                     {"with lines linewidth 2.5 linecolor 'black'", "median"},

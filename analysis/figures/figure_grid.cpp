@@ -65,11 +65,4 @@ std::string FigureGrid::key() const {
     return script + "\n";
 }
 
-FigureGrid measure_grid(std::size_t measures) {
-    FigureGrid grid;
-    grid.columns = measures;
-    if (measures == 1) grid.panel_width_px = 480;
-    return grid;
-}
-
 }  // namespace thimble

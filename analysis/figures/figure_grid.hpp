@@ -33,7 +33,4 @@ struct FigureGrid {
     int key_px() const;
 };
 
-// A panel per measure, side by side; of a single one wider, so that its key fits.
-FigureGrid measure_grid(std::size_t measures);
-
 }  // namespace thimble

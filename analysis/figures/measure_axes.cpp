@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <boost/algorithm/string/replace.hpp>
+#include <boost/algorithm/string/split.hpp>
 #include <fmt/format.h>
 
 #include "analysis/statistics/descriptive.hpp"
@@ -18,15 +20,15 @@ bool has_numbers(const NamedValues& column) {
 }
 
 struct ValueRange {
-    double low = 0, high = 0;  // of the numbers, as shown; zero is one of them if `values` has none
+    double low = 0, high = 0;  // zero if there is no number
 };
 
-ValueRange range_of(std::span<const double> values, double shown_per_si) {
+ValueRange range_of(std::span<const double> values) {
     ValueRange range{INFINITY, -INFINITY};
     for (const double value : values) {
         if (!is_number(value)) continue;
-        range.low = std::min(range.low, value * shown_per_si);
-        range.high = std::max(range.high, value * shown_per_si);
+        range.low = std::min(range.low, value);
+        range.high = std::max(range.high, value);
     }
     return range.low > range.high ? ValueRange{} : range;
 }
@@ -61,13 +63,28 @@ std::string linear_axis(const ValueRange& range) {
                        nice_step(high - low, 8), low, high + room);
 }
 
+std::string in_lines(const std::string& name) {
+    constexpr std::size_t kLong = 12;
+    std::string lines;
+    std::size_t length = 0;
+    for (const char c : name) {
+        if (c == '+') lines += '\n';
+        lines += c;
+        length = c == '+' ? 1 : length + 1;
+        if (c != '-' || length < kLong) continue;
+        lines += '\n';
+        length = 0;
+    }
+    return lines;
+}
+
 }  // namespace
 
 std::string place_axis(const std::vector<AxisPlace>& places) {
     std::string tics;
     for (std::size_t i = 0; i < places.size(); ++i) {
-        tics +=
-            fmt::format("{}\"{}\\n{{/*0.85 n = {}}}\" {}", i > 0 ? ", " : "", places[i].name, places[i].n, i);
+        tics += fmt::format("{}\"{}\\n{{/*0.85 n = {}}}\" {}", i > 0 ? ", " : "",
+                            boost::replace_all_copy(places[i].name, "\n", "\\n"), places[i].n, i);
     }
     return fmt::format("set xrange [-0.6:{:.1f}]; set xtics scale 0 ({})\n",
                        static_cast<double>(places.size()) - 0.4, tics);
@@ -78,9 +95,27 @@ std::vector<AxisPlace> places_of(const std::vector<NamedValues>& columns) {
     places.reserve(columns.size());
     for (const NamedValues& column : columns) {
         const auto n = std::count_if(column.values.begin(), column.values.end(), is_number);
-        places.push_back({column.name, std::to_string(n)});
+        places.push_back({in_lines(column.name), std::to_string(n)});
     }
     return places;
+}
+
+FigureGrid measure_grid(std::size_t measures, const std::vector<AxisPlace>& places) {
+    constexpr int kCharacterWidth_px = 8, kLineHeight_px = 19, kNarrow_px = 260, kAlone_px = 480;
+    std::size_t longest = 0;
+    std::ptrdiff_t breaks = 0;
+    for (const AxisPlace& place : places) {
+        std::vector<std::string> lines;
+        boost::split(lines, place.name, [](char c) { return c == '\n'; });
+        for (const std::string& line : lines) longest = std::max(longest, line.size());
+        breaks = std::max(breaks, std::ssize(lines) - 1);
+    }
+    const int names_px = static_cast<int>(places.size() * (longest + 1)) * kCharacterWidth_px;
+    FigureGrid grid;
+    grid.columns = measures;
+    grid.panel_width_px = std::max(measures == 1 ? kAlone_px : kNarrow_px, names_px);
+    grid.foot_px += kLineHeight_px * static_cast<int>(breaks);
+    return grid;
 }
 
 void write_shown(std::string& data, double value, Metric metric) {
@@ -100,15 +135,21 @@ bool wants_logarithm(std::span<const double> values) {
     return largest > kFarOut * sample_median(numbers);
 }
 
+std::string vertical_axis(std::span<const double> values, bool logarithmic) {
+    const ValueRange range = range_of(values);
+    return logarithmic && range.low > 0 ? logarithmic_axis(range) : linear_axis(range);
+}
+
 std::string measure_axis(Metric metric, std::span<const double> values) {
     const bool logarithm = wants_logarithm(values);
-    const ValueRange range = range_of(values, info(metric).shown_per_si);
+    std::vector<double> shown(values.begin(), values.end());
+    for (double& value : shown) value *= info(metric).shown_per_si;
     return fmt::format("set ylabel '{}{}'\n", info(metric).label, logarithm ? ", log scale" : "") +
-           (logarithm ? logarithmic_axis(range) : linear_axis(range));
+           vertical_axis(shown, logarithm);
 }
 
 std::string signed_axis(std::span<const double> values) {
-    const ValueRange range = range_of(values, 1);
+    const ValueRange range = range_of(values);
     double low = std::min(0.0, range.low), high = std::max(0.0, range.high);
     if (low == high) low = -1, high = 1;
     const double room = 0.05 * (high - low);
@@ -138,6 +179,7 @@ std::vector<std::vector<NamedValues>> present_columns(std::vector<std::vector<Na
                          [i](const auto& columns) { return has_numbers(columns[i]); }))
             absent.push_back(measures[0][i].name);
     }
+    if (!measures.empty() && absent.size() == measures[0].size()) return measures;
     for (std::vector<NamedValues>& columns : measures) {
         std::erase_if(columns, [&](const NamedValues& column) {
             return std::find(absent.begin(), absent.end(), column.name) != absent.end();

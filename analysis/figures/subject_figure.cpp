@@ -46,7 +46,7 @@ std::string subject_data(const StudyColumns& of, const MeasureColumns& measures,
 
 std::string subject_script(const StudyColumns& of, const MeasureColumns& measures,
                            const std::vector<Metric>& metrics, const std::string& name) {
-    FigureGrid grid = measure_grid(metrics.size());
+    FigureGrid grid = measure_grid(metrics.size(), places_of(measures[0]));
     grid.entries = {{std::string(kSubjectLine), "one subject"},
                     {std::string(kMeanLine), "mean of all subjects"}};
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "analysis/figures/heat_map.hpp"
+#include "analysis/figures/measure_axes.hpp"
 #include "analysis/text/gnuplot.hpp"
 #include "study/compensators/compensator_report.hpp"
 
@@ -55,21 +56,34 @@ std::string trials_each(const std::vector<CompensatorRow>& rows) {
     return range_text(std::min(low, high), high);
 }
 
+// As shown; NaN: no such row or value, or none that has a logarithm.
+double shown_value(const std::vector<CompensatorRow>& rows, const CompensatorMeasure& measure,
+                   const std::string& condition, const CompensatorNetwork& network) {
+    const CompensatorRow* const row = find_row(rows, condition, network.name);
+    const double value = row != nullptr ? measure.value(*row) : std::nan("");
+    return measure.logarithmic && value <= 0 ? std::nan("") : value;
+}
+
 // A column per condition.
 std::string measure_data(const std::vector<CompensatorRow>& rows, const CompensatorMeasure& measure) {
     std::string data = "# delay, then the conditions\n";
-    const std::vector<std::string> conditions = conditions_in(rows);
     const std::vector<CompensatorNetwork> networks = plain_in(rows);
     for (std::size_t i = 0; i < networks.size(); ++i) {
         write_cell(data, static_cast<double>(i));
-        for (const std::string& condition : conditions) {
-            const CompensatorRow* const row = find_row(rows, condition, networks[i].name);
-            const double value = row != nullptr ? measure.value(*row) : std::nan("");
-            write_cell(data, measure.logarithmic && value <= 0 ? std::nan("") : value);
-        }
+        for (const std::string& condition : conditions_in(rows))
+            write_cell(data, shown_value(rows, measure, condition, networks[i]));
         data.back() = '\n';
     }
     return data;
+}
+
+std::string measure_axis_of(const std::vector<CompensatorRow>& rows, const CompensatorMeasure& measure) {
+    std::vector<double> values;
+    for (const CompensatorNetwork& network : plain_in(rows)) {
+        for (const std::string& condition : conditions_in(rows))
+            values.push_back(shown_value(rows, measure, condition, network));
+    }
+    return vertical_axis(values, measure.logarithmic);
 }
 
 std::string measure_script(const std::vector<CompensatorRow>& rows, const CompensatorMeasure& measure,
@@ -83,7 +97,7 @@ std::string measure_script(const std::vector<CompensatorRow>& rows, const Compen
         "set xlabel 'delay of the force path, one way (ms); n = {} trials per point'\n"
         "set ylabel '{}'\nset key outside right center vertical Left reverse samplen 3 noenhanced\n{}plot ",
         tics, static_cast<double>(networks.size()) - 0.8, trials_each(rows), measure.label,
-        measure.logarithmic ? "set logscale y\nset format y '%g'\n" : "set yrange [0:*]\n");
+        measure_axis_of(rows, measure));
     const std::vector<std::string> conditions = conditions_in(rows);
     for (std::size_t i = 0; i < conditions.size(); ++i) {
         const LineStyle style = style_of(conditions[i]);

@@ -40,7 +40,8 @@ struct SmallStudy {
             for (const double delay_s : delays_s) {
                 for (std::uint32_t subject = 1; subject <= subjects; ++subject)
                     add(experiment, modality, delay_s, subject,
-                        0.001 * (1 + static_cast<int>(modality)) + 0.0003 * subject * subject);
+                        0.001 * (1 + static_cast<int>(modality)) + 0.0003 * subject +
+                            0.0002 * (subject * subject * (2 + static_cast<std::uint32_t>(modality)) % 5));
             }
         }
     }
@@ -62,6 +63,8 @@ struct Case {
     std::function<void(SmallStudy&)> make;
     std::size_t figures;  // of the first experiment
 };
+
+void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
 
 const std::vector<Case> kCases{
     {"TenSubjects",

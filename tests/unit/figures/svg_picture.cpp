@@ -20,25 +20,32 @@ double width_of(char c) {
     return 0.62;
 }
 
+double width_px(const std::string& text, double size_px) {
+    double width_px = 0;
+    for (const char c : text) {
+        const bool continues = (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
+        if (!continues) width_px += size_px * width_of(c);
+    }
+    return width_px;
+}
+
 struct Words {
     std::string text;
     double width_px = 0;
 };
 
-// The <tspan>s of a <text>, each with a size of its own or that of its group.
+// The <tspan>s of a <text>, each with a size of its own or that of its group; text without markup has none.
 Words words_of(const std::string& inside, double size_px) {
     static const std::regex span(R"re(<tspan([^>]*)>([^<]*)</tspan>)re"),
         size(R"re(font-size="([0-9.]+)")re");
+    if (inside.find('<') == std::string::npos) return {inside, width_px(inside, size_px)};
     Words words;
     for (Matches it(inside.begin(), inside.end(), span), end; it != end; ++it) {
         const std::string attributes = (*it)[1], text = (*it)[2];
         std::smatch own;
-        const double px = std::regex_search(attributes, own, size) ? std::stod(own[1]) : size_px;
         words.text += text;
-        for (const char c : text) {
-            const bool continues = (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
-            if (!continues) words.width_px += px * width_of(c);
-        }
+        words.width_px +=
+            width_px(text, std::regex_search(attributes, own, size) ? std::stod(own[1]) : size_px);
     }
     return words;
 }
@@ -86,14 +93,25 @@ std::vector<PictureArea> areas_in(const std::string& svg) {
     return areas;
 }
 
-// Left and lower axis as one line, from the upper left to the lower right.
+// Left and lower axis as one line, from the upper left to the lower right; or the lower one alone, below a panel of about
+// kNoLeftAxis_px. gnuplot draws the axes of some panels twice.
 std::vector<PictureBox> panels_in(const std::string& svg) {
+    constexpr double kNoLeftAxis_px = 80, kLongerThanATic_px = 30;
     static const std::regex axes(
-        R"re(<path stroke='rgb\( 68,  68,  68\)'\s+d='M([0-9.]+),([0-9.]+) L([0-9.]+),([0-9.]+) L([0-9.]+),([0-9.]+))re");
+        R"re(<path stroke='rgb\( 68,  68,  68\)'\s+d='(?:M[0-9.,]+ )?M([0-9.]+),([0-9.]+) L([0-9.]+),([0-9.]+)(?: L([0-9.]+),([0-9.]+))?( L)?)re");
     std::vector<PictureBox> panels;
-    for (Matches it(svg.begin(), svg.end(), axes), end; it != end; ++it)
-        panels.push_back(
-            {std::stod((*it)[1]), std::stod((*it)[2]), std::stod((*it)[5]), std::stod((*it)[6])});
+    for (Matches it(svg.begin(), svg.end(), axes), end; it != end; ++it) {
+        const std::smatch& at = *it;
+        PictureBox panel{std::stod(at[1]), std::stod(at[2]), std::stod(at[3]), std::stod(at[4])};
+        if (at[5].matched)
+            panel = {panel.left, panel.top, std::stod(at[5]), std::stod(at[6])};
+        else
+            panel.top -= kNoLeftAxis_px;
+        const bool closed = at[7].matched, tic = panel.right - panel.left < kLongerThanATic_px;
+        const bool known = std::any_of(panels.begin(), panels.end(),
+                                       [&](const PictureBox& other) { return other.holds(panel); });
+        if (!closed && !tic && !known) panels.push_back(panel);
+    }
     return panels;
 }
 
