@@ -16,7 +16,12 @@ using Shown = std::array<Metric, 2>;
 
 // Width that the bars of one modality share; the rest of 1 is the gap to the next.
 constexpr double kGroup = 0.76;
-constexpr const char* kWhisker = "with vectors heads size screen 0.005,90 linewidth 1.3 linecolor 'black'";
+
+// Arrows with flat heads, narrower than the bar: error bars come with a point, which leaves a white hole in the bar.
+std::string whisker(std::size_t blocks) {
+    const double head = std::min(0.005, 0.02 / static_cast<double>(blocks));
+    return fmt::format("with vectors heads size screen {:.4f},90 linewidth 1.3 linecolor 'black'", head);
+}
 
 // Bars of one measure: a line per modality, in it a bar per delay.
 struct BarPanel {
@@ -118,7 +123,6 @@ std::string bar_style(std::size_t block, std::size_t blocks) {
     return fmt::format("with boxes fillstyle solid noborder linecolor '{}'", delay_colour(block, blocks));
 }
 
-// Whiskers as arrows with flat heads: error bars come with a point, which leaves a white hole in the bar.
 std::string panel_script(const BarPanel& panel, std::size_t index, std::size_t blocks,
                          const std::string& name) {
     std::string script = panel.title.empty()
@@ -133,7 +137,7 @@ std::string panel_script(const BarPanel& panel, std::size_t index, std::size_t b
         script += fmt::format(
             ", \\\n     '{0}.tsv' index {1} using 1:($2-$3):(0):(2*$3) {2}, \\\n"
             "     '{0}.tsv' index {1} using 1:4:5 with labels font ',11' offset 0,0.6",
-            name, index * blocks + block, kWhisker);
+            name, index * blocks + block, whisker(blocks));
     }
     return script + "\n";
 }
@@ -151,7 +155,7 @@ std::vector<KeyEntry> key_entries(const std::vector<BarPanel>& panels,
     std::vector<KeyEntry> entries;
     for (std::size_t block = 0; block < titles.size(); ++block)
         entries.push_back({bar_style(block, titles.size()), titles[block]});
-    if (has_whiskers(panels)) entries.push_back({kWhisker, "± SD over n subjects"});
+    if (has_whiskers(panels)) entries.push_back({whisker(titles.size()), "± SD over n subjects"});
     return entries;
 }
 

@@ -144,7 +144,7 @@ std::string measure_axis(Metric metric, std::span<const double> values) {
     const bool logarithm = wants_logarithm(values);
     std::vector<double> shown(values.begin(), values.end());
     for (double& value : shown) value *= info(metric).shown_per_si;
-    return fmt::format("set ylabel '{}{}'\n", info(metric).label, logarithm ? ", log scale" : "") +
+    return fmt::format("set ylabel '{}{}'\n", info(metric).label, logarithm ? ", log" : "") +
            vertical_axis(shown, logarithm);
 }
 

@@ -177,8 +177,8 @@ std::string trajectory_script(const TrajectoryGrid& of, const std::string& name)
         write_axes(out, is_first_of_its_row(of, cell), is_last_of_its_column(of, cell),
                    of.row_labels[cell.row]);
         const MeanCurve& curve = cell.panel->mean.curve();
-        fmt::format_to(out, "set title '{{/:Bold {}}}  n = {} trials' offset 0,-0.6\n", cell.title,
-                       curve.trials());
+        fmt::format_to(out, "set title '{{/:Bold {}}}  n = {} trial{}' offset 0,-0.6\n", cell.title,
+                       curve.trials(), curve.trials() == 1 ? "" : "s");
         write_curves(out, name, i, curve);
     }
     return script + grid.key() + "unset multiplot\n";

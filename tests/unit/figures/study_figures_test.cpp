@@ -61,7 +61,7 @@ const std::vector<Modality> kAll(kModalities.begin(), kModalities.end());
 struct Case {
     const char* name;
     std::function<void(SmallStudy&)> make;
-    std::size_t figures;  // of the first experiment
+    std::size_t figures;  // at least, of the first experiment
 };
 
 void PrintTo(const Case& of, std::ostream* out) { *out << of.name; }
@@ -173,7 +173,7 @@ TEST_P(StudyPictures, HaveNothingToStumbleOver) {
     const StudyFigures drawn = draw_study(study.rows, study.panels, folder.path());
     const DrawnFigures& own = drawn.experiments.begin()->second;
     EXPECT_EQ(own.problem, "");
-    EXPECT_EQ(own.figures.size(), GetParam().figures);
+    EXPECT_GE(own.figures.size(), GetParam().figures);
     for (const Figure& figure : own.figures) {
         const SvgPicture picture(figure.svg);
         EXPECT_EQ(picture.faults(), "") << figure.name;
