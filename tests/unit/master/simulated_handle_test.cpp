@@ -138,6 +138,7 @@ TEST_F(SimulatedHandleTest, TheSameTaskGivesTheSameTrialAgain) {
     std::vector<std::vector<double>> runs;
     for (const Duration begun : {Duration{0}, Duration{seconds{7}}, Duration{microseconds{9'000'300}}}) {
         const SessionTime start = at(begun);
+        handle.read(start);  // in the middle of a tick, the last time
         handle.start_trial(start, task_of(Modality::kCF));
         handle.perceive(start, {.touching_shown = true});
         auto& positions_m = runs.emplace_back();
