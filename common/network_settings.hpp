@@ -70,7 +70,7 @@ struct Flow {
     Role listens = Role::kSession, hears = Role::kSession;
     const char* what = "";
     const char* topic = "";  // in a log (docs/log.md): the same at both ends and on both sides of the relay
-    bool from_all = false;  // the machines of every role are heard, not only that of `hears`
+    bool from_all = false;   // the machines of every role are heard, not only that of `hears`
 };
 const Flow& flow(Port port);
 // Where everybody hears of a stop.

@@ -53,7 +53,7 @@ class PointerHandle : public SoftwareHandle, public HandFollower {
         for (; now - reached_ >= Limb::kStep; reached_ += Limb::kStep) step();
     }
 
-    // Semi-implicit Euler; Dahl friction implicit in its bristle, as in limb.cpp.
+    // Semi-implicit Euler; Dahl friction implicit in its bristle, as in limb.hpp.
     void step() {
         const HandleMechanics& handle = settings_.mechanics;
         const double dt = to_seconds(Limb::kStep);

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "common/codec.hpp"
-#include "common/codec.hpp"
 
 namespace thimble {
 namespace {

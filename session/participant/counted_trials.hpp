@@ -17,24 +17,6 @@
 
 namespace thimble {
 
-inline std::optional<LeftOutTrial> judge(const DatasetRecord& record, const std::vector<DatasetRecord>& all,
-                                         const std::vector<Exclusion>& exclusions,
-                                         std::uint32_t participant) {
-    const auto left_out = [&](LeftOut why, std::string reason) {
-        return LeftOutTrial{why, participant, record.position, record.record, std::move(reason)};
-    };
-    if (record.practice) return left_out(LeftOut::kPractice, "");
-    if (const Exclusion* mark = find_exclusion(exclusions, participant, record.record)) {
-        const bool excluded = mark->kind == ExclusionKind::kExcluded;
-        return left_out(excluded ? LeftOut::kExcluded : LeftOut::kRejected, mark->reason);
-    }
-    const auto repeat = std::find_if(
-        all.begin(), all.end(), [&](const DatasetRecord& other) { return other.repeat_of == record.record; });
-    if (repeat != all.end()) return left_out(LeftOut::kSuperseded, repeat->repeat_reason);
-    if (ran_to_its_end(record.row)) return std::nullopt;
-    return left_out(LeftOut::kFailed, outcome_text(record.row.reason, record.row.lost_peer));
-}
-
 enum class LeftOut : std::uint8_t { kPractice, kExcluded, kRejected, kSuperseded, kFailed };
 inline const char* to_string(LeftOut why) {
     constexpr std::array kNames{"practice", "excluded", "rejected", "superseded by a repeat", "failed"};
@@ -53,6 +35,24 @@ struct CountedTrials {
     std::size_t participants = 0, records = 0;
     std::size_t missing = 0;  // trials of the orders without a row that counts, practice aside
 };
+
+inline std::optional<LeftOutTrial> judge(const DatasetRecord& record, const std::vector<DatasetRecord>& all,
+                                         const std::vector<Exclusion>& exclusions,
+                                         std::uint32_t participant) {
+    const auto left_out = [&](LeftOut why, std::string reason) {
+        return LeftOutTrial{why, participant, record.position, record.record, std::move(reason)};
+    };
+    if (record.practice) return left_out(LeftOut::kPractice, "");
+    if (const Exclusion* mark = find_exclusion(exclusions, participant, record.record)) {
+        const bool excluded = mark->kind == ExclusionKind::kExcluded;
+        return left_out(excluded ? LeftOut::kExcluded : LeftOut::kRejected, mark->reason);
+    }
+    const auto repeat = std::find_if(
+        all.begin(), all.end(), [&](const DatasetRecord& other) { return other.repeat_of == record.record; });
+    if (repeat != all.end()) return left_out(LeftOut::kSuperseded, repeat->repeat_reason);
+    if (ran_to_its_end(record.row)) return std::nullopt;
+    return left_out(LeftOut::kFailed, outcome_text(record.row.reason, record.row.lost_peer));
+}
 
 // A record counts unless it is practice, excluded, rejected, superseded by a repeat, or failed (interrupted
 // or a peer lost). Throws Error (data) if a file cannot be read.

@@ -26,22 +26,6 @@ inline constexpr Duration kWindowWithin = std::chrono::seconds{10};
 
 inline constexpr Duration kGoodbye = std::chrono::seconds{1};
 
-inline std::shared_ptr<RunningNode> start_window(const ReplayPlayOptions& options,
-                                                 const std::filesystem::path& logs) {
-    NodeOrder order;
-    order.role = Role::kVisual;
-    order.program = "thimble-visual";
-    order.arguments = {"--base-port", std::to_string(options.network.base_port)};
-    order.log = logs / "thimble-visual.log";
-    order.report = logs / "thimble-visual.json";
-    return options.starter->start(order);
-}
-
-inline ReplayProcess::Channels open_replay_channels(Sockets& sockets) {
-    return {sockets.between(Port::kSessionVisual, Port::kVisualControl), sockets.outlet(Port::kVisualForce),
-            sockets.outlet(Port::kVisualBeep), open_view_channels(sockets)};
-}
-
 struct ReplayPlayOptions {
     std::shared_ptr<PlayStarter> starter;
     NetworkSettings network;
@@ -52,6 +36,22 @@ struct ReplayPlayOptions {
     Duration longest = Duration::max();
     const std::atomic<bool>* stop = nullptr;
 };
+
+inline ReplayProcess::Channels open_replay_channels(Sockets& sockets) {
+    return {sockets.between(Port::kSessionVisual, Port::kVisualControl), sockets.outlet(Port::kVisualForce),
+            sockets.outlet(Port::kVisualBeep), open_view_channels(sockets)};
+}
+
+inline std::shared_ptr<RunningNode> start_window(const ReplayPlayOptions& options,
+                                                 const std::filesystem::path& logs) {
+    NodeOrder order;
+    order.role = Role::kVisual;
+    order.program = "thimble-visual";
+    order.arguments = {"--base-port", std::to_string(options.network.base_port)};
+    order.log = logs / "thimble-visual.log";
+    order.report = logs / "thimble-visual.json";
+    return options.starter->start(order);
+}
 
 // At its end the replay stands still until the user closes the window or quits. Throws Error as find_recorded_trial() and play() do.
 inline void play_recorded(const ReplayPlayOptions& options) {

@@ -185,7 +185,8 @@ void MessageLog::write_message(const ByteQueue::Entry& entry, Bytes bytes) {
     LoggedFlow& flow = flows_[entry.tag];
     int& channel = readable ? flow.channel : flow.unreadable;
     if (channel < 0) {
-        const std::string topic = std::string(thimble::flow(flow.port).topic) + (readable ? "" : "/unreadable");
+        const std::string topic =
+            std::string(thimble::flow(flow.port).topic) + (readable ? "" : "/unreadable");
         channel = writer.add_channel(readable ? writing_->schema : std::uint16_t{0}, topic,
                                      readable ? "flatbuffer" : "", {{"direction", flow.direction}});
     }

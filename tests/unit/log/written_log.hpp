@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "common/codec.hpp"
-#include "common/codec.hpp"
 #include "common/log/mcap_writer.hpp"
 #include "common/runtime/log/log_file.hpp"
 
