@@ -89,7 +89,7 @@ Subcommand add_check(CLI::App& app) {
     const auto config = std::make_shared<std::string>();
     CLI::App* check = app.add_subcommand(
         "check", "read a session file: what is wrong with it, or which trials run and study would do");
-    takes_session(check->add_option("session", *config, "session file (TOML) or name"))->required();
+    add_session_option(*check, *config, "session file (TOML) or name")->required();
     check->footer("Examples:\n  thimble check my-session.toml\n  thimble check paper-experiment-3");
     return {check, [config] { return check_config(*config); }};
 }

@@ -182,9 +182,9 @@ Subcommand add_compensators(CLI::App& app) {
     CLI::App* sub = app.add_subcommand(
         "compensators",
         "experiment 3 in virtual time with each delay compensator, beside HF, CF, CCF and VF");
-    takes_session(sub->add_option("session", a.session,
-                                  "session file (TOML) or name: its network, delays, modalities, numbers of "
-                                  "subjects and trials"));
+    add_session_option(*sub, a.session,
+                       "session file (TOML) or name: its network, delays, modalities, numbers of "
+                       "subjects and trials");
     sub->add_option(
         "--out", a.out,
         "folder for report.html, figures/ and the tables; the same command goes on there after Ctrl-C");

@@ -86,8 +86,7 @@ Subcommand add_doctor(CLI::App& app) {
     DoctorArguments& a = *arguments;
     CLI::App* command = app.add_subcommand(
         "doctor", "what keeps a session from running well on this machine, and the command that mends it");
-    takes_session(
-        command->add_option("session", a.session, "session file or name; without it the default session"));
+    add_session_option(*command, a.session, "session file or name; without it the default session");
     add_base_port_option(*command, a.base_port);
     command->add_option("--seconds", a.seconds_s, "how long to measure the timer")
         ->check(CLI::Range(0.01, 3600.0))

@@ -97,10 +97,10 @@ Subcommand add_link_test(CLI::App& app) {
     CLI::App* command = app.add_subcommand(
         "link-test",
         "before an experiment: do all ports of another machine answer, and is the link good enough?");
-    takes_session(command->add_option(
-        "session", a.session,
+    add_session_option(
+        *command, a.session,
         "session file or name: ports of the programs that [network] has on that host, limits of its handle "
-        "and fixture, its modalities"));
+        "and fixture, its modalities");
     command->add_option("--host", a.host, "the far machine, where 'thimble link-test --listen' runs");
     command->add_flag("--listen", a.listen,
                       "be the far machine: echo what a test sends, never more than it sends");

@@ -58,7 +58,7 @@ int render_recorded(PlayArguments& a, const SystemSettings& settings) {
     return static_cast<int>(result.complete ? ExitCode::kOk : ExitCode::kRunFailed);
 }
 
-// As typed, else as the session has it, of which the first comes first.
+// As typed, else the first modality and the first delay of the session.
 void choose_first_trial(PlayArguments& a, const SessionPlan& plan) {
     if (plan.names_modalities) a.play.modality = plan.modalities.front();
     if (!a.modality.empty()) a.play.modality = *find_modality(a.modality);
@@ -127,8 +127,7 @@ Subcommand add_play(CLI::App& app) {
     const auto arguments = std::make_shared<PlayArguments>();
     CLI::App* sub =
         app.add_subcommand("play", "feel the experiment with a mouse: every node on this machine, a window");
-    takes_session(sub->add_option("session", arguments->config,
-                                  "session file (TOML) or name; without it the paper's scene"));
+    add_session_option(*sub, arguments->config, "session file (TOML) or name; without it the paper's scene");
     sub->add_option("--modality", arguments->modality,
                     "of the first trial: HF, CF, CCF or VF, instead of the session's first (HF)")
         ->check(CLI::IsMember({"HF", "CF", "CCF", "VF"}));

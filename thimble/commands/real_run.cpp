@@ -117,8 +117,7 @@ int run_participant_for_real(RealRunArguments& arguments, const SystemSettings& 
 }  // namespace
 
 void add_real_run_options(CLI::App& command, RealRunArguments& a) {
-    takes_session(command.add_option("session", a.config,
-                                     "session file (TOML), or one that comes with the program: delay50"))
+    add_session_option(command, a.config, "session file (TOML), or one that comes with the program: delay50")
         ->required();
     a.out_option = command
                        .add_option("-o,--out", a.run.out,

@@ -32,12 +32,13 @@ std::filesystem::path output_file(const std::filesystem::path& out, const char* 
     return file ? out : out / name;
 }
 
-CLI::Option* takes_session(CLI::Option* option) {
-    const auto find = [](std::string& given) {
-        given = find_session_file(given).string();
-        return std::string();
-    };
-    return option->transform(CLI::Validator(find, "", ""));
+// A misspelt option leaves its value to this argument: the option is what is to be reported, so the file is sought last.
+CLI::Option* add_session_option(CLI::App& command, std::string& file, const std::string& help) {
+    CLI::Option* option = command.add_option("session", file, help);
+    command.final_callback([option, &file] {
+        if (option->count() > 0) file = find_session_file(file).string();
+    });
+    return option;
 }
 
 void say_results(bool json, const std::filesystem::path& folder, const std::vector<TrialRow>& rows) {

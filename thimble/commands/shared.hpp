@@ -27,8 +27,8 @@ NetworkSettings network_of(const std::string& session_file, int base_port);
 // made.
 std::filesystem::path output_file(const std::filesystem::path& out, const char* name);
 
-// The option gets a session file: of the name of a session that comes with the program, that one's path.
-CLI::Option* takes_session(CLI::Option* option);
+// The argument for a session file. After parsing, `file` has the path of a session that was named.
+CLI::Option* add_session_option(CLI::App& command, std::string& file, const std::string& help);
 
 // Throws Error (usage): a device of a node on this machine for which this build has no driver (THIMBLE_DEVICES=OFF), or letters of
 // [instructions] that the window's font lacks (where there are windows).

@@ -180,8 +180,7 @@ Subcommand add_stop(CLI::App& app) {
     StopArguments& a = *arguments;
     CLI::App* sub = app.add_subcommand(
         "stop", "emergency stop of a running session: no force at the handle, cables slack, needle held");
-    takes_session(sub->add_option("session", a.config,
-                                  "session file or name, for its [network]; without it this machine"));
+    add_session_option(*sub, a.config, "session file or name, for its [network]; without it this machine");
     sub->add_flag("--release", a.release, "let trials begin again");
     sub->add_option("--reason", a.reason, "goes into the record's words; no names");
     add_base_port_option(*sub, a.base_port);

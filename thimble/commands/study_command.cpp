@@ -303,10 +303,9 @@ Subcommand add_study(CLI::App& app) {
     const auto arguments = std::make_shared<StudyArguments>();
     StudyArguments& a = *arguments;
     CLI::App* study = app.add_subcommand("study", "a session's trials by virtual subjects, in virtual time");
-    CLI::Option* session =
-        takes_session(study->add_option("session", a.session,
-                                        "session file (TOML), or one that comes with the program: "
-                                        "paper-experiment-1, -2, -3 (default)"));
+    CLI::Option* session = add_session_option(*study, a.session,
+                                              "session file (TOML), or one that comes with the program: "
+                                              "paper-experiment-1, -2, -3 (default)");
     study
         ->add_option("-e,--experiment", a.experiment,
                      "short for the paper's sessions. 1: no delay; 2: the fixture vanishes after 5 s of "
