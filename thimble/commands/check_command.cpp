@@ -1,5 +1,6 @@
 // thimble check: what is wrong with a session file, or which trials it means.
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
