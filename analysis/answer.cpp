@@ -102,22 +102,22 @@ std::string oscillation_sentence(const Groups& groups) {
 // ---- how modalities differ
 
 template <class Wanted>
-std::vector<const Comparison*> chosen(const GroupFindings& group, Metric metric, const Wanted& wanted) {
-    std::vector<const Comparison*> found;
-    for (const Comparison& comparison : group.comparisons) {
+std::vector<const ConditionPair*> chosen(const GroupFindings& group, Metric metric, const Wanted& wanted) {
+    std::vector<const ConditionPair*> found;
+    for (const ConditionPair& comparison : group.comparisons) {
         if (comparison.metric == metric && wanted(comparison)) found.push_back(&comparison);
     }
     return found;
 }
 
-const Comparison& largest(const std::vector<const Comparison*>& comparisons) {
+const ConditionPair& largest(const std::vector<const ConditionPair*>& comparisons) {
     return **std::max_element(comparisons.begin(), comparisons.end(), [](auto* a, auto* b) {
         return std::abs(a->shift->estimate) < std::abs(b->shift->estimate);
     });
 }
 
-std::string apart_text(const std::vector<const Comparison*>& apart) {
-    const Comparison& c = largest(apart);
+std::string apart_text(const std::vector<const ConditionPair*>& apart) {
+    const ConditionPair& c = largest(apart);
     std::string pairs = "the only pair compared";
     if (c.family > 1)
         pairs = fmt::format("the largest of {} differences among {} pairs", apart.size(), c.family);
@@ -142,16 +142,16 @@ Texts clauses(const Groups& groups, const Wanted& wanted, const Tell& tell) {
     return parts;
 }
 
-bool any_comparison(const Groups& groups, bool (*wanted)(const Comparison&)) {
+bool any_comparison(const Groups& groups, bool (*wanted)(const ConditionPair&)) {
     return std::any_of(groups.begin(), groups.end(), [&](const GroupFindings& group) {
         return std::any_of(group.comparisons.begin(), group.comparisons.end(), wanted);
     });
 }
 
-bool anything(const Comparison&) { return true; }
-bool measured(const Comparison& c) { return c.shift.has_value(); }
-bool judged(const Comparison& c) { return c.can_be_judged(); }
-bool told_apart(const Comparison& c) { return c.apart(); }
+bool anything(const ConditionPair&) { return true; }
+bool measured(const ConditionPair& c) { return c.shift.has_value(); }
+bool judged(const ConditionPair& c) { return c.can_be_judged(); }
+bool told_apart(const ConditionPair& c) { return c.apart(); }
 
 std::string difference_sentence(const Groups& groups) {
     const Texts apart = clauses(groups, told_apart, apart_text);
@@ -161,8 +161,8 @@ std::string difference_sentence(const Groups& groups) {
     if (any_comparison(groups, judged)) return "No two modalities are told apart in any measure.";
     if (!any_comparison(groups, anything))
         return "No two modalities can be compared: at no delay is there a measure of more than one.";
-    const Texts seen = clauses(groups, measured, [](const std::vector<const Comparison*>& all) {
-        const Comparison& c = largest(all);
+    const Texts seen = clauses(groups, measured, [](const std::vector<const ConditionPair*>& all) {
+        const ConditionPair& c = largest(all);
         return fmt::format("{} in {}", difference_text(c), name_of(c.metric));
     });
     if (seen.empty()) return "No subject has a measure of two modalities, so nothing is compared.";
@@ -171,19 +171,19 @@ std::string difference_sentence(const Groups& groups) {
 
 // ---- what cannot be said
 
-std::string pairs_text(const std::vector<const Comparison*>& comparisons) {
+std::string pairs_text(const std::vector<const ConditionPair*>& comparisons) {
     Texts pairs;
-    for (const Comparison* c : comparisons)
+    for (const ConditionPair* c : comparisons)
         pairs.push_back(fmt::format("{} - {} ({})", c->first, c->second, interval_text(*c)));
     return fmt::format("{} {}", name_of(comparisons[0]->metric), list_text(pairs));
 }
 
-std::string count_text(const std::vector<const Comparison*>& comparisons) {
+std::string count_text(const std::vector<const ConditionPair*>& comparisons) {
     return fmt::format("{} of {} in {}", comparisons.size(), counted(comparisons[0]->family, "pair"),
                        name_of(comparisons[0]->metric));
 }
 
-bool alike(const Comparison& c) { return c.can_be_judged() && !c.apart(); }
+bool alike(const ConditionPair& c) { return c.can_be_judged() && !c.apart(); }
 
 // Each with its interval, or, where they are many, how many.
 std::string alike_text(const Groups& groups) {
@@ -206,7 +206,7 @@ Texts unmeasured(const GroupFindings& group) {
     for (const Metric metric : measures_of(group.experiment)) {
         const auto all = chosen(group, metric, anything);
         for (const OscillationShare& share : group.oscillations) {
-            const bool there = std::any_of(all.begin(), all.end(), [&](const Comparison* c) {
+            const bool there = std::any_of(all.begin(), all.end(), [&](const ConditionPair* c) {
                 return c->first == share.condition || c->second == share.condition;
             });
             if (there || all.empty()) continue;
@@ -217,7 +217,7 @@ Texts unmeasured(const GroupFindings& group) {
     return missing;
 }
 
-std::string need_text(const Comparison& c) {
+std::string need_text(const ConditionPair& c) {
     if (!c.paired)
         return fmt::format(
             "{} of two modalities are too few to say how they differ, which takes at least {} "

@@ -39,7 +39,7 @@ GroupFindings find_in(const std::vector<TrialRow>& rows, std::uint32_t experimen
         if (!own.empty()) group.oscillations.push_back(share_of(condition.name, own));
     }
     for (const Metric metric : measures_of(experiment)) {
-        const std::vector<Comparison> pairs = compare_conditions(columns, metric);
+        const std::vector<ConditionPair> pairs = compare_conditions(columns, metric);
         group.comparisons.insert(group.comparisons.end(), pairs.begin(), pairs.end());
     }
     return group;
@@ -67,7 +67,7 @@ nlohmann::ordered_json json_of(const OscillationShare& share, const GroupFinding
             {"words", words(share, group)}};
 }
 
-nlohmann::ordered_json json_of(const Comparison& c, const GroupFindings& group) {
+nlohmann::ordered_json json_of(const ConditionPair& c, const GroupFindings& group) {
     std::optional<double> estimate, p;
     if (c.shift) estimate = c.shift->estimate;
     if (c.can_be_judged()) p = c.shift->p;
@@ -102,7 +102,7 @@ nlohmann::ordered_json to_json(const std::vector<GroupFindings>& groups) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const GroupFindings& group : groups) {
         for (const OscillationShare& share : group.oscillations) list.push_back(json_of(share, group));
-        for (const Comparison& comparison : group.comparisons) list.push_back(json_of(comparison, group));
+        for (const ConditionPair& comparison : group.comparisons) list.push_back(json_of(comparison, group));
     }
     return list;
 }

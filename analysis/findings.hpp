@@ -28,7 +28,7 @@ struct GroupFindings {
     std::uint32_t experiment = 3;
     double delay_s = 0;
     std::vector<OscillationShare> oscillations;
-    std::vector<Comparison> comparisons;
+    std::vector<ConditionPair> comparisons;
     std::string name;  // "50 ms"; with several experiments "50 ms in experiment 3"
 };
 
@@ -38,12 +38,12 @@ std::vector<GroupFindings> findings_of(const std::vector<TrialRow>& rows);
 // "At 50 ms HF oscillates in 58 of 60 trials (...)."
 std::string words(const OscillationShare& share, const GroupFindings& group);
 // "HF was 6.1 mm deeper than CF in maximum penetration at 50 ms (...)."
-std::string words(const Comparison& comparison, const GroupFindings& group);
+std::string words(const ConditionPair& comparison, const GroupFindings& group);
 
 // Parts of sentences.
-std::string name_of(Metric metric);                         // "maximum penetration"
-std::string difference_text(const Comparison& comparison);  // "HF was 6.1 mm deeper than CF"
-std::string interval_text(const Comparison& comparison);    // "4.9 to 7.4 mm", in the direction of that text
+std::string name_of(Metric metric);                            // "maximum penetration"
+std::string difference_text(const ConditionPair& comparison);  // "HF was 6.1 mm deeper than CF"
+std::string interval_text(const ConditionPair& comparison);  // "4.9 to 7.4 mm", in the direction of that text
 std::string counted(std::size_t n, const std::string& thing);  // "1 subject", "2 subjects"
 std::string list_text(const std::vector<std::string>& names);  // "HF, CF and VF"
 

@@ -46,11 +46,11 @@ std::string share_text(const ConfidenceInterval& share) {
     return fmt::format("{:.0f} to {:.0f} %", 100 * share.low, 100 * share.high);
 }
 
-std::string sample_text(const Comparison& c) {
+std::string sample_text(const ConditionPair& c) {
     return c.paired ? counted(c.n, "subject") : counted(c.n, "trial");
 }
 
-std::string too_few_text(const Comparison& c) {
+std::string too_few_text(const ConditionPair& c) {
     const std::string pairs = c.family > 1 ? fmt::format(", with {} pairs compared at once", c.family) : "";
     if (c.paired) return fmt::format("at least {} subjects are needed{}", c.fewest(), pairs);
     return fmt::format("at least {} trials of each are needed{}", c.fewest(), pairs);
@@ -74,7 +74,7 @@ ReportTable oscillation_shares(const std::vector<GroupFindings>& groups) {
     return table;
 }
 
-std::vector<std::string> row_of(const Comparison& c, const GroupFindings& group) {
+std::vector<std::string> row_of(const ConditionPair& c, const GroupFindings& group) {
     const std::string dash(kDash);
     const bool judged = c.can_be_judged();
     return {group.name,
@@ -90,7 +90,7 @@ std::vector<std::string> row_of(const Comparison& c, const GroupFindings& group)
 bool any_judged(const std::vector<GroupFindings>& groups) {
     return std::any_of(groups.begin(), groups.end(), [](const GroupFindings& group) {
         return std::any_of(group.comparisons.begin(), group.comparisons.end(),
-                           [](const Comparison& c) { return c.can_be_judged(); });
+                           [](const ConditionPair& c) { return c.can_be_judged(); });
     });
 }
 
@@ -107,7 +107,7 @@ ReportTable comparisons(const std::vector<GroupFindings>& groups) {
                       any_judged(groups) ? kTested : kOnlySeen,
                       {"delay", "measure", "pair", "n", "difference", "95 % interval", "P", "r"}};
     for (const GroupFindings& group : groups) {
-        for (const Comparison& c : group.comparisons) table.rows.push_back(row_of(c, group));
+        for (const ConditionPair& c : group.comparisons) table.rows.push_back(row_of(c, group));
     }
     drop_empty_columns(table);
     return table;
@@ -128,7 +128,7 @@ std::string list_text(const std::vector<std::string>& names) {
     return text;
 }
 
-std::string difference_text(const Comparison& c) {
+std::string difference_text(const ConditionPair& c) {
     const Phrase phrase = phrase_of(c.metric);
     const double estimate = c.shift->estimate;
     if (estimate == 0) return fmt::format("{} and {} had the same {}", c.first, c.second, phrase.name);
@@ -136,7 +136,7 @@ std::string difference_text(const Comparison& c) {
                        phrase.unit, estimate > 0 ? phrase.more : phrase.less, c.second);
 }
 
-std::string interval_text(const Comparison& c) {
+std::string interval_text(const ConditionPair& c) {
     ConfidenceInterval interval = *c.shift->interval;
     if (c.apart() && c.shift->estimate < 0) interval = {-interval.high, -interval.low};
     return fmt::format("{} {}", shown_range(interval, c.metric), phrase_of(c.metric).unit);
@@ -154,7 +154,7 @@ std::string words(const OscillationShare& share, const GroupFindings& group) {
                        share_text(*share.interval), counted(share.subjects, "subject"));
 }
 
-std::string words(const Comparison& c, const GroupFindings& group) {
+std::string words(const ConditionPair& c, const GroupFindings& group) {
     const std::string where = fmt::format("{} at {}", name_of(c.metric), group.name);
     if (!c.shift) return fmt::format("No subject has both {} and {} in {}.", c.first, c.second, where);
     if (!c.can_be_judged())

@@ -10,7 +10,8 @@
 namespace thimble {
 namespace {
 
-Comparison paired_comparison(Comparison comparison, const NamedValues& first, const NamedValues& second) {
+ConditionPair paired_comparison(ConditionPair comparison, const NamedValues& first,
+                                const NamedValues& second) {
     NamedValues differences{fmt::format("{} - {}", first.name, second.name), {}};
     for (std::size_t s = 0; s < first.values.size(); ++s) {
         const double difference = first.values[s] - second.values[s];
@@ -34,8 +35,8 @@ std::size_t subjects_of(const StudyColumns& columns, Metric metric, const std::s
 }
 
 // Of experiment 2: each trial another subject's or modality's.
-Comparison independent_comparison(Comparison comparison, const StudyColumns& columns,
-                                  const NamedValues& first, const NamedValues& second) {
+ConditionPair independent_comparison(ConditionPair comparison, const StudyColumns& columns,
+                                     const NamedValues& first, const NamedValues& second) {
     comparison.paired = false;
     comparison.n = first.values.size() + second.values.size();
     comparison.subjects = subjects_of(columns, comparison.metric, first.name, second.name);
@@ -50,20 +51,20 @@ bool has_values(const NamedValues& column) {
 
 }  // namespace
 
-std::size_t Comparison::fewest() const {
+std::size_t ConditionPair::fewest() const {
     return paired ? fewest_for_signed_rank(family, kFindingLevel)
                   : fewest_for_rank_sum(family, kFindingLevel);
 }
 
-std::vector<Comparison> compare_conditions(const StudyColumns& columns, Metric metric) {
+std::vector<ConditionPair> compare_conditions(const StudyColumns& columns, Metric metric) {
     const bool paired = columns.experiment() != 2;
     std::vector<NamedValues> values = paired ? columns.subject_means(metric) : columns.groups(metric);
     std::erase_if(values, [](const NamedValues& column) { return !has_values(column); });
-    std::vector<Comparison> comparisons;
+    std::vector<ConditionPair> comparisons;
     const std::size_t pairs = values.empty() ? 0 : values.size() * (values.size() - 1) / 2;
     for (std::size_t a = 0; a < values.size(); ++a) {
         for (std::size_t b = a + 1; b < values.size(); ++b) {
-            Comparison blank{metric, values[a].name, values[b].name, 0, 0, pairs, paired, {}};
+            ConditionPair blank{metric, values[a].name, values[b].name, 0, 0, pairs, paired, {}};
             comparisons.push_back(
                 paired ? paired_comparison(std::move(blank), values[a], values[b])
                        : independent_comparison(std::move(blank), columns, values[a], values[b]));

@@ -15,7 +15,7 @@ namespace thimble {
 // Of P; intervals hold with 1 minus it. Both are for all pairs of one measure and group at once (Bonferroni).
 inline constexpr double kFindingLevel = 0.05;
 
-struct Comparison {
+struct ConditionPair {
     Metric metric = Metric::kPenetrationMean;
     std::string first, second;
     std::size_t n = 0;                   // subjects with both; of independent trials: trials of both together
@@ -30,6 +30,6 @@ struct Comparison {
 };
 
 // Every pair of conditions that have the measure. A subject without it in one of the two is left out of that pair only.
-std::vector<Comparison> compare_conditions(const StudyColumns& columns, Metric metric);
+std::vector<ConditionPair> compare_conditions(const StudyColumns& columns, Metric metric);
 
 }  // namespace thimble

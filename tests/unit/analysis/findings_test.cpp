@@ -81,11 +81,11 @@ TEST(Findings, EachPairHasEstimateIntervalAndPOfOneTest) {
 TEST(Findings, WordsFollowTheDirectionWithTheIntervalTurned) {
     const auto down = findings_of(rows(10, 3, {0.008, 0.0055, 0.004, 0.001}));
     const auto up = findings_of(rows(10));
-    const Comparison& deeper = down[0].comparisons[2];
-    const Comparison& shallower = up[0].comparisons[2];
+    const ConditionPair& deeper = down[0].comparisons[2];
+    const ConditionPair& shallower = up[0].comparisons[2];
     EXPECT_THAT(difference_text(deeper), AllOf(StartsWith("HF was "), HasSubstr("deeper than VF")));
     EXPECT_THAT(difference_text(shallower), HasSubstr("shallower than VF"));
-    for (const Comparison* c : {&deeper, &shallower}) EXPECT_THAT(interval_text(*c), Not(HasSubstr("-")));
+    for (const ConditionPair* c : {&deeper, &shallower}) EXPECT_THAT(interval_text(*c), Not(HasSubstr("-")));
 }
 
 // The words never say "not told apart" beside an interval without zero, nor the other way round.
@@ -185,7 +185,7 @@ TEST(Findings, EachDelayAndExperimentIsAGroup) {
 TEST(Findings, RemovalsAreIndependentTrials) {
     const auto groups = findings_of(rows(8, 2));
     ASSERT_EQ(groups[0].comparisons.size(), 6U);
-    const Comparison& pair = groups[0].comparisons[0];
+    const ConditionPair& pair = groups[0].comparisons[0];
     EXPECT_FALSE(pair.paired);
     EXPECT_EQ(pair.n, 16U);
     EXPECT_TRUE(pair.apart());
@@ -200,7 +200,7 @@ TEST(Findings, ASubjectWithoutBothIsLeftOutOfThatPairOnly) {
     Columns columns = normal_columns(9, kAscending);
     columns[3][6] = std::nan("");
     const auto groups = findings_of(rows_of(columns, 3));
-    for (const Comparison& c : groups[0].comparisons) EXPECT_EQ(c.n, c.second == "VF" ? 8U : 9U);
+    for (const ConditionPair& c : groups[0].comparisons) EXPECT_EQ(c.n, c.second == "VF" ? 8U : 9U);
 }
 
 TEST(Findings, AMeasureThatAModalityNeverReachesIsNamed) {
