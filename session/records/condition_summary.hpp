@@ -1,4 +1,4 @@
-// Trials condensed per modality and delay: what tables, bars and the headline are made from. The trials of
+// Trials condensed per modality and delay: what tables and bars are made from. The trials of
 // one subject are averaged first, so mean and standard deviation are over subjects, as in the paper.
 #pragma once
 
