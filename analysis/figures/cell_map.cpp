@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <boost/algorithm/string/replace.hpp>
 #include <fmt/format.h>
@@ -15,6 +16,7 @@ struct CellEdges {
     double low = 0, high = 0;
 };
 
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr const char* kCurve = "with lines linewidth 2 linecolor 'black'";
 constexpr const char* kMark = "with lines dashtype 2 linewidth 1.5 linecolor 'black'";
 
@@ -42,9 +44,9 @@ std::vector<CellEdges> edges_of(std::vector<double> values, bool logarithmic) {
     const double lowest = *std::min_element(values.begin(), values.end());
     // Below zero there is nothing, unless a value is there.
     if (!logarithmic)
-        return edges_between(values, lowest < 0 ? -INFINITY : 0, lowest == 0 ? 1 : 0.1 * std::abs(lowest));
+        return edges_between(values, lowest < 0 ? -kInfinite : 0, lowest == 0 ? 1 : 0.1 * std::abs(lowest));
     for (double& value : values) value = std::log(value);
-    std::vector<CellEdges> edges = edges_between(values, -INFINITY, std::log(1.3));
+    std::vector<CellEdges> edges = edges_between(values, -kInfinite, std::log(1.3));
     for (CellEdges& cell : edges) cell = {std::exp(cell.low), std::exp(cell.high)};
     return edges;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <boost/algorithm/string/replace.hpp>
 #include <boost/algorithm/string/split.hpp>
@@ -24,7 +25,7 @@ struct ValueRange {
 };
 
 ValueRange range_of(std::span<const double> values) {
-    ValueRange range{INFINITY, -INFINITY};
+    ValueRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     for (const double value : values) {
         if (!is_number(value)) continue;
         range.low = std::min(range.low, value);
