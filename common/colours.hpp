@@ -11,7 +11,7 @@ namespace thimble {
 struct Colour : std::array<std::uint8_t, 3> {};  // 0 to 255; formatted as "#0072B2"
 
 // Eight colours that people with any common colour blindness tell apart (Okabe and Ito 2008, "Color Universal Design"), by their
-// names there. Nothing is told by colour alone: lines differ in their dashes as well, areas in lightness.
+// names there. Colour never stands alone: lines also differ in their dashes, areas in lightness.
 inline constexpr Colour kBlack{0, 0, 0};
 inline constexpr Colour kOrange{230, 159, 0};
 inline constexpr Colour kSkyBlue{86, 180, 233};

@@ -34,7 +34,7 @@ struct CellMap {
     std::vector<std::pair<double, std::string>> marks;  // dashed lines at a y
 };
 
-// What becomes of a held force loop, by the letters of HoldClass.
+// The outcomes of a held force loop, by the letters of HoldClass.
 std::vector<CellClass> outcome_classes();
 
 // Title and caption are left to the caller.

@@ -67,7 +67,7 @@ std::string tics(const std::vector<std::string>& names) {
     return text;
 }
 
-// What cells say, and what their colours mean.
+// The meaning of the cells' texts and colours.
 std::string head_script(const HeatMap& map, const FigureGrid& grid) {
     const double width = grid.width_px(), height = grid.height_px();
     return fmt::format(

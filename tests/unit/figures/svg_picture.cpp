@@ -93,8 +93,8 @@ std::vector<PictureArea> areas_in(const std::string& svg) {
     return areas;
 }
 
-// Left and lower axis as one line, from the upper left to the lower right; or the lower one alone, below a panel of about
-// kNoLeftAxis_px. gnuplot draws the axes of some panels twice.
+// Left and lower axis are one line from the upper left to the lower right. Some panels have the lower axis alone: they count as
+// kNoLeftAxis_px high. gnuplot draws the axes of some panels twice.
 std::vector<PictureBox> panels_in(const std::string& svg) {
     constexpr double kNoLeftAxis_px = 80, kLongerThanATic_px = 30;
     static const std::regex axes(
@@ -195,7 +195,7 @@ std::string SvgPicture::axis_faults() const {
     return faults;
 }
 
-// What is filled is within a panel, or above all of them: the samples of the key.
+// A filled area lies within a panel, or above all of them as a sample of the key.
 std::string SvgPicture::area_faults() const {
     std::string faults;
     double head_px = picture_.bottom;
