@@ -1,6 +1,7 @@
 #include "analysis/figures/heat_map.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include <boost/algorithm/string/replace.hpp>
@@ -81,6 +82,15 @@ std::string head_script(const HeatMap& map, const FigureGrid& grid) {
         grid.left_px / width, 12 / height);
 }
 
+// A single percent is told from none.
+Colour palest(const Colour& darkest) {
+    constexpr double kShare = 0.15;
+    Colour pale{};
+    for (std::size_t i = 0; i < pale.size(); ++i)
+        pale[i] = static_cast<std::uint8_t>(std::lround(std::lerp(255.0, darkest[i], kShare)));
+    return pale;
+}
+
 std::string map_script(const HeatMap& map, const std::string& name) {
     const FigureGrid grid = layout(map);
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
@@ -88,12 +98,12 @@ std::string map_script(const HeatMap& map, const std::string& name) {
     script += fmt::format(
         "set xtics scale 0 ({}) noenhanced\nset ytics scale 0 ({}) noenhanced\nunset key\n"
         "set xrange [-0.5:{:.1f}]; set yrange [{:.1f}:-0.5]\n"
-        "set palette defined (0 'white', 1 '#FBE3D6', 100 '{}'); set cbrange [0:100]\n"
+        "set palette defined (0 'white', 1 '{}', 100 '{}'); set cbrange [0:100]\n"
         "plot '{}.tsv' using 1:2:($1-0.5):($1+0.5):($2-0.5):($2+0.5):3 with boxxyerror fillstyle solid "
         "noborder fillcolor palette, \\\n"
         "     '' using 1:2:4 with labels font ',11' textcolor '#000000'\n",
         tics(map.columns), tics(map.rows), static_cast<double>(map.columns.size()) - 0.5,
-        static_cast<double>(map.rows.size()) - 0.5, map.darkest, name);
+        static_cast<double>(map.rows.size()) - 0.5, palest(map.darkest), map.darkest, name);
     return script;
 }
 

@@ -137,9 +137,13 @@ VariationResult run_variations(const std::filesystem::path& config, const std::v
 DrawnFigures draw_survival(const Variation& variation, const std::filesystem::path& output) {
     const auto& claims = variation.points.front().tally.counts();
     const std::vector<std::size_t> indices = shown_claims(variation);
-    HeatMap map{
-        {},      {}, {}, variation.range.name(), "seeds", "percent of seeds in which the claim comes out",
-        kSkyBlue};
+    HeatMap map{{},
+                {},
+                {},
+                variation.range.name(),
+                fmt::format("seeds (n = {})", variation.points.front().tally.studies()),
+                "percent of seeds in which the claim comes out",
+                kSkyBlue};
     for (const std::size_t index : indices) map.rows.push_back(claims[index].claim.id);
     for (std::size_t x = 0; x < variation.points.size(); ++x) {
         const VariedPoint& point = variation.points[x];
