@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -6,18 +7,15 @@
 #include "analysis/figures/figure_grid.hpp"
 #include "analysis/figures/figures.hpp"
 #include "analysis/figures/measure_axes.hpp"
-#include "analysis/statistics/pairwise.hpp"
+#include "analysis/tables/comparisons.hpp"
 #include "analysis/text/gnuplot.hpp"
-#include "common/error.hpp"
 
 namespace thimble {
 namespace {
 
 constexpr std::string_view kSubjectPoint = "with points pointtype 6 pointsize 0.35 linecolor '#777777'";
-constexpr std::string_view kAllAtOnce =
-    "with xerrorbars pointtype 7 pointsize 0.1 linewidth 1 linecolor 'black'";
 
-std::string mean_point() {
+std::string estimate_point() {
     return fmt::format("with xerrorbars pointtype 7 pointsize 0.7 linewidth 3 linecolor '{}'", kBlue);
 }
 
@@ -25,32 +23,42 @@ std::string mean_point() {
 struct Differences {
     Metric metric;
     std::size_t column = 0, row = 0;  // of the figure
-    std::vector<MeanPair> pairs;
-    std::vector<NamedValues> columns;  // a value per subject that has all of them; of groups: the trials
-    bool paired = false;
+    std::vector<ConditionPair> pairs;
+    std::vector<NamedValues> columns;  // a value per subject; NaN: none
 };
 
-bool with_handle(const Differences& of, const MeanPair& pair) {
-    return of.columns[pair.first].name.starts_with("HF") || of.columns[pair.second].name.starts_with("HF");
+bool with_handle(const ConditionPair& pair) {
+    return pair.first.starts_with("HF") || pair.second.starts_with("HF");
 }
 
-// None where the statistics refuse the data: the analysis says why.
+bool is_judged(const ConditionPair& pair) { return pair.can_be_judged(); }
+
+// Of one subject there is no spread to show.
 Differences differences_of(const StudyColumns& columns, Metric metric) {
-    Differences all{metric, 0, 0, {}, {}, columns.experiment() != 2};
-    try {
-        if (all.paired) {
-            const SampleTable table =
-                complete_rows(present_columns({columns.subject_means(metric)})[0]).table;
-            all.pairs = paired_t_tests(table).pairs;
-            for (std::size_t i = 0; i < table.conditions(); ++i) all.columns.push_back(table.column(i));
-        } else {
-            all.columns = present_columns({columns.groups(metric)})[0];
-            all.pairs = pairs_after_one_way_anova(all.columns);
-        }
-    } catch (const Error&) {
-        all.pairs.clear();
-    }
+    Differences all{metric, 0, 0, compare_conditions(columns, metric), columns.subject_means(metric)};
+    std::erase_if(all.pairs, [](const ConditionPair& pair) { return !pair.shift || pair.n < 2; });
     return all;
+}
+
+// First minus second, of each subject that has both; none of independent trials.
+std::vector<double> of_subjects(const Differences& of, const ConditionPair& pair) {
+    std::vector<double> differences;
+    if (!pair.paired) return differences;
+    const auto column = [&](const std::string& name) {
+        return std::find_if(of.columns.begin(), of.columns.end(),
+                            [&](const NamedValues& values) { return values.name == name; });
+    };
+    const auto first = column(pair.first), second = column(pair.second);
+    for (std::size_t s = 0; s < first->values.size(); ++s) {
+        const double difference = first->values[s] - second->values[s];
+        if (!std::isnan(difference)) differences.push_back(difference);
+    }
+    return differences;
+}
+
+// Too few subjects give an estimate without an interval: a point without bars.
+ConfidenceInterval interval_of(const ConditionPair& pair) {
+    return pair.shift->interval.value_or(ConfidenceInterval{pair.shift->estimate, pair.shift->estimate});
 }
 
 // The pairs with HF above those without: an oscillating HF is ten times as far from the others as they are from each other, so
@@ -63,7 +71,7 @@ std::vector<Differences> panels_of(const StudyColumns& columns, const std::vecto
         std::size_t row = 0;
         for (const bool handle : {true, false}) {
             Differences part = all;
-            std::erase_if(part.pairs, [&](const MeanPair& pair) { return with_handle(all, pair) != handle; });
+            std::erase_if(part.pairs, [&](const ConditionPair& pair) { return with_handle(pair) != handle; });
             if (part.pairs.empty()) continue;
             part.column = column;
             part.row = row++;
@@ -74,21 +82,18 @@ std::vector<Differences> panels_of(const StudyColumns& columns, const std::vecto
     return panels;
 }
 
-std::size_t pairs_in(const std::vector<Differences>& panels) {
-    std::size_t most = 0, pairs = 0;
-    for (const Differences& of : panels) {
-        pairs = of.row == 0 ? of.pairs.size() : pairs + of.pairs.size();
-        most = std::max(most, pairs);
-    }
-    return most;
+bool any_judged(const std::vector<Differences>& panels) {
+    return std::any_of(panels.begin(), panels.end(), [](const Differences& of) {
+        return std::any_of(of.pairs.begin(), of.pairs.end(), is_judged);
+    });
 }
 
-void write_means(std::string& data, const Differences& of) {
+void write_estimates(std::string& data, const Differences& of) {
     double y = 0;
-    for (const MeanPair& pair : of.pairs) {
+    for (const ConditionPair& pair : of.pairs) {
+        const ConfidenceInterval interval = interval_of(pair);
         write_cell(data, y++);
-        for (const double value : {pair.difference, pair.interval.low, pair.interval.high,
-                                   pair.interval_simultaneous.low, pair.interval_simultaneous.high})
+        for (const double value : {pair.shift->estimate, interval.low, interval.high})
             write_shown(data, value, of.metric);
         data.back() = '\n';
     }
@@ -96,11 +101,10 @@ void write_means(std::string& data, const Differences& of) {
 
 void write_subjects(std::string& data, const Differences& of) {
     double y = 0;
-    for (const MeanPair& pair : of.pairs) {
-        for (std::size_t s = 0; of.paired && s < of.columns[0].values.size(); ++s) {
+    for (const ConditionPair& pair : of.pairs) {
+        for (const double difference : of_subjects(of, pair)) {
             write_cell(data, y - 0.25);
-            write_shown(data, of.columns[pair.first].values[s] - of.columns[pair.second].values[s],
-                        of.metric);
+            write_shown(data, difference, of.metric);
             data.back() = '\n';
         }
         ++y;
@@ -111,9 +115,9 @@ void write_subjects(std::string& data, const Differences& of) {
 std::string difference_data(const std::vector<Differences>& panels) {
     std::string data;
     for (const Differences& of : panels) {
-        data += fmt::format("# {}: y, difference, 95 % interval, interval of all pairs at once\n",
+        data += fmt::format("# {}: y, difference, its 95 % interval of all pairs at once\n",
                             info(of.metric).label);
-        write_means(data, of);
+        write_estimates(data, of);
         data += "\n\n# y, difference of one subject\n";
         write_subjects(data, of);
         data += "\n\n";
@@ -124,19 +128,17 @@ std::string difference_data(const std::vector<Differences>& panels) {
 std::vector<double> shown_values(const Differences& of) {
     std::vector<double> values;
     const double shown = info(of.metric).shown_per_si;
-    for (const MeanPair& pair : of.pairs) {
-        values.push_back(shown * pair.interval_simultaneous.low);
-        values.push_back(shown * pair.interval_simultaneous.high);
-        for (std::size_t s = 0; of.paired && s < of.columns[0].values.size(); ++s)
-            values.push_back(shown * (of.columns[pair.first].values[s] - of.columns[pair.second].values[s]));
+    for (const ConditionPair& pair : of.pairs) {
+        const ConfidenceInterval interval = interval_of(pair);
+        values.insert(values.end(), {shown * interval.low, shown * interval.high});
+        for (const double difference : of_subjects(of, pair)) values.push_back(shown * difference);
     }
     return values;
 }
 
 std::string axes(const Differences& of) {
-    const std::string pairs = numbered_tics(of.pairs.size(), [&](std::size_t i) {
-        return of.columns[of.pairs[i].first].name + " − " + of.columns[of.pairs[i].second].name;
-    });
+    const std::string pairs = numbered_tics(
+        of.pairs.size(), [&](std::size_t i) { return of.pairs[i].first + " − " + of.pairs[i].second; });
     // The first pair is on top.
     return fmt::format(
         "set ytics scale 0 ({})\nset yrange [{:.1f}:-0.6]\n{}set xlabel 'difference of {}' offset 0,0.6\n",
@@ -150,31 +152,26 @@ FigureGrid layout(const std::vector<Differences>& panels) {
     for (const Differences& of : panels) {
         grid.rows = std::max(grid.rows, of.row + 1);
         most = std::max(most, of.pairs.size());
-        for (const MeanPair& pair : of.pairs)
-            longest =
-                std::max(longest, of.columns[pair.first].name.size() + of.columns[pair.second].name.size());
+        for (const ConditionPair& pair : of.pairs)
+            longest = std::max(longest, pair.first.size() + pair.second.size());
     }
     grid.panel_height_px = 40 * static_cast<int>(std::max<std::size_t>(most, 2));
     grid.left_px = 44 + 8 * static_cast<int>(longest);
     grid.between_px = grid.left_px + 16;
     grid.beneath_px = 74;
-    if (panels[0].paired) grid.entries.push_back({std::string(kSubjectPoint), "one subject"});
+    if (panels[0].pairs[0].paired) grid.entries.push_back({std::string(kSubjectPoint), "one subject"});
     grid.entries.push_back(
         {fmt::format("with linespoints pointtype 7 pointsize 0.7 linewidth 3 linecolor '{}'", kBlue),
-         "mean, 95 % confidence interval"});
-    if (pairs_in(panels) > 1)
-        grid.entries.push_back({"with lines linewidth 1 linecolor 'black'",
-                                fmt::format("95 %, all {} pairs at once", pairs_in(panels))});
+         any_judged(panels) ? "estimate, 95 % confidence interval" : "estimate"});
     return grid;
 }
 
 std::string panel_script(std::size_t index, const std::string& name) {
     return fmt::format(
         "plot '{name}.tsv' index {subjects} using 2:1 {subject}, \\\n"
-        "     '{name}.tsv' index {means} using 2:1:5:6 {all}, \\\n"
-        "     '{name}.tsv' index {means} using 2:1:3:4 {mean}\n",
-        fmt::arg("name", name), fmt::arg("means", 2 * index), fmt::arg("subjects", 2 * index + 1),
-        fmt::arg("subject", kSubjectPoint), fmt::arg("all", kAllAtOnce), fmt::arg("mean", mean_point()));
+        "     '{name}.tsv' index {estimates} using 2:1:3:4 {estimate}\n",
+        fmt::arg("name", name), fmt::arg("estimates", 2 * index), fmt::arg("subjects", 2 * index + 1),
+        fmt::arg("subject", kSubjectPoint), fmt::arg("estimate", estimate_point()));
 }
 
 std::string difference_script(const std::vector<Differences>& panels, const std::string& name) {
@@ -190,16 +187,19 @@ std::string difference_script(const std::vector<Differences>& panels, const std:
 }
 
 std::string how(const std::vector<Differences>& panels) {
-    if (!panels[0].paired) return "By the error of the one-way ANOVA, over trials.";
-    std::size_t low = panels[0].columns[0].values.size(), high = low;
+    std::size_t low = panels[0].pairs[0].n, high = low, few = 0;
     for (const Differences& of : panels) {
-        low = std::min(low, of.columns[0].values.size());
-        high = std::max(high, of.columns[0].values.size());
+        for (const ConditionPair& pair : of.pairs) {
+            low = std::min(low, pair.n);
+            high = std::max(high, pair.n);
+            few += is_judged(pair) ? 0 : 1;
+        }
     }
-    return fmt::format(
-        "By the own differences (paired t) of the n = {} subjects that have the measure in all "
-        "conditions.",
-        range_text(low, high));
+    const bool paired = panels[0].pairs[0].paired;
+    return fmt::format("n = {} {} per pair, by the {} test, which is that of the table.{}",
+                       range_text(low, high), paired ? "subjects" : "trials",
+                       paired ? "signed-rank" : "rank-sum",
+                       few > 0 ? " Pairs with too few for a test have no interval." : "");
 }
 
 }  // namespace
@@ -208,12 +208,13 @@ FigureSource difference_figure(const StudyColumns& columns, const std::vector<Me
                                const std::string& name) {
     const std::vector<Differences> panels = panels_of(columns, metrics);
     if (panels.empty()) return {};
-    return {name, "Differences",
-            fmt::format("{} First minus second modality: mean with its 95 % confidence interval (thick), and "
-                        "the interval that holds for all pairs at once (thin, Bonferroni). {} Pairs with "
-                        "HF and without it have scales of their own.",
-                        trials_text(columns), how(panels)),
-            difference_data(panels), difference_script(panels, name)};
+    return {
+        name, "Differences",
+        fmt::format("{} First minus second modality: Hodges and Lehmann's estimate and the 95 % confidence "
+                    "interval that holds for all pairs of a measure at once. {} Pairs with HF and without "
+                    "it have scales of their own.",
+                    trials_text(columns), how(panels)),
+        difference_data(panels), difference_script(panels, name)};
 }
 
 }  // namespace thimble

@@ -58,14 +58,12 @@ TEST(DistributionFigure, HasEveryTrialAndItsModalitysBox) {
     }
 }
 
-TEST(DifferenceFigure, ShowsTheIntervalsOfThePairedTests) {
+TEST(DifferenceFigure, ShowsTheIntervalsOfTheFindings) {
     const StudyColumns columns(rows_of(normal_columns(9, kMeans)), 1);
     const FigureSource figure = difference_figure(columns, kOne, "d");
-    const MeanPair pair = paired_t_tests(columns.table(kOne[0]).table).pairs[0];
-    EXPECT_EQ(lines_of(figure.data)[0],
-              fmt::format("0\t{:.6g}\t{:.6g}\t{:.6g}\t{:.6g}\t{:.6g}", 1e3 * pair.difference,
-                          1e3 * pair.interval.low, 1e3 * pair.interval.high,
-                          1e3 * pair.interval_simultaneous.low, 1e3 * pair.interval_simultaneous.high));
+    const LocationShift shift = *compare_conditions(columns, kOne[0])[0].shift;
+    EXPECT_EQ(lines_of(figure.data)[0], fmt::format("0\t{:.6g}\t{:.6g}\t{:.6g}", 1e3 * shift.estimate,
+                                                    1e3 * shift.interval->low, 1e3 * shift.interval->high));
     EXPECT_EQ(lines_of(figure.data).size(), 2 * (3 + 3 * 9 + 1U));
     EXPECT_THAT(figure.script, HasSubstr("'HF − CF' 0"));
 }
@@ -79,6 +77,20 @@ TEST(DifferenceFigure, IsLeftOutWhereNothingCanBeTested) {
     columns[3].clear();
     EXPECT_TRUE(difference_figure(StudyColumns(rows_of(columns), 1), kOne, "d").script.empty());
     EXPECT_TRUE(draw_figures(std::vector<FigureSource>(2), "/nowhere").problem.empty());
+}
+
+// Two subjects have an estimate, and no interval.
+TEST(DifferenceFigure, HasNoIntervalOfTooFewSubjects) {
+    const FigureSource figure =
+        difference_figure(StudyColumns(rows_of(normal_columns(2, kMeans)), 1), kOne, "d");
+    std::istringstream first(lines_of(figure.data)[0]);
+    double y = 0, estimate = 0, low = 0, high = 0;
+    first >> y >> estimate >> low >> high;
+    EXPECT_NE(estimate, 0);
+    EXPECT_EQ(low, estimate);
+    EXPECT_EQ(high, estimate);
+    EXPECT_THAT(figure.caption, HasSubstr("too few for a test have no interval"));
+    EXPECT_THAT(figure.script, Not(HasSubstr("confidence interval")));
 }
 
 // Without HF, and with two modalities: one pair, and no interval for several.
