@@ -5,6 +5,7 @@
 
 #include "common/runtime/runtime_settings.hpp"
 #include "netem/relay/relay_settings.hpp"
+#include "netem/relay/relay_totals.hpp"
 
 namespace thimble {
 
