@@ -21,10 +21,10 @@ def said_by(words, cwd=None):
     return run.stdout
 
 
-def subcommands(text):
-    """Names below a line "Subcommands:" of a help."""
-    after = re.search(r'^Subcommands:\n((?:  .*\n?)+)', text, re.M)
-    return re.findall(r'^  ([a-z][a-z-]*)', after[1], re.M) if after else []
+def subcommands(program, words):
+    """Those that a shell would be offered: with a description, which the choices of an argument have not."""
+    done = subprocess.run([program, '--complete', *words, ''], text=True, capture_output=True)
+    return re.findall(r'^([a-z][a-z-]*)\t.', done.stdout, re.M)
 
 
 def write_commands(programs, out):
@@ -36,7 +36,7 @@ def write_commands(programs, out):
         name = '-'.join(words)
         names[name] = ' '.join(words)
         (out / f'{name}.md').write_text(f'# {" ".join(words)}\n\n```text\n{text.rstrip()}\n```\n')
-        for sub in subcommands(text):
+        for sub in subcommands(programs / words[0], words[1:]):
             page([*words, sub])
 
     for program in sorted(path.name for path in programs.glob('thimble*')):

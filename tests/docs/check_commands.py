@@ -24,9 +24,9 @@ def said(*words):
     return done.stdout if done.returncode == 0 else ''
 
 
-def subcommands(text):
-    below = text.partition('\nSubcommands:')[2]
-    return re.findall(r'^  ([a-z][\w-]*)', below, re.M)
+def subcommands(program, *words):
+    """Those that a shell would be offered: with a description, which the choices of an argument have not."""
+    return re.findall(r'^([a-z][\w-]*)\t.', said(program, '--complete', *words, ''), re.M)
 
 
 def check_ours(program, words):
@@ -34,7 +34,7 @@ def check_ours(program, words):
     if program.endswith('thimble-netem'):
         text += said(program, 'node', '--help')  # as a node it is not told so
     for word in words:
-        if word in subcommands(text) or (program.endswith('bench') and len(path) == 1 and re.fullmatch('[a-z][a-z-]+', word)):
+        if word in subcommands(*path) or (program.endswith('bench') and len(path) == 1 and re.fullmatch('[a-z][a-z-]+', word)):
             path.append(word)
             text = said(*path, '--help')
         elif word == '--' or '{' in word:

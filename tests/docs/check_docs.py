@@ -97,8 +97,8 @@ def check_walk(sources):
 
 def check_programs(sources, programs):
     rows = ''.join(re.findall(r'^\| (`.*?) \|', (sources / 'docs/programs.md').read_text(), re.M))
-    text = subprocess.run([programs / 'thimble', '--help'], check=True, capture_output=True, text=True).stdout
-    commands = re.findall(r'^  ([a-z][\w-]*) ', text.partition('\nSubcommands:')[2].partition('\n\n')[0], re.M)
+    text = subprocess.run([programs / 'thimble', '--complete', ''], check=True, capture_output=True, text=True).stdout
+    commands = re.findall(r'^([a-z][\w-]*)\t', text, re.M)
     for name in [*(f'thimble {command}' for command in commands), *(file.name for file in programs.glob('thimble-*'))]:
         if not re.search(rf'`{name}[ `]', rows):
             yield f'docs/programs.md has no row for {name}'
