@@ -23,6 +23,8 @@ def said_by(words, cwd=None):
 
 def subcommands(program, words):
     """Those that a shell would be offered: with a description, which the choices of an argument have not."""
+    if 'node' in words:
+        return []  # thimble-netem's own commands are not a node's
     done = subprocess.run([program, '--complete', *words, ''], text=True, capture_output=True)
     return re.findall(r'^([a-z][a-z-]*)\t.', done.stdout, re.M)
 
