@@ -29,7 +29,7 @@ class Error : public std::runtime_error {
     ExitCode code() const { return code_; }
 
   private:
-    ExitCode code_;
+    ExitCode code_ = ExitCode::kRunFailed;
 };
 
 }  // namespace thimble

@@ -214,8 +214,10 @@ FigureSource bar_figure(const std::vector<ConditionSummary>& conditions, const s
     const std::vector<double> delays_s = delays_of(conditions);
     const Shown shown = shown_of(conditions);
     std::vector<BarPanel> panels;
+    panels.reserve(shown.size());
     for (const Metric metric : shown) panels.push_back(bar_panel("", conditions, metric, delays_s));
     std::vector<std::string> titles;
+    titles.reserve(delays_s.size());
     for (const double delay_s : delays_s) titles.push_back(delay_text(delay_s) + " delay");
     FigureGrid grid;
     grid.columns = 2;

@@ -17,7 +17,7 @@ constexpr int kAngleSteps = 64;  // of half a turn; of the tangent from 0 to 1
 struct AngleTable {
     exact::Parts step = exact::parts_of_pi(kAngleSteps);
     DoubleDouble half_turn, quarter_turn;
-    std::array<DoubleDouble, 2 * kAngleSteps> sines{};         // sin(i pi / 64), a whole turn
+    std::array<DoubleDouble, 2UL * kAngleSteps> sines{};       // sin(i pi / 64), a whole turn
     std::array<DoubleDouble, kAngleSteps + 1> arc_tangents{};  // atan(i / 64)
     AngleTable() {
         const exact::Parts pi = exact::parts_of_pi(1);

@@ -32,7 +32,7 @@ const ExponentialTable& exponential_table() {
 
 struct LogarithmTable {
     DoubleDouble of_two = exact::natural_logarithm(2), per_ten = exact::inverse_of_natural_logarithm(10);
-    std::array<DoubleDouble, 2 * kSteps> logarithms{};  // log(i / 64)
+    std::array<DoubleDouble, 2UL * kSteps> logarithms{};  // log(i / 64)
     LogarithmTable() {
         for (std::size_t i = kSteps / 2; i < logarithms.size(); ++i)
             logarithms[i] = exact::natural_logarithm(static_cast<double>(i) / kSteps);
@@ -60,8 +60,8 @@ DoubleDouble short_expm1(DoubleDouble r) {
 
 // x = steps log(2) / 64 + rest
 struct Reduced {
-    int steps;
-    DoubleDouble rest;
+    int steps = 0;
+    DoubleDouble rest{};
 };
 Reduced reduce(DoubleDouble x) {
     constexpr double kStepsPerUnit = 92.332482616893656877;  // 64 / log(2)

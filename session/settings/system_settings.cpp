@@ -116,6 +116,7 @@ bool has_traced_delay(const LinkSettings& link) {
 
 std::string list_of(const std::vector<Duration>& delays) {
     std::vector<double> delays_s;
+    delays_s.reserve(delays.size());
     for (const Duration delay : delays) delays_s.push_back(to_seconds(delay));
     return fmt::format("[{}]", fmt::join(delays_s, ", "));
 }
