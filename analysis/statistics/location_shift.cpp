@@ -40,7 +40,8 @@ class Sums {
 // Averages of two differences each, every difference also with itself (Walsh averages).
 class Averages {
   public:
-    explicit Averages(std::vector<double> differences) : sums_(halves(differences), halves(differences)) {
+    explicit Averages(const std::vector<double>& differences)
+        : sums_(halves(differences), halves(differences)) {
         total_ = differences.size() * (differences.size() + 1) / 2;
     }
     std::size_t total() const { return total_; }
