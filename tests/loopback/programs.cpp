@@ -73,11 +73,14 @@ void replace_program(const fs::path& file, const std::string& shell_script) {
     fs::permissions(file, fs::perms::owner_all);
 }
 
+// A whole study by a sanitized program takes longer than a trial in real time.
+constexpr auto kWholeStudy = 4 * kPatience;
+
 Outcome run_to_end(const fs::path& program, const std::vector<std::string>& arguments) {
     const Folder folder;
     Child child(program, arguments, folder / "words");
     Outcome outcome;
-    outcome.code = child.wait(kPatience).value_or(-1);
+    outcome.code = child.wait(kWholeStudy).value_or(-1);
     outcome.words = read_text(folder / "words");
     return outcome;
 }
