@@ -79,16 +79,23 @@ void include(PictureBox& box, double x, double y) {
     box = {std::min(box.left, x), std::min(box.top, y), std::max(box.right, x), std::max(box.bottom, y)};
 }
 
+// The value of an attribute from `at` on. Not by std::regex, which goes one call deeper with every character.
+std::string quoted_after(const std::string& svg, const char* name, std::size_t at) {
+    const std::size_t open = svg.find('\'', svg.find(name, at));
+    return open == std::string::npos ? "" : svg.substr(open + 1, svg.find('\'', open + 1) - open - 1);
+}
+
 std::vector<PictureArea> areas_in(const std::string& svg) {
-    static const std::regex polygon(R"re(<polygon fill = '([^']*)'[^>]*points = '([^']*)')re"),
-        point(R"re(([0-9.-]+),([0-9.-]+))re");
+    static const std::regex point(R"re(([0-9.-]+),([0-9.-]+))re");
+    const std::string polygon = "<polygon fill = ";
     std::vector<PictureArea> areas;
-    for (Matches it(svg.begin(), svg.end(), polygon), end; it != end; ++it) {
-        const std::string points = (*it)[2];
+    const Matches end;
+    for (std::size_t at = svg.find(polygon); at != std::string::npos; at = svg.find(polygon, at + 1)) {
+        const std::string points = quoted_after(svg, "points", at);
         PictureBox box{1e9, 1e9, -1e9, -1e9};
         for (Matches p(points.begin(), points.end(), point); p != end; ++p)
             include(box, std::stod((*p)[1]), std::stod((*p)[2]));
-        areas.push_back({(*it)[1], box});
+        areas.push_back({quoted_after(svg, "fill", at), box});
     }
     return areas;
 }
