@@ -86,9 +86,7 @@ std::vector<GroupFindings> findings_of(const std::vector<TrialRow>& rows) {
     std::set<std::uint32_t> experiments;
     for (const TrialRow& row : rows) experiments.insert(row.conditions.experiment);
     for (const std::uint32_t experiment : experiments) {
-        std::vector<TrialConditions> trials;
-        for (const TrialRow& row : of_experiment(rows, experiment)) trials.push_back(row.conditions);
-        for (const double delay_s : delays_of(trials)) {
+        for (const double delay_s : delays_of(of_experiment(rows, experiment))) {
             GroupFindings group = find_in(rows, experiment, delay_s);
             group.name = delay_text(delay_s);
             if (experiments.size() > 1) group.name += fmt::format(" in experiment {}", experiment);

@@ -15,6 +15,7 @@
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/records/trajectory_file.hpp"
+#include "session/settings/session_files.hpp"
 #include "session/virtual/virtual_session.hpp"
 #include "study/study_folder.hpp"
 #include "study/with_compensator.hpp"
@@ -189,7 +190,7 @@ class Study {
         std::string sessions;
         for (const Protocol& protocol : options_.protocols)
             sessions +=
-                fmt::format("{}paper-experiment-{}", sessions.empty() ? "" : ", ", protocol.experiment);
+                fmt::format("{}{}", sessions.empty() ? "" : ", ", kPaperSessions.at(protocol.experiment - 1));
         return sessions;
     }
 

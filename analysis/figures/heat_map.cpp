@@ -82,7 +82,7 @@ std::string head_script(const HeatMap& map, const FigureGrid& grid) {
         grid.left_px / width, 12 / height);
 }
 
-// A single percent is told from none.
+// So that a cell of 1 percent differs from an empty one.
 Colour palest(const Colour& darkest) {
     constexpr double kShare = 0.15;
     Colour pale{};

@@ -76,7 +76,7 @@ bool says_something(const ReportSection& section) {
     return !section.text.empty() || !section.findings.empty() || !tables_html(section).empty();
 }
 
-// Answer and figures first: whoever reads on finds the numbers behind them.
+// Answer and figures come first, the numbers behind them after.
 std::string answered_html(const ReportInput& report) {
     std::string html = answers_html(report.answers);
     for (const ReportSection& section : report.sections) {

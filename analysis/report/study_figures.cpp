@@ -10,10 +10,7 @@ namespace {
 
 // The delays that an experiment is about: without delay only where there is nothing else.
 std::vector<double> own_delays(const std::vector<TrialRow>& rows) {
-    std::vector<TrialConditions> trials;
-    trials.reserve(rows.size());
-    for (const TrialRow& row : rows) trials.push_back(row.conditions);
-    std::vector<double> delays_s = delays_of(trials);
+    std::vector<double> delays_s = delays_of(rows);
     if (delays_s.size() > 1) std::erase_if(delays_s, [](double delay_s) { return same_delay(delay_s, 0); });
     return delays_s;
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 namespace thimble {
 
@@ -81,6 +82,16 @@ constexpr double polynomial(const double (&a)[N], double x) {
     double sum = a[N - 1];
     for (std::size_t i = N - 1; i-- > 0;) sum = sum * x + a[i];
     return sum;
+}
+
+// Ziv's test, which ends the fast way of portable.hpp: is it sure to which double a result is to be rounded?
+// `exactly()` decides where `result`, with a relative error below 2^-85, leaves it open; also below the normal doubles, which have fewer bits.
+template <class Exactly>
+double rounded(DoubleDouble result, Exactly exactly) {
+    constexpr double kRelativeError = 0x1p-85, kLeastNormal = 0x1p-1000;
+    const double error = std::abs(result.high) * kRelativeError;
+    const double upper = result.high + (result.low + error), lower = result.high + (result.low - error);
+    return upper == lower && std::abs(upper) > kLeastNormal ? upper : exactly();
 }
 
 }  // namespace thimble

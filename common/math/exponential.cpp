@@ -5,7 +5,6 @@
 
 #include "common/math/exact.hpp"
 #include "common/math/portable.hpp"
-#include "common/math/rounding.hpp"
 
 namespace thimble::portable {
 namespace {

@@ -80,14 +80,16 @@ std::string judge_number(const std::string& typed) {
     return finite ? std::string() : fmt::format("'{}' is not a finite number", typed);
 }
 
-// Of all numbers of `app` and its subcommands, behind what they themselves check: a range names what is allowed.
-void check_numbers(CLI::App& app) {
+// Of all options of `app` and its subcommands. Numbers are judged behind what they themselves check: a range names what is
+// allowed. A list is one word with commas: of several words it would take the session file that follows.
+void settle_options(CLI::App& app) {
     for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
         const std::string type = option->get_type_name();
         if (type.starts_with("UINT")) option->check(judge_count);
         if (type.starts_with("FLOAT")) option->check(judge_number);
+        if (option->get_delimiter() != '\0') option->allow_extra_args(false);
     }
-    for (CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; })) check_numbers(*below);
+    for (CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; })) settle_options(*below);
 }
 
 // `thimble help study` is `thimble study --help`, and `thimble version` is `thimble --version`. CLI11 wants the last word first.
@@ -106,7 +108,7 @@ std::vector<std::string> reversed_words(int argc, char** argv) {
 
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
     if (const auto exit_code = answer_shell(app, argc, argv)) return exit_code;
-    check_numbers(app);
+    settle_options(app);
     try {
         app.parse(reversed_words(argc, argv));
     } catch (const CLI::ParseError& error) {

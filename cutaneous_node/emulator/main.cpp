@@ -148,10 +148,7 @@ int main(int argc, char** argv) {
         app.add_option("--peer", options.peer, "cannelloni: host of the other end");
         app.add_option("--peer-port", options.peer_port, "cannelloni: its port; without it --port + 1")
             ->check(CLI::Range(1024, 65535));
-        app.add_option("--nodes", options.nodes, "node ids")
-            ->delimiter(',')
-            ->allow_extra_args(false)
-            ->check(CLI::Range(1, 126));
+        app.add_option("--nodes", options.nodes, "node ids")->delimiter(',')->check(CLI::Range(1, 126));
         app.add_option("--fault", options.faults, "from the start on, may be repeated");
         app.add_option("--fault-when-pressed", options.faults_when_pressed,
                        "once a finger has been pressed for --after, may be repeated");

@@ -103,4 +103,11 @@ bool same_delay(double a_s, double b_s) { return from_seconds(a_s) == from_secon
 
 std::string delay_text(double delay_s) { return fmt::format("{:g} ms", delay_s * 1e3); }
 
+std::vector<double> delays_of(const std::vector<TrialRow>& rows) {
+    std::vector<TrialConditions> trials;
+    trials.reserve(rows.size());
+    for (const TrialRow& row : rows) trials.push_back(row.conditions);
+    return delays_of(trials);
+}
+
 }  // namespace thimble

@@ -82,5 +82,6 @@ std::vector<double> delays_of(const Items& items) {
     delays_s.erase(std::unique(delays_s.begin(), delays_s.end(), same_delay), delays_s.end());
     return delays_s;
 }
+std::vector<double> delays_of(const std::vector<TrialRow>& rows);
 
 }  // namespace thimble

@@ -18,8 +18,7 @@ CLI::Option& add(CLI::App& command, const char* name, Value& value, const char* 
 void add_loop_options(CLI::App& command, SweepArguments& a) {
     add(command, "--hand", a.hands,
         "named hands, several with commas: A light pinch, B pinch, C arm, D firm grip, E power grip")
-        .delimiter(',')
-        ->allow_extra_args(false);
+        .delimiter(',');
     CLI::Option* mass = command.add_option("--mass-kg", a.own_hand.mass_kg,
                                            "instead of --hand: hand and handle, moved together");
     CLI::Option* damping =
@@ -50,8 +49,7 @@ void add_loop_options(CLI::App& command, SweepArguments& a) {
         .add_option("--compensator", a.compensators,
                     "none (default), scaled, passivity, energy-bound, energy-bound-memoryless, two-layer, "
                     "local-fixture, wave, two-port (docs/compensators.md), several with commas")
-        ->delimiter(',')
-        ->allow_extra_args(false);
+        ->delimiter(',');
 }
 
 void add_network_options(CLI::App& command, SweepArguments& a) {

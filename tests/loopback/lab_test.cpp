@@ -37,7 +37,7 @@ class Lab : public testing::Test {
         command.insert(command.begin(), {THIMBLE_SOURCE_DIR "/tests/loopback/lab.sh", folder()});
         return words_in(std::string(geteuid() == 0 ? "" : "-Ur ") + "-nm --propagation private sh", command);
     }
-    std::vector<std::string> up(const std::string& session) const {
+    std::vector<std::string> launch(const std::string& session) const {
         return words({(built_programs() / "thimble").string(), "run",
                       folder_.write("session.toml", session).string(), "--out", (folder_ / "out").string(),
                       "--exec", "ip netns exec {host}", "--programs", built_programs().string(),
@@ -58,7 +58,7 @@ TEST_F(Lab, FourMachinesFindWhatOneFinds) {
     const auto key = folder_ / "lab.key";
     create_lab_key(key, system_random_bytes());
     session.more = kMachines + under_lab_key(key);
-    Child launcher("unshare", up(session.text()), folder_ / "words");
+    Child launcher("unshare", launch(session.text()), folder_ / "words");
     ASSERT_EQ(launcher.wait(3 * kPatience), 0) << said();
     const auto rows = read_trial_table(folder_ / "out/trials.csv");
     ASSERT_EQ(rows.size(), 2U);
@@ -77,11 +77,11 @@ TEST_F(Lab, ACutWireEndsTheTrialAndNotTheSession) {
     constexpr std::uintmax_t kInContact = 100'000;  // a second of samples: the needle presses on the fixture
     const Dataset dataset(folder_ / "out");
     Child launcher("unshare",
-                   up("[session]\nsubject = 7\nmodalities = ['CF']\nfixture_jitter_m = 0\n"
-                      "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = 2\n"
-                      "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 0\n"
-                      "break_every = 0\nrepeat = 'at_once'\nrepeats_limit = 9\n" +
-                      std::string(kMachines) + kOpen),
+                   launch("[session]\nsubject = 7\nmodalities = ['CF']\nfixture_jitter_m = 0\n"
+                          "[fixture]\nposition_m = 0.035\n[trial]\ncontact_hold_s = 2\n"
+                          "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\npractice_trials = 0\n"
+                          "break_every = 0\nrepeat = 'at_once'\nrepeats_limit = 9\n" +
+                          std::string(kMachines) + kOpen),
                    folder_ / "words");
     const auto recorded = [&] {
         std::error_code absent;

@@ -97,15 +97,14 @@ TEST_F(SessionOfAUser, AStudyThatWasInterruptedGoesOn) {
 
 TEST_F(SessionOfAUser, ThePapersExperimentIsASession) {
     const auto run = [this](std::vector<std::string> words, const std::string& out) {
-        words.insert(words.end(),
-                     {"--subjects", "1", "--seed", "4", "--no-control", "--out", (folder_ / out).string()});
+        words.insert(words.end(), {"--subjects", "1", "--seed", "4", "--out", (folder_ / out).string()});
         const Outcome outcome = run_thimble(words);
         EXPECT_EQ(outcome.code, 0) << outcome.words;
     };
     run({"study", "--experiment", "3"}, "short");
     run({"study", "paper-experiment-3"}, "named");
     run({"study"}, "neither");
-    for (const char* file : {"trials.csv", "subjects.csv", "claims.json", "report.html"}) {
+    for (const char* file : {"trials.csv", "control.csv", "subjects.csv", "claims.json", "report.html"}) {
         const std::string expected = read_text(folder_ / "short" / file);
         EXPECT_FALSE(expected.empty()) << file;
         EXPECT_EQ(read_text(folder_ / "named" / file), expected) << file;

@@ -12,10 +12,10 @@
 #include "analysis/findings.hpp"
 #include "analysis/report/report.hpp"
 #include "common/json_text.hpp"
-#include "common/text_file.hpp"
 #include "session/participant/counted_trials.hpp"
 #include "session/records/trial_table.hpp"
 #include "thimble/commands/commands.hpp"
+#include "thimble/commands/shared.hpp"
 
 namespace thimble {
 namespace {
@@ -74,15 +74,10 @@ Analysis analyse(const std::filesystem::path& given) {
     return analysis;
 }
 
-// A file if it is named as one, else a folder.
 void write_to(const std::filesystem::path& out, const Analysis& analysis) {
-    if (out.extension() == ".json") {
-        write_findings(analysis.findings, out);
-        return;
-    }
-    make_folder(out);
-    write_findings(analysis.findings, out / "findings.json");
-    if (!analysis.claims.empty()) write_claims(analysis.claims, out / "claims.json");
+    const std::filesystem::path file = output_file(out, "findings.json");
+    write_findings(analysis.findings, file);
+    if (file != out && !analysis.claims.empty()) write_claims(analysis.claims, out / "claims.json");
 }
 
 void say(const Analysis& analysis) {

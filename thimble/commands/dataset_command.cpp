@@ -1,6 +1,5 @@
 // thimble dataset: what is done with the data of participants after their sessions.
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -17,7 +16,7 @@ namespace {
 struct DatasetArguments {
     std::string folder, out, participant, reason;
     std::uint32_t trial = 0;
-    std::function<int()> run;
+    int (*run)(const DatasetArguments&) = nullptr;
 };
 
 int exclude(const DatasetArguments& a) {
@@ -37,7 +36,7 @@ int export_bids(const DatasetArguments& a) {
 CLI::App* add_dataset_part(CLI::App& dataset, const char* name, const char* what, DatasetArguments& a,
                            int (*run)(const DatasetArguments&)) {
     CLI::App* part = dataset.add_subcommand(name, what);
-    part->callback([&a, run] { a.run = [&a, run] { return run(a); }; });
+    part->callback([&a, run] { a.run = run; });
     return part;
 }
 
@@ -70,7 +69,7 @@ Subcommand add_dataset(CLI::App& app) {
         "rang\"\n"
         "  thimble dataset bids out/people --out out/bids\n\n"
         "Exit codes: 0 ok, 1 something could not be written, 2 usage, 5 there is nothing to be read.");
-    return {dataset, [arguments] { return arguments->run(); }};
+    return {dataset, [arguments] { return arguments->run(*arguments); }};
 }
 
 }  // namespace thimble

@@ -109,7 +109,6 @@ Subcommand add_link_test(CLI::App& app) {
         ->add_option("--ports", a.offsets,
                      "only these offsets from the base port (docs/protocol.md), as 11,14")
         ->delimiter(',')
-        ->allow_extra_args(false)
         ->check(CLI::Range(0U, static_cast<unsigned>(Port::kCount) - 1));
     command
         ->add_option("--seconds", a.seconds_s,

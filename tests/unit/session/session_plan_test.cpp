@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/error.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/settings/session_files.hpp"
+#include "tests/refusal.hpp"
 
 namespace thimble {
 namespace {
@@ -21,13 +21,7 @@ SystemSettings settings_of(const std::string& text) {
 }
 
 std::string session_refusal(const std::string& text) {
-    try {
-        settings_of(text);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ExitCode::kUsage);
-        return error.what();
-    }
-    return "accepted";
+    return refusal([&text] { settings_of(text); }, ExitCode::kUsage);
 }
 
 std::filesystem::path scratch() {
@@ -61,7 +55,8 @@ TEST(SessionPlan, JitterFitsTheSessionsDelays) {
 }
 
 TEST(SessionPlan, AContradictionNamesBothKeysAndBothValues) {
-    EXPECT_EQ(session_refusal("[session]\ndelays_s = [0.009]\n[netem.force]\ndelay_s = 0.009\n"), "accepted");
+    EXPECT_EQ(session_refusal("[session]\ndelays_s = [0.009]\n[netem.force]\ndelay_s = 0.009\n"),
+              "nothing was refused");
     EXPECT_THAT(session_refusal("[session]\ndelays_s = [0.009, 0.03]\n[netem.force]\ndelay_s = 0.009\n"),
                 AllOf(HasSubstr("session.toml:2"), HasSubstr("delays_s' is [0.009, 0.03]"),
                       HasSubstr("netem.force.delay_s is 0.009")));

@@ -24,9 +24,9 @@ constexpr const char* kThreeMachines =
 // The rest of a session file: [launch], which ends the text, so that a test may add keys.
 std::string launch_table(const std::string& more = "") { return kThreeMachines + more; }
 
-class Up : public testing::Test {
+class OtherMachines : public testing::Test {
   protected:
-    Up() { fs::create_directories(room_); }
+    OtherMachines() { fs::create_directories(room_); }
 
     std::vector<std::string> arguments(const fs::path& programs,
                                        const std::vector<std::string>& more = {}) const {
@@ -56,7 +56,7 @@ class Up : public testing::Test {
     fs::path programs_ = built_programs();
 };
 
-TEST_F(Up, ASessionOnThreeMachinesIsARunLikeAnyOther) {
+TEST_F(OtherMachines, ASessionOnThreeMachinesIsARunLikeAnyOther) {
     SessionFile session;
     session.modalities = R"(["CF"])";
     session.more = launch_table();
@@ -84,7 +84,7 @@ TEST_F(Up, ASessionOnThreeMachinesIsARunLikeAnyOther) {
 }
 
 // The network's profile lies beside the session file, in a folder and under a name that a shell could stumble over.
-TEST_F(Up, FilesOfTheSessionComeAlong) {
+TEST_F(OtherMachines, FilesOfTheSessionComeAlong) {
     const std::string name = "nets/it's $HOME/my net.toml";
     SessionFile session;
     session.modalities = R"(["CF"])";
@@ -104,7 +104,7 @@ TEST_F(Up, FilesOfTheSessionComeAlong) {
     EXPECT_GT(report.at("links").at(1).at("lost"), 0) << "it ran with another network";
 }
 
-TEST_F(Up, ANodeThatDiesEndsTheSessionEverywhere) {
+TEST_F(OtherMachines, ANodeThatDiesEndsTheSessionEverywhere) {
     RealRun run = start(endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     kill(run.node("thimble-slave-sim"), SIGKILL);
@@ -115,7 +115,7 @@ TEST_F(Up, ANodeThatDiesEndsTheSessionEverywhere) {
     expect_nothing_left(run);
 }
 
-TEST_F(Up, AKilledLauncherTakesItsNodesAlong) {
+TEST_F(OtherMachines, AKilledLauncherTakesItsNodesAlong) {
     RealRun run = start(endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     EXPECT_EQ(nodes_alive(run.base_port()).size(), kNodePrograms.size());
@@ -124,7 +124,7 @@ TEST_F(Up, AKilledLauncherTakesItsNodesAlong) {
     expect_nothing_left(run);
 }
 
-TEST_F(Up, ABrokenConnectionIsToldFromANodeThatEnds) {
+TEST_F(OtherMachines, ABrokenConnectionIsToldFromANodeThatEnds) {
     SessionFile session = endless();
     session.more += "machine_visual = 'breaking'\n";
     RealRun run = start(session);
@@ -137,7 +137,7 @@ TEST_F(Up, ABrokenConnectionIsToldFromANodeThatEnds) {
 }
 
 // As when a cable is pulled: no end of file, no error, nothing.
-TEST_F(Up, NodesEndByThemselvesWhenTheLauncherFallsSilent) {
+TEST_F(OtherMachines, NodesEndByThemselvesWhenTheLauncherFallsSilent) {
     RealRun run = start(endless());
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     run.launcher().signal(SIGSTOP);
@@ -149,9 +149,9 @@ TEST_F(Up, NodesEndByThemselvesWhenTheLauncherFallsSilent) {
     expect_nothing_left(run);
 }
 
-class UpFails : public Up {
+class OtherMachinesFail : public OtherMachines {
   protected:
-    UpFails() {
+    OtherMachinesFail() {
         programs_ = folder_ / "bin";
         install_programs(programs_);
     }
@@ -168,7 +168,7 @@ class UpFails : public Up {
     }
 };
 
-TEST_F(UpFails, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
+TEST_F(OtherMachinesFail, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
     RealRun run =
         start(session("[launch]\nshares_loopback = true\nmachine_netem = 'robot'\nmachine_visual = 'down'"));
     expect_end(run, 3, "cannot reach 'down' for thimble-visual: 'sh " THIMBLE_SOURCE_DIR);
@@ -182,9 +182,9 @@ struct BadMachine {
     int code;
     const char* words;
 };
-class UpFailsBy : public UpFails, public testing::WithParamInterface<BadMachine> {};
+class OtherMachinesFailBy : public OtherMachinesFail, public testing::WithParamInterface<BadMachine> {};
 INSTANTIATE_TEST_SUITE_P(
-    Slave, UpFailsBy,
+    Slave, OtherMachinesFailBy,
     testing::Values(BadMachine{"Silence", "exit 1", "machine_slave_sim = 'mute'\nreach_s = 1\n", 3,
                                "'mute' does not answer"},
                     BadMachine{"AMissingProgram", "", "machine_slave_sim = 'robot'\n", 1,
@@ -193,14 +193,14 @@ INSTANTIATE_TEST_SUITE_P(
                                "thimble-slave-sim on 'robot' is 9.8.7, but this is " THIMBLE_VERSION}),
     [](const auto& bad) { return bad.param.name; });
 
-TEST_P(UpFailsBy, OneMachineWhichIsNamed) {
+TEST_P(OtherMachinesFailBy, OneMachineWhichIsNamed) {
     fs::remove(programs_ / "thimble-slave-sim");
     if (*GetParam().slave_sim != 0) replace_program(programs_ / "thimble-slave-sim", GetParam().slave_sim);
     RealRun run = start(session("[launch]\nshares_loopback = true\n" + std::string(GetParam().launch)));
     expect_end(run, GetParam().code, GetParam().words);
 }
 
-TEST_F(UpFails, AStopThatComesWhileAMachineIsAwaitedIsKept) {
+TEST_F(OtherMachinesFail, AStopThatComesWhileAMachineIsAwaitedIsKept) {
     RealRun run = start(session("[launch]\nshares_loopback = true\nreach_s = 2\nmachine_slave_sim = 'mute'"));
     wait_until([&] { return run.words().find("round trip") != std::string::npos || run.launcher().poll(); });
     run.launcher().signal(SIGQUIT);
@@ -208,7 +208,7 @@ TEST_F(UpFails, AStopThatComesWhileAMachineIsAwaitedIsKept) {
     EXPECT_FALSE(fs::is_empty(std::getenv("THIMBLE_STOP_DIR")));
 }
 
-TEST_F(UpFails, ABadSessionStartsNothing) {
+TEST_F(OtherMachinesFail, ABadSessionStartsNothing) {
     RealRun alone = start(session("[launch]\nmachine_netem = 'robot'"));
     expect_end(alone, 2, "127.0.0.1");
     const auto trace = folder_.write("elsewhere.csv", "time_s,delay_s\n0,0.01\n1,0.01\n");
@@ -218,14 +218,14 @@ TEST_F(UpFails, ABadSessionStartsNothing) {
     expect_end(elsewhere, 2, trace.string());
 }
 
-TEST_F(UpFails, AWayThereThatDoesNotExistIsNamed) {
+TEST_F(OtherMachinesFail, AWayThereThatDoesNotExistIsNamed) {
     const std::vector<std::string> exec{"--exec", "/no/such/ssh {host}"};
     RealRun run(session(launch_table()), exec);
     expect_end(run, 1, "cannot start /no/such/ssh");
     EXPECT_THAT(run.words(), HasSubstr("--exec"));
 }
 
-TEST_F(UpFails, ACheckLooksAtEveryMachineAndStartsNothing) {
+TEST_F(OtherMachinesFail, ACheckLooksAtEveryMachineAndStartsNothing) {
     replace_program(programs_ / "thimble-visual", "echo 9.8.7");
     RealRun bad =
         start(session(launch_table("machine_visual = 'eyes'\nmachine_cutaneous = 'down'\n")), {"--check"});
@@ -242,7 +242,7 @@ TEST_F(UpFails, ACheckLooksAtEveryMachineAndStartsNothing) {
     expect_nothing_left(good);
 }
 
-TEST_F(UpFails, PrintsUnitsAndPortsInstead) {
+TEST_F(OtherMachinesFail, PrintsUnitsAndPortsInstead) {
     RealRun units = start(session(launch_table()), {"--print", "systemd"});
     EXPECT_EQ(units.end(), 0) << units.words();
     EXPECT_THAT(read_text(units.out() / "robot/thimble-slave-sim.service"), HasSubstr("Type=notify"));
