@@ -50,10 +50,11 @@ void require_protection_of_device(const SecuritySettings& settings, const std::s
 void warn_if_unprotected(const NetworkSettings& settings) {
     if (settings.security.mode != SecurityMode::kNone) return;
     const auto& hosts = settings.hosts;
-    const bool outside = std::any_of(hosts.begin(), hosts.end(), leaves_this_machine);
-    spdlog::warn("datagrams are not protected ([security] mode is none{})",
-                 outside ? ", between machines: whoever is on the network can move the needle"
-                         : ", on this machine alone");
+    if (std::none_of(hosts.begin(), hosts.end(), leaves_this_machine)) return;
+    spdlog::warn(
+        "datagrams between machines are not protected ([security] mode is none): whoever is on the network "
+        "can "
+        "move the needle; make a key with 'thimble keygen' (docs/security.md)");
 }
 
 std::unique_ptr<Security> make_security(const SecuritySettings& settings) {

@@ -12,7 +12,7 @@ namespace thimble {
 void require_protection(const NetworkSettings& settings);
 // The same of a device's own protocol, which nothing here protects.
 void require_protection_of_device(const SecuritySettings& settings, const std::string& host);
-// One line on stderr if nothing is protected.
+// One line on stderr if datagrams leave this machine unprotected. Only users of this machine reach loopback.
 void warn_if_unprotected(const NetworkSettings& settings);
 
 // From now on this process leaves no core dump, and others of the same user cannot look into it: before a key is read or made.

@@ -101,8 +101,10 @@ int check_logs(const LogArguments& a) {
     }
     const std::vector<FlowFinding> flows = check_flows(files);
     for (const FlowFinding& f : flows) {
-        fmt::print("{}: {} sent = {} received + {} lost; {} repeated, {} out of order{}\n", f.topic, f.sent,
-                   f.received, f.lost, f.repeated, f.out_of_order,
+        fmt::print("{}: {} sent = {} received + {} lost{}; {} repeated, {} out of order{}\n", f.topic, f.sent,
+                   f.received, f.lost,
+                   f.outside > 0 ? fmt::format(" + {} while the receiver was not up", f.outside) : "",
+                   f.repeated, f.out_of_order,
                    f.foreign > 0 ? fmt::format("; {} RECEIVED BUT NEVER SENT", f.foreign) : "");
         good = good && f.foreign == 0;
     }

@@ -12,6 +12,7 @@
 #include "common/codec.hpp"
 #include "common/error.hpp"
 #include "common/flow.hpp"
+#include "session/log/merged_log.hpp"
 #include "session/log/packet_fields.hpp"
 #include "thimble/log/log_tools.hpp"
 
@@ -100,32 +101,120 @@ class FileCheck {
     std::uint64_t last_ns_ = 0;
 };
 
-struct BothEnds {
-    std::vector<std::uint32_t> sent, received;  // received: in the order of arrival
-    bool has_sender = false, has_receiver = false;
+// One end's message on the session's clock.
+struct PassedMessage {
+    std::uint32_t sequence = 0;
+    std::int64_t at_ns = 0;
+    bool operator<(const PassedMessage& other) const { return sequence < other.sequence; }
 };
 
-void compare(BothEnds& ends, FlowFinding& sum) {
-    std::sort(ends.sent.begin(), ends.sent.end());
-    const std::uint32_t first = ends.sent.front(), last = ends.sent.back();
-    const auto outside = [&](std::uint32_t sequence) { return sequence < first || sequence > last; };
-    ends.received.erase(std::remove_if(ends.received.begin(), ends.received.end(), outside),
-                        ends.received.end());
-    std::uint32_t newest = 0;
-    for (const std::uint32_t sequence : ends.received) {
-        if (sequence < newest) ++sum.out_of_order;
-        newest = std::max(newest, sequence);
+// A log that a flow arrives in: when its program took messages in, of any flow, and which of this one.
+struct Receiver {
+    std::int64_t first_ns = 0, last_ns = 0;
+    std::uint32_t lowest = UINT32_MAX, highest = 0;
+};
+
+struct BothEnds {
+    std::vector<PassedMessage> sent, received;  // received: in the order of arrival
+    std::map<const LoggedFile*, Receiver> receivers;
+};
+
+// How long messages of a flow were under way.
+struct UnderWay {
+    std::int64_t shortest_ns = INT64_MAX, longest_ns = INT64_MIN;
+    void add(std::int64_t ns) {
+        shortest_ns = std::min(shortest_ns, ns);
+        longest_ns = std::max(longest_ns, ns);
     }
-    std::sort(ends.received.begin(), ends.received.end());
-    const auto repeated = std::unique(ends.received.begin(), ends.received.end());
+};
+
+// The receiver was not there to take the message in, or the message was still under way when its receiver ended. Between two messages that
+// arrived a missing one is lost.
+bool missed(const PassedMessage& message, const Receiver& receiver, const UnderWay& way, bool one_clock) {
+    const bool early = !one_clock || message.at_ns + way.shortest_ns < receiver.first_ns;
+    const bool late = !one_clock || message.at_ns + way.longest_ns > receiver.last_ns;
+    return (message.sequence < receiver.lowest && early) || (message.sequence > receiver.highest && late);
+}
+
+void count_arrivals(BothEnds& ends, FlowFinding& sum) {
+    const std::uint32_t first = ends.sent.front().sequence, last = ends.sent.back().sequence;
+    std::erase_if(ends.received, [&](const auto& m) { return m.sequence < first || m.sequence > last; });
+    std::uint32_t newest = 0;
+    for (const PassedMessage& message : ends.received) {
+        if (message.sequence < newest) ++sum.out_of_order;
+        newest = std::max(newest, message.sequence);
+    }
+    std::stable_sort(ends.received.begin(), ends.received.end());
+    const auto repeated = std::unique(ends.received.begin(), ends.received.end(),
+                                      [](const auto& a, const auto& b) { return a.sequence == b.sequence; });
     sum.repeated += static_cast<std::uint64_t>(ends.received.end() - repeated);
     ends.received.erase(repeated, ends.received.end());
-    for (const std::uint32_t sequence : ends.received) {
-        const bool known = std::binary_search(ends.sent.begin(), ends.sent.end(), sequence);
-        ++(known ? sum.received : sum.foreign);
+}
+
+void compare(BothEnds& ends, FlowFinding& sum, bool one_clock) {
+    std::stable_sort(ends.sent.begin(), ends.sent.end());
+    count_arrivals(ends, sum);
+    UnderWay way;
+    std::vector<PassedMessage> missing;
+    auto arrived = ends.received.begin();
+    for (const PassedMessage& message : ends.sent) {
+        while (arrived != ends.received.end() && *arrived < message) ++arrived;
+        if (arrived == ends.received.end() || message < *arrived) {
+            missing.push_back(message);
+        } else {
+            way.add(arrived->at_ns - message.at_ns);
+        }
     }
+    for (const PassedMessage& message : ends.received)
+        if (!std::binary_search(ends.sent.begin(), ends.sent.end(), message)) ++sum.foreign;
+    const auto nobody_there = [&](const PassedMessage& message) {
+        return std::all_of(ends.receivers.begin(), ends.receivers.end(), [&](const auto& receiver) {
+            return missed(message, receiver.second, way, one_clock);
+        });
+    };
+    const auto outside = std::count_if(missing.begin(), missing.end(), nobody_there);
     sum.sent += ends.sent.size();
-    sum.lost = sum.sent - sum.received;
+    sum.received += ends.sent.size() - missing.size();
+    sum.outside += static_cast<std::uint64_t>(outside);
+    sum.lost = sum.sent - sum.received - sum.outside;
+}
+
+using Flows = std::map<FlowOfFile, BothEnds>;
+
+// Adds one file's messages to the flows.
+void take(const LoggedFile& file, const ClockOffsets& offsets, HeaderReader& headers, Flows& flows) {
+    std::vector<Receiver*> own;
+    std::int64_t first_ns = INT64_MAX, last_ns = INT64_MIN;
+    file.for_each([&](const LoggedTopic& topic, const McapMessage& message) {
+        const Header* header = topic.readable ? headers.read(message.data) : nullptr;
+        if (header == nullptr) return;
+        const auto at_ns = static_cast<std::int64_t>(message.log_time_ns) - offsets.at(message.log_time_ns);
+        BothEnds& ends = flows[{topic.topic, header->instance}];
+        if (topic.sent) {
+            ends.sent.push_back({header->sequence, at_ns});
+            return;
+        }
+        ends.received.push_back({header->sequence, at_ns});
+        first_ns = std::min(first_ns, at_ns);
+        last_ns = std::max(last_ns, at_ns);
+        const auto [receiver, is_new] = ends.receivers.try_emplace(&file);
+        if (is_new) own.push_back(&receiver->second);
+        receiver->second.lowest = std::min(receiver->second.lowest, header->sequence);
+        receiver->second.highest = std::max(receiver->second.highest, header->sequence);
+    });
+    for (Receiver* receiver : own) {
+        receiver->first_ns = first_ns;
+        receiver->last_ns = last_ns;
+    }
+}
+
+// Whether times of several files can be compared: one boot of one machine, or offsets that the session measured.
+bool have_one_clock(const std::vector<std::unique_ptr<LoggedFile>>& files) {
+    const auto boot_of = [](const LoggedFile& file) { return file.value("thimble", "machine_boot"); };
+    return std::all_of(files.begin(), files.end(), [&](const auto& file) {
+        const bool same_boot = boot_of(*file) == boot_of(*files.front()) && !boot_of(*file).empty();
+        return same_boot || (session_of(files) != nullptr && ClockOffsets(files, *file).known());
+    });
 }
 
 // In the order of the report's links.
@@ -167,23 +256,16 @@ FileFinding check_file(const LoggedFile& file) { return FileCheck(file).check();
 
 // Several instances of a sender (a program started anew) are one line. Sequences that wrap, after 49 days, are not followed.
 std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFile>>& files) {
-    std::map<FlowOfFile, BothEnds> flows;
+    Flows flows;
     HeaderReader headers;
-    for (const auto& file : files) {
-        file->for_each([&](const LoggedTopic& topic, const McapMessage& message) {
-            const Header* header = topic.readable ? headers.read(message.data) : nullptr;
-            if (header == nullptr) return;
-            BothEnds& ends = flows[{topic.topic, header->instance}];
-            (topic.sent ? ends.has_sender : ends.has_receiver) = true;
-            (topic.sent ? ends.sent : ends.received).push_back(header->sequence);
-        });
-    }
+    for (const auto& file : files) take(*file, ClockOffsets(files, *file), headers, flows);
+    const bool one_clock = have_one_clock(files);
     std::map<std::string, FlowFinding> by_topic;
     for (auto& [key, ends] : flows) {
-        if (!ends.has_sender || !ends.has_receiver) continue;
+        if (ends.sent.empty() || ends.receivers.empty()) continue;
         FlowFinding& sum = by_topic[key.first];
         sum.topic = key.first;
-        compare(ends, sum);
+        compare(ends, sum, one_clock);
     }
     std::vector<FlowFinding> findings;
     findings.reserve(by_topic.size());

@@ -43,10 +43,12 @@ FileFinding check_file(const LoggedFile& file);
 struct FlowFinding {
     std::string topic;
     std::uint64_t sent = 0, received = 0;  // received: without repetitions
-    std::uint64_t lost = 0;                // sent and not received, as the logs have it: sent - received
-    std::uint64_t repeated = 0;            // received once more
-    std::uint64_t out_of_order = 0;        // received after a later one
-    std::uint64_t foreign = 0;             // received, but never sent
+    std::uint64_t outside =
+        0;  // sent before the receiver took anything in, or too late to arrive before it ended
+    std::uint64_t lost = 0;          // sent and not received, as the logs have it: sent - received - outside
+    std::uint64_t repeated = 0;      // received once more
+    std::uint64_t out_of_order = 0;  // received after a later one
+    std::uint64_t foreign = 0;       // received, but never sent
 };
 std::vector<FlowFinding> check_flows(const std::vector<std::unique_ptr<LoggedFile>>& files);
 

@@ -69,9 +69,56 @@ TEST_F(LogTools, SentIsReceivedPlusLost) {
     EXPECT_EQ(flows[0].sent, 5U);
     EXPECT_EQ(flows[0].received, 4U);
     EXPECT_EQ(flows[0].lost, 1U);
+    EXPECT_EQ(flows[0].outside, 0U);
     EXPECT_EQ(flows[0].repeated, 1U);
     EXPECT_EQ(flows[0].out_of_order, 1U);
     EXPECT_EQ(flows[0].foreign, 0U);
+}
+
+// Messages take 20 ns.
+TEST_F(LogTools, WhatComesBeforeOrBehindTheReceiversLogIsNotLost) {
+    add("master",
+        {.messages = {{1, 10}, {2, 94}, {3, 96}, {4, 120}, {5, 150}, {6, 174}, {7, 176}, {8, 190}}});
+    WrittenLog log{.program = "thimble-slave-sim", .direction = "received", .messages = {{3, 116}, {5, 170}}};
+    const auto check = [&] {
+        add(fmt::format("slave{}", log.messages.size()), log);
+        const FlowFinding flow = check_flows(files_).at(0);
+        EXPECT_EQ(flow.sent, flow.received + flow.lost + flow.outside);
+        files_.pop_back();
+        return std::pair(flow.lost, flow.outside);
+    };
+    // 4 lies between two that came; 6, 7 and 8 would have come after its last.
+    EXPECT_EQ(check(), std::pair(std::uint64_t{1}, std::uint64_t{5}));
+    log.messages.push_back({8, 210});
+    EXPECT_EQ(check(), std::pair(std::uint64_t{3}, std::uint64_t{2}));
+}
+
+// It takes in heartbeats to the end, and of this flow nothing after the second.
+TEST_F(LogTools, WhatIsLostWhileTheReceiverIsUpIsLost) {
+    add("master", {.messages = {{1, 10}, {2, 20}, {3, 30}, {4, 40}, {5, 95}}});
+    WrittenLog slave{.program = "thimble-slave-sim", .direction = "received", .messages = {{2, 21}}};
+    slave.more = [](McapWriter& writer) {
+        const auto schema = writer.add_schema(kWireSchemaName, "flatbuffer", wire_schema());
+        const auto orders = writer.add_channel(schema, "/session/orders/slave_sim", "flatbuffer",
+                                               {{"direction", "received"}});
+        Encoder encoder;
+        for (const std::uint64_t at_ns : {5U, 95U})
+            writer.add_message(
+                {orders, 1, at_ns, 0, encoder.encode({{9, {}, 1, 1, Role::kSession}, Heartbeat{}})});
+    };
+    add("slave", slave);
+    const FlowFinding flow = check_flows(files_).at(0);
+    EXPECT_EQ(flow.lost, 3U);     // 1, 3, 4
+    EXPECT_EQ(flow.outside, 1U);  // 5 would have come at 96
+}
+
+// Their clocks were not compared. The check can judge what lies between the first and the last message that came.
+TEST_F(LogTools, OfTwoMachinesWithoutASessionsLogOnlyTheMiddleIsJudged) {
+    add("master", {.messages = {{1, 10}, {2, 20}, {3, 30}, {4, 40}, {5, 50}}});
+    add("slave", {.boot = "b", .direction = "received", .messages = {{2, 900'020}, {4, 900'040}}});
+    const FlowFinding flow = check_flows(files_).at(0);
+    EXPECT_EQ(flow.lost, 1U);
+    EXPECT_EQ(flow.outside, 2U);
 }
 
 TEST_F(LogTools, WhatNobodySentIsForeign) {

@@ -5,7 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <new>
+#include <sstream>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -13,6 +15,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
 #include "common/runtime/sockets.hpp"
@@ -59,6 +63,25 @@ TEST(Protection, IsDoneWithoutWhenThatIsSaidTwice) {
     EXPECT_NO_THROW(require_protection(
         network(elsewhere + "[security]\nmode = 'none'\nallow_unprotected_network = true\n")));
     EXPECT_NO_THROW(require_protection(network(elsewhere + "[security]\nmode = 'lab-key'\n")));
+}
+
+std::string warning_of(const std::string& text) {
+    std::ostringstream said;
+    const auto before = spdlog::default_logger();
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+    warn_if_unprotected(network(text));
+    spdlog::set_default_logger(before);
+    return said.str();
+}
+
+TEST(Protection, IsMissedOnlyWhereDatagramsLeaveThisMachine) {
+    EXPECT_EQ(warning_of(""), "");
+    EXPECT_EQ(warning_of("[network]\nhost_slave_sim = '127.0.0.2'\n"), "");
+    EXPECT_EQ(warning_of(std::string(kElsewhere) + "[security]\nmode = 'lab-key'\n"), "");
+    const std::string open = "[security]\nmode = 'none'\nallow_unprotected_network = true\n";
+    EXPECT_THAT(warning_of(kElsewhere + open), HasSubstr("not protected"));
+    EXPECT_THAT(warning_of("[network]\nhost_slave_sim = '0.0.0.0'\n" + open), HasSubstr("thimble keygen"));
 }
 
 TEST(Protection, SettingsAreReadStrictly) {
