@@ -238,6 +238,11 @@ void write_report(const ReportInput& report, const std::filesystem::path& html) 
 void write_summary(const ReportInput& report, const std::filesystem::path& json_path) {
     Json json{{"title", report.title}};
     for (const Answer& answer : report.answers) json["answer"] = answer.sentences;
+    if (report.time) {
+        json["clock"] = report.time->clock;
+        json["simulated_s"] = report.time->simulated_s;
+        json["wall_s"] = report.time->wall_s;
+    }
     json["provenance"] = Json::object();
     for (const auto& [key, value] : report.provenance) json["provenance"][key] = value;
     json["sections"] = Json::array();

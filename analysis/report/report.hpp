@@ -31,12 +31,20 @@ struct Answer {
     std::vector<std::string> sentences;
 };
 
+// The clock that the trials ran by, and how long they took.
+struct RunTime {
+    std::string clock;
+    double simulated_s = 0;  // of the session's clock, all trials together
+    double wall_s = 0;
+};
+
 // With an answer the page has it first, then a legend of the modalities, all figures, and the statistics.
 struct ReportInput {
     std::string title;
     std::vector<ReportSection> sections;
     std::vector<std::pair<std::string, std::string>> provenance;  // seed, command, settings, versions
     std::vector<Answer> answers = {};
+    std::optional<RunTime> time = {};  // of a run; for summary.json
 };
 
 // Figures, and the tables of findings, metrics and movement during the hold.

@@ -56,6 +56,7 @@ struct ConditionResult {
     std::string problem;                          // why it ended early; empty if it did not
     std::vector<nlohmann::ordered_json> reports;  // one per node that could still write it
     std::vector<NodeClock> clocks;
+    double simulated_s = 0;  // of the session's clock, all trials together
 };
 
 }  // namespace thimble

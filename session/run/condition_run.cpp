@@ -139,6 +139,7 @@ const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::ui
     files_.begin_trial(trial, number, trajectory);
     outcome_.begin_trial();
     session_.start(trial, number);
+    const SessionTime begin = wall_now();
     SessionTime next_poll{}, next_flush{}, next_progress{};
     while (!session_.finished()) {
         const SessionTime now = wall_now();
@@ -156,6 +157,7 @@ const TrialRecord& ConditionRun::run_trial(const TrialConditions& trial, std::ui
             next_progress = now + kProgress;
         }
     }
+    outcome_.result().simulated_s += to_seconds(wall_now() - begin);
     close_trial();
     return session_.record();
 }

@@ -14,6 +14,7 @@
 #include "session/run/session_process.hpp"
 #include "session/settings/system_settings.hpp"
 #include "session/virtual/queue_network.hpp"
+#include "session/virtual/stepped_condition.hpp"
 #include "session/virtual/virtual_loop.hpp"
 #include "slave_sim/slave_process.hpp"
 #include "visual_node/recording_display.hpp"
@@ -30,7 +31,7 @@ struct VirtualDevices {
     Display* display = nullptr;
 };
 
-class VirtualSession {
+class VirtualSession final : public SteppedSession {
   public:
     // With a lab key, its channels are protected as they are between real processes.
     explicit VirtualSession(const SystemSettings& settings,
@@ -41,12 +42,14 @@ class VirtualSession {
     const TrialRecord& run(const TrialConditions& conditions);
 
     // For tests that look inside while a trial runs.
-    void start(const TrialConditions& conditions);
-    bool step();  // one instant; false once the trial has ended
+    void start(const TrialConditions& conditions) override;
+    bool step() override;
+    SessionTime now() const override { return loop_.now(); }
+    const std::optional<LostNode>& lost() const override { return lost_; }  // none ever is
     // Between trials: lets time pass.
     void idle(Duration limit);
 
-    SessionProcess& session() { return session_; }
+    SessionProcess& session() override { return session_; }
     const SimulatedHandle& handle() const { return handle_; }
     const SimulatedActuator& actuator() const { return actuator_; }
     const MasterProcess& master() const { return *master_; }
@@ -85,6 +88,7 @@ class VirtualSession {
     std::vector<std::unique_ptr<SecuredProcess>> secured_;
     VirtualLoop loop_;
     std::array<std::uint32_t, kRoleCount> bits_{};  // by Role
+    std::optional<LostNode> lost_;
 };
 
 // A fresh session for one trial, so that no trial can depend on another. The delay of the force path is that

@@ -147,11 +147,11 @@ int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
     options.network = network_of(arguments.config, arguments.base_port);
     options.stop = &stop_requested();
     require_protection(options.network);
-    warn_if_unprotected(options.network);
+    if (options.clock != RunClock::kVirtual) warn_if_unprotected(options.network);
     if (settings.protocol) return run_participant_for_real(arguments, settings);
     refuse_participant_options(arguments.participant, settings);
     refuse_dataset(options.out);
-    check_screen(settings, starter);
+    if (options.clock == RunClock::kWall) check_screen(settings, starter);
     options.runtime = read_runtime_settings(ConfigFile::load(arguments.config));
     QuitHandler handler;
     const MonitorContext context{static_cast<std::uint32_t>(settings.plan.modalities.size())};

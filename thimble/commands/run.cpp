@@ -11,6 +11,7 @@
 #include "analysis/report/report.hpp"
 #include "analysis/report/run_tables.hpp"
 #include "common/process/progress.hpp"
+#include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/clocks/chrony.hpp"
@@ -53,9 +54,13 @@ class Run {
         make_folder(options_.out);
         TrialTable table(options_.out / "trials.csv", if_exists_);
         table_ = &table;
-        progress_.say("measuring a bare round trip between two processes");
-        bare_ = measure_ping_pong(options_.runtime);
+        if (by(RunClock::kWall)) {
+            progress_.say("measuring a bare round trip between two processes");
+            bare_ = measure_ping_pong(options_.runtime);
+        }
+        const SessionTime begin = wall_now();
         run_conditions();
+        time_.wall_s = to_seconds(wall_now() - begin);
         if (failure_ && result_.rows.empty()) std::rethrow_exception(failure_);
         conclude();
         if (failure_) std::rethrow_exception(failure_);
@@ -63,9 +68,11 @@ class Run {
     }
 
   private:
+    bool by(RunClock clock) const { return options_.clock == clock; }
     bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
 
     unsigned condition_count() const {
+        if (!by(RunClock::kWall)) return 1;
         if (held_by_person(settings_.handle.kind))
             return 1;  // one hand, and one device that can be opened once
         // By itself one where other machines take part: how many cores those have is not known here.
@@ -100,6 +107,12 @@ class Run {
         }
     }
 
+    SystemSettings settings_with(double delay_s) const {
+        SystemSettings settings = settings_;
+        set_delay(settings.netem.force, settings.netem.force_timeline, from_seconds(delay_s));
+        return settings;
+    }
+
     ConditionPlan plan(unsigned place, double delay_s) const {
         ConditionPlan plan;
         plan.starter = options_.starter;
@@ -107,9 +120,7 @@ class Run {
         plan.network = options_.network;
         plan.network.base_port =
             static_cast<std::uint16_t>(plan.network.base_port + place * static_cast<unsigned>(Port::kCount));
-        SystemSettings with_delay = settings_;
-        set_delay(with_delay.netem.force, with_delay.netem.force_timeline, from_seconds(delay_s));
-        plan.session = session_settings(with_delay);
+        plan.session = session_settings(settings_with(delay_s));
         plan.session.ends_by_withdrawal = held_by_person(settings_.handle.kind);
         plan.delay_s = delay_s;
         if (condition_count() > 1) plan.name = fmt::format("{:g}ms", 1000 * delay_s);
@@ -118,7 +129,7 @@ class Run {
         plan.runtime = settings_.runtime;
         plan.strict_rt = options_.strict_rt;
         plan.if_exists = if_exists_;
-        plan.log = settings_.log;
+        if (by(RunClock::kWall)) plan.log = settings_.log;
         plan.session_file = settings_.file;
         return plan;
     }
@@ -132,14 +143,22 @@ class Run {
         };
         events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
         events.trial_done = [this](const TrialRecord& record) { keep(record); };
-        ConditionResult result = run_condition(planned, events);
+        ConditionResult result = run_by_clock(planned, events);
         const std::lock_guard guard(mutex_);
         for (auto& node : result.reports) nodes_.push_back({delay_s, std::move(node)});
         clocks_.insert(clocks_.end(), result.clocks.begin(), result.clocks.end());
+        time_.simulated_s += result.simulated_s;
         if (result.code == ExitCode::kOk || result_.code != ExitCode::kOk) return;
         result_.code = result.code;
         result_.problem = result.problem;
         failed_ = true;
+    }
+
+    ConditionResult run_by_clock(const ConditionPlan& planned, const ConditionEvents& events) const {
+        if (by(RunClock::kWall)) return run_condition(planned, events);
+        const SystemSettings settings = settings_with(planned.delay_s);
+        return run_stepped_condition(planned, events,
+                                     [&settings] { return std::make_unique<VirtualSession>(settings); });
     }
 
     void show(const TrialConditions& c, const TrajectorySample& s) {
@@ -174,6 +193,7 @@ class Run {
     }
 
     void repeat_virtually() {
+        if (by(RunClock::kVirtual)) return;
         TrialTable table(options_.out / "virtual.csv", if_exists_);
         for (const TrialRow& row : result_.rows) {
             result_.virtual_rows.push_back(make_row(run_virtual_trial(settings_, row.conditions)));
@@ -181,16 +201,11 @@ class Run {
         }
     }
 
-    void report() const {
-        const std::vector<GroupFindings> findings = findings_of(result_.rows);
-        write_findings(findings, options_.out / "findings.json");
-        ReportInput report;
-        report.title = "Thimble: real processes over UDP";
-        report.answers = {{"", answer(findings)}};
-        report.sections.push_back(
-            trials_section("Real processes, real time", result_.rows, findings,
-                           draw_figures(panels_.panels(), summarize(result_.rows), options_.out, "_real")));
-        report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
+    std::string trials_title() const {
+        return by(RunClock::kVirtual) ? "Virtual time" : "Real processes, real time";
+    }
+
+    ReportSection timing_section() const {
         ReportSection timing;
         timing.title = "How well time was kept";
         timing.tables = {round_trip_table(result_.rows, bare_), clock_table(clocks_), deadline_table(nodes_),
@@ -200,12 +215,43 @@ class Run {
             if (!table.rows.empty()) timing.tables.push_back(std::move(table));
         }
         if (elsewhere()) timing.tables.push_back(machine_table(*options_.starter, options_.network));
-        report.sections.push_back(std::move(timing));
+        return timing;
+    }
+
+    ReportSection clock_section() const {
+        ReportSection section;
+        section.title = "The clock";
+        section.text = fmt::format(
+            "All processes of the session were in one program, whose clock jumps from event to event: {:.1f} "
+            "s of it "
+            "took {:.1f} s. So this run has no reports and logs of nodes, no round trip between processes "
+            "and no "
+            "lateness.",
+            time_.simulated_s, time_.wall_s);
+        return section;
+    }
+
+    void report() const {
+        const std::vector<GroupFindings> findings = findings_of(result_.rows);
+        write_findings(findings, options_.out / "findings.json");
+        ReportInput report;
+        report.title =
+            by(RunClock::kVirtual) ? "Thimble: a run in virtual time" : "Thimble: real processes over UDP";
+        report.time = time_;
+        report.answers = {{"", answer(findings)}};
+        report.sections.push_back(
+            trials_section(trials_title(), result_.rows, findings,
+                           draw_figures(panels_.panels(), summarize(result_.rows), options_.out,
+                                        by(RunClock::kVirtual) ? "_virtual" : "_real")));
+        if (!by(RunClock::kVirtual))
+            report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
+        report.sections.push_back(by(RunClock::kWall) ? timing_section() : clock_section());
         report.provenance = {{"command", options_.command},
                              {kDesign, kUsersDesign},
                              {"seed", std::to_string(settings_.plan.seed)},
                              {"subject", std::to_string(settings_.plan.subject)},
                              {"version", kVersion},
+                             {"clock", to_string(options_.clock)},
                              {"clock daemon", describe_chrony()},
                              {"outcome", result_.code == ExitCode::kOk ? "complete" : result_.problem}};
         write_report(report, options_.out / "report.html");
@@ -221,6 +267,7 @@ class Run {
     TrialTable* table_ = nullptr;
     TrajectoryPanels panels_;
     Histogram bare_;
+    RunTime time_{to_string(options_.clock)};
     std::vector<NodeReport> nodes_;
     std::vector<NodeClock> clocks_;
     std::size_t next_delay_ = 0;

@@ -1,11 +1,13 @@
 // `thimble run`: the experiment with the real processes over UDP, in real time, one trial per modality and
-// delay; then the same trials in virtual time, to see whether both ways agree.
+// delay; then the same trials in virtual time, to see whether both ways agree. Or by another clock (docs/lock-step.md).
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/error.hpp"
@@ -18,12 +20,19 @@
 
 namespace thimble {
 
+enum class RunClock : std::uint8_t { kWall, kLockStep, kVirtual };
+inline constexpr std::array<std::string_view, 3> kRunClockNames{"wall", "lock-step", "virtual"};
+constexpr const char* to_string(RunClock clock) {
+    return kRunClockNames[static_cast<std::size_t>(clock)].data();
+}
+
 struct RunOptions {
     std::shared_ptr<NodeStarter> starter;  // none: steer nodes that run already, over the network they have
     std::filesystem::path out;
     std::string command;  // as typed, for the report's provenance
     NetworkSettings network;
     RuntimeSettings runtime;
+    RunClock clock = RunClock::kWall;
     bool overwrite = false;
     bool strict_rt = false;
     const std::atomic<bool>* stop = nullptr;
@@ -35,8 +44,9 @@ struct RunOptions {
 struct RunResult {
     ExitCode code = ExitCode::kOk;
     std::string problem;
-    std::vector<TrialRow> rows;          // as in trials.csv
-    std::vector<TrialRow> virtual_rows;  // the same trials in virtual time, virtual.csv
+    std::vector<TrialRow> rows;  // as in trials.csv
+    std::vector<TrialRow>
+        virtual_rows;  // the same trials in virtual time, virtual.csv; of a virtual run: none
 };
 
 // The trials of one delay, in order.

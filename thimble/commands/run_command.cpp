@@ -1,5 +1,6 @@
 // thimble run: one trial per modality and delay, or a participant's session, by real processes over UDP. Each node runs on the machine
 // that [launch] names, else on this one.
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -20,7 +21,7 @@ namespace {
 
 struct RunArguments : RealRunArguments {
     bool attach = false, check = false;
-    std::string exec, programs, print;
+    std::string exec, programs, print, clock;
 };
 
 LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& settings) {
@@ -38,8 +39,33 @@ std::shared_ptr<NodeStarter> starter_for(const LaunchSettings& launch, const std
     return std::make_shared<RemoteStarter>(launch, session, std::move(here));
 }
 
-int run_nodes(const RunArguments& arguments) {
+RunClock clock_of(const RunArguments& arguments) {
+    const auto* const named = std::find(kRunClockNames.begin(), kRunClockNames.end(), arguments.clock);
+    return static_cast<RunClock>(named - kRunClockNames.begin());
+}
+
+// Throws Error (usage): a clock that nobody lives by, and something that lives.
+void check_clock(const RunArguments& a, const SystemSettings& settings) {
+    if (a.run.clock == RunClock::kWall) return;
+    const auto refuse = [&a](const std::string& what, const char* remedy) {
+        throw Error(ExitCode::kUsage, "{} keeps to the wall clock: {}, or run without --clock {}", what,
+                    remedy, a.clock);
+    };
+    require_virtual_subjects(settings, fmt::format("run --clock {}", a.clock));
+    if (settings.protocol) refuse("a participant's session ([protocol])", "leave that table out");
+    if (settings.cutaneous.device != FingertipDevice::kSimulated)
+        refuse("the fingertip device of [cutaneous]", "set device = \"simulated\"");
+    if (a.attach) refuse("--attach, to nodes that run already,", "leave it out");
+    if (launch_of(a, settings).anywhere_else())
+        refuse("a node on another machine ([launch])", "leave its host out");
+    if (a.monitor || !a.plotjuggler.empty()) refuse("a view", "leave --monitor and --plotjuggler out");
+    if (a.run.strict_rt) refuse("--strict-rt", "leave it out");
+}
+
+int run_nodes(RunArguments& arguments) {
     const SystemSettings settings = load_system_settings(arguments.config);
+    arguments.run.clock = clock_of(arguments);
+    check_clock(arguments, settings);
     if (arguments.attach) return run_for_real(arguments, settings, nullptr);
     const LaunchSettings launch = launch_of(arguments, settings);
     const NetworkSettings network = network_of(arguments.config, arguments.base_port);
@@ -56,6 +82,13 @@ int run_nodes(const RunArguments& arguments) {
     if (arguments.check)
         return static_cast<int>(check_machines(launch, arguments.run.out / "check", arguments.json));
     return run_for_real(arguments, settings, starter_for(launch, arguments.config));
+}
+
+void add_clock_option(CLI::App& run, RunArguments& a) {
+    run.add_option("--clock", a.clock,
+                   "wall: real time; virtual: the same trials in one program, as fast as it can")
+        ->check(CLI::IsMember({"wall", "virtual"}))
+        ->default_val("wall");
 }
 
 void add_machine_options(CLI::App& run, RunArguments& a) {
@@ -94,9 +127,11 @@ Subcommand add_run(CLI::App& app, const std::string& typed) {
         "one trial per modality and delay, or, with a [protocol], one participant's session: "
         "five real processes over UDP, on this machine or on those that [launch] names");
     add_real_run_options(*run, *arguments);
+    add_clock_option(*run, *arguments);
     add_machine_options(*run, *arguments);
     run->footer(
         "Examples:\n  thimble run delay50 --out out/run\n"
+        "  thimble run delay50 --clock virtual --out out/quick\n"
         "  thimble run mouse-study --out out/study7 --consent --participant P07\n"
         "  thimble run human --out out/study8 --attach --consent --participant P07 "
         "--age 31\n"

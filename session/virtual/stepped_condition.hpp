@@ -1,0 +1,38 @@
+// One condition of a run whose time is granted, not measured: each trial has a fresh session, which goes from instant to instant.
+// Its files are written by the code that writes them in real time (condition_files.hpp).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <boost/core/noncopyable.hpp>
+
+#include "session/run/condition_plan.hpp"
+
+namespace thimble {
+
+// A node that takes no part any more, and why.
+struct LostNode {
+    Role role{};
+    std::string words;
+};
+
+class SteppedSession : boost::noncopyable {
+  public:
+    virtual ~SteppedSession() = default;
+
+    virtual SessionProcess& session() = 0;
+    virtual void start(const TrialConditions& conditions) = 0;
+    virtual bool step() = 0;  // one instant; false once the trial has ended
+    virtual SessionTime now() const = 0;
+    virtual const std::optional<LostNode>& lost() const = 0;
+};
+using MakeSteppedSession = std::function<std::unique_ptr<SteppedSession>()>;
+
+// Runs the trials of the plan. Throws Error as `make` and the files do.
+ConditionResult run_stepped_condition(const ConditionPlan& plan, const ConditionEvents& events,
+                                      const MakeSteppedSession& make);
+
+}  // namespace thimble
