@@ -20,6 +20,7 @@
 #include "common/json_text.hpp"
 #include "common/log/log_settings.hpp"
 #include "common/runtime/command_line.hpp"
+#include "common/runtime/lock_step.hpp"
 #include "common/runtime/log/message_log.hpp"
 #include "common/runtime/node_report.hpp"
 #include "common/runtime/protection.hpp"
@@ -36,7 +37,7 @@ namespace {
 struct Options {
     std::string config, report, log;
     int base_port = 0;
-    bool strict_rt = false;
+    bool strict_rt = false, lock_step = false;
     pid_t launcher = 0;  // for stop_with_parent(); 0: this program outlives its launcher
 };
 
@@ -259,11 +260,35 @@ int run_guarded(const std::function<int()>& body) {
     }
 }
 
+// Whoever is of another trial is built anew: as good as a program that has just been started. The report is that of the last trial.
+int run_by_conductor(const NodeProgram& program, const Options& options, const ConfigFile& file,
+                     const NetworkSettings& network) {
+    install_stop_signals();
+    LockStepEnd conductor(STDIN_FILENO, Duration::zero());
+    nlohmann::ordered_json report;
+    for (auto order = conductor.receive(); order && order->kind == LockStepKind::kBegin;) {
+        Sockets sockets(network);
+        sockets.count_datagrams(Duration{order->time_ns});
+        const auto instance = program.build(file, sockets, order->instance);
+        finish_config(program, file);
+        if (instance->has_foreground())
+            throw Error(ExitCode::kUsage,
+                        "a window cannot take part in lock-step: it lives by the wall clock");
+        Guarded process(instance->process(), sockets.security());
+        order = run_in_lock_step(conductor, process, sockets);
+        report = describe(program, *instance, sockets, instance->process().counters(), LoopStatistics{},
+                          instance->process().overruns());
+    }
+    save(options.report, report);
+    return static_cast<int>(ExitCode::kOk);
+}
+
 int run(const NodeProgram& program, const Options& options) {
     if (options.launcher != 0) stop_with_parent(options.launcher);
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
     NetworkSettings network = read_network_settings(file);
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
+    if (options.lock_step) return run_by_conductor(program, options, file, network);
     const RuntimeSettings runtime = read_runtime_settings(file);
     const LogSettings logging = read_log_settings(file);
     const std::filesystem::path log_file = log_path(program, options, logging);
@@ -335,6 +360,9 @@ int run_node_program(const NodeProgram& program, int argc, char** argv) {
         app.add_option("--log", options.log,
                        "write the messages that [log] names to this new MCAP file (docs/log.md)");
         app.add_flag("--strict-rt", options.strict_rt, "exit with 4 if too many deadlines were missed");
+        app.add_flag(
+            "--lock-step", options.lock_step,
+            "take the time from the conductor at standard input (thimble run --clock lock-step sets it)");
         app.add_flag("--die-with-parent", options.launcher, kDieWithParentHelp);
         if (program.add_options) program.add_options(app);
         app.set_version_flag("--version", std::string(kVersion));

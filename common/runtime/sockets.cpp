@@ -16,9 +16,25 @@ UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& 
     return channels_.back().get();
 }
 
+void Sockets::count(UdpChannel& channel, std::optional<Port> local, std::optional<Port> remote) {
+    if (limit_ == Duration::zero()) return;
+    if (local) {
+        at_.at(static_cast<std::size_t>(*local)) = &channel;
+        channel.await_announced(*local, limit_);
+    }
+    if (remote) channel.count_sent(*remote, sent_.at(static_cast<std::size_t>(*remote)));
+}
+
+void Sockets::announce(std::span<const std::uint16_t> datagrams) {
+    for (std::size_t i = 0; i < at_.size(); ++i) {
+        if (datagrams[i] > 0 && at_[i] != nullptr) at_[i]->announce(datagrams[i]);
+    }
+}
+
 Channel* Sockets::between(Port local, Port remote) {
     UdpChannel* channel = open(settings_.at(local), settings_.at(remote));
-    channel->stamp_arrivals();
+    count(*channel, local, remote);
+    if (limit_ == Duration::zero()) channel->stamp_arrivals();
     return log_control(security_ ? security_->pair(*channel, local, remote) : channel, local, remote);
 }
 
@@ -26,6 +42,7 @@ Channel* Sockets::inlet(Port local) {
     const Flow& heard = flow(local);
     const Role sender = heard.from_all ? heard.listens : heard.hears;
     UdpChannel* channel = open(settings_.at(local), {settings_.host(sender), 0});
+    count(*channel, local, std::nullopt);
     if (heard.from_all) channel->listen_also_to({settings_.hosts.begin(), settings_.hosts.end()});
     if (!security_) return log_data(channel, local);
     return log_data(
@@ -35,6 +52,7 @@ Channel* Sockets::inlet(Port local) {
 
 Channel* Sockets::outlet(Port remote) {
     UdpChannel* channel = open(std::nullopt, settings_.at(remote));
+    count(*channel, std::nullopt, remote);
     if (!security_) return log_data(channel, remote);
     return log_data(flow(remote).from_all ? stop_end(*channel, remote, StopEnd::kSpeaks)
                                           : security_->outlet(*channel, remote),

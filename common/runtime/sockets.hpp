@@ -1,8 +1,11 @@
 // The channels of one program, by the names of network_settings.hpp: UDP, protected as [security] says.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "common/ports.hpp"
@@ -12,6 +15,9 @@
 namespace thimble {
 
 class MessageLog;
+
+// Of one tick, by the port that they are sent to.
+using DatagramCounts = std::array<std::uint16_t, kPortCount>;
 
 class Sockets final : public Ports {
   public:
@@ -24,7 +30,14 @@ class Sockets final : public Ports {
         log_all_ = all;
     }
 
-    // Arrivals are stamped: clocks are compared here.
+    // In lock-step, before anything is opened: channels give what was announced, and wait for it as udp_channel.hpp says.
+    void count_datagrams(Duration limit) { limit_ = limit; }
+    // So many datagrams have been sent to each port. Those of other programs are passed over.
+    void announce(std::span<const std::uint16_t> datagrams);
+    // Since the last call.
+    DatagramCounts take_sent() { return std::exchange(sent_, {}); }
+
+    // Arrivals are stamped, except in lock-step: clocks are compared here.
     Channel* between(Port local, Port remote) override;
     Channel* inlet(Port local) override;
     Channel* outlet(Port remote) override;
@@ -49,6 +62,7 @@ class Sockets final : public Ports {
 
   private:
     UdpChannel* open(const std::optional<Endpoint>& local, const Endpoint& remote);
+    void count(UdpChannel& channel, std::optional<Port> local, std::optional<Port> remote);
 
     Channel* stop_end(Channel& channel, Port port, StopEnd end);
     Channel* log_control(Channel* channel, Port local, Port remote);
@@ -60,6 +74,9 @@ class Sockets final : public Ports {
     std::vector<std::unique_ptr<UdpChannel>> channels_;
     std::unique_ptr<Security> security_;  // goes before the channels that it uses
     std::vector<Listener*> listeners_;
+    Duration limit_{};  // zero: not in lock-step
+    DatagramCounts sent_{};
+    std::array<UdpChannel*, kPortCount> at_{};  // in lock-step
 };
 
 }  // namespace thimble

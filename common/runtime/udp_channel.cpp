@@ -4,8 +4,12 @@
 #include <arpa/inet.h>
 #include <cerrno>
 #include <cstring>
+#include <poll.h>
+
+#include <climits>
 
 #include "common/error.hpp"
+#include "common/runtime/realtime_loop.hpp"
 
 namespace thimble {
 namespace {
@@ -69,6 +73,39 @@ void UdpChannel::send_to(const sockaddr_in& address, Bytes datagram) {
     const auto sent = sendto(socket_.descriptor(), datagram.data(), datagram.size(),
                              MSG_DONTWAIT | MSG_NOSIGNAL, raw(address), sizeof address);
     ++(sent < 0 ? counters_.send_failed : counters_.sent);
+    if (sent_ == nullptr) return;
+    if (sent < 0)
+        throw Error(ExitCode::kNetwork, "lock-step: cannot send '{}' to {}: {}", flow(sent_to_).what,
+                    to_string(owner(sent_to_)), std::strerror(errno));
+    ++*sent_;
+}
+
+void UdpChannel::count_sent(Port port, std::uint16_t& sent) {
+    sent_to_ = port;
+    sent_ = &sent;
+}
+
+void UdpChannel::await_announced(Port port, Duration limit) {
+    listens_at_ = port;
+    limit_ = limit;
+    known_empty_ = true;
+}
+
+// On one machine a datagram is there when its sender says so.
+void UdpChannel::wait_for_announced() const {
+    pollfd mail{socket_.descriptor(), POLLIN, 0};
+    const auto limit_ms = std::chrono::ceil<std::chrono::milliseconds>(limit_).count();
+    int found = 0;
+    do {
+        found = poll(&mail, 1, static_cast<int>(std::min<std::int64_t>(limit_ms, INT_MAX)));
+    } while (found < 0 && errno == EINTR && !stop_requested());
+    if (found > 0) return;
+    throw Error(
+        ExitCode::kNetwork,
+        "lock-step: of the flow '{}' from {} to {} {} announced datagram{} did not come within {} s: the "
+        "machine has lost it (is net.core.rmem_max too small?)",
+        flow(listens_at_).what, to_string(flow(listens_at_).hears), to_string(owner(listens_at_)), announced_,
+        announced_ == 1 ? "" : "s", to_seconds(limit_));
 }
 
 Bytes UdpChannel::take() {
@@ -85,11 +122,16 @@ Bytes UdpChannel::take() {
         const auto size = recvmsg(socket_.descriptor(), &message, MSG_DONTWAIT);
         // An ICMP "port unreachable" for an earlier send is reported here once. The peer's watchdog handles it.
         if (size < 0 && (errno == ECONNREFUSED || errno == EINTR)) continue;
+        if (size < 0 && announced_ > 0) {
+            wait_for_announced();
+            continue;
+        }
         if (size < 0) {
             known_empty_ = watched_;
             return {};
         }
         if (!from_peer(static_cast<std::size_t>(size))) continue;
+        if (limit_ > Duration::zero()) known_empty_ = --announced_ == 0;
         if (stamping_) arrival_ = arrival_clock_.arrival(kernel_stamp_ns(message));
         return {buffer_.data(), static_cast<std::size_t>(size)};
     }

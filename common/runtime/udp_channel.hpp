@@ -56,10 +56,22 @@ class UdpChannel final : public Channel, public Listener {
     void has_mail() override { known_empty_ = false; }
     const UdpCounters& counters() const { return counters_; }
 
+    // In lock-step (lock_step.hpp) nothing is lost and nothing comes by surprise. Each datagram that is sent counts in `sent`, of the
+    // flow that arrives at `port`.
+    void count_sent(Port port, std::uint16_t& sent);
+    // From now on this channel, which listens at `port`, gives the datagrams that were announced and no other. It waits for them,
+    // each no longer than `limit`. receive() and send() throw Error (network), with the flow, if one is missing.
+    void await_announced(Port port, Duration limit);
+    void announce(std::uint16_t datagrams) {
+        announced_ += datagrams;
+        known_empty_ = announced_ == 0;
+    }
+
   private:
     Bytes take() override;
     void bind_to(const Endpoint& local);
     bool from_peer(std::size_t size);
+    void wait_for_announced() const;
     void send_to(const sockaddr_in& address, Bytes datagram);
 
     UdpSocket socket_;
@@ -69,6 +81,10 @@ class UdpChannel final : public Channel, public Listener {
     UdpCounters counters_;
     bool stamping_ = false;
     bool watched_ = false;
+    std::uint16_t* sent_ = nullptr;  // in lock-step
+    Port sent_to_{}, listens_at_{};
+    Duration limit_{};  // zero: not in lock-step
+    unsigned announced_ = 0;
     ArrivalClock arrival_clock_;
     std::optional<SessionTime> arrival_;
     alignas(16) std::array<std::uint8_t, kMaxDatagramBytes + 1> buffer_{};

@@ -26,6 +26,7 @@ struct NodeOrder {
     std::vector<std::string> arguments;  // but for session file and --report, which depend on the place
     std::filesystem::path log, report;   // here, wherever it runs
     std::filesystem::path messages{};    // its log of messages, here at its end; empty: none
+    int input = -1;                      // what it reads at standard input, if it runs here; -1: nothing
 };
 
 // Ended, at the latest, when this object goes.
@@ -97,8 +98,8 @@ class LocalStarter final : public NodeStarter {
         arguments.insert(arguments.end(), {"--report", order.report.string(),
                                            fmt::format("--die-with-parent={}", ::getpid())});
         if (!config_.empty()) arguments.push_back(config_.string());
-        return std::make_unique<LocalNode>(order.program,
-                                           Child(programs_ / order.program, arguments, order.log));
+        return std::make_unique<LocalNode>(
+            order.program, Child(programs_ / order.program, arguments, order.log, {order.input}));
     }
 
     Duration reach() const override { return Duration::zero(); }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,10 @@ class ConditionNodes : boost::noncopyable {
     void launch() {
         for (std::size_t i = 0; i < kNodes.size(); ++i) nodes_.push_back(start(i));
     }
+    // In lock-step: each has the conductor at its standard input.
+    void launch(std::span<const int, kNodes.size()> inputs) {
+        for (std::size_t i = 0; i < kNodes.size(); ++i) nodes_.push_back(start(i, inputs[i]));
+    }
 
     // Starts the ended programs anew. False: none has ended, or the user started the programs.
     bool restart_dead() {
@@ -63,6 +68,11 @@ class ConditionNodes : boost::noncopyable {
     }
 
     std::string exit_message(std::size_t node) const { return nodes_[node]->exit_message(); }
+    // Of a node that is about to end.
+    std::string last_words(std::size_t node) const {
+        return wait_for_end(*nodes_[node], kFarewell) ? exit_message(node) : std::string();
+    }
+    void stop(std::size_t node) { nodes_[node]->stop(); }
     // Until each program runs. Throws Error (network) with the machine that does not answer.
     void wait_for_machines(const Turn& turn) {
         const auto late = [this] {
@@ -114,7 +124,7 @@ class ConditionNodes : boost::noncopyable {
   private:
     static constexpr Duration kFarewell = std::chrono::seconds{1};  // to end when told to, and again
 
-    std::shared_ptr<RunningNode> start(std::size_t i) {
+    std::shared_ptr<RunningNode> start(std::size_t i, int input = -1) {
         const NodeKind& node = kNodes[i];
         NodeOrder order;
         order.role = node.role;
@@ -126,6 +136,8 @@ class ConditionNodes : boost::noncopyable {
         if (files_.log() != nullptr &&
             (plan_.log.folder.empty() || plan_.starter->machine(node.role).empty()))
             order.messages = files_.messages_path(node.program);
+        order.input = input;
+        if (input >= 0) order.arguments.emplace_back("--lock-step");
         if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
         if (node.role == Role::kNetem) {
             order.arguments.insert(order.arguments.end(),

@@ -38,6 +38,7 @@ struct ConditionPlan {
     MakeObserver make_observer{};
     RuntimeSettings runtime{};
     bool strict_rt = false;
+    Duration answer_limit = std::chrono::seconds{60};  // in lock-step: of a node, and of a datagram
     // The messages that session and nodes log, in NAME_<delay>ms.mcap in `out`.
     LogSettings log{LoggedMessages::kNone, {}, {}};
     std::filesystem::path session_file{};  // kept with it

@@ -1,6 +1,7 @@
 #include "session/virtual/stepped_condition.hpp"
 
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -31,7 +32,9 @@ class SteppedCondition {
         const SessionTime begin = stepped.now();
         for (unsigned instant = 0; stepped.step(); ++instant) {
             if (instant % kLookEvery == 0) look_around(session, trial);
-            if (stepped.lost()) session.abort(EndReason::kPeerLost, stepped.lost()->role);
+            if (stepped.lost() && !std::exchange(told_lost_, true))
+                session.abort(interrupted() ? EndReason::kInterrupted : EndReason::kPeerLost,
+                              stepped.lost()->role);
         }
         result_.simulated_s += to_seconds(stepped.now() - begin);
         files_.end_trial(session.record());
@@ -78,6 +81,7 @@ class SteppedCondition {
     ConditionResult result_;
     TrajectorySample last_;
     SessionTime next_progress_{};
+    bool told_lost_ = false;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include <boost/core/noncopyable.hpp>
 
+#include "common/random.hpp"
 #include "session/run/condition_plan.hpp"
 
 namespace thimble {
@@ -18,6 +19,15 @@ struct LostNode {
     Role role{};
     std::string words;
 };
+
+// The number of each program in the headers of its messages, the same in every session.
+inline std::uint64_t granted_instance(Role role) {
+    RandomStream stream({0, 0, 0, static_cast<std::uint32_t>(role), Purpose::kInstance});
+    return stream();
+}
+
+// Handshakes without delay need fewer.
+inline constexpr int kMostInstantsForKeys = 100;
 
 class SteppedSession : boost::noncopyable {
   public:

@@ -8,14 +8,6 @@
 namespace thimble {
 namespace {
 
-std::uint64_t instance_of(Role role) {
-    RandomStream stream({0, 0, 0, static_cast<std::uint32_t>(role), Purpose::kInstance});
-    return stream();
-}
-
-// Handshakes without delay need fewer.
-constexpr int kMostInstantsForKeys = 100;
-
 template <class Device, class Simulated>
 Device& given_or(Device* given, Simulated& simulated) {
     return given != nullptr ? *given : static_cast<Device&>(simulated);
@@ -31,14 +23,14 @@ VirtualSession::VirtualSession(const SystemSettings& s, const std::shared_ptr<co
       actuator_(s.cutaneous),
       display_(s.visual.pipeline),
       devices_(devices),
-      session_(instance_of(Role::kSession), session_settings(s), network_.of(Role::kSession)),
-      netem_(instance_of(Role::kNetem), s.netem, network_.of(Role::kNetem)),
-      slave_(instance_of(Role::kSlaveSim), s.slave, network_.of(Role::kSlaveSim)),
-      cutaneous_(instance_of(Role::kCutaneous), s.cutaneous, network_.of(Role::kCutaneous),
+      session_(granted_instance(Role::kSession), session_settings(s), network_.of(Role::kSession)),
+      netem_(granted_instance(Role::kNetem), s.netem, network_.of(Role::kNetem)),
+      slave_(granted_instance(Role::kSlaveSim), s.slave, network_.of(Role::kSlaveSim)),
+      cutaneous_(granted_instance(Role::kCutaneous), s.cutaneous, network_.of(Role::kCutaneous),
                  given_or(devices.actuator, actuator_)),
-      visual_(instance_of(Role::kVisual), s.visual, network_.of(Role::kVisual),
+      visual_(granted_instance(Role::kVisual), s.visual, network_.of(Role::kVisual),
               given_or(devices.display, display_)),
-      master_(make_master(instance_of(Role::kMaster))) {
+      master_(make_master(granted_instance(Role::kMaster))) {
     add(session_, Role::kSession);
     for (const Role role : {Role::kMaster, Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual}) {
         add(node(role), role);
@@ -108,7 +100,7 @@ void VirtualSession::release_stop() {
 }
 
 void VirtualSession::restart_master() {
-    master_ = make_master(instance_of(Role::kMaster) + 1);
+    master_ = make_master(granted_instance(Role::kMaster) + 1);
     loop_.replace(bit(Role::kMaster), *master_);
 }
 

@@ -17,6 +17,7 @@
 #include "session/clocks/chrony.hpp"
 #include "session/run/condition_run.hpp"
 #include "session/settings/protocol.hpp"
+#include "session/virtual/lock_step_session.hpp"
 #include "session/virtual/ping_pong.hpp"
 #include "session/virtual/virtual_session.hpp"
 
@@ -128,6 +129,7 @@ class Run {
         plan.make_observer = options_.make_observer;
         plan.runtime = settings_.runtime;
         plan.strict_rt = options_.strict_rt;
+        plan.answer_limit = options_.answer_limit;
         plan.if_exists = if_exists_;
         if (by(RunClock::kWall)) plan.log = settings_.log;
         plan.session_file = settings_.file;
@@ -156,9 +158,18 @@ class Run {
 
     ConditionResult run_by_clock(const ConditionPlan& planned, const ConditionEvents& events) const {
         if (by(RunClock::kWall)) return run_condition(planned, events);
+        if (by(RunClock::kLockStep)) return by_lock_step(planned, events);
         const SystemSettings settings = settings_with(planned.delay_s);
         return run_stepped_condition(planned, events,
                                      [&settings] { return std::make_unique<VirtualSession>(settings); });
+    }
+
+    static ConditionResult by_lock_step(const ConditionPlan& planned, const ConditionEvents& events) {
+        LockStepNodes nodes(planned);
+        ConditionResult result =
+            run_stepped_condition(planned, events, [&nodes] { return nodes.make_session(); });
+        nodes.end(result);
+        return result;
     }
 
     void show(const TrialConditions& c, const TrajectorySample& s) {
@@ -202,7 +213,8 @@ class Run {
     }
 
     std::string trials_title() const {
-        return by(RunClock::kVirtual) ? "Virtual time" : "Real processes, real time";
+        if (by(RunClock::kVirtual)) return "Virtual time";
+        return by(RunClock::kWall) ? "Real processes, real time" : "Real processes in lock-step";
     }
 
     ReportSection timing_section() const {
@@ -221,13 +233,15 @@ class Run {
     ReportSection clock_section() const {
         ReportSection section;
         section.title = "The clock";
+        const bool one_program = by(RunClock::kVirtual);
         section.text = fmt::format(
-            "All processes of the session were in one program, whose clock jumps from event to event: {:.1f} "
-            "s of it "
-            "took {:.1f} s. So this run has no reports and logs of nodes, no round trip between processes "
-            "and no "
-            "lateness.",
-            time_.simulated_s, time_.wall_s);
+            "{}, whose clock jumps from event to event: {:.1f} s of it took {:.1f} s. So this run has no "
+            "{}round trip "
+            "by the wall clock and no lateness.",
+            one_program ? "All processes of the session were in one program"
+                        : "The programs of the session took their time from thimble run",
+            time_.simulated_s, time_.wall_s, one_program ? "reports and logs of nodes, no " : "");
+        section.tables = {refusal_table(nodes_), security_table(nodes_), stale_table(nodes_)};
         return section;
     }
 

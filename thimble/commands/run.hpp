@@ -33,6 +33,7 @@ struct RunOptions {
     NetworkSettings network;
     RuntimeSettings runtime;
     RunClock clock = RunClock::kWall;
+    Duration answer_limit = std::chrono::seconds{60};  // of a node in lock-step
     bool overwrite = false;
     bool strict_rt = false;
     const std::atomic<bool>* stop = nullptr;

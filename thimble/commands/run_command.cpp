@@ -22,6 +22,7 @@ namespace {
 struct RunArguments : RealRunArguments {
     bool attach = false, check = false;
     std::string exec, programs, print, clock;
+    double answer_limit_s = 60;
 };
 
 LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& settings) {
@@ -55,6 +56,8 @@ void check_clock(const RunArguments& a, const SystemSettings& settings) {
     if (settings.protocol) refuse("a participant's session ([protocol])", "leave that table out");
     if (settings.cutaneous.device != FingertipDevice::kSimulated)
         refuse("the fingertip device of [cutaneous]", "set device = \"simulated\"");
+    if (settings.visual.window && a.run.clock == RunClock::kLockStep)
+        refuse("a window ([visual])", "set display = \"recording\"");
     if (a.attach) refuse("--attach, to nodes that run already,", "leave it out");
     if (launch_of(a, settings).anywhere_else())
         refuse("a node on another machine ([launch])", "leave its host out");
@@ -65,6 +68,7 @@ void check_clock(const RunArguments& a, const SystemSettings& settings) {
 int run_nodes(RunArguments& arguments) {
     const SystemSettings settings = load_system_settings(arguments.config);
     arguments.run.clock = clock_of(arguments);
+    arguments.run.answer_limit = from_seconds(arguments.answer_limit_s);
     check_clock(arguments, settings);
     if (arguments.attach) return run_for_real(arguments, settings, nullptr);
     const LaunchSettings launch = launch_of(arguments, settings);
@@ -84,11 +88,17 @@ int run_nodes(RunArguments& arguments) {
     return run_for_real(arguments, settings, starter_for(launch, arguments.config));
 }
 
-void add_clock_option(CLI::App& run, RunArguments& a) {
-    run.add_option("--clock", a.clock,
-                   "wall: real time; virtual: the same trials in one program, as fast as it can")
-        ->check(CLI::IsMember({"wall", "virtual"}))
+void add_clock_options(CLI::App& run, RunArguments& a) {
+    run.add_option(
+           "--clock", a.clock,
+           "wall: real time; lock-step: the same programs by one granted clock, every bit repeatable; "
+           "virtual: the same trials in one program (docs/lock-step.md)")
+        ->check(CLI::IsMember(std::vector<std::string>(kRunClockNames.begin(), kRunClockNames.end())))
         ->default_val("wall");
+    run.add_option("--answer-limit", a.answer_limit_s,
+                   "in lock-step: seconds that a node, or a datagram, may take")
+        ->check(CLI::Range(0.1, 1e6))
+        ->type_name("SECONDS");
 }
 
 void add_machine_options(CLI::App& run, RunArguments& a) {
@@ -127,7 +137,7 @@ Subcommand add_run(CLI::App& app, const std::string& typed) {
         "one trial per modality and delay, or, with a [protocol], one participant's session: "
         "five real processes over UDP, on this machine or on those that [launch] names");
     add_real_run_options(*run, *arguments);
-    add_clock_option(*run, *arguments);
+    add_clock_options(*run, *arguments);
     add_machine_options(*run, *arguments);
     run->footer(
         "Examples:\n  thimble run delay50 --out out/run\n"

@@ -1,0 +1,218 @@
+#include "session/virtual/lock_step_session.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <sys/socket.h>
+
+#include "common/text_file.hpp"
+
+namespace thimble {
+namespace {
+
+// The session's own process, in the conductor itself.
+class CountedProcess final : public Process {
+  public:
+    CountedProcess(Process& process, Sockets& sockets, AnnouncedMail& mail)
+        : process_(process), sockets_(sockets), mail_(mail) {}
+
+    void tick(SessionTime now) override {
+        DatagramCounts arrived{};
+        mail_.take(Role::kSession, arrived);
+        sockets_.announce(arrived);
+        process_.tick(now);
+        mail_.post(sockets_.take_sent());
+    }
+    SessionTime next_wakeup() const override { return process_.next_wakeup(); }
+    bool stopped() const override { return false; }
+
+  private:
+    Process& process_;
+    Sockets& sockets_;
+    AnnouncedMail& mail_;
+};
+
+std::size_t index_of(Role role) {
+    return static_cast<std::size_t>(std::find(kNodeRoles.begin(), kNodeRoles.end(), role) -
+                                    kNodeRoles.begin());
+}
+
+Sockets counted_sockets(const ConditionPlan& plan) {
+    Sockets sockets(plan.network);
+    sockets.count_datagrams(plan.answer_limit);
+    return sockets;
+}
+
+class LockStepSession final : public SteppedSession {
+  public:
+    explicit LockStepSession(LockStepNodes& nodes)
+        : nodes_(nodes),
+          sockets_(counted_sockets(nodes.plan())),
+          session_(granted_instance(Role::kSession), nodes.plan().session, sockets_) {
+        if (sockets_.security() != nullptr) secured_.emplace(session_, *sockets_.security());
+        Process& outer = secured_ ? static_cast<Process&>(*secured_) : session_;
+        own_.emplace(outer, sockets_, mail_);
+        begin();
+    }
+
+    SessionProcess& session() override { return session_; }
+    SessionTime now() const override { return loop_.now(); }
+    const std::optional<LostNode>& lost() const override { return lost_; }
+
+    void start(const TrialConditions& conditions) override {
+        const Security* const security = sockets_.security();
+        for (int i = 0; security != nullptr && !security->complete(); ++i) {
+            if (i <= kMostInstantsForKeys && loop_.step() && !look_for_lost()) continue;
+            throw Error(ExitCode::kNetwork, "{}",
+                        lost_ ? lost_->words : "the nodes do not get their keys: " + security->complaint());
+        }
+        session_.start(conditions);
+        loop_.poke(own_bit_);
+    }
+
+    bool step() override {
+        if (session_.finished() || !loop_.step()) return false;
+        look_for_lost();
+        return true;
+    }
+
+  private:
+    // All programs make themselves new at the same time; nobody sends before everybody listens.
+    void begin() {
+        own_bit_ = loop_.add(*own_);
+        mail_.wake(Role::kSession, own_bit_);
+        for (const Role role :
+             {Role::kMaster, Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual})
+            granted_.push_back(std::make_unique<GrantedProcess>(role, nodes_.of(index_of(role)), mail_));
+        for (const auto& node : granted_) node->begin(nodes_.plan().answer_limit);
+        for (const auto& node : granted_) {
+            node->await_ready();
+            if (look_for_lost()) throw Error(ExitCode::kNetwork, lost_->words);
+            mail_.wake(node->role(), loop_.add(*node));
+        }
+    }
+
+    bool look_for_lost() {
+        if (lost_) return true;
+        for (const auto& node : granted_) {
+            if (!node->silence()) continue;
+            lost_ =
+                LostNode{node->role(), nodes_.words(index_of(node->role()), *node->silence(), loop_.now())};
+        }
+        return lost_.has_value();
+    }
+
+    LockStepNodes& nodes_;
+    Sockets sockets_;
+    SessionProcess session_;
+    std::optional<SecuredProcess> secured_;
+    VirtualLoop loop_;
+    AnnouncedMail mail_{loop_.wake_mask()};
+    std::optional<CountedProcess> own_;
+    std::vector<std::unique_ptr<GrantedProcess>> granted_;
+    std::uint32_t own_bit_ = 0;
+    std::optional<LostNode> lost_;
+};
+
+}  // namespace
+
+void AnnouncedMail::post(std::span<const std::uint16_t> sent) {
+    for (const Port port : kEveryPort) {
+        const auto i = static_cast<std::size_t>(port);
+        if (sent[i] == 0) continue;
+        waiting_[i] = static_cast<std::uint16_t>(waiting_[i] + sent[i]);
+        *woken_ |= bits_[static_cast<std::size_t>(owner(port))];
+    }
+}
+
+void AnnouncedMail::take(Role role, std::span<std::uint16_t> datagrams) {
+    for (const Port port : kEveryPort) {
+        const auto i = static_cast<std::size_t>(port);
+        if (waiting_[i] > 0 && owner(port) == role)
+            datagrams[i] = std::exchange(waiting_[i], std::uint16_t{0});
+    }
+}
+
+void GrantedProcess::begin(Duration limit) {
+    LockStepMessage order;
+    order.kind = LockStepKind::kBegin;
+    order.time_ns = limit.count();
+    order.instance = granted_instance(role_);
+    if (!end_.send(order)) lose(LockStepEnd::Silence::kGone);
+}
+
+void GrantedProcess::tick(SessionTime now) {
+    LockStepMessage grant;
+    grant.kind = LockStepKind::kGrant;
+    grant.time_ns = to_nanoseconds(now);
+    mail_.take(role_, grant.datagrams);
+    if (silence_) return;
+    if (!end_.send(grant)) return lose(LockStepEnd::Silence::kGone);
+    take(LockStepKind::kAnswer);
+}
+
+void GrantedProcess::take(LockStepKind expected) {
+    if (silence_) return;
+    const auto answer = end_.receive();
+    if (!answer) return lose(end_.silence());
+    if (answer->kind != expected)
+        throw Error(ExitCode::kNetwork, "lock-step: {} gave an answer of kind {} where kind {} was due",
+                    to_string(role_), static_cast<int>(answer->kind), static_cast<int>(expected));
+    next_ = from_nanoseconds(answer->time_ns);
+    mail_.post(answer->datagrams);
+}
+
+void GrantedProcess::lose(LockStepEnd::Silence silence) {
+    silence_ = silence;
+    next_ = kNever;
+}
+
+CoreLease::CoreLease() {
+    sched_getaffinity(0, sizeof before_, &before_);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(std::max(0, sched_getcpu()), &one);
+    sched_setaffinity(0, sizeof one, &one);
+}
+
+LockStepNodes::LockStepNodes(const ConditionPlan& plan) : plan_(plan), files_(plan), nodes_(plan, files_) {
+    make_folder(plan.out);
+    std::vector<std::unique_ptr<FileDescriptor>> theirs;
+    std::array<int, kNodes.size()> inputs{};
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+        std::array<int, 2> pair{};
+        if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair.data()) != 0)
+            throw Error(ExitCode::kRunFailed, "cannot make a socket for {}: {}", kNodes[i].program,
+                        std::strerror(errno));
+        ends_[i] = std::make_unique<LockStepEnd>(pair[0], plan.answer_limit);
+        theirs.push_back(std::make_unique<FileDescriptor>(pair[1]));
+        inputs[i] = pair[1];
+    }
+    nodes_.launch(inputs);
+}
+
+std::unique_ptr<SteppedSession> LockStepNodes::make_session() {
+    return std::make_unique<LockStepSession>(*this);
+}
+
+std::string LockStepNodes::words(std::size_t node, LockStepEnd::Silence silence, SessionTime now) {
+    const double now_s = to_seconds(now.time_since_epoch());
+    if (silence == LockStepEnd::Silence::kGone) {
+        const std::string last = nodes_.last_words(node);
+        return last.empty() ? fmt::format("{} has closed its end of lock-step", kNodes[node].program) : last;
+    }
+    nodes_.stop(node);
+    return fmt::format(
+        "{} has not answered within {} s, at {} s of the session's clock: is it in a debugger, or "
+        "stopped? See its log in {}, or give --answer-limit more",
+        kNodes[node].program, to_seconds(plan_.answer_limit), now_s, plan_.out.string());
+}
+
+void LockStepNodes::end(ConditionResult& result) {
+    LockStepMessage order;
+    order.kind = LockStepKind::kEnd;
+    for (const auto& end : ends_) end->send(order);
+    nodes_.end(result);
+}
+
+}  // namespace thimble
