@@ -1,8 +1,15 @@
 // thimble run by another clock than the wall's: the same trials, the same files.
+#include <map>
+#include <random>
+
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/wall_clock.hpp"
+#include "common/security/lab_key_file.hpp"
+#include "session/records/trial_table.hpp"
 #include "tests/loopback/programs.hpp"
 #include "tests/loopback/workbench.hpp"
 
@@ -15,13 +22,29 @@ using testing::HasSubstr;
 constexpr const char* kEasy =
     "[session]\nmodalities = ['HF', 'CF']\ndelays_s = [0.0, 0.05]\n[trial]\ncontact_hold_s = 0.5\n";
 
+constexpr const char* kOneTrial =
+    "[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n[trial]\ncontact_hold_s = 0.3\n";
+
+std::map<std::string, std::string> files_in(const fs::path& folder) {
+    std::map<std::string, std::string> texts;
+    for (const auto& file : fs::directory_iterator(folder))
+        texts[file.path().filename().string()] = read_text(file.path());
+    return texts;
+}
+
 class RunByClock : public testing::Test {
   protected:
-    Outcome run(const std::string& text, const std::string& clock,
-                const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments(const std::string& text, const std::string& clock,
+                                       const std::vector<std::string>& more = {}) {
         const std::string file = folder_.write("session.toml", text).string();
         out_ = folder_ / clock;
-        return run_thimble(words_in("run " + file + " --clock " + clock + " --out " + out_.string(), more));
+        return words_in(fmt::format("run {} --clock {} --out {} --base-port {}", file, clock, out_.string(),
+                                    ports_.base()),
+                        more);
+    }
+    Outcome run(const std::string& text, const std::string& clock,
+                const std::vector<std::string>& more = {}) {
+        return run_thimble(arguments(text, clock, more));
     }
     void expect_refused(const std::string& text, const std::string& clock, const std::string& words,
                         const std::vector<std::string>& more = {}) {
@@ -30,8 +53,34 @@ class RunByClock : public testing::Test {
         EXPECT_THAT(outcome.words, HasSubstr(words));
         EXPECT_FALSE(fs::exists(out_));
     }
+    // What both have left.
+    void expect_same_bytes() const {
+        const fs::path one = folder_ / "lock-step", other = folder_ / "virtual";
+        EXPECT_EQ(read_text(one / "trials.csv"), read_text(other / "trials.csv"));
+        EXPECT_NE(read_text(one / "trials.csv"), "");
+        EXPECT_TRUE(files_in(one / "trajectories") == files_in(other / "trajectories"));
+        EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
+    }
+    void expect_both_agree(const std::string& text) {
+        for (const char* clock : {"virtual", "lock-step"}) {
+            const Outcome outcome = run(text, clock);
+            ASSERT_EQ(outcome.code, 0) << outcome.words;
+        }
+        expect_same_bytes();
+    }
+    // A run that goes on, beside which a test does something.
+    Child start(const std::string& text, const std::vector<std::string>& more = {}) {
+        return {built_programs() / "thimble", arguments(text, "lock-step", more), folder_ / "words"};
+    }
+    std::vector<pid_t> nodes(const std::string& program) const { return node_pids(ports_.base(), program); }
+    // Waits until a trial is being written.
+    bool reaches(const std::string& trial) const {
+        std::error_code absent;
+        return wait_until([&] { return fs::file_size(out_ / "trajectories" / trial, absent) + 1 > 1; });
+    }
 
     const Folder folder_;
+    const PortBlock ports_;
     fs::path out_;
 };
 
@@ -54,11 +103,104 @@ TEST_F(RunByClock, RefusesWhateverLivesByTheWallClock) {
     const std::string easy = kEasy;
     expect_refused(easy, "virtual", "--attach", {"--attach"});
     expect_refused(easy, "virtual", "--strict-rt", {"--strict-rt"});
-    expect_refused(easy, "virtual", "--monitor", {"--monitor"});
+    expect_refused(easy, "lock-step", "--monitor", {"--monitor"});
     expect_refused(easy + "[handle]\ndevice = 'pointer'\n", "virtual", "[handle] device");
     expect_refused(easy + "[cutaneous]\ndevice = 'board'\n", "virtual", "[cutaneous]");
     expect_refused(easy + "[launch]\nmachine_slave_sim = 'elsewhere'\n", "virtual", "[launch]");
     expect_refused(easy + "[protocol]\n", "virtual", "[protocol]");
+}
+
+TEST_F(RunByClock, LockStepHasNoWindow) {
+    expect_refused(std::string(kEasy) + "[visual]\ndisplay = 'window'\n", "lock-step", "[visual]");
+}
+
+TEST_F(RunByClock, LockStepGivesTheBytesOfVirtualTime) {
+    expect_both_agree(kEasy);
+    const auto summary = nlohmann::json::parse(read_text(out_ / "summary.json"));
+    EXPECT_EQ(summary.at("clock"), "lock-step");
+    EXPECT_GT(summary.at("simulated_s"), 10);
+    for (const char* program : kNodePrograms) {
+        const auto report =
+            nlohmann::json::parse(read_text(out_ / "nodes" / fmt::format("{}_50ms.json", program)));
+        EXPECT_GT(report.at("accepted"), 0) << program;
+        EXPECT_EQ(report.at("udp").at("send_failed"), 0) << program;
+    }
+}
+
+TEST_F(RunByClock, LockStepTakesACompensator) {
+    expect_both_agree(std::string(kOneTrial) + "[control]\ncompensator = 'wave'\nwave_jitter_s = 0.02\n");
+}
+
+TEST_F(RunByClock, LockStepTakesASceneAndANetworkThatLoses) {
+    expect_both_agree(std::string(kOneTrial) +
+                      "[slave_sim]\nscene = 'vessel.toml'\n[netem.needle]\nloss = 0.01\n[netem.force]\n"
+                      "jitter = 'uniform'\njitter_spread_s = 0.002\n");
+}
+
+// Its random numbers reach the keys and nothing else: virtual time has no keys at all.
+TEST_F(RunByClock, LockStepTakesALabKey) {
+    create_lab_key(folder_ / "lab.key", system_random_bytes());
+    expect_both_agree(std::string(kOneTrial) + under_lab_key(folder_ / "lab.key"));
+}
+
+class SeedByClock : public RunByClock, public testing::WithParamInterface<int> {};
+INSTANTIATE_TEST_SUITE_P(TwelveSeeds, SeedByClock, testing::Range(1, 13));
+TEST_P(SeedByClock, GivesTheSameBytes) {
+    expect_both_agree(
+        fmt::format("[session]\nmodalities = ['HF']\ndelays_s = [0.05]\nseed = {}\n[trial]\n"
+                    "contact_hold_s = 0.3\n",
+                    GetParam()));
+}
+
+TEST_F(RunByClock, LockStepMindsNoNodeThatIsHeldUp) {
+    ASSERT_EQ(run(kOneTrial, "virtual").code, 0);
+    Child child = start(kOneTrial);
+    std::minstd_rand random(1);
+    int held_up = 0;
+    while (!child.poll()) {
+        const auto pids = nodes(kNodePrograms.at(random() % kNodePrograms.size()));
+        for (const pid_t pid : pids) kill(pid, SIGSTOP);
+        wall_sleep(std::chrono::milliseconds{random() % 10});
+        for (const pid_t pid : pids) kill(pid, SIGCONT);
+        held_up += pids.empty() ? 0 : 1;
+        wall_sleep(std::chrono::milliseconds{random() % 30});
+    }
+    EXPECT_EQ(child.poll(), 0) << read_text(folder_ / "words");
+    EXPECT_GT(held_up, 5);
+    expect_same_bytes();
+}
+
+TEST_F(RunByClock, LockStepKeepsTheTrialsBeforeANodeThatDies) {
+    Child child = start(kEasy);
+    ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
+    for (const pid_t pid : nodes("thimble-slave-sim")) kill(pid, SIGKILL);
+    EXPECT_EQ(child.wait(kPatience), 3);
+    EXPECT_THAT(read_text(folder_ / "words"), HasSubstr("thimble-slave-sim ended with code 137"));
+    const auto rows = read_trial_table(out_ / "trials.csv");
+    ASSERT_EQ(rows.size(), 2U);
+    EXPECT_EQ(rows[0].reason, EndReason::kCompleted);
+    EXPECT_EQ(rows[1].reason, EndReason::kPeerLost);
+    EXPECT_EQ(rows[1].lost_peer, Role::kSlaveSim);
+    EXPECT_TRUE(fs::exists(out_ / "report.html"));
+}
+
+TEST_F(RunByClock, LockStepNamesANodeThatNeverAnswers) {
+    Child child = start(kEasy, {"--answer-limit", "0.5"});
+    ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
+    for (const pid_t pid : nodes("thimble-visual")) kill(pid, SIGSTOP);
+    EXPECT_EQ(child.wait(kPatience), 3);
+    EXPECT_THAT(read_text(folder_ / "words"), HasSubstr("thimble-visual has not answered within 0.5 s"));
+    EXPECT_EQ(read_trial_table(out_ / "trials.csv").size(), 2U);
+    EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
+}
+
+TEST_F(RunByClock, LockStepKeepsWhatWasRecordedUntilCtrlC) {
+    Child child = start(kEasy);
+    ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
+    child.signal(SIGINT);
+    EXPECT_EQ(child.wait(kPatience), 1);
+    EXPECT_THAT(read_text(folder_ / "words"), HasSubstr("interrupted; what was recorded is kept"));
+    EXPECT_GE(read_trial_table(out_ / "trials.csv").size(), 2U);
 }
 
 }  // namespace

@@ -1,0 +1,118 @@
+// The protocol of lock-step, and channels that wait for what was announced.
+#include "common/runtime/lock_step.hpp"
+
+#include <array>
+#include <sys/socket.h>
+#include <thread>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/error.hpp"
+#include "tests/refusal.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+constexpr Duration kShort = milliseconds{50};
+
+class Ends : public testing::Test {
+  protected:
+    Ends() {
+        std::array<int, 2> pair{};
+        EXPECT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair.data()), 0);
+        conductor_.emplace(pair[0], kShort);
+        node_.emplace(pair[1], Duration{});
+    }
+    std::optional<LockStepEnd> conductor_, node_;
+};
+
+LockStepMessage message_of(LockStepKind kind, std::int64_t time_ns = 0) {
+    LockStepMessage message;
+    message.kind = kind;
+    message.time_ns = time_ns;
+    return message;
+}
+
+// Sends as many datagrams as it gets, to another port, and is due again a millisecond later.
+class Echo final : public Process {
+  public:
+    explicit Echo(Sockets& sockets)
+        : in_(sockets.inlet(Port::kSlaveNeedle)), out_(sockets.outlet(Port::kNetemForceMaster)) {}
+    void tick(SessionTime now) override {
+        next_ = now + milliseconds{1};
+        while (!in_->receive().empty()) out_->send(std::array<std::uint8_t, 3>{1, 2, 3});
+    }
+    SessionTime next_wakeup() const override { return next_; }
+    bool stopped() const override { return false; }
+
+  private:
+    Channel *in_, *out_;
+    SessionTime next_{};
+};
+
+NetworkSettings somewhere() {
+    NetworkSettings network;
+    network.base_port = static_cast<std::uint16_t>(20000 + getpid() % 200 * 50);
+    return network;
+}
+
+TEST_F(Ends, AnotherVersionIsRefused) {
+    LockStepMessage other = message_of(LockStepKind::kAnswer);
+    other.version = 7;
+    ASSERT_TRUE(node_->send(other));
+    EXPECT_THAT(refusal([&] { conductor_->receive(); }, ExitCode::kNetwork),
+                HasSubstr("version 7, but this program speaks version 1"));
+}
+
+TEST_F(Ends, OneThatSaysNothingIsLateAndOneThatEndsIsGone) {
+    EXPECT_FALSE(conductor_->receive());
+    EXPECT_EQ(conductor_->silence(), LockStepEnd::Silence::kLate);
+    node_.reset();
+    EXPECT_FALSE(conductor_->receive());
+    EXPECT_EQ(conductor_->silence(), LockStepEnd::Silence::kGone);
+    EXPECT_FALSE(conductor_->send(message_of(LockStepKind::kGrant)));
+}
+
+TEST(LockStep, StandardInputMustBeAConductor) {
+    EXPECT_THAT(refusal([] { const LockStepEnd end(dup(STDERR_FILENO), Duration{}); }, ExitCode::kUsage),
+                HasSubstr("no conductor at standard input"));
+}
+
+TEST_F(Ends, AGrantIsAnsweredWithTheNextWakeUpAndWhatWasSent) {
+    Sockets sockets(somewhere()), sender(somewhere());
+    sockets.count_datagrams(kShort);
+    Echo echo(sockets);
+    Channel* const needle = sender.outlet(Port::kSlaveNeedle);
+    for (int i = 0; i < 3; ++i) needle->send(std::array<std::uint8_t, 2>{4, 5});
+    std::thread node([&] { EXPECT_EQ(run_in_lock_step(*node_, echo, sockets)->kind, LockStepKind::kEnd); });
+    EXPECT_EQ(conductor_->receive()->kind, LockStepKind::kReady);
+    LockStepMessage grant = message_of(LockStepKind::kGrant, 5'000'000);
+    grant.datagrams[static_cast<std::size_t>(Port::kSlaveNeedle)] = 2;  // the third has not been announced
+    conductor_->send(grant);
+    const auto answer = conductor_->receive();
+    conductor_->send(message_of(LockStepKind::kEnd));
+    node.join();
+    ASSERT_TRUE(answer);
+    EXPECT_EQ(answer->kind, LockStepKind::kAnswer);
+    EXPECT_EQ(answer->time_ns, 6'000'000);
+    EXPECT_EQ(answer->datagrams[static_cast<std::size_t>(Port::kNetemForceMaster)], 2);
+}
+
+TEST_F(Ends, ADatagramThatDoesNotComeNamesItsFlow) {
+    Sockets sockets(somewhere());
+    sockets.count_datagrams(kShort);
+    Echo echo(sockets);
+    LockStepMessage grant = message_of(LockStepKind::kGrant);
+    grant.datagrams[static_cast<std::size_t>(Port::kSlaveNeedle)] = 1;
+    conductor_->send(grant);
+    EXPECT_THAT(refusal([&] { run_in_lock_step(*node_, echo, sockets); }, ExitCode::kNetwork),
+                HasSubstr("of the flow 'needle' from netem to slave_sim 1 announced datagram did not come"));
+}
+
+}  // namespace
+}  // namespace thimble
