@@ -85,11 +85,11 @@ constexpr double polynomial(const double (&a)[N], double x) {
 }
 
 // Ziv's test, which ends the fast way of portable.hpp: is it sure to which double a result is to be rounded?
-// `exactly()` decides where `result`, with a relative error below 2^-85, leaves it open; also below the normal doubles, which have fewer bits.
+// `exactly()` decides where `result` with its relative error leaves it open; also below the normal doubles, which have fewer bits.
 template <class Exactly>
-double rounded(DoubleDouble result, Exactly exactly) {
-    constexpr double kRelativeError = 0x1p-85, kLeastNormal = 0x1p-1000;
-    const double error = std::abs(result.high) * kRelativeError;
+double rounded(DoubleDouble result, Exactly exactly, double relative_error = 0x1p-85) {
+    constexpr double kLeastNormal = 0x1p-1000;
+    const double error = std::abs(result.high) * relative_error;
     const double upper = result.high + (result.low + error), lower = result.high + (result.low - error);
     return upper == lower && std::abs(upper) > kLeastNormal ? upper : exactly();
 }

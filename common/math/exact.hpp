@@ -14,6 +14,7 @@ double log1p(double x);
 double log10(double x);
 double tanh(double x);
 double cbrt(double x);
+double pow(double x, double y);  // x > 0
 double sin(double x);
 double cos(double x);
 double acos(double x);

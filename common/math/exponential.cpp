@@ -107,6 +107,19 @@ DoubleDouble wide_log(double high, double low) {
     return (table.of_two * exponent + table.logarithms[static_cast<std::size_t>(place)]) + 2 * (s * sum);
 }
 
+// x^y of positive x. The ten bits before the point of y log(x) are lost to the result.
+double power_of_size(double x, double y) {
+    constexpr double kRelativeError = 0x1p-82, kOverflow = 710, kVanishes = -746, kSafe = 700;
+    const DoubleDouble logarithm = wide_log(x, 0);
+    const double exponent = y * logarithm.high;
+    if (x == 1 || std::abs(exponent) < kTiny / 2) return 1;
+    if (exponent > kOverflow) return kInfinity;
+    if (exponent < kVanishes) return 0;
+    if (std::abs(exponent) > kSafe) return exact::pow(x, y);
+    return rounded(
+        wide_exp(logarithm * y), [=] { return exact::pow(x, y); }, kRelativeError);
+}
+
 }  // namespace
 
 double exp(double x) {
@@ -168,6 +181,17 @@ double cbrt(double x) {
     const double refined = rounded(exact_sum_of_ordered(root, -more.high / (3 * root * root)),
                                    [mantissa] { return exact::cbrt(mantissa); });
     return std::copysign(std::ldexp(refined, exponent / 3), x);
+}
+
+double pow(double x, double y) {
+    if (x == 1 || y == 0) return 1;
+    if (std::isnan(x) || std::isnan(y)) return kNan;
+    const double size = std::abs(x);
+    if (std::isinf(y)) return size == 1 ? 1 : ((size > 1) == (y > 0) ? kInfinity : 0);
+    if (x < 0 && std::isfinite(x) && y != std::trunc(y)) return kNan;
+    const double sign = std::signbit(x) && std::abs(std::fmod(y, 2)) == 1 ? -1 : 1;
+    if (size == 0 || std::isinf(size)) return sign * ((size == 0) == (y < 0) ? kInfinity : 0);
+    return sign * power_of_size(size, y);
 }
 
 }  // namespace thimble::portable

@@ -18,6 +18,7 @@ double log1p(double x);  // log(1 + x)
 double log10(double x);
 double tanh(double x);
 double cbrt(double x);
+double pow(double x, double y);  // as C's
 
 double sin(double x);  // nan at infinity
 double cos(double x);

@@ -45,10 +45,11 @@ class Reference {
         mpfr_set_d(first_, x, MPFR_RNDN);
         return taken(function(result_, first_, MPFR_RNDN));
     }
-    double atan2(double y, double x) {
-        mpfr_set_d(first_, y, MPFR_RNDN);
-        mpfr_set_d(second_, x, MPFR_RNDN);
-        return taken(mpfr_atan2(result_, first_, second_, MPFR_RNDN));
+    template <class Function>
+    double operator()(Function function, double a, double b) {
+        mpfr_set_d(first_, a, MPFR_RNDN);
+        mpfr_set_d(second_, b, MPFR_RNDN);
+        return taken(function(result_, first_, second_, MPFR_RNDN));
     }
 
   private:
@@ -195,8 +196,33 @@ TEST(Portable, TheAngleOfAPointRoundsCorrectly) {
     const auto coordinate = [&random] { return random.normal() * std::exp(100 * random.normal()); };
     for (std::size_t i = 0; i < arguments_per_function(); ++i) {
         const double y = coordinate(), x = i % 2 == 0 ? coordinate() : y * random.normal();
-        ASSERT_EQ(bits(portable::atan2(y, x)), bits(reference.atan2(y, x))) << std::hexfloat << y << ' ' << x;
+        ASSERT_EQ(bits(portable::atan2(y, x)), bits(reference(mpfr_atan2, y, x)))
+            << std::hexfloat << y << ' ' << x;
     }
+}
+
+TEST(Portable, PowersRoundCorrectly) {
+    Reference reference;
+    RandomStream random({9, 0, 0, 2, Purpose::kParameter});
+    const auto check = [&reference](double x, double y) {
+        EXPECT_EQ(bits(portable::pow(x, y)), bits(reference(mpfr_pow, x, y)))
+            << std::hexfloat << x << ' ' << y;
+    };
+    for (std::size_t i = 0; i < arguments_per_function(); ++i) {
+        const double x = std::exp(100 * random.normal());
+        check(x, random.uniform(-750, 750) / std::log(x));  // results of all sizes
+        check(1 + 1e-3 * random.normal(), 1e4 * random.normal());
+        check(random.uniform(0, 100), random.uniform(-3, 3));
+        // Whole and half ones, many of them exact or in the middle between two doubles.
+        const auto root = static_cast<double>(random.below(1U << 27));
+        check(root * root, 0.5 * random.below(7));
+        check(-static_cast<double>(random.below(1000)), static_cast<double>(random.below(40)) - 20);
+    }
+    for (int decade = -330; decade < 310; ++decade) check(10, decade);
+    for (double half = -1080; half < 1025; half += 0.5) check(2, half);
+    check(1.5, 34);          // in the middle between two doubles
+    check(3 * 0x1p-215, 5);  // the same below the normal doubles: 121.5 x 2^-1074
+    check(5 * 0x1p-215, 5);
 }
 
 TEST(Portable, EdgesAreThoseOfC) {
@@ -209,8 +235,10 @@ TEST(Portable, EdgesAreThoseOfC) {
                 << function.name << ' ' << x;
     }
     for (const double y : edges) {
-        for (const double x : edges)
-            EXPECT_EQ(bits(portable::atan2(y, x)), bits(reference.atan2(y, x))) << y << ' ' << x;
+        for (const double x : edges) {
+            EXPECT_EQ(bits(portable::atan2(y, x)), bits(reference(mpfr_atan2, y, x))) << y << ' ' << x;
+            EXPECT_EQ(bits(portable::pow(y, x)), bits(reference(mpfr_pow, y, x))) << y << ' ' << x;
+        }
     }
 }
 
