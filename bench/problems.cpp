@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/math/portable.hpp"
 
 namespace thimble {
 
@@ -46,7 +47,9 @@ Needle in_and_out(double depth_m, double speed_m_per_s, double hold_s) {
     return glides(0, {{0, move_s, depth_m}, {move_s + hold_s, move_s, 0}});
 }
 
-double turn(double frequency_Hz, double t_s) { return std::sin(2 * std::numbers::pi * frequency_Hz * t_s); }
+double turn(double frequency_Hz, double t_s) {
+    return portable::sin(2 * std::numbers::pi * frequency_Hz * t_s);
+}
 
 Needle quantised(Needle needle, double quantum_m) {
     return [needle = std::move(needle), quantum_m](double t_s) {

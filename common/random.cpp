@@ -4,6 +4,8 @@
 
 #include <boost/random/normal_distribution.hpp>
 
+#include "common/math/real.hpp"
+
 namespace thimble {
 namespace {
 
@@ -63,8 +65,8 @@ void RandomStream::seek(std::uint64_t n) {
 double RandomStream::uniform() { return static_cast<double>((*this)() >> 11) * 0x1.0p-53; }
 
 double RandomStream::normal() {
-    boost::random::normal_distribution<double> distribution;  // stateless ziggurat, the same on every machine
-    return distribution(*this);
+    boost::random::normal_distribution<portable::Real> distribution;  // a ziggurat without state
+    return static_cast<double>(distribution(*this));
 }
 
 std::uint32_t RandomStream::below(std::uint32_t n) {

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "common/math/portable.hpp"
 #include "cutaneous_node/cutaneous_settings.hpp"
 #include "cutaneous_node/fingertip_actuator.hpp"
 
@@ -89,7 +89,7 @@ class SimulatedActuator final : public FingertipActuator {
         const Forces goal{target_.finger == Finger::kIndex ? target_.force_N : 0,
                           target_.finger == Finger::kThumb ? target_.force_N : 0};
         if (time_constant_s_ == 0) return goal;
-        const double rest = std::exp(-to_seconds(now - target_.due) / time_constant_s_);
+        const double rest = portable::exp(-to_seconds(now - target_.due) / time_constant_s_);
         return {goal.index_N + (start_.index_N - goal.index_N) * rest,
                 goal.thumb_N + (start_.thumb_N - goal.thumb_N) * rest};
     }

@@ -6,6 +6,8 @@
 
 #include <boost/math/tools/toms748_solve.hpp>
 
+#include "common/math/portable.hpp"
+
 namespace thimble {
 
 namespace {
@@ -50,7 +52,7 @@ double reach_s(const GapMotion& gap, const Swing& swing, double t_s) {
     const double speed_m_per_s = gap.side * gap.velocity_needle_m_per_s;
     const double line_m = gap.side * (gap.gap_m - swing.center_m);
     // A little more than the envelope, for its rounding.
-    const double reach_m = swing.amplitude_m * (1 + 1e-9) * std::exp(-swing.fade_per_s * t_s);
+    const double reach_m = swing.amplitude_m * (1 + 1e-9) * portable::exp(-swing.fade_per_s * t_s);
     if (!(line_m + speed_m_per_s * t_s + reach_m < 0)) return t_s;
     return speed_m_per_s > 0 ? -(line_m + reach_m) / speed_m_per_s : kNever_s;
 }

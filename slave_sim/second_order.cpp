@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "common/math/portable.hpp"
+
 namespace thimble {
 
 struct SecondOrder::Response {
@@ -40,7 +42,7 @@ constexpr std::array<double, kTerms> inverse_factorials() {
 constexpr std::array<double, kTerms> kInverseFactorial = inverse_factorials();
 
 // (1 - e^-z) / z
-double decay_ratio(double z) { return z == 0 ? 1 : -std::expm1(-z) / z; }
+double decay_ratio(double z) { return z == 0 ? 1 : -portable::expm1(-z) / z; }
 
 struct Series {
     double velocity;  // S / t
@@ -98,11 +100,11 @@ SecondOrder::Response SecondOrder::overdamped(double t) const {
     const double slow = slow_per_s_ * t;
     const double apart = 2 * root_per_s_ * t;
     const double ratio = decay_ratio(apart);
-    const double faded = std::exp(-slow);
+    const double faded = portable::exp(-slow);
     Response r{};
     r.velocity_s = t * faded * ratio;
     if (slow >= kSlowDecay) {
-        r.remainder = faded * (0.5 + 0.5 * std::exp(-apart) + half_damping_per_s_ * t * ratio);
+        r.remainder = faded * (0.5 + 0.5 * portable::exp(-apart) + half_damping_per_s_ * t * ratio);
         r.position_s2 = (1 - r.remainder) / stiffness_per_s2_;
     } else {
         r.position_s2 = t * (decay_ratio(slow) - decay_ratio(slow + apart)) / (2 * root_per_s_);
@@ -113,11 +115,11 @@ SecondOrder::Response SecondOrder::overdamped(double t) const {
 
 SecondOrder::Response SecondOrder::underdamped(double t) const {
     const double angle = root_per_s_ * t;
-    const double sine_s = t * (std::sin(angle) / angle);  // sin(w t) / w
-    const double faded = std::exp(-half_damping_per_s_ * t);
+    const double sine_s = t * (portable::sin(angle) / angle);  // sin(w t) / w
+    const double faded = portable::exp(-half_damping_per_s_ * t);
     Response r{};
     r.velocity_s = faded * sine_s;
-    r.remainder = faded * (std::cos(angle) + half_damping_per_s_ * sine_s);
+    r.remainder = faded * (portable::cos(angle) + half_damping_per_s_ * sine_s);
     r.position_s2 = (1 - r.remainder) / stiffness_per_s2_;
     return r;
 }
@@ -147,7 +149,7 @@ Inflections SecondOrder::inflections(double v0, double a0) const {
         // The root of the smaller angle: taking half a turn off it later would cost digits near critical
         // damping.
         const double side = slope < 0 ? -1 : 1;
-        double first_s = std::atan2(side * a0 * root_per_s_, side * slope) / root_per_s_;
+        double first_s = portable::atan2(side * a0 * root_per_s_, side * slope) / root_per_s_;
         if (first_s <= 0) first_s += half_turn_s;
         return {first_s, half_turn_s};
     }
@@ -155,7 +157,7 @@ Inflections SecondOrder::inflections(double v0, double a0) const {
     const double q_s = a0 / (slow_per_s_ * a0 + stiffness_per_s2_ * v0);
     if (!(q_s > 0)) return {kNoTurn_s, kNoTurn_s};
     const double apart_per_s = 2 * root_per_s_;
-    return {apart_per_s > 0 ? std::log1p(apart_per_s * q_s) / apart_per_s : q_s, kNoTurn_s};
+    return {apart_per_s > 0 ? portable::log1p(apart_per_s * q_s) / apart_per_s : q_s, kNoTurn_s};
 }
 
 // x = center + e^(-a t / 2) (C cos(w t) + D sin(w t)), with the equilibrium w2 center = a0 + a v0.

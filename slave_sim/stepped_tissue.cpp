@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/error.hpp"
+#include "common/math/portable.hpp"
 
 namespace thimble {
 
@@ -57,7 +58,7 @@ double longest_stable_step_s(const TissueParameters& p, double unstable_s) {
 
 // To three digits, downwards: the step that an error advises must be one that is taken.
 double rounded_down(double value) {
-    const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
+    const double unit = portable::pow(10, std::floor(portable::log10(value)) - 2);
     return std::floor(value / unit) * unit;
 }
 

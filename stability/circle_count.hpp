@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "common/math/portable.hpp"
 #include "stability/precise_number.hpp"
 #include "stability/sampled_loop.hpp"
 
@@ -46,7 +47,7 @@ template <class Real>
 class Circle {
   public:
     Circle(const PulsePolynomial<Real>& p, const Real& radius) : p_(p), r_(radius) {
-        using std::pow;
+        using portable::pow;
         // Relative to z^D, which may be out of any range by itself.
         gain_ = p.gain * Real(pow(radius, Real(-p.power)));
     }
@@ -73,7 +74,7 @@ class Circle {
     }
 
     int roots_outside() const {
-        using std::acos;
+        using portable::acos;
         const Changes at = changes();
         std::array<Real, 4> theta{Real(0), pi_of<Real>(), pi_of<Real>(), pi_of<Real>()};
         for (std::size_t i = 0; i < at.count; ++i) theta[i + 1] = acos(at.cosine[i]);
@@ -102,7 +103,7 @@ class Circle {
     }
 
     PolarNumber<Real> polar(const std::array<Real, 3>& c, const Real& theta) const {
-        using std::atan2, std::cos, std::sin, std::sqrt;
+        using portable::atan2, portable::cos, portable::sin, std::sqrt;
         const Real re = (c[2] * r_ + c[0] / r_) * cos(theta) + c[1], across = c[2] * r_ - c[0] / r_;
         const bool on_axis = theta == 0 || theta == pi_of<Real>();
         const Real im = on_axis ? Real(0) : Real(across * sin(theta));
@@ -121,7 +122,7 @@ class Circle {
 
     // The argument of the leader at theta, and by how much the other term turns the sum.
     Real added_angle(const Real& theta, bool hand_leads, bool at_the_end) const {
-        using std::atan2, std::cos, std::sin;
+        using portable::atan2, portable::cos, portable::sin;
         const PolarNumber<Real> f = hand_at(theta), g = feedback_at(theta);
         const Real angle_f = f.angle + Real(p_.power) * theta;
         const PolarNumber<Real> leader{hand_leads ? f.size : g.size, hand_leads ? angle_f : g.angle};

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "common/error.hpp"
+#include "common/math/portable.hpp"
 
 namespace thimble {
 namespace {
@@ -37,11 +38,11 @@ double zero_between(double low, double high, const Function& rising) {
 // Of a ramp that begins at u: the part of a unit sine's first harmonic, and its mean.
 double ramp_gain(double u) {
     const double c = std::clamp(u, -1.0, 1.0);
-    return (std::acos(c) - c * std::sqrt(1 - c * c)) / kPi;
+    return (portable::acos(c) - c * std::sqrt(1 - c * c)) / kPi;
 }
 double ramp_mean(double u) {
     if (u <= -1) return -u;
-    return u >= 1 ? 0 : (std::sqrt(1 - u * u) - u * std::acos(u)) / kPi;
+    return u >= 1 ? 0 : (std::sqrt(1 - u * u) - u * portable::acos(u)) / kPi;
 }
 
 struct SaturatedContact {
@@ -163,7 +164,7 @@ NeededDamping needed_damping(const DelayedLoop& loop, double delay_s) {
     require_meaningful(loop);
     require_delay(delay_s);
     const double m = loop.hand.mass_kg, k = loop.hand.stiffness_N_per_m, K = loop.stiffness_N_per_m;
-    const auto excess = [&](double w) { return m * w * w - k - K * std::cos(w * delay_s); };
+    const auto excess = [&](double w) { return m * w * w - k - K * portable::cos(w * delay_s); };
     const double last = std::sqrt((k + K) / m) * (1 + 1e-12);
     constexpr double kPerTurn = 64;
     constexpr double kMostTurnedForFriction_rad = 1e6;
@@ -180,7 +181,7 @@ NeededDamping needed_damping(const DelayedLoop& loop, double delay_s) {
             const bool rises = excess(high) > 0;
             const double w =
                 zero_between(low, high, [&](double x) { return rises ? excess(x) : -excess(x); });
-            const double b = K * std::sin(w * delay_s) / w;
+            const double b = K * portable::sin(w * delay_s) / w;
             if (b > most.damping_Ns_per_m) most = {b, w};
         }
         low = high;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "common/math/portable.hpp"
+
 namespace thimble {
 namespace {
 
@@ -63,7 +65,7 @@ double envelope_per_sample(std::span<const double> trace) {
         first += std::abs(trace[i]);
         second += std::abs(trace[half + i]);
     }
-    return first > 0 && second > 0 ? std::pow(second / first, 1 / static_cast<double>(half)) : 1;
+    return first > 0 && second > 0 ? portable::pow(second / first, 1 / static_cast<double>(half)) : 1;
 }
 
 // Nothing where there is no oscillation to be measured.
@@ -87,7 +89,7 @@ std::optional<double> prony_per_sample(std::span<const double> trace) {
     const double a = (rp * qq - rq * pq) / determinant, b = (rq * pp - rp * pq) / determinant;
     const double discriminant = a * a / 4 + b;
     const double size = discriminant < 0 ? std::sqrt(-b) : std::abs(a) / 2 + std::sqrt(discriminant);
-    return std::pow(size, 1 / static_cast<double>(stride));
+    return portable::pow(size, 1 / static_cast<double>(stride));
 }
 
 }  // namespace
@@ -97,7 +99,7 @@ double growth_per_sample(std::span<const double> trace) {
     const double envelope = envelope_per_sample(trace);
     const std::optional<double> prony = prony_per_sample(trace);
     if (!prony) return envelope;
-    const double apart = std::log(*prony / envelope) * static_cast<double>(trace.size()) / 2;
+    const double apart = portable::log(*prony / envelope) * static_cast<double>(trace.size()) / 2;
     return std::abs(apart) < kMeant ? *prony : envelope;
 }
 
@@ -108,7 +110,7 @@ double measured_growth_per_s(const SampledLoop& loop, double encoder_step_m) {
     conditions.encoder_step_m = encoder_step_m;
     const std::vector<double> trace = linear_run(conditions);
     const std::span<const double> all(trace);
-    return std::log(growth_per_sample(all.subspan(all.size() / 2))) / loop.step_s;
+    return portable::log(growth_per_sample(all.subspan(all.size() / 2))) / loop.step_s;
 }
 
 MeasuredStiffness measured_critical_stiffness(const SampledLoop& loop, double encoder_step_m,

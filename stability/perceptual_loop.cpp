@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/math/portable.hpp"
 #include "slave_sim/second_order.hpp"
 #include "stability/loop_measures.hpp"
 
@@ -108,7 +109,7 @@ double paused_growth(const HeldMass& hand, const PausedCorrection& correction, d
         if (std::abs(led.position_m()) > 1e6 * kLet_go_m) return 1;
     }
     // A swing that has died out cannot be compared.
-    return late_m < 1e-12 * kLet_go_m ? -1 : std::log(late_m / early_m);
+    return late_m < 1e-12 * kLet_go_m ? -1 : portable::log(late_m / early_m);
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ double paused_limit(const PausedCorrection& correction) {
     // A sum that is a period but for its last digits is a period.
     const double periods = (correction.lag_s + correction.move_s) / correction.period_s;
     const double old = std::max(0.0, std::ceil(periods - 1e-9) - 1);
-    return 2 * std::sin(std::numbers::pi / (4 * old + 2));
+    return 2 * portable::sin(std::numbers::pi / (4 * old + 2));
 }
 
 double measured_perceptual_growth_per_s(const HeldMass& hand, double lag_s, double gain_per_s) {
@@ -133,7 +134,7 @@ double measured_perceptual_growth_per_s(const HeldMass& hand, double lag_s, doub
         led.step(-gain_per_s * led.perceived_m() * led.step_s());
     }
     const std::span<const double> all(trace);
-    return std::log(growth_per_sample(all.subspan(all.size() / 2))) / led.step_s();
+    return portable::log(growth_per_sample(all.subspan(all.size() / 2))) / led.step_s();
 }
 
 double measured_perceptual_limit_per_s(const HeldMass& hand, double lag_s, double relative) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "common/math/portable.hpp"
 #include "stability/circle_count.hpp"
 
 namespace thimble {
@@ -32,7 +33,7 @@ Between<Real> halved(Between<Real> range, double width, const Above& above) {
 
 template <class Real>
 Between<Real> radius_range(const PulsePolynomial<Real>& p, double width) {
-    using std::exp;
+    using portable::exp;
     const auto none_outside = [&](const Real& r) { return Circle<Real>(p, r).roots_outside() <= 0; };
     constexpr int kMost = 60;
     const bool shrinks = none_outside(Real(1));

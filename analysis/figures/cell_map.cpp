@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "analysis/figures/figure_grid.hpp"
+#include "common/math/portable.hpp"
 
 namespace thimble {
 namespace {
@@ -45,9 +46,9 @@ std::vector<CellEdges> edges_of(std::vector<double> values, bool logarithmic) {
     // Below zero there is nothing, unless a value is there.
     if (!logarithmic)
         return edges_between(values, lowest < 0 ? -kInfinite : 0, lowest == 0 ? 1 : 0.1 * std::abs(lowest));
-    for (double& value : values) value = std::log(value);
-    std::vector<CellEdges> edges = edges_between(values, -kInfinite, std::log(1.3));
-    for (CellEdges& cell : edges) cell = {std::exp(cell.low), std::exp(cell.high)};
+    for (double& value : values) value = portable::log(value);
+    std::vector<CellEdges> edges = edges_between(values, -kInfinite, portable::log(1.3));
+    for (CellEdges& cell : edges) cell = {portable::exp(cell.low), portable::exp(cell.high)};
     return edges;
 }
 

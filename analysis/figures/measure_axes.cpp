@@ -10,6 +10,7 @@
 
 #include "analysis/statistics/descriptive.hpp"
 #include "analysis/text/gnuplot.hpp"
+#include "common/math/portable.hpp"
 
 namespace thimble {
 namespace {
@@ -36,13 +37,13 @@ ValueRange range_of(std::span<const double> values) {
 
 // 1, 2, 5 of each decade, of more than three decades 1 alone. Decades alone would leave some panels with one number.
 std::string decade_tics(const ValueRange& range) {
-    const int first = static_cast<int>(std::floor(std::log10(range.low))),
-              last = static_cast<int>(std::ceil(std::log10(range.high)));
+    const int first = static_cast<int>(std::floor(portable::log10(range.low))),
+              last = static_cast<int>(std::ceil(portable::log10(range.high)));
     std::string tics;
     for (int decade = first; decade <= last; ++decade) {
         for (const int digit : {1, 2, 5}) {
             if (digit > 1 && last - first > 3) continue;
-            tics += fmt::format("{}{:.6g}", tics.empty() ? "" : ", ", digit * std::pow(10, decade));
+            tics += fmt::format("{}{:.6g}", tics.empty() ? "" : ", ", digit * portable::pow(10, decade));
         }
     }
     return tics;
@@ -159,7 +160,7 @@ std::string signed_axis(std::span<const double> values) {
 }
 
 double nice_step(double span, double most) {
-    const double decade = std::pow(10, std::floor(std::log10(span / most)));
+    const double decade = portable::pow(10, std::floor(portable::log10(span / most)));
     for (const double digit : {1.0, 2.0, 5.0}) {
         if (span <= most * digit * decade) return digit * decade;
     }

@@ -5,7 +5,6 @@
 #include <exception>
 #include <numbers>
 #include <string>
-#include <type_traits>
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
@@ -13,24 +12,24 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include "analysis/statistics/named_values.hpp"
+#include "common/math/real.hpp"
 
 namespace thimble {
 namespace {
 
-namespace policies = boost::math::policies;
-using InDouble = policies::policy<policies::promote_float<false>, policies::promote_double<false>>;
-static_assert(std::is_same_v<policies::evaluation<double, InDouble>::type, double>);
+using portable::InReal;
+using portable::Real;
 
-using Normal = boost::math::normal_distribution<double, InDouble>;
-using StudentsT = boost::math::students_t_distribution<double, InDouble>;
-using FisherF = boost::math::fisher_f_distribution<double, InDouble>;
-using ChiSquared = boost::math::chi_squared_distribution<double, InDouble>;
+using Normal = boost::math::normal_distribution<Real, InReal>;
+using StudentsT = boost::math::students_t_distribution<Real, InReal>;
+using FisherF = boost::math::fisher_f_distribution<Real, InReal>;
+using ChiSquared = boost::math::chi_squared_distribution<Real, InReal>;
 
 // Boost's own words name its argument, but not whose statistic it was.
 template <class Compute>
 double evaluated(const char* what, const Compute& compute) {
     try {
-        const double result = compute();
+        const auto result = static_cast<double>(compute());
         if (std::isfinite(result)) return result;
     } catch (const std::exception& error) {
         refuse(what,
@@ -49,29 +48,30 @@ double tail(const char* what, const Compute& compute) {
 
 double normal_two_sided(double z) {
     return tail("normal tail",
-                [&] { return boost::math::erfc(std::abs(z) / std::numbers::sqrt2, InDouble()); });
+                [&] { return boost::math::erfc(Real(std::abs(z) / std::numbers::sqrt2), InReal()); });
 }
 
 double normal_quantile(double p) {
-    return evaluated("normal quantile", [&] { return quantile(Normal(0, 1), p); });
+    return evaluated("normal quantile", [&] { return quantile(Normal(), Real(p)); });
 }
 
 double t_upper(double t, double df) {
-    return tail("t tail", [&] { return cdf(complement(StudentsT(df), t)); });
+    return tail("t tail", [&] { return cdf(complement(StudentsT(df), Real(t))); });
 }
 
 double t_two_sided(double t, double df) { return std::min(1.0, 2 * t_upper(std::abs(t), df)); }
 
 double t_half_width(double confidence, double df) {
-    return evaluated("t quantile", [&] { return quantile(complement(StudentsT(df), (1 - confidence) / 2)); });
+    return evaluated("t quantile",
+                     [&] { return quantile(complement(StudentsT(df), Real((1 - confidence) / 2))); });
 }
 
 double f_upper(double f, double df_1, double df_2) {
-    return tail("F tail", [&] { return cdf(complement(FisherF(df_1, df_2), f)); });
+    return tail("F tail", [&] { return cdf(complement(FisherF(df_1, df_2), Real(f))); });
 }
 
 double chi_squared_upper(double x, double df) {
-    return tail("chi-squared tail", [&] { return cdf(complement(ChiSquared(df), x)); });
+    return tail("chi-squared tail", [&] { return cdf(complement(ChiSquared(df), Real(x))); });
 }
 
 }  // namespace thimble

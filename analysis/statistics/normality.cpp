@@ -2,8 +2,12 @@
 
 #include <cmath>
 
+#include <boost/math/special_functions/asinh.hpp>
+
 #include "analysis/statistics/descriptive.hpp"
 #include "analysis/statistics/distributions.hpp"
+#include "common/math/portable.hpp"
+#include "common/math/real.hpp"
 
 namespace thimble {
 namespace {
@@ -17,9 +21,9 @@ double z_of_skewness(double skewness, double n) {
     const double beta_2 =
         3 * (n * n + 27 * n - 70) * (n + 1) * (n + 3) / ((n - 2) * (n + 5) * (n + 7) * (n + 9));
     const double w_squared = -1 + std::sqrt(2 * (beta_2 - 1));
-    const double delta = 1 / std::sqrt(0.5 * std::log(w_squared));
+    const double delta = 1 / std::sqrt(0.5 * portable::log(w_squared));
     const double alpha = std::sqrt(2 / (w_squared - 1));
-    return delta * std::asinh(y / alpha);
+    return delta * static_cast<double>(boost::math::asinh(portable::Real(y / alpha), portable::InReal()));
 }
 
 // Anscombe and Glynn 1983.
@@ -37,7 +41,7 @@ double z_of_kurtosis(double kurtosis, double n, const std::string& name) {
                "column '" + name + "' has a kurtosis of " + std::to_string(kurtosis) +
                    ", flatter than the approximation reaches (two values only?); it is not normal");
     }
-    const double term = std::cbrt((1 - 2 / a) / denominator);
+    const double term = portable::cbrt((1 - 2 / a) / denominator);
     return (1 - 2 / (9 * a) - term) / std::sqrt(2 / (9 * a));
 }
 

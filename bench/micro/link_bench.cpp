@@ -1,11 +1,11 @@
 // The cost of each stage of a link: a packet of 144 bytes each millisecond, in and out again.
 //   build/release/bin/thimble-bench --benchmark_filter=link_stage
 #include <array>
-#include <cmath>
 #include <functional>
 
 #include <benchmark/benchmark.h>
 
+#include "common/math/portable.hpp"
 #include "netem/delivery_trace.hpp"
 #include "netem/jitter_table.hpp"
 #include "netem/link_model.hpp"
@@ -43,7 +43,7 @@ LossSettings four_state() {
 JitterTable exponential() {
     std::vector<double> deviates;
     deviates.reserve(4096);
-    for (int i = 0; i < 4096; ++i) deviates.push_back(-1 - std::log1p(-(i + 0.5) / 4096));
+    for (int i = 0; i < 4096; ++i) deviates.push_back(-1 - portable::log1p(-(i + 0.5) / 4096));
     return JitterTable(deviates);
 }
 

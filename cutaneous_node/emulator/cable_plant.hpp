@@ -5,8 +5,8 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
+#include "common/math/portable.hpp"
 #include "cutaneous_node/fingertip/cable_command.hpp"
 #include "cutaneous_node/fingertip/pad_model.hpp"
 
@@ -71,7 +71,7 @@ class CablePlant {
             asked_N_ = std::clamp(p.position_stiffness_N_per_m * (asked_m_ - wound_m_), 0.0, limit_N);
         }
         const double goal_N = asked_ == Asked::kOff ? 0 : asked_N_;
-        motor_N_ += (goal_N - motor_N_) * -std::expm1(-seconds / p.torque_lag_s);
+        motor_N_ += (goal_N - motor_N_) * -portable::expm1(-seconds / p.torque_lag_s);
         const double push_m_per_s = seconds / p.mass_kg * (motor_N_ - tension_N_);
         speed_m_per_s_ = (speed_m_per_s_ + push_m_per_s) / (1 + seconds * p.damping_N_s_per_m / p.mass_kg);
         speed_m_per_s_ = std::clamp(speed_m_per_s_, -p.fastest_m_per_s, p.fastest_m_per_s);

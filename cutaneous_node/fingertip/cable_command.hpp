@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "common/math/portable.hpp"
+
 namespace thimble {
 
 inline constexpr std::size_t kCablesPerFinger = 3;
@@ -19,7 +21,7 @@ using CableTensions = std::array<double, kCablesPerFinger>;  // N
 class FingerGeometry {
   public:
     // 0 < cable_angle_rad < pi/2.
-    explicit FingerGeometry(double cable_angle_rad) : cosine_(std::cos(cable_angle_rad)) {
+    explicit FingerGeometry(double cable_angle_rad) : cosine_(portable::cos(cable_angle_rad)) {
         assert(cable_angle_rad > 0 && cosine_ > 0);
     }
 

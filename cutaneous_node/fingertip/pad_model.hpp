@@ -8,7 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cmath>
+
+#include "common/math/portable.hpp"
 
 namespace thimble {
 
@@ -26,12 +27,12 @@ class PadModel {
     // Elastic part: before anything relaxes. Indentation in m, positive into the pad; outside it no force.
     double elastic_N(double indentation_m) const {
         if (!(indentation_m > 0)) return 0;
-        return parameters_.scale_N * std::expm1(parameters_.exponent_per_m * indentation_m);
+        return parameters_.scale_N * portable::expm1(parameters_.exponent_per_m * indentation_m);
     }
 
     // Its inverse, force >= 0.
     double indentation_m(double elastic_N) const {
-        return std::log1p(std::max(elastic_N, 0.0) / parameters_.scale_N) / parameters_.exponent_per_m;
+        return portable::log1p(std::max(elastic_N, 0.0) / parameters_.scale_N) / parameters_.exponent_per_m;
     }
 
     // The force after `step_s` > 0 in which the elastic force has changed evenly to that of `indentation_m`; >= 0: the platform
@@ -43,8 +44,8 @@ class PadModel {
             step_s_ = step_s;
             for (std::size_t k = 0; k < memory_N_.size(); ++k) {
                 const double steps = step_s / parameters_.relaxation_s[k];
-                decay_[k] = std::exp(-steps);
-                mean_decay_[k] = -std::expm1(-steps) / steps;
+                decay_[k] = portable::exp(-steps);
+                mean_decay_[k] = -portable::expm1(-steps) / steps;
             }
         }
         const double elastic_now_N = elastic_N(indentation_m);

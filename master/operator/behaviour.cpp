@@ -1,8 +1,9 @@
 #include "master/operator/behaviour.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
+
+#include "common/math/portable.hpp"
 
 namespace thimble {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 constexpr double kTickSeconds = to_seconds(kBrainTick);
 
 // Speed of a raised-cosine stop from 1 to 0, u in [0, 1].
-double braking(double u) { return 0.5 * (1 + std::cos(std::numbers::pi * u)); }
+double braking(double u) { return 0.5 * (1 + portable::cos(std::numbers::pi * u)); }
 
 // Speed of a minimum-jerk unit step in unit time (Flash and Hogan 1985).
 double minimum_jerk_speed(double u) {
@@ -33,7 +34,7 @@ Behaviour::Behaviour(const OperatorParameters& parameters, const Subject& subjec
       insert_m_per_s_(trial_speed(parameters, subject, task)),
       speed_noise_fraction_(parameters.noise.speed_noise_fraction),
       cocontracts_(task.modality == Modality::kHF),
-      lag_gain_(-std::expm1(-kTickSeconds / parameters.behaviour.speed_lag_s)),
+      lag_gain_(-portable::expm1(-kTickSeconds / parameters.behaviour.speed_lag_s)),
       brake_ticks_(std::max<std::int64_t>(brain_ticks(parameters.behaviour.brake_s), 1)),
       stride_ticks_(std::max<std::int64_t>(
           brain_ticks(parameters.behaviour.recovery == Recovery::kPush ? parameters.behaviour.push_s

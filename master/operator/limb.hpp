@@ -11,6 +11,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "common/math/portable.hpp"
 #include "common/time.hpp"
 #include "master/operator/operator_parameters.hpp"
 
@@ -22,7 +23,7 @@ inline double learned_sign(double x) {
     constexpr double kSaturated = 8.8;
     if (x > kSaturated) return 1;
     if (x < -kSaturated) return -1;
-    return std::tanh(x);
+    return portable::tanh(x);
 }
 
 // Moving part of the handle, as felt along z.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/portable.hpp"
 #include "common/random.hpp"
 #include "common/time.hpp"
 
@@ -17,7 +18,7 @@ class OrnsteinUhlenbeck {
   public:
     OrnsteinUhlenbeck(const StreamKey& key, double correlation_s, Duration tick)
         : random_(key),
-          keep_(std::exp(-to_seconds(tick) / correlation_s)),
+          keep_(portable::exp(-to_seconds(tick) / correlation_s)),
           add_(std::sqrt(1 - keep_ * keep_)),
           value_(random_.normal()) {
         assert(correlation_s > 0);
@@ -40,8 +41,8 @@ class Tremor {
     Tremor(const StreamKey& key, double frequency_Hz, double damping_ratio, Duration tick) : random_(key) {
         assert(damping_ratio > 0 && damping_ratio < 1);
         const double angle = 2 * std::numbers::pi * frequency_Hz * to_seconds(tick);
-        const double radius = std::exp(-damping_ratio * angle);
-        recent_ = 2 * radius * std::cos(angle * std::sqrt(1 - damping_ratio * damping_ratio));
+        const double radius = portable::exp(-damping_ratio * angle);
+        recent_ = 2 * radius * portable::cos(angle * std::sqrt(1 - damping_ratio * damping_ratio));
         older_ = -radius * radius;
         // Yule-Walker: correlation between neighbours, then the innovation that leaves unit variance.
         const double neighbours = recent_ / (1 - older_);

@@ -1,7 +1,6 @@
 #include "master/operator/operator_parameters.hpp"
 
-#include <cmath>
-
+#include "common/math/portable.hpp"
 #include "common/random.hpp"
 
 namespace thimble {
@@ -118,7 +117,7 @@ Subject draw_subject(const OperatorParameters& parameters, std::uint64_t study, 
                      std::uint32_t subject) {
     RandomStream random({study, cohort_of(experiment), subject, 0, Purpose::kSubject});
     const auto around = [&random](double median, double spread) {
-        return median * std::exp(spread * random.normal());
+        return median * portable::exp(spread * random.normal());
     };
     const SubjectSpread& spread = parameters.spread;
     // The order of these draws is part of every published seed: append only.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/portable.hpp"
+
 namespace thimble {
 namespace {
 
@@ -79,7 +81,7 @@ Sensation Perception::sense(double force_hand_N, const Percept& percept) {
 
 ReactionTimes::ReactionTimes(const ReactionParameters& parameters, const Subject& subject,
                              const OperatorTask& task)
-    : sigma_(std::sqrt(std::log1p(parameters.trial_variation * parameters.trial_variation))),
+    : sigma_(std::sqrt(portable::log1p(parameters.trial_variation * parameters.trial_variation))),
       fixture_s_(reaction_s(parameters, task.modality) * subject.reaction_factor *
                  subject.reaction_modality_factor[static_cast<std::size_t>(task.modality)]),
       touch_s_(parameters.visual_s * subject.reaction_factor),
@@ -87,7 +89,7 @@ ReactionTimes::ReactionTimes(const ReactionParameters& parameters, const Subject
       random_(stream_key(task, Purpose::kReaction)) {}
 
 std::int64_t ReactionTimes::draw(double median_s) {
-    return brain_ticks(median_s * std::exp(sigma_ * random_.normal() - 0.5 * sigma_ * sigma_));
+    return brain_ticks(median_s * portable::exp(sigma_ * random_.normal() - 0.5 * sigma_ * sigma_));
 }
 
 }  // namespace thimble

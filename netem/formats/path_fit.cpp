@@ -10,15 +10,15 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/math/portable.hpp"
+#include "common/math/real.hpp"
 #include "netem/link_reader.hpp"
 #include "netem/stages/delay_shape.hpp"
 
 namespace thimble {
 namespace {
 
-// No long double: the same bits from every compiler.
-using Normal = boost::math::normal_distribution<
-    double, boost::math::policies::policy<boost::math::policies::promote_double<false>>>;
+using Normal = boost::math::normal_distribution<portable::Real, portable::InReal>;
 
 constexpr double kMemoryG = 10.83;      // quantile 0.999 of chi squared with one degree of freedom
 constexpr double kFlatSpread_s = 1e-9;  // below what a stamp can tell
@@ -60,7 +60,9 @@ class ShapeCurve {
     static constexpr int kSteps = 2000;
     static constexpr double kReach = 5;
     static double z_of(double step) { return kReach * step / kSteps; }
-    static double share_at(double index) { return boost::math::cdf(Normal(), z_of(index - kSteps)); }
+    static double share_at(double index) {
+        return static_cast<double>(boost::math::cdf(Normal(), portable::Real(z_of(index - kSteps))));
+    }
 
     DelayShape shape_;
     std::vector<double> deviates_;
@@ -93,7 +95,8 @@ double lag_one_correlation(const MeasuredPath& path, const std::vector<double>& 
         const auto [low, high] =
             std::equal_range(sorted_s.begin(), sorted_s.end(), to_seconds(*packet.delay));
         const auto ranks = (low - sorted_s.begin()) + (high - sorted_s.begin());
-        return boost::math::quantile(Normal(), static_cast<double>(ranks) / 2 / n);
+        const portable::Real share = static_cast<double>(ranks) / 2 / n;
+        return static_cast<double>(boost::math::quantile(Normal(), share));
     };
     double products = 0, squares = 0, pairs = 0;
     std::optional<double> before;
@@ -146,8 +149,8 @@ struct Transitions {
 
 double log_likelihood(double hits, double of, double probability) {
     const double misses = of - hits;
-    return (hits > 0 ? hits * std::log(probability) : 0) +
-           (misses > 0 ? misses * std::log(1 - probability) : 0);
+    return (hits > 0 ? hits * portable::log(probability) : 0) +
+           (misses > 0 ? misses * portable::log(1 - probability) : 0);
 }
 
 double likelihood_ratio(const Transitions& t) {
@@ -239,7 +242,7 @@ void describe_delay(PathFit& fit) {
 // How many losses in a row a chain with these parameters would show at most, in so many bursts: geometric.
 double expected_longest(double bursts, double bad_to_good) {
     if (bad_to_good >= 1 || bursts < 1) return 1;
-    return 1 + std::log(bursts) / -std::log(1 - bad_to_good);
+    return 1 + portable::log(bursts) / -portable::log(1 - bad_to_good);
 }
 
 void describe_loss(PathFit& fit) {

@@ -5,24 +5,27 @@
 #include <cmath>
 #include <numbers>
 
+#include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 
+#include "common/math/portable.hpp"
+#include "common/math/real.hpp"
 #include "netem/jitter_table.hpp"
 
 namespace thimble {
 namespace {
 
-// No long double: the same bits from every compiler.
-using NoPromotion = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+using portable::InReal;
+using portable::Real;
 
 constexpr double kSqrtHalf = 0.5 * std::numbers::sqrt2;
-double below(double z) { return 0.5 * std::erfc(-z * kSqrtHalf); }
-double above(double z) { return 0.5 * std::erfc(z * kSqrtHalf); }
+double above(double z) { return 0.5 * static_cast<double>(boost::math::erfc(Real(z * kSqrtHalf), InReal())); }
+double below(double z) { return above(-z); }
 
 // Index 3: x^-3 of all lie above x >= 1. Mean 3/2, variance 3/4.
 double pareto(double share_above) {
     constexpr double kPerStandardDeviation = 2 * std::numbers::inv_sqrt3;
-    return (1 / std::cbrt(share_above) - 1.5) * kPerStandardDeviation;
+    return (1 / portable::cbrt(share_above) - 1.5) * kPerStandardDeviation;
 }
 
 // Both parts of one packet at the same quantile, as in iproute2's paretonormal.c, but scaled to a standard
@@ -42,17 +45,18 @@ constexpr double kCell = 2 * kReach / kCells;
 constexpr double kNearlyNormal = 1e8;
 
 double gamma_quantile(double k, double z) {
-    return z < 0 ? boost::math::gamma_p_inv(k, below(z), NoPromotion{})
-                 : boost::math::gamma_q_inv(k, above(z), NoPromotion{});
+    const Real quantile = z < 0 ? boost::math::gamma_p_inv(Real(k), Real(below(z)), InReal())
+                                : boost::math::gamma_q_inv(Real(k), Real(above(z)), InReal());
+    return static_cast<double>(quantile);
 }
 
 // dG/dz = phi(z) / f(G), f(G) = G^(k-1) exp(-G) / Gamma(k).
 double gamma_slope(double k, double z, double quantile) {
     if (quantile <= 0) return 0;
-    const double log_normal = -0.5 * z * z - 0.5 * std::log(2 * std::numbers::pi);
-    const double log_density =
-        (k - 1) * std::log(quantile) - quantile - boost::math::lgamma(k, NoPromotion{});
-    return std::exp(log_normal - log_density);
+    const double log_normal = -0.5 * z * z - 0.5 * portable::log(2 * std::numbers::pi);
+    const double log_density = (k - 1) * portable::log(quantile) - quantile -
+                               static_cast<double>(boost::math::lgamma(Real(k), InReal()));
+    return portable::exp(log_normal - log_density);
 }
 
 }  // namespace
@@ -101,7 +105,7 @@ double DelayShape::at_normal(double z) const {
         case JitterShape::kNone:
             return 0;
         case JitterShape::kUniform:
-            return std::erf(z * kSqrtHalf);
+            return static_cast<double>(boost::math::erf(Real(z * kSqrtHalf), InReal()));
         case JitterShape::kNormal:
             return z;
         case JitterShape::kGamma:

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "analysis/figures/cell_map.hpp"
+#include "common/math/portable.hpp"
 #include "master/operator/limb.hpp"
 #include "stability/critical_delay.hpp"
 #include "stability/loop_measures.hpp"
@@ -28,7 +29,7 @@ MapPlan map_plan() {
     for (std::size_t i = 0; i < kMapPoints; ++i) {
         const double part = static_cast<double>(i) / (kMapPoints - 1);
         plan.delays_s.push_back(0.2 * part);
-        plan.stiffness_N_per_m.push_back(50 * std::pow(400, part));
+        plan.stiffness_N_per_m.push_back(50 * portable::pow(400, part));
     }
     return plan;
 }
@@ -211,7 +212,7 @@ double operator_growth_per_s(const SystemSettings& settings, double lag_s, doubl
         if (!(std::abs(limb.position_hand_m()) < 1e6)) break;
     }
     const std::span<const double> all(trace);
-    return std::log(growth_per_sample(all.subspan(all.size() / 2))) / kTick_s;
+    return portable::log(growth_per_sample(all.subspan(all.size() / 2))) / kTick_s;
 }
 
 ReportSection handle_loop_section(const std::filesystem::path& out, unsigned jobs) {
@@ -220,7 +221,8 @@ ReportSection handle_loop_section(const std::filesystem::path& out, unsigned job
     std::size_t cells = 0, wrong = 0;
     for (const std::vector<MapCell>& column : columns) {
         for (const MapCell& cell : column) {
-            const double away = std::abs(std::log(cell.stiffness_N_per_m / cell.critical_stiffness_N_per_m));
+            const double away =
+                std::abs(portable::log(cell.stiffness_N_per_m / cell.critical_stiffness_N_per_m));
             const bool should_grow = cell.stiffness_N_per_m > cell.critical_stiffness_N_per_m;
             if (cell.growth == GrowthClass::kMarginal || away < 0.02) continue;
             ++cells;

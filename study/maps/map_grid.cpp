@@ -12,6 +12,7 @@
 
 #include "common/control/control_settings.hpp"
 #include "common/error.hpp"
+#include "common/math/portable.hpp"
 #include "common/messages.hpp"
 #include "stability/critical_delay.hpp"
 #include "stability/delayed_loop.hpp"
@@ -35,7 +36,7 @@ std::vector<double> spread(double low, double high, long points, bool logarithmi
     values.reserve(static_cast<std::size_t>(points));
     for (long i = 0; i < points; ++i) {
         const double part = static_cast<double>(i) / static_cast<double>(points - 1);
-        values.push_back(logarithmic ? low * std::pow(high / low, part) : low + (high - low) * part);
+        values.push_back(logarithmic ? low * portable::pow(high / low, part) : low + (high - low) * part);
     }
     return values;
 }

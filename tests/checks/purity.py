@@ -1,4 +1,5 @@
-"""What logic must not name: clocks, sockets, files, the machine's own random numbers, JSON's writer that throws.
+"""What logic must not name: clocks, sockets, files, the machine's own random numbers, functions whose bits depend on the machine,
+JSON's writer that throws.
 
 usage: purity.py PROJECT_ROOT
 
@@ -22,6 +23,15 @@ def is_node(path):
 
 def is_process(path):
     return path.rsplit(".", 1)[0].endswith("_process")
+
+
+def is_drawing(path):
+    return path.startswith(("visual_node/window/", "visual_node/views/"))
+
+
+# Each of these has variants by the CPU, or is open to a library in its last bits. sqrt, fma, floor, fmod, ldexp and the like are exact.
+ELEMENTARY = r"""(?:exp[2m]?1?0?|log(?:2|10|1p)?|a?(?:sin|cos|tan)h?|atan2|sincos|pow|cbrt|hypot|erfc?|[tl]gamma(?:_r)?
+                  |polar|expint|riemann_zeta)[fl]?"""
 
 
 class Rule(NamedTuple):
@@ -61,6 +71,22 @@ RULES = (
         "numbers that differ between libraries (std:: distributions, long double)",
         lambda path: True,
         re.compile(r"\bstd::\w+_distribution\b|\blong\s+double\b"),
+    ),
+    Rule(
+        "a function whose last bits depend on the machine (common/math/portable.hpp has those that do not)",
+        lambda path: not is_drawing(path),
+        re.compile(rf"\bstd::{ELEMENTARY}\b(?=\s*[(;,)])|\bstd::complex\b|<(?:complex|math\.h)>", re.VERBOSE),
+    ),
+    # Numbers of sixty digits have functions of these names too, which are found without a prefix.
+    Rule(
+        "a function of C, whose last bits depend on the machine (common/math/portable.hpp has those that do not)",
+        lambda path: not is_drawing(path) and not path.startswith(("stability/", "common/math/")),
+        re.compile(rf"(?<![\w:.>~])(?<!double )(?:::)?{ELEMENTARY}\s*\((?!\s*\))", re.VERBOSE),
+    ),
+    Rule(
+        "Boost's mathematics of double, whose last bits depend on the machine (it takes portable::Real)",
+        lambda path: True,
+        re.compile(r"(?<!std::)\b(?:normal|students_t|fisher_f|chi_squared|binomial|poisson|exponential|gamma|beta)_distribution<(?!(?:\w+::)*Real\b)"),
     ),
     Rule(
         "a JSON writer that throws at a path that is no UTF-8 (json_text() does not)",

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/portable.hpp"
+
 namespace thimble {
 namespace {
 
@@ -26,7 +28,7 @@ struct LegView {
 };
 
 std::optional<LegView> view_of(std::size_t leg, const DeviceVector& p) {
-    const double cosine = std::cos(kPlane_rad[leg]), sine = std::sin(kPlane_rad[leg]);
+    const double cosine = portable::cos(kPlane_rad[leg]), sine = portable::sin(kPlane_rad[leg]);
     LegView view{};
     view.u_m = p[0] * cosine + p[1] * sine - kRadius_m;
     view.v_m = -p[0] * sine + p[1] * cosine - kSide_m;
@@ -45,7 +47,7 @@ std::optional<double> angle_of(const LegView& view) {
     const double l0 = K - 2 * a * (view.u_m + c), l1 = -4 * a * view.w_m, l2 = K + 2 * a * (view.u_m + c);
     const double root = l1 * l1 - 4 * l0 * l2;
     if (!(root >= 0) || l2 == 0) return std::nullopt;
-    return 2 * std::atan((-l1 - std::sqrt(root)) / (2 * l2));
+    return 2 * portable::atan((-l1 - std::sqrt(root)) / (2 * l2));
 }
 
 // d theta / d p, a row per leg. False where it has none.
@@ -53,13 +55,13 @@ bool derivative(const DeviceVector& p, const FalconAngles& angles_rad, Matrix& r
     for (std::size_t leg = 0; leg < 3; ++leg) {
         const auto view = view_of(leg, p);
         if (!view) return false;
-        const double cosine = std::cos(angles_rad[leg]), sine = std::sin(angles_rad[leg]);
+        const double cosine = portable::cos(angles_rad[leg]), sine = portable::sin(angles_rad[leg]);
         const double gu = 2 * (view->u_m + kFoot_m - kThigh_m * cosine),
                      gw = 2 * (view->w_m - kThigh_m * sine);
         const double gv = 2 * view->reach_m * (view->v_m + kOffset_m) / view->across_m;
         const double gth = 2 * kThigh_m * ((view->u_m + kFoot_m) * sine - view->w_m * cosine);
         if (std::fabs(gth) < 1e-9) return false;
-        const double c = std::cos(kPlane_rad[leg]), s = std::sin(kPlane_rad[leg]);
+        const double c = portable::cos(kPlane_rad[leg]), s = portable::sin(kPlane_rad[leg]);
         rows[leg] = {-(gu * c - gv * s) / gth, -(gu * s + gv * c) / gth, -gw / gth};
     }
     return true;
