@@ -32,6 +32,7 @@ struct ConditionPlan {
     SessionSettings session;
     double delay_s = 0;  // of the force path
     std::string name{};  // among conditions that run at the same time, "50ms"; empty: there is no other
+    unsigned place = 0;  // among them
     std::vector<TrialConditions> trials;
     // The loop calls the observer right after the session, with the session's clock. The sockets that it opens wake the loop.
     // Empty: the session has no observer.

@@ -167,15 +167,23 @@ void GrantedProcess::lose(LockStepEnd::Silence silence) {
     next_ = kNever;
 }
 
-CoreLease::CoreLease() {
+// The first place has the core that this program happens to be on: so programs side by side spread.
+CoreLease::CoreLease(unsigned place) {
+    static const int first = sched_getcpu();
     sched_getaffinity(0, sizeof before_, &before_);
+    std::vector<int> cores;
+    for (int core = 0; core < CPU_SETSIZE; ++core) {
+        if (CPU_ISSET(core, &before_)) cores.push_back(core);
+    }
+    const auto here = std::find(cores.begin(), cores.end(), first) - cores.begin();
     cpu_set_t one;
     CPU_ZERO(&one);
-    CPU_SET(std::max(0, sched_getcpu()), &one);
+    CPU_SET(cores[(static_cast<std::size_t>(here) + place) % cores.size()], &one);
     sched_setaffinity(0, sizeof one, &one);
 }
 
-LockStepNodes::LockStepNodes(const ConditionPlan& plan) : plan_(plan), files_(plan), nodes_(plan, files_) {
+LockStepNodes::LockStepNodes(const ConditionPlan& plan)
+    : plan_(plan), core_(plan.place), files_(plan), nodes_(plan, files_) {
     make_folder(plan.out);
     std::vector<std::unique_ptr<FileDescriptor>> theirs;
     std::array<int, kNodes.size()> inputs{};

@@ -56,10 +56,10 @@ class GrantedProcess final : public Process {
     std::optional<LockStepEnd::Silence> silence_;
 };
 
-// The thread that makes it, and the programs that it starts, run on one core: a wake-up across cores takes ten times one on the same.
+// The thread that makes it, and the programs that it starts, run on one core, another one at each place: a wake-up across cores takes ten times one on the same.
 class CoreLease : boost::noncopyable {
   public:
-    CoreLease();
+    explicit CoreLease(unsigned place);
     ~CoreLease() { sched_setaffinity(0, sizeof before_, &before_); }
 
   private:

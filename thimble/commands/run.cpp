@@ -73,14 +73,15 @@ class Run {
     bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
 
     unsigned condition_count() const {
-        if (!by(RunClock::kWall)) return 1;
+        if (by(RunClock::kVirtual)) return 1;
         if (held_by_person(settings_.handle.kind))
             return 1;  // one hand, and one device that can be opened once
         // By itself one where other machines take part: how many cores those have is not known here.
         const unsigned cores = elsewhere() ? 1 : std::thread::hardware_concurrency();
+        const unsigned by_itself = by(RunClock::kLockStep) ? cores : cores / 2;
         const unsigned wanted = settings_.plan.parallel_conditions > 0
                                     ? static_cast<unsigned>(settings_.plan.parallel_conditions)
-                                    : std::max(1U, cores / 2);
+                                    : std::max(1U, by_itself);
         return std::min(wanted, static_cast<unsigned>(delays_.size()));
     }
 
@@ -90,22 +91,32 @@ class Run {
         for (unsigned place = 0; place < condition_count(); ++place)
             threads.emplace_back([this, place] { work(place); });
         for (std::thread& thread : threads) thread.join();
+        while (turn_ < delays_.size()) pass_turn();
     }
 
     void work(unsigned place) {
         for (;;) {
             std::unique_lock lock(mutex_);
             if (failure_ || result_.code != ExitCode::kOk || next_delay_ >= delays_.size()) return;
-            const double delay_s = to_seconds(delays_[next_delay_++]);
+            const std::size_t delay = next_delay_++;
             lock.unlock();
             try {
-                run_delay(place, delay_s);
+                run_delay(place, delay);
             } catch (...) {
                 const std::lock_guard guard(mutex_);
                 if (!failure_) failure_ = std::current_exception();
                 failed_ = true;
             }
+            lock.lock();
+            done_[delay] = true;
+            while (turn_ < delays_.size() && done_[turn_]) pass_turn();
         }
+    }
+
+    void pass_turn() {
+        if (++turn_ == delays_.size()) return;
+        for (const TrialRecord& record : waiting_[turn_]) write(record);
+        waiting_[turn_].clear();
     }
 
     SystemSettings settings_with(double delay_s) const {
@@ -124,6 +135,7 @@ class Run {
         plan.session = session_settings(settings_with(delay_s));
         plan.session.ends_by_withdrawal = held_by_person(settings_.handle.kind);
         plan.delay_s = delay_s;
+        plan.place = place;
         if (condition_count() > 1) plan.name = fmt::format("{:g}ms", 1000 * delay_s);
         plan.trials = run_trials_of(settings_, delay_s);
         plan.make_observer = options_.make_observer;
@@ -136,7 +148,8 @@ class Run {
         return plan;
     }
 
-    void run_delay(unsigned place, double delay_s) {
+    void run_delay(unsigned place, std::size_t delay) {
+        const double delay_s = to_seconds(delays_[delay]);
         const ConditionPlan planned = plan(place, delay_s);
         ConditionEvents events;
         events.stop = [this] {
@@ -144,7 +157,7 @@ class Run {
                    (options_.quit && options_.quit());
         };
         events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
-        events.trial_done = [this](const TrialRecord& record) { keep(record); };
+        events.trial_done = [this, delay](const TrialRecord& record) { keep(delay, record); };
         ConditionResult result = run_by_clock(planned, events);
         const std::lock_guard guard(mutex_);
         for (auto& node : result.reports) nodes_.push_back({delay_s, std::move(node)});
@@ -180,9 +193,15 @@ class Run {
                        false);
     }
 
-    void keep(const TrialRecord& record) {
-        const TrialRow row = make_row(record);
+    // In real time as trials end. Where bytes are repeatable, the table has the order of the delays, whichever was first.
+    void keep(std::size_t delay, const TrialRecord& record) {
         const std::lock_guard guard(mutex_);
+        if (by(RunClock::kWall) || delay == turn_) return write(record);
+        waiting_[delay].push_back(record);
+    }
+
+    void write(const TrialRecord& record) {
+        const TrialRow row = make_row(record);
         table_->append(row);
         panels_.add(record);
         result_.rows.push_back(row);
@@ -285,6 +304,9 @@ class Run {
     std::vector<NodeReport> nodes_;
     std::vector<NodeClock> clocks_;
     std::size_t next_delay_ = 0;
+    std::size_t turn_ = 0;  // the delay whose trials are written as they end
+    std::vector<std::vector<TrialRecord>> waiting_ = std::vector<std::vector<TrialRecord>>(delays_.size());
+    std::vector<bool> done_ = std::vector<bool>(delays_.size());
     std::atomic<bool> failed_ = false;
     std::exception_ptr failure_;
     RunResult result_;
