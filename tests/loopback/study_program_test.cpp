@@ -93,7 +93,7 @@ TEST(StudyProgram, FiguresAreAlsoPdf) {
     try {
         run_program("gnuplot", {"-V"}, ".", "");
     } catch (const Error&) {
-        GTEST_SKIP() << "gnuplot is not installed";
+        GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     }
     const Folder folder;
     const Outcome study =

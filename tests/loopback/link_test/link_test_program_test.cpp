@@ -164,7 +164,8 @@ class LinkTestNamespace : public LinkTest {
                 {"-c",
                  "unshare -rn sh -c 'PATH=$PATH:/usr/sbin:/sbin; ip link add near type veth peer name away'"})
                 .code != 0)
-            GTEST_SKIP() << "no network namespaces, veth or ip(8) here";
+            GTEST_SKIP() << "the kernel or this container has no network namespaces with veth for us, or "
+                            "ip(8) is missing (package iproute2)";
     }
     Result inside(const std::string& script) {
         const auto file = folder.write("script", "PATH=$PATH:/usr/sbin:/sbin\n" + script);

@@ -46,7 +46,7 @@ void write_trials(const std::filesystem::path& file) {
 }
 
 TEST(ReadingExamples, PandasReadsTheTrials) {
-    if (!has_package("pandas")) GTEST_SKIP() << "there is no pandas (python3-pandas)";
+    if (!has_package("pandas")) GTEST_SKIP() << "there is no pandas (package python3-pandas)";
     const Folder folder;
     write_trials(folder / "trials.csv");
     const Outcome said = run_to_end("/usr/bin/python3", {kExamples + "trials.py", (folder / "").string()});
@@ -56,7 +56,7 @@ TEST(ReadingExamples, PandasReadsTheTrials) {
 }
 
 TEST(ReadingExamples, RReadsTheTrials) {
-    if (!std::filesystem::exists("/usr/bin/Rscript")) GTEST_SKIP() << "there is no R (r-base-core)";
+    if (!std::filesystem::exists("/usr/bin/Rscript")) GTEST_SKIP() << "there is no R (package r-base-core)";
     const Folder folder;
     write_trials(folder / "trials.csv");
     const Outcome said = run_to_end("/usr/bin/Rscript", {kExamples + "trials.R", (folder / "").string()});
@@ -66,7 +66,7 @@ TEST(ReadingExamples, RReadsTheTrials) {
 }
 
 TEST(ReadingExamples, H5pyReadsALogWithItsUnits) {
-    if (!has_package("h5py")) GTEST_SKIP() << "there is no h5py (python3-h5py)";
+    if (!has_package("h5py")) GTEST_SKIP() << "there is no h5py (package python3-h5py)";
     const Folder folder;
     WrittenLog log;
     NeedleCommand command;
@@ -142,7 +142,7 @@ nlohmann::json heard_of(SessionFile session) {
 }
 
 TEST(PlotJuggler, APythonProgramHearsTheSession) {
-    if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library";
+    if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library (package python3)";
     const auto conditions = heard_of({});
     ASSERT_EQ(conditions.size(), 1U) << conditions;
     const auto heard = conditions.at("");  // alone it has no name
@@ -159,7 +159,7 @@ TEST(PlotJuggler, APythonProgramHearsTheSession) {
 
 // Else both delays were drawn as one curve that jumps to and fro.
 TEST(PlotJuggler, LanesSideBySideHaveNames) {
-    if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library";
+    if (!has_python()) GTEST_SKIP() << "there is no python3 with its standard library (package python3)";
     SessionFile session;
     session.delays_s = "[0.0, 0.0025]";
     session.parallel_conditions = 2;

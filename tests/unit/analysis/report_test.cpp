@@ -47,7 +47,7 @@ std::size_t count(const std::string& text, const std::string& what) {
 }
 
 TEST(Report, StandsAloneWithInlineFigures) {
-    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     const TemporaryDirectory directory;
     const Study study = small_study();
     ReportInput report{"A <study>", {}, {{"seed", "1"}, {"command", "thimble study \"x\" & y"}}};
@@ -85,7 +85,7 @@ TEST(Report, StandsAloneWithInlineFigures) {
 }
 
 TEST(Report, FiguresKeepTheirIdsApart) {
-    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     const TemporaryDirectory directory;
     const Study study = small_study();
     const DrawnFigures drawn =

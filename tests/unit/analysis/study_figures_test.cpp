@@ -149,7 +149,7 @@ struct ThreeExperiments {
 };
 
 TEST(StudyFigures, AreDrawnAsSvgAndPdf) {
-    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     const TemporaryDirectory directory;
     const ThreeExperiments study;
     const StudyFigures figures = draw_study(study.rows, study.panels, directory.path());
@@ -189,7 +189,7 @@ TEST(StudyFigures, WithoutGnuplotEverySectionSaysSo) {
 
 // Figures drawn before the failing one are kept.
 TEST(DrawFigures, OneThatFailsDoesNotTakeTheOthersAlong) {
-    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     const TemporaryDirectory directory;
     const std::string good = gnuplot_preamble("good", 300, 200) + "plot 'good.tsv' using 1:2\n";
     const std::string bad = gnuplot_preamble("bad", 300, 200) + "plod\n";

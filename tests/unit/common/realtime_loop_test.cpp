@@ -50,7 +50,7 @@ TEST(RealtimeLease, IsOneStepBelowTheNodesAndNotHandedDown) {
     std::thread([] {
         {
             const RealtimeLease lease(RuntimeSettings{.priority = 42});
-            if (!lease.granted()) GTEST_SKIP() << "this user may not have SCHED_FIFO";
+            if (!lease.granted()) GTEST_SKIP() << "this user may not have SCHED_FIFO: root, or ulimit -r";
             sched_param got{};
             sched_getparam(0, &got);
             EXPECT_EQ(got.sched_priority, 41);

@@ -23,7 +23,7 @@ constexpr const char* kVermillionArea = "rgb(213,  94,   0)";
 class MapPictures : public testing::Test {
   protected:
     void SetUp() override {
-        if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+        if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     }
     SvgPicture drawn(const FigureSource& figure) const {
         return SvgPicture(run_gnuplot(folder_.path(), figure.name, figure.data, figure.script));

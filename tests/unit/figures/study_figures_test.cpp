@@ -162,7 +162,7 @@ const std::vector<Case> kCases{
 class StudyPictures : public testing::TestWithParam<Case> {
   protected:
     void SetUp() override {
-        if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+        if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     }
 };
 
@@ -187,7 +187,7 @@ INSTANTIATE_TEST_SUITE_P(Of, StudyPictures, testing::ValuesIn(kCases),
                          [](const auto& of) { return std::string(of.param.name); });
 
 TEST(ExperimentsSideBySide, HaveNothingToStumbleOver) {
-    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     SmallStudy study;
     study.add(1, {Modality::kCF, Modality::kVF}, {0}, 2);
     study.add(2, {Modality::kHF}, {0}, 1);
@@ -207,7 +207,7 @@ const Figure& figure_named(const DrawnFigures& drawn, const std::string& name) {
 
 // Warm and cold as in the windows, on the light ground.
 TEST(TrajectoryPicture, HasTheColoursOfNeedleAndSurface) {
-    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     SmallStudy study;
     study.add(3, kAll, {0.05}, 2);
     const TemporaryDirectory folder;
@@ -221,7 +221,7 @@ TEST(TrajectoryPicture, HasTheColoursOfNeedleAndSurface) {
 }
 
 TEST(BarPicture, SaysHowManyAndWhatTheWhiskersAre) {
-    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     SmallStudy study;
     study.add(3, kAll, {0, 0.05}, 3);
     study.add(3, Modality::kCF, 0.05, 4, 0.00002);
@@ -237,7 +237,7 @@ TEST(BarPicture, SaysHowManyAndWhatTheWhiskersAre) {
 }
 
 TEST(BarPicture, NamesTheValueOfABarTooLowToBeSeen) {
-    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed";
+    if (!have_gnuplot()) GTEST_SKIP() << "gnuplot is not installed (package gnuplot-nox)";
     SmallStudy study;
     study.add(2, Modality::kHF, 0, 1, 0.04);
     study.add(2, Modality::kCF, 0, 1, 0.00006);

@@ -123,7 +123,7 @@ TEST(UsbAdvice, NamesTheNextStep) {
 }
 
 TEST_F(FalconUsb, TellsForbidden) {
-    if (geteuid() == 0) GTEST_SKIP() << "root may open everything";
+    if (geteuid() == 0) GTEST_SKIP() << "root may open everything: another user than root";
     MockFalcon falcon(*bed_, 2, "F1");
     std::filesystem::permissions(falcon.file(), std::filesystem::perms::none);
     EXPECT_EQ(look_for_usb(0x0403, 0xcb48).presence, UsbPresence::kForbidden);

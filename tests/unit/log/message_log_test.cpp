@@ -150,7 +150,8 @@ TEST(MessageLog, NeverOverwrites) {
 TEST(IndependentReader, OpensOurLogs) {
     const std::filesystem::path modules = THIMBLE_SOURCE_DIR "/build/log_reader/node_modules";
     if (!std::filesystem::exists(modules / "@mcap/core"))
-        GTEST_SKIP() << "@mcap/core is not installed: deploy/install-log-reader does that where there is npm";
+        GTEST_SKIP() << "@mcap/core is not installed: deploy/install-log-reader does that where there is npm "
+                        "(package npm)";
     TappedMaster master;
     const auto session = master.folder.path() / "session.toml";
     write_text_file(session, "# a session\n");

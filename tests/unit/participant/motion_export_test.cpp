@@ -106,8 +106,8 @@ TEST_F(MotionBids, WhatFailsLeavesNothingBehind) {
 TEST_F(MotionBids, TheirValidatorFindsNoError) {
     const std::string validator = THIMBLE_SOURCE_DIR "/build/bids_validator/cli-1.15.0.js";
     if (!std::filesystem::exists(validator))
-        GTEST_SKIP()
-            << "bids-validator is not installed: deploy/install-bids-validator does that where there is npm";
+        GTEST_SKIP() << "bids-validator is not installed: deploy/install-bids-validator does that where "
+                        "there is npm (package npm)";
     export_motion(study(), bids());
     const auto said = folder_ / "said";
     const auto judge = [&] {
