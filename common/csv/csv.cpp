@@ -10,6 +10,7 @@
 
 #include <fmt/ranges.h>
 
+#include "common/csv/spreadsheet.hpp"
 #include "common/error.hpp"
 
 namespace thimble {
@@ -17,6 +18,9 @@ namespace {
 
 std::string read_whole(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
+    std::error_code unknown;
+    if (std::filesystem::is_directory(file, unknown))  // opens as a stream, too, as an empty one
+        throw Error(ExitCode::kData, "{}: is a folder, and a table is meant: name the file", file.string());
     if (!in) {
         throw Error(ExitCode::kData, "{}: cannot be read; check that the file exists and is yours to read",
                     file.string());
@@ -62,7 +66,11 @@ void CsvField::fail(std::string_view why) const {
 
 CsvReader::CsvReader(std::filesystem::path file, std::span<const std::string_view> columns, char separator,
                      std::size_t later, LastLine last)
-    : file_(std::move(file)), columns_(columns), separator_(separator), text_(read_whole(file_)) {
+    : file_(std::move(file)),
+      columns_(columns),
+      separator_(separator),
+      text_(plain_table(read_whole(file_), file_.string(), separator,
+                        last == LastLine::kWhole ? Semicolons::kTake : Semicolons::kRefuse)) {
     if (last == LastLine::kMayBeTorn) {
         if (ends_within_header()) {
             text_.clear();

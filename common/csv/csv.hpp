@@ -1,5 +1,6 @@
 // The project's own CSV and TSV files, read strictly: a header line of known columns, then lines of plain
-// fields (no quoting is needed, no field holds the separator), comment lines from '#'. Errors name line and column.
+// fields (no quoting is needed, no field holds the separator), comment lines from '#'. Errors name line and column. They may have
+// gone through a spreadsheet (spreadsheet.hpp), with semicolons only where no line will be added (LastLine::kWhole).
 #pragma once
 
 #include <cstdint>

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "common/csv/spreadsheet.hpp"
 #include "common/error.hpp"
 #include "netem/formats/text_lines.hpp"
 
@@ -40,7 +41,8 @@ constexpr std::array<ColumnName, 13> kNames{{{"time_s", Quantity::kTime, 1e9},
 
 class PathParser {
   public:
-    PathParser(std::string_view text, std::string_view name) : lines_(text, name), name_(name) {}
+    PathParser(std::string_view text, std::string_view name)
+        : text_(plain_table(std::string(text), name)), lines_(text_, name), name_(name) {}
 
     MeasuredPath parse() {
         if (!next_line())
@@ -150,6 +152,7 @@ class PathParser {
         }
     }
 
+    std::string text_;
     LineReader lines_;
     std::string_view name_;
     std::vector<ColumnName> columns_;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/csv/spreadsheet.hpp"
 #include "netem/formats/text_lines.hpp"
 
 namespace thimble {
@@ -18,7 +19,7 @@ constexpr std::string_view kPosition = "position_needle_m";
 class Reader {
   public:
     Reader(std::string_view text, std::string_view name, const NeedleLimits& limits)
-        : lines_(text, name), name_(name), limits_(limits) {}
+        : text_(plain_table(std::string(text), name)), lines_(text_, name), name_(name), limits_(limits) {}
 
     NeedlePath read() {
         read_header();
@@ -88,8 +89,9 @@ class Reader {
 
     void append(const NeedlePath::Sample& sample, std::vector<NeedlePath::Sample>& samples) const {
         if (std::abs(sample.position_m) > limits_.farthest_m) {
-            fail(fmt::format("the needle is at {} m, more than {} m away: are these metres?",
-                             sample.position_m, limits_.farthest_m));
+            fail(fmt::format(
+                "the needle is at {} m, more than {} m away: are these millimetres? Positions are in m",
+                sample.position_m, limits_.farthest_m));
         }
         if (!samples.empty()) check_pace(samples.back(), sample);
         samples.push_back(sample);
@@ -106,11 +108,16 @@ class Reader {
                              elapsed_s, before.line, limits_.longest_gap_s));
         }
         if (!(std::abs(sample.position_m - before.position_m) <= limits_.fastest_m_per_s * elapsed_s)) {
-            fail(fmt::format("the needle would have moved {} m in {} s since line {}",
-                             sample.position_m - before.position_m, elapsed_s, before.line));
+            fail(fmt::format(
+                "the needle would have moved {} m in {} s since line {}, at {:.4g} m/s, and {} m/s is "
+                "the fastest that is believed: are these millimetres or milliseconds? Positions are "
+                "in m, times in s",
+                sample.position_m - before.position_m, elapsed_s, before.line,
+                std::abs(sample.position_m - before.position_m) / elapsed_s, limits_.fastest_m_per_s));
         }
     }
 
+    std::string text_;
     LineReader lines_;
     std::string_view name_;
     const NeedleLimits& limits_;

@@ -133,8 +133,9 @@ std::span<const TableColumn<TrialRow>> trial_columns() { return kColumns; }
 
 TrialTable::TrialTable(const std::filesystem::path& path, IfExists if_exists) : file_(path, if_exists) {
     if (!file_.is_new()) {
-        (void)CsvReader(path, kColumnNames);  // of an earlier version: its lines would be shorter
-        read_trial_table(path);               // to append to a damaged table would hide the damage
+        (void)CsvReader(path, kColumnNames, ',', 0,
+                        LastLine::kMayBeTorn);  // of an earlier version: its lines would be shorter
+        read_trial_table(path);                 // to append to a damaged table would hide the damage
         return;
     }
     file_.write(fmt::format("{}\n", fmt::join(kColumnNames, ",")));

@@ -49,6 +49,20 @@ TEST(NeedleFile, TakesWhatSpreadsheetsWrite) {
     EXPECT_EQ(parse(kHeader + "0,0\n1,0.25").samples.back().position_m, 0.25);  // no newline at the end
 }
 
+TEST(NeedleFile, TakesSemicolonsAndDecimalCommas) {
+    const NeedlePath path = parse("\xEF\xBB\xBFtime_s;position_needle_m\r\n0;0,5\r\n0,5;-0,25\r\n");
+    ASSERT_EQ(path.samples.size(), 2u);
+    EXPECT_EQ(path.samples[1].time_s, 0.5);
+    EXPECT_EQ(path.samples[1].position_m, -0.25);
+    EXPECT_EQ(path.samples[1].line, 3u);
+    EXPECT_THAT(refusal_of("time_s;position_needle_m\n0;1.234,5\n"),
+                AllOf(StartsWith("needle.csv:2:"), HasSubstr("no decimal comma")));
+}
+
+TEST(NeedleFile, AFastHandIsStillAHand) {
+    EXPECT_EQ(parse(kHeader + "0,0\n0.001,0.00999\n").samples.size(), 2u);
+}
+
 TEST(NeedleFile, NamesLineAndMistake) {
     struct Case {
         std::string lines;
@@ -70,8 +84,10 @@ TEST(NeedleFile, NamesLineAndMistake) {
              Case{"0,+\n", "needle.csv:2:", "not a finite number"},
              Case{"0,+-1\n", "needle.csv:2:", "'+-1', which is not a finite number"},
              Case{"0,0\n11,0\n", "needle.csv:3:", "a gap of 11 s since line 2"},
-             Case{"0,12\n", "needle.csv:2:", "are these metres?"},
+             Case{"0,12\n", "needle.csv:2:", "are these millimetres?"},
              Case{"0,0\n5e-324,1\n", "needle.csv:3:", "would have moved"},
+             Case{"0,0\n0.001,0.0101\n", "needle.csv:3:", "since line 2, at 10.1 m/s"},
+             Case{"0,3\n0.001,2.985\n", "needle.csv:3:", "millimetres"},
              Case{"", "needle.csv:1:", "no sample"},
          }) {
         EXPECT_THAT(refusal_of(kHeader + c.lines), AllOf(StartsWith(c.place), HasSubstr(c.why))) << c.lines;
