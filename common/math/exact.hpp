@@ -29,7 +29,7 @@ DoubleDouble inverse_of_natural_logarithm(double x);
 
 // Parts of a constant that are short enough for exact products with whole numbers, and the rest: the first two have 26 bits each.
 struct Parts {
-    double first, second;
+    double first = 0, second = 0;
     DoubleDouble rest;
 };
 Parts parts_of_logarithm_of_two(int divisor);

