@@ -3,9 +3,10 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
-#include <string>
+#include <sys/types.h>
 
 #include <boost/core/noncopyable.hpp>
 
@@ -29,12 +30,23 @@ enum class LockStepKind : std::uint16_t {
 struct LockStepMessage {
     std::uint16_t version = kLockStepVersion;
     LockStepKind kind{};
-    std::uint32_t reserved = 0;
+    std::uint32_t by_page =
+        0;  // of the first kReady, 1: from now on both ends use the page that came with kBegin
     std::int64_t time_ns = 0;
     std::uint64_t instance = 0;  // of kBegin: the node's own number in the headers of its messages
     std::array<std::uint16_t, 36> datagrams{};  // by Port, as far as there are ports
 };
 static_assert(sizeof(LockStepMessage) == 96 && kPortCount <= 36);
+
+// Memory of both ends, which costs half of what the socket does. A futex is how often its message has been written.
+struct LockStepPage {
+    struct Slot {
+        alignas(64) std::atomic<std::uint32_t> turn;
+        LockStepMessage message;
+    };
+    Slot order, answer;
+};
+static_assert(sizeof(LockStepPage) == 256);
 
 // One end of the socket between conductor and node.
 class LockStepEnd : boost::noncopyable {
@@ -43,16 +55,30 @@ class LockStepEnd : boost::noncopyable {
     LockStepEnd(int descriptor, Duration limit);
     ~LockStepEnd();
 
+    // The conductor's: a page goes with the next message. A program that does not know pages keeps to the socket.
+    void offer_page();
     // False: the other end is gone.
-    bool send(const LockStepMessage& message) const;
+    bool send(LockStepMessage message);
     enum class Silence { kLate, kGone, kInterrupted };
     // Throws Error (network) if it is no message of this version.
     std::optional<LockStepMessage> receive();
     Silence silence() const { return silence_; }  // why receive() gave nothing
 
   private:
+    bool send_by_socket(const LockStepMessage& message);
+    ssize_t receive_by_socket(LockStepMessage& message);
+    ssize_t receive_by_page(LockStepMessage& message);
+    bool has_ended() const;
+    void map(int page);
+
     int descriptor_;
+    Duration limit_;
     Silence silence_ = Silence::kGone;
+    bool conductor_ = false, by_page_ = false;
+    int offered_ = -1;
+    LockStepPage* page_ = nullptr;  // null: the socket alone
+    LockStepPage::Slot *out_ = nullptr, *in_ = nullptr;
+    std::uint32_t heard_ = 0;
 };
 
 // Answers each grant with a tick, until another order comes, which it returns; none if the conductor is gone or a signal ends the program.

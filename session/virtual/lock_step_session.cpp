@@ -193,6 +193,7 @@ LockStepNodes::LockStepNodes(const ConditionPlan& plan)
             throw Error(ExitCode::kRunFailed, "cannot make a socket for {}: {}", kNodes[i].program,
                         std::strerror(errno));
         ends_[i] = std::make_unique<LockStepEnd>(pair[0], plan.answer_limit);
+        ends_[i]->offer_page();
         theirs.push_back(std::make_unique<FileDescriptor>(pair[1]));
         inputs[i] = pair[1];
     }

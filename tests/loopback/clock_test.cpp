@@ -22,6 +22,8 @@ using testing::HasSubstr;
 constexpr const char* kEasy =
     "[session]\nmodalities = ['HF', 'CF']\ndelays_s = [0.0, 0.05]\n[trial]\ncontact_hold_s = 0.5\n";
 
+constexpr const char* kOneByOne =
+    "[session]\nmodalities = ['HF', 'CF']\ndelays_s = [0.0]\n[trial]\ncontact_hold_s = 0.5\n";
 constexpr const char* kOneTrial =
     "[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n[trial]\ncontact_hold_s = 0.3\n";
 
@@ -171,7 +173,7 @@ TEST_F(RunByClock, LockStepMindsNoNodeThatIsHeldUp) {
 }
 
 TEST_F(RunByClock, LockStepKeepsTheTrialsBeforeANodeThatDies) {
-    Child child = start(kEasy);
+    Child child = start(kOneByOne);
     ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
     for (const pid_t pid : nodes("thimble-slave-sim")) kill(pid, SIGKILL);
     EXPECT_EQ(child.wait(kPatience), 3);
@@ -185,7 +187,7 @@ TEST_F(RunByClock, LockStepKeepsTheTrialsBeforeANodeThatDies) {
 }
 
 TEST_F(RunByClock, LockStepNamesANodeThatNeverAnswers) {
-    Child child = start(kEasy, {"--answer-limit", "0.5"});
+    Child child = start(kOneByOne, {"--answer-limit", "0.5"});
     ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
     for (const pid_t pid : nodes("thimble-visual")) kill(pid, SIGSTOP);
     EXPECT_EQ(child.wait(kPatience), 3);
@@ -195,7 +197,7 @@ TEST_F(RunByClock, LockStepNamesANodeThatNeverAnswers) {
 }
 
 TEST_F(RunByClock, LockStepKeepsWhatWasRecordedUntilCtrlC) {
-    Child child = start(kEasy);
+    Child child = start(kOneByOne);
     ASSERT_TRUE(reaches("trial02_CF_0ms.csv"));
     child.signal(SIGINT);
     EXPECT_EQ(child.wait(kPatience), 1);

@@ -83,24 +83,51 @@ TEST(LockStep, StandardInputMustBeAConductor) {
                 HasSubstr("no conductor at standard input"));
 }
 
-TEST_F(Ends, AGrantIsAnsweredWithTheNextWakeUpAndWhatWasSent) {
+class WayOfGrants : public Ends, public testing::WithParamInterface<bool> {};
+INSTANTIATE_TEST_SUITE_P(BySocketOrPage, WayOfGrants, testing::Bool());
+
+TEST_P(WayOfGrants, AGrantIsAnsweredWithTheNextWakeUpAndWhatWasSent) {
+    if (GetParam()) conductor_->offer_page();
     Sockets sockets(somewhere()), sender(somewhere());
     sockets.count_datagrams(kShort);
     Echo echo(sockets);
     Channel* const needle = sender.outlet(Port::kSlaveNeedle);
     for (int i = 0; i < 3; ++i) needle->send(std::array<std::uint8_t, 2>{4, 5});
-    std::thread node([&] { EXPECT_EQ(run_in_lock_step(*node_, echo, sockets)->kind, LockStepKind::kEnd); });
-    EXPECT_EQ(conductor_->receive()->kind, LockStepKind::kReady);
+    conductor_->send(message_of(LockStepKind::kBegin));
+    std::thread node([&] {
+        EXPECT_EQ(node_->receive()->kind, LockStepKind::kBegin);
+        EXPECT_EQ(run_in_lock_step(*node_, echo, sockets)->kind, LockStepKind::kEnd);
+    });
+    const auto ready = conductor_->receive();
     LockStepMessage grant = message_of(LockStepKind::kGrant, 5'000'000);
     grant.datagrams[static_cast<std::size_t>(Port::kSlaveNeedle)] = 2;  // the third has not been announced
     conductor_->send(grant);
     const auto answer = conductor_->receive();
+    conductor_->send(message_of(LockStepKind::kGrant, 6'000'000));
+    const auto next = conductor_->receive();
     conductor_->send(message_of(LockStepKind::kEnd));
     node.join();
-    ASSERT_TRUE(answer);
+    ASSERT_TRUE(ready && answer && next);
+    EXPECT_EQ(ready->kind, LockStepKind::kReady);
+    EXPECT_EQ(ready->by_page, GetParam() ? 1U : 0U);
     EXPECT_EQ(answer->kind, LockStepKind::kAnswer);
     EXPECT_EQ(answer->time_ns, 6'000'000);
     EXPECT_EQ(answer->datagrams[static_cast<std::size_t>(Port::kNetemForceMaster)], 2);
+    EXPECT_EQ(next->time_ns, 7'000'000);
+    EXPECT_EQ(next->datagrams[static_cast<std::size_t>(Port::kNetemForceMaster)], 0);
+}
+
+TEST_F(Ends, APageDoesNotHideThatANodeIsLateOrGone) {
+    conductor_->offer_page();
+    conductor_->send(message_of(LockStepKind::kBegin));
+    ASSERT_TRUE(node_->receive());
+    node_->send(message_of(LockStepKind::kReady));
+    ASSERT_TRUE(conductor_->receive());
+    EXPECT_FALSE(conductor_->receive());
+    EXPECT_EQ(conductor_->silence(), LockStepEnd::Silence::kLate);
+    node_.reset();
+    EXPECT_FALSE(conductor_->receive());
+    EXPECT_EQ(conductor_->silence(), LockStepEnd::Silence::kGone);
 }
 
 TEST_F(Ends, ADatagramThatDoesNotComeNamesItsFlow) {
