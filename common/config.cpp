@@ -1,43 +1,16 @@
 #include "common/config.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
-#include <set>
 #include <sstream>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
-#include "common/error.hpp"
-#include "common/nearest_name.hpp"
+#include "common/config_impl.hpp"
+#include "common/duration_text.hpp"
 
 namespace thimble {
 
-struct ConfigFile::Impl {
-    std::string name;
-    std::filesystem::path folder;
-    toml::table root;
-    mutable std::set<std::string> known;  // dotted paths that a reader asked for
-    mutable std::set<std::string> used;   // names of files
-    bool describes = false;
-    mutable std::vector<KeyDeclaration> declared;
-};
-
 namespace {
-
-std::string join(std::string_view path, std::string_view key) {
-    return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
-}
-
-template <class... Values>
-[[noreturn]] void refuse(const std::string& name, const toml::source_position& at,
-                         fmt::format_string<Values...> why, Values&&... values) {
-    const std::string text = fmt::format(why, std::forward<Values>(values)...);
-    if (at.line == 0) throw Error(ExitCode::kUsage, "{}: {}", name, text);
-    throw Error(ExitCode::kUsage, "{}:{}:{}: {}", name, at.line, at.column, text);
-}
 
 std::string type_name(const toml::node& node) {
     std::ostringstream text;
@@ -54,137 +27,37 @@ void add_range(KeyDeclaration& noted, const std::optional<Value>& fallback, Limi
     noted.high = fmt::format("{}", high);
 }
 
-// Keys of a file that no reader asked for.
-class UnknownKeys {
-  public:
-    UnknownKeys(const std::string& file, const std::set<std::string>& known) : file_(file), known_(known) {}
-
-    void refuse_entry(const std::string& path, std::string_view key, const toml::node& node) const {
-        const std::string full = join(path, key);
-        // A quoted key may hold a dot or a bracket, but none of ours does: it must not pass for a key in a
-        // table.
-        if (key.find_first_of(".[") == std::string_view::npos && known_.count(full) != 0) {
-            return refuse_within(full, node);
-        }
-        refuse(file_, node.source().begin, "unknown {} '{}': {}check the spelling, or remove it",
-               path.empty() ? "table or key" : "key", full, advice(path, key));
-    }
-
-  private:
-    std::string advice(const std::string& path, std::string_view key) const {
-        const std::string beside = path.empty() ? "" : path + ".";
-        std::vector<std::string> names;
-        for (const std::string& known : known_) {
-            if (!known.starts_with(beside) || known.find('.', beside.size()) != std::string::npos) continue;
-            names.push_back(known.substr(beside.size()));
-        }
-        const std::string meant = nearest_name(key, names);
-        return meant.empty() ? "" : fmt::format("did you mean '{}'? Otherwise ", meant);
-    }
-
-    void refuse_within(const std::string& path, const toml::node& node) const {
-        if (const toml::table* inner = node.as_table()) {
-            for (const auto& [key, value] : *inner) refuse_entry(path, key.str(), value);
-        }
-        if (const toml::array* list = node.as_array()) {
-            for (std::size_t i = 0; i < list->size(); ++i) {
-                refuse_within(fmt::format("{}[{}]", path, i), (*list)[i]);
-            }
-        }
-    }
-
-    const std::string& file_;
-    const std::set<std::string>& known_;
-};
-
 }  // namespace
-
-ConfigFile::ConfigFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-ConfigFile::~ConfigFile() = default;
-ConfigFile::ConfigFile(ConfigFile&&) noexcept = default;
-ConfigFile& ConfigFile::operator=(ConfigFile&&) noexcept = default;
-
-ConfigFile ConfigFile::load(const std::filesystem::path& path) {
-    // A folder opens as a stream, too, and then throws when it is read.
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream.is_open() || std::filesystem::is_directory(path)) {
-        throw Error(ExitCode::kUsage, "{}: cannot read this configuration file; does it exist?",
-                    path.string());
-    }
-    const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-    ConfigFile file = parse(text, path.string());
-    file.impl_->folder = path.parent_path();
-    return file;
-}
-
-ConfigFile ConfigFile::parse(std::string_view text, std::string_view name) {
-    auto impl = std::make_unique<Impl>();
-    impl->name = name;
-    try {
-        impl->root = toml::parse(text);
-    } catch (const toml::parse_error& error) {
-        refuse(impl->name, error.source().begin, "not TOML: {}", error.description());
-    }
-    return ConfigFile(std::move(impl));
-}
-
-ConfigFile ConfigFile::empty() {
-    auto impl = std::make_unique<Impl>();
-    impl->name = "defaults";
-    return ConfigFile(std::move(impl));
-}
-
-ConfigFile ConfigFile::description() {
-    ConfigFile none = empty();
-    none.impl_->describes = true;
-    return none;
-}
-
-void ConfigFile::set(std::string_view dotted_key, double value) {
-    toml::table* table = &impl_->root;
-    std::string_view rest = dotted_key;
-    for (std::size_t dot = rest.find('.'); dot != std::string_view::npos; dot = rest.find('.')) {
-        const std::string_view name = rest.substr(0, dot);
-        rest.remove_prefix(dot + 1);
-        if (!table->contains(name)) table->insert(name, toml::table{});
-        table = table->get(name)->as_table();
-        if (table == nullptr) {
-            refuse(impl_->name, {}, "'{}': '{}' is no table", dotted_key, name);
-        }
-    }
-    if (rest.empty()) refuse(impl_->name, {}, "'{}' names no key", dotted_key);
-    table->insert_or_assign(rest, value);
-}
-
-ConfigTable ConfigFile::root() const { return {this, ""}; }
-
-const std::filesystem::path& ConfigFile::folder() const { return impl_->folder; }
-
-void ConfigFile::uses(std::string_view name) const { impl_->used.emplace(name); }
-
-const std::set<std::string>& ConfigFile::used_files() const { return impl_->used; }
-
-const std::vector<KeyDeclaration>& ConfigFile::declarations() const { return impl_->declared; }
-
-void ConfigFile::finish(const std::vector<std::string_view>& elsewhere) const {
-    const UnknownKeys unknown(impl_->name, impl_->known);
-    for (const auto& [key, node] : impl_->root) {
-        if (std::find(elsewhere.begin(), elsewhere.end(), key.str()) == elsewhere.end()) {
-            unknown.refuse_entry("", key.str(), node);
-        }
-    }
-}
 
 // One key of the file: its node (null where absent), its dotted path, and how to refuse it.
 struct ConfigTable::Found {
     const toml::node* node;
     std::string path;
-    const std::string* file;
+    const ConfigFile::Impl* file;
 
+    [[noreturn]] void refuse_for(KeyFault fault, std::string_view why) const {
+        throw KeyError(file->name, path, file->place_of(path), fmt::format("'{}' {}", path, why), fault);
+    }
     template <class... Values>
     [[noreturn]] void refuse(fmt::format_string<Values...> why, Values&&... values) const {
-        thimble::refuse(*file, node == nullptr ? toml::source_position{} : node->source().begin, "'{}' {}",
-                        path, fmt::format(why, std::forward<Values>(values)...));
+        refuse_for(KeyFault::kOwn, fmt::format(why, std::forward<Values>(values)...));
+    }
+    // The value of this key or of one element of its list; seconds may be text with a unit. Nothing of what is no number.
+    std::optional<double> number(const toml::node& value) const {
+        if (!value.is_string() || !holds_seconds(path))
+            return value.is_number() ? value.value<double>() : std::nullopt;
+        const std::string& text = value.as_string()->get();
+        const auto seconds = parse_duration(text);
+        if (!seconds)
+            refuse("is \"{}\": write seconds as a number, or a number with a unit ({}), as \"50ms\"", text,
+                   kDurationUnits);
+        return seconds;
+    }
+    // Refuses what is in range and hardly meant.
+    void doubt(const toml::node& value) const {
+        const std::string why =
+            value.is_number() ? doubt_seconds(path.substr(path.rfind('.') + 1), *value.value<double>()) : "";
+        if (!why.empty()) refuse("holds {}", why);
     }
 };
 
@@ -208,14 +81,15 @@ KeyDeclaration& ConfigTable::declare(std::string_view key, std::string_view type
 bool ConfigTable::describes() const { return file_->impl_->describes; }
 
 ConfigTable::Found ConfigTable::find(std::string_view key) const {
-    const ConfigFile::Impl& file = *file_->impl_;
-    Found found{nullptr, join(path_, key), &file.name};
+    ConfigFile::Impl& file = *file_->impl_;
+    Found found{nullptr, join(path_, key), &file};
     found.node = file.root.at_path(found.path).node();
     file.known.insert(found.path);
     const bool used = users_.empty() || std::find(users_.begin(), users_.end(), chosen_) != users_.end();
     if (!used && found.node != nullptr) {
-        found.refuse("has no effect with {} = \"{}\": remove it, or choose {}", chooser_, chosen_,
-                     fmt::join(users_, " or "));
+        found.refuse_for(KeyFault::kWithOthers,
+                         fmt::format("has no effect with {} = \"{}\": remove it, or choose {}", chooser_,
+                                     chosen_, fmt::join(users_, " or ")));
     }
     return found;
 }
@@ -278,24 +152,18 @@ ConfigTable ConfigTable::only_with(std::string_view chooser, std::string_view ch
 }
 
 // Comparisons that no NaN passes.
-template <class Value>
-void ConfigTable::read_limited(std::string_view key, std::string_view type, std::optional<Value>& value,
-                               Value low, Value high, std::string_view help) const {
-    if (describes()) add_range(declare(key, type, help), value, low, high);
-    const Found found = find(key);
-    if (found.node == nullptr) return;
-    value = found.node->value<Value>();
-    if (!value || !(std::is_integral_v<Value> ? found.node->is_integer() : found.node->is_number())) {
-        found.refuse("must be a {}, not a {}", type, type_name(*found.node));
-    }
-    if (!(*value >= low && *value <= high)) {
-        found.refuse("is {}, but must lie between {} and {}", *value, low, high);
-    }
-}
-
 void ConfigTable::read(std::string_view key, std::optional<double>& value, double low, double high,
                        std::string_view help) const {
-    read_limited(key, "number", value, low, high, help);
+    if (describes()) add_range(declare(key, "number", help), value, low, high);
+    const Found found = find(key);
+    if (found.node == nullptr) return;
+    value = found.number(*found.node);
+    if (!value) found.refuse("must be a number, not a {}", type_name(*found.node));
+    if (!(*value >= low && *value <= high)) {
+        found.refuse("is {}, but must lie between {} and {}{}", *value, low, high,
+                     found.node->is_number() ? meant_milliseconds(key, *value, low, high) : "");
+    }
+    found.doubt(*found.node);
 }
 
 void ConfigTable::read(std::string_view key, double& value, double low, double high,
@@ -314,9 +182,13 @@ void ConfigTable::read(std::string_view key, Duration& value, double low_s, doub
 
 std::int64_t ConfigTable::whole(std::string_view key, std::int64_t fallback, std::int64_t low,
                                 std::int64_t high, std::string_view help) const {
-    std::optional<std::int64_t> value = fallback;
-    read_limited(key, "whole number", value, low, high, help);
-    return *value;
+    if (describes()) add_range(declare(key, "whole number", help), std::optional(fallback), low, high);
+    const Found found = find(key);
+    if (found.node == nullptr) return fallback;
+    if (!found.node->is_integer()) found.refuse("must be a whole number, not a {}", type_name(*found.node));
+    const std::int64_t value = found.node->as_integer()->get();
+    if (value < low || value > high) found.refuse("is {}, but must lie between {} and {}", value, low, high);
+    return value;
 }
 
 void ConfigTable::read(std::string_view key, bool& value, std::string_view help) const {
@@ -356,38 +228,47 @@ std::size_t ConfigTable::choice(std::string_view key, std::size_t fallback,
     return static_cast<std::size_t>(at - names.begin());
 }
 
-// `wants` and `each` say of a list and of its elements what they must be.
-template <class Element, class Good>
-void ConfigTable::read_list(std::string_view key, std::vector<Element>& values, std::string_view wants,
-                            const std::string& each, const Good& good) const {
+void ConfigTable::read(std::string_view key, std::vector<double>& values, double low, double high,
+                       std::string_view help) const {
+    if (describes()) add_range(declare(key, "list of numbers", help), std::optional(values), low, high);
     const Found found = find(key);
     if (found.node == nullptr) return;
-    const toml::array* array = found.node->as_array();
-    if (array == nullptr) found.refuse("{}", wants);
+    if (!found.node->is_array()) found.refuse("must be a list, [1, 2]");
     values.clear();
-    for (const toml::node& element : *array) {
-        const auto value = element.value<Element>();
-        if (!value || !good(element, *value)) found.refuse("{}", each);
+    for (const toml::node& element : *found.node->as_array()) {
+        const auto value = found.number(element);
+        if (!value || !(*value >= low && *value <= high)) {
+            found.refuse("must hold numbers between {} and {}{}", low, high,
+                         value && element.is_number() ? meant_milliseconds(key, *value, low, high) : "");
+        }
+        found.doubt(element);
         values.push_back(*value);
     }
 }
 
-void ConfigTable::read(std::string_view key, std::vector<double>& values, double low, double high,
-                       std::string_view help) const {
-    if (describes()) add_range(declare(key, "list of numbers", help), std::optional(values), low, high);
-    read_list(key, values, "must be a list, [1, 2]",
-              fmt::format("must hold numbers between {} and {}", low, high),
-              [&](const toml::node& node, double value) {
-                  return node.is_number() && value >= low && value <= high;
-              });
-}
-
 void ConfigTable::read(std::string_view key, std::vector<std::string>& values, std::string_view help) const {
     if (describes()) declare(key, "list of texts", help).fallback = fmt::format("{}", values);
-    read_list(key, values, "must be a list of texts", "must hold texts in quotes",
-              [](const toml::node& node, const std::string& /*value*/) { return node.is_string(); });
+    const Found found = find(key);
+    if (found.node == nullptr) return;
+    if (!found.node->is_array()) found.refuse("must be a list of texts");
+    values.clear();
+    for (const toml::node& element : *found.node->as_array()) {
+        if (!element.is_string()) found.refuse("must hold texts in quotes");
+        values.push_back(element.as_string()->get());
+    }
 }
 
-void ConfigTable::fail(std::string_view key, std::string_view why) const { find(key).refuse("{}", why); }
+void ConfigTable::fail(std::string_view key, std::string_view why) const {
+    find(key).refuse_for(KeyFault::kWithOthers, why);
+}
+
+void ConfigTable::load(std::string_view key, const std::function<void()>& read) const {
+    try {
+        read();
+    } catch (const Error& error) {
+        const Found found = find(key);
+        throw KeyError(error, found.path, file_->impl_->place_of(found.path));
+    }
+}
 
 }  // namespace thimble

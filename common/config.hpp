@@ -1,5 +1,5 @@
-// Configuration files people write: TOML, read strictly. An unknown key, a wrong type or a value out of range
-// ends the program with file, line and what is allowed (exit code 2).
+// Configuration files people write: TOML, read strictly. Unknown keys, wrong types and values out of range
+// end the program with file, line and what is allowed (exit code 2), all of a file at once.
 #pragma once
 
 #include <concepts>
@@ -36,7 +36,7 @@ struct KeyDeclaration {
 };
 
 // One table of the file. read() describes a key and takes its value: a key that the file lacks leaves `value` as it is, which is
-// the default. ConfigFile::finish() refuses keys that no reader asked for. Copyable handle; lives no longer than its ConfigFile.
+// the default. A key that ends in _s may also be text with a unit, "50ms". Copyable handle; lives no longer than its ConfigFile.
 class ConfigTable {
   public:
     void read(std::string_view key, double& value, double low, double high, std::string_view help) const;
@@ -83,7 +83,10 @@ class ConfigTable {
     // key that is there is refused.
     ConfigTable only_with(std::string_view chooser, std::string_view chosen,
                           std::vector<std::string_view> users) const;
-    // An Error (usage) that names file, line and key; for checks that span several keys.
+    // `read` reads another file, which this key names: what is wrong there is this key's mistake.
+    void load(std::string_view key, const std::function<void()>& read) const;
+    // An Error (usage) that names file, line and key; for checks that span several keys. It stays unsaid if it names a key that is
+    // itself wrong.
     [[noreturn]] void fail(std::string_view key, std::string_view why) const;
     template <class First, class... More>
     [[noreturn]] void fail(std::string_view key, fmt::format_string<First, More...> why, First&& first,
@@ -98,12 +101,6 @@ class ConfigTable {
     Found find(std::string_view key) const;
     KeyDeclaration& declare(std::string_view key, std::string_view type, std::string_view help) const;
     bool describes() const;
-    template <class Value>
-    void read_limited(std::string_view key, std::string_view type, std::optional<Value>& value, Value low,
-                      Value high, std::string_view help) const;
-    template <class Element, class Good>
-    void read_list(std::string_view key, std::vector<Element>& values, std::string_view wants,
-                   const std::string& each, const Good& good) const;
     std::int64_t whole(std::string_view key, std::int64_t fallback, std::int64_t low, std::int64_t high,
                        std::string_view help) const;
     std::size_t choice(std::string_view key, std::size_t fallback, std::span<const std::string_view> names,
@@ -140,9 +137,15 @@ class ConfigFile {
     ConfigTable table(std::string_view key) const { return root().table(key); }
     // Of description(): every key that was read, in the order of reading.
     const std::vector<KeyDeclaration>& declarations() const;
-    // Throws for each key that was never read, also in arrays of tables. Tables in `elsewhere` belong to other programs of the session:
-    // their keys are theirs to check.
-    void finish(const std::vector<std::string_view>& elsewhere = {}) const;
+    // Calls `read`, which reads this file, and throws all that is wrong with it as one Error (usage): what readers refuse and keys that
+    // none of them asked for. For that it calls `read` again, as if the file lacked a key that was refused. Tables in `elsewhere` belong
+    // to other programs of the session: their keys are theirs to check.
+    void read_all(const std::function<void()>& read,
+                  const std::vector<std::string_view>& elsewhere = {}) const;
+    // The same where everything has been read: only keys that nobody asked for.
+    void finish(const std::vector<std::string_view>& elsewhere = {}) const {
+        read_all([] {}, elsewhere);
+    }
 
   private:
     friend class ConfigTable;

@@ -76,11 +76,11 @@ NetworkSettings read_network_settings(const ConfigFile& file) {
 
 NetworkSettings observed_network(const std::string& session_file, std::uint16_t base_port) {
     const ConfigFile file = session_file.empty() ? ConfigFile::empty() : ConfigFile::load(session_file);
-    NetworkSettings network = read_network_settings(file);
+    NetworkSettings network;
     std::vector<std::string_view> elsewhere = session_tables();
     std::erase(elsewhere, "network");
     std::erase(elsewhere, "security");
-    file.finish(elsewhere);
+    file.read_all([&] { network = read_network_settings(file); }, elsewhere);
     if (base_port != 0) network.base_port = base_port;
     return network;
 }

@@ -32,10 +32,14 @@ class Cutaneous final : public NodeInstance {
     CutaneousProcess process_;
 };
 
-std::unique_ptr<NodeInstance> build(const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+CutaneousSettings read_settings(const ConfigFile& file) {
     CutaneousSettings settings = read_cutaneous_settings(file.table("cutaneous"));
     settings.hand_share = read_control_settings(file.table("control")).hand_share();
-    return std::make_unique<Cutaneous>(settings, read_runtime_settings(file), sockets, instance);
+    return settings;
+}
+
+std::unique_ptr<NodeInstance> build(const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
+    return std::make_unique<Cutaneous>(read_settings(file), read_runtime_settings(file), sockets, instance);
 }
 
 }  // namespace
@@ -50,6 +54,7 @@ int main(int argc, char** argv) {
         "drives on a CAN bus ([cutaneous] device).";
     program.example = "thimble-cutaneous deploy/sessions/delay50.toml";
     program.tables = {"network", "runtime", "cutaneous", "control"};
+    program.read = [](const ConfigFile& file) { read_settings(file); };
     program.build = build;
     return run_node_program(program, argc, argv);
 }

@@ -85,6 +85,11 @@ int main(int argc, char** argv) {
     program.add_options = [&pointer](CLI::App& app) {
         app.add_flag("--pointer", pointer, "a person's pointer draws the handle, instead of [handle].device");
     };
+    program.read = [](const ConfigFile& file) {
+        read_handle_settings(file.table("handle"));
+        read_operator_parameters(file.table("operator"));
+        read_master_settings(file);
+    };
     program.build = [&pointer](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         HandleSettings settings = read_handle_settings(file.table("handle"));
         if (pointer) settings.kind = HandleKind::kPointer;

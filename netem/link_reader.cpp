@@ -68,7 +68,7 @@ void read_jitter(const ConfigTable& table, const LinkSources& sources, LinkSetti
     table.read("jitter_correlation", jitter.correlation, 0, kMostCorrelation, "Of successive packets.");
     const std::string shape = read_name(table, "jitter_table", sources.jitter_table != nullptr,
                                         "A .dist file of iproute2, the shape of jitter = \"table\".");
-    if (!shape.empty()) jitter.table = sources.jitter_table(shape);
+    if (!shape.empty()) table.load("jitter_table", [&] { jitter.table = sources.jitter_table(shape); });
     if (table.has("jitter_table") && jitter.shape != JitterShape::kTable) {
         table.fail("jitter_table", "is the shape of jitter = \"table\": set that, or remove it");
     }
@@ -147,7 +147,7 @@ void read_traces(const ConfigTable& table, const LinkSources& sources, LinkSetti
     request.file =
         read_name(table, "trace", sources.trace != nullptr,
                   "A CSV file: delay, loss and rate by time or packet (docs/network-profiles.md).");
-    if (!request.file.empty()) link.trace = sources.trace(request);
+    if (!request.file.empty()) table.load("trace", [&] { link.trace = sources.trace(request); });
     for (const char* key : {"trace_by", "trace_between", "trace_end"}) {
         if (table.has(key) && !table.has("trace"))
             table.fail(key, "says how a trace is read: name one, or remove it");
@@ -155,7 +155,8 @@ void read_traces(const ConfigTable& table, const LinkSources& sources, LinkSetti
     const std::string deliveries =
         read_name(table, "deliveries", sources.deliveries != nullptr,
                   "A mahimahi trace: when the link could send, instead of a rate.");
-    if (!deliveries.empty()) link.deliveries = sources.deliveries(deliveries);
+    if (!deliveries.empty())
+        table.load("deliveries", [&] { link.deliveries = sources.deliveries(deliveries); });
 }
 
 void check_senders(const ConfigTable& table, const LinkSettings& link) {
@@ -198,7 +199,7 @@ LinkSettings read_link_settings(const ConfigTable& table, const LinkSettings& ba
     const std::string profile =
         read_name(table, "profile", sources.profile != nullptr,
                   "A name, a file, or tc's words: begins with these settings; the other keys replace some.");
-    if (!profile.empty()) link = sources.profile(profile);
+    if (!profile.empty()) table.load("profile", [&] { link = sources.profile(profile); });
     table.read("delay_s", link.delay, 0, 60,
                "Mean one-way delay; a session puts that of the condition into the force path.");
     read_jitter(table, sources, link);

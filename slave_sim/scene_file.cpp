@@ -84,8 +84,8 @@ SceneDeclaration paper_scene() {
 
 SceneDeclaration load_scene(const std::filesystem::path& path) {
     const ConfigFile file = open(path);
-    SceneDeclaration scene = read_scene(file, path.string());
-    file.finish();
+    SceneDeclaration scene;
+    file.read_all([&] { scene = read_scene(file, path.string()); });
     return scene;
 }
 

@@ -27,7 +27,8 @@ SceneDeclaration other_scene(const ConfigFile& file, const ConfigTable& own, con
     const std::filesystem::path beside = file.folder() / name;
     const bool found = std::filesystem::exists(beside);
     if (found || std::filesystem::exists(name)) file.uses(name);
-    SceneDeclaration scene = load_scene(found ? beside : std::filesystem::path(name));
+    SceneDeclaration scene;
+    own.load("scene", [&] { scene = load_scene(found ? beside : std::filesystem::path(name)); });
     const NeedleScene built(scene, solver_maker({}));
     // The needle's depth is told from the surface, and a trial ends with contact at the fixture.
     if (built.surface() == nullptr) own.fail("scene", "has no [tissue]: a trial needs a surface");
@@ -68,8 +69,8 @@ SlaveSettings read_slave_settings(const ConfigFile& file) {
              "program.");
     s.scene = scene.empty() ? own_scene(file) : other_scene(file, own, scene);
     s.make_tissue = read_solver(own);
-    const NeedleScene tried(s.scene,
-                            s.make_tissue);  // an unstable solver is refused here, not in the first trial
+    // An unstable solver is refused here, not in the first trial.
+    own.load("solver", [&] { const NeedleScene tried(s.scene, s.make_tissue); });
     file.table("trial").read("contact_hold_s", s.contact_hold, 0.001, 600,
                              "Unbroken contact with the fixture until the beep.");
     own.read("stale", stale, "A needle without commands stands still; anything else is refused.");

@@ -108,6 +108,10 @@ int main(int argc, char** argv) {
             ->check(CLI::IsMember({"subject", "player"}));
         app.add_option("--screenshot", choices.screenshot, "save the last picture to this PNG file");
     };
+    program.read = [](const ConfigFile& file) {
+        read_visual_settings(file);
+        read_instructions(file.table("instructions"));
+    };
     program.build = [&choices](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         return build(choices, file, sockets, instance);
     };

@@ -7,12 +7,14 @@
 #include <cstdlib>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/duration_text.hpp"
 #include "common/error.hpp"
 #include "common/nearest_name.hpp"
 #include "common/runtime/shell_completion.hpp"
@@ -31,37 +33,65 @@ std::string meant(const std::string& typed, const std::vector<std::string>& name
     return nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest);
 }
 
+bool is_option(std::string_view word) { return word.starts_with("-"); }
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+std::vector<std::string> options_of(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const CLI::Option* known : app.get_options()) {
+        if (known->get_group().empty()) continue;  // hidden
+        for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
+    }
+    return names;
+}
+
+std::string explain_option(const CLI::App& app, const std::string& typed) {
+    const std::string option = typed.substr(0, typed.find('='));
+    const std::vector<std::string> known = options_of(app);
+    // It stood before the command.
+    if (std::find(known.begin(), known.end(), option) != known.end())
+        return fmt::format("{0} is an option of {1}: write it after {1}", option, app.get_name());
+    return fmt::format("unknown option {}{}", option, meant(option, known));
+}
+
+// The word that stands for a command: one that is like a command, else the first, if no option stands before it.
+std::string misspelt_command(const std::vector<std::string>& words,
+                             const std::vector<std::string>& commands) {
+    for (const std::string& word : words)
+        if (!is_option(word) && !nearest_name(word, commands).empty()) return word;
+    return words.empty() || is_option(words.front()) ? "" : words.front();
+}
+
 // Of the words that no option took, the one that explains most; "" if there is none.
 std::string explain_word(const CLI::App& app, const std::vector<std::string>& words) {
-    const auto option = std::find_if(words.begin(), words.end(),
-                                     [](const std::string& word) { return word.starts_with("-"); });
-    if (option != words.end()) {
-        std::vector<std::string> names;
-        for (const CLI::Option* known : app.get_options()) {
-            if (known->get_group().empty()) continue;  // hidden
-            for (const std::string& name : known->get_lnames()) names.push_back("--" + name);
-        }
-        return fmt::format("unknown option {}{}", *option, meant(*option, names));
-    }
     std::vector<std::string> commands;
-    for (const CLI::App* known : app.get_subcommands([](const CLI::App*) { return true; })) {
-        commands.push_back(known->get_name());
-    }
-    if (commands.empty()) {
-        return words.empty() ? "" : fmt::format("'{}' is one word too many", words.front());
-    }
+    for (const CLI::App* known : commands_of(app)) commands.push_back(known->get_name());
     const std::string list = fmt::format("Commands: {}", fmt::join(commands, ", "));
-    if (words.empty()) return "name a command. " + list;
-    const std::string instead = meant(words.front(), commands);
-    return fmt::format("unknown command '{}'{} {}", words.front(), instead.empty() ? "." : instead, list);
+    const std::string command = commands.empty() ? "" : misspelt_command(words, commands);
+    if (!command.empty()) {
+        const std::string instead = meant(command, commands);
+        return fmt::format("unknown command '{}'{} {}", command, instead.empty() ? "." : instead, list);
+    }
+    const auto option = std::find_if(words.begin(), words.end(), is_option);
+    if (option != words.end()) return explain_option(app, *option);
+    if (!commands.empty()) return "name a command. " + list;
+    return words.empty() ? "" : fmt::format("'{}' is one word too many", words.front());
 }
 
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
     const CLI::App& command = last_command(app);
     const bool lacks_command = command.get_require_subcommand_min() > 0 && command.get_subcommands().empty();
     const bool has_extras = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-    if (error.get_exit_code() == 0 || (!lacks_command && !has_extras)) return {};
-    return explain_word(command, app.remaining(true));
+    std::vector<std::string> words = app.remaining(true);
+    if (error.get_exit_code() == 0) {
+        // --help of a command that does not exist is a misspelt command, too.
+        std::erase_if(words, is_option);
+        return lacks_command && !words.empty() ? explain_word(command, words) : "";
+    }
+    return lacks_command || has_extras ? explain_word(command, words) : "";
 }
 
 // CLI11 reads counts by strtoull: -1 as 2^64 - 1, 010 as 8, and what is too large as 2^64 - 1.
@@ -81,12 +111,18 @@ std::string judge_number(const std::string& typed) {
 }
 
 // Of all options of `app` and its subcommands. Numbers are judged behind what they themselves check: a range names what is
-// allowed. A list is one word with commas: of several words it would take the session file that follows.
+// allowed. Seconds may have a unit. A list is one word with commas: of several words it would take the session file that follows.
 void settle_options(CLI::App& app) {
     for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
-        const std::string type = option->get_type_name();
+        const std::string type = option->get_type_name(), name = option->get_name();
         if (type.starts_with("UINT")) option->check(judge_count);
         if (type.starts_with("FLOAT")) option->check(judge_number);
+        if (holds_seconds(name)) {
+            if (type.starts_with("FLOAT")) option->type_name("SECONDS|50ms");
+            // In front of what the option itself checks.
+            option->transform(
+                CLI::Validator([name](std::string& word) { return settle_durations(name, word); }, ""));
+        }
         if (option->get_delimiter() != '\0') option->allow_extra_args(false);
     }
     for (CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; })) settle_options(*below);
@@ -112,11 +148,11 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
     try {
         app.parse(reversed_words(argc, argv));
     } catch (const CLI::ParseError& error) {
-        if (const std::string why = explain(app, error); !why.empty()) {
-            fmt::print(stderr, "{}: error: {}\nRun with --help for more information.\n", app.get_name(), why);
-            return static_cast<int>(ExitCode::kUsage);
-        }
-        return static_cast<int>(app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage);
+        const std::string why = explain(app, error);
+        if (why.empty() && error.get_exit_code() == 0) return app.exit(error);
+        fmt::print(stderr, "{}: error: {}\nRun with --help for more information.\n", app.get_name(),
+                   why.empty() ? error.what() : why);
+        return static_cast<int>(ExitCode::kUsage);
     }
     return std::nullopt;
 }

@@ -93,15 +93,29 @@ void save(const std::string& path, const nlohmann::ordered_json& report) {
     throw Error(ExitCode::kData, "cannot write the report '{}': does its folder exist?", path);
 }
 
+// What every program reads.
+struct SharedSettings {
+    NetworkSettings network{};
+    RuntimeSettings runtime{};
+    LogSettings logging{};
+};
+
 // Own tables are checked here, the others by the programs they belong to.
-void finish_config(const NodeProgram& program, const ConfigFile& file) {
+SharedSettings read_config(const NodeProgram& program, const ConfigFile& file) {
     std::vector<std::string_view> elsewhere;
     for (const std::string_view table : session_tables()) {
         const auto& own = program.tables;
         if (table == "log" || table == "security") continue;  // every program's, read here
         if (std::find(own.begin(), own.end(), table) == own.end()) elsewhere.push_back(table);
     }
-    file.finish(elsewhere);
+    SharedSettings shared;
+    file.read_all(
+        [&] {
+            shared = {read_network_settings(file), read_runtime_settings(file), read_log_settings(file)};
+            if (program.read) program.read(file);
+        },
+        elsewhere);
+    return shared;
 }
 
 // Empty: nothing is to be written.
@@ -270,7 +284,6 @@ int run_by_conductor(const NodeProgram& program, const Options& options, const C
         Sockets sockets(network);
         sockets.count_datagrams(Duration{order->time_ns});
         const auto instance = program.build(file, sockets, order->instance);
-        finish_config(program, file);
         if (instance->has_foreground())
             throw Error(ExitCode::kUsage,
                         "a window cannot take part in lock-step: it lives by the wall clock");
@@ -286,18 +299,15 @@ int run_by_conductor(const NodeProgram& program, const Options& options, const C
 int run(const NodeProgram& program, const Options& options) {
     if (options.launcher != 0) stop_with_parent(options.launcher);
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
-    NetworkSettings network = read_network_settings(file);
+    auto [network, runtime, logging] = read_config(program, file);
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
     if (options.lock_step) return run_by_conductor(program, options, file, network);
-    const RuntimeSettings runtime = read_runtime_settings(file);
-    const LogSettings logging = read_log_settings(file);
     const std::filesystem::path log_file = log_path(program, options, logging);
     const auto log = log_file.empty() ? nullptr : std::make_unique<MessageLog>();
     Sockets sockets(network);
     if (log) sockets.record_to(*log, logging.messages == LoggedMessages::kAll && !program.relays);
     if (options.launcher == 0) warn_if_unprotected(network);  // the launcher has warned already
     const auto instance = program.build(file, sockets, system_entropy());
-    finish_config(program, file);
     install_stop_signals(QuitSignal::kStopsEverything);
     if (log) {
         log->start(log_file, log_origin(program, options, file), logging);

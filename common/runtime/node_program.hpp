@@ -35,11 +35,12 @@ class NodeInstance {
 struct NodeProgram {
     std::string name, description, example;
     std::function<void(CLI::App&)> add_options;  // the node's own, besides those of every program
-    // Reads the node's tables and opens its channels. The program checks the file for unknown keys
-    // afterwards; `tables` are the ones this node reads itself.
-    std::vector<std::string_view> tables;
+    std::vector<std::string_view> tables;        // those this node reads itself
+    // Reads them, so that all that is wrong with them is said before `build` opens a device.
+    std::function<void(const ConfigFile&)> read;
     // It hands datagrams on, and does not read them: of a session's log it keeps its own orders and heartbeats only.
     bool relays = false;
+    // Reads the node's tables once more and opens its channels.
     std::function<std::unique_ptr<NodeInstance>(const ConfigFile&, Sockets&, std::uint64_t instance)> build;
 };
 

@@ -54,6 +54,7 @@ int run_node(int argc, char** argv) {
     };
     program.tables = {"network", "runtime", "netem"};
     program.relays = true;
+    program.read = [](const ConfigFile& file) { read_netem_settings(file); };
     program.build = [&](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         NetemSettings settings = read_netem_settings(file);
         if (!std::isnan(force_delay_s))

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "common/duration_text.hpp"
 #include "netem/formats/jitter_table_file.hpp"
 #include "netem/formats/trace_files.hpp"
 
@@ -14,7 +15,12 @@ class Printer {
     void unless(std::string_view key, const Value& value, const Value& otherwise) {
         if (value != otherwise) text_ += fmt::format("{} = {}\n", key, value);
     }
-    void seconds(std::string_view key, Duration value) { unless(key, to_seconds(value), 0.0); }
+    // With a unit where a number alone would be doubted.
+    void seconds(std::string_view key, Duration value) {
+        const double seconds = to_seconds(value);
+        const bool plain = doubt_seconds(key, seconds).empty();
+        unless(key, plain ? fmt::format("{}", seconds) : fmt::format("\"{}s\"", seconds), std::string("0"));
+    }
     void line(const std::string& text) { text_ += text + '\n'; }
     std::string take() { return std::move(text_); }
 

@@ -122,8 +122,8 @@ LinkProfile read_profile(const ConfigFile& file, std::string_view name, const Fi
 
 LinkProfile parse_profile(std::string_view text, std::string_view name, const FileFinder& find) {
     const ConfigFile file = ConfigFile::parse(text, name);
-    LinkProfile profile = read_profile(file, name, find);
-    file.finish();
+    LinkProfile profile;
+    file.read_all([&] { profile = read_profile(file, name, find); });
     return profile;
 }
 
@@ -169,8 +169,12 @@ LinkSources session_sources(const std::filesystem::path& folder, Way way, const 
 
 void load_timeline(const std::filesystem::path& path, LinkProfile& profile) {
     const ConfigFile file = ConfigFile::load(path);
-    read_changes(file, beside(path), profile);
-    file.finish();
+    LinkProfile changed;
+    file.read_all([&] {
+        changed = profile;
+        read_changes(file, beside(path), changed);
+    });
+    profile = changed;
 }
 
 std::string print_profile(const LinkProfile& profile) {

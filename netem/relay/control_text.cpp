@@ -30,11 +30,12 @@ struct Assignment {
     std::string key, value;
 };
 
-// normal instead of "normal": shells eat the quotes.
+// normal instead of "normal", and 50ms: shells eat the quotes.
 std::string quoted_if_bare(std::string_view value) {
     constexpr std::array<std::string_view, 4> kToml{"true", "false", "inf", "nan"};
-    const bool bare = kLetters.find(value.front()) != std::string_view::npos &&
-                      value.find_first_of("\"'[]{}=#,\\\n") == std::string_view::npos;
+    const bool word = kLetters.find(value.front()) != std::string_view::npos;
+    const bool has_unit = kLetters.find(value.back()) != std::string_view::npos && !value.starts_with("0x");
+    const bool bare = (word || has_unit) && value.find_first_of("\"'[]{}=#,\\\n") == std::string_view::npos;
     if (!bare || std::find(kToml.begin(), kToml.end(), value) != kToml.end()) return std::string(value);
     return fmt::format("\"{}\"", value);
 }
@@ -60,8 +61,8 @@ Assignment parse_assignment(std::string_view text) {
 LinkSettings assign(const LinkSettings& base, Way way, const std::string& text) {
     if (text.empty()) return base;
     const ConfigFile file = ConfigFile::parse(text, way == Way::kUp ? "up" : "down");
-    LinkSettings made = read_link_settings(file.root(), base, session_sources({}, way));
-    file.finish();
+    LinkSettings made;
+    file.read_all([&] { made = read_link_settings(file.root(), base, session_sources({}, way)); });
     return made;
 }
 

@@ -141,7 +141,7 @@ class ConditionNodes : boost::noncopyable {
         if (plan_.strict_rt) order.arguments.emplace_back("--strict-rt");
         if (node.role == Role::kNetem) {
             order.arguments.insert(order.arguments.end(),
-                                   {"--force-delay-s", fmt::format("{}", plan_.delay_s)});
+                                   {"--force-delay-s", fmt::format("{}s", plan_.delay_s)});
         }
         return plan_.starter->start(order);
     }

@@ -95,18 +95,22 @@ SessionSettings read_session(const ConfigTable& trial) {
 // The virtual operator knows the instruments it works with; a file that describes two different ones is a
 // mistake.
 void check_agreement(const ConfigFile& file, const SystemSettings& s) {
-    const auto check = [&](double operator_value, double node_value, const char* key, const char* node_key) {
-        if (operator_value == node_value) return;
-        file.table("operator")
-            .fail(key, fmt::format("is {}, but {} is {}; they must be equal", operator_value, node_key,
-                                   node_value));
+    const ConfigTable person = file.table("operator");
+    // The one that the file says is refused: that is the line to look at.
+    const auto check = [&](double value, const char* key, double node_value, const char* node,
+                           const char* node_key) {
+        if (value == node_value) return;
+        if (person.has(key))
+            person.fail(key, "is {}, but {}.{} is {}; they must be equal", value, node, node_key, node_value);
+        file.table(node).fail(node_key, "is {}, but operator.{} is {}; they must be equal", node_value, key,
+                              value);
     };
-    check(s.person.behaviour.position_scale, s.master.position_scale, "position_scale",
-          "master.position_scale");
-    check(s.person.perception.full_scale_cutaneous_N, s.cutaneous.force_limit_N, "full_scale_cutaneous_N",
-          "cutaneous.force_limit_N");
-    check(s.person.perception.full_scale_bar_N, s.visual.bar_full_scale_N, "full_scale_bar_N",
-          "visual.bar_full_scale_N");
+    check(s.person.behaviour.position_scale, "position_scale", s.master.position_scale, "master",
+          "position_scale");
+    check(s.person.perception.full_scale_cutaneous_N, "full_scale_cutaneous_N", s.cutaneous.force_limit_N,
+          "cutaneous", "force_limit_N");
+    check(s.person.perception.full_scale_bar_N, "full_scale_bar_N", s.visual.bar_full_scale_N, "visual",
+          "bar_full_scale_N");
 }
 
 // Delays of a trace hold whatever the mean delay is.
@@ -155,15 +159,7 @@ void settle_delays(const ConfigFile& file, SystemSettings& s) {
                           list_of(s.plan.delays)));
 }
 
-}  // namespace
-
-std::optional<TrialOrder> parse_order(std::string_view text) {
-    const auto* found = std::find(kTrialOrderNames.begin(), kTrialOrderNames.end(), text);
-    if (found == kTrialOrderNames.end()) return std::nullopt;
-    return static_cast<TrialOrder>(found - kTrialOrderNames.begin());
-}
-
-SystemSettings read_system_settings(const ConfigFile& file) {
+SystemSettings read_tables(const ConfigFile& file) {
     SystemSettings s;
     read_network_settings(file);
     s.runtime = read_runtime_settings(file);
@@ -186,7 +182,20 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     s.log = read_log_settings(file);
     settle_delays(file, s);
     check_agreement(file, s);
-    file.finish();
+    return s;
+}
+
+}  // namespace
+
+std::optional<TrialOrder> parse_order(std::string_view text) {
+    const auto* found = std::find(kTrialOrderNames.begin(), kTrialOrderNames.end(), text);
+    if (found == kTrialOrderNames.end()) return std::nullopt;
+    return static_cast<TrialOrder>(found - kTrialOrderNames.begin());
+}
+
+SystemSettings read_system_settings(const ConfigFile& file) {
+    SystemSettings s;
+    file.read_all([&] { s = read_tables(file); });
     return s;
 }
 

@@ -1,5 +1,4 @@
 // thimble check: what is wrong with a session file, or which trials it means.
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -20,17 +19,6 @@
 
 namespace thimble {
 namespace {
-
-// No path on Earth, nor to the moon and back, is as long: the value is probably in milliseconds.
-void warn_of_milliseconds(const SessionPlan& plan) {
-    constexpr Duration kLongest = std::chrono::seconds{3};
-    for (const Duration delay : plan.delays) {
-        if (delay < kLongest) continue;
-        const double delay_s = to_seconds(delay);
-        spdlog::warn("'session.delays_s' holds {} s; if you meant {} ms, write {}", delay_s, delay_s,
-                     delay_s / 1000);
-    }
-}
 
 std::string conditions_text(const SessionPlan& plan) {
     std::vector<std::string> delays, modalities;
@@ -76,7 +64,6 @@ void say(const char* command, std::string (*text)(const SystemSettings&), const 
 int check_config(const std::string& config) {
     const SystemSettings settings = load_system_settings(config);
     check_build(settings);
-    warn_of_milliseconds(settings.plan);
     for (const std::string& warning : named_modalities(settings.instructions)) spdlog::warn(warning);
     fmt::print("{}: good\n{}\n", config, conditions_text(settings.plan));
     say("run", run_text, settings);

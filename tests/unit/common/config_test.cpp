@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -94,32 +95,37 @@ TEST(Config, RefusesWithFileLineAndKey) {
     struct Case {
         const char *key, *value, *why;
     };
-    for (const Case& c : std::vector<Case>{{"number", "'x'", "must be a number, not a string"},
-                                           {"number", "true", "must be a number"},
-                                           {"number", "[1]", "must be a number"},
-                                           {"number", "2.1", "is 2.1, but must lie between 0 and 2"},
-                                           {"number", "-0.1", "between 0 and 2"},
-                                           {"number", "nan", "between 0 and 2"},
-                                           {"number", "inf", "between 0 and 2"},
-                                           {"maybe", "3", "between 0 and 2"},
-                                           {"count", "1.0", "must be a whole number, not a float"},
-                                           {"count", "'1'", "must be a whole number"},
-                                           {"count", "6", "is 6, but must lie between -5 and 5"},
-                                           {"count", "-6", "between -5 and 5"},
-                                           {"yes", "1", "must be true or false"},
-                                           {"yes", "'true'", "must be true or false"},
-                                           {"text", "1", "must be text in quotes"},
-                                           {"colour", "'pink'", "is \"pink\", but must be one of blue, red"},
-                                           {"colour", "1", "must be text in quotes"},
-                                           {"wait_s", "2.0", "between 0 and 1"},
-                                           {"wait_s", "'1s'", "must be a number"},
-                                           {"list", "1", "must be a list, [1, 2]"},
-                                           {"list", "[0, 4]", "must hold numbers between 0 and 3"},
-                                           {"list", "[nan]", "numbers between 0 and 3"},
-                                           {"list", "['0']", "numbers between 0 and 3"},
-                                           {"list", "[true]", "numbers between 0 and 3"},
-                                           {"names", "'a'", "must be a list of texts"},
-                                           {"names", "['a', 1]", "must hold texts"}}) {
+    for (const Case& c : std::vector<Case>{
+             {"number", "'x'", "must be a number, not a string"},
+             {"number", "true", "must be a number"},
+             {"number", "[1]", "must be a number"},
+             {"number", "2.1", "is 2.1, but must lie between 0 and 2"},
+             {"number", "-0.1", "between 0 and 2"},
+             {"number", "nan", "between 0 and 2"},
+             {"number", "inf", "between 0 and 2"},
+             {"maybe", "3", "between 0 and 2"},
+             {"count", "1.0", "must be a whole number, not a float"},
+             {"count", "'1'", "must be a whole number"},
+             {"count", "6", "is 6, but must lie between -5 and 5"},
+             {"count", "-6", "between -5 and 5"},
+             {"yes", "1", "must be true or false"},
+             {"yes", "'true'", "must be true or false"},
+             {"text", "1", "must be text in quotes"},
+             {"colour", "'pink'", "is \"pink\", but must be one of blue, red"},
+             {"colour", "1", "must be text in quotes"},
+             {"wait_s", "2.0", "between 0 and 1"},
+             {"wait_s", "'1xs'", "is \"1xs\": write seconds as a number, or a number with a unit"},
+             {"wait_s", "'0.5'", "a number with a unit (ns, us, ms, s, min, h)"},
+             {"wait_s", "'2 s'", "is 2, but must lie between 0 and 1"},
+             {"wait_s", "20", "between 0 and 1; for 20 ms write 0.02 or \"20ms\""},
+             {"number", "'1s'", "must be a number, not a string"},
+             {"list", "1", "must be a list, [1, 2]"},
+             {"list", "[0, 4]", "must hold numbers between 0 and 3"},
+             {"list", "[nan]", "numbers between 0 and 3"},
+             {"list", "['0']", "numbers between 0 and 3"},
+             {"list", "[true]", "numbers between 0 and 3"},
+             {"names", "'a'", "must be a list of texts"},
+             {"names", "['a', 1]", "must hold texts"}}) {
         SCOPED_TRACE(std::string(c.key) + " = " + c.value);
         const ConfigFile file = parse(std::string("# a comment\n[a.b]\n") + c.key + " = " + c.value);
         EXPECT_THAT(refusal_of([&] { read_everything(file.table("a").table("b")); }),
@@ -134,7 +140,8 @@ TEST(Config, RefusesWithFileLineAndKey) {
 TEST(Config, FailsWithALineForAKeyThatIsThere) {
     const ConfigFile file = parse("[a]\nk = 1\n");
     EXPECT_EQ(refusal_of([&] { file.table("a").fail("k", "is odd"); }), "trial.toml:2:5: 'a.k' is odd");
-    EXPECT_EQ(refusal_of([&] { file.table("a").fail("l", "is missing"); }), "trial.toml: 'a.l' is missing");
+    EXPECT_EQ(refusal_of([&] { file.table("a").fail("l", "is missing"); }),
+              "trial.toml:1:1: 'a.l' is missing");
 }
 
 TEST(Config, RefusesUnknownKeysAndTablesWithTheirPlace) {
@@ -224,6 +231,83 @@ TEST(Config, RefusesWhatIsNotToml) {
     EXPECT_THAT(refusal_of([] { parse("a = '\xff\xfe'\n"); }), StartsWith("trial.toml:1:"));
 }
 
+TEST(Config, SecondsMayHaveAUnit) {
+    const ConfigFile file =
+        parse("a_s = '20 ms'\nb_s = ['9ms', 0.05, '2s']\nc_s = '100us'\ndelay_s = '5s'\n");
+    Duration a{};
+    std::vector<double> b;
+    double c = 0, delay_s = 0;
+    file.root().read("a_s", a, 0, 1, "");
+    file.root().read("b_s", b, 0, 3, "");
+    file.root().read("c_s", c, 0, 1, "");
+    file.root().read("delay_s", delay_s, 0, 60, "");
+    EXPECT_EQ(a, milliseconds{20});
+    EXPECT_THAT(b, ElementsAre(0.009, 0.05, 2));
+    EXPECT_EQ(c, 1e-4);
+    EXPECT_EQ(delay_s, 5) << "said with its unit, it is meant";
+    EXPECT_THAT(refusal_of([&] { parse("delay_s = 5").root().read("delay_s", delay_s, 0, 60, ""); }),
+                HasSubstr("'delay_s' holds 5, but no network takes 5 s: for 5 ms write 0.005"));
+}
+
+// Reads on after each: what is wrong, and what depends on it.
+TEST(Config, AllMistakesOfAFileAreSaidAtOnceInItsOrder) {
+    const ConfigFile file = parse(
+        "[c]\nunknown = 1\n[a]\nnumber = 'x'\ncount = 9\ncolour = 'pink'\nwait_s = '1xs'\nyes = false\n"
+        "[[layer]]\nk = 1\n[[layer]]\nk = 'x'\nnumbr = 1\n[b]\nnumber = 3\nlist = [9]\ntext = 't'\n");
+    Everything b;
+    int reads = 0;
+    const std::string text = refusal_of([&] {
+        file.read_all([&] {
+            ++reads;
+            const Everything a = read_everything(file.table("a"));
+            if (a.number > 2 && !a.yes) file.table("a").fail("yes", "must be true for a number above 2");
+            for (const ConfigTable& layer : file.root().tables("layer", no_keys)) read_number(layer, "k");
+            b = read_everything(file.table("b"));
+            if (b.yes && file.table("b").has("text")) file.table("b").fail("absent", "is needed with text");
+        });
+    });
+    EXPECT_THAT(text, StartsWith("trial.toml has 10 errors:\ntrial.toml:1:1: unknown table or key 'c'"));
+    std::string::size_type at = 0;
+    for (const char* line :
+         {"\ntrial.toml:4:10: 'a.number' must be a number", "\ntrial.toml:5:9: 'a.count' is 9",
+          "\ntrial.toml:6:10: 'a.colour' is \"pink\"", "\ntrial.toml:7:10: 'a.wait_s' is",
+          "\ntrial.toml:12:5: 'layer[1].k' must be", "\ntrial.toml:13:9: unknown key 'layer[1].numbr'",
+          "\ntrial.toml:14:1: 'b.absent' is needed", "\ntrial.toml:15:10: 'b.number' is 3",
+          "\ntrial.toml:16:8: 'b.list' must hold"}) {
+        EXPECT_NE(text.find(line, at), std::string::npos) << line << " in " << text;
+        at = text.find(line);
+    }
+    EXPECT_EQ(text.find("must be true"), std::string::npos) << "follows from the wrong number";
+    EXPECT_GT(reads, 7);
+}
+
+TEST(Config, OneMistakeIsALineOfItsOwnAndManyAreCounted) {
+    const ConfigFile one = parse("[a]\nnumber = 3\n");
+    EXPECT_EQ(refusal_of([&] { one.read_all([&] { read_everything(one.table("a")); }); }),
+              "trial.toml:2:10: 'a.number' is 3, but must lie between 0 and 2");
+    std::string text = "[a]\n";
+    for (int i = 0; i < 70; ++i) text += fmt::format("x{} = 1\n", i);
+    const ConfigFile many = parse(text);
+    EXPECT_THAT(refusal_of([&] { many.read_all([&] { read_everything(many.table("a")); }); }),
+                AllOf(StartsWith("trial.toml has 70 errors:"), HasSubstr("... and 20 more")));
+}
+
+TEST(Config, WhatIsWrongWithANamedFileIsAMistakeOfItsKey) {
+    const ConfigFile file = parse("[a]\nscene = 'vein.toml'\nnumber = 3\n");
+    const std::string text = refusal_of([&] {
+        file.read_all([&] {
+            std::string scene;
+            file.table("a").read("scene", scene, "");
+            if (!scene.empty())
+                file.table("a").load("scene", [&] { ConfigFile::parse("x = 1", scene).finish(); });
+            read_everything(file.table("a"));
+        });
+    });
+    EXPECT_THAT(text, AllOf(StartsWith("trial.toml has 2 errors:\ntrial.toml:2:9: vein.toml:1:5: unknown"),
+                            HasSubstr("trial.toml:3:10: 'a.number'")))
+        << text;
+}
+
 TEST(Config, LoadsAndNamesTheFile) {
     // The name holds the test's, since ctest runs tests side by side.
     const auto path = std::filesystem::path(testing::TempDir()) / "thimble_LoadsAndNamesTheFile.toml";
@@ -243,6 +327,26 @@ TEST(Config, AMisspeltKeyIsToldWhichOneWasMeant) {
     read_number(file.table("master"), "force_limit_N");
     EXPECT_THAT(refusal_of([&] { file.finish(); }), AllOf(HasSubstr("unknown key 'master.force_limt_N'"),
                                                           HasSubstr("did you mean 'force_limit_N'?")));
+}
+
+TEST(Config, AKeyWithoutItsUnitOrInAnotherTableIsNamedWithItsTable) {
+    const auto advice = [](const std::string& text) {
+        const ConfigFile file = parse(text);
+        read_number(file.table("fixture"), "stiffness_N_per_m");
+        read_number(file.table("tissue"), "stiffness_N_per_m");
+        read_number(file.table("trial"), "timeout_s");
+        read_number(file.table("session"), "delays_s");
+        read_number(file.table("netem").table("force"), "delay_s");
+        return refusal_of([&] { file.finish(); });
+    };
+    EXPECT_THAT(advice("[fixture]\nstiffness = 1"), HasSubstr("did you mean 'stiffness_N_per_m'? Otherwise"));
+    EXPECT_THAT(advice("[netem.force]\ndelay_ms = 50"), HasSubstr("did you mean 'delay_s'? Otherwise"));
+    EXPECT_THAT(advice("[session]\nstiffness = 1"),
+                HasSubstr("'stiffness_N_per_m' in [fixture] or [tissue]?"));
+    EXPECT_THAT(advice("[session]\ntimeout_s = 1"), HasSubstr("did you mean 'timeout_s' in [trial]?"));
+    EXPECT_THAT(advice("[session]\ndelay_s = 1"),
+                HasSubstr("did you mean 'delays_s', or 'delay_s' in [netem.force]?"));
+    EXPECT_THAT(advice("timeout_s = 1"), HasSubstr("did you mean 'timeout_s' in [trial]?"));
 }
 
 TEST(Config, ADescriptionHasWhatReadersSayOfTheirKeys) {
@@ -276,6 +380,9 @@ TEST(NearestName, FindsSwappedLettersAndAnotherCaseButNoOtherWord) {
     EXPECT_EQ(nearest_name("speed", {"delay_s", "loss"}), "");
     EXPECT_EQ(nearest_name("", {"a"}), "a");
     EXPECT_EQ(nearest_name("x", {}), "");
+    EXPECT_EQ(nearest_name("--delay-ms", {"--seed", "--delay-s"}), "--delay-s");
+    EXPECT_EQ(nearest_name("position", {"force_position_scale", "position_scale"}), "position_scale");
+    EXPECT_EQ(nearest_name("stiffness", {"stiff", "stiffness_N_per_m"}), "stiffness_N_per_m");
 }
 
 }  // namespace
