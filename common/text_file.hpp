@@ -12,8 +12,12 @@ namespace thimble {
 // Replaces the file. Throws Error (run failed) naming it if it cannot be written to its end.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
 
-// With those on the way; an empty path is where the program is. Throws Error (usage) naming it if it cannot be made.
+// With those on the way; an empty path is where the program is. Throws Error (usage) naming it if it cannot be made, or the file that
+// lies there.
 void make_folder(const std::filesystem::path& folder);
+
+// Throws Error (usage) if a folder lies where `file` is to be read or written.
+void refuse_folder(const std::filesystem::path& file);
 
 // Closes what it holds, unless that is negative.
 class FileDescriptor : boost::noncopyable {

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -28,6 +29,7 @@ std::string reason() { return std::generic_category().message(errno); }
 }  // namespace
 
 CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists) : path_(path) {
+    refuse_folder(path);
     file_.reset(std::fopen(path.c_str(), open_mode(if_exists)));
     if (!file_ && errno == EEXIST) {
         throw Error(ExitCode::kUsage,

@@ -26,7 +26,7 @@ bool is_number(std::string_view text) {
 
 void drop_byte_order_mark(std::string& text, std::string_view name) {
     if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
-        throw Error(ExitCode::kData, "{}: is UTF-16 text: save it as CSV in UTF-8", name);
+        throw Error(ExitCode::kData, "{}:1: is UTF-16 text: save it as CSV in UTF-8", name);
     if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
 }
 
@@ -39,11 +39,16 @@ void drop_carriage_returns(std::string& text) {
     text = std::move(plain);
 }
 
+bool is_comment(std::string_view line) {
+    const std::size_t first = line.find_first_not_of(" \t");
+    return first != std::string_view::npos && line[first] == '#';
+}
+
 // The first line that is neither empty nor a comment.
 std::string_view header_of(std::string_view text) {
     while (!text.empty()) {
         const std::string_view line = take_until(text, '\n');
-        if (!line.empty() && line.front() != '#') return line;
+        if (line.find_first_not_of(" \t") != std::string_view::npos && !is_comment(line)) return line;
     }
     return {};
 }
@@ -59,7 +64,7 @@ class Rewriter {
             const bool ends = text.find('\n') != std::string_view::npos;
             std::string_view line = take_until(text, '\n');
             ++line_;
-            if (line.starts_with('#')) {
+            if (is_comment(line)) {
                 plain_ += line;
             } else {
                 add_fields(line);
@@ -120,11 +125,11 @@ std::string plain_table(std::string text, std::string_view name, char separator,
     if (header.find(';') == std::string_view::npos || header.find(separator) != std::string_view::npos)
         return text;
     if (semicolons == Semicolons::kRefuse)
-        throw Error(
-            ExitCode::kData,
-            "{}: has semicolons between its fields, as a spreadsheet writes them, and lines are to be added "
-            "to it: save it with {} between them",
-            name, separator == '\t' ? "tabs" : "commas");
+        throw Error(ExitCode::kData,
+                    "{}:1: has semicolons between its fields, as a spreadsheet writes them, and lines are to "
+                    "be added "
+                    "to it: save it with {} between them",
+                    name, separator == '\t' ? "tabs" : "commas");
     return Rewriter(name, separator).rewrite(text);
 }
 

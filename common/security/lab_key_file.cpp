@@ -110,8 +110,8 @@ std::filesystem::path lab_key_file(std::string_view setting) {
 }
 
 void create_lab_key(const std::filesystem::path& path, const RandomBytes& random) {
-    std::error_code problem;  // seen when the file cannot be made
-    if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), problem);
+    refuse_folder(path);
+    make_folder(path.parent_path());
     const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
     if (file.get() < 0) {
         const int error = errno;

@@ -11,8 +11,9 @@ namespace thimble {
 
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes) {
     std::ifstream stream(path, std::ios::binary);
-    // A folder opens as a stream, too, and then throws when it is read.
-    if (!stream.is_open() || std::filesystem::is_directory(path)) {
+    if (std::filesystem::is_directory(path))  // opens as a stream, too, and then throws when it is read
+        throw Error(ExitCode::kData, "{}: is a folder, and a file is meant: name a file", path.string());
+    if (!stream.is_open()) {
         throw Error(ExitCode::kData, "{}: cannot be read; does this file exist, and is it yours to read?",
                     path.string());
     }

@@ -29,7 +29,12 @@ std::vector<std::string_view> lines_of(std::string_view text) {
     }
 }
 
-auto commas(std::string_view line) { return std::count(line.begin(), line.end(), ','); }
+// Where a spreadsheet separates fields by semicolons, commas are decimal.
+char separator_of(std::string_view header) {
+    const bool semicolons =
+        header.find(';') != std::string_view::npos && header.find(',') == std::string_view::npos;
+    return semicolons ? ';' : ',';
+}
 
 // The first line that is no comment; the parser has found one before.
 std::string_view header_of(std::vector<std::string_view> lines) {
@@ -55,13 +60,17 @@ std::string flaw_of_pace(const NeedlePath::Sample& before, const NeedlePath::Sam
 std::string flaw_of_samples(const NeedlePath& path, std::string_view text) {
     if (path.samples.empty()) return "no sample";
     const std::vector<std::string_view> lines = lines_of(text);
-    const auto fields = commas(header_of(lines));
+    const char separator = separator_of(header_of(lines));
+    const auto separators = [&](std::string_view line) {
+        return std::count(line.begin(), line.end(), separator);
+    };
+    const auto fields = separators(header_of(lines));
     const NeedlePath::Sample* before = nullptr;
     for (const NeedlePath::Sample& sample : path.samples) {
         if (!std::isfinite(sample.time_s)) return "a time that is not finite";
         if (!(std::abs(sample.position_m) <= NeedleLimits{}.farthest_m)) return "a needle out of reach";
         if (sample.line < 2 || sample.line > lines.size()) return "a line that the file does not have";
-        if (commas(lines[sample.line - 1]) != fields) return "more or fewer fields than the header";
+        if (separators(lines[sample.line - 1]) != fields) return "more or fewer fields than the header";
         if (before != nullptr) {
             if (std::string flaw = flaw_of_pace(*before, sample); !flaw.empty()) return flaw;
         }

@@ -26,7 +26,7 @@ NetworkSettings network_of(const std::string& session_file, int base_port) {
 
 std::filesystem::path output_file(const std::filesystem::path& out, const char* name) {
     const std::string end = out.extension().string();
-    const bool device = std::filesystem::exists(out) && !std::filesystem::is_directory(out);
+    const bool device = out.string().starts_with("/dev/") || std::filesystem::is_fifo(out);
     const bool file = device || end == ".csv" || end == ".json" || end == ".html";
     make_folder(file ? out.parent_path() : out);
     return file ? out : out / name;

@@ -114,6 +114,7 @@ struct HdfTable {
 class Hdf5Export {
   public:
     explicit Hdf5Export(const std::filesystem::path& path) : path_(path) {
+        refuse_folder(path);
         H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // no words of its own on stderr
         file_ = H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT);
         if (file_ < 0) {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -28,6 +29,7 @@ int open_nameless(const std::filesystem::path& beside) {
 }  // namespace
 
 LogFile::LogFile(const std::filesystem::path& path) : path_(path) {
+    refuse_folder(path);
     descriptor_ = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
     if (descriptor_ >= 0) {
         aside_ = open_nameless(path);
