@@ -149,7 +149,7 @@ Claim judged(const PaperClaim& of, const Experiments& experiments) {
 
 }  // namespace
 
-bool is_papers_design(const std::vector<TrialRow>& rows) {
+bool are_paper_trials(const std::vector<TrialRow>& rows) {
     return !rows.empty() &&
            std::all_of(rows.begin(), rows.end(),
                        [](const TrialRow& row) { return is_of_the_paper(row.conditions); }) &&

@@ -32,7 +32,7 @@ struct Claim {
 inline constexpr std::size_t kFewestJudged = 6;
 
 // Whether experiments, delays and modalities of the rows are the paper's. Other trials say nothing about its claims.
-bool is_papers_design(const std::vector<TrialRow>& rows);
+bool are_paper_trials(const std::vector<TrialRow>& rows);
 
 // Every claim of the paper that can be checked, in a fixed order. Rows of any experiments, also of none.
 // `no_lag`: trials of experiment 1 with CF again, the same but for actuators without lag (no_lag.csv).

@@ -99,7 +99,7 @@ def written_tables(programs, scratch):
     said_by([thimble, 'replay', '--needle', 'needle.csv', '--out', 'forces.csv'], scratch)
     said_by([thimble, 'sweep', '--mass-kg', '1', '--damping-Ns-per-m', '20', '--stiffness-N-per-m', '500', '--delay-s',
              '0:0.1:2', '--contact-stiffness-N-per-m', '1000:2000:2', '--out', 'map'], scratch)
-    said_by([thimble, 'compensators', '--only', 'CF', '--subjects', '1', '--delays-ms', '0', '--out', 'compensators'], scratch)
+    said_by([thimble, 'compensators', '--only', 'CF', '--subjects', '1', '--delays-s', '0', '--out', 'compensators'], scratch)
     trajectory = next((scratch / 's/trajectories').iterdir())
     return [('trials.csv', 'run, study, participant sessions: a line per trial; also control.csv, no_lag.csv, virtual.csv', 's/trials.csv'),
             ('*_curves.csv', 'study: a line per trial', 's/trials_curves.csv'),

@@ -128,7 +128,7 @@ std::vector<Protocol> session_protocols(const SystemSettings& settings) {
     return protocols;
 }
 
-bool is_paper_design(const Protocol& protocol) {
+bool plans_paper_trials(const Protocol& protocol) {
     const Protocol paper;
     const double delay_s = protocol.experiment == 3 ? to_seconds(kDelayOfExperiment3) : 0;
     return protocol.trials_per_modality == paper.trials_per_modality &&

@@ -37,8 +37,9 @@ Protocol experiment_3(const SystemSettings& settings, std::uint32_t subjects, st
 
 // The trials that a session file plans: each experiment of [protocol], at each delay. Without [protocol] as by an empty one.
 std::vector<Protocol> session_protocols(const SystemSettings& settings);
-// The trials are those of the paper, whatever the subjects, their number, the order and the fixtures.
-bool is_paper_design(const Protocol& protocol);
+// The trials are those of the paper, whatever the subjects, their number, the order and the fixtures. Tables of trials:
+// are_paper_trials(); session files: is_paper_session().
+bool plans_paper_trials(const Protocol& protocol);
 
 // Uniform within +-jitter around the nominal position.
 double draw_fixture_position_m(const Protocol& protocol, std::uint32_t subject, std::uint32_t trial);

@@ -7,7 +7,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/config.hpp"
 #include "common/error.hpp"
+#include "common/text_file.hpp"
+#include "session/settings/protocol.hpp"
+#include "session/settings/system_settings.hpp"
 
 namespace thimble {
 namespace {
@@ -38,6 +42,22 @@ std::vector<std::string> shipped_names() {
     throw Error(ExitCode::kUsage, fmt::format("{}: there is no such session file, and {}", given, known));
 }
 
+// Of [session] and [protocol] only what the trials are. finish() refuses each key that was not asked for.
+bool says_nothing_but_trials(const ConfigFile& config) {
+    if (!config.table("protocol").has("experiments")) return false;
+    const ConfigTable session = config.table("session"), protocol = config.table("protocol");
+    for (const char* key : {"modalities", "delays_s", "order", "seed"})
+        static_cast<void>(session.is_text(key));
+    for (const char* key : {"experiments", "subjects", "trials_per_modality", "removals"})
+        static_cast<void>(protocol.is_text(key));
+    try {
+        config.finish();
+    } catch (const Error&) {
+        return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 fs::path program_folder() {
@@ -48,6 +68,7 @@ fs::path program_folder() {
 
 fs::path find_session_file(const std::string& given) {
     std::error_code absent;
+    refuse_folder(given);
     if (fs::exists(given, absent)) return given;
     const bool plain = !given.empty() && given.find('/') == std::string::npos;
     if (plain && fs::exists(shipped_file(given), absent)) return shipped_file(given);
@@ -62,8 +83,13 @@ std::optional<std::string> shipped_name(const fs::path& file) {
 }
 
 bool is_paper_session(const fs::path& file) {
-    const auto name = shipped_name(file);
-    return name && std::find(kPaperSessions.begin(), kPaperSessions.end(), *name) != kPaperSessions.end();
+    if (!says_nothing_but_trials(ConfigFile::load(file))) return false;
+    const SystemSettings settings = load_system_settings(file);
+    const std::vector<Protocol> protocols = session_protocols(settings);
+    return settings.plan.kind == SubjectKind::kVirtual && protocols.size() == 1 &&
+           plans_paper_trials(protocols[0]) &&
+           protocols[0].subjects ==
+               (protocols[0].experiment == 3 ? kSubjectsWithDelay : kSubjectsWithoutDelay);
 }
 
 }  // namespace thimble

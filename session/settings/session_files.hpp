@@ -23,6 +23,8 @@ std::filesystem::path find_session_file(const std::string& given);
 // The name of a file that came with the program; nothing for any other one.
 std::optional<std::string> shipped_name(const std::filesystem::path& file);
 
+// The file says the trials of one of the paper's experiments, and nothing else but a seed and an order, wherever it lies and
+// whatever its name. Throws Error (usage) if it is no session file.
 bool is_paper_session(const std::filesystem::path& file);
 
 }  // namespace thimble

@@ -118,7 +118,12 @@ void add_sweep_options(CLI::App& command, SweepArguments& a) {
         ->check(CLI::Range(0, 1024));
     command.add_option("--block", a.block, "cells that a thread takes at a time, 0: by their number")
         ->check(CLI::Range(0, 1000000));
-    command.add_flag("--overwrite", a.overwrite, "begin anew; without it an interrupted sweep goes on");
+    CLI::Option* overwrite =
+        command.add_flag("--overwrite", a.overwrite, "replace an earlier map in that folder");
+    command
+        .add_flag("--resume", a.resume,
+                  "go on where an interrupted sweep of the same map ended; the same bytes come out")
+        ->excludes(overwrite);
     command.footer(
         "Examples:\n  thimble sweep --hand D --out out/map\n"
         "  thimble sweep --hand A,D --compensator none,wave,energy-bound --jitter-s 0,0.005 --loss 0,0.05 "

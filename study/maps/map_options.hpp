@@ -26,7 +26,7 @@ struct SweepArguments {
     MapGrid rest;
     unsigned jobs = 0;
     std::size_t block = 0;
-    bool overwrite = false;
+    bool overwrite = false, resume = false;
 };
 
 void add_sweep_options(CLI::App& command, SweepArguments& arguments);

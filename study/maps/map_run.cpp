@@ -19,7 +19,8 @@ std::size_t block_of(const SweepArguments& arguments, const MapGrid& grid, std::
 
 int run_map(const SweepArguments& arguments, const MapGrid& grid, WorkerPool& pool) {
     const std::filesystem::path folder = arguments.out;
-    MapTable table(folder, grid, arguments.overwrite);
+    const IfExists fresh = arguments.overwrite ? IfExists::kReplace : IfExists::kRefuse;
+    MapTable table(folder, grid, arguments.resume ? IfExists::kContinue : fresh);
     if (table.done() > 0) spdlog::info("{} of {} cells were there already", table.done(), grid.cells());
     PoolWork work;
     work.first = table.done();
@@ -31,8 +32,7 @@ int run_map(const SweepArguments& arguments, const MapGrid& grid, WorkerPool& po
     work.stop = &stop_requested();
     pool.lead(work);
     if (table.done() < grid.cells()) {
-        spdlog::error("interrupted; the {} cells that were done are kept, the same command goes on",
-                      table.done());
+        spdlog::error("interrupted; the {} cells that were done are kept: go on with --resume", table.done());
         return static_cast<int>(ExitCode::kRunFailed);
     }
     fmt::print("table: {}\n", (folder / "map.csv").string());

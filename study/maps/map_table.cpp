@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -24,16 +25,17 @@ std::size_t lines_in(const std::filesystem::path& path) {
 }
 
 // How many cells are there already; the table is cut back to them.
-std::size_t cells_there(const std::filesystem::path& folder, const MapGrid& grid, bool overwrite) {
-    std::error_code failed;  // the table says so
-    std::filesystem::create_directories(folder, failed);
+std::size_t cells_there(const std::filesystem::path& folder, const MapGrid& grid, IfExists if_exists) {
+    make_folder(folder);
     const auto table = folder / "map.csv", plan = folder / "map.txt";
-    if (overwrite) std::filesystem::remove(table);
     std::size_t cells = 0;
-    if (std::filesystem::exists(table)) {
+    if (if_exists != IfExists::kContinue) {
+        CsvFile(table, if_exists);  // empty, or an Error
+    } else if (std::filesystem::exists(table)) {
         if (text_of(plan) != grid_text(grid))
             throw Error(ExitCode::kUsage,
-                        fmt::format("{}: another map; give --overwrite or another --out", folder.string()));
+                        fmt::format("{}: holds another map: name another folder, or say --overwrite",
+                                    folder.string()));
         const std::size_t lines = lines_in(table);
         cells = lines > 0 ? lines - 1 : 0;
         keep_lines(table, cells);
@@ -44,8 +46,8 @@ std::size_t cells_there(const std::filesystem::path& folder, const MapGrid& grid
 
 }  // namespace
 
-MapTable::MapTable(const std::filesystem::path& folder, const MapGrid& grid, bool overwrite)
-    : done_(cells_there(folder, grid, overwrite)), file_(folder / "map.csv", IfExists::kContinue) {
+MapTable::MapTable(const std::filesystem::path& folder, const MapGrid& grid, IfExists if_exists)
+    : done_(cells_there(folder, grid, if_exists)), file_(folder / "map.csv", IfExists::kContinue) {
     if (file_.is_new()) file_.write(cells_header());
     file_.flush();
 }

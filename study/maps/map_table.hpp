@@ -15,9 +15,9 @@ namespace thimble {
 
 class MapTable {
   public:
-    // In `folder`, made if missing: goes on behind the whole rows that are there if they are of the same map, else refuses;
-    // begins anew with `overwrite`. Throws Error (usage, run failed).
-    MapTable(const std::filesystem::path& folder, const MapGrid& grid, bool overwrite);
+    // In `folder`, made if missing: kContinue goes on behind the whole rows that are there, if they are of the same map.
+    // Throws Error (usage, run failed).
+    MapTable(const std::filesystem::path& folder, const MapGrid& grid, IfExists if_exists);
 
     std::size_t done() const { return done_; }  // cells, from the first on
     // In any order; a block is written as soon as all before it are.

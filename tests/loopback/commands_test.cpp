@@ -134,11 +134,68 @@ TEST(StabilityProgram, RefusesWhatMeansNothing) {
     EXPECT_EQ(of_hand("stability", {}).code, 2);
 }
 
+TEST(CompensatorsProgram, GoesOnWithResumeAndTakesListsWithCommas) {
+    const Folder folder;
+    const auto compare = [&](const char* out, const std::vector<std::string>& more) {
+        std::vector<std::string> words{"compensators", "--subjects", "1",
+                                       "--only",       "CF,VF",      "--delays-s",
+                                       "0,0.01",       "--out",      (folder / out).string()};
+        words.insert(words.end(), more.begin(), more.end());
+        return run_thimble(words);
+    };
+    ASSERT_EQ(compare("whole", {}).code, 0);
+    const std::string table = read_text(folder / "whole/compensator_trials.csv");
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 2 * 2);
+    std::filesystem::create_directory(folder / "half");
+    std::filesystem::copy(folder / "whole/compensators.txt", folder / "half/compensators.txt");
+    folder.write("half/compensator_trials.csv", table.substr(0, table.size() * 2 / 3));
+    EXPECT_EQ(compare("half", {}).code, 2);
+    EXPECT_EQ(compare("half", {"--resume", "--overwrite"}).code, 2);
+    const Outcome other = compare("half", {"--resume", "--seed", "7"});
+    EXPECT_EQ(other.code, 2);
+    EXPECT_THAT(other.words, HasSubstr("another comparison"));
+    EXPECT_EQ(compare("half", {"--resume"}).code, 0);
+    EXPECT_EQ(read_text(folder / "half/compensator_trials.csv"), table);
+}
+
+// Each way to mistake one for the other, at each kind of reader and writer.
+TEST(FilesAndFolders, AreToldApart) {
+    const Folder folder;
+    const std::string file = folder.write("file", "hi\n").string(), dir = (folder / "folder").string();
+    std::filesystem::create_directory(dir);
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"study", "-n", "1", "--out", file},
+          {"study", "-n", "1", "--out", file + "/x"},
+          {"compensators", "--subjects", "1", "--only", "CF", "--delays-s", "0", "--out", file},
+          {"sweep", "--hand", "B", "--delay-s", "0:0.1:2", "--gain", "0.1:1:2", "--out", file},
+          {"run", "delay50", "--out", file},
+          {"keygen", file + "/lab.key"}}) {
+        const Outcome outcome = run_thimble(words);
+        EXPECT_EQ(outcome.code, 2) << outcome.words;
+        EXPECT_THAT(outcome.words, HasSubstr(file + ": is a file, and a folder is meant")) << words[0];
+    }
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"study", dir},
+                                                  {"run", dir},
+                                                  {"check", dir},
+                                                  {"compensators", dir},
+                                                  {"sweep", dir, "--operator", "virtual"},
+                                                  {"keygen", dir}}) {
+        const Outcome outcome = run_thimble(words);
+        EXPECT_EQ(outcome.code, 2) << outcome.words;
+        EXPECT_THAT(outcome.words, HasSubstr(dir + ": is a folder, and a file is meant")) << words[0];
+    }
+    EXPECT_EQ(read_text(file), "hi\n");
+}
+
 TEST(StabilityProgram, AnInterruptedMapGoesOnToTheSameBytes) {
     const Folder folder;
-    const auto sweep = [&](const std::string& out, const std::string& delays, const std::string& jobs) {
-        return of_hand("sweep", {"--delay-s", delays, "--contact-stiffness-N-per-m", "100:20000:4", "--out",
-                                 (folder / out).string(), "--jobs", jobs});
+    const auto sweep = [&](const std::string& out, const std::string& delays, const std::string& jobs,
+                           const std::vector<std::string>& how = {}) {
+        std::vector<std::string> words{"--delay-s",   delays,  "--contact-stiffness-N-per-m",
+                                       "100:20000:4", "--out", (folder / out).string(),
+                                       "--jobs",      jobs};
+        words.insert(words.end(), how.begin(), how.end());
+        return of_hand("sweep", words);
     };
     const Outcome whole = sweep("whole", "0:0.1:3", "1");
     ASSERT_EQ(whole.code, 0) << whole.words;
@@ -147,9 +204,12 @@ TEST(StabilityProgram, AnInterruptedMapGoesOnToTheSameBytes) {
     std::filesystem::create_directory(folder / "half");
     std::filesystem::copy(folder / "whole/map.txt", folder / "half/map.txt");
     folder.write("half/map.csv", table.substr(0, table.size() * 2 / 3));
-    EXPECT_EQ(sweep("half", "0:0.1:3", "2").code, 0);
+    const Outcome refused = sweep("half", "0:0.1:3", "2");
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_THAT(refused.words, HasSubstr("already exists"));
+    EXPECT_EQ(sweep("half", "0:0.1:3", "2", {"--resume"}).code, 0);
     EXPECT_EQ(read_text(folder / "half/map.csv"), table);
-    const Outcome other = sweep("half", "0:0.2:3", "2");
+    const Outcome other = sweep("half", "0:0.2:3", "2", {"--resume"});
     EXPECT_EQ(other.code, 2);
     EXPECT_THAT(other.words, HasSubstr("another map"));
     EXPECT_EQ(sweep("bad", "0.1:0:3", "1").code, 2);

@@ -160,7 +160,7 @@ TEST_F(Outputs, AFolderThatCannotBeMadeIsNamed) {
           {"study", "--experiment", "2", "--subjects", "1", "--overwrite", "--out"},
           {"study", "--experiment", "2", "--subjects", "1", "--resume", "--out"},
           {"run", session, "--out"},
-          {"compensators", "--subjects", "1", "--only", "CF", "--delays-ms", "0", "--out"}}) {
+          {"compensators", "--subjects", "1", "--only", "CF", "--delays-s", "0", "--out"}}) {
         for (const char* in_the_way : {"", "/within"}) {
             std::vector<std::string> with_folder = command;
             with_folder.push_back(file + in_the_way);

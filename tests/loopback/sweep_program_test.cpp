@@ -73,7 +73,7 @@ std::vector<pid_t> children_of(pid_t parent) {
     return {std::istream_iterator<pid_t>(file), {}};
 }
 
-// mpirun ends all when one goes; the same command, with another number of them, goes on.
+// mpirun ends all when one goes; --resume, with another number of them, goes on.
 TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
     SKIP_WITHOUT_MPI();
     const Folder folder;
@@ -94,7 +94,9 @@ TEST(SweepProgram, ADeadRankLeavesWhatWasDone) {
         // Unless all was done before the signal came.
         EXPECT_TRUE(*code != 0 || lines_in(out / "map.csv") == 1 + 12 * 60) << *code;
     }
-    const Outcome on = run_to_end(kMpirun, with_ranks(3, built_programs() / "thimble-sweep-mpi", words(out)));
+    std::vector<std::string> resume = words(out);
+    resume.emplace_back("--resume");
+    const Outcome on = run_to_end(kMpirun, with_ranks(3, built_programs() / "thimble-sweep-mpi", resume));
     ASSERT_EQ(on.code, 0) << on.words;
     ASSERT_EQ(run_thimble(sweep(words(whole))).code, 0);
     EXPECT_EQ(read_text(out / "map.csv"), read_text(whole / "map.csv"));

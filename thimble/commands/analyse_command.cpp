@@ -63,7 +63,7 @@ std::vector<TrialRow> no_lag_rows(const std::filesystem::path& given) {
 // As the study said it; of a table by itself as its rows say it.
 bool has_papers_design(const std::filesystem::path& given, const std::vector<TrialRow>& rows) {
     const auto design = design_in(folder_of(given));
-    return design ? *design != kUsersDesign : is_papers_design(rows);
+    return design ? *design != kUsersDesign : are_paper_trials(rows);
 }
 
 Analysis analyse(const std::filesystem::path& given) {

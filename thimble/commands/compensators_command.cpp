@@ -30,12 +30,12 @@ namespace {
 
 struct CompensatorsArguments {
     std::string session, out;
-    std::vector<double> delays_ms;
+    std::vector<double> delays_s;
     std::vector<std::string> only;
     std::optional<std::uint32_t> subjects, trials;  // instead of the session's
     std::optional<std::uint64_t> seed;
     CompensatorStudyOptions study;  // as the session and the above have it
-    bool overwrite = false;
+    bool overwrite = false, resume = false;
 };
 
 std::string cell(double value, int decimals) {
@@ -69,16 +69,17 @@ std::string plan_text(const CompensatorsArguments& a) {
     return text + "session file:\n" + std::string(std::istreambuf_iterator<char>(file), {});
 }
 
-// Goes on where the same comparison was interrupted; refuses another one's folder.
+// With --resume it goes on where the same comparison was interrupted, and refuses another one's folder.
 IfExists prepare_folder(const CompensatorsArguments& a) {
     const std::filesystem::path folder(a.out), plan = folder / "compensators.txt";
     make_folder(folder);
     const bool begun = std::filesystem::exists(folder / "compensator_trials.csv");
-    if (begun && !a.overwrite) {
+    if (begun && !a.overwrite && !a.resume) return IfExists::kRefuse;
+    if (begun && a.resume) {
         std::ifstream file(plan, std::ios::binary);
         if (std::string(std::istreambuf_iterator<char>(file), {}) != plan_text(a))
             throw Error(ExitCode::kUsage,
-                        a.out + ": holds another comparison: choose another folder, or say --overwrite");
+                        a.out + ": holds another comparison: name another folder, or say --overwrite");
         return IfExists::kContinue;
     }
     write_text_file(plan, plan_text(a));
@@ -91,8 +92,8 @@ std::string compensators_command(const CompensatorsArguments& a) {
     if (!a.session.empty()) command += " " + shipped_name(a.session).value_or(a.session);
     command +=
         fmt::format(" --subjects {} --trials {} --seed {}", a.study.subjects, a.study.trials, a.study.seed);
-    if (!a.delays_ms.empty()) command += fmt::format(" --delays-ms {}", fmt::join(a.delays_ms, " "));
-    if (!a.only.empty()) command += fmt::format(" --only {}", fmt::join(a.only, " "));
+    if (!a.delays_s.empty()) command += fmt::format(" --delays-s {}", fmt::join(a.delays_s, ","));
+    if (!a.only.empty()) command += fmt::format(" --only {}", fmt::join(a.only, ","));
     return command;
 }
 
@@ -117,14 +118,13 @@ bool run_all(const SystemSettings& settings, const CompensatorsArguments& a,
     const bool complete = run_compensator_trials(settings, a.study, std::span(trials).subspan(done), take);
     progress.say(fmt::format("{} of {} trials", done, trials.size()));
     if (!complete && table)
-        spdlog::error("interrupted; the {} trials that had ended are kept, the same command goes on", done);
+        spdlog::error("interrupted; the {} trials that had ended are kept: go on with --resume", done);
     return complete;
 }
 
 // As typed, else as the session says, else those of the comparison.
 std::vector<CompensatorNetwork> networks_of(const SystemSettings& settings, const CompensatorsArguments& a) {
-    std::vector<double> delays_s;
-    for (const double delay_ms : a.delays_ms) delays_s.push_back(delay_ms / 1000);
+    std::vector<double> delays_s = a.delays_s;
     if (delays_s.empty() && settings.plan.names_delays)
         for (const Duration delay : settings.plan.delays) delays_s.push_back(to_seconds(delay));
     return delays_s.empty() ? standard_networks() : plain_networks(delays_s);
@@ -185,15 +185,18 @@ Subcommand add_compensators(CLI::App& app) {
     add_session_option(*sub, a.session,
                        "session file (TOML) or name: its network, delays, modalities, numbers of "
                        "subjects and trials");
-    sub->add_option(
-        "--out", a.out,
-        "folder for report.html, figures/ and the tables; the same command goes on there after Ctrl-C");
-    sub->add_option("--delays-ms", a.delays_ms,
-                    "delays of the force path, one way, instead of the session's, or of 0 10 25 50 100 200 "
-                    "and 50 with "
-                    "jitter and loss")
-        ->check(CLI::Range(0.0, 10000.0));
-    sub->add_option("--only", a.only, "these conditions alone, e.g. HF CF wave");
+    sub->add_option("-o,--out", a.out, "folder for report.html, figures/ and the tables");
+    sub->add_option("--delays-s", a.delays_s,
+                    "delays of the force path, one way, instead of the session's, or of "
+                    "0,0.01,0.025,0.05,0.1,0.2 and 0.05 with jitter and loss")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("S,...")
+        ->check(CLI::Range(0.0, 10.0));
+    sub->add_option("--only", a.only, "these conditions alone, e.g. HF,CF,wave")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("NAME,...");
     sub->add_option("--subjects", a.subjects, "virtual subjects, instead of [protocol] subjects (10)")
         ->check(CLI::Range(1, 10000));
     sub->add_option("--trials", a.trials,
@@ -203,7 +206,11 @@ Subcommand add_compensators(CLI::App& app) {
     sub->add_option("--jobs", a.study.jobs, "threads; 0: one per core")
         ->check(CLI::Range(0, 1024))
         ->capture_default_str();
-    sub->add_flag("--overwrite", a.overwrite, "begin anew in that folder");
+    CLI::Option* overwrite =
+        sub->add_flag("--overwrite", a.overwrite, "replace an earlier comparison in that folder");
+    sub->add_flag("--resume", a.resume,
+                  "go on where an interrupted comparison of the same settings ended; the same bytes come out")
+        ->excludes(overwrite);
     sub->footer(
         "done: completed trials; osc.: those in which the needle oscillates; K / true: stiffness that the "
         "hand "

@@ -184,7 +184,7 @@ int sweep_parameters(const std::filesystem::path& config, const SweepRequest& re
 
 // Many studies keep the paper's claims and nothing else. These need the paper's trials; other parameters are what may be asked about.
 void require_paper_trials(const std::vector<Protocol>& protocols) {
-    if (std::all_of(protocols.begin(), protocols.end(), is_paper_design)) return;
+    if (std::all_of(protocols.begin(), protocols.end(), plans_paper_trials)) return;
     throw Error(
         ExitCode::kUsage,
         "--seeds, --vary and --draws count how often the paper's claims come out, and this session's "

@@ -279,12 +279,12 @@ TEST(Claims, DataThatATestRefusesAreNotJudgedAndSayWhy) {
 TEST(Claims, OnlyThePapersDesignIsThePapers) {
     Table papers = the_papers();
     papers.add(3, 10, {0.001, 0.004, 0.005, 0.008}, {11, 11, 11, 11}, 0);  // its control
-    EXPECT_TRUE(is_papers_design(papers.rows));
-    EXPECT_FALSE(is_papers_design({}));
+    EXPECT_TRUE(are_paper_trials(papers.rows));
+    EXPECT_FALSE(are_paper_trials({}));
     const auto changed = [&](const auto& change) {
         std::vector<TrialRow> rows = papers.rows;
         change(rows);
-        return is_papers_design(rows);
+        return are_paper_trials(rows);
     };
     EXPECT_FALSE(changed([](auto& rows) { rows[0].conditions.experiment = 4; }));
     EXPECT_FALSE(changed([](auto& rows) { rows[0].conditions.delay_s = 0.05; }));       // experiment 1

@@ -93,7 +93,7 @@ TEST(MapTables, BlocksInAnyOrderStandInOrder) {
     const TemporaryDirectory directory;
     const std::filesystem::path path = directory / "map";
     {
-        MapTable table(path, small_grid(), false);
+        MapTable table(path, small_grid(), IfExists::kRefuse);
         table.take({2, 1}, "c\n");
         EXPECT_EQ(table.done(), 0U);
         table.take({0, 2}, "a\nb\n");
@@ -102,12 +102,13 @@ TEST(MapTables, BlocksInAnyOrderStandInOrder) {
     }
     EXPECT_EQ(read_text(path / "map.csv"), cells_header() + "a\nb\nc\n");
     std::ofstream(path / "map.csv", std::ios::app) << "half a row";
-    MapTable again(path, small_grid(), false);
+    EXPECT_THROW(MapTable(path, small_grid(), IfExists::kRefuse), Error);
+    MapTable again(path, small_grid(), IfExists::kContinue);
     EXPECT_EQ(again.done(), 3U);
     MapGrid other = small_grid();
     other.press_N = 6;
-    EXPECT_THROW(MapTable(path, other, false), Error);
-    EXPECT_EQ(MapTable(path, other, true).done(), 0U);
+    EXPECT_THROW(MapTable(path, other, IfExists::kContinue), Error);
+    EXPECT_EQ(MapTable(path, other, IfExists::kReplace).done(), 0U);
 }
 
 TEST(ThreadPools, DoEverythingOnceAndThrowWhatAWorkerThrew) {

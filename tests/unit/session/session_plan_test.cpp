@@ -6,6 +6,7 @@
 
 #include "session/settings/protocol.hpp"
 #include "session/settings/session_files.hpp"
+#include "tests/read_text.hpp"
 #include "tests/refusal.hpp"
 
 namespace thimble {
@@ -109,7 +110,7 @@ TEST(SessionPlan, ThePapersSessionsAreThePapersExperiments) {
         EXPECT_TRUE(is_paper_session(file));
         const auto protocols = session_protocols(load_system_settings(file));
         ASSERT_EQ(protocols.size(), 1U);
-        EXPECT_TRUE(is_paper_design(protocols[0]));
+        EXPECT_TRUE(plans_paper_trials(protocols[0]));
         const auto paper = all_trials({papers[i]}), ours = all_trials(protocols);
         ASSERT_EQ(paper.size(), ours.size());
         for (std::size_t k = 0; k < paper.size(); ++k) {
@@ -119,9 +120,9 @@ TEST(SessionPlan, ThePapersSessionsAreThePapersExperiments) {
             EXPECT_EQ(paper[k].removes_fixture, ours[k].removes_fixture);
         }
     }
-    EXPECT_FALSE(is_paper_design(session_protocols(settings_of("[session]\ndelays_s = [0.009]\n"))[0]));
-    EXPECT_FALSE(
-        is_paper_design(session_protocols(settings_of("[session]\nmodalities = ['HF']\n[protocol]\n"))[0]));
+    EXPECT_FALSE(plans_paper_trials(session_protocols(settings_of("[session]\ndelays_s = [0.009]\n"))[0]));
+    EXPECT_FALSE(plans_paper_trials(
+        session_protocols(settings_of("[session]\nmodalities = ['HF']\n[protocol]\n"))[0]));
 }
 
 TEST(SessionFiles, AFileComesBeforeANameAndAnUnknownNameListsThem) {
@@ -129,7 +130,27 @@ TEST(SessionFiles, AFileComesBeforeANameAndAnUnknownNameListsThem) {
     std::filesystem::copy_file(find_session_file("paper-experiment-3"), copy,
                                std::filesystem::copy_options::overwrite_existing);
     EXPECT_EQ(find_session_file(copy.string()), copy);
-    EXPECT_FALSE(is_paper_session(copy)) << "a copy is its owner's";
+    EXPECT_TRUE(is_paper_session(copy)) << "what it says counts, not where it lies";
+    const auto with = [&](const std::string& more) {
+        std::filesystem::remove(copy);
+        write_text(copy, read_text(find_session_file("paper-experiment-3")) + more);
+        return is_paper_session(copy);
+    };
+    EXPECT_TRUE(with("# a comment\n"));
+    EXPECT_FALSE(with("[fixture]\nstiffness_N_per_m = 600\n"));
+    EXPECT_FALSE(with("practice_trials = 4\n"));
+    const auto changed = [&](const std::string& key, const std::string& value) {
+        std::string text = read_text(find_session_file("paper-experiment-3"));
+        const auto at = text.find("\n" + key + " = ") + 1;
+        text.replace(at, text.find('\n', at) - at, key + " = " + value);
+        write_text(copy, text);
+        return is_paper_session(copy);
+    };
+    EXPECT_TRUE(changed("order", "\"williams\""));
+    EXPECT_FALSE(changed("delays_s", "[0.009]"));
+    EXPECT_FALSE(changed("modalities", "[\"HF\", \"CF\"]"));
+    EXPECT_FALSE(changed("subjects", "12"));
+    EXPECT_FALSE(changed("trials_per_modality", "3"));
     EXPECT_EQ(shipped_name(find_session_file("delay50")), "delay50");
     EXPECT_FALSE(is_paper_session(find_session_file("delay50")));
     try {
