@@ -22,10 +22,8 @@ struct AngleTable {
         const exact::Parts pi = exact::parts_of_pi(1);
         half_turn = exact_sum(pi.first, pi.second) + pi.rest;
         quarter_turn = half_turn * 0.5;
-        for (std::size_t i = 0; i < sines.size(); ++i)
-            sines[i] = exact::sine_of_pi_times(static_cast<double>(i) / kAngleSteps);
-        for (std::size_t i = 0; i < arc_tangents.size(); ++i)
-            arc_tangents[i] = exact::arc_tangent(static_cast<double>(i) / kAngleSteps);
+        exact::fill_sines(sines);
+        exact::fill_arc_tangents(arc_tangents);
     }
     DoubleDouble sine(int steps) const {
         return sines[static_cast<std::size_t>(steps & (2 * kAngleSteps - 1))];
@@ -35,6 +33,9 @@ const AngleTable& angle_table() {
     static const AngleTable table;
     return table;
 }
+
+// Made when a program starts: no tick of a node waits for it.
+[[maybe_unused]] const bool kAnglesMade = (angle_table(), true);
 
 // Of |r| < 0.025, relative errors below 2^-95.
 DoubleDouble short_sin(DoubleDouble r) {

@@ -48,6 +48,17 @@ Parts parts_of(const Precise& value) {
 Precise pi() { return boost::math::constants::pi<Precise>(); }
 Precise logarithm_of_two() { return mp::log(Precise(2)); }
 
+// x + sign x^3 / 3 + x^5 / 5 + sign x^7 / 7 + ...: artanh or, with sign -1, arctan.
+Precise odd_series(const Precise& x, int sign) {
+    const Precise square = sign * x * x, negligible = mp::ldexp(x, -210);
+    Precise sum = x, power = x;
+    for (int k = 3; mp::abs(power) > negligible; k += 2) {
+        power *= square;
+        sum += power / k;
+    }
+    return sum;
+}
+
 // The angle without whole turns; its sine and cosine are the same.
 Precise within_one_turn(double x) {
     const Angle turn = 2 * boost::math::constants::pi<Angle>();
@@ -85,14 +96,50 @@ double cos(double x) { return nearest(mp::cos(within_one_turn(x))); }
 double acos(double x) { return nearest(mp::acos(Precise(x))); }
 double atan2(double y, double x) { return nearest(mp::atan2(Precise(y), Precise(x))); }
 
-DoubleDouble power_of_two(double exponent) { return split(Precise(mp::exp(exponent * logarithm_of_two()))); }
+void fill_powers_of_two(std::span<DoubleDouble> table) {
+    const Precise step = mp::exp(Precise(logarithm_of_two() / table.size()));
+    Precise power = 1;
+    for (DoubleDouble& value : table) {
+        value = split(power);
+        power *= step;
+    }
+}
+
+// log(i + 1) = log(i) + 2 artanh(1 / (2 i + 1))
+void fill_logarithms(std::span<DoubleDouble> table) {
+    Precise logarithm = -mp::log(Precise(table.size()) / 2);
+    for (std::size_t i = 1; i < table.size(); ++i) {
+        table[i] = 2 * i == table.size() ? DoubleDouble{} : split(logarithm);
+        logarithm += 2 * odd_series(Precise(1) / (2 * i + 1), 1);
+    }
+}
+
+// A quarter of a turn by rotation, the others by symmetry: whole half turns are exactly 0.
+void fill_sines(std::span<DoubleDouble> table) {
+    const std::size_t half = table.size() / 2, quarter = half / 2;
+    const Precise angle = pi() / half, step_sine = mp::sin(angle), step_cosine = mp::cos(angle);
+    Precise sine = 0, cosine = 1;
+    for (std::size_t i = 0; i <= quarter; ++i) {
+        table[i] = table[half - i] = i == quarter ? DoubleDouble{1} : split(sine);
+        const Precise turned = sine * step_cosine + cosine * step_sine;
+        cosine = cosine * step_cosine - sine * step_sine;
+        sine = turned;
+    }
+    for (std::size_t i = 0; i < half; ++i) table[half + i] = -table[i];
+}
+
+// atan((i + 1) / n) = atan(i / n) + atan(n / (n^2 + i (i + 1)))
+void fill_arc_tangents(std::span<DoubleDouble> table) {
+    const std::size_t n = table.size() - 1;
+    Precise angle = 0;
+    for (std::size_t i = 0; i <= n; ++i) {
+        table[i] = split(angle);
+        angle += odd_series(Precise(n) / (n * n + i * (i + 1)), -1);
+    }
+}
+
 DoubleDouble natural_logarithm(double x) { return split(Precise(mp::log(Precise(x)))); }
 DoubleDouble inverse_of_natural_logarithm(double x) { return split(Precise(1 / mp::log(Precise(x)))); }
-DoubleDouble sine_of_pi_times(double share) {
-    // Whole half turns give 0, although pi is rounded.
-    return share == std::floor(share) ? DoubleDouble{} : split(Precise(mp::sin(pi() * share)));
-}
-DoubleDouble arc_tangent(double x) { return split(Precise(mp::atan(Precise(x)))); }
 
 Parts parts_of_logarithm_of_two(int divisor) { return parts_of(logarithm_of_two() / divisor); }
 Parts parts_of_pi(int divisor) { return parts_of(pi() / divisor); }

@@ -2,6 +2,8 @@
 // decides the few results that lie too close to the middle between two doubles, and makes the tables of the fast way.
 #pragma once
 
+#include <span>
+
 #include "common/math/double_double.hpp"
 
 namespace thimble::exact {
@@ -20,11 +22,13 @@ double cos(double x);
 double acos(double x);
 double atan2(double y, double x);
 
-// Table values, to some 106 bits.
-DoubleDouble power_of_two(double exponent);  // 2^exponent
+// Tables of n values, to some 106 bits, each value from the one before: a program waits for them when it starts.
+void fill_powers_of_two(std::span<DoubleDouble> table);  // 2^(i / n)
+void fill_logarithms(std::span<DoubleDouble> table);     // log(2 i / n), i > 0
+void fill_sines(std::span<DoubleDouble> table);          // sin(2 pi i / n), n a multiple of 4
+void fill_arc_tangents(std::span<DoubleDouble> table);   // atan(i / (n - 1))
+
 DoubleDouble natural_logarithm(double x);
-DoubleDouble sine_of_pi_times(double share);
-DoubleDouble arc_tangent(double x);
 DoubleDouble inverse_of_natural_logarithm(double x);
 
 // Parts of a constant that are short enough for exact products with whole numbers, and the rest: the first two have 26 bits each.

@@ -19,10 +19,7 @@ constexpr int kSteps = 64;  // of a factor of two, and of the interval of a mant
 struct ExponentialTable {
     exact::Parts step = exact::parts_of_logarithm_of_two(kSteps);
     std::array<DoubleDouble, kSteps> powers{};  // 2^(i / 64)
-    ExponentialTable() {
-        for (int i = 0; i < kSteps; ++i)
-            powers[static_cast<std::size_t>(i)] = exact::power_of_two(static_cast<double>(i) / kSteps);
-    }
+    ExponentialTable() { exact::fill_powers_of_two(powers); }
 };
 const ExponentialTable& exponential_table() {
     static const ExponentialTable table;
@@ -32,15 +29,15 @@ const ExponentialTable& exponential_table() {
 struct LogarithmTable {
     DoubleDouble of_two = exact::natural_logarithm(2), per_ten = exact::inverse_of_natural_logarithm(10);
     std::array<DoubleDouble, 2UL * kSteps> logarithms{};  // log(i / 64)
-    LogarithmTable() {
-        for (std::size_t i = kSteps / 2; i < logarithms.size(); ++i)
-            logarithms[i] = exact::natural_logarithm(static_cast<double>(i) / kSteps);
-    }
+    LogarithmTable() { exact::fill_logarithms(logarithms); }
 };
 const LogarithmTable& logarithm_table() {
     static const LogarithmTable table;
     return table;
 }
+
+// Both are made when a program starts: no tick of a node waits for them.
+[[maybe_unused]] const bool kMade = (exponential_table(), logarithm_table(), true);
 
 // e^r - 1 for |r| < 0.006, relative error below 2^-98.
 DoubleDouble short_expm1(DoubleDouble r) {
