@@ -142,7 +142,7 @@ class ConfigFile {
     // to other programs of the session: their keys are theirs to check.
     void read_all(const std::function<void()>& read,
                   const std::vector<std::string_view>& elsewhere = {}) const;
-    // The same where everything has been read: only keys that nobody asked for.
+    // Of a file that has been read: refuses only the keys that no reader asked for.
     void finish(const std::vector<std::string_view>& elsewhere = {}) const {
         read_all([] {}, elsewhere);
     }

@@ -65,7 +65,7 @@ class Mistakes {
         Error error;
         toml::source_position at;
     };
-    // What is wrong with another file has the place of its name in this one.
+    // A mistake in another file has the place of its name in this one.
     std::string line_of(const Mistake& one) const {
         const std::string words = one.error.what();
         if (words.starts_with(file_) || one.at.line == 0) return words;
@@ -241,8 +241,7 @@ const std::set<std::string>& ConfigFile::used_files() const { return impl_->used
 
 const std::vector<KeyDeclaration>& ConfigFile::declarations() const { return impl_->declared; }
 
-// A key that is wrong is forgotten, and the file read again as if it lacked it: so each reader sees a good file in the end, and says all it has
-// to say on the way.
+// Forgets a wrong key and reads the file again as if it lacked it. So each reader says all it has to say, and sees a good file in the end.
 void ConfigFile::read_all(const std::function<void()>& read,
                           const std::vector<std::string_view>& elsewhere) const {
     Mistakes mistakes(impl_->name);

@@ -1,4 +1,4 @@
-// What the readers of tables (config.cpp) and of files (config_file.cpp) share. Nobody else includes it.
+// Shared by the readers of tables (config.cpp) and of files (config_file.cpp), and by no other source.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class KeyError : public Error {
           at(place),
           why(std::move(reason)),
           fault(key_fault) {}
-    // What is wrong with another file, which this key names: in that file's words.
+    // A mistake in another file, which this key names: in that file's words.
     KeyError(const Error& other, std::string key_path, const toml::source_position& place)
         : Error(other), path(std::move(key_path)), at(place) {}
 

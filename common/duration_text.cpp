@@ -74,7 +74,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
     return parts;
 }
 
-// One number of an option's word. What is neither a number nor one with a unit is left to the option to refuse.
+// One number of an option's word. The option itself refuses any other word.
 std::string settle_one(std::string_view name, std::string_view part, std::string& settled) {
     std::string_view rest = part;
     const auto number = take_number(rest);

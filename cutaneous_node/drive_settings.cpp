@@ -33,7 +33,7 @@ void read_finger(const ConfigTable& table, const FingerKey& finger, DriveSetting
         if (id != node) table.fail(finger.key, "must hold whole numbers");
         const auto& before = settings.master.nodes;
         if (std::find(before.begin(), before.end(), id) != before.end()) {
-            table.fail(finger.key, fmt::format("holds {}, which another cable has", id));
+            table.fail(finger.key, "holds {}, which another cable has: each drive has an id of its own", id);
         }
         settings.master.nodes.push_back(id);
     }

@@ -27,7 +27,7 @@ std::string name_of(const ConfigTable& table, std::string_view type, std::size_t
 }
 
 void claim(const ConfigTable& table, const std::string& name, std::set<std::string>& names) {
-    if (!names.insert(name).second) table.fail("name", "\"{}\" is taken", name);
+    if (!names.insert(name).second) table.fail("name", "\"{}\" is taken: choose another", name);
 }
 
 // Also the names that a type gives to parts of it are taken: a tissue must not be called "vessel.near".

@@ -93,7 +93,7 @@ void save(const std::string& path, const nlohmann::ordered_json& report) {
     throw Error(ExitCode::kData, "cannot write the report '{}': does its folder exist?", path);
 }
 
-// What every program reads.
+// Every program reads these.
 struct SharedSettings {
     NetworkSettings network{};
     RuntimeSettings runtime{};

@@ -195,7 +195,9 @@ void exclude_trial(const std::filesystem::path& folder, const std::string& name,
                    const std::string& reason) {
     const Dataset dataset(folder);
     if (!dataset.kind()) {
-        throw Error(ExitCode::kUsage, "{}: is no dataset of participants", folder.string());
+        throw Error(ExitCode::kUsage,
+                    "{}: is no dataset of participants; name the --out folder of a participant session",
+                    folder.string());
     }
     const auto participant = parse_participant(name);
     if (!participant) throw Error(ExitCode::kUsage, "{}: is no participant, e.g. P07", name);

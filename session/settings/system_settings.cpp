@@ -46,7 +46,7 @@ void read_modalities(const ConfigTable& table, SessionPlan& plan) {
         const auto modality = find_modality(name);
         if (!modality) table.fail("modalities", "holds \"{}\"; {}", name, kModalityHelp);
         if (std::find(plan.modalities.begin(), plan.modalities.end(), *modality) != plan.modalities.end())
-            table.fail("modalities", "holds \"{}\" twice", name);
+            table.fail("modalities", "holds \"{}\" twice; leave one out", name);
         plan.modalities.push_back(*modality);
     }
     if (plan.modalities.empty()) table.fail("modalities", "is empty; name at least one of HF, CF, CCF, VF");
@@ -63,7 +63,7 @@ void read_delays(const ConfigTable& table, SessionPlan& plan) {
     plan.delays.clear();
     for (const double delay_s : delays) {
         if (std::find(plan.delays.begin(), plan.delays.end(), from_seconds(delay_s)) != plan.delays.end())
-            table.fail("delays_s", fmt::format("holds {} twice", delay_s));
+            table.fail("delays_s", "holds {} twice; leave one out", delay_s);
         plan.delays.push_back(from_seconds(delay_s));
     }
 }

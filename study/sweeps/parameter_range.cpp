@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "common/duration_text.hpp"
 #include "common/error.hpp"
 #include "common/text_file.hpp"
 
@@ -50,7 +51,11 @@ ParameterRange parse_parameter_range(std::string_view text) {
     for (const ParameterRange& known : documented_ranges()) {
         if (known.name() == range.name()) range.keys = known.keys;
     }
-    const auto low = parse<double>(take_until(rest, ':')), high = parse<double>(take_until(rest, ':'));
+    const auto end_of = [&range](std::string_view word) {
+        const auto plain = parse<double>(word);
+        return plain || !holds_seconds(range.name()) ? plain : parse_duration(word);
+    };
+    const auto low = end_of(take_until(rest, ':')), high = end_of(take_until(rest, ':'));
     if (!low || !high || !std::isfinite(*low) || !std::isfinite(*high))
         refuse_range(text, "both ends must be numbers");
     if (*low >= *high) refuse_range(text, "the low end must lie below the high end");

@@ -167,12 +167,11 @@ Verdict check_scene(Bytes bytes) {
     SceneDeclaration declaration;
     try {
         const ConfigFile file = ConfigFile::parse(text, "fuzz.toml");
-        declaration = read_scene(file, "fuzz.toml");
-        file.finish();
+        file.read_all([&] { declaration = read_scene(file, "fuzz.toml"); });
     } catch (const Error& error) {
         const std::string_view what = error.what();
         if (error.code() != ExitCode::kUsage) return {false, "an Error that is not about usage"};
-        return {false, what.substr(0, 10) == "fuzz.toml:" ? "" : "an Error that does not name the file"};
+        return {false, what.starts_with("fuzz.toml") ? "" : "an Error that does not name the file"};
     }
     try {
         return {true, flaw_of_scene(declaration)};

@@ -147,6 +147,19 @@ TEST_F(BadConfiguration, UnknownKeysAndTablesAndValuesOutOfRange) {
     }
 }
 
+// Also before a device is opened: the second mistake would keep the master from its handle.
+TEST_F(BadConfiguration, AllMistakesAreSaidAtOnce) {
+    for (const std::string& program : six_programs()) {
+        const std::string text =
+            "[runtime]\npriority = 0\ncore = 'x'\n[network]\nport = 2000\nbase_port = 80\n";
+        for (const char* place : {" has 4 errors:", ":2:12: 'runtime.priority' is 0", ":3:8: 'runtime.core'",
+                                  ":5:8: unknown key 'network.port': did you mean 'base_port'?", ":6:13:"})
+            expect_refused(program, text, place);
+    }
+    expect_refused("thimble-master", "[handle]\ndevice = 'falcon'\n[master]\nposition_scale = 0\n", ":4:18:");
+    expect_refused("thimble-netem", "[netem.force]\ndelay_s = '5 xs'\nloss = 2\n", ":3:8:");
+}
+
 TEST_F(BadConfiguration, ValueOutOfRangeInTheProgramsOwnTable) {
     expect_refused("thimble-netem", "[netem.force]\nloss = 1.5\n", ":2:");
     expect_refused("thimble-slave-sim", "[tissue]\n\nmass_kg = -1\n", ":3:");

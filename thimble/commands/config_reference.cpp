@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "common/duration_text.hpp"
 #include "common/json_text.hpp"
 #include "netem/profiles/profiles.hpp"
 #include "session/settings/system_settings.hpp"
@@ -89,9 +90,20 @@ std::string& text_of(Texts& texts, const std::string& name) {
 
 Json object_schema(const Keys& keys, const std::string& table);
 
+// Seconds may be text with a unit (common/duration_text.hpp).
+bool may_have_unit(const KeyDeclaration& key) {
+    return holds_seconds(key.path) && (is(key, "number") || is(key, "list of numbers"));
+}
+constexpr const char* kDurationPattern = "^-?[0-9.]+([eE][-+]?[0-9]+)? ?(ns|us|µs|ms|s|min|h)$";
+
 Json element_schema(const KeyDeclaration& key) {
     if (is(key, "list of texts")) return {{"type", "string"}};
-    return {{"type", "number"}, {"minimum", Json::parse(key.low)}, {"maximum", Json::parse(key.high)}};
+    Json schema{{"type", "number"}, {"minimum", Json::parse(key.low)}, {"maximum", Json::parse(key.high)}};
+    if (may_have_unit(key)) {
+        schema["type"] = {"number", "string"};
+        schema["pattern"] = kDurationPattern;
+    }
+    return schema;
 }
 
 // Each word of JSON Schema speaks of its own type only, so a key of several types has the words of all.
@@ -108,6 +120,10 @@ Json key_schema(const Keys& keys, const KeyDeclaration& key) {
         if (is(key, type)) types.push_back(json);
     }
     if (is(key, "tables")) types.push_back("array");
+    if (is(key, "number") && may_have_unit(key)) {
+        types.push_back("string");
+        schema["pattern"] = kDurationPattern;
+    }
     schema["type"] = types.size() == 1 ? types.front() : types;
     if (is(key, "list of numbers") || is(key, "list of texts")) {
         schema["items"] = element_schema(key);

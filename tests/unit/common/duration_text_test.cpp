@@ -36,7 +36,7 @@ TEST(DurationText, AnythingElseIsNone) {
         EXPECT_FALSE(parse_duration(text)) << text;
 }
 
-// What a program prints in one unit is read as the same duration, and as the same double as the bare number.
+// A printed duration comes back, and as the same double as the bare number.
 RC_GTEST_PROP(DurationText, RoundTrip, ()) {
     const auto ns = *rc::gen::inRange<std::int64_t>(-1'000'000'000'000'000, 1'000'000'000'000'000);
     RC_ASSERT(from_seconds(*parse_duration(fmt::format("{}ns", ns))) == Duration{ns});

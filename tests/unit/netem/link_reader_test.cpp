@@ -57,7 +57,7 @@ TEST(LinkSettings, DefaultIsAnIdealLink) { EXPECT_EQ(read(""), LinkSettings{}); 
 TEST(LinkSettings, CapacityMustHoldTheDelay) {
     EXPECT_THAT(link_refusal("delay_s = 0.05\ncapacity = 50"), testing::HasSubstr("51 packets"));
     EXPECT_NO_THROW(read("delay_s = 0.05\ncapacity = 51"));
-    EXPECT_GE(read("delay_s = 60").capacity, 120'000U);
+    EXPECT_GE(read("delay_s = '60s'").capacity, 120'000U);
 }
 
 TEST(LinkSettings, ReadsEveryJitter) {

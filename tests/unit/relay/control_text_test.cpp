@@ -65,6 +65,14 @@ TEST(Assign, TakesABareWordAsText) {
     EXPECT_FALSE(assign(fifty(), {"in_order=false"}).up.in_order);
 }
 
+TEST(Assign, TakesSecondsWithAUnit) {
+    const LinkPair links = assign(fifty(), {"up.delay_s=20ms", "down.delay_s = 5s"});
+    EXPECT_EQ(links.up.delay, milliseconds{20});
+    EXPECT_EQ(links.down.delay, milliseconds{5000});
+    EXPECT_THAT(assign_refusal({"delay_s=20xs"}), HasSubstr("is \"20xs\": write seconds"));
+    EXPECT_THAT(assign_refusal({"delay_s=20"}), HasSubstr("for 20 ms write 0.02"));
+}
+
 TEST(Assign, SaysWhatIsWrong) {
     for (const char* no_assignment : {"delay_s", "=3", "delay_s=", "a b=3"})
         EXPECT_THAT(assign_refusal({no_assignment}), HasSubstr("KEY=VALUE"));

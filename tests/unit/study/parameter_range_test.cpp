@@ -22,6 +22,7 @@ TEST(ParameterRange, ReadsWhatIsTyped) {
     EXPECT_DOUBLE_EQ(range.at(4), 0.25);
     EXPECT_DOUBLE_EQ(range.at(2), 0.165);
     EXPECT_EQ(parse_parameter_range("handle.friction_N=-1e-3:2").points, 0U);
+    EXPECT_EQ(parse_parameter_range("operator.brake_s=80ms:0.25s").low, 0.08);
     EXPECT_EQ(parse_parameter_range("handle.friction_N=-1e-3:2").low, -1e-3);
 }
 
@@ -31,7 +32,8 @@ TEST(ParameterRange, RefusesTheRestAndSaysHowToWriteIt) {
           "operator.brake_s=1:1:3", "operator.brake_s=2:1:3", "operator.brake_s=0:1:1",
           "operator.brake_s=0:1:x", "operator.brake_s=0:1:3:4", "operator.brake_s=a:1:3",
           "operator.brake_s=0:nan:3", "operator.brake_s=0:inf:3", "operator.brake_s=0:1:-2",
-          "operator.brake_s=0:1:1001", "operator.brake_s=0:1 :3", "netem.force.delay_s=0:0.1:3"}) {
+          "operator.brake_s=0:1:1001", "operator.brake_s=0:1 :3", "operator.brake_s=0:1xs",
+          "handle.friction_N=0:1s", "netem.force.delay_s=0:0.1:3"}) {
         try {
             parse_parameter_range(text);
             ADD_FAILURE() << text;

@@ -171,7 +171,10 @@ TEST(ConfigReference, AsASchema) {
     const auto& force = tables["netem"]["properties"]["force"];
     EXPECT_EQ(force["additionalProperties"], false);
     const auto& delay = force["properties"]["delay_s"];
-    EXPECT_EQ(delay["type"], "number");
+    EXPECT_THAT(delay["type"], ElementsAre("number", "string")) << "\"50ms\"";
+    const std::regex unit(delay["pattern"].get<std::string>());
+    for (const char* good : {"50ms", "0.05 s", "1e-3min"}) EXPECT_TRUE(std::regex_match(good, unit)) << good;
+    for (const char* bad : {"50", "50xs", "ms"}) EXPECT_FALSE(std::regex_match(bad, unit)) << bad;
     EXPECT_EQ(delay["minimum"], 0);
     EXPECT_EQ(delay["maximum"], 60);
     EXPECT_EQ(delay["default"], 0);
@@ -181,7 +184,9 @@ TEST(ConfigReference, AsASchema) {
     EXPECT_EQ(loss["maximum"], 1);
     EXPECT_EQ(loss["properties"]["p13"]["maximum"], 1);
     EXPECT_EQ(tables["session"]["properties"]["seed"]["type"], "integer");
-    EXPECT_EQ(tables["session"]["properties"]["delays_s"]["items"]["maximum"], 60);
+    const auto& each_delay = tables["session"]["properties"]["delays_s"]["items"];
+    EXPECT_EQ(each_delay["maximum"], 60);
+    EXPECT_EQ(each_delay["pattern"], delay["pattern"]);
     EXPECT_THAT(tables["cutaneous"]["properties"]["device"]["enum"],
                 ElementsAre("simulated", "board", "drives"));
     const auto tissue = nlohmann::json::parse(keys_as_schema(scene_file_keys()))["properties"]["tissue"];

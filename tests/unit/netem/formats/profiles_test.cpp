@@ -164,8 +164,9 @@ every_s = 20
     // A new part must be named here, set above, and written.
     const auto& [delay, jitter, loss, duplicate, corrupt, corrupt_bits, reorder, reorder_gap, in_order, rate,
                  slot, outages, trace, deliveries, capacity] = link;
-    link.capacity = capacity + 1;
-    link.outages.clear();  // not written
+    link.capacity = capacity + 10'000;
+    link.outages.clear();     // not written
+    link.delay = seconds{5};  // which a reader doubts without its unit
     LinkProfile written{"lab", "a \"quoted\" name", {"line \\ one"}, link, {}, {}, {}};
     const LinkProfile again = parsed_profile(print_profile(written));
     EXPECT_EQ(again.about, written.about);
