@@ -41,7 +41,7 @@ static_assert(sizeof(LockStepMessage) == 96 && kPortCount <= 36);
 // Memory of both ends, which costs half of what the socket does. A futex is how often its message has been written.
 struct LockStepPage {
     struct Slot {
-        alignas(64) std::atomic<std::uint32_t> turn;
+        alignas(64) std::atomic<std::uint32_t> turn = 0;
         LockStepMessage message;
     };
     Slot order, answer;

@@ -20,8 +20,9 @@ void Sockets::count(UdpChannel& channel, std::optional<Port> local, std::optiona
     if (limit_ == Duration::zero()) return;
     if (local) {
         at_.at(static_cast<std::size_t>(*local)) = &channel;
-        channel.await_announced(*local, limit_);
+        channel.await_announced(*local, settings_.base_port, limit_);
     }
+    if (!local) channel.send_from(*channels_.front());  // a program opens a port of its own first
     if (remote) channel.count_sent(*remote, sent_.at(static_cast<std::size_t>(*remote)));
 }
 

@@ -44,7 +44,7 @@ bool leaves_this_machine(const std::string& host) {
 }
 
 UdpChannel::UdpChannel(const std::optional<Endpoint>& local, const Endpoint& remote)
-    : socket_(UdpSocket::open()), remote_(resolve(remote)) {
+    : socket_(UdpSocket::open()), out_(socket_.descriptor()), remote_(resolve(remote)) {
     for (const int option : {SO_RCVBUF, SO_SNDBUF}) {
         setsockopt(socket_.descriptor(), SOL_SOCKET, option, &kBufferBytes, sizeof kBufferBytes);
     }
@@ -70,8 +70,8 @@ void UdpChannel::answer(Bytes datagram) {
 }
 
 void UdpChannel::send_to(const sockaddr_in& address, Bytes datagram) {
-    const auto sent = sendto(socket_.descriptor(), datagram.data(), datagram.size(),
-                             MSG_DONTWAIT | MSG_NOSIGNAL, raw(address), sizeof address);
+    const auto sent = sendto(out_, datagram.data(), datagram.size(), MSG_DONTWAIT | MSG_NOSIGNAL,
+                             raw(address), sizeof address);
     ++(sent < 0 ? counters_.send_failed : counters_.sent);
     if (sent_ == nullptr) return;
     if (sent < 0)
@@ -85,8 +85,9 @@ void UdpChannel::count_sent(Port port, std::uint16_t& sent) {
     sent_ = &sent;
 }
 
-void UdpChannel::await_announced(Port port, Duration limit) {
+void UdpChannel::await_announced(Port port, std::uint16_t base_port, Duration limit) {
     listens_at_ = port;
+    base_port_ = base_port;
     limit_ = limit;
     known_empty_ = true;
 }
@@ -141,7 +142,13 @@ Bytes UdpChannel::take() {
 // Counts it. An empty datagram carries nothing.
 bool UdpChannel::from_peer(std::size_t size) {
     const in_addr_t host = source_.sin_addr.s_addr;
-    if (host != remote_.sin_addr.s_addr && std::find(others_.begin(), others_.end(), host) == others_.end()) {
+    const bool of_session =
+        limit_ == Duration::zero() || (ntohs(source_.sin_port) - base_port_ >= 0 &&
+                                       ntohs(source_.sin_port) - base_port_ < static_cast<int>(kPortCount));
+    if (!of_session) {
+        ++counters_.foreign_source;
+    } else if (host != remote_.sin_addr.s_addr &&
+               std::find(others_.begin(), others_.end(), host) == others_.end()) {
         ++counters_.foreign_source;
     } else if (size > kMaxDatagramBytes) {
         ++counters_.too_long;

@@ -59,9 +59,12 @@ class UdpChannel final : public Channel, public Listener {
     // In lock-step (lock_step.hpp) nothing is lost and nothing comes by surprise. Each datagram that is sent counts in `sent`, of the
     // flow that arrives at `port`.
     void count_sent(Port port, std::uint16_t& sent);
+    // Its datagrams leave from the port of the other channel, which outlives this: so receivers know them for the session's own.
+    void send_from(const UdpChannel& other) { out_ = other.out_; }
     // From now on this channel, which listens at `port`, gives the datagrams that were announced and no other. It waits for them,
-    // each no longer than `limit`. receive() and send() throw Error (network), with the flow, if one is missing.
-    void await_announced(Port port, Duration limit);
+    // each no longer than `limit`. They come from ports of the session, from `base_port` on; any other is foreign. receive() and
+    // send() throw Error (network), with the flow, if one is missing.
+    void await_announced(Port port, std::uint16_t base_port, Duration limit);
     void announce(std::uint16_t datagrams) {
         announced_ += datagrams;
         known_empty_ = announced_ == 0;
@@ -75,6 +78,7 @@ class UdpChannel final : public Channel, public Listener {
     void send_to(const sockaddr_in& address, Bytes datagram);
 
     UdpSocket socket_;
+    int out_ = -1;  // the socket that sends
     sockaddr_in remote_{};
     sockaddr_in source_{};           // of what was taken last
     std::vector<in_addr_t> others_;  // hosts
@@ -83,6 +87,7 @@ class UdpChannel final : public Channel, public Listener {
     bool watched_ = false;
     std::uint16_t* sent_ = nullptr;  // in lock-step
     Port sent_to_{}, listens_at_{};
+    std::uint16_t base_port_ = 0;
     Duration limit_{};  // zero: not in lock-step
     unsigned announced_ = 0;
     ArrivalClock arrival_clock_;

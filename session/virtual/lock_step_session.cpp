@@ -80,6 +80,7 @@ class LockStepSession final : public SteppedSession {
     // All programs make themselves new at the same time; nobody sends before everybody listens.
     void begin() {
         own_bit_ = loop_.add(*own_);
+        granted_.reserve(kNodes.size());
         mail_.wake(Role::kSession, own_bit_);
         for (const Role role :
              {Role::kMaster, Role::kNetem, Role::kSlaveSim, Role::kCutaneous, Role::kVisual})
@@ -172,6 +173,7 @@ CoreLease::CoreLease(unsigned place) {
     static const int first = sched_getcpu();
     sched_getaffinity(0, sizeof before_, &before_);
     std::vector<int> cores;
+    cores.reserve(CPU_SETSIZE);
     for (int core = 0; core < CPU_SETSIZE; ++core) {
         if (CPU_ISSET(core, &before_)) cores.push_back(core);
     }
@@ -186,6 +188,7 @@ LockStepNodes::LockStepNodes(const ConditionPlan& plan)
     : plan_(plan), core_(plan.place), files_(plan), nodes_(plan, files_) {
     make_folder(plan.out);
     std::vector<std::unique_ptr<FileDescriptor>> theirs;
+    theirs.reserve(kNodes.size());
     std::array<int, kNodes.size()> inputs{};
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         std::array<int, 2> pair{};

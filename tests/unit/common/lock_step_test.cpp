@@ -45,7 +45,10 @@ class Echo final : public Process {
         : in_(sockets.inlet(Port::kSlaveNeedle)), out_(sockets.outlet(Port::kNetemForceMaster)) {}
     void tick(SessionTime now) override {
         next_ = now + milliseconds{1};
-        while (!in_->receive().empty()) out_->send(std::array<std::uint8_t, 3>{1, 2, 3});
+        for (Bytes taken = in_->receive(); !taken.empty(); taken = in_->receive()) {
+            EXPECT_EQ(taken[0], 4);
+            out_->send(std::array<std::uint8_t, 3>{1, 2, 3});
+        }
     }
     SessionTime next_wakeup() const override { return next_; }
     bool stopped() const override { return false; }
@@ -88,11 +91,18 @@ INSTANTIATE_TEST_SUITE_P(BySocketOrPage, WayOfGrants, testing::Bool());
 
 TEST_P(WayOfGrants, AGrantIsAnsweredWithTheNextWakeUpAndWhatWasSent) {
     if (GetParam()) conductor_->offer_page();
-    Sockets sockets(somewhere()), sender(somewhere());
+    Sockets sockets(somewhere()), sender(somewhere()), stranger(somewhere());
     sockets.count_datagrams(kShort);
     Echo echo(sockets);
-    Channel* const needle = sender.outlet(Port::kSlaveNeedle);
-    for (int i = 0; i < 3; ++i) needle->send(std::array<std::uint8_t, 2>{4, 5});
+    sender.count_datagrams(kShort);  // so it sends from a port of the session
+    sender.between(Port::kNetemControl, Port::kSessionNetem);
+    Channel *const needle = sender.outlet(Port::kSlaveNeedle), *const foreign =
+                                                                   stranger.outlet(Port::kSlaveNeedle);
+    for (int i = 0; i < 3; ++i) {
+        foreign->send(
+            std::array<std::uint8_t, 2>{6, 6});  // nobody has announced it: it is not in place of another
+        needle->send(std::array<std::uint8_t, 2>{4, 5});
+    }
     conductor_->send(message_of(LockStepKind::kBegin));
     std::thread node([&] {
         EXPECT_EQ(node_->receive()->kind, LockStepKind::kBegin);
