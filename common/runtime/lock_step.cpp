@@ -20,6 +20,9 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
+// A wait looks so often whether a signal ends the program, and whether the other end still lives.
+constexpr Duration kLook = std::chrono::milliseconds{100};
+
 LockStepMessage answer(LockStepKind kind, const Process& process, const DatagramCounts& sent) {
     LockStepMessage message;
     message.kind = kind;
@@ -31,8 +34,7 @@ LockStepMessage answer(LockStepKind kind, const Process& process, const Datagram
 }  // namespace
 
 LockStepEnd::LockStepEnd(int descriptor, Duration limit) : descriptor_(descriptor), limit_(limit) {
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(limit);
-    const timeval patience{seconds.count(), (limit - seconds).count() / 1000};
+    const timeval patience{0, kLook.count() / 1000};
     int type = 0;
     socklen_t size = sizeof type;
     if (getsockopt(descriptor_, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_SEQPACKET &&
@@ -52,10 +54,13 @@ LockStepEnd::~LockStepEnd() {
 
 void LockStepEnd::offer_page() {
     const int page = memfd_create("lock-step", MFD_CLOEXEC);
-    if (page < 0 || ftruncate(page, sizeof(LockStepPage)) != 0) return;
     conductor_ = true;
-    offered_ = page;
-    map(page);
+    if (page >= 0 && ftruncate(page, sizeof(LockStepPage)) == 0) map(page);
+    if (page_ != nullptr) {
+        offered_ = page;
+    } else if (page >= 0) {
+        close(page);
+    }
 }
 
 void LockStepEnd::map(int page) {
@@ -106,31 +111,41 @@ ssize_t LockStepEnd::receive_by_socket(LockStepMessage& message) {
     header.msg_controllen = control.size();
     const ssize_t size = recvmsg(descriptor_, &header, MSG_CMSG_CLOEXEC);
     const cmsghdr* const rights = size > 0 ? CMSG_FIRSTHDR(&header) : nullptr;
-    if (rights == nullptr || rights->cmsg_type != SCM_RIGHTS || page_ != nullptr) return size;
+    if (rights == nullptr || rights->cmsg_type != SCM_RIGHTS) return size;
     int page = -1;
     std::memcpy(&page, CMSG_DATA(rights), sizeof page);
-    map(page);
+    if (page_ == nullptr) map(page);
     close(page);
     return size;
 }
 
-// Looks now and then whether the other end still lives: a futex does not tell.
+// A futex does not tell whether the other end still lives.
 ssize_t LockStepEnd::receive_by_page(LockStepMessage& message) {
-    constexpr Duration kLook = std::chrono::milliseconds{100};
     const timespec look{0, kLook.count()};
-    for (Duration waited{}; in_->turn.load(std::memory_order_acquire) == heard_;) {
-        if (syscall(SYS_futex, &in_->turn, FUTEX_WAIT, heard_, &look, nullptr, 0) == 0) continue;
-        if (errno == EINTR && stop_requested()) return -1;
-        if (errno != ETIMEDOUT) continue;
-        waited += kLook;
-        if (has_ended()) return 0;
-        if (limit_ == Duration::zero() || waited < limit_) continue;
-        errno = EAGAIN;
+    while (in_->turn.load(std::memory_order_acquire) == heard_) {
+        if (syscall(SYS_futex, &in_->turn, FUTEX_WAIT, heard_, &look, nullptr, 0) == 0 || errno == EAGAIN)
+            continue;
+        const bool late = errno == ETIMEDOUT;
+        if (late && has_ended()) return 0;
+        errno = late ? EAGAIN : EINTR;
         return -1;
     }
     heard_ = in_->turn.load(std::memory_order_acquire);
     message = in_->message;
     return sizeof message;
+}
+
+// Sets silence() where nothing came.
+ssize_t LockStepEnd::receive_within_limit(LockStepMessage& message) {
+    for (Duration waited{};;) {
+        const ssize_t size = by_page_ ? receive_by_page(message) : receive_by_socket(message);
+        if (size > 0) return size;
+        const bool goes_on = size < 0 && (errno == EAGAIN || errno == EINTR);
+        if (goes_on && errno == EAGAIN) waited += kLook;
+        silence_ = !goes_on ? Silence::kGone : stop_requested() ? Silence::kInterrupted : Silence::kLate;
+        const bool late = limit_ > Duration::zero() && waited >= limit_;
+        if (silence_ != Silence::kLate || late) return size;
+    }
 }
 
 bool LockStepEnd::has_ended() const {
@@ -140,16 +155,8 @@ bool LockStepEnd::has_ended() const {
 
 std::optional<LockStepMessage> LockStepEnd::receive() {
     LockStepMessage message;
-    ssize_t size = 0;
-    do {
-        size = by_page_ ? receive_by_page(message) : receive_by_socket(message);
-    } while (size < 0 && errno == EINTR && !stop_requested());
-    if (size <= 0) {
-        silence_ = Silence::kGone;
-        if (size < 0 && errno == EINTR) silence_ = Silence::kInterrupted;
-        if (size < 0 && errno == EAGAIN) silence_ = Silence::kLate;
-        return std::nullopt;
-    }
+    const ssize_t size = receive_within_limit(message);
+    if (size <= 0) return std::nullopt;
     if (size != sizeof message || message.version != kLockStepVersion)
         throw Error(
             ExitCode::kNetwork,

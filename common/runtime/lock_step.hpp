@@ -68,6 +68,7 @@ class LockStepEnd : boost::noncopyable {
     bool send_by_socket(const LockStepMessage& message);
     ssize_t receive_by_socket(LockStepMessage& message);
     ssize_t receive_by_page(LockStepMessage& message);
+    ssize_t receive_within_limit(LockStepMessage& message);
     bool has_ended() const;
     void map(int page);
 

@@ -274,13 +274,14 @@ int run_guarded(const std::function<int()>& body) {
     }
 }
 
-// Whoever is of another trial is built anew: as good as a program that has just been started. The report is that of the last trial.
+// For each trial the node is built anew: as good as a program that has just been started. The report is that of the last trial.
 int run_by_conductor(const NodeProgram& program, const Options& options, const ConfigFile& file,
                      const NetworkSettings& network) {
     install_stop_signals();
     LockStepEnd conductor(STDIN_FILENO, Duration::zero());
     nlohmann::ordered_json report;
-    for (auto order = conductor.receive(); order && order->kind == LockStepKind::kBegin;) {
+    auto order = conductor.receive();
+    while (order && order->kind == LockStepKind::kBegin) {
         Sockets sockets(network);
         sockets.count_datagrams(Duration{order->time_ns});
         const auto instance = program.build(file, sockets, order->instance);
@@ -292,8 +293,10 @@ int run_by_conductor(const NodeProgram& program, const Options& options, const C
         report = describe(program, *instance, sockets, instance->process().counters(), LoopStatistics{},
                           instance->process().overruns());
     }
-    save(options.report, report);
-    return static_cast<int>(ExitCode::kOk);
+    if (!report.is_null()) save(options.report, report);
+    if (!order || order->kind == LockStepKind::kEnd) return static_cast<int>(ExitCode::kOk);
+    throw Error(ExitCode::kNetwork, "lock-step: an order of kind {} came where begin or end was due",
+                static_cast<int>(order->kind));
 }
 
 int run(const NodeProgram& program, const Options& options) {

@@ -32,7 +32,7 @@ class Sockets final : public Ports {
 
     // In lock-step, before anything is opened: channels give what was announced, and wait for it as udp_channel.hpp says.
     void count_datagrams(Duration limit) { limit_ = limit; }
-    // So many datagrams have been sent to each port. Those of other programs are passed over.
+    // How many datagrams were sent to each port. Those of other programs are passed over.
     void announce(std::span<const std::uint16_t> datagrams);
     // Since the last call.
     DatagramCounts take_sent() { return std::exchange(sent_, {}); }

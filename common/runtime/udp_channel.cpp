@@ -92,7 +92,7 @@ void UdpChannel::await_announced(Port port, std::uint16_t base_port, Duration li
     known_empty_ = true;
 }
 
-// On one machine a datagram is there when its sender says so.
+// On one machine a datagram is there once its sender has sent it: the wait is short.
 void UdpChannel::wait_for_announced() const {
     pollfd mail{socket_.descriptor(), POLLIN, 0};
     const auto limit_ms = std::chrono::ceil<std::chrono::milliseconds>(limit_).count();
@@ -110,7 +110,8 @@ void UdpChannel::wait_for_announced() const {
 }
 
 Bytes UdpChannel::take() {
-    for (int refused = 0; refused < kMostRefusedAtOnce; ++refused) {
+    // An announced datagram is waited for, however many strangers are in front of it.
+    for (int refused = 0; refused < kMostRefusedAtOnce || announced_ > 0; ++refused) {
         iovec part{buffer_.data(), buffer_.size()};
         alignas(cmsghdr) std::array<std::uint8_t, 64> control{};
         msghdr message{};
@@ -139,13 +140,19 @@ Bytes UdpChannel::take() {
     return {};
 }
 
+// In lock-step only the sending program's own ports count, which are bound while it lives.
+bool UdpChannel::of_session() const {
+    if (limit_ == Duration::zero()) return true;
+    const int place = ntohs(source_.sin_port) - base_port_;
+    if (place < 0 || place >= static_cast<int>(kPortCount)) return false;
+    const Flow& heard = flow(listens_at_);
+    return heard.from_all || owner(static_cast<Port>(place)) == heard.hears;
+}
+
 // Counts it. An empty datagram carries nothing.
 bool UdpChannel::from_peer(std::size_t size) {
     const in_addr_t host = source_.sin_addr.s_addr;
-    const bool of_session =
-        limit_ == Duration::zero() || (ntohs(source_.sin_port) - base_port_ >= 0 &&
-                                       ntohs(source_.sin_port) - base_port_ < static_cast<int>(kPortCount));
-    if (!of_session) {
+    if (!of_session()) {
         ++counters_.foreign_source;
     } else if (host != remote_.sin_addr.s_addr &&
                std::find(others_.begin(), others_.end(), host) == others_.end()) {

@@ -73,6 +73,7 @@ class UdpChannel final : public Channel, public Listener {
   private:
     Bytes take() override;
     void bind_to(const Endpoint& local);
+    bool of_session() const;
     bool from_peer(std::size_t size);
     void wait_for_announced() const;
     void send_to(const sockaddr_in& address, Bytes datagram);

@@ -63,7 +63,7 @@ class LockStepSession final : public SteppedSession {
         const Security* const security = sockets_.security();
         for (int i = 0; security != nullptr && !security->complete(); ++i) {
             if (i <= kMostInstantsForKeys && loop_.step() && !look_for_lost()) continue;
-            throw Error(ExitCode::kNetwork, "{}",
+            throw Error(failure(), "{}",
                         lost_ ? lost_->words : "the nodes do not get their keys: " + security->complaint());
         }
         session_.start(conditions);
@@ -77,7 +77,7 @@ class LockStepSession final : public SteppedSession {
     }
 
   private:
-    // All programs make themselves new at the same time; nobody sends before everybody listens.
+    // All programs make themselves new at the same time. No program sends before all of them listen.
     void begin() {
         own_bit_ = loop_.add(*own_);
         granted_.reserve(kNodes.size());
@@ -88,20 +88,24 @@ class LockStepSession final : public SteppedSession {
         for (const auto& node : granted_) node->begin(nodes_.plan().answer_limit);
         for (const auto& node : granted_) {
             node->await_ready();
-            if (look_for_lost()) throw Error(ExitCode::kNetwork, lost_->words);
+            if (look_for_lost()) throw Error(failure(), lost_->words);
             mail_.wake(node->role(), loop_.add(*node));
         }
     }
 
+    // The first is the cause: of others it may be a consequence.
     bool look_for_lost() {
         if (lost_) return true;
         for (const auto& node : granted_) {
             if (!node->silence()) continue;
             lost_ =
                 LostNode{node->role(), nodes_.words(index_of(node->role()), *node->silence(), loop_.now())};
+            return true;
         }
-        return lost_.has_value();
+        return false;
     }
+
+    static ExitCode failure() { return stop_requested() ? ExitCode::kRunFailed : ExitCode::kNetwork; }
 
     LockStepNodes& nodes_;
     Sockets sockets_;
@@ -177,6 +181,7 @@ CoreLease::CoreLease(unsigned place) {
     for (int core = 0; core < CPU_SETSIZE; ++core) {
         if (CPU_ISSET(core, &before_)) cores.push_back(core);
     }
+    if (cores.empty()) return;  // more cores than this set has room for
     const auto here = std::find(cores.begin(), cores.end(), first) - cores.begin();
     cpu_set_t one;
     CPU_ZERO(&one);
@@ -209,6 +214,7 @@ std::unique_ptr<SteppedSession> LockStepNodes::make_session() {
 
 std::string LockStepNodes::words(std::size_t node, LockStepEnd::Silence silence, SessionTime now) {
     const double now_s = to_seconds(now.time_since_epoch());
+    if (silence == LockStepEnd::Silence::kInterrupted) return "interrupted; what was recorded is kept";
     if (silence == LockStepEnd::Silence::kGone) {
         const std::string last = nodes_.last_words(node);
         return last.empty() ? fmt::format("{} has closed its end of lock-step", kNodes[node].program) : last;

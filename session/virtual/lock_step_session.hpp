@@ -15,7 +15,7 @@
 
 namespace thimble {
 
-// What has been sent and is not announced yet, by port. Whoever owns the port is woken.
+// Datagrams that were sent and are not announced yet, by port. The owner of the port is woken.
 class AnnouncedMail {
   public:
     explicit AnnouncedMail(std::uint32_t* woken) : woken_(woken) {}

@@ -55,7 +55,7 @@ class RunByClock : public testing::Test {
         EXPECT_THAT(outcome.words, HasSubstr(words));
         EXPECT_FALSE(fs::exists(out_));
     }
-    // What both have left.
+    // The files that both have left.
     void expect_same_bytes() const {
         const fs::path one = folder_ / "lock-step", other = folder_ / "virtual";
         EXPECT_EQ(read_text(one / "trials.csv"), read_text(other / "trials.csv"));
@@ -106,6 +106,8 @@ TEST_F(RunByClock, RefusesWhateverLivesByTheWallClock) {
     expect_refused(easy, "virtual", "--attach", {"--attach"});
     expect_refused(easy, "virtual", "--strict-rt", {"--strict-rt"});
     expect_refused(easy, "lock-step", "--monitor", {"--monitor"});
+    expect_refused(easy, "virtual", "--answer-limit", {"--answer-limit", "5"});
+    expect_refused(easy + "[log]\nmessages = 'all'\n", "lock-step", "[log]");
     expect_refused(easy + "[handle]\ndevice = 'pointer'\n", "virtual", "[handle] device");
     expect_refused(easy + "[cutaneous]\ndevice = 'board'\n", "virtual", "[cutaneous]");
     expect_refused(easy + "[launch]\nmachine_slave_sim = 'elsewhere'\n", "virtual", "[launch]");

@@ -91,7 +91,11 @@ class Run {
         for (unsigned place = 0; place < condition_count(); ++place)
             threads.emplace_back([this, place] { work(place); });
         for (std::thread& thread : threads) thread.join();
-        while (turn_ < delays_.size()) pass_turn();
+        try {
+            while (turn_ < delays_.size()) pass_turn();
+        } catch (...) {
+            if (!failure_) failure_ = std::current_exception();
+        }
     }
 
     void work(unsigned place) {
@@ -107,9 +111,6 @@ class Run {
                 if (!failure_) failure_ = std::current_exception();
                 failed_ = true;
             }
-            lock.lock();
-            done_[delay] = true;
-            while (turn_ < delays_.size() && done_[turn_]) pass_turn();
         }
     }
 
@@ -163,6 +164,8 @@ class Run {
         for (auto& node : result.reports) nodes_.push_back({delay_s, std::move(node)});
         clocks_.insert(clocks_.end(), result.clocks.begin(), result.clocks.end());
         time_.simulated_s += result.simulated_s;
+        done_[delay] = true;
+        while (turn_ < delays_.size() && done_[turn_]) pass_turn();
         if (result.code == ExitCode::kOk || result_.code != ExitCode::kOk) return;
         result_.code = result.code;
         result_.problem = result.problem;

@@ -23,6 +23,7 @@ struct RunArguments : RealRunArguments {
     bool attach = false, check = false;
     std::string exec, programs, print, clock;
     double answer_limit_s = 60;
+    CLI::Option* answer_limit_option = nullptr;
 };
 
 LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& settings) {
@@ -45,8 +46,10 @@ RunClock clock_of(const RunArguments& arguments) {
     return static_cast<RunClock>(named - kRunClockNames.begin());
 }
 
-// Throws Error (usage): a clock that nobody lives by, and something that lives.
+// Throws Error (usage): this clock, and something that keeps to the wall clock.
 void check_clock(const RunArguments& a, const SystemSettings& settings) {
+    if (a.answer_limit_option->count() > 0 && a.run.clock != RunClock::kLockStep)
+        throw Error(ExitCode::kUsage, "--answer-limit belongs to --clock lock-step: leave it out");
     if (a.run.clock == RunClock::kWall) return;
     const auto refuse = [&a](const std::string& what, const char* remedy) {
         throw Error(ExitCode::kUsage, "{} keeps to the wall clock: {}, or run without --clock {}", what,
@@ -62,6 +65,8 @@ void check_clock(const RunArguments& a, const SystemSettings& settings) {
     if (launch_of(a, settings).anywhere_else())
         refuse("a node on another machine ([launch])", "leave its host out");
     if (a.monitor || !a.plotjuggler.empty()) refuse("a view", "leave --monitor and --plotjuggler out");
+    if (settings.log.messages == LoggedMessages::kAll)
+        refuse("the log of all messages ([log])", "leave its messages out");
     if (a.run.strict_rt) refuse("--strict-rt", "leave it out");
 }
 
@@ -95,10 +100,10 @@ void add_clock_options(CLI::App& run, RunArguments& a) {
            "virtual: the same trials in one program (docs/lock-step.md)")
         ->check(CLI::IsMember(std::vector<std::string>(kRunClockNames.begin(), kRunClockNames.end())))
         ->default_val("wall");
-    run.add_option("--answer-limit", a.answer_limit_s,
-                   "in lock-step: seconds that a node, or a datagram, may take")
-        ->check(CLI::Range(0.1, 1e6))
-        ->type_name("SECONDS");
+    a.answer_limit_option = run.add_option("--answer-limit", a.answer_limit_s,
+                                           "in lock-step: seconds that a node, or a datagram, may take")
+                                ->check(CLI::Range(0.1, 1e6))
+                                ->type_name("SECONDS");
 }
 
 void add_machine_options(CLI::App& run, RunArguments& a) {
