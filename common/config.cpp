@@ -55,6 +55,7 @@ struct ConfigTable::Found {
     }
     // Refuses what is in range and hardly meant.
     void doubt(const toml::node& value) const {
+        if (value.source().begin.line == 0) return;  // not of the file: ConfigFile::set()
         const std::string why =
             value.is_number() ? doubt_seconds(path.substr(path.rfind('.') + 1), *value.value<double>()) : "";
         if (!why.empty()) refuse("holds {}", why);

@@ -37,11 +37,17 @@ class Mistakes {
         // A check of several keys that names a wrong one follows from that.
         const bool follows = error.fault == KeyFault::kWithOthers &&
                              std::any_of(keys_.begin(), keys_.end(), [&error](const std::string& key) {
-                                 return has_word(error.why, key);
+                                 return has_word(error.reason(), key);
                              });
-        if (!paths_.insert(error.path).second || follows) return;
+        const std::string table = error.path.substr(0, error.path.rfind('.'));
+        // A check of keys beside a file that cannot be read, which may have made them right.
+        const bool unsure = error.fault == KeyFault::kWithOthers && half_read_.count(table) != 0;
+        if (error.why.empty()) half_read_.insert(table);
+        if (!paths_.insert(error.path).second || follows || unsure) return;
         keys_.insert(error.path.substr(error.path.rfind('.') + 1));
-        found_.push_back({error, error.at});
+        if (keys_.count("delays_s") != 0) keys_.insert("delay_s");  // which it sets
+        const Error& words = error;                                 // without what only this class needs
+        found_.push_back({words, error.at});
     }
     void add(const Error& error) { found_.push_back({error, {}}); }
 
@@ -73,7 +79,7 @@ class Mistakes {
     }
     std::string file_;
     std::vector<Mistake> found_{};
-    std::set<std::string> paths_{}, keys_{};
+    std::set<std::string> paths_{}, keys_{}, half_read_{};
 };
 
 // Keys of a file that no reader asked for.
@@ -166,7 +172,7 @@ bool ConfigFile::Impl::forget(const KeyError& error) {
         if (table != nullptr && table->erase(key) > 0) return true;
         if (table != nullptr && error.path.size() == join(path, key).size()) {
             for (const auto& [beside, node] : *table)
-                if (has_word(error.why, beside.str())) return table->erase(beside) > 0;
+                if (has_word(error.reason(), beside.str())) return table->erase(beside) > 0;
         }
         if (path.empty()) return false;
     }

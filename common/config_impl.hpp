@@ -1,6 +1,7 @@
 // Shared by the readers of tables (config.cpp) and of files (config_file.cpp), and by no other source.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <set>
@@ -35,6 +36,11 @@ class KeyError : public Error {
     // A mistake in another file, which this key names: in that file's words.
     KeyError(const Error& other, std::string key_path, const toml::source_position& place)
         : Error(other), path(std::move(key_path)), at(place) {}
+
+    // The reason without the key's own path, whose words another table's wrong key may share.
+    std::string_view reason() const {
+        return std::string_view(why).substr(std::min(why.size(), path.size() + 2));
+    }
 
     std::string path;  // dotted
     toml::source_position at;

@@ -76,6 +76,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 // One number of an option's word. The option itself refuses any other word.
 std::string settle_one(std::string_view name, std::string_view part, std::string& settled) {
+    if (part.starts_with('+')) part.remove_prefix(1);
     std::string_view rest = part;
     const auto number = take_number(rest);
     if (number && rest.empty()) {
@@ -92,6 +93,7 @@ std::string settle_one(std::string_view name, std::string_view part, std::string
 }  // namespace
 
 std::optional<double> parse_duration(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
     std::string_view rest = text;
     if (!take_number(rest)) return std::nullopt;
     const std::string_view number = text.substr(0, text.size() - rest.size());

@@ -33,7 +33,7 @@ CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists) : path_(
     file_.reset(std::fopen(path.c_str(), open_mode(if_exists)));
     if (!file_ && errno == EEXIST) {
         throw Error(ExitCode::kUsage,
-                    "{}: already exists and is not overwritten; name another directory, or say --overwrite",
+                    "{}: already exists and is not overwritten; name another folder, or say --overwrite",
                     path.string());
     }
     if (!file_ && (errno == EMFILE || errno == ENFILE)) {

@@ -125,11 +125,12 @@ std::string plain_table(std::string text, std::string_view name, char separator,
     if (header.find(';') == std::string_view::npos || header.find(separator) != std::string_view::npos)
         return text;
     if (semicolons == Semicolons::kRefuse)
-        throw Error(ExitCode::kData,
-                    "{}:1: has semicolons between its fields, as a spreadsheet writes them, and lines are to "
-                    "be added "
-                    "to it: save it with {} between them",
-                    name, separator == '\t' ? "tabs" : "commas");
+        throw Error(
+            ExitCode::kData,
+            "{}:{}: has semicolons between its fields, as a spreadsheet writes them, and lines are to "
+            "be added to it: save it with {} between them",
+            name, 1 + std::count(std::as_const(text).data(), header.data(), '\n'),
+            separator == '\t' ? "tabs" : "commas");
     return Rewriter(name, separator).rewrite(text);
 }
 

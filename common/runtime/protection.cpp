@@ -52,8 +52,7 @@ void warn_if_unprotected(const NetworkSettings& settings) {
     const auto& hosts = settings.hosts;
     if (std::none_of(hosts.begin(), hosts.end(), leaves_this_machine)) return;
     spdlog::warn(
-        "datagrams between machines are not protected ([security] mode is none): whoever is on the network "
-        "can "
+        "datagrams between machines are not protected ([security] mode is none): anybody on the network can "
         "move the needle; make a key with 'thimble keygen' (docs/security.md)");
 }
 

@@ -36,7 +36,9 @@ std::string quoted_if_bare(std::string_view value) {
     const bool word = kLetters.find(value.front()) != std::string_view::npos;
     const bool has_unit = kLetters.find(value.back()) != std::string_view::npos && !value.starts_with("0x");
     const bool bare = (word || has_unit) && value.find_first_of("\"'[]{}=#,\\\n") == std::string_view::npos;
-    if (!bare || std::find(kToml.begin(), kToml.end(), value) != kToml.end()) return std::string(value);
+    const bool has_sign = value.front() == '+' || value.front() == '-';
+    if (!bare || std::find(kToml.begin(), kToml.end(), value.substr(has_sign ? 1 : 0)) != kToml.end())
+        return std::string(value);
     return fmt::format("\"{}\"", value);
 }
 

@@ -29,6 +29,12 @@ std::size_t cells_there(const std::filesystem::path& folder, const MapGrid& grid
     make_folder(folder);
     const auto table = folder / "map.csv", plan = folder / "map.txt";
     std::size_t cells = 0;
+    if (if_exists == IfExists::kRefuse && std::filesystem::exists(table))
+        throw Error(
+            ExitCode::kUsage,
+            "{}: holds a map already: go on with --resume, replace it with --overwrite, or name another "
+            "--out",
+            folder.string());
     if (if_exists != IfExists::kContinue) {
         CsvFile(table, if_exists);  // empty, or an Error
     } else if (std::filesystem::exists(table)) {

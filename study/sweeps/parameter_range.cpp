@@ -51,8 +51,11 @@ ParameterRange parse_parameter_range(std::string_view text) {
     for (const ParameterRange& known : documented_ranges()) {
         if (known.name() == range.name()) range.keys = known.keys;
     }
-    const auto end_of = [&range](std::string_view word) {
+    const std::string name = range.name().substr(range.name().rfind('.') + 1);
+    const auto end_of = [&](std::string_view word) {
         const auto plain = parse<double>(word);
+        const std::string why = plain ? doubt_seconds(name, *plain) : "";
+        if (!why.empty()) refuse_range(text, why);
         return plain || !holds_seconds(range.name()) ? plain : parse_duration(word);
     };
     const auto low = end_of(take_until(rest, ':')), high = end_of(take_until(rest, ':'));

@@ -206,7 +206,7 @@ TEST(StabilityProgram, AnInterruptedMapGoesOnToTheSameBytes) {
     folder.write("half/map.csv", table.substr(0, table.size() * 2 / 3));
     const Outcome refused = sweep("half", "0:0.1:3", "2");
     EXPECT_EQ(refused.code, 2);
-    EXPECT_THAT(refused.words, HasSubstr("already exists"));
+    EXPECT_THAT(refused.words, HasSubstr("--resume"));
     EXPECT_EQ(sweep("half", "0:0.1:3", "2", {"--resume"}).code, 0);
     EXPECT_EQ(read_text(folder / "half/map.csv"), table);
     const Outcome other = sweep("half", "0:0.2:3", "2", {"--resume"});

@@ -74,7 +74,12 @@ IfExists prepare_folder(const CompensatorsArguments& a) {
     const std::filesystem::path folder(a.out), plan = folder / "compensators.txt";
     make_folder(folder);
     const bool begun = std::filesystem::exists(folder / "compensator_trials.csv");
-    if (begun && !a.overwrite && !a.resume) return IfExists::kRefuse;
+    if (begun && !a.overwrite && !a.resume)
+        throw Error(
+            ExitCode::kUsage,
+            "{}: holds a comparison already: go on with --resume, replace it with --overwrite, or name "
+            "another --out",
+            a.out);
     if (begun && a.resume) {
         std::ifstream file(plan, std::ios::binary);
         if (std::string(std::istreambuf_iterator<char>(file), {}) != plan_text(a))

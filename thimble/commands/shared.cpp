@@ -26,8 +26,13 @@ NetworkSettings network_of(const std::string& session_file, int base_port) {
 
 std::filesystem::path output_file(const std::filesystem::path& out, const char* name) {
     const std::string end = out.extension().string();
-    const bool device = out.string().starts_with("/dev/") || std::filesystem::is_fifo(out);
-    const bool file = device || end == ".csv" || end == ".json" || end == ".html";
+    std::error_code unknown;
+    const auto there = std::filesystem::status(out, unknown);
+    // /dev/stdout may be a file, /dev/shm holds folders.
+    const bool stream = std::filesystem::is_other(there) || std::filesystem::is_character_file(there) ||
+                        std::filesystem::is_fifo(there) || out.parent_path() == "/dev";
+    const bool file = (stream && !std::filesystem::is_directory(there)) || end == ".csv" || end == ".json" ||
+                      end == ".html";
     make_folder(file ? out.parent_path() : out);
     return file ? out : out / name;
 }

@@ -165,6 +165,7 @@ void compare(BothEnds& ends, FlowFinding& sum, bool one_clock) {
             way.add(arrived->at_ns - message.at_ns);
         }
     }
+    if (way.shortest_ns > way.longest_ns) way = {0, 0};  // nothing arrived that was sent
     for (const PassedMessage& message : ends.received)
         if (!std::binary_search(ends.sent.begin(), ends.sent.end(), message)) ++sum.foreign;
     const auto nobody_there = [&](const PassedMessage& message) {
