@@ -31,8 +31,8 @@ void make_folder(const std::filesystem::path& folder) {
     for (auto part = folder; failure && part.has_relative_path(); part = part.parent_path()) {
         if (!std::filesystem::exists(part, unknown)) continue;
         if (std::filesystem::is_directory(part, unknown)) break;
-        throw Error(ExitCode::kUsage, "{}: {}is a file, and a folder is meant: name another folder",
-                    folder.string(), part == folder ? "" : part.string() + " ");
+        throw Error(ExitCode::kUsage, "{}: is a file, and a folder is meant: name another folder",
+                    part.string());
     }
     if (failure) {
         throw Error(ExitCode::kUsage,

@@ -32,7 +32,7 @@ TEST(DurationText, AUnitMovesTheDecimalPointAndNoBit) {
 
 TEST(DurationText, AnythingElseIsNone) {
     for (const char* text : {"", "50", "ms", "50xs", "50  ms", "50ms ", "50 MS", "inf s", "nans", "0x1s",
-                             "1e999s", "1e308h", "1,5s", "+1s"})
+                             "1e999s", "1e308h", "1,5s"})
         EXPECT_FALSE(parse_duration(text)) << text;
 }
 

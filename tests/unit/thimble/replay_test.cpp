@@ -149,7 +149,7 @@ TEST_F(Replay, EveryTransitionOfALongStepIsListed) {
     ReplayOptions o = options(
         "[tissue]\nmass_kg = 1e-6\nstiffness_N_per_m = 1e6\ndamping_Ns_per_m = 0.0\ndrag_Ns_per_m = 0.0\n"
         "puncture_force_N = 1e5\nrest_position_m = 0.0\n",
-        "0,-0.002\n0.001,0.001\n0.00106,0.0005\n0.00115,-0.0003\n0.00215,-0.0002\n");
+        "0,-0.002\n0.001,0.001\n0.0011116,-4.4e-6\n0.0031116,-3e-6\n");
     const ReplayResult result = replay(o);
     EXPECT_GT(result.transitions, 300u);
     EXPECT_EQ(fields(result.events).size(), result.transitions + 1);
