@@ -23,6 +23,8 @@ DriveActuator::DriveActuator(const DriveSettings& settings, double force_limit_N
     cables_.assign(settings.master.nodes.size(),
                    Cable{0, 0, 0, false, SlackDetector(settings.slack_margin_m, kSlackFor_s), {}});
     for (const double relaxing : settings.pad.shares) relaxed_share_ -= relaxing;
+    const double resting_N = kCablesPerFinger * geometry_.normal_per_tension() * settings.pretension_N;
+    resting_m_ = pad_.indentation_m(resting_N / relaxed_share_);
     fault_.reserve(std::tuple_size_v<decltype(DeviceFault::text)>);
 }
 
@@ -60,8 +62,7 @@ double DriveActuator::wound_m(std::size_t drive) const {
 
 double DriveActuator::drawn_in_m(double tension_N, double share) const {
     const double per_tension = kCablesPerFinger * geometry_.normal_per_tension();
-    const double pressed_m = pad_.indentation_m(per_tension * tension_N / share) -
-                             pad_.indentation_m(per_tension * settings_.pretension_N / relaxed_share_);
+    const double pressed_m = pad_.indentation_m(per_tension * tension_N / share) - resting_m_;
     return geometry_.wound_m(std::max(pressed_m, 0.0));
 }
 

@@ -69,6 +69,7 @@ class DriveActuator final : public FingertipActuator {
     Finger finger_ = Finger::kNone;
     double force_N_ = 0;
     double relaxed_share_ = 1;  // of the pad's elastic force that stays
+    double resting_m_ = 0;      // how far the pretension presses the pad in
     bool taut_ = false, taking_up_ = false;
     SessionTime taking_up_since_{}, next_look_{}, before_{};
     std::string fault_;

@@ -31,7 +31,10 @@ struct PlantParameters {
 class CablePlant {
   public:
     explicit CablePlant(const PlantParameters& parameters)
-        : parameters_(parameters), geometry_(parameters.cable_angle_rad), pad_(parameters.pad) {}
+        : parameters_(parameters),
+          geometry_(parameters.cable_angle_rad),
+          pad_(parameters.pad),
+          motor_share_(-portable::expm1(-kPlantStep_s / parameters.torque_lag_s)) {}
 
     // The command to the power stage.
     void off() { asked_ = Asked::kOff; }
@@ -46,7 +49,7 @@ class CablePlant {
     }
 
     void advance(double seconds) {
-        for (rest_s_ += seconds; rest_s_ >= kPlantStep_s; rest_s_ -= kPlantStep_s) step(kPlantStep_s);
+        for (rest_s_ += seconds; rest_s_ >= kPlantStep_s; rest_s_ -= kPlantStep_s) step();
     }
 
     void cut() { cut_ = true; }
@@ -64,26 +67,28 @@ class CablePlant {
 
   private:
     enum class Asked { kOff, kTorque, kPosition };
-    void step(double seconds) {
+    void step() {
         const PlantParameters& p = parameters_;
         if (asked_ == Asked::kPosition) {
             const double limit_N = p.cable.tension_N(p.cable.reversed ? -1000 : 1000, p.rated_torque_Nm);
             asked_N_ = std::clamp(p.position_stiffness_N_per_m * (asked_m_ - wound_m_), 0.0, limit_N);
         }
         const double goal_N = asked_ == Asked::kOff ? 0 : asked_N_;
-        motor_N_ += (goal_N - motor_N_) * -portable::expm1(-seconds / p.torque_lag_s);
-        const double push_m_per_s = seconds / p.mass_kg * (motor_N_ - tension_N_);
-        speed_m_per_s_ = (speed_m_per_s_ + push_m_per_s) / (1 + seconds * p.damping_N_s_per_m / p.mass_kg);
+        motor_N_ += (goal_N - motor_N_) * motor_share_;
+        const double push_m_per_s = kPlantStep_s / p.mass_kg * (motor_N_ - tension_N_);
+        speed_m_per_s_ =
+            (speed_m_per_s_ + push_m_per_s) / (1 + kPlantStep_s * p.damping_N_s_per_m / p.mass_kg);
         speed_m_per_s_ = std::clamp(speed_m_per_s_, -p.fastest_m_per_s, p.fastest_m_per_s);
-        wound_m_ += seconds * speed_m_per_s_;
+        wound_m_ += kPlantStep_s * speed_m_per_s_;
         const double taut_m = cut_ ? 0 : std::max(wound_m_ - p.loose_m, 0.0);
-        const double force_N = pad_.advance(geometry_.indentation_m(taut_m), seconds);
+        const double force_N = pad_.advance(geometry_.indentation_m(taut_m), kPlantStep_s);
         tension_N_ = force_N / (static_cast<double>(kCablesPerFinger) * geometry_.normal_per_tension());
     }
 
     PlantParameters parameters_;
     FingerGeometry geometry_;
     PadModel pad_;
+    double motor_share_;  // of the way to its goal, in a step
     Asked asked_ = Asked::kOff;
     double asked_N_ = 0, asked_m_ = 0;
     double motor_N_ = 0, wound_m_ = 0, speed_m_per_s_ = 0, tension_N_ = 0;
