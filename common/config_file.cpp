@@ -73,7 +73,7 @@ class Mistakes {
     };
     // A mistake in another file has the place of its name in this one.
     std::string line_of(const Mistake& one) const {
-        const std::string words = one.error.what();
+        std::string words = one.error.what();
         if (words.starts_with(file_) || one.at.line == 0) return words;
         return fmt::format("{}:{}:{}: {}", file_, one.at.line, one.at.column, words);
     }

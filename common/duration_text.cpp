@@ -132,7 +132,7 @@ std::string settle_durations(std::string_view name, std::string& word) {
         for (std::size_t i = 0; i < parts.size(); ++i) {
             if (i == 2) {  // how many points
                 settled += parts[i];
-            } else if (const std::string wrong = settle_one(name, parts[i], settled); !wrong.empty()) {
+            } else if (std::string wrong = settle_one(name, parts[i], settled); !wrong.empty()) {
                 return wrong;
             }
             settled += i + 1 < parts.size() ? ':' : ',';

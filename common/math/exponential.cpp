@@ -75,6 +75,19 @@ DoubleDouble wide_exp(DoubleDouble x) {
         exponential_table().powers[static_cast<std::size_t>(reduced.steps & (kSteps - 1))];
     return scaled(power + power * short_expm1(reduced.rest), reduced.steps >> 6);
 }
+// The same in a fifth of the operations, with a relative error below 2^-57: Ziv's test rarely asks for more. The error of
+// e^x - 1 is below 2^-56 where quick_enough(x) is true.
+DoubleDouble quick_exp(double x) {
+    constexpr double kTail[] = {1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720};
+    const Reduced reduced = reduce({x, 0});
+    const DoubleDouble power =
+        exponential_table().powers[static_cast<std::size_t>(reduced.steps & (kSteps - 1))];
+    const double r = reduced.rest.high;
+    const double growth = r + (r * r * polynomial(kTail, r) + reduced.rest.low);
+    return scaled(exact_sum_of_ordered(power.high, power.low + power.high * growth), reduced.steps >> 6);
+}
+bool quick_enough(double x) { return std::abs(x) > 0.7; }
+
 DoubleDouble wide_expm1(DoubleDouble x) {
     return std::abs(x.high) < 0.005 ? short_expm1(x) : wide_exp(x) + -1.0;
 }
@@ -126,14 +139,20 @@ double exp(double x) {
     if (x < kVanishes) return 0;
     if (std::abs(x) < kTiny) return 1;
     if (std::abs(x) > 700) return exact::exp(x);  // powers of the table would overflow or vanish
-    return rounded(wide_exp({x, 0}), [x] { return exact::exp(x); });
+    return rounded(
+        quick_exp(x),
+        [x] {
+            return rounded(wide_exp({x, 0}), [x] { return exact::exp(x); });
+        },
+        0x1p-57);
 }
 
 double expm1(double x) {
     if (std::isnan(x) || std::abs(x) < kTiny) return x;
     if (x > 700) return exp(x);
     if (x < -50) return -1;
-    return rounded(wide_expm1({x, 0}), [x] { return exact::expm1(x); });
+    const auto surely = [x] { return rounded(wide_expm1({x, 0}), [x] { return exact::expm1(x); }); };
+    return quick_enough(x) ? rounded(quick_exp(x) + -1.0, surely, 0x1p-56) : surely();
 }
 
 double log(double x) {
@@ -161,8 +180,12 @@ double tanh(double x) {
     if (std::isnan(x) || std::abs(x) < 0x1p-28)
         return std::abs(x) < kTiny || std::isnan(x) ? x : exact::tanh(x);
     if (std::abs(x) > 20) return std::copysign(1.0, x);
-    const DoubleDouble grown = wide_expm1({2 * x, 0});
-    return rounded(grown / (grown + 2.0), [x] { return exact::tanh(x); });
+    // of e^2x - 1
+    const auto share = [](DoubleDouble grown) { return grown / (grown + 2.0); };
+    const auto surely = [x, share] {
+        return rounded(share(wide_expm1({2 * x, 0})), [x] { return exact::tanh(x); });
+    };
+    return quick_enough(2 * x) ? rounded(share(quick_exp(2 * x) + -1.0), surely, 0x1p-55) : surely();
 }
 
 // Newton's method from the logarithm.

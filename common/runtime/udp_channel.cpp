@@ -152,10 +152,9 @@ bool UdpChannel::of_session() const {
 // Counts it. An empty datagram carries nothing.
 bool UdpChannel::from_peer(std::size_t size) {
     const in_addr_t host = source_.sin_addr.s_addr;
-    if (!of_session()) {
-        ++counters_.foreign_source;
-    } else if (host != remote_.sin_addr.s_addr &&
-               std::find(others_.begin(), others_.end(), host) == others_.end()) {
+    const bool known_host =
+        host == remote_.sin_addr.s_addr || std::find(others_.begin(), others_.end(), host) != others_.end();
+    if (!known_host || !of_session()) {
         ++counters_.foreign_source;
     } else if (size > kMaxDatagramBytes) {
         ++counters_.too_long;
