@@ -23,7 +23,7 @@ double nearest(const Precise& value) {
     const Precise steps = mp::ldexp(value, 1074), below = mp::floor(steps), rest = steps - below;
     const auto whole = below.convert_to<double>();
     const bool up = rest == 0.5 ? std::fmod(whole, 2) != 0 : rest > 0.5;
-    return std::ldexp(whole + (up ? 1 : 0), -1074);
+    return std::copysign(std::ldexp(whole + (up ? 1 : 0), -1074), value < 0 ? -1.0 : 1.0);  // of -0, too
 }
 
 template <class Value>

@@ -194,10 +194,18 @@ TEST(Portable, TheAngleOfAPointRoundsCorrectly) {
     Reference reference;
     RandomStream random({9, 0, 0, 1, Purpose::kParameter});
     const auto coordinate = [&random] { return random.normal() * std::exp(100 * random.normal()); };
-    for (std::size_t i = 0; i < arguments_per_function(); ++i) {
-        const double y = coordinate(), x = i % 2 == 0 ? coordinate() : y * random.normal();
+    const auto expect_exact = [&reference](double y, double x) {
         ASSERT_EQ(bits(portable::atan2(y, x)), bits(reference(mpfr_atan2, y, x)))
             << std::hexfloat << y << ' ' << x;
+    };
+    for (const double y : {1e-200, 1e-174, 1e-173}) {  // the angle vanishes, or is subnormal
+        expect_exact(y, 1e150);
+        expect_exact(-y, 1e150);
+    }
+    for (std::size_t i = 0; i < arguments_per_function(); ++i) {
+        const double y = coordinate(), x = i % 2 == 0 ? coordinate() : y * random.normal();
+        expect_exact(y, x);
+        if (HasFatalFailure()) return;
     }
 }
 
