@@ -1,6 +1,7 @@
 #include "common/config.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include <fmt/ranges.h>
@@ -15,6 +16,13 @@ namespace {
 std::string type_name(const toml::node& node) {
     std::ostringstream text;
     text << node.type();
+    return text.str();
+}
+
+// As the file might write it.
+std::string text_of(const toml::node& node) {
+    std::ostringstream text;
+    node.visit([&text](const auto& value) { text << value; });
     return text.str();
 }
 
@@ -236,15 +244,18 @@ void ConfigTable::read(std::string_view key, std::vector<double>& values, double
     if (found.node == nullptr) return;
     if (!found.node->is_array()) found.refuse("must be a list, [1, 2]");
     values.clear();
+    std::vector<std::string> wrong;
+    std::string meant;
     for (const toml::node& element : *found.node->as_array()) {
-        const auto value = found.number(element);
-        if (!value || !(*value >= low && *value <= high)) {
-            found.refuse("must hold numbers between {} and {}{}", low, high,
-                         value && element.is_number() ? meant_milliseconds(key, *value, low, high) : "");
-        }
-        found.doubt(element);
-        values.push_back(*value);
+        values.push_back(found.number(element).value_or(std::nan("")));
+        if (values.back() >= low && values.back() <= high) continue;
+        wrong.push_back(text_of(element));
+        if (meant.empty() && element.is_number()) meant = meant_milliseconds(key, values.back(), low, high);
     }
+    if (!wrong.empty())
+        found.refuse("holds {}, but must hold numbers between {} and {}{}", fmt::join(wrong, ", "), low, high,
+                     meant);
+    for (const toml::node& element : *found.node->as_array()) found.doubt(element);
 }
 
 void ConfigTable::read(std::string_view key, std::vector<std::string>& values, std::string_view help) const {

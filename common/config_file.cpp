@@ -1,17 +1,53 @@
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <map>
 
 #include <fmt/ranges.h>
 
 #include "common/config_impl.hpp"
 #include "common/nearest_name.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
 
 constexpr std::size_t kMostMistakes = 50;
+constexpr std::size_t kLargestFile = std::size_t{1} << 20U;  // bytes
+constexpr int kMostDots =
+    64;  // of a line, between names: each dot is a table in a table, and they end one within the other
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// Of a decimal number, or beside another dot, as in "...".
+bool joins_no_names(std::string_view line, std::size_t dot) {
+    const auto at = [line](std::size_t i) { return i < line.size() ? line[i] : ' '; };
+    std::size_t low = dot, high = dot + 1;
+    while (low > 0 && is_digit(line[low - 1])) --low;
+    while (is_digit(at(high))) ++high;
+    const bool decimal = low < dot && high > dot + 1 && (low == 0 || line[low - 1] != '.') && at(high) != '.';
+    return decimal || at(dot + 1) == '.' || (dot > 0 && line[dot - 1] == '.');
+}
+
+// toml++ limits how deep values lie within values, but not how many names a key has.
+void refuse_long_keys(std::string_view text, std::string_view name) {
+    for (std::uint32_t number = 1; !text.empty(); ++number) {
+        const std::string_view line = take_until(text, '\n');
+        int dots = 0;
+        for (std::size_t dot = line.find('.'); dot != std::string_view::npos; dot = line.find('.', dot + 1))
+            if (!joins_no_names(line, dot) && ++dots > kMostDots)
+                throw Error(ExitCode::kUsage,
+                            "{}:{}:{}: this line joins more than {} names by dots; no key does", name, number,
+                            dot + 1, kMostDots);
+    }
+}
+
+// At most one byte more than a file may have: a device such as /dev/zero has no end.
+std::string read_start(std::istream& stream) {
+    std::string text(kLargestFile + 1, '\0');
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(stream.gcount()));
+    return text;
+}
 
 bool in_a_word(char c) {
     return c == '_' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
@@ -190,7 +226,10 @@ ConfigFile ConfigFile::load(const std::filesystem::path& path) {
         throw Error(ExitCode::kUsage, "{}: cannot read this configuration file; does it exist?",
                     path.string());
     }
-    const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    const std::string text = read_start(stream);
+    if (text.size() > kLargestFile)
+        throw Error(ExitCode::kUsage, "{}: has more than {} bytes; is it a configuration file?",
+                    path.string(), kLargestFile);
     ConfigFile file = parse(text, path.string());
     file.impl_->folder = path.parent_path();
     return file;
@@ -199,6 +238,7 @@ ConfigFile ConfigFile::load(const std::filesystem::path& path) {
 ConfigFile ConfigFile::parse(std::string_view text, std::string_view name) {
     auto impl = std::make_unique<Impl>();
     impl->name = name;
+    refuse_long_keys(text, name);
     try {
         impl->root = toml::parse(text);
     } catch (const toml::parse_error& error) {

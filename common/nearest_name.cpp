@@ -70,6 +70,9 @@ bool has_words(std::string_view name, std::string_view words) {
 }  // namespace
 
 std::string nearest_name(std::string_view typed, const std::vector<std::string>& names) {
+    constexpr std::size_t kLongestTyped =
+        100;  // the work grows with its length, and no name is near a longer one
+    if (typed.size() > kLongestTyped) return "";
     const std::string_view stem = without_unit(typed);
     std::string nearest, longer;
     std::size_t least = std::max<std::size_t>(1, typed.size() / 3) + 1;

@@ -151,7 +151,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
         const std::string why = explain(app, error);
         if (why.empty() && error.get_exit_code() == 0) return app.exit(error);
         fmt::print(stderr, "{}: error: {}\nRun with --help for more information.\n", app.get_name(),
-                   why.empty() ? error.what() : why);
+                   printable(why.empty() ? error.what() : why));
         return static_cast<int>(ExitCode::kUsage);
     }
     return std::nullopt;

@@ -42,9 +42,12 @@ void read_modalities(const ConfigTable& table, SessionPlan& plan) {
     table.read("modalities", names, "Of HF, CF, CCF and VF; thimble run keeps their order.");
     plan.names_modalities = table.has("modalities");
     plan.modalities.clear();
+    std::vector<std::string> unknown = names;
+    std::erase_if(unknown, [](const std::string& name) { return find_modality(name).has_value(); });
+    if (!unknown.empty())
+        table.fail("modalities", "holds \"{}\"; {}", fmt::join(unknown, "\", \""), kModalityHelp);
     for (const std::string& name : names) {
         const auto modality = find_modality(name);
-        if (!modality) table.fail("modalities", "holds \"{}\"; {}", name, kModalityHelp);
         if (std::find(plan.modalities.begin(), plan.modalities.end(), *modality) != plan.modalities.end())
             table.fail("modalities", "holds \"{}\" twice; leave one out", name);
         plan.modalities.push_back(*modality);
