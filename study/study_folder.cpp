@@ -37,7 +37,7 @@ bool is_there(const std::filesystem::path& file) {
 
 // How many of the rows have their curve. Each of those curves goes to `take_curve`.
 std::size_t take_curves(const std::filesystem::path& curves, const std::vector<TrialRow>& rows,
-                        const TakeCurve& take_curve) {
+                        const TakeCurve& take_curve, const CurveGrid& grid) {
     if (!is_there(curves)) return 0;
     std::size_t both = 0;
     const auto take = [&](const TrialCurve& curve) {
@@ -50,18 +50,19 @@ std::size_t take_curves(const std::filesystem::path& curves, const std::vector<T
         take_curve(curve);
         ++both;
     };
-    read_curves(curves, take, LastLine::kMayBeTorn);
+    read_curves(curves, take, LastLine::kMayBeTorn, grid);
     return both;
 }
 
 // All files are read and judged before one is cut. The curves are not forced to the disk: after a power cut they can be
 // behind the table. A trial without its curve is run again, unless no trial has one: then the table is no study's.
 std::vector<TrialRow> recover(const std::filesystem::path& table, const std::filesystem::path& curves,
-                              const std::vector<TrialConditions>& planned, const TakeCurve& take_curve) {
+                              const std::vector<TrialConditions>& planned, const TakeCurve& take_curve,
+                              const CurveGrid& grid) {
     std::vector<TrialRow> rows;
     if (is_there(table)) rows = read_unfinished_trial_table(table);
     check_plan(table, rows, planned);
-    const std::size_t both = take_curves(curves, rows, take_curve);
+    const std::size_t both = take_curves(curves, rows, take_curve, grid);
     if (both == 0 && !rows.empty())
         throw Error(ExitCode::kData,
                     fmt::format("{}: has {} trials, and {} has no curve of any. A study writes both; thimble "
@@ -77,12 +78,14 @@ std::vector<TrialRow> recover(const std::filesystem::path& table, const std::fil
 }  // namespace
 
 StudyTables::StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
-                         const std::vector<TrialConditions>& planned, const TakeCurve& take_curve)
-    : earlier_(if_exists == IfExists::kContinue
-                   ? recover(folder / (name + ".csv"), folder / (name + "_curves.csv"), planned, take_curve)
-                   : std::vector<TrialRow>{}),
+                         const std::vector<TrialConditions>& planned, const TakeCurve& take_curve,
+                         const CurveGrid& grid)
+    : earlier_(
+          if_exists == IfExists::kContinue
+              ? recover(folder / (name + ".csv"), folder / (name + "_curves.csv"), planned, take_curve, grid)
+              : std::vector<TrialRow>{}),
       table_(folder / (name + ".csv"), if_exists),
-      curves_(folder / (name + "_curves.csv"), if_exists) {}
+      curves_(folder / (name + "_curves.csv"), if_exists, grid) {}
 
 void StudyTables::append(const TrialRow& row, const TrialCurve& curve) {
     curves_.append(curve);

@@ -17,7 +17,8 @@ class StudyTables {
     // Throws Error before it changes a byte: usage, if the trials are not the first of `planned` (another study, seed or
     // version); data, if a table is damaged or has no curves.
     StudyTables(const std::filesystem::path& folder, const std::string& name, IfExists if_exists,
-                const std::vector<TrialConditions>& planned, const TakeCurve& take_curve);
+                const std::vector<TrialConditions>& planned, const TakeCurve& take_curve,
+                const CurveGrid& grid = kContactGrid);
 
     // The trials that need not be run again, in order.
     const std::vector<TrialRow>& rows() const { return earlier_; }

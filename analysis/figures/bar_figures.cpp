@@ -12,7 +12,7 @@
 namespace thimble {
 namespace {
 
-using Shown = std::array<Metric, 2>;
+using Shown = std::vector<Metric>;
 
 // Width that the bars of one modality share; the rest of 1 is the gap to the next.
 constexpr double kGroup = 0.76;
@@ -52,7 +52,7 @@ Statistic statistic_of(const std::vector<ConditionSummary>& conditions, Modality
 BarPanel bar_panel(std::string title, const std::vector<ConditionSummary>& conditions, Metric metric,
                    const std::vector<double>& delays_s) {
     BarPanel panel{std::move(title), metric, {}, {}};
-    for (const Modality modality : kModalities) {
+    for (const Modality modality : kFigureOrder) {
         if (std::none_of(conditions.begin(), conditions.end(),
                          [&](const ConditionSummary& c) { return c.modality == modality; }))
             continue;
@@ -170,12 +170,13 @@ std::string bar_script(const std::vector<BarPanel>& panels, const FigureGrid& gr
     return script + grid.key() + "unset multiplot\n";
 }
 
-// Depth and time; where the fixture was removed the depth that counts is how far the needle then jumped.
+// The paper's measures: average and maximum penetration, and time; where the fixture was removed how far the needle then jumped.
 Shown shown_of(const std::vector<ConditionSummary>& conditions) {
     const bool removed = std::any_of(conditions.begin(), conditions.end(), [](const ConditionSummary& c) {
         return c.of(Metric::kPeakDisplacement).n > 0;
     });
-    return {removed ? Metric::kPeakDisplacement : Metric::kPenetrationMax, Metric::kCompletionTime};
+    if (removed) return {Metric::kPeakDisplacement, Metric::kCompletionTime};
+    return {Metric::kPenetrationMean, Metric::kPenetrationMax, Metric::kCompletionTime};
 }
 
 std::string bar_caption(const std::vector<ConditionSummary>& conditions, const Shown& shown) {
@@ -191,14 +192,14 @@ std::string bar_caption(const std::vector<ConditionSummary>& conditions, const S
         "standard deviation over these subjects. Trials without a beep have no completion time.",
         shown[0] == Metric::kPeakDisplacement
             ? "how far the needle jumps when the fixture vanishes"
-            : "maximum penetration beyond the fixture between first contact and beep",
+            : "average and maximum penetration beyond the fixture between first contact and beep",
         range_text(std::min(trials_low, trials_high), trials_high), subjects);
 }
 
 // The trials of each modality with its longest delay, as the trajectories side by side show.
 std::vector<ConditionSummary> with_longest_delay(std::vector<ConditionSummary> conditions) {
     std::vector<ConditionSummary> longest;
-    for (const Modality modality : kModalities) {
+    for (const Modality modality : kFigureOrder) {
         const auto last = std::find_if(conditions.rbegin(), conditions.rend(),
                                        [&](const ConditionSummary& c) { return c.modality == modality; });
         if (last == conditions.rend()) continue;
@@ -220,8 +221,8 @@ FigureSource bar_figure(const std::vector<ConditionSummary>& conditions, const s
     titles.reserve(delays_s.size());
     for (const double delay_s : delays_s) titles.push_back(delay_text(delay_s) + " delay");
     FigureGrid grid;
-    grid.columns = 2;
-    grid.panel_width_px = 400;
+    grid.columns = panels.size();
+    grid.panel_width_px = panels.size() == 2 ? 400 : 280;
     grid.panel_height_px = 260;
     grid.entries = key_entries(panels, titles);
     return {name,
@@ -236,20 +237,22 @@ FigureSource all_bars_figure(const std::vector<StudyColumns>& experiments, const
     for (const StudyColumns& columns : experiments) {
         const auto conditions = with_longest_delay(summarize(columns.rows()));
         const Metric depth = columns.experiment() == 2 ? Metric::kPeakDisplacement : Metric::kPenetrationMax;
-        panels.push_back(
-            bar_panel(fmt::format("Experiment {}", columns.experiment()), conditions, depth, {0}));
+        panels.push_back(bar_panel(fmt::format("Experiment {}", columns.experiment()), conditions,
+                                   Metric::kPenetrationMean, {0}));
+        panels.push_back(bar_panel("", conditions, depth, {0}));
         panels.push_back(bar_panel("", conditions, Metric::kCompletionTime, {0}));
     }
     FigureGrid grid;
     grid.columns = experiments.size();
-    grid.rows = 2;
+    grid.rows = 3;
     grid.panel_height_px = 180;
     grid.head_px = 30;
     grid.entries = key_entries(panels, {"mean"});
     return {name, "Depth and time, side by side",
             "Bars: mean over the n subjects below them, whose trials are averaged first; whiskers: ± one "
-            "standard deviation. Above: maximum penetration beyond the fixture; in experiment 2 how far the "
-            "needle jumps when the fixture vanishes. Below: time from tissue entry to the beep.",
+            "standard deviation. Above: average penetration beyond the fixture. Middle: maximum penetration; "
+            "in experiment 2 how far "
+            "the needle jumps when the fixture vanishes. Below: time from tissue entry to the beep.",
             bar_data(panels, 1), bar_script(panels, grid, 1, name)};
 }
 

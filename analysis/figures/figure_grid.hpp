@@ -1,11 +1,17 @@
 // Panels of equal size in rows and columns of one picture, in pixels, below a key for all of them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include "common/messages.hpp"
+
 namespace thimble {
+
+// Of modalities in figures, as in the paper's.
+inline constexpr std::array kFigureOrder{Modality::kVF, Modality::kHF, Modality::kCF, Modality::kCCF};
 
 // A line of a key: how gnuplot draws its sample ("with lines linewidth 2") and what stands beside it.
 struct KeyEntry {

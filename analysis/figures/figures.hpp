@@ -22,15 +22,15 @@ struct Figure {
     std::string svg;  // the element alone, fit to stand in HTML; ids begin with the name
 };
 
-// A panel per delay (rows) and modality (columns): needle and surface, mean with a band of one SD, over
-// trials.
+// A panel per delay (rows) and modality (columns, in the paper's order): needle and surface, mean with a band of one SD, over
+// subjects.
 FigureSource trajectory_figure(const std::vector<TrajectoryPanel>& panels, const std::string& name);
-// Maximum penetration (peak displacement where the fixture was removed) and completion time per modality and
+// Average and maximum penetration (peak displacement where the fixture was removed) and completion time per modality and
 // delay, mean with one SD over subjects.
 FigureSource bar_figure(const std::vector<ConditionSummary>& conditions, const std::string& name);
 
-// The experiments side by side, a column each. Trajectories have a row per modality. Bars show the depth that the
-// experiment is about above the time: maximum penetration, or peak displacement where the fixture was removed.
+// The experiments side by side, a column each. Trajectories have a row per modality. Bars show average penetration, the
+// depth that the experiment is about (maximum penetration, or peak displacement where the fixture was removed), and the time.
 using PanelsByExperiment = std::map<std::uint32_t, TrajectoryPanels>;
 FigureSource all_trajectories_figure(const PanelsByExperiment& experiments, const std::string& name);
 FigureSource all_bars_figure(const std::vector<StudyColumns>& experiments, const std::string& name);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -18,8 +18,14 @@ namespace {
 struct TrajectoryCell {
     std::size_t row = 0, column = 0;
     std::string title;
-    const TrajectoryPanel* panel = nullptr;
+    Modality modality;
+    double delay_s;
+    MeanCurve curve;
 };
+
+TrajectoryCell cell_of(std::size_t row, std::size_t column, std::string title, const TrajectoryPanel& panel) {
+    return {row, column, std::move(title), panel.modality, panel.delay_s, panel.mean.curve()};
+}
 
 struct TrajectoryGrid {
     std::size_t columns = 1;
@@ -30,30 +36,34 @@ struct TrajectoryGrid {
 
 using Text = std::back_insert_iterator<std::string>;
 
-// Where less than half of the trials have samples, a mean shows who is missing rather than what happens.
-std::uint32_t least_trials(const MeanCurve& curve) { return std::max(1U, (curve.trials() + 1) / 2); }
+// Where less than half of the subjects have samples, a mean shows who is missing rather than what happens.
+std::uint32_t least_n(const MeanCurve& curve) { return std::max(1U, (curve.n() + 1) / 2); }
+
+bool in_seconds(const MeanCurve& curve) { return curve.grid.axis == CurveAxis::kFromContact; }
+
+std::string n_text(const MeanCurve& curve) {
+    const char* unit = curve.subjects > 1 ? "subject" : "trial";
+    return fmt::format("n = {} {}{}", curve.n(), unit, curve.n() == 1 ? "" : "s");
+}
 
 // Blocks in the order of `cells`; gnuplot addresses them by index.
 std::string trajectory_data(const std::vector<TrajectoryCell>& cells) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     std::string data;
     for (const TrajectoryCell& cell : cells) {
-        const TrajectoryPanel& panel = *cell.panel;
-        const MeanCurve& curve = panel.mean.curve();
+        const MeanCurve& curve = cell.curve;
         data += fmt::format(
-            "# {} at {}, n = {}; all in percent\n"
-            "# time needle_mean needle_sd surface_mean surface_sd needle_of_one_trial trials\n",
-            to_string(panel.modality), delay_text(panel.delay_s), curve.trials());
-        for (std::size_t i = 0; i < curve.time_percent.size(); ++i) {
-            const CurveStatistics& needle = curve.needle[i];
-            const CurveStatistics& surface = curve.surface[i];
-            write_cell(data, curve.time_percent[i]);
-            write_cell(data, needle.trials > 0 ? needle.mean_percent : kNone);
-            write_cell(data, needle.sd_percent());
-            write_cell(data, surface.trials > 0 ? surface.mean_percent : kNone);
-            write_cell(data, surface.sd_percent());
+            "# {} at {}, {}; time in {}, depth in percent\n"
+            "# time needle_mean needle_sd surface_mean surface_sd needle_of_one_trial n\n",
+            to_string(cell.modality), delay_text(cell.delay_s), n_text(curve),
+            in_seconds(curve) ? "seconds" : "percent");
+        for (std::size_t i = 0; i < curve.grid.points; ++i) {
+            write_cell(data, curve.grid.at(i));
+            for (const CurveStatistics& at : {curve.mean.needle[i], curve.mean.surface[i]}) {
+                write_cell(data, at.n > 0 ? at.mean : TrialCurve::kNone);
+                write_cell(data, at.sd());
+            }
             write_cell(data, curve.example_needle_percent[i]);
-            data += fmt::format("{}\n", needle.trials);
+            data += fmt::format("{}\n", curve.mean.needle[i].n);
         }
         data += "\n\n";
     }
@@ -71,18 +81,19 @@ struct DepthRange {
     }
 };
 
+bool is_shown(const MeanCurve& curve, std::size_t i) { return curve.mean.needle[i].n >= least_n(curve); }
+
 // One range for all panels, or they could not be compared; with room for the marks at the top.
 DepthRange depth_range(const std::vector<TrajectoryCell>& cells) {
     DepthRange range;
     for (const TrajectoryCell& cell : cells) {
-        const MeanCurve& curve = cell.panel->mean.curve();
-        for (std::size_t i = 0; i < curve.needle.size(); ++i) {
-            range.include(curve.example_needle_percent[i]);
-            if (curve.needle[i].trials < least_trials(curve)) continue;
-            const double sd_percent = curve.needle[i].sd_percent();
-            range.include(curve.needle[i].mean_percent);
-            range.include(curve.needle[i].mean_percent + sd_percent);
-            range.include(curve.needle[i].mean_percent - sd_percent);
+        for (std::size_t i = 0; i < cell.curve.grid.points; ++i) {
+            range.include(cell.curve.example_needle_percent[i]);
+            if (!is_shown(cell.curve, i)) continue;
+            const CurveStatistics& needle = cell.curve.mean.needle[i];
+            range.include(needle.mean);
+            range.include(needle.mean + needle.sd());
+            range.include(needle.mean - needle.sd());
         }
     }
     range.low_percent = 5 * std::floor(range.low_percent / 5);
@@ -90,9 +101,24 @@ DepthRange depth_range(const std::vector<TrajectoryCell>& cells) {
     return range;
 }
 
+// In seconds as long as some mean is shown, else the whole axis.
+std::pair<double, double> time_range(const std::vector<TrajectoryCell>& cells) {
+    double low = 0, high = 0;
+    for (const TrajectoryCell& cell : cells) {
+        const CurveGrid& grid = cell.curve.grid;
+        if (!in_seconds(cell.curve)) return {grid.begin, grid.end};
+        for (std::size_t i = 0; i < grid.points; ++i) {
+            if (!is_shown(cell.curve, i)) continue;
+            low = std::min(low, std::floor(grid.at(i)));
+            high = std::max(high, std::ceil(grid.at(i)));
+        }
+    }
+    return low < high ? std::pair{low, high} : std::pair{-1.0, 1.0};
+}
+
 void write_curves(Text out, const std::string& name, std::size_t index, const MeanCurve& curve) {
     fmt::format_to(out, R"(data = "'{name}.tsv' index {index} using 1"
-shown(value, trials) = trials >= {least} ? value : NaN
+shown(value, n) = n >= {least} ? value : NaN
 plot @data:(shown($4-$5,$7)):(shown($4+$5,$7)) with filledcurves fillcolor '{surface}' fillstyle transparent solid 0.25 noborder notitle, \
      @data:(shown($2-$3,$7)):(shown($2+$3,$7)) with filledcurves fillcolor '{needle}' fillstyle transparent solid 0.25 noborder notitle, \
      @data:6 with lines linewidth 0.8 linecolor '{example}' notitle, \
@@ -100,7 +126,7 @@ plot @data:(shown($4-$5,$7)):(shown($4+$5,$7)) with filledcurves fillcolor '{sur
      @data:(shown($4,$7)) with lines linewidth 2 dashtype (9,3) linecolor '{surface}' notitle, \
      100 with lines dashtype (3,3) linewidth 1 linecolor 'black' notitle
 )",
-                   fmt::arg("name", name), fmt::arg("index", index), fmt::arg("least", least_trials(curve)),
+                   fmt::arg("name", name), fmt::arg("index", index), fmt::arg("least", least_n(curve)),
                    fmt::arg("needle", kNeedleOnLight), fmt::arg("surface", kSurfaceOnLight),
                    fmt::arg("example", kGrey));
 }
@@ -142,65 +168,101 @@ bool is_last_of_its_column(const TrajectoryGrid& of, const TrajectoryCell& cell)
     });
 }
 
-void write_axes(Text out, bool left, bool bottom, const std::string& row_label) {
+void write_axes(Text out, bool left, bool bottom, const std::string& row_label, bool seconds) {
     fmt::format_to(out, "set format y '{}'; set format x '{}'\n", left ? "%g" : "", bottom ? "%g" : "");
     if (left) {
         fmt::format_to(out, "set ylabel \"{{/:Bold {}}}\\ndepth (% of fixture)\" offset -0.3\n", row_label);
     } else {
         fmt::format_to(out, "unset ylabel\n");
     }
-    fmt::format_to(out, "{}\n", bottom ? "set xlabel 'time, entry to beep (%)'" : "unset xlabel");
+    const char* label = seconds ? "time from contact (s)" : "time, entry to beep (%)";
+    fmt::format_to(out, "{}\n", bottom ? fmt::format("set xlabel '{}'", label) : "unset xlabel");
 }
 
-void write_shared_axes(Text out, const DepthRange& range) {
-    const double span_percent = range.high_percent - range.low_percent;
+// Where the mean enters the tissue, where the axis begins, and at the beep.
+void write_events(Text out, const MeanCurve& curve, const std::pair<double, double>& range) {
+    fmt::format_to(out, "unset arrow; unset label\n");
+    const auto mark = [&](double at, const char* words, double height) {
+        if (!(at >= range.first && at <= range.second)) return;
+        fmt::format_to(out,
+                       "set arrow from {0:.4g}, graph 0 to {0:.4g}, graph 1 nohead dashtype (2,3) linecolor "
+                       "'#666666' back\n"
+                       "set label '{{/*0.85 {1}}}' at {0:.4g}, graph {2} {3} textcolor '#444444'\n",
+                       at, words, height, at > (range.first + range.second) / 2 ? "right" : "left");
+    };
+    if (curve.mean.entry.n > 0) mark(curve.mean.entry.mean, " entry ", 0.96);
+    if (in_seconds(curve) && curve.n() > 0) mark(0, " contact ", 0.89);
+    if (curve.mean.beep.n > 0) mark(curve.mean.beep.mean, " beep ", 0.96);
+}
+
+void write_shared_axes(Text out, const DepthRange& depth, const std::pair<double, double>& time) {
+    const double depth_percent = depth.high_percent - depth.low_percent, span = time.second - time.first;
     fmt::format_to(out, R"(set macros; unset key
-set xrange [{}:{}]; set xtics 25
+set xrange [{:g}:{:g}]; set xtics {:g}
 set yrange [{}:{}]; set ytics {:g}
-set for [x in "0 100"] arrow from x, graph 0 to x, graph 1 nohead dashtype (2,3) linecolor '#666666' back
-set label 1 '{{/*0.85  entry}}' at 0, graph 0.96 left textcolor '#444444'
-set label 2 '{{/*0.85 beep }}' at 100, graph 0.96 right textcolor '#444444'
 set multiplot
 )",
-                   kCurveBegin_percent, kCurveEnd_percent, range.low_percent, range.high_percent,
-                   span_percent <= 200 ? 25 : nice_step(span_percent, 7));
+                   time.first, time.second, span > 100 ? 25 : nice_step(span, 8), depth.low_percent,
+                   depth.high_percent, depth_percent <= 200 ? 25 : nice_step(depth_percent, 7));
 }
 
 std::string trajectory_script(const TrajectoryGrid& of, const std::string& name) {
     const FigureGrid grid = layout(of);
     std::string script = gnuplot_preamble(name, grid.width_px(), grid.height_px());
     const Text out(script);
-    write_shared_axes(out, depth_range(of.cells));
+    const auto time = time_range(of.cells);
+    write_shared_axes(out, depth_range(of.cells), time);
     for (std::size_t i = 0; i < of.cells.size(); ++i) {
         const TrajectoryCell& cell = of.cells[i];
         script += grid.margins(cell.row, cell.column);
         write_axes(out, is_first_of_its_row(of, cell), is_last_of_its_column(of, cell),
-                   of.row_labels[cell.row]);
-        const MeanCurve& curve = cell.panel->mean.curve();
-        fmt::format_to(out, "set title '{{/:Bold {}}}  n = {} trial{}' offset 0,-0.6\n", cell.title,
-                       curve.trials(), curve.trials() == 1 ? "" : "s");
-        write_curves(out, name, i, curve);
+                   of.row_labels[cell.row], in_seconds(cell.curve));
+        write_events(out, cell.curve, time);
+        fmt::format_to(out, "set title '{{/:Bold {}}}  {}' offset 0,-0.6\n", cell.title, n_text(cell.curve));
+        write_curves(out, name, i, cell.curve);
     }
     return script + grid.key() + "unset multiplot\n";
 }
 
-std::string trajectory_caption(const std::vector<TrajectoryCell>& cells) {
-    std::uint32_t low = ~0U, high = 0, with_beep = 0, without_beep = 0, without_entry = 0;
-    for (const TrajectoryCell& cell : cells) {
-        const MeanCurve& curve = cell.panel->mean.curve();
-        low = std::min(low, curve.trials());
-        high = std::max(high, curve.trials());
+std::string axis_text(bool seconds) {
+    return seconds ? "Time from the needle's first contact with the fixture (0 s). Depth in percent: 0 % is "
+                     "the tissue surface at rest, "
+                     "100 % the trial's fixture. Vertical lines: where the mean enters the tissue, contact, "
+                     "and the mean beep. "
+                   : "Depth in percent: 0 % is the tissue surface at rest, 100 % the trial's fixture. Each "
+                     "trial's time is stretched, from "
+                     "tissue entry (0 %) to the beep (100 %). ";
+}
+
+struct TrajectoryCounts {
+    std::uint32_t low = ~0U, high = 0, with_beep = 0, without_beep = 0, left_out = 0;
+    bool of_subjects = true, seconds = true;
+
+    void add(const MeanCurve& curve) {
+        low = std::min(low, curve.n());
+        high = std::max(high, curve.n());
         with_beep += curve.trials_with_beep;
         without_beep += curve.trials_without_beep;
-        without_entry += curve.trials_without_entry;
+        left_out += curve.trials_left_out;
+        of_subjects = of_subjects && curve.subjects > 1;
+        seconds = in_seconds(curve);
     }
+};
+
+std::string trajectory_caption(const std::vector<TrajectoryCell>& cells) {
+    TrajectoryCounts counts;
+    for (const TrajectoryCell& cell : cells) counts.add(cell.curve);
     return fmt::format(
-        "Needle and tissue surface (dashed) in percent of the trial's fixture depth, from tissue entry (0 %) "
-        "to the beep (100 %); mean with a band of one standard deviation over n = {} trials per panel. Grey: "
-        "the needle of one single trial, because averaging trials of different phase hides an oscillation. "
-        "Of all trials {} ended with a beep, {} without (their end counts as 100 %), {} never entered the "
-        "tissue and are left out. Means are drawn where at least half of the trials have samples.",
-        range_text(std::min(low, high), high), with_beep, without_beep, without_entry);
+        "Needle and tissue surface (dashed). {}Mean with a band of one standard deviation over n = {} {} per "
+        "panel. Grey: the needle of "
+        "one single trial, because averaging trials of different phase hides an oscillation. Of all trials "
+        "{} ended with a beep, {} "
+        "without (their end stands for it), {} never {} and are left out. Means are drawn where at least "
+        "half of the {} have samples.",
+        axis_text(counts.seconds), range_text(std::min(counts.low, counts.high), counts.high),
+        counts.of_subjects ? "subjects, whose trials are averaged first," : "trials", counts.with_beep,
+        counts.without_beep, counts.left_out, counts.seconds ? "touched the fixture" : "entered the tissue",
+        counts.of_subjects ? "subjects" : "trials");
 }
 
 FigureSource trajectory_source(const TrajectoryGrid& grid, const std::string& name,
@@ -221,7 +283,7 @@ const TrajectoryPanel* own_panel(const TrajectoryPanels& experiment, Modality mo
 
 std::vector<Modality> modalities_in(const std::vector<TrajectoryPanel>& panels) {
     std::vector<Modality> modalities;
-    for (const Modality modality : kModalities) {
+    for (const Modality modality : kFigureOrder) {
         if (std::any_of(panels.begin(), panels.end(),
                         [&](const TrajectoryPanel& panel) { return panel.modality == modality; }))
             modalities.push_back(modality);
@@ -241,7 +303,7 @@ FigureSource trajectory_figure(const std::vector<TrajectoryPanel>& panels, const
         for (std::size_t column = 0; column < modalities.size(); ++column) {
             const auto panel = find_condition(panels, modalities[column], delays_s[row]);
             if (panel == panels.end()) continue;
-            grid.cells.push_back({row, column, to_string(panel->modality), &*panel});
+            grid.cells.push_back(cell_of(row, column, to_string(panel->modality), *panel));
         }
     }
     return trajectory_source(grid, name, "Trajectories");
@@ -251,16 +313,16 @@ FigureSource all_trajectories_figure(const PanelsByExperiment& experiments, cons
     TrajectoryGrid grid;
     grid.columns = experiments.size();
     grid.panel_height_px = 165;
-    for (const Modality modality : kModalities) grid.row_labels.emplace_back(to_string(modality));
+    for (const Modality modality : kFigureOrder) grid.row_labels.emplace_back(to_string(modality));
     std::size_t column = 0;
     for (const auto& [experiment, panels] : experiments) {
-        for (std::size_t row = 0; row < kModalities.size(); ++row) {
-            const TrajectoryPanel* panel = own_panel(panels, kModalities[row]);
+        for (std::size_t row = 0; row < kFigureOrder.size(); ++row) {
+            const TrajectoryPanel* panel = own_panel(panels, kFigureOrder[row]);
             if (panel == nullptr) continue;
-            grid.cells.push_back({row, column,
-                                  fmt::format("Experiment {} ({}), {}", experiment,
-                                              delay_text(panel->delay_s), to_string(panel->modality)),
-                                  panel});
+            grid.cells.push_back(cell_of(row, column,
+                                         fmt::format("Experiment {} ({}), {}", experiment,
+                                                     delay_text(panel->delay_s), to_string(panel->modality)),
+                                         *panel));
         }
         ++column;
     }

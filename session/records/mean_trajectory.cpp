@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,84 +15,157 @@
 
 namespace thimble {
 
-void CurveStatistics::add(double value_percent) {
-    ++trials;
-    const double before_percent = value_percent - mean_percent;
-    mean_percent += before_percent / trials;
-    squares_percent2 += before_percent * (value_percent - mean_percent);
-}
+namespace {
 
-double CurveStatistics::sd_percent() const {
-    if (trials < 2) return std::numeric_limits<double>::quiet_NaN();
-    return std::sqrt(squares_percent2 / (trials - 1));
-}
+// The two events that a curve shows, and the axis between them.
+struct CurveClock {
+    double entry_s = TrialCurve::kNone, contact_s = TrialCurve::kNone, end_s = TrialCurve::kNone;
 
-std::vector<double> curve_grid_percent(std::size_t points) {
-    assert(points >= 2);
-    const double step_percent = (kCurveEnd_percent - kCurveBegin_percent) / static_cast<double>(points - 1);
-    std::vector<double> grid;
-    for (std::size_t i = 0; i < points; ++i) {
-        grid.push_back(kCurveBegin_percent + static_cast<double>(i) * step_percent);
+    explicit CurveClock(const TrialRecord& record)
+        : end_s(std::isfinite(record.beep_time_s) || record.samples.empty() ? record.beep_time_s
+                                                                            : record.samples.back().time_s) {
+        const double fixture_m = record.conditions.fixture_position_m;
+        for (const TrajectorySample& sample : record.samples) {
+            if (std::isnan(entry_s) && sample.phase == TissuePhase::kPenetrated) entry_s = sample.time_s;
+            const bool touches = sample.fixture_present && sample.position_needle_m > fixture_m;
+            if (std::isnan(contact_s) && touches) contact_s = sample.time_s;
+        }
     }
-    return grid;
+    bool places(CurveAxis axis) const {
+        return axis == CurveAxis::kFromContact ? std::isfinite(contact_s) : end_s > entry_s;
+    }
+    double span_s(CurveAxis axis) const {
+        return axis == CurveAxis::kFromContact ? 1 : (end_s - entry_s) / 100;
+    }
+    double origin_s(CurveAxis axis) const { return axis == CurveAxis::kFromContact ? contact_s : entry_s; }
+};
+
+// Follows a trial's samples forward and reads between them.
+class CurveReader {
+  public:
+    explicit CurveReader(const TrialRecord& record)
+        : samples_(record.samples),
+          rest_m_(samples_.front().position_surface_m),
+          to_percent_(100 / (record.conditions.fixture_position_m - rest_m_)) {}
+
+    // False: there are no samples on both sides of it. Times do not fall from call to call.
+    bool go_to(double time_s) {
+        while (after_ < samples_.size() && samples_[after_].time_s < time_s) ++after_;
+        if (after_ == samples_.size() || samples_[after_ - 1].time_s > time_s) return false;
+        const double step_s = samples_[after_].time_s - samples_[after_ - 1].time_s;
+        part_ = step_s > 0 ? (time_s - samples_[after_ - 1].time_s) / step_s : 0;
+        return true;
+    }
+    double percent(double TrajectorySample::*position) const {
+        const double from_m = samples_[after_ - 1].*position;
+        const double at_m = from_m + part_ * (samples_[after_].*position - from_m);
+        return std::round(to_percent_ * (at_m - rest_m_) * 1000) / 1000;
+    }
+
+  private:
+    std::span<const TrajectorySample> samples_;
+    double rest_m_, to_percent_;
+    std::size_t after_ = 1;
+    double part_ = 0;
+};
+
+CurveSums empty_sums(std::size_t points) {
+    return {std::vector<CurveStatistics>(points), std::vector<CurveStatistics>(points), {}, {}};
 }
 
-TrialCurve trial_curve(const TrialRecord& record, std::size_t points) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const auto& samples = record.samples;
-    const auto entry = std::find_if(samples.begin(), samples.end(), [](const TrajectorySample& sample) {
-        return sample.phase == TissuePhase::kPenetrated;
-    });
-    TrialCurve curve{record.conditions, false, std::isfinite(record.beep_time_s), {}, {}};
-    const double end_s = curve.beeped || samples.empty() ? record.beep_time_s : samples.back().time_s;
-    curve.entered = entry != samples.end() && end_s > entry->time_s;
-    if (!curve.entered) return curve;
-    curve.needle_percent.assign(points, kNone);
-    curve.surface_percent.assign(points, kNone);
+void add_number(CurveStatistics& statistics, double value) {
+    if (!std::isnan(value)) statistics.add(value);
+}
 
-    const std::vector<double> grid = curve_grid_percent(points);
-    const double span_s = end_s - entry->time_s;
-    const double to_percent = 100 / record.conditions.fixture_position_m;
-    auto after = samples.begin() + 1;
-    for (std::size_t i = 0; i < points; ++i) {
-        const double time_s = entry->time_s + span_s * grid[i] / 100;
-        while (after != samples.end() && after->time_s < time_s) ++after;
-        if (after == samples.end()) break;
-        const auto before = after - 1;
-        if (before->time_s > time_s) continue;  // the trial has not begun
-        const double step_s = after->time_s - before->time_s;
-        const double part = step_s > 0 ? (time_s - before->time_s) / step_s : 0;
-        const auto between = [&](double TrajectorySample::*position) {
-            const double from_m = (*before).*position;
-            const double percent = to_percent * (from_m + part * ((*after).*position - from_m));
-            return std::round(percent * 1000) / 1000;
-        };
-        curve.needle_percent[i] = between(&TrajectorySample::position_needle_m);
-        curve.surface_percent[i] = between(&TrajectorySample::position_surface_m);
+void add_trial(CurveSums& sums, const TrialCurve& trial) {
+    for (std::size_t i = 0; i < trial.needle_percent.size(); ++i) {
+        add_number(sums.needle[i], trial.needle_percent[i]);
+        add_number(sums.surface[i], trial.surface_percent[i]);
+    }
+    add_number(sums.entry, trial.entry);
+    add_number(sums.beep, trial.beep);
+}
+
+// The means of one subject.
+void add_subject(CurveSums& sums, const CurveSums& subject) {
+    const auto add = [](CurveStatistics& to, const CurveStatistics& from) {
+        if (from.n > 0) to.add(from.mean);
+    };
+    for (std::size_t i = 0; i < subject.needle.size(); ++i) {
+        add(sums.needle[i], subject.needle[i]);
+        add(sums.surface[i], subject.surface[i]);
+    }
+    add(sums.entry, subject.entry);
+    add(sums.beep, subject.beep);
+}
+
+}  // namespace
+
+void CurveStatistics::add(double value) {
+    ++n;
+    const double before = value - mean;
+    mean += before / n;
+    squares += before * (value - mean);
+}
+
+double CurveStatistics::sd() const {
+    if (n < 2) return TrialCurve::kNone;
+    return std::sqrt(squares / (n - 1));
+}
+
+TrialCurve trial_curve(const TrialRecord& record, const CurveGrid& grid) {
+    TrialCurve curve{record.conditions,
+                     false,
+                     std::isfinite(record.beep_time_s),
+                     TrialCurve::kNone,
+                     TrialCurve::kNone,
+                     {},
+                     {}};
+    const CurveClock clock(record);
+    curve.placed = clock.places(grid.axis);
+    if (!curve.placed) return curve;
+    const double origin_s = clock.origin_s(grid.axis), span_s = clock.span_s(grid.axis);
+    curve.entry = (clock.entry_s - origin_s) / span_s;
+    curve.beep = (clock.end_s - origin_s) / span_s;
+    curve.needle_percent.assign(grid.points, TrialCurve::kNone);
+    curve.surface_percent.assign(grid.points, TrialCurve::kNone);
+    CurveReader reader(record);
+    for (std::size_t i = 0; i < grid.points; ++i) {
+        if (!reader.go_to(origin_s + span_s * grid.at(i))) continue;
+        curve.needle_percent[i] = reader.percent(&TrajectorySample::position_needle_m);
+        curve.surface_percent[i] = reader.percent(&TrajectorySample::position_surface_m);
     }
     return curve;
 }
 
-MeanTrajectory::MeanTrajectory(std::size_t points) {
-    curve_.time_percent = curve_grid_percent(points);
-    curve_.needle.resize(points);
-    curve_.surface.resize(points);
-    curve_.example_needle_percent.assign(points, std::numeric_limits<double>::quiet_NaN());
+MeanTrajectory::MeanTrajectory(const CurveGrid& grid)
+    : of_subject_(empty_sums(grid.points)), of_earlier_(empty_sums(grid.points)) {
+    counts_.grid = grid;
+    counts_.example_needle_percent.assign(grid.points, TrialCurve::kNone);
 }
 
 void MeanTrajectory::add(const TrialCurve& trial) {
-    if (!trial.entered) {
-        ++curve_.trials_without_entry;
+    if (!trial.placed) {
+        ++counts_.trials_left_out;
         return;
     }
-    assert(trial.needle_percent.size() == curve_.time_percent.size());
-    if (curve_.trials() == 0) curve_.example_needle_percent = trial.needle_percent;
-    ++(trial.beeped ? curve_.trials_with_beep : curve_.trials_without_beep);
-    for (std::size_t i = 0; i < curve_.time_percent.size(); ++i) {
-        if (std::isnan(trial.needle_percent[i])) continue;
-        curve_.needle[i].add(trial.needle_percent[i]);
-        curve_.surface[i].add(trial.surface_percent[i]);
+    assert(trial.needle_percent.size() == counts_.grid.points);
+    if (counts_.trials() == 0) counts_.example_needle_percent = trial.needle_percent;
+    if (counts_.trials() == 0 || trial.conditions.subject != subject_) {
+        add_subject(of_earlier_, of_subject_);
+        of_subject_ = empty_sums(counts_.grid.points);
+        subject_ = trial.conditions.subject;
+        ++counts_.subjects;
     }
+    ++(trial.beeped ? counts_.trials_with_beep : counts_.trials_without_beep);
+    add_trial(of_subject_, trial);
+}
+
+MeanCurve MeanTrajectory::curve() const {
+    MeanCurve curve = counts_;
+    curve.mean = counts_.subjects > 1 ? of_earlier_ : of_subject_;
+    if (counts_.subjects > 1) add_subject(curve.mean, of_subject_);
+    return curve;
 }
 
 void TrajectoryPanels::add(const TrialCurve& trial) {
@@ -103,7 +176,7 @@ void TrajectoryPanels::add(const TrialCurve& trial) {
     };
     auto panel = std::find_if(panels_.begin(), panels_.end(), same);
     if (panel == panels_.end()) {
-        panels_.push_back({conditions.modality, conditions.delay_s, MeanTrajectory{}});
+        panels_.push_back({conditions.modality, conditions.delay_s, MeanTrajectory(grid_)});
         panel = panels_.end() - 1;
     }
     panel->mean.add(trial);
@@ -119,65 +192,69 @@ constexpr std::array kLeading{column<Curve, &Curve::conditions, &C::experiment>(
                               column<Curve, &Curve::conditions, &C::trial>("trial"),
                               column<Curve, &Curve::conditions, &C::modality>("modality"),
                               column<Curve, &Curve::conditions, &C::delay_s>("delay_s"),
-                              column<Curve, &Curve::entered>("entered"),
-                              column<Curve, &Curve::beeped>("beeped")};
+                              column<Curve, &Curve::placed>("placed"),
+                              column<Curve, &Curve::beeped>("beeped"),
+                              column<Curve, &Curve::entry>("entry"),
+                              column<Curve, &Curve::beep>("beep")};
 
-const std::vector<std::string>& column_names() {
-    static const std::vector<std::string> names = [] {
-        std::vector<std::string> list;
-        list.reserve(std::size(kLeading) + 2 * curve_grid_percent().size());
-        for (const auto& column : kLeading) list.emplace_back(column.name);
-        for (const char* what : {"needle", "surface"}) {
-            for (const double at : curve_grid_percent()) list.push_back(fmt::format("{}_{:g}%", what, at));
-        }
-        return list;
-    }();
+std::vector<std::string> column_names(const CurveGrid& grid) {
+    std::vector<std::string> names;
+    names.reserve(std::size(kLeading) + 2 * grid.points);
+    for (const auto& column : kLeading) names.emplace_back(column.name);
+    const char* unit = grid.axis == CurveAxis::kFromContact ? "s" : "%";
+    for (const char* what : {"needle", "surface"})
+        for (std::size_t i = 0; i < grid.points; ++i)
+            names.push_back(fmt::format("{}_{:g}{}", what, grid.at(i), unit));
     return names;
 }
 
-void write_curve(fmt::memory_buffer& line, bool entered, const std::vector<double>& curve) {
-    for (std::size_t i = 0; i < kCurvePoints; ++i) {
+void write_curve(fmt::memory_buffer& line, bool placed, const std::vector<double>& curve,
+                 std::size_t points) {
+    for (std::size_t i = 0; i < points; ++i) {
         line.push_back(',');
-        if (entered) write_value(line, curve[i]);
+        if (placed) write_value(line, curve[i]);
     }
 }
 
-std::vector<double> read_curve(const CsvReader& reader, std::size_t first) {
-    std::vector<double> curve(kCurvePoints);
-    for (std::size_t i = 0; i < kCurvePoints; ++i) curve[i] = reader.field(first + i).number();
+std::vector<double> read_curve(const CsvReader& reader, std::size_t first, std::size_t points) {
+    std::vector<double> curve(points);
+    for (std::size_t i = 0; i < points; ++i) curve[i] = reader.field(first + i).number();
     return curve;
 }
 
-TrialCurve read_line(const CsvReader& reader) {
+TrialCurve read_line(const CsvReader& reader, std::size_t points) {
     TrialCurve trial;
     read_fields(reader, kLeading, trial);
-    if (!trial.entered) return trial;
-    trial.needle_percent = read_curve(reader, kLeading.size());
-    trial.surface_percent = read_curve(reader, kLeading.size() + kCurvePoints);
+    if (!trial.placed) return trial;
+    trial.needle_percent = read_curve(reader, kLeading.size(), points);
+    trial.surface_percent = read_curve(reader, kLeading.size() + points, points);
     return trial;
 }
 
 }  // namespace
 
-CurveFile::CurveFile(const std::filesystem::path& path, IfExists if_exists) : file_(path, if_exists) {
-    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(column_names(), ",")));
+CurveFile::CurveFile(const std::filesystem::path& path, IfExists if_exists, const CurveGrid& grid)
+    : file_(path, if_exists), points_(grid.points) {
+    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(column_names(grid), ",")));
     file_.flush();
 }
 
 void CurveFile::append(const TrialCurve& trial) {
     fmt::memory_buffer line;
     write_fields(line, kLeading, trial);
-    write_curve(line, trial.entered, trial.needle_percent);
-    write_curve(line, trial.entered, trial.surface_percent);
+    write_curve(line, trial.placed, trial.needle_percent, points_);
+    write_curve(line, trial.placed, trial.surface_percent, points_);
     line.push_back('\n');
     file_.write({line.data(), line.size()});
     file_.flush();
 }
 
-void read_curves(const std::filesystem::path& path, const TakeCurve& take, LastLine last) {
-    const std::vector<std::string_view> names(column_names().begin(), column_names().end());
+void read_curves(const std::filesystem::path& path, const TakeCurve& take, LastLine last,
+                 const CurveGrid& grid) {
+    const std::vector<std::string> columns = column_names(grid);
+    const std::vector<std::string_view> names(columns.begin(), columns.end());
     CsvReader reader(path, names, ',', 0, last);
-    while (reader.next()) take(read_line(reader));
+    while (reader.next()) take(read_line(reader, grid.points));
 }
 
 }  // namespace thimble

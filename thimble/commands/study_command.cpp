@@ -35,7 +35,7 @@ struct SweepRequest {
 
 struct StudyArguments {
     std::string session, out;
-    std::string experiment, order;
+    std::string experiment, order, axis;
     std::vector<std::string> compensators;
     std::optional<std::uint32_t> subjects;
     std::optional<std::uint64_t> seed;
@@ -112,6 +112,7 @@ std::string study_command(const StudyArguments& a, const StudyDesign& design) {
     if (a.subjects) command += fmt::format(" --subjects {}", *a.subjects);
     if (!a.order.empty()) command += " --order " + a.order;
     if (a.no_control) command += " --no-control";
+    if (a.axis != kCurveAxisNames[0]) command += " --axis " + a.axis;
     if (!a.compensators.empty()) command += fmt::format(" --compensators {}", fmt::join(a.compensators, ","));
     if (a.seeds > 1) command += fmt::format(" --seeds {}", a.seeds);
     for (const std::string& range : a.sweep.vary) command += " --vary " + range;
@@ -215,6 +216,7 @@ StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& d
     if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
+    if (arguments.axis != kCurveAxisNames[0]) options.axis = CurveAxis::kEntryToBeep;
     // A user's session names its delays itself.
     options.control = design.paper && !arguments.no_control;
     options.compensators = compensators_of(arguments, design.settings);
@@ -284,6 +286,14 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
             ->type_name("NAME,...");
     CLI::Option* trajectories =
         study->add_flag("--trajectories", a.trajectories, "keep every trial's trajectory as CSV");
+    CLI::Option* axis =
+        study
+            ->add_option("--axis", a.axis,
+                         "time in the figure of mean trajectories. contact: seconds from the first contact "
+                         "with the fixture, as in the "
+                         "paper; percent: of each trial's time from tissue entry to the beep")
+            ->default_val(kCurveAxisNames[0])
+            ->check(CLI::IsMember({std::string(kCurveAxisNames[0]), std::string(kCurveAxisNames[1])}));
     CLI::Option* overwrite =
         study->add_flag("--overwrite", a.overwrite, "replace earlier results in that folder");
     CLI::Option* resume =
@@ -292,7 +302,7 @@ void add_single(CLI::App* study, StudyArguments& a, const std::vector<CLI::Optio
                        "go on where an interrupted study of the same settings ended; the same bytes come out")
             ->excludes(overwrite);
     CLI::Option* json = study->add_flag("--json", a.json, "print summary.json on stdout");
-    for (CLI::Option* of_one_study : {no_control, compensators, trajectories, resume, json}) {
+    for (CLI::Option* of_one_study : {no_control, compensators, trajectories, axis, resume, json}) {
         for (CLI::Option* of_many : sweeps) of_one_study->excludes(of_many);
     }
 }

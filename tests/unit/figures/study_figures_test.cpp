@@ -19,6 +19,7 @@ using testing::HasSubstr;
 struct SmallStudy {
     std::vector<TrialRow> rows;
     PanelsByExperiment panels;
+    std::vector<TrialRecord> records;
 
     void add(std::uint32_t experiment, Modality modality, double delay_s, std::uint32_t subject,
              double depth_m) {
@@ -28,6 +29,7 @@ struct SmallStudy {
         record.conditions.delay_s = delay_s;
         record.conditions.subject = subject;
         panels[experiment].add(record);
+        records.push_back(record);
         TrialRow row = row_of(experiment, subject, static_cast<std::size_t>(modality), depth_m);
         row.conditions = record.conditions;
         if (experiment != 2) row.metrics.peak_displacement_m = std::nan("");
@@ -218,6 +220,26 @@ TEST(TrajectoryPicture, HasTheColoursOfNeedleAndSurface) {
     EXPECT_THAT(trajectory_figure(study.panels.at(3).panels(), "t").script,
                 testing::AllOf(HasSubstr("linecolor '#D55E00' title 'needle"),
                                HasSubstr("linecolor '#0072B2' title 'surface")));
+}
+
+// The paper's axes and order, and the stretched ones on request.
+TEST(TrajectoryPicture, SaysWhatItsAxesAre) {
+    SmallStudy study;
+    study.add(3, kAll, {0.05}, 3);
+    const FigureSource paper = trajectory_figure(study.panels.at(3).panels(), "t");
+    EXPECT_THAT(paper.script, testing::AllOf(HasSubstr("time from contact (s)"), HasSubstr("n = 3 subjects"),
+                                             HasSubstr(" contact }' at 0,")));
+    EXPECT_LT(paper.script.find(":Bold VF"), paper.script.find(":Bold HF"));
+    EXPECT_LT(paper.script.find(":Bold HF"), paper.script.find(":Bold CF"));
+    EXPECT_LT(paper.script.find(":Bold CF"), paper.script.find(":Bold CCF"));
+    EXPECT_THAT(paper.caption, HasSubstr("n = 3 subjects, whose trials are averaged first,"));
+
+    TrajectoryPanels stretched(kPercentGrid);
+    for (const TrialRecord& record : study.records) stretched.add(record);
+    const FigureSource percent = trajectory_figure(stretched.panels(), "t");
+    EXPECT_THAT(percent.script, testing::AllOf(HasSubstr("entry to beep (%)"), HasSubstr("xrange [-10:110]"),
+                                               HasSubstr(" beep }' at 100,")));
+    EXPECT_THAT(percent.caption, HasSubstr("time is stretched"));
 }
 
 TEST(BarPicture, SaysHowManyAndWhatTheWhiskersAre) {

@@ -146,83 +146,130 @@ TEST(Metrics, EmptyTinyAndContactlessRecords) {
 
 TEST(MeanTrajectory, IdenticalTrialsHaveNoSpread) {
     MeanTrajectory mean;
-    const TrialRecord record = sine_record(0.004, 0.003, 1.3);
-    for (int i = 0; i < 7; ++i) mean.add(record);
-    const MeanCurve& curve = mean.curve();
-    ASSERT_EQ(curve.time_percent.size(), 481U);
-    EXPECT_DOUBLE_EQ(curve.time_percent.front(), -10);
-    EXPECT_DOUBLE_EQ(curve.time_percent.back(), 110);
-    for (std::size_t i = 0; i < curve.needle.size(); ++i) {
-        ASSERT_EQ(curve.needle[i].trials, 7U);
-        ASSERT_EQ(curve.needle[i].sd_percent(), 0);
-        ASSERT_EQ(curve.surface[i].sd_percent(), 0);
-        ASSERT_EQ(curve.needle[i].mean_percent, curve.example_needle_percent[i]);
+    TrialRecord record = sine_record(0.004, 0.003, 1.3);
+    for (std::uint32_t i = 0; i < 7; ++i) {
+        record.conditions.subject = 1 + i / 2;
+        mean.add(record);
     }
+    const MeanCurve curve = mean.curve();
+    ASSERT_EQ(curve.mean.needle.size(), kContactGrid.points);
+    EXPECT_EQ(curve.subjects, 4U);
     EXPECT_EQ(curve.trials_with_beep, 7U);
+    for (std::size_t i = 0; i < curve.grid.points; ++i) {
+        if (std::isnan(curve.example_needle_percent[i])) continue;
+        ASSERT_EQ(curve.mean.needle[i].n, 4U);
+        ASSERT_EQ(curve.mean.needle[i].sd(), 0);
+        ASSERT_EQ(curve.mean.surface[i].sd(), 0);
+        ASSERT_EQ(curve.mean.needle[i].mean, curve.example_needle_percent[i]);
+    }
 }
 
-// Needle as deep as time has passed: on the common axis a straight line, whatever the trial's length and
-// depth.
-TrialRecord ramp(double entry_s, double beep_s, double fixture_m, double end_s, int step_ms) {
+constexpr double kRest_m = 0.02;  // of the surface
+
+// Needle as deep as time has passed, from the surface at `entry_s` through the fixture at `contact_s`.
+TrialRecord ramp(double entry_s, double contact_s, double beep_s, double fixture_m, int step_ms = 1) {
     TrialRecord record;
     record.conditions.fixture_position_m = fixture_m;
     record.beep_time_s = beep_s;
-    for (int i = 0; i <= static_cast<int>(end_s * 1000); i += step_ms) {
+    for (int i = 0; i <= static_cast<int>((beep_s + 2) * 1000); i += step_ms) {
         TrajectorySample sample;
         sample.time_s = i / 1000.0;
-        sample.position_needle_m = fixture_m * (sample.time_s - entry_s) / (beep_s - entry_s);
-        sample.position_surface_m = 0.16 * fixture_m;
+        sample.position_needle_m =
+            std::lerp(kRest_m, fixture_m, (sample.time_s - entry_s) / (contact_s - entry_s));
+        sample.position_surface_m = kRest_m;
         sample.phase = sample.time_s >= entry_s ? TissuePhase::kPenetrated : TissuePhase::kFree;
         record.samples.push_back(sample);
     }
     return record;
 }
 
-TEST(MeanTrajectory, TimeAndDepthAreNormalisedPerTrial) {
-    MeanTrajectory mean(13);
-    mean.add(ramp(2, 10, 0.11, 12, 1));
-    mean.add(ramp(1, 6, 0.13, 8, 10));
-    for (std::size_t i = 0; i < 13; ++i) {
-        EXPECT_NEAR(mean.curve().time_percent[i], -10 + 10.0 * static_cast<double>(i), 1e-9);
-        EXPECT_NEAR(mean.curve().needle[i].mean_percent, mean.curve().time_percent[i], 1e-9);
-        EXPECT_NEAR(mean.curve().needle[i].sd_percent(), 0, 1e-9);
-        EXPECT_NEAR(mean.curve().surface[i].mean_percent, 16, 1e-9);
+// 0 % is the surface at rest and not the handle's zero; time runs from the first sample beyond the fixture.
+TEST(MeanTrajectory, TimeRunsFromContactAndDepthFromTheSurface) {
+    constexpr CurveGrid kGrid{CurveAxis::kFromContact, -2, 2, 5};
+    const TrialCurve curve = trial_curve(ramp(2, 4, 8, 0.11), kGrid);
+    ASSERT_TRUE(curve.placed);
+    EXPECT_NEAR(curve.entry, -2, 2e-3);
+    EXPECT_NEAR(curve.beep, 4, 2e-3);
+    for (std::size_t i = 0; i < 5; ++i) {
+        EXPECT_NEAR(curve.needle_percent[i], 50.0 * static_cast<double>(i), 0.06);
+        EXPECT_EQ(curve.surface_percent[i], 0);
     }
 }
 
-TEST(MeanTrajectory, MeanAndStandardDeviationOfDifferentTrials) {
-    MeanTrajectory mean(3);  // -10, 50, 110 %
-    for (const double penetration_m : {0.001, 0.002, 0.006}) {
-        mean.add(make_record([=](double) { return penetration_m; }));
+TEST(MeanTrajectory, OnThePercentAxisTrialsOfAnyLengthAreOne) {
+    constexpr CurveGrid kGrid{CurveAxis::kEntryToBeep, 0, 100, 11};
+    MeanTrajectory mean(kGrid);
+    mean.add(ramp(2, 6, 10, 0.11));
+    mean.add(ramp(1, 3.5, 6, 0.13, 10));
+    const MeanCurve curve = mean.curve();
+    for (std::size_t i = 0; i < 11; ++i) {
+        EXPECT_NEAR(curve.mean.needle[i].mean, 20.0 * static_cast<double>(i), 1e-9);
+        EXPECT_NEAR(curve.mean.needle[i].sd(), 0, 1e-9);
     }
-    // At 50 %: 100 % + {0.8, 1.6, 4.8} %, so mean 102.4 and SD sqrt((1.6^2 + 0.8^2 + 2.4^2) / 2).
-    EXPECT_NEAR(mean.curve().needle[1].mean_percent, 102.4, 1e-9);
-    EXPECT_NEAR(mean.curve().needle[1].sd_percent(), std::sqrt((2.56 + 0.64 + 5.76) / 2), 1e-9);
+    EXPECT_NEAR(curve.mean.entry.mean, 0, 1e-9);
+    EXPECT_NEAR(curve.mean.beep.mean, 100, 1e-9);
 }
 
-TEST(MeanTrajectory, TrialsWithoutBeepOrEntryAreCountedApart) {
-    MeanTrajectory mean(13);
-    TrialRecord timeout = ramp(2, 10, 0.12, 10, 1);
+// Means of subjects 1, 2 and 3: 101, 102 and 106 %, however many trials each has; the spread is theirs.
+TEST(MeanTrajectory, SpreadsOverSubjectsWhoseTrialsAreAveragedFirst) {
+    constexpr CurveGrid kGrid{CurveAxis::kFromContact, 0, 1, 2};
+    MeanTrajectory mean(kGrid);
+    const auto add = [&](std::uint32_t subject, double percent) {
+        TrialRecord record = make_record([](double) { return 0.001; });
+        record.conditions.subject = subject;
+        TrialCurve curve = trial_curve(record, kGrid);
+        curve.needle_percent[0] = percent;
+        mean.add(curve);
+    };
+    for (const double percent : {99.0, 103.0}) add(1, percent);
+    EXPECT_DOUBLE_EQ(mean.curve().mean.needle[0].sd(), std::sqrt(8)) << "of one subject: over the trials";
+    EXPECT_EQ(mean.curve().n(), 2U);
+    add(2, 102);
+    for (const double percent : {104.0, 106.0, 108.0}) add(3, percent);
+    const MeanCurve curve = mean.curve();
+    EXPECT_EQ(curve.n(), 3U);
+    EXPECT_EQ(curve.trials(), 6U);
+    EXPECT_DOUBLE_EQ(curve.mean.needle[0].mean, 103);
+    EXPECT_DOUBLE_EQ(curve.mean.needle[0].sd(), std::sqrt((4 + 1 + 9) / 2.0));
+}
+
+TEST(MeanTrajectory, TrialsWithoutBeepOrWithoutTheirBeginningAreCountedApart) {
+    MeanTrajectory touched, entered(kPercentGrid);
+    const auto add = [&](const TrialRecord& record) {
+        touched.add(record);
+        entered.add(record);
+    };
+    TrialRecord timeout = ramp(2, 4, 8, 0.12);
     timeout.beep_time_s = kNaN;
-    mean.add(timeout);
-    TrialRecord never_entered = ramp(2, 10, 0.12, 10, 1);
+    add(timeout);
+    TrialRecord never_touched = ramp(2, 4, 8, 0.12);
+    never_touched.conditions.fixture_position_m = 1;
+    add(never_touched);
+    TrialRecord never_entered = ramp(2, 4, 8, 0.12);
     for (TrajectorySample& sample : never_entered.samples) sample.phase = TissuePhase::kFree;
-    mean.add(never_entered);
-    mean.add(TrialRecord{});
-    EXPECT_EQ(mean.curve().trials_with_beep, 0U);
-    EXPECT_EQ(mean.curve().trials_without_beep, 1U);
-    EXPECT_EQ(mean.curve().trials_without_entry, 2U);
-    EXPECT_EQ(mean.curve().trials(), 1U);
-    EXPECT_NEAR(mean.curve().needle[11].mean_percent, 100, 1e-9);  // the end is 100 %
-    EXPECT_EQ(mean.curve().needle[12].trials, 0U);                 // and nothing is known of 110 %
-    EXPECT_TRUE(std::isnan(mean.curve().example_needle_percent[12]));
+    add(never_entered);
+    add(TrialRecord{});
+    EXPECT_EQ(touched.curve().trials_without_beep, 1U);
+    EXPECT_EQ(touched.curve().trials_with_beep, 1U);
+    EXPECT_EQ(touched.curve().trials_left_out, 2U);
+    EXPECT_EQ(entered.curve().trials_with_beep, 1U);
+    EXPECT_EQ(entered.curve().trials_left_out, 2U);
 }
 
-TEST(MeanTrajectory, PointsBeforeTheTrialBeganAreNotInvented) {
-    MeanTrajectory mean(13);
-    mean.add(ramp(0.1, 10, 0.12, 12, 1));  // -10 % would be 0.89 s before the start
-    EXPECT_EQ(mean.curve().needle[0].trials, 0U);
-    EXPECT_EQ(mean.curve().needle[1].trials, 1U);
+TEST(MeanTrajectory, PointsOutsideTheTrialAreNotInvented) {
+    const MeanCurve curve = [] {
+        MeanTrajectory mean;
+        mean.add(ramp(1, 3, 8, 0.12));  // 3 s before contact, 7 s after it
+        return mean.curve();
+    }();
+    const auto n_at = [&](double time_s) {
+        return curve.mean.needle[static_cast<std::size_t>(std::lround((time_s - curve.grid.begin) / 0.025))]
+            .n;
+    };
+    EXPECT_EQ(n_at(-3.025), 0U);
+    EXPECT_EQ(n_at(-2.975), 1U);
+    EXPECT_EQ(n_at(6.975), 1U);
+    EXPECT_EQ(n_at(7.025), 0U);
 }
 
 TEST(TrajectoryPanels, OnePerModalityAndDelay) {

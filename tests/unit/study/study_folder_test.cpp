@@ -89,16 +89,17 @@ TEST_F(StudyFolder, WhatHasNoCurveIsRunAgain) {
 TEST_F(StudyFolder, CurvesReadBackToTheLastDigit) {
     StudyTables tables = open(IfExists::kRefuse);
     TrialRecord nowhere = records_[0];
-    for (TrajectorySample& sample : nowhere.samples) sample.phase = TissuePhase::kFree;
+    for (TrajectorySample& sample : nowhere.samples) sample.position_needle_m = 0;
     tables.append(make_row(records_[0]), trial_curve(records_[0]));
     tables.append(make_row(nowhere), trial_curve(nowhere));
     std::vector<TrialCurve> back;
     read_curves(directory_ / "trials_curves.csv", [&](const TrialCurve& curve) { back.push_back(curve); });
     ASSERT_EQ(back.size(), 2U);
     const TrialCurve truth = trial_curve(records_[0]);
-    EXPECT_TRUE(back[0].entered && back[0].beeped);
-    EXPECT_FALSE(back[1].entered);
-    for (std::size_t i = 0; i < kCurvePoints; ++i) {
+    EXPECT_TRUE(back[0].placed && back[0].beeped);
+    EXPECT_EQ(back[0].beep, truth.beep);
+    EXPECT_FALSE(back[1].placed);
+    for (std::size_t i = 0; i < kContactGrid.points; ++i) {
         if (std::isnan(truth.needle_percent[i])) {
             EXPECT_TRUE(std::isnan(back[0].needle_percent[i]));
             continue;
