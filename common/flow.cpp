@@ -66,7 +66,7 @@ void InboundFlow::remember(SessionTime now, const Header& header) {
     newest_ = header.sequence;
     stamp_ = header.send_time;
     heard_ = now;
-    last_accepted_ = now;
+    last_accepted_ = silent_since_ = now;
     ++counters_.accepted;
 }
 

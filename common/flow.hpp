@@ -61,7 +61,12 @@ class InboundFlow {
 
     // When the newest message was admitted; SessionTime{} before the first.
     SessionTime last_accepted() const { return last_accepted_; }
-    bool silent_for(SessionTime now, Duration limit) const { return now - last_accepted_ > limit; }
+    bool silent_for(SessionTime now, Duration limit) const { return now - silent_since_ > limit; }
+    // This program stood still for so long and heard nobody. That part of the silence says nothing about the sender.
+    void did_not_listen(Duration time) {
+        silent_since_ += time;
+        excused_until_ += time;
+    }
     // The network has become slower. Silence until `when` says nothing about the sender.
     void excuse_silence_until(SessionTime when) { excused_until_ = when; }
     bool lost_for(SessionTime now, Duration limit) const {
@@ -69,7 +74,7 @@ class InboundFlow {
     }
     // A trial begins: the silence clock starts anew, and the first sender of this trial is accepted.
     void expect_from(SessionTime now) {
-        last_accepted_ = now;
+        last_accepted_ = silent_since_ = now;
         excused_until_ = {};
         locked_ = false;
     }
@@ -90,6 +95,7 @@ class InboundFlow {
     SessionTime stamp_{};
     SessionTime heard_{};
     SessionTime last_accepted_{};
+    SessionTime silent_since_{};
     SessionTime excused_until_{};
     Message message_;
     FlowCounters counters_;

@@ -18,6 +18,7 @@ NodeProcess::NodeProcess(Role role, std::uint64_t instance, Channel& control)
 void NodeProcess::tick(SessionTime now) {
     since_last_tick_ = last_tick_ == kNever ? Duration{} : now - last_tick_;
     last_tick_ = now;
+    if (since_last_tick_ > kHeartbeatPeriod) excuse_silence(since_last_tick_ - kHeartbeatPeriod);
     stop_.tick(now);
     obey_stop(now);
     take_orders(now);
@@ -135,7 +136,15 @@ void NodeProcess::take_network(SessionTime now, const SessionControl& control) {
 void NodeProcess::give_up_if_alone(SessionTime now) {
     if (!running()) return;
     if (!fault().empty()) return give_up(now, EndReason::kDeviceFault);
-    if (orders_.silent_for(now, kPeerTimeout) || peer_lost(now)) give_up(now, EndReason::kPeerLost);
+    const InboundFlow* vital = vital_flow();
+    const bool peer_lost = vital != nullptr && vital->lost_for(now, kPeerTimeout);
+    if (orders_.silent_for(now, kPeerTimeout) || peer_lost) give_up(now, EndReason::kPeerLost);
+}
+
+// On a busy machine the others may have stood still as well: each is heard again before it is given up.
+void NodeProcess::excuse_silence(Duration not_listened) {
+    orders_.did_not_listen(not_listened);
+    if (InboundFlow* vital = vital_flow()) vital->did_not_listen(not_listened);
 }
 
 std::string_view NodeProcess::fault() const {

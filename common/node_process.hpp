@@ -80,8 +80,8 @@ class NodeProcess : public Process {
     // Data plane, called on every tick, also between trials (to keep the channels empty).
     virtual void work(SessionTime now) = 0;
     virtual SessionTime next_work() const = 0;
-    // True when an input this node cannot do without has been silent for kPeerTimeout.
-    virtual bool peer_lost(SessionTime /*now*/) const { return false; }
+    // The input that this node cannot do without; null: none. Its silence for kPeerTimeout ends the trial.
+    virtual InboundFlow* vital_flow() { return nullptr; }
     // A button of the device, the subject's key, a guard before the device: everything is to stop. Asked after each work(),
     // also between trials.
     virtual StopRequest wants_stop(SessionTime /*now*/) { return {}; }
@@ -92,7 +92,7 @@ class NodeProcess : public Process {
     virtual void add_counters(FlowCounters& /*sum*/) const {}
     virtual void describe(Heartbeat& /*heartbeat*/) const {}
 
-    // Since the tick before this one: a program that was stopped, or got no time, finds old messages waiting that look new.
+    // Since the tick before this one. A program that was stopped, or got no time, finds old messages waiting that look new.
     Duration since_last_tick() const { return since_last_tick_; }
     bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
     // True while the node is late under OverrunPolicy::kRest. Then work() must not give any output.
@@ -113,6 +113,7 @@ class NodeProcess : public Process {
     void answer(SessionTime now, const ClockProbe& probe);
     void give_up(SessionTime now, EndReason reason);
     void give_up_if_alone(SessionTime now);
+    void excuse_silence(Duration not_listened);
     void obey_stop(SessionTime now);
     void take_stop_requests(SessionTime now);
     void report(SessionTime now);

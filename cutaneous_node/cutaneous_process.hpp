@@ -61,7 +61,7 @@ class CutaneousProcess final : public NodeProcess {
         if (!running() || !actuator_.tripped()) return {};
         return {EndReason::kSafetyStop, actuator_.text()};
     }
-    bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
+    InboundFlow* vital_flow() override { return &force_flow_; }
     void add_counters(FlowCounters& sum) const override { sum.add(force_flow_.counters()); }
 
   private:

@@ -35,7 +35,7 @@ class MasterProcess final : public NodeProcess {
     }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return std::min(node_.next_sample(), handle_.next_look()); }
-    bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
+    InboundFlow* vital_flow() override { return &force_flow_; }
     std::string_view device_fault() const override { return handle_.fault(); }
     StopRequest wants_stop(SessionTime now) override;
     void rest(SessionTime now) override { apply(now, 0); }

@@ -24,7 +24,7 @@ class SlaveProcess final : public NodeProcess {
     }
     void work(SessionTime now) override;
     SessionTime next_work() const override { return running() ? std::min(next_hold_, next_beep_) : kNever; }
-    bool peer_lost(SessionTime now) const override { return needle_flow_.lost_for(now, kPeerTimeout); }
+    InboundFlow* vital_flow() override { return &needle_flow_; }
     void rest(SessionTime now) override { send(now, node_.hold()); }
     void add_counters(FlowCounters& sum) const override { sum.add(needle_flow_.counters()); }
 

@@ -49,7 +49,7 @@ class VisualProcess final : public NodeProcess {
         if (!display_->take_stop()) return {};
         return {EndReason::kEmergencyStop, "the stop key at the subject's screen"};
     }
-    bool peer_lost(SessionTime now) const override { return force_flow_.lost_for(now, kPeerTimeout); }
+    InboundFlow* vital_flow() override { return &force_flow_; }
     void add_counters(FlowCounters& sum) const override;
 
   private:

@@ -29,6 +29,7 @@ class NodePeer {
     const FlowCounters& counters() const { return in_.counters(); }
     SessionTime last_heard() const { return in_.last_accepted(); }
     bool silent_for(SessionTime now, Duration limit) const { return in_.silent_for(now, limit); }
+    void did_not_listen(Duration time) { in_.did_not_listen(time); }
 
     // The next message that waits, null if there is none. take() keeps heartbeats and faults. False: it is another kind.
     const Message* receive(SessionTime now) { return in_.receive(now, *channel_); }

@@ -100,6 +100,7 @@ void SessionProcess::shut_down(SessionTime now) {
 }
 
 void SessionProcess::tick(SessionTime now) {
+    excuse_silence(now);
     stop_.tick(now);
     take_messages(now);
     take_records(now);
@@ -111,6 +112,15 @@ void SessionProcess::tick(SessionTime now) {
     if (abort_ && stage_ != Stage::kEnding && stage_ != Stage::kDone) end(now, *abort_, abort_peer_);
     advance(now);
     if (now >= next_send_) send_orders(now);
+}
+
+// As a node does (node_process.cpp): who stood still has heard nobody.
+void SessionProcess::excuse_silence(SessionTime now) {
+    const SessionTime before = std::exchange(last_tick_, now);
+    const Duration not_listened = before == kNever ? Duration{} : now - before - kHeartbeatPeriod;
+    if (not_listened <= Duration::zero()) return;
+    for (NodePeer& peer : peers_) peer.did_not_listen(not_listened);
+    record_flow_.did_not_listen(not_listened);
 }
 
 // Also a trial that was to begin: it is in the record as one that was stopped, and no node has heard of it.

@@ -274,6 +274,10 @@ TEST_F(InboundFlowTest, SilenceIsExcusedUntilANamedTimeAndTheUsualPatienceThen) 
     EXPECT_FALSE(flow.lost_for(now + milliseconds{2400}, milliseconds{500}));
     EXPECT_TRUE(flow.lost_for(now + milliseconds{2501}, milliseconds{500}));
     EXPECT_TRUE(flow.silent_for(now + milliseconds{501}, milliseconds{500}));  // it is silent all the same
+    flow.did_not_listen(milliseconds{100});
+    EXPECT_FALSE(flow.silent_for(now + milliseconds{600}, milliseconds{500}));
+    EXPECT_FALSE(flow.lost_for(now + milliseconds{2600}, milliseconds{500}));
+    EXPECT_TRUE(flow.lost_for(now + milliseconds{2601}, milliseconds{500}));
     flow.expect_from(now);
     EXPECT_TRUE(flow.lost_for(now + milliseconds{501}, milliseconds{500}));
 }

@@ -1,6 +1,7 @@
 // A node that does nothing but what every node does, and the session that steers it.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ class TinyProcess final : public NodeProcess {
     std::vector<std::string> said;
     SessionTime wanted = kNever;
     std::string fault;         // of its device
-    bool alone = false;        // its peer has fallen silent
+    bool needs_peer = false;   // who has never spoken
     bool end_at_once = false;  // finishes in its own work
     StopRequest request;       // its wish that all stop
     using NodeProcess::set_state;
@@ -41,7 +42,7 @@ class TinyProcess final : public NodeProcess {
         if (running() && end_at_once) set_state(NodeState::kFinished);
     }
     SessionTime next_work() const override { return wanted; }
-    bool peer_lost(SessionTime) const override { return alone; }
+    InboundFlow* vital_flow() override { return needs_peer ? &peer_ : nullptr; }
     std::string_view device_fault() const override { return fault; }
     StopRequest wants_stop(SessionTime) override { return request; }
     void rest(SessionTime) override { ++rests; }
@@ -49,6 +50,9 @@ class TinyProcess final : public NodeProcess {
 
   public:
     int works = 0, rests = 0;
+
+  private:
+    InboundFlow peer_{Role::kMaster};
 };
 
 class NodeProcessTest : public testing::Test {
@@ -63,6 +67,10 @@ class NodeProcessTest : public testing::Test {
     void tick(Duration time) {
         now = SessionTime{time};
         process.tick(now);
+    }
+    // Turns as its loop would, up to `end`, and nobody speaks.
+    void listen_until(Duration end) {
+        while (now < SessionTime{end}) tick(std::min(now.time_since_epoch() + kHeartbeatPeriod, end));
     }
     void order(ControlKind kind, std::uint32_t trial = 1, EndReason reason = EndReason::kNone) {
         SessionControl control;
