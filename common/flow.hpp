@@ -62,7 +62,7 @@ class InboundFlow {
     // When the newest message was admitted; SessionTime{} before the first.
     SessionTime last_accepted() const { return last_accepted_; }
     bool silent_for(SessionTime now, Duration limit) const { return now - silent_since_ > limit; }
-    // This program stood still for so long and heard nobody. That part of the silence says nothing about the sender.
+    // This program stood still for so long and read no message. That part of the silence says nothing about the sender.
     void did_not_listen(Duration time) {
         silent_since_ += time;
         excused_until_ += time;

@@ -114,7 +114,7 @@ void SessionProcess::tick(SessionTime now) {
     if (now >= next_send_) send_orders(now);
 }
 
-// As a node does (node_process.cpp): who stood still has heard nobody.
+// As a node does (node_process.cpp): while it stood still it read no message.
 void SessionProcess::excuse_silence(SessionTime now) {
     const SessionTime before = std::exchange(last_tick_, now);
     const Duration not_listened = before == kNever ? Duration{} : now - before - kHeartbeatPeriod;

@@ -67,10 +67,10 @@ class RunByClock : public testing::Test {
         EXPECT_TRUE(files_in(one / "trajectories") == files_in(other / "trajectories"));
         EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
     }
-    void expect_both_agree(const std::string& text) {
+    void expect_both_agree(const std::string& text, int code = 0) {
         for (const char* clock : {"virtual", "lock-step"}) {
             const Outcome outcome = run(text, clock);
-            ASSERT_EQ(outcome.code, 0) << outcome.words;
+            ASSERT_EQ(outcome.code, code) << outcome.words;
         }
         expect_same_bytes();
     }
@@ -143,6 +143,15 @@ TEST_F(RunByClock, LockStepTakesASceneAndANetworkThatLoses) {
     expect_both_agree(std::string(kOneTrial) +
                       "[slave_sim]\nscene = 'vessel.toml'\n[netem.needle]\nloss = 0.01\n[netem.force]\n"
                       "jitter = 'uniform'\njitter_spread_s = 0.002\n");
+}
+
+// However quick the condition is that its guard stops.
+TEST_F(RunByClock, AConditionThatIsStoppedEndsNoOther) {
+    expect_both_agree(
+        "[session]\nmodalities = ['HF', 'CF']\ndelays_s = [0.0, 0.1]\nparallel_conditions = 2\n"
+        "[trial]\ncontact_hold_s = 0.3\n[guard]\nenergy_limit_J = 0.1\n",
+        1);
+    EXPECT_EQ(read_trial_table(out_ / "trials.csv").size(), 3U);
 }
 
 // Its random numbers reach the keys and nothing else: virtual time has no keys at all.

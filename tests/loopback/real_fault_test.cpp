@@ -228,7 +228,7 @@ TEST(Guard, TripsInTheRealProgramAsTheSessionFileSays) {
     session.delays_s = "[0.05]";
     session.contact_hold_s = kEndlessHold_s;
     session.more = "[guard]\nenergy_limit_J = 0.001\n";
-    RealRun run(session);
+    RealRun run(session, kLockStep);
     expect_end(run, 1, EndReason::kSafetyStop, "[guard] energy_limit_J is 0.001");
 }
 

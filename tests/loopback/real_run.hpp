@@ -11,6 +11,9 @@
 
 namespace thimble {
 
+// More arguments of a run whose subject is not wall time: it waits for nothing, and its bytes are the same each time.
+inline const std::vector<std::string> kLockStep{"--clock", "lock-step"};
+
 class RealRun {
   public:
     explicit RealRun(const SessionFile& session, const std::vector<std::string>& more_arguments = {},

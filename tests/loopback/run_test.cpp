@@ -29,29 +29,27 @@ void expect_on_disk(const RealRun& run, const TrialRow& row) {
     EXPECT_EQ(row.conditions.fixture_position_m, 0.035);
     const Trajectory trajectory = read_trajectory(run.trajectory_path(row.conditions));
     EXPECT_EQ(trajectory.reason, EndReason::kCompleted);
-    // At least 0.3 s of contact at 1 kHz; a machine that stalls may skip samples.
-    EXPECT_GT(trajectory.samples.size(), 200U);
+    EXPECT_GT(trajectory.samples.size(), 300U);  // 0.3 s of contact at 1 kHz
 }
 
 void expect_report(const nlohmann::json& report, const std::string& program) {
     ASSERT_FALSE(report.is_null()) << program;
     EXPECT_EQ(report.at("program"), program);
     EXPECT_GT(report.at("accepted"), 0) << program;
-    EXPECT_GT(report.at("deadlines"), 0) << program;
     for (const char* harmful :
          {"malformed", "not_finite", "out_of_range", "second_sender", "unexpected_kind"}) {
         EXPECT_EQ(report.at("refused").at(harmful), 0) << program << ' ' << harmful;
     }
 }
 
-TEST(WholeRun, AllModalitiesWithAndWithoutDelay) {
+TEST(RunInLockStep, AllModalitiesWithAndWithoutDelay) {
     SessionFile session;
     session.modalities = R"(["HF", "CF", "CCF", "VF"])";
     session.delays_s = "[0.0, 0.05]";
     session.parallel_conditions = 2;
     session.contact_hold_s =
         0.3;  // with 50 ms a handle that oscillates loses longer contacts again and again
-    RealRun run(session);
+    RealRun run(session, kLockStep);
     ASSERT_EQ(run.end(), 0) << run.words();
     const auto rows = run.rows();
     std::set<std::tuple<Modality, double>> conditions;
@@ -68,7 +66,6 @@ TEST(WholeRun, AllModalitiesWithAndWithoutDelay) {
     }
     EXPECT_THAT(read_text(run.out() / "report.html"), testing::HasSubstr("</html>"));
     EXPECT_THAT(nodes_alive(run.base_port()), testing::IsEmpty());
-    // Half a millimetre and five centimetres on a quiet machine.
     const double deepest_prompt_m = row_of(rows, Modality::kHF, 0).metrics.penetration_max_m;
     EXPECT_LT(deepest_prompt_m, 0.005) << "HF without delay must settle";
     EXPECT_GT(row_of(rows, Modality::kHF, kDelay_s).metrics.penetration_max_m, deepest_prompt_m);
@@ -80,6 +77,10 @@ TEST(WholeRun, AgreesWithVirtualTimeWithoutDelay) {
     session.contact_hold_s = 1.0;  // half of it is watched for oscillation
     RealRun run(session);
     ASSERT_EQ(run.end(), 0) << run.words();
+    for (const char* program : kNodePrograms) {
+        expect_report(run.report(program), program);
+        EXPECT_GT(run.report(program).at("deadlines"), 0) << program;
+    }
     const auto rows = run.rows();
     ASSERT_EQ(rows.size(), 2U);
     expect_like_virtual_time(rows, run.out());
@@ -89,11 +90,11 @@ TEST(WholeRun, AgreesWithVirtualTimeWithoutDelay) {
 }
 
 // Every node reads the same [control]; waves go there and back, and no node refuses any.
-TEST(CompensatorRun, WavesGoBetweenRealProcesses) {
+TEST(RunInLockStep, WavesGoBetweenRealProcesses) {
     SessionFile session;
     session.delays_s = "[0.02]";
     session.more = "[control]\ncompensator = \"wave\"\nwave_jitter_s = 0.02\n";
-    RealRun run(session);
+    RealRun run(session, kLockStep);
     ASSERT_EQ(run.end(), 0) << run.words();
     const TrialRow row = run.only_row();
     expect_on_disk(run, row);

@@ -101,7 +101,8 @@ class Run {
     void work(unsigned place) {
         for (;;) {
             std::unique_lock lock(mutex_);
-            if (failure_ || result_.code != ExitCode::kOk || next_delay_ >= delays_.size()) return;
+            const bool given_up = result_.code != ExitCode::kOk && interrupted();
+            if (failed_ || given_up || next_delay_ >= delays_.size()) return;
             const std::size_t delay = next_delay_++;
             lock.unlock();
             try {
@@ -153,10 +154,7 @@ class Run {
         const double delay_s = to_seconds(delays_[delay]);
         const ConditionPlan planned = plan(place, delay_s);
         ConditionEvents events;
-        events.stop = [this] {
-            return failed_ || (options_.stop != nullptr && *options_.stop) ||
-                   (options_.quit && options_.quit());
-        };
+        events.stop = [this] { return failed_ || interrupted(); };
         events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
         events.trial_done = [this, delay](const TrialRecord& record) { keep(delay, record); };
         ConditionResult result = run_by_clock(planned, events);
@@ -166,10 +164,21 @@ class Run {
         time_.simulated_s += result.simulated_s;
         done_[delay] = true;
         while (turn_ < delays_.size() && done_[turn_]) pass_turn();
-        if (result.code == ExitCode::kOk || result_.code != ExitCode::kOk) return;
+        if (result.code != ExitCode::kOk) fail(delay, result);
+    }
+
+    // In real time the first problem ends all conditions. Where bytes are repeatable the others go on, and the problem of the first
+    // delay counts: else what is recorded depended on which condition was quicker.
+    void fail(std::size_t delay, const ConditionResult& result) {
+        failed_ = failed_ || by(RunClock::kWall);
+        if (result_.code != ExitCode::kOk && (by(RunClock::kWall) || failed_delay_ < delay)) return;
+        failed_delay_ = delay;
         result_.code = result.code;
         result_.problem = result.problem;
-        failed_ = true;
+    }
+
+    bool interrupted() const {
+        return (options_.stop != nullptr && *options_.stop) || (options_.quit && options_.quit());
     }
 
     ConditionResult run_by_clock(const ConditionPlan& planned, const ConditionEvents& events) const {
@@ -310,7 +319,8 @@ class Run {
     std::size_t turn_ = 0;  // the delay whose trials are written as they end
     std::vector<std::vector<TrialRecord>> waiting_ = std::vector<std::vector<TrialRecord>>(delays_.size());
     std::vector<bool> done_ = std::vector<bool>(delays_.size());
-    std::atomic<bool> failed_ = false;
+    std::atomic<bool> failed_ = false;  // all conditions are to end
+    std::size_t failed_delay_ = 0;      // whose problem is the run's
     std::exception_ptr failure_;
     RunResult result_;
 };

@@ -68,7 +68,7 @@ class NodeProcessTest : public testing::Test {
         now = SessionTime{time};
         process.tick(now);
     }
-    // Turns as its loop would, up to `end`, and nobody speaks.
+    // Turns as its loop would, up to `end`, without a message.
     void listen_until(Duration end) {
         while (now < SessionTime{end}) tick(std::min(now.time_since_epoch() + kHeartbeatPeriod, end));
     }
