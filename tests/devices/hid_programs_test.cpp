@@ -95,7 +95,8 @@ TEST_F(HidPrograms, ABoardThatIsPulledOutEndsTheTrial) {
     AnsweringBoard board(*mock);
     RealRun run(session("CF", "[cutaneous]\ndevice = \"board\"\n"));
     ASSERT_TRUE(run.reaches_trial()) << run.words() << log_of(run, "thimble-cutaneous");
-    EXPECT_TRUE(wait_until([&] { return board.most_mN() > 0; })) << log_of(run, "thimble-cutaneous");
+    EXPECT_TRUE(wait_until([&] { return board.most_mN() > 0; }))
+        << run.words() << log_of(run, "thimble-cutaneous");
     board.stop();
     mock->unplug(1);
     EXPECT_NE(run.end(), 0) << run.words();

@@ -135,7 +135,7 @@ TEST(ParticipantProgram, APersonsSessionIsCutAndGoesOn) {
     EXPECT_THAT(rest.words, HasSubstr("The written one is used"));
     EXPECT_EQ(read_text(sessions.dataset().order(7)), order);
     const auto records = sessions.records();
-    ASSERT_EQ(records.size(), 2U);
+    ASSERT_EQ(records.size(), 2U) << rest.words;
     for (const DatasetRecord& record : records) {
         EXPECT_EQ(record.row.reason, EndReason::kCompleted);
         EXPECT_EQ(record.repeat_of, 0U);
