@@ -13,8 +13,6 @@
 
 #include <fmt/format.h>
 
-#include "common/runtime/realtime_loop.hpp"
-
 namespace thimble {
 namespace {
 
@@ -99,8 +97,6 @@ void MockFalcon::unplug() {
 }
 
 int MockFalcon::on_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, void* self) {
-    // As the nodes, in umockdev's thread: the processor of a real device has no other work.
-    static thread_local const std::string refusal = ask_for_realtime({});
     return static_cast<MockFalcon*>(self)->serve(client);
 }
 
