@@ -25,6 +25,7 @@ class NodePeer {
     Role role() const { return role_; }
     const Heartbeat& newest() const { return newest_; }
     std::uint32_t trial() const { return trial_; }  // of the newest heartbeat
+    bool known() const { return known_; }           // a heartbeat has come: state and trial are the node's
     const ClockProber& prober() const { return prober_; }
     const FlowCounters& counters() const { return in_.counters(); }
     SessionTime last_heard() const { return in_.last_accepted(); }
@@ -37,6 +38,7 @@ class NodePeer {
         if (const auto* heartbeat = std::get_if<Heartbeat>(&message.body)) {
             newest_ = *heartbeat;
             trial_ = message.header.trial;
+            known_ = true;
             return true;
         }
         const auto* fault = std::get_if<DeviceFault>(&message.body);
@@ -84,6 +86,7 @@ class NodePeer {
     Channel* channel_;
     Heartbeat newest_;
     std::uint32_t trial_ = 0;
+    bool known_ = false;
     std::optional<DeviceFault> fault_;
     bool told_ = false;
     ClockProber prober_;
@@ -116,7 +119,7 @@ class NodePeers {
     std::string missing(SessionTime now, Duration limit) const {
         std::string names;
         for (const NodePeer& peer : peers_) {
-            const bool heard = peer.counters().accepted > 0 && !peer.silent_for(now, limit);
+            const bool heard = peer.known() && !peer.silent_for(now, limit);
             if (!heard) names += (names.empty() ? "" : ", ") + std::string(to_string(peer.role()));
         }
         return names;

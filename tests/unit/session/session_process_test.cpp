@@ -41,7 +41,10 @@ class PlayedNode {
         heartbeat.reason = reason;
         flow_.send(now, trial, heartbeat);
     }
-    void say(SessionTime now, const Order& order) { flow_.send(now, trial, order); }
+    template <class Body>
+    void say(SessionTime now, const Body& body) {
+        flow_.send(now, trial, body);
+    }
     long count(ControlKind kind) const { return std::count(heard.begin(), heard.end(), kind); }
 
     QueuePipe pipe;  // a: the session's end
@@ -231,6 +234,15 @@ TEST_F(SessionProcessTest, WhoeverIsSilentForLongIsLost) {
     run_for(milliseconds{200});
     EXPECT_EQ(record().reason, EndReason::kPeerLost);
     EXPECT_EQ(record().lost_peer, Role::kVisual);
+}
+
+// Its number must be known before a trial gets the next one. A clock reply, which may come first, does not say it.
+TEST_F(SessionProcessTest, ANodeIsMissedUntilItsHeartbeatComes) {
+    for (PlayedNode* one : nodes()) one->say(now_, ClockReply{});
+    session_.tick(now_);
+    EXPECT_NE(session_.missing_peers(now_, kPeerTimeout), "");
+    beat();
+    EXPECT_EQ(session_.missing_peers(now_, kPeerTimeout), "");
 }
 
 // Stopped, or kept from the processor of a busy machine, as the nodes may have been.
