@@ -1,6 +1,7 @@
 // How a node's program is started and ended: on this machine or on another (remote_starter.hpp).
 #pragma once
 
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <memory>
@@ -40,6 +41,8 @@ class RunningNode : boost::noncopyable {
     virtual bool started() const = 0;
     // Asks it to end. It does, within a few seconds, even if it hangs; poll() goes on telling.
     virtual void stop() = 0;
+    virtual const std::string& program() const = 0;  // for messages
+    virtual pid_t pid() const { return -1; }         // of a program on this machine
     // How it ended, in words, once it has; and what that is for the whole run.
     virtual std::string exit_message() = 0;
     virtual ExitCode verdict() const = 0;
@@ -70,6 +73,8 @@ class LocalNode final : public RunningNode {
     std::optional<int> poll() override { return child_.poll(); }
     bool started() const override { return true; }
     void stop() override { child_.signal(SIGTERM); }
+    const std::string& program() const override { return program_; }
+    pid_t pid() const override { return child_.pid(); }
     std::string exit_message() override {
         return fmt::format("{} ended with code {}: {}", program_, child_.poll().value_or(-1),
                            child_.last_lines());
@@ -83,9 +88,10 @@ class LocalNode final : public RunningNode {
 
 class LocalStarter final : public NodeStarter {
   public:
-    // `programs`: folder of the thimble-* programs. `config`: session file for the nodes; empty: defaults.
-    LocalStarter(std::filesystem::path programs, std::filesystem::path config)
-        : programs_(std::move(programs)), config_(std::move(config)) {}
+    // `programs`: folder of the thimble-* programs. `config`: session file for the nodes; empty: defaults. `own`: by Role, absolute, as in LaunchSettings.
+    LocalStarter(std::filesystem::path programs, std::filesystem::path config,
+                 std::array<std::filesystem::path, kRoleCount> own = {})
+        : programs_(std::move(programs)), config_(std::move(config)), own_(std::move(own)) {}
 
     std::shared_ptr<RunningNode> start(const NodeOrder& order) const override {
         std::filesystem::remove(order.log);
@@ -98,15 +104,21 @@ class LocalStarter final : public NodeStarter {
         arguments.insert(arguments.end(), {"--report", order.report.string(),
                                            fmt::format("--die-with-parent={}", ::getpid())});
         if (!config_.empty()) arguments.push_back(config_.string());
-        return std::make_unique<LocalNode>(
-            order.program, Child(programs_ / order.program, arguments, order.log, {order.input}));
+        const std::filesystem::path& own = own_[static_cast<std::size_t>(order.role)];
+        const std::filesystem::path program = own.empty() ? programs_ / order.program : own;
+        const ChildPlace place = own.empty() ? ChildPlace{} : ChildPlace{{}, kOwnRemedy};
+        return std::make_unique<LocalNode>(program.filename().string(),
+                                           Child(program, arguments, order.log, {order.input}, place));
     }
 
     Duration reach() const override { return Duration::zero(); }
     std::string machine(Role /*role*/) const override { return ""; }
 
   private:
+    static constexpr const char* kOwnRemedy =
+        "does its first line name a program that runs it, as '#!/usr/bin/env python3' does?";
     std::filesystem::path programs_, config_;
+    std::array<std::filesystem::path, kRoleCount> own_;
 };
 
 }  // namespace thimble

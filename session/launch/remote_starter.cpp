@@ -64,6 +64,7 @@ class RemoteNode final : public RunningNode {
     }
     bool started() const override { return started_ && shell_.all_sent(); }
     void stop() override { shell_.hang_up(); }
+    const std::string& program() const override { return order_.program; }
     std::string exit_message() override;
     ExitCode verdict() const override {
         return code_ == kNoProgram || code_ == kOtherVersion || code_ == kNoFolder ? ExitCode::kRunFailed

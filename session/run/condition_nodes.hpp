@@ -73,6 +73,7 @@ class ConditionNodes : boost::noncopyable {
         return wait_for_end(*nodes_[node], kFarewell) ? exit_message(node) : std::string();
     }
     void stop(std::size_t node) { nodes_[node]->stop(); }
+    const RunningNode& at(std::size_t node) const { return *nodes_[node]; }
     // Until each program runs. Throws Error (network) with the machine that does not answer.
     void wait_for_machines(const Turn& turn) {
         const auto late = [this] {

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <set>
 #include <sstream>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -44,18 +45,47 @@ void check_flow(const LaunchSettings& launch, const NetworkSettings& network, Ro
     }
 }
 
+// A view of the experimenter is no node: its user starts it.
+bool is_node(Role role) { return role != Role::kSession && role != Role::kExperimenter; }
+
+std::string program_key(Role role) { return std::string("program_") + to_string(role); }
+
+void read_own_program(const ConfigFile& file, const ConfigTable& table, Role role, LaunchSettings& s) {
+    const std::string key = program_key(role);
+    std::string name;
+    table.read(
+        key, name,
+        "Your program in the place of Thimble's, on this machine; a relative path begins beside this file "
+        "(docs/lock-step.md).");
+    if (name.empty()) return;
+    const auto path = std::filesystem::absolute(file.folder() / name);
+    if (!std::filesystem::is_regular_file(path) || access(path.c_str(), X_OK) != 0)
+        table.fail(key, "is '{}', where no program is: is the file there, and executable (chmod +x)?",
+                   path.string());
+    if (s.anywhere_else())
+        table.fail(key, "is for sessions on one machine: leave the keys machine_... of [launch] out");
+    s.own_programs[static_cast<std::size_t>(role)] = path;
+}
+
 }  // namespace
 
 bool LaunchSettings::anywhere_else() const {
     return std::any_of(machines.begin(), machines.end(), [](const auto& name) { return !name.empty(); });
 }
 
+std::string LaunchSettings::own_program_key() const {
+    for (std::size_t i = 0; i < own_programs.size(); ++i) {
+        if (!own_programs[i].empty()) return program_key(static_cast<Role>(i));
+    }
+    return {};
+}
+
 LaunchSettings read_launch_settings(const ConfigFile& file) {
     const ConfigTable table = file.table("launch");
     LaunchSettings s;
     std::set<std::string> others;
-    for (std::size_t i = 1; i < s.machines.size(); ++i) {
-        if (static_cast<Role>(i) == Role::kExperimenter) continue;  // no node: its user starts that view
+    for (std::size_t i = 0; i < s.machines.size(); ++i) {
+        if (!is_node(static_cast<Role>(i))) continue;
         const std::string key = std::string("machine_") + to_string(static_cast<Role>(i));
         table.read(key, s.machines[i], "As exec takes it: \"me@lab2\"; empty: this machine.");
         if (!is_plain(s.machines[i]))
@@ -74,6 +104,9 @@ LaunchSettings read_launch_settings(const ConfigFile& file) {
                "A node ends itself after so long without a sign of the launcher.");
     table.read("shares_loopback", s.shares_loopback,
                "The machines have this one's 127.0.0.1 (containers, other users), so [network] may name it.");
+    for (std::size_t i = 0; i < s.own_programs.size(); ++i) {
+        if (is_node(static_cast<Role>(i))) read_own_program(file, table, static_cast<Role>(i), s);
+    }
     return s;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,16 @@ struct LaunchSettings {
     Duration reach = std::chrono::seconds{20};  // for all machines to be reached
     Duration lease = std::chrono::seconds{10};  // without a sign of this program for so long nodes end
     bool shares_loopback = false;  // the machines have this one's 127.0.0.1: containers, other users
+    // By Role, absolute: a program of the user in the place of thimble-ROLE; empty: none.
+    std::array<std::filesystem::path, kRoleCount> own_programs{};
 
     const std::string& machine(Role role) const { return machines[static_cast<std::size_t>(role)]; }
+    const std::filesystem::path& own_program(Role role) const {
+        return own_programs[static_cast<std::size_t>(role)];
+    }
     bool anywhere_else() const;
+    // The first such key of the file, "program_slave_sim"; empty: all programs are Thimble's.
+    std::string own_program_key() const;
 };
 
 // Throws Error (usage), also for names that could pass for an option of the program that `exec` names.

@@ -202,7 +202,7 @@ SystemSettings read_system_settings(const ConfigFile& file) {
     return s;
 }
 
-void require_virtual_subjects(const SystemSettings& settings, std::string_view command) {
+void require_simulated_hand(const SystemSettings& settings, std::string_view command) {
     const auto refuse = [command](const char* person, const char* key) {
         throw Error(ExitCode::kUsage,
                     fmt::format("{}, and thimble {} runs virtual subjects, who hold the simulated handle: "
@@ -211,6 +211,16 @@ void require_virtual_subjects(const SystemSettings& settings, std::string_view c
     };
     if (held_by_person(settings.handle.kind)) refuse("[handle] device is for a person's hand", "device");
     if (settings.plan.kind == SubjectKind::kHuman) refuse("[session] subject is \"human\"", "subject");
+}
+
+void require_virtual_subjects(const SystemSettings& settings, std::string_view command) {
+    require_simulated_hand(settings, command);
+    const std::string key = settings.launch.own_program_key();
+    if (key.empty()) return;
+    throw Error(ExitCode::kUsage,
+                "[launch] {} names a program of yours, and thimble {} starts no programs: leave that key "
+                "out, or use thimble run --clock lock-step",
+                key, command);
 }
 
 SessionSettings session_settings(const SystemSettings& settings) {

@@ -85,6 +85,8 @@ SystemSettings load_system_settings(const std::filesystem::path& path,
                                     const std::vector<SettingChange>& changes = {});
 
 // Throws Error (usage) if a person takes part: `command` runs virtual subjects with the simulated handle.
+void require_simulated_hand(const SystemSettings& settings, std::string_view command);
+// Likewise, and if [launch] names a program that virtual time does not have.
 void require_virtual_subjects(const SystemSettings& settings, std::string_view command);
 
 // Those of the session, its network_delay filled in from both links.

@@ -141,7 +141,7 @@ void AnnouncedMail::take(Role role, std::span<std::uint16_t> datagrams) {
 void GrantedProcess::begin(Duration limit) {
     LockStepMessage order;
     order.kind = LockStepKind::kBegin;
-    order.time_ns = limit.count();
+    order.time_ns = limit.count() / 2;  // it can still say which datagram did not come
     order.instance = granted_instance(role_);
     if (!end_.send(order)) lose(LockStepEnd::Silence::kGone);
 }
@@ -156,9 +156,17 @@ void GrantedProcess::tick(SessionTime now) {
     take(LockStepKind::kAnswer);
 }
 
+std::optional<LockStepMessage> GrantedProcess::receive() {
+    try {
+        return end_.receive();
+    } catch (const Error& error) {
+        throw Error(error.code(), "{} sends {}", to_string(role_), error.what());
+    }
+}
+
 void GrantedProcess::take(LockStepKind expected) {
     if (silence_) return;
-    const auto answer = end_.receive();
+    const auto answer = receive();
     if (!answer) return lose(end_.silence());
     if (answer->kind != expected)
         throw Error(ExitCode::kNetwork, "lock-step: {} gave an answer of kind {} where kind {} was due",
@@ -215,15 +223,16 @@ std::unique_ptr<SteppedSession> LockStepNodes::make_session() {
 std::string LockStepNodes::words(std::size_t node, LockStepEnd::Silence silence, SessionTime now) {
     const double now_s = to_seconds(now.time_since_epoch());
     if (silence == LockStepEnd::Silence::kInterrupted) return "interrupted; what was recorded is kept";
+    const std::string& program = nodes_.at(node).program();
     if (silence == LockStepEnd::Silence::kGone) {
         const std::string last = nodes_.last_words(node);
-        return last.empty() ? fmt::format("{} has closed its end of lock-step", kNodes[node].program) : last;
+        return last.empty() ? fmt::format("{} has closed its end of lock-step", program) : last;
     }
     nodes_.stop(node);
     return fmt::format(
         "{} has not answered within {} s, at {} s of the session's clock: is it in a debugger, or "
         "stopped? See its log in {}, or give --answer-limit more",
-        kNodes[node].program, to_seconds(plan_.answer_limit), now_s, plan_.out.string());
+        program, to_seconds(plan_.answer_limit), now_s, plan_.out.string());
 }
 
 void LockStepNodes::end(ConditionResult& result) {

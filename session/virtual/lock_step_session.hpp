@@ -46,6 +46,7 @@ class GrantedProcess final : public Process {
     std::optional<LockStepEnd::Silence> silence() const { return silence_; }
 
   private:
+    std::optional<LockStepMessage> receive();
     void take(LockStepKind expected);
     void lose(LockStepEnd::Silence silence);
 

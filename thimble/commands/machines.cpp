@@ -23,6 +23,7 @@ MachineVerdict check_here(const std::string& program) {
 
 MachineVerdict check_node(const LaunchSettings& launch, const NodeKind& node,
                           const std::filesystem::path& folder) {
+    if (!launch.own_program(node.role).empty()) return {};  // reading the session file has found it
     if (launch.machine(node.role).empty()) return check_here(node.program);
     const auto log = folder / (std::string(node.program) + ".log");
     std::filesystem::remove(log);
@@ -35,6 +36,12 @@ std::string machine_text(const std::string& machine) { return machine.empty() ? 
 
 void print_units(const std::filesystem::path& session, const LaunchSettings& launch,
                  const NetworkSettings& network, const std::filesystem::path& folder) {
+    if (const std::string key = launch.own_program_key(); !key.empty())
+        throw Error(
+            ExitCode::kUsage,
+            "{}: [launch] {} names a program of yours, and --print systemd knows Thimble's alone: leave that "
+            "key out, and write a unit for your program by hand",
+            session.string(), key);
     const UnitPlan plan{launch, network, read_runtime_settings(ConfigFile::load(session)),
                         session.filename().string()};
     for (const UnitFile& unit : unit_files(plan)) {
@@ -59,7 +66,8 @@ ExitCode check_machines(const LaunchSettings& launch, const std::filesystem::pat
         if (worst == ExitCode::kOk) worst = verdict.code;
         all[node.program] = {{"machine", machine}, {"problem", verdict.problem}};
         if (json) continue;
-        fmt::print("{} on {}: {}\n", node.program, machine_text(machine),
+        const auto& own = launch.own_program(node.role);
+        fmt::print("{} on {}: {}\n", own.empty() ? node.program : own.string(), machine_text(machine),
                    verdict.code == ExitCode::kOk ? "good" : verdict.problem);
     }
     if (json) fmt::print("{}\n", json_text(all, 2));

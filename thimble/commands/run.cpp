@@ -15,6 +15,7 @@
 #include "common/text_file.hpp"
 #include "common/version.hpp"
 #include "session/clocks/chrony.hpp"
+#include "session/launch/node_kinds.hpp"
 #include "session/run/condition_run.hpp"
 #include "session/settings/protocol.hpp"
 #include "session/virtual/lock_step_session.hpp"
@@ -70,6 +71,8 @@ class Run {
 
   private:
     bool by(RunClock clock) const { return options_.clock == clock; }
+    // Virtual time has Thimble's programs alone.
+    bool compares() const { return !by(RunClock::kVirtual) && settings_.launch.own_program_key().empty(); }
     bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
 
     unsigned condition_count() const {
@@ -235,7 +238,7 @@ class Run {
     }
 
     void repeat_virtually() {
-        if (by(RunClock::kVirtual)) return;
+        if (!compares()) return;
         TrialTable table(options_.out / "virtual.csv", if_exists_);
         for (const TrialRow& row : result_.rows) {
             result_.virtual_rows.push_back(make_row(run_virtual_trial(settings_, row.conditions)));
@@ -288,8 +291,7 @@ class Run {
             trials_section(trials_title(), result_.rows, findings,
                            draw_figures(panels_.panels(), summarize(result_.rows), options_.out,
                                         by(RunClock::kVirtual) ? "_virtual" : "_real")));
-        if (!by(RunClock::kVirtual))
-            report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
+        if (compares()) report.sections.push_back(agreement_section(result_.rows, result_.virtual_rows));
         report.sections.push_back(by(RunClock::kWall) ? timing_section() : clock_section());
         report.provenance = {{"command", options_.command},
                              {kDesign, kUsersDesign},
@@ -299,6 +301,10 @@ class Run {
                              {"clock", to_string(options_.clock)},
                              {"clock daemon", describe_chrony()},
                              {"outcome", result_.code == ExitCode::kOk ? "complete" : result_.problem}};
+        for (const NodeKind& node : kNodes) {
+            if (const auto& own = settings_.launch.own_program(node.role); !own.empty())
+                report.provenance.emplace_back(node.program, own.string());
+        }
         write_report(report, options_.out / "report.html");
         write_summary(report, options_.out / "summary.json");
     }

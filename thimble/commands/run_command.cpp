@@ -36,7 +36,7 @@ LaunchSettings launch_of(const RunArguments& arguments, const SystemSettings& se
 }
 
 std::shared_ptr<NodeStarter> starter_for(const LaunchSettings& launch, const std::string& session) {
-    auto here = std::make_unique<LocalStarter>(program_folder(), session);
+    auto here = std::make_unique<LocalStarter>(program_folder(), session, launch.own_programs);
     if (!launch.anywhere_else()) return here;
     return std::make_shared<RemoteStarter>(launch, session, std::move(here));
 }
@@ -55,7 +55,9 @@ void check_clock(const RunArguments& a, const SystemSettings& settings) {
         throw Error(ExitCode::kUsage, "{} keeps to the wall clock: {}, or run without --clock {}", what,
                     remedy, a.clock);
     };
-    require_virtual_subjects(settings, fmt::format("run --clock {}", a.clock));
+    const std::string command = fmt::format("run --clock {}", a.clock);
+    require_simulated_hand(settings, command);
+    if (a.run.clock == RunClock::kVirtual) require_virtual_subjects(settings, command);
     if (settings.protocol) refuse("a participant's session ([protocol])", "leave that table out");
     if (settings.cutaneous.device != FingertipDevice::kSimulated)
         refuse("the fingertip device of [cutaneous]", "set device = \"simulated\"");

@@ -91,6 +91,28 @@ TEST(CheckHosts, LoopbackIsFineWhereItIsShared) {
     EXPECT_NO_THROW(check_hosts(launch(std::string(kApart) + "\nshares_loopback = true"), network("")));
 }
 
+// Relative to the session file, wherever the program runs.
+TEST(OwnProgram, LiesBesideTheSessionFile) {
+    const TemporaryDirectory folder;
+    const auto program = [&folder](const std::string& text) {
+        write_text(folder / "session.toml", "[launch]\n" + text);
+        return read_launch_settings(ConfigFile::load(folder / "session.toml"));
+    };
+    EXPECT_EQ(program("").own_program_key(), "");
+    const auto refused = [&program](const std::string& text) {
+        return usage_refusal([&] { program(text); });
+    };
+    write_text(folder / "slave.py", "#!/bin/sh\n");
+    EXPECT_THAT(refused("program_slave_sim = 'slave.py'"), HasSubstr("executable (chmod +x)"));
+    std::filesystem::permissions(folder / "slave.py", std::filesystem::perms::owner_all);
+    const LaunchSettings settings = program("program_slave_sim = 'slave.py'");
+    EXPECT_EQ(settings.own_program(Role::kSlaveSim), std::filesystem::absolute(folder / "slave.py"));
+    EXPECT_EQ(settings.own_program(Role::kMaster), "");
+    EXPECT_EQ(settings.own_program_key(), "program_slave_sim");
+    EXPECT_THAT(refused("program_master = 'no.py'"), HasSubstr("no.py', where no program is"));
+    EXPECT_THAT(refused("program_master = 'slave.py'\nmachine_visual = 'lab'"), HasSubstr("one machine"));
+}
+
 // A session that goes to another machine goes as a whole, or not at all.
 namespace fs = std::filesystem;
 

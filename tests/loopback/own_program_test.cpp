@@ -1,0 +1,134 @@
+// A program of the user in the place of a node: examples/lock_step/slave.py, as it is and with faults.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "session/records/trial_table.hpp"
+#include "tests/loopback/programs.hpp"
+#include "tests/loopback/workbench.hpp"
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr const char* kSession =
+    "[session]\nmodalities = ['CF']\ndelays_s = [0.05]\n[trial]\ncontact_hold_s = 0.3\n"
+    "[launch]\nprogram_slave_sim = 'slave.py'\n";
+
+class OwnProgram : public testing::Test {
+  protected:
+    OwnProgram() {
+        folder_.write("session.toml", kSession);
+        write("messages.py", read_text(kExample / "messages.py"));
+        write("slave.py", read_text(kExample / "slave.py"));
+    }
+    void write(const char* name, const std::string& text) const {
+        fs::permissions(folder_.write(name, text), fs::perms::owner_all);
+    }
+    // The slave does something else at this place.
+    void change(const std::string& old, const std::string& changed) const {
+        std::string text = read_text(folder_ / "slave.py");
+        const std::size_t at = text.find(old);
+        ASSERT_NE(at, std::string::npos) << old;
+        write("slave.py", text.replace(at, old.size(), changed));
+    }
+    // The slave does this first with its 200th command.
+    void change_within_trial(const std::string& statement) const {
+        change("        depth_m, beyond_m",
+               fmt::format("        number == 200 and {}\n        depth_m, beyond_m", statement));
+    }
+    Outcome run(const std::string& more) const {
+        return run_thimble(words_in(fmt::format("run {} --base-port {} {}",
+                                                (folder_ / "session.toml").string(), ports_.base(), more)));
+    }
+    std::string lock_step(const std::string& out) const {
+        return fmt::format("--clock lock-step --answer-limit 1 --out {}", (folder_ / out).string());
+    }
+    void expect_lost(Role lost, const std::string& words) const {
+        const Outcome outcome = run(lock_step("out"));
+        EXPECT_EQ(outcome.code, 3);
+        EXPECT_THAT(outcome.words, HasSubstr(words));
+        const auto rows = read_trial_table(folder_ / "out" / "trials.csv");
+        ASSERT_EQ(rows.size(), 1U);
+        EXPECT_EQ(rows[0].reason, EndReason::kPeerLost);
+        EXPECT_EQ(rows[0].lost_peer, lost);
+        EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
+        EXPECT_THAT(node_pids(ports_.base(), "slave.py"), testing::IsEmpty());
+    }
+    void expect_refused(const std::string& more, const std::string& words) const {
+        const Outcome outcome = run(more);
+        EXPECT_EQ(outcome.code, 2) << more;
+        EXPECT_THAT(outcome.words, HasSubstr(words));
+    }
+
+    const fs::path kExample = THIMBLE_SOURCE_DIR "/examples/lock_step";
+    const Folder folder_;
+    const PortBlock ports_;
+};
+
+TEST_F(OwnProgram, ASlaveInPythonGivesTheSameBytesEachTime) {
+    for (const char* out : {"one", "other"}) {
+        const Outcome outcome = run(lock_step(out));
+        ASSERT_EQ(outcome.code, 0) << outcome.words;
+    }
+    const std::string trajectory = "trajectories/trial01_CF_50ms.csv";
+    EXPECT_EQ(read_text(folder_ / "one" / trajectory), read_text(folder_ / "other" / trajectory));
+    EXPECT_EQ(read_text(folder_ / "one/trials.csv"), read_text(folder_ / "other/trials.csv"));
+    const auto rows = read_trial_table(folder_ / "one/trials.csv");
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows[0].reason, EndReason::kCompleted);
+    EXPECT_GT(rows[0].metrics.penetration_max_m, 0.0005);
+    EXPECT_FALSE(fs::exists(folder_ / "one/virtual.csv")) << "virtual time has no such slave";
+    EXPECT_THAT(read_text(folder_ / "one/summary.json"), HasSubstr("slave.py"));
+}
+
+TEST_F(OwnProgram, ThatSpeaksAnotherVersionIsNamed) {
+    change("LOCK_STEP.pack(VERSION", "LOCK_STEP.pack(7");
+    const Outcome outcome = run(lock_step("out"));
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(
+        outcome.words,
+        HasSubstr("slave_sim sends a lock-step message of 96 bytes and version 7, but this program speaks "
+                  "version 1"));
+}
+
+TEST_F(OwnProgram, WhoseDatagramIsLostEndsTheRunWithTheFlowsName) {
+    change("self.sent[place] += 1", "self.sent[place] += 1 + (place == 19 and self.numbers[place] == 200)");
+    expect_lost(Role::kNetem,
+                "of the flow 'force for master' from slave_sim to netem 1 announced datagram did not come");
+}
+
+TEST_F(OwnProgram, ThatEndsIsShownWithItsLastWords) {
+    change_within_trial("sys.exit('the needle is bent')");
+    expect_lost(Role::kSlaveSim, "slave.py ended with code 1: the needle is bent");
+}
+
+TEST_F(OwnProgram, ThatDoesNotAnswerIsNamed) {
+    change_within_trial("__import__('time').sleep(60)");
+    expect_lost(Role::kSlaveSim, "slave.py has not answered within 1 s");
+}
+
+TEST_F(OwnProgram, ThatCannotBeStartedIsNamed) {
+    change("#!/usr/bin/env python3", "#!/no/such/interpreter");
+    const Outcome outcome = run(lock_step("out"));
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(
+        outcome.words,
+        HasSubstr("slave.py: No such file or directory; does its first line name a program that runs it"));
+}
+
+TEST_F(OwnProgram, IsRefusedWhereThimbleHasItsOwnAlone) {
+    expect_refused("--clock virtual", "[launch] program_slave_sim");
+    expect_refused("--print systemd", "[launch] program_slave_sim");
+}
+
+TEST_F(OwnProgram, IsAmongTheProgramsThatAreChecked) {
+    const Outcome outcome = run("--check --out " + (folder_ / "out").string());
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+    EXPECT_THAT(outcome.words, HasSubstr("slave.py on this machine: good"));
+}
+
+}  // namespace
+}  // namespace thimble
