@@ -34,6 +34,8 @@ class Sockets final : public Ports {
     void count_datagrams(Duration limit) { limit_ = limit; }
     // How many datagrams were sent to each port. Those of other programs are passed over.
     void announce(std::span<const std::uint16_t> datagrams);
+    // Of a port that this program listens at (UdpChannel::hear_outside).
+    bool hear_outside(Port port) { return at_.at(static_cast<std::size_t>(port))->hear_outside(); }
     // Since the last call.
     DatagramCounts take_sent() { return std::exchange(sent_, {}); }
 

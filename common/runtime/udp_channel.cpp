@@ -5,10 +5,11 @@
 #include <cerrno>
 #include <cstring>
 #include <poll.h>
+#include <utility>
 
 #include <climits>
+#include <fmt/format.h>
 
-#include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 
 namespace thimble {
@@ -93,7 +94,7 @@ void UdpChannel::await_announced(Port port, std::uint16_t base_port, Duration li
 }
 
 // On one machine a datagram is there once its sender has sent it: the wait is short.
-void UdpChannel::wait_for_announced() const {
+void UdpChannel::wait_for_announced() {
     pollfd mail{socket_.descriptor(), POLLIN, 0};
     const auto limit_ms = std::chrono::ceil<std::chrono::milliseconds>(limit_).count();
     int found = 0;
@@ -101,12 +102,21 @@ void UdpChannel::wait_for_announced() const {
         found = poll(&mail, 1, static_cast<int>(std::min<std::int64_t>(limit_ms, INT_MAX)));
     } while (found < 0 && errno == EINTR && !stop_requested());
     if (found > 0) return;
-    throw Error(
-        ExitCode::kNetwork,
-        "lock-step: of the flow '{}' from {} to {} {} announced datagram{} did not come within {} s: the "
-        "machine has lost it (is net.core.rmem_max too small?)",
-        flow(listens_at_).what, to_string(flow(listens_at_).hears), to_string(owner(listens_at_)), announced_,
-        announced_ == 1 ? "" : "s", to_seconds(limit_));
+    const unsigned missing = std::exchange(announced_, 0);  // it is waited for once
+    throw DatagramLost(
+        listens_at_,
+        fmt::format(
+            "lock-step: of the flow '{}' from {} to {} {} announced datagram{} did not come within {} s: the "
+            "machine has lost it (is net.core.rmem_max too small?)",
+            flow(listens_at_).what, to_string(flow(listens_at_).hears), to_string(owner(listens_at_)),
+            missing, missing == 1 ? "" : "s", to_seconds(limit_)));
+}
+
+bool UdpChannel::hear_outside() {
+    pollfd mail{socket_.descriptor(), POLLIN, 0};
+    hears_outside_ = poll(&mail, 1, 0) > 0;
+    if (hears_outside_) known_empty_ = false;
+    return hears_outside_;
 }
 
 Bytes UdpChannel::take() {
@@ -129,11 +139,12 @@ Bytes UdpChannel::take() {
             continue;
         }
         if (size < 0) {
-            known_empty_ = watched_;
+            known_empty_ = watched_ || limit_ > Duration::zero();
+            hears_outside_ = false;
             return {};
         }
         if (!from_peer(static_cast<std::size_t>(size))) continue;
-        if (limit_ > Duration::zero()) known_empty_ = --announced_ == 0;
+        if (limit_ > Duration::zero() && of_session()) known_empty_ = --announced_ == 0;
         if (stamping_) arrival_ = arrival_clock_.arrival(kernel_stamp_ns(message));
         return {buffer_.data(), static_cast<std::size_t>(size)};
     }
@@ -154,7 +165,7 @@ bool UdpChannel::from_peer(std::size_t size) {
     const in_addr_t host = source_.sin_addr.s_addr;
     const bool known_host =
         host == remote_.sin_addr.s_addr || std::find(others_.begin(), others_.end(), host) != others_.end();
-    if (!known_host || !of_session()) {
+    if (!known_host || !(hears_outside_ || of_session())) {
         ++counters_.foreign_source;
     } else if (size > kMaxDatagramBytes) {
         ++counters_.too_long;

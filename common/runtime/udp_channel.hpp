@@ -4,9 +4,11 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/channel.hpp"
+#include "common/error.hpp"
 #include "common/network_settings.hpp"
 #include "common/runtime/listener.hpp"
 #include "common/runtime/stamp_clock.hpp"
@@ -28,6 +30,16 @@ bool means_this_machine(const std::string& host);
 // Whether a host is an address outside 127.0.0.0/8, so that others may hear what is said to it. True for a name that cannot
 // be resolved here: a moment later it may be.
 bool leaves_this_machine(const std::string& host);
+
+// In lock-step: an announced datagram has not come.
+class DatagramLost : public Error {
+  public:
+    DatagramLost(Port port, std::string what) : Error(ExitCode::kNetwork, std::move(what)), port_(port) {}
+    Port port() const { return port_; }  // where it should have arrived
+
+  private:
+    Port port_;
+};
 
 class UdpChannel final : public Channel, public Listener {
   public:
@@ -62,20 +74,22 @@ class UdpChannel final : public Channel, public Listener {
     // Its datagrams leave from the port of the other channel, which outlives this: so receivers know them for the session's own.
     void send_from(const UdpChannel& other) { out_ = other.out_; }
     // From now on this channel, which listens at `port`, gives the datagrams that were announced and no other. It waits for them,
-    // each no longer than `limit`. They come from ports of the session, from `base_port` on; any other is foreign. receive() and
-    // send() throw Error (network), with the flow, if one is missing.
+    // each no longer than `limit`. They come from ports of the session, from `base_port` on; any other is foreign. receive()
+    // throws DatagramLost if one is missing, send() throws Error (network).
     void await_announced(Port port, std::uint16_t base_port, Duration limit);
     void announce(std::uint16_t datagrams) {
         announced_ += datagrams;
         known_empty_ = announced_ == 0;
     }
+    // In lock-step: the next calls of receive() also give what programs outside the session have sent. False: nothing waits.
+    bool hear_outside();
 
   private:
     Bytes take() override;
     void bind_to(const Endpoint& local);
     bool of_session() const;
     bool from_peer(std::size_t size);
-    void wait_for_announced() const;
+    void wait_for_announced();
     void send_to(const sockaddr_in& address, Bytes datagram);
 
     UdpSocket socket_;
@@ -91,6 +105,7 @@ class UdpChannel final : public Channel, public Listener {
     std::uint16_t base_port_ = 0;
     Duration limit_{};  // zero: not in lock-step
     unsigned announced_ = 0;
+    bool hears_outside_ = false;
     ArrivalClock arrival_clock_;
     std::optional<SessionTime> arrival_;
     alignas(16) std::array<std::uint8_t, kMaxDatagramBytes + 1> buffer_{};

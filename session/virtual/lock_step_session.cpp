@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include "common/text_file.hpp"
 
@@ -20,9 +21,14 @@ class CountedProcess final : public Process {
         DatagramCounts arrived{};
         mail_.take(Role::kSession, arrived);
         sockets_.announce(arrived);
-        process_.tick(now);
+        try {
+            process_.tick(now);
+        } catch (const DatagramLost& lost) {
+            lost_ = LostNode{flow(lost.port()).hears, lost.what()};
+        }
         mail_.post(sockets_.take_sent());
     }
+    const std::optional<LostNode>& lost() const { return lost_; }
     SessionTime next_wakeup() const override { return process_.next_wakeup(); }
     bool stopped() const override { return false; }
 
@@ -30,6 +36,7 @@ class CountedProcess final : public Process {
     Process& process_;
     Sockets& sockets_;
     AnnouncedMail& mail_;
+    std::optional<LostNode> lost_;  // a datagram, and its sender
 };
 
 std::size_t index_of(Role role) {
@@ -58,6 +65,17 @@ class LockStepSession final : public SteppedSession {
     SessionProcess& session() override { return session_; }
     SessionTime now() const override { return loop_.now(); }
     const std::optional<LostNode>& lost() const override { return lost_; }
+    void look_outside() override {
+        if (sockets_.hear_outside(Port::kSessionStop)) loop_.poke(own_bit_);
+    }
+
+    std::vector<DueProgram> due() const override {
+        std::vector<DueProgram> programs{{Role::kSession, getpid(), own_->next_wakeup()}};
+        programs.reserve(kNodes.size() + 1);
+        for (const auto& node : granted_)
+            programs.push_back({node->role(), nodes_.pid(index_of(node->role())), node->next_wakeup()});
+        return programs;
+    }
 
     void start(const TrialConditions& conditions) override {
         const Security* const security = sockets_.security();
@@ -95,6 +113,7 @@ class LockStepSession final : public SteppedSession {
 
     // The first is the cause: of others it may be a consequence.
     bool look_for_lost() {
+        if (!lost_) lost_ = own_->lost();
         if (lost_) return true;
         for (const auto& node : granted_) {
             if (!node->silence()) continue;

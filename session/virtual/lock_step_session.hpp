@@ -79,6 +79,7 @@ class LockStepNodes : boost::noncopyable {
 
     const ConditionPlan& plan() const { return plan_; }
     LockStepEnd& of(std::size_t node) { return *ends_.at(node); }
+    pid_t pid(std::size_t node) const { return nodes_.at(node).pid(); }
     // How a node was lost.
     std::string words(std::size_t node, LockStepEnd::Silence silence, SessionTime now);
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "session/records/trial_table.hpp"
 #include "session/run/condition_files.hpp"
@@ -31,7 +32,7 @@ class SteppedCondition {
         stepped.start(trial);
         const SessionTime begin = stepped.now();
         for (unsigned instant = 0; stepped.step(); ++instant) {
-            if (instant % kLookEvery == 0) look_around(session, trial);
+            if (instant % kLookEvery == 0) look_around(stepped, trial);
             if (stepped.lost() && !std::exchange(told_lost_, true))
                 session.abort(interrupted() ? EndReason::kInterrupted : EndReason::kPeerLost,
                               stepped.lost()->role);
@@ -47,8 +48,13 @@ class SteppedCondition {
   private:
     bool interrupted() const { return events_.stop && events_.stop(); }
 
-    void look_around(SessionProcess& session, const TrialConditions& trial) {
+    void look_around(SteppedSession& stepped, const TrialConditions& trial) {
+        SessionProcess& session = stepped.session();
         if (interrupted()) return session.abort(EndReason::kInterrupted);
+        if (emergency_stops() != stop_keys_)
+            session.emergency_stop(stepped.now(), "Ctrl-\\ at thimble's terminal");
+        stop_keys_ = emergency_stops();
+        stepped.look_outside();
         if (!files_.fault().empty()) return session.abort(EndReason::kDeviceFault, Role::kSession);
         const SessionTime now = wall_now();
         if (now < next_progress_ || !events_.progress) return;
@@ -82,6 +88,7 @@ class SteppedCondition {
     TrajectorySample last_;
     SessionTime next_progress_{};
     bool told_lost_ = false;
+    unsigned stop_keys_ = emergency_stops();  // carried out
 };
 
 }  // namespace

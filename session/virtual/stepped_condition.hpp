@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <sys/types.h>
+#include <vector>
 
 #include <boost/core/noncopyable.hpp>
 
@@ -18,6 +20,12 @@ namespace thimble {
 struct LostNode {
     Role role{};
     std::string words;
+};
+
+struct DueProgram {
+    Role role{};
+    pid_t pid = -1;
+    SessionTime next = kNever;  // or with the next datagram, if that comes before
 };
 
 // The number of each program in the headers of its messages, the same in every session.
@@ -38,6 +46,10 @@ class SteppedSession : boost::noncopyable {
     virtual bool step() = 0;  // one instant; false once the trial has ended
     virtual SessionTime now() const = 0;
     virtual const std::optional<LostNode>& lost() const = 0;
+    // When each program is due; none if the session has no programs.
+    virtual std::vector<DueProgram> due() const { return {}; }
+    // Hears programs outside the session, which may stop it.
+    virtual void look_outside() {}
 };
 using MakeSteppedSession = std::function<std::unique_ptr<SteppedSession>()>;
 

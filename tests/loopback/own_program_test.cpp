@@ -94,10 +94,17 @@ TEST_F(OwnProgram, ThatSpeaksAnotherVersionIsNamed) {
                   "version 1"));
 }
 
+// By netem, and by the session, which is in the conductor itself.
 TEST_F(OwnProgram, WhoseDatagramIsLostEndsTheRunWithTheFlowsName) {
-    change("self.sent[place] += 1", "self.sent[place] += 1 + (place == 19 and self.numbers[place] == 200)");
-    expect_lost(Role::kNetem,
-                "of the flow 'force for master' from slave_sim to netem 1 announced datagram did not come");
+    const std::string counted = "self.sent[place] += 1", missing = " announced datagram did not come";
+    const auto lose_at = [](int place) {
+        return fmt::format("self.sent[place] += 1 + (place == {} and self.numbers[place] == 200)", place);
+    };
+    change(counted, lose_at(19));
+    expect_lost(Role::kNetem, "of the flow 'force for master' from slave_sim to netem 1" + missing);
+    fs::remove_all(folder_ / "out");
+    change(lose_at(19), lose_at(5));
+    expect_lost(Role::kSlaveSim, "of the flow 'record' from slave_sim to session 1" + missing);
 }
 
 TEST_F(OwnProgram, ThatEndsIsShownWithItsLastWords) {

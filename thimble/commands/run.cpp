@@ -76,7 +76,7 @@ class Run {
     bool elsewhere() const { return options_.starter && runs_elsewhere(*options_.starter); }
 
     unsigned condition_count() const {
-        if (by(RunClock::kVirtual)) return 1;
+        if (by(RunClock::kVirtual) || options_.step) return 1;
         if (held_by_person(settings_.handle.kind))
             return 1;  // one hand, and one device that can be opened once
         // By itself one where other machines take part: how many cores those have is not known here.
@@ -158,7 +158,8 @@ class Run {
         const ConditionPlan planned = plan(place, delay_s);
         ConditionEvents events;
         events.stop = [this] { return failed_ || interrupted(); };
-        events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
+        if (!options_.step)
+            events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
         events.trial_done = [this, delay](const TrialRecord& record) { keep(delay, record); };
         ConditionResult result = run_by_clock(planned, events);
         const std::lock_guard guard(mutex_);
@@ -192,10 +193,13 @@ class Run {
                                      [&settings] { return std::make_unique<VirtualSession>(settings); });
     }
 
-    static ConditionResult by_lock_step(const ConditionPlan& planned, const ConditionEvents& events) {
+    ConditionResult by_lock_step(const ConditionPlan& planned, const ConditionEvents& events) const {
         LockStepNodes nodes(planned);
-        ConditionResult result =
-            run_stepped_condition(planned, events, [&nodes] { return nodes.make_session(); });
+        const MakeSteppedSession make = [this, &nodes]() -> std::unique_ptr<SteppedSession> {
+            if (!options_.step) return nodes.make_session();
+            return std::make_unique<PausedSession>(nodes.make_session(), *options_.step);
+        };
+        ConditionResult result = run_stepped_condition(planned, events, make);
         nodes.end(result);
         return result;
     }

@@ -17,6 +17,7 @@
 #include "session/records/trial_table.hpp"
 #include "session/run/condition_run.hpp"
 #include "session/settings/system_settings.hpp"
+#include "thimble/commands/step_prompt.hpp"
 
 namespace thimble {
 
@@ -34,6 +35,7 @@ struct RunOptions {
     RuntimeSettings runtime;
     RunClock clock = RunClock::kWall;
     Duration answer_limit = std::chrono::seconds{60};  // of a node in lock-step
+    std::shared_ptr<StepPrompt> step;                  // there: lock-step pauses and asks
     bool overwrite = false;
     bool strict_rt = false;
     const std::atomic<bool>* stop = nullptr;

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/runtime/standard_streams.hpp"
 #include "session/launch/node_starter.hpp"
 #include "session/launch/port_table.hpp"
 #include "session/launch/remote_starter.hpp"
@@ -20,7 +22,7 @@ namespace thimble {
 namespace {
 
 struct RunArguments : RealRunArguments {
-    bool attach = false, check = false;
+    bool attach = false, check = false, step = false;
     std::string exec, programs, print, clock;
     double answer_limit_s = 60;
     CLI::Option* answer_limit_option = nullptr;
@@ -48,8 +50,12 @@ RunClock clock_of(const RunArguments& arguments) {
 
 // Throws Error (usage): this clock, and something that keeps to the wall clock.
 void check_clock(const RunArguments& a, const SystemSettings& settings) {
-    if (a.answer_limit_option->count() > 0 && a.run.clock != RunClock::kLockStep)
-        throw Error(ExitCode::kUsage, "--answer-limit belongs to --clock lock-step: leave it out");
+    const char* const only_lock_step = a.step                               ? "--step"
+                                       : a.answer_limit_option->count() > 0 ? "--answer-limit"
+                                                                            : nullptr;
+    if (only_lock_step != nullptr && a.run.clock != RunClock::kLockStep)
+        throw Error(ExitCode::kUsage, "{} belongs to --clock lock-step: add that, or leave {} out",
+                    only_lock_step, only_lock_step);
     if (a.run.clock == RunClock::kWall) return;
     const auto refuse = [&a](const std::string& what, const char* remedy) {
         throw Error(ExitCode::kUsage, "{} keeps to the wall clock: {}, or run without --clock {}", what,
@@ -72,11 +78,18 @@ void check_clock(const RunArguments& a, const SystemSettings& settings) {
     if (a.run.strict_rt) refuse("--strict-rt", "leave it out");
 }
 
+// A node may stand at a breakpoint for as long as its user looks.
+void pause_in(RunArguments& a) {
+    if (a.answer_limit_option->count() == 0) a.run.answer_limit = std::chrono::hours{24};
+    a.run.step = std::make_shared<StepPrompt>(std::make_unique<DescriptorLines>(STDIN_FILENO), write_stderr);
+}
+
 int run_nodes(RunArguments& arguments) {
     const SystemSettings settings = load_system_settings(arguments.config);
     arguments.run.clock = clock_of(arguments);
     arguments.run.answer_limit = from_seconds(arguments.answer_limit_s);
     check_clock(arguments, settings);
+    if (arguments.step) pause_in(arguments);
     if (arguments.attach) return run_for_real(arguments, settings, nullptr);
     const LaunchSettings launch = launch_of(arguments, settings);
     const NetworkSettings network = network_of(arguments.config, arguments.base_port);
@@ -106,6 +119,9 @@ void add_clock_options(CLI::App& run, RunArguments& a) {
                                            "in lock-step: seconds that a node, or a datagram, may take")
                                 ->check(CLI::Range(0.1, 1e6))
                                 ->type_name("SECONDS");
+    run.add_flag("--step", a.step,
+                 "in lock-step: pause before each instant, say which program is due, and ask how far to go "
+                 "(docs/howto/step-through.md)");
 }
 
 void add_machine_options(CLI::App& run, RunArguments& a) {
@@ -149,6 +165,7 @@ Subcommand add_run(CLI::App& app, const std::string& typed) {
     run->footer(
         "Examples:\n  thimble run delay50 --out out/run\n"
         "  thimble run delay50 --clock virtual --out out/quick\n"
+        "  thimble run delay50 --clock lock-step --step --out out/step\n"
         "  thimble run mouse-study --out out/study7 --consent --participant P07\n"
         "  thimble run human --out out/study8 --attach --consent --participant P07 "
         "--age 31\n"

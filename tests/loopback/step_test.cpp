@@ -1,0 +1,112 @@
+// thimble run --clock lock-step --step: real programs, stepped by lines from a pipe or a file.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/runtime/wall_clock.hpp"
+#include "session/records/trial_table.hpp"
+#include "tests/loopback/programs.hpp"
+#include "tests/loopback/workbench.hpp"
+
+namespace thimble {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kShort =
+    "[session]\nmodalities = ['HF']\ndelays_s = [0.05]\n[trial]\ncontact_hold_s = 0.3\n";
+
+class StepThrough : public testing::Test {
+  protected:
+    StepThrough() {
+        if (pipe2(pipe_.data(), O_CLOEXEC) != 0) ADD_FAILURE() << "no pipe";
+    }
+    ~StepThrough() override {
+        for (const int end : pipe_) close(end);
+    }
+    std::vector<std::string> arguments(const std::string& text, const std::string& out) const {
+        return words_in(fmt::format("run {} --clock lock-step --out {} --base-port {}",
+                                    folder_.write("session.toml", text).string(), (folder_ / out).string(),
+                                    ports_.base()),
+                        {"--step"});
+    }
+    Child start(const std::string& text) const {
+        return {built_programs() / "thimble", arguments(text, "out"), folder_ / "words", {pipe_[0]}};
+    }
+    void type(const std::string& line) const {
+        EXPECT_EQ(write(pipe_[1], line.data(), line.size()), static_cast<ssize_t>(line.size()));
+    }
+    std::string words() const { return read_text(folder_ / "words"); }
+    bool says(const std::string& text) const {
+        return wait_until([&] { return words().find(text) != std::string::npos; });
+    }
+    TrialRow only_row() const {
+        const auto rows = read_trial_table(folder_ / "out/trials.csv");
+        EXPECT_EQ(rows.size(), 1U) << words();
+        return rows.empty() ? TrialRow{} : rows.front();
+    }
+
+    const Folder folder_;
+    const PortBlock ports_;
+    std::array<int, 2> pipe_{-1, -1};
+};
+
+TEST_F(StepThrough, ChangesNoByteAndNamesEachProgramsPid) {
+    Child child = start(kShort);
+    ASSERT_TRUE(says("step> "));
+    for (const char* program : kNodePrograms) {
+        const auto pids = node_pids(ports_.base(), program);
+        ASSERT_EQ(pids.size(), 1U) << program;
+        EXPECT_THAT(words(), HasSubstr(fmt::format("pid {} ", pids.front()))) << program;
+    }
+    type("\n\n1.5\nc\n");
+    EXPECT_EQ(child.wait(kPatience), 0) << words();
+    EXPECT_THAT(words(), HasSubstr(", is next"));
+    EXPECT_THAT(words(), HasSubstr("at 1.5"));
+    std::vector<std::string> plain = arguments(kShort, "plain");
+    plain.pop_back();
+    ASSERT_EQ(run_thimble(plain).code, 0);
+    EXPECT_EQ(read_text(folder_ / "out/trials.csv"), read_text(folder_ / "plain/trials.csv"));
+    const std::string trajectory = "trajectories/trial01_HF_50ms.csv";
+    EXPECT_EQ(read_text(folder_ / "out" / trajectory), read_text(folder_ / "plain" / trajectory));
+}
+
+TEST_F(StepThrough, EndsWithQAsWithCtrlC) {
+    Child child = start(kShort);
+    type("0.5\nq\n");
+    EXPECT_EQ(child.wait(kPatience), 1);
+    EXPECT_THAT(words(), HasSubstr("interrupted; what was recorded is kept"));
+    EXPECT_EQ(only_row().reason, EndReason::kInterrupted);
+    EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
+}
+
+TEST_F(StepThrough, IsOfLockStepAlone) {
+    const std::string file = folder_.write("session.toml", kShort).string();
+    for (const char* clock : {"wall", "virtual"}) {
+        const Outcome outcome = run_thimble({"run", file, "--clock", clock, "--step"});
+        EXPECT_EQ(outcome.code, 2);
+        EXPECT_THAT(outcome.words, HasSubstr("--step belongs to --clock lock-step"));
+    }
+}
+
+// The stop waits at the door while the run pauses.
+TEST_F(StepThrough, HearsAStopFromAnotherProgram) {
+    Child child = start("[session]\nmodalities = ['HF']\ndelays_s = [0.0]\n[trial]\ncontact_hold_s = 40\n");
+    type("0.5\n");
+    ASSERT_TRUE(says("at 0.5"));
+    Child stop(built_programs() / "thimble",
+               words_in(fmt::format("stop --base-port {}", ports_.base()), {"--reason", "cable loose"}),
+               folder_ / "stop");
+    type("c\n");
+    EXPECT_EQ(child.wait(kPatience), 1) << words();
+    EXPECT_THAT(words(), HasSubstr("cable loose"));
+    EXPECT_EQ(only_row().reason, EndReason::kEmergencyStop);
+    EXPECT_EQ(stop.wait(kPatience), 0) << read_text(folder_ / "stop");
+    EXPECT_THAT(read_text(folder_ / "stop"), HasSubstr("held by"));
+}
+
+}  // namespace
+}  // namespace thimble
