@@ -231,10 +231,13 @@ void run_beside_foreground(NodeInstance& instance, Process& process, const Runti
 // A node's process behind its protection. Says once if the session has another lab key.
 class Guarded final : public Process {
   public:
-    Guarded(NodeProcess& node, Security* security) : node_(&node), security_(security) {
+    // `log`: in lock-step, where it takes its time from each tick; null: none does.
+    Guarded(NodeProcess& node, Security* security, MessageLog* log = nullptr)
+        : node_(&node), security_(security), log_(log) {
         if (security_ != nullptr) secured_.emplace(node, *security_);
     }
     void tick(SessionTime now) override {
+        if (log_ != nullptr) log_->take_time(now);
         if (!secured_) return node_->tick(now);
         secured_->tick(now);
         if (complained_ || security_->complete()) return;
@@ -250,6 +253,7 @@ class Guarded final : public Process {
   private:
     NodeProcess* node_;
     Security* security_;
+    MessageLog* log_;
     std::optional<SecuredProcess> secured_;
     bool complained_ = false;
 };
@@ -274,26 +278,67 @@ int run_guarded(const std::function<int()>& body) {
     }
 }
 
+// A log of one trial in lock-step, whose clock begins anew with each; null: `file` is empty.
+std::unique_ptr<MessageLog> log_of_trial(const std::filesystem::path& file) {
+    if (file.empty()) return nullptr;
+    std::filesystem::remove(file);
+    auto log = std::make_unique<MessageLog>();
+    log->take_time({});
+    return log;
+}
+
 // For each trial the node is built anew: as good as a program that has just been started. The report is that of the last trial.
-int run_by_conductor(const NodeProgram& program, const Options& options, const ConfigFile& file,
-                     const NetworkSettings& network) {
-    install_stop_signals();
-    LockStepEnd conductor(STDIN_FILENO, Duration::zero());
-    nlohmann::ordered_json report;
-    auto order = conductor.receive();
-    while (order && order->kind == LockStepKind::kBegin) {
-        Sockets sockets(network);
-        sockets.count_datagrams(Duration{order->time_ns});
-        const auto instance = program.build(file, sockets, order->instance);
+class ConductedNode {
+  public:
+    ConductedNode(const NodeProgram& program, const Options& options, const ConfigFile& file,
+                  const SharedSettings& settings)
+        : program_(program), options_(options), file_(file), settings_(settings) {}
+
+    // Returns the order that ends the trial; none if the conductor is gone.
+    std::optional<LockStepMessage> run_trial(LockStepEnd& conductor, const LockStepMessage& begin) {
+        const auto log_file = log_path_of_trial(log_path(program_, options_, settings_.logging), ++trials_);
+        const auto log = log_of_trial(log_file);
+        Sockets sockets(settings_.network);
+        sockets.count_datagrams(Duration{begin.time_ns});
+        const bool all = settings_.logging.messages == LoggedMessages::kAll && !program_.relays;
+        if (log) sockets.record_to(*log, all);
+        const auto instance = program_.build(file_, sockets, begin.instance);
         if (instance->has_foreground())
             throw Error(ExitCode::kUsage,
                         "a window cannot take part in lock-step: it lives by the wall clock");
-        Guarded process(instance->process(), sockets.security());
-        order = run_in_lock_step(conductor, process, sockets);
-        report = describe(program, *instance, sockets, instance->process().counters(), LoopStatistics{},
-                          instance->process().overruns());
+        if (log) {
+            log->start(log_file, log_origin(program_, options_, file_), settings_.logging);
+            instance->process().record_with(*log);
+        }
+        Guarded process(instance->process(), sockets.security(), log.get());
+        const auto order = run_in_lock_step(conductor, process, sockets);
+        report_ = describe(program_, *instance, sockets, instance->process().counters(), LoopStatistics{},
+                           instance->process().overruns());
+        if (log) {
+            note_stale(*log, report_);
+            report_["log"] = describe(log->close());
+        }
+        return order;
     }
-    if (!report.is_null()) save(options.report, report);
+    const nlohmann::ordered_json& report() const { return report_; }
+
+  private:
+    const NodeProgram& program_;
+    const Options& options_;
+    const ConfigFile& file_;
+    const SharedSettings& settings_;
+    unsigned trials_ = 0;
+    nlohmann::ordered_json report_;
+};
+
+int run_by_conductor(const NodeProgram& program, const Options& options, const ConfigFile& file,
+                     const SharedSettings& settings) {
+    install_stop_signals();
+    LockStepEnd conductor(STDIN_FILENO, Duration::zero());
+    ConductedNode node(program, options, file, settings);
+    auto order = conductor.receive();
+    while (order && order->kind == LockStepKind::kBegin) order = node.run_trial(conductor, *order);
+    if (!node.report().is_null()) save(options.report, node.report());
     if (!order || order->kind == LockStepKind::kEnd) return static_cast<int>(ExitCode::kOk);
     throw Error(ExitCode::kNetwork, "lock-step: an order of kind {} came where begin or end was due",
                 static_cast<int>(order->kind));
@@ -302,9 +347,10 @@ int run_by_conductor(const NodeProgram& program, const Options& options, const C
 int run(const NodeProgram& program, const Options& options) {
     if (options.launcher != 0) stop_with_parent(options.launcher);
     const ConfigFile file = options.config.empty() ? ConfigFile::empty() : ConfigFile::load(options.config);
-    auto [network, runtime, logging] = read_config(program, file);
+    SharedSettings settings = read_config(program, file);
+    auto& [network, runtime, logging] = settings;
     if (options.base_port != 0) network.base_port = static_cast<std::uint16_t>(options.base_port);
-    if (options.lock_step) return run_by_conductor(program, options, file, network);
+    if (options.lock_step) return run_by_conductor(program, options, file, settings);
     const std::filesystem::path log_file = log_path(program, options, logging);
     const auto log = log_file.empty() ? nullptr : std::make_unique<MessageLog>();
     Sockets sockets(network);

@@ -78,7 +78,7 @@ class Slave:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    for option in ('--base-port', '--report', '--die-with-parent', 'session'):
+    for option in ('--base-port', '--report', '--log', '--die-with-parent', 'session'):
         parser.add_argument(option)
     parser.add_argument('--lock-step', action='store_true', required=True)
     options = parser.parse_args()

@@ -16,9 +16,9 @@ constexpr Duration kClockNotes = std::chrono::seconds{1};  // offsets to the log
 
 }  // namespace
 
-ConditionFiles::ConditionFiles(const ConditionPlan& plan)
+ConditionFiles::ConditionFiles(const ConditionPlan& plan, bool log)
     : plan_(plan),
-      log_(plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>()) {}
+      log_(log && plan.log.messages != LoggedMessages::kNone ? std::make_unique<MessageLog>() : nullptr) {}
 
 template <class Write>
 void ConditionFiles::attempt(Write&& write) {
@@ -63,7 +63,7 @@ void ConditionFiles::begin_trial(const TrialConditions& trial, std::uint32_t num
         make_folder(trajectory.parent_path());
         writer_.emplace(trajectory, plan_.if_exists);
     }
-    note(trial, number);
+    if (log_) log_->note("trial", trial_note(trial, number, wall_now()));
 }
 
 void ConditionFiles::add(const TrajectorySample& sample) {
@@ -88,17 +88,16 @@ void ConditionFiles::note(Role node, const ClockExchange& exchange, const ClockF
                                 {"at_ns", std::to_string(to_nanoseconds(exchange.answered))}});
 }
 
-void ConditionFiles::note(const TrialConditions& trial, std::uint32_t number) {
-    if (!log_) return;
-    log_->note("trial", {{"seed", std::to_string(trial.study_seed)},
-                         {"experiment", std::to_string(trial.experiment)},
-                         {"subject", std::to_string(trial.subject)},
-                         {"trial", std::to_string(trial.trial)},
-                         {"number_on_the_wire", std::to_string(number)},
-                         {"modality", to_string(trial.modality)},
-                         {"delay_s", fmt::format("{}", trial.delay_s)},
-                         {"fixture_position_m", fmt::format("{}", trial.fixture_position_m)},
-                         {"at_ns", std::to_string(to_nanoseconds(wall_now()))}});
+McapMap trial_note(const TrialConditions& trial, std::uint32_t number, SessionTime at) {
+    return {{"seed", std::to_string(trial.study_seed)},
+            {"experiment", std::to_string(trial.experiment)},
+            {"subject", std::to_string(trial.subject)},
+            {"trial", std::to_string(trial.trial)},
+            {"number_on_the_wire", std::to_string(number)},
+            {"modality", to_string(trial.modality)},
+            {"delay_s", fmt::format("{}", trial.delay_s)},
+            {"fixture_position_m", fmt::format("{}", trial.fixture_position_m)},
+            {"at_ns", std::to_string(to_nanoseconds(at))}};
 }
 
 void ConditionFiles::flush() {

@@ -18,10 +18,13 @@
 
 namespace thimble {
 
+// The session's log says this of each trial. `number`: the trial's on the wire.
+McapMap trial_note(const TrialConditions& trial, std::uint32_t number, SessionTime at);
+
 class ConditionFiles {
   public:
-    // `plan` outlives the files.
-    explicit ConditionFiles(const ConditionPlan& plan);
+    // `plan` outlives the files. `log`: whether the log that the plan names is one of them.
+    explicit ConditionFiles(const ConditionPlan& plan, bool log = true);
 
     // Throws Error (usage) if the folder or a file cannot be made.
     void open();
@@ -56,7 +59,6 @@ class ConditionFiles {
     std::filesystem::path clock_path() const;
     std::string again() const;
     void note(Role node, const ClockExchange& exchange, const ClockFilter& clock);
-    void note(const TrialConditions& trial, std::uint32_t number);
 
     const ConditionPlan& plan_;
     std::unique_ptr<MessageLog> log_;

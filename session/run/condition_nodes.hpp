@@ -134,7 +134,7 @@ class ConditionNodes : boost::noncopyable {
         order.report = files_.report_path(i);
         order.arguments = {"--base-port", std::to_string(plan_.network.base_port)};
         // On another machine with a folder for logs its log stays there: it may be too long for the way.
-        if (files_.log() != nullptr &&
+        if (plan_.log.messages != LoggedMessages::kNone &&
             (plan_.log.folder.empty() || plan_.starter->machine(node.role).empty()))
             order.messages = files_.messages_path(node.program);
         order.input = input;

@@ -6,6 +6,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "common/runtime/log/message_log.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {
@@ -14,10 +16,12 @@ namespace {
 // The session's own process, in the conductor itself.
 class CountedProcess final : public Process {
   public:
-    CountedProcess(Process& process, Sockets& sockets, AnnouncedMail& mail)
-        : process_(process), sockets_(sockets), mail_(mail) {}
+    // `log`: null, if there is none.
+    CountedProcess(Process& process, Sockets& sockets, AnnouncedMail& mail, MessageLog* log)
+        : process_(process), sockets_(sockets), mail_(mail), log_(log) {}
 
     void tick(SessionTime now) override {
+        if (log_ != nullptr) log_->take_time(now);
         DatagramCounts arrived{};
         mail_.take(Role::kSession, arrived);
         sockets_.announce(arrived);
@@ -36,6 +40,7 @@ class CountedProcess final : public Process {
     Process& process_;
     Sockets& sockets_;
     AnnouncedMail& mail_;
+    MessageLog* log_;
     std::optional<LostNode> lost_;  // a datagram, and its sender
 };
 
@@ -44,9 +49,14 @@ std::size_t index_of(Role role) {
                                     kNodeRoles.begin());
 }
 
-Sockets counted_sockets(const ConditionPlan& plan) {
+std::unique_ptr<MessageLog> log_of(const ConditionPlan& plan) {
+    return plan.log.messages == LoggedMessages::kNone ? nullptr : std::make_unique<MessageLog>();
+}
+
+Sockets counted_sockets(const ConditionPlan& plan, MessageLog* log) {
     Sockets sockets(plan.network);
     sockets.count_datagrams(plan.answer_limit);
+    if (log != nullptr) sockets.record_to(*log, plan.log.messages == LoggedMessages::kAll);
     return sockets;
 }
 
@@ -54,17 +64,19 @@ class LockStepSession final : public SteppedSession {
   public:
     explicit LockStepSession(LockStepNodes& nodes)
         : nodes_(nodes),
-          sockets_(counted_sockets(nodes.plan())),
+          log_(log_of(nodes.plan())),
+          sockets_(counted_sockets(nodes.plan(), log_.get())),
           session_(granted_instance(Role::kSession), nodes.plan().session, sockets_) {
         if (sockets_.security() != nullptr) secured_.emplace(session_, *sockets_.security());
         Process& outer = secured_ ? static_cast<Process&>(*secured_) : session_;
-        own_.emplace(outer, sockets_, mail_);
+        own_.emplace(outer, sockets_, mail_, log_.get());
         begin();
     }
 
     SessionProcess& session() override { return session_; }
     SessionTime now() const override { return loop_.now(); }
     const std::optional<LostNode>& lost() const override { return lost_; }
+    std::string fault() const override { return log_ ? std::string(log_->fault()) : std::string(); }
     void look_outside() override {
         if (sockets_.hear_outside(Port::kSessionStop)) loop_.poke(own_bit_);
     }
@@ -78,6 +90,7 @@ class LockStepSession final : public SteppedSession {
     }
 
     void start(const TrialConditions& conditions) override {
+        if (log_) start_log(conditions);
         const Security* const security = sockets_.security();
         for (int i = 0; security != nullptr && !security->complete(); ++i) {
             if (i <= kMostInstantsForKeys && loop_.step() && !look_for_lost()) continue;
@@ -95,6 +108,14 @@ class LockStepSession final : public SteppedSession {
     }
 
   private:
+    void start_log(const TrialConditions& conditions) {
+        const auto file = log_path_of_trial(nodes_.session_log(), conditions.trial);
+        std::filesystem::remove(file);
+        log_->take_time({});
+        log_->start(file, {"session", nodes_.plan().session_file, {}}, nodes_.plan().log);
+        log_->note("trial", trial_note(conditions, conditions.trial, {}));
+    }
+
     // All programs make themselves new at the same time. No program sends before all of them listen.
     void begin() {
         own_bit_ = loop_.add(*own_);
@@ -127,6 +148,7 @@ class LockStepSession final : public SteppedSession {
     static ExitCode failure() { return stop_requested() ? ExitCode::kRunFailed : ExitCode::kNetwork; }
 
     LockStepNodes& nodes_;
+    std::unique_ptr<MessageLog> log_;  // of this trial
     Sockets sockets_;
     SessionProcess session_;
     std::optional<SecuredProcess> secured_;
@@ -217,7 +239,7 @@ CoreLease::CoreLease(unsigned place) {
 }
 
 LockStepNodes::LockStepNodes(const ConditionPlan& plan)
-    : plan_(plan), core_(plan.place), files_(plan), nodes_(plan, files_) {
+    : plan_(plan), core_(plan.place), files_(plan, false), nodes_(plan, files_) {
     make_folder(plan.out);
     std::vector<std::unique_ptr<FileDescriptor>> theirs;
     theirs.reserve(kNodes.size());
@@ -259,6 +281,12 @@ void LockStepNodes::end(ConditionResult& result) {
     order.kind = LockStepKind::kEnd;
     for (const auto& end : ends_) end->send(order);
     nodes_.end(result);
+    for (const auto& report : result.reports) {
+        const std::string fault = report.contains("log") ? report["log"].value("fault", "") : "";
+        if (fault.empty() || result.code != ExitCode::kOk) continue;
+        result.code = ExitCode::kRunFailed;
+        result.problem = fault;
+    }
 }
 
 }  // namespace thimble

@@ -80,6 +80,8 @@ class LockStepNodes : boost::noncopyable {
     const ConditionPlan& plan() const { return plan_; }
     LockStepEnd& of(std::size_t node) { return *ends_.at(node); }
     pid_t pid(std::size_t node) const { return nodes_.at(node).pid(); }
+    // Of the session's own log; the trial's number goes behind it.
+    std::filesystem::path session_log() const { return files_.messages_path("session"); }
     // How a node was lost.
     std::string words(std::size_t node, LockStepEnd::Silence silence, SessionTime now);
 

@@ -19,7 +19,7 @@ constexpr Duration kProgressPeriod = std::chrono::milliseconds{500};
 class SteppedCondition {
   public:
     SteppedCondition(const ConditionPlan& plan, const ConditionEvents& events)
-        : plan_(plan), events_(events), files_(plan) {}
+        : plan_(plan), events_(events), files_(plan, false) {}
 
     void run_trial(SteppedSession& stepped, const TrialConditions& trial) {
         SessionProcess& session = stepped.session();
@@ -39,7 +39,7 @@ class SteppedCondition {
         }
         result_.simulated_s += to_seconds(stepped.now() - begin);
         files_.end_trial(session.record());
-        judge(session.record(), stepped.lost());
+        judge(stepped);
         if (events_.trial_done) events_.trial_done(session.record());
     }
 
@@ -55,7 +55,7 @@ class SteppedCondition {
             session.emergency_stop(stepped.now(), "Ctrl-\\ at thimble's terminal");
         stop_keys_ = emergency_stops();
         stepped.look_outside();
-        if (!files_.fault().empty()) return session.abort(EndReason::kDeviceFault, Role::kSession);
+        if (!fault(stepped).empty()) return session.abort(EndReason::kDeviceFault, Role::kSession);
         const SessionTime now = wall_now();
         if (now < next_progress_ || !events_.progress) return;
         next_progress_ = now + kProgressPeriod;
@@ -63,12 +63,18 @@ class SteppedCondition {
         events_.progress(trial, last_);
     }
 
-    void judge(const TrialRecord& record, const std::optional<LostNode>& lost) {
+    std::string fault(const SteppedSession& stepped) const {
+        return files_.fault().empty() ? stepped.fault() : files_.fault();
+    }
+
+    void judge(SteppedSession& stepped) {
+        const TrialRecord& record = stepped.session().record();
+        const std::optional<LostNode>& lost = stepped.lost();
         const std::string outcome = outcome_text(record.reason, record.lost_peer);
         if (record.reason == EndReason::kInterrupted && interrupted()) {
             fail(ExitCode::kRunFailed, "interrupted; what was recorded is kept");
-        } else if (!files_.fault().empty()) {
-            fail(ExitCode::kRunFailed, files_.fault());
+        } else if (const std::string words = fault(stepped); !words.empty()) {
+            fail(ExitCode::kRunFailed, words);
         } else if (is_stop(record.reason) || record.reason == EndReason::kDeviceFault) {
             fail(ExitCode::kRunFailed, fmt::format("{}: {}", outcome, record.fault));
         } else if (record.reason == EndReason::kPeerLost) {

@@ -48,6 +48,8 @@ class SteppedSession : boost::noncopyable {
     virtual const std::optional<LostNode>& lost() const = 0;
     // When each program is due; none if the session has no programs.
     virtual std::vector<DueProgram> due() const { return {}; }
+    // Why something could not be written; empty: nothing is wrong.
+    virtual std::string fault() const { return {}; }
     // Hears programs outside the session, which may stop it.
     virtual void look_outside() {}
 };

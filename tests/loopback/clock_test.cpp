@@ -111,7 +111,7 @@ TEST_F(RunByClock, RefusesWhateverLivesByTheWallClock) {
     expect_refused(easy, "virtual", "--strict-rt", {"--strict-rt"});
     expect_refused(easy, "lock-step", "--monitor", {"--monitor"});
     expect_refused(easy, "virtual", "--answer-limit", {"--answer-limit", "5"});
-    expect_refused(easy + "[log]\nmessages = 'all'\n", "lock-step", "[log]");
+    expect_refused(easy + "[log]\nmessages = 'all'\n", "virtual", "[log]");
     expect_refused(easy + "[handle]\ndevice = 'pointer'\n", "virtual", "[handle] device");
     expect_refused(easy + "[cutaneous]\ndevice = 'board'\n", "virtual", "[cutaneous]");
     expect_refused(easy + "[launch]\nmachine_slave_sim = 'elsewhere'\n", "virtual", "[launch]");

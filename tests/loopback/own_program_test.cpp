@@ -13,14 +13,14 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr const char* kSession =
+constexpr const char* kOwnSession =
     "[session]\nmodalities = ['CF']\ndelays_s = [0.05]\n[trial]\ncontact_hold_s = 0.3\n"
     "[launch]\nprogram_slave_sim = 'slave.py'\n";
 
 class OwnProgram : public testing::Test {
   protected:
     OwnProgram() {
-        folder_.write("session.toml", kSession);
+        folder_.write("session.toml", kOwnSession);
         write("messages.py", read_text(kExample / "messages.py"));
         write("slave.py", read_text(kExample / "slave.py"));
     }

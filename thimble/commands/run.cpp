@@ -148,7 +148,7 @@ class Run {
         plan.strict_rt = options_.strict_rt;
         plan.answer_limit = options_.answer_limit;
         plan.if_exists = if_exists_;
-        if (by(RunClock::kWall)) plan.log = settings_.log;
+        if (!by(RunClock::kVirtual)) plan.log = settings_.log;
         plan.session_file = settings_.file;
         return plan;
     }

@@ -73,7 +73,7 @@ void check_clock(const RunArguments& a, const SystemSettings& settings) {
     if (launch_of(a, settings).anywhere_else())
         refuse("a node on another machine ([launch])", "leave its host out");
     if (a.monitor || !a.plotjuggler.empty()) refuse("a view", "leave --monitor and --plotjuggler out");
-    if (settings.log.messages == LoggedMessages::kAll)
+    if (settings.log.messages == LoggedMessages::kAll && a.run.clock == RunClock::kVirtual)
         refuse("the log of all messages ([log])", "leave its messages out");
     if (a.run.strict_rt) refuse("--strict-rt", "leave it out");
 }

@@ -26,6 +26,8 @@ constexpr std::size_t kQueueBytes = std::size_t{4} << 20;
 constexpr std::size_t kMostChunkBytes = std::size_t{1} << 18;
 // A lasting overflow is reported at most once a second.
 constexpr unsigned kTurnsPerTelling = 25;
+// In lock-step, where chunks must not depend on the wall clock. It is about a second of a session.
+constexpr unsigned kGrantsPerFlush = 2000;
 
 std::string read_whole(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
@@ -59,6 +61,13 @@ McapMap origin_notes(const LogOrigin& origin, const LogSettings& settings) {
 
 }  // namespace
 
+std::filesystem::path log_path_of_trial(const std::filesystem::path& file, unsigned trial) {
+    if (file.empty()) return {};
+    const std::string name =
+        fmt::format("{}_trial{:02}{}", file.stem().string(), trial, file.extension().string());
+    return file.parent_path() / name;
+}
+
 struct MessageLog::Writing {
     explicit Writing(const std::filesystem::path& path)
         : file(path), writer(file, std::string("thimble ") + kVersion) {}
@@ -88,7 +97,7 @@ std::uint16_t MessageLog::add_flow(Port port, const char* direction) {
 Channel* MessageLog::tap(Channel& channel, Port sent_to, Port received_at) {
     const std::uint16_t sent = add_flow(sent_to, "sent");
     const std::uint16_t received = add_flow(received_at, "received");
-    taps_.push_back(std::make_unique<TappedChannel>(channel, queue_, sent, received));
+    taps_.push_back(std::make_unique<TappedChannel>(channel, queue_, sent, received, granted_));
     return taps_.back().get();
 }
 
@@ -108,6 +117,7 @@ void MessageLog::start(const std::filesystem::path& file, const LogOrigin& origi
     if (!origin.config.empty()) attach(origin.config);
     for (const auto& path : origin.files) attach(path);
     counters_.file = file.string();
+    if (granted_ != kNever) return;
     syncs_ = settings.sync_period > Duration{0};
     thread_ = std::thread([this] { write_until_stopped(); });
     if (syncs_) syncer_ = std::thread([this, period = settings.sync_period] { sync_until_stopped(period); });
@@ -122,11 +132,22 @@ std::string_view MessageLog::fault() const {
     return failed_.load(std::memory_order_acquire) ? std::string_view(fault_) : std::string_view{};
 }
 
+void MessageLog::take_time(SessionTime now) {
+    granted_ = now;
+    if (writing_ != nullptr) turn(++grants_ % kGrantsPerFlush == 0);
+}
+
 LogCounters MessageLog::close() {
-    if (!thread_.joinable()) return counters_;
-    const std::uint64_t one = 1;
-    static_cast<void>(::write(stop_, &one, sizeof one) == 0);
-    thread_.join();
+    if (!thread_.joinable() && (granted_ == kNever || writing_ == nullptr)) return counters_;
+    if (thread_.joinable()) {
+        const std::uint64_t one = 1;
+        static_cast<void>(::write(stop_, &one, sizeof one) == 0);
+        thread_.join();
+    } else {
+        turn(true);
+        end();
+        granted_ = kNever;
+    }
     if (syncer_.joinable()) syncer_.join();
     counters_.messages = writing_->writer.messages();
     counters_.bytes = writing_->writer.bytes();
@@ -136,8 +157,8 @@ LogCounters MessageLog::close() {
 }
 
 void MessageLog::write_until_stopped() {
-    while (!wait_for(stop_, kLogPeriod)) turn();
-    turn();
+    while (!wait_for(stop_, kLogPeriod)) turn(true);
+    turn(true);
     end();
 }
 
@@ -146,7 +167,7 @@ void MessageLog::sync_until_stopped(Duration period) const {
     while (!wait_for(stop_, period)) writing_->file.sync();
 }
 
-void MessageLog::turn() {
+void MessageLog::turn(bool flushes) {
     std::vector<LogNote> notes;
     {
         const std::lock_guard lock(notes_mutex_);
@@ -157,8 +178,8 @@ void MessageLog::turn() {
             for (const LogNote& note : notes) writing_->writer.add_metadata(note.name, note.pairs);
         }
         queue_.drain([this](const ByteQueue::Entry& entry, Bytes bytes) { write_message(entry, bytes); });
-        if (!failed_) writing_->writer.flush();
-        if (!failed_) say_overflow(false);
+        if (!failed_ && flushes) writing_->writer.flush();
+        if (!failed_ && flushes) say_overflow(false);
     } catch (const Error& error) {
         fail(error.what());
     }

@@ -38,6 +38,9 @@ struct LogOrigin {
     std::vector<std::filesystem::path> files;  // attached with it
 };
 
+// In lock-step each trial has a file of its own, "thimble-master_50ms_trial02.mcap", because the session's clock begins anew with each. Empty: `file` is.
+std::filesystem::path log_path_of_trial(const std::filesystem::path& file, unsigned trial);
+
 class MessageLog final : public Recorder, boost::noncopyable {
   public:
     MessageLog();
@@ -50,6 +53,9 @@ class MessageLog final : public Recorder, boost::noncopyable {
     // Throws Error (usage) if the file cannot be created. Folders on the way are.
     void start(const std::filesystem::path& file, const LogOrigin& origin, const LogSettings& settings);
     bool running() const { return thread_.joinable(); }
+    // In lock-step, first before start(): from now on messages bear this time. Those before it go to the file here, because a thread of
+    // its own would write other bytes each time.
+    void take_time(SessionTime now);
     // A metadata record among the messages. Seldom: it allocates.
     void note(std::string name, McapMap pairs);
     // Writes all that is there, index and end. The destructor waits for the disk.
@@ -66,7 +72,7 @@ class MessageLog final : public Recorder, boost::noncopyable {
     std::uint16_t add_flow(Port port, const char* direction);
     void write_until_stopped();
     void sync_until_stopped(Duration period) const;
-    void turn();
+    void turn(bool flushes);
     void say_overflow(bool now);
     void write_message(const ByteQueue::Entry& entry, Bytes bytes);
     void fail(const std::string& words);
@@ -78,6 +84,7 @@ class MessageLog final : public Recorder, boost::noncopyable {
         const char* direction = "";
         int channel = -1, unreadable = -1;  // in the file, once there was a message
     };
+    SessionTime granted_ = kNever;  // the wall clock's time holds
     ByteQueue queue_;
     std::vector<LoggedFlow> flows_;
     std::vector<std::unique_ptr<Channel>> taps_;
@@ -87,7 +94,7 @@ class MessageLog final : public Recorder, boost::noncopyable {
     std::atomic<bool> failed_{false};
     std::string fault_;  // written once, before failed_
     std::uint64_t dropped_ = 0, told_lost_ = 0;
-    unsigned turns_ = 0;
+    unsigned turns_ = 0, grants_ = 0;
     int stop_ = -1;  // an eventfd: both threads wait for it
     std::thread thread_, syncer_;
     LogCounters counters_;

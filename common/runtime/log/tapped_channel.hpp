@@ -11,9 +11,11 @@ namespace thimble {
 
 class TappedChannel final : public Channel {
   public:
-    // `sent` and `received`: what the queue's reader knows the two ways by. Both outlive this.
-    TappedChannel(Channel& inner, ByteQueue& queue, std::uint16_t sent, std::uint16_t received)
-        : inner_(inner), queue_(queue), sent_(sent), received_(received) {}
+    // `sent` and `received`: what the queue's reader knows the two ways by. `granted`: the time in lock-step; kNever: the wall
+    // clock's holds. All outlive this.
+    TappedChannel(Channel& inner, ByteQueue& queue, std::uint16_t sent, std::uint16_t received,
+                  const SessionTime& granted)
+        : inner_(inner), queue_(queue), sent_(sent), received_(received), granted_(granted) {}
 
     void send(Bytes datagram) override {
         inner_.send(datagram);  // first: writing it down is not to delay it
@@ -31,11 +33,14 @@ class TappedChannel final : public Channel {
         if (!datagram.empty()) note(received_, datagram);
         return datagram;
     }
-    void note(std::uint16_t tag, Bytes datagram) { queue_.push(tag, to_nanoseconds(wall_now()), datagram); }
+    void note(std::uint16_t tag, Bytes datagram) {
+        queue_.push(tag, to_nanoseconds(granted_ == kNever ? wall_now() : granted_), datagram);
+    }
 
     Channel& inner_;
     ByteQueue& queue_;
     std::uint16_t sent_, received_;
+    const SessionTime& granted_;
 };
 
 }  // namespace thimble

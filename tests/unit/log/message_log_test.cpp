@@ -78,6 +78,25 @@ TEST(MessageLog, KeepsWhatWasSentAndWhatWasReceived) {
     EXPECT_EQ(received, 3);
 }
 
+TEST(MessageLog, InLockStepMessagesHaveTheGrantedTimeAndNoThreadWritesThem) {
+    TappedMaster master;
+    master.log.take_time({});
+    master.start();
+    EXPECT_FALSE(master.log.running());
+    for (const int now_ns : {5000, 7000}) {
+        master.log.take_time(from_nanoseconds(now_ns));
+        master.pass(1);
+    }
+    EXPECT_EQ(master.log.close().messages, 4U);
+    EXPECT_EQ(master.log.close().messages, 4U) << "once is enough";
+    const LoggedFile file(master.file());
+    EXPECT_TRUE(file.scan().finished);
+    std::vector<std::uint64_t> times_ns;
+    file.for_each([&](const LoggedTopic&, const McapMessage& m) { times_ns.push_back(m.log_time_ns); });
+    EXPECT_THAT(times_ns, testing::ElementsAre(5000, 5000, 7000, 7000));
+    EXPECT_EQ(log_path_of_trial("nodes/session_50ms.mcap", 2), "nodes/session_50ms_trial02.mcap");
+}
+
 TEST(MessageLog, WhatIsNoMessageHasATopicOfItsOwn) {
     TappedMaster master;
     master.start();

@@ -1,0 +1,77 @@
+// The logs of messages of a run in lock-step: the same each time, a file for each program and trial.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/loopback/programs.hpp"
+#include "tests/loopback/workbench.hpp"
+
+namespace thimble {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr const char* kLoggedSession =
+    "[session]\nmodalities = ['HF', 'CF']\ndelays_s = [0.05]\n[trial]\ncontact_hold_s = 0.3\n"
+    "[netem.needle]\nloss = 0.01\n[log]\nmessages = 'all'\n";
+
+class LockStepLog : public testing::Test {
+  protected:
+    Outcome run(const std::string& out, const std::string& clock, const std::vector<std::string>& more = {}) {
+        const std::string file = folder_.write("session.toml", session_).string();
+        return run_thimble(words_in(fmt::format("run {} --clock {} --out {} --base-port {}", file, clock,
+                                                (folder_ / out).string(), ports_.base()),
+                                    more));
+    }
+    fs::path log(const std::string& out, const std::string& program, int trial) const {
+        return folder_ / out / "nodes" / fmt::format("{}_50ms_trial{:02}.mcap", program, trial);
+    }
+    std::string messages(const fs::path& file) const {
+        const Outcome outcome = run_thimble({"log", "cat", file.string()});
+        EXPECT_EQ(outcome.code, 0) << outcome.words;
+        return outcome.words;
+    }
+    std::vector<std::string> programs() const {
+        std::vector<std::string> all{kNodePrograms.begin(), kNodePrograms.end()};
+        all.emplace_back("session");
+        return all;
+    }
+
+    const Folder folder_;
+    const PortBlock ports_;
+    std::string session_ = kLoggedSession;
+};
+
+TEST_F(LockStepLog, IsTheSameEachTimeAndChangesNoByteOfTheResults) {
+    for (const char* out : {"one", "other"}) {
+        const Outcome outcome = run(out, "lock-step");
+        ASSERT_EQ(outcome.code, 0) << outcome.words;
+    }
+    for (const std::string& program : programs()) {
+        for (const int trial : {1, 2}) {
+            SCOPED_TRACE(fmt::format("{} {}", program, trial));
+            const std::string one = messages(log("one", program, trial));
+            EXPECT_GT(one.size(), 1000U);
+            EXPECT_TRUE(one == messages(log("other", program, trial)));
+        }
+    }
+    session_ = session_.substr(0, session_.find("[log]"));
+    ASSERT_EQ(run("virtual", "virtual").code, 0);
+    EXPECT_EQ(read_text(folder_ / "one/trials.csv"), read_text(folder_ / "virtual/trials.csv"));
+}
+
+TEST_F(LockStepLog, PassesItsCheckAndIsReplacedOnRequest) {
+    for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--overwrite"}}) {
+        const Outcome outcome = run("one", "lock-step", more);
+        ASSERT_EQ(outcome.code, 0) << outcome.words;
+    }
+    std::vector<std::string> check{"log", "check"};
+    for (const std::string& program : programs()) check.push_back(log("one", program, 1).string());
+    const Outcome outcome = run_thimble(check);
+    EXPECT_EQ(outcome.code, 0) << outcome.words;
+    EXPECT_THAT(messages(log("one", "session", 2)), HasSubstr("/slave_sim/record"));
+}
+
+}  // namespace
+}  // namespace thimble
