@@ -1,6 +1,7 @@
 #include "common/network_settings.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace thimble {
 
@@ -57,6 +58,11 @@ Port stop_port(Role role) {
 
 Endpoint NetworkSettings::at(Port port) const {
     return {host(owner(port)), static_cast<std::uint16_t>(base_port + static_cast<std::uint16_t>(port))};
+}
+
+std::string NetworkSettings::rig() const {
+    if (!security.rig.empty()) return fmt::format("name {} {}", security.rig, base_port);
+    return fmt::format("hosts {} {}", fmt::join(hosts, " "), base_port);
 }
 
 NetworkSettings read_network_settings(const ConfigFile& file) {

@@ -59,6 +59,7 @@ int check(const CheckOptions& options) {
                     options.config + " has no [cutaneous.drives] with a bus, so there is nothing to check");
     }
     NetworkSettings network;
+    network.security.mode = SecurityMode::kNone;  // of this program, which talks to no other
     network.security.allow_unprotected_network = read_security_settings(file).allow_unprotected_network;
     Sockets sockets{network};
     const auto bus = open_bus(settings.drives, sockets);

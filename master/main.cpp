@@ -7,6 +7,7 @@
 #include "common/error.hpp"
 #include "common/runtime/node_program.hpp"
 #include "common/runtime/node_report.hpp"
+#include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -93,6 +94,7 @@ int main(int argc, char** argv) {
     program.build = [&pointer](const ConfigFile& file, Sockets& sockets, std::uint64_t instance) {
         HandleSettings settings = read_handle_settings(file.table("handle"));
         if (pointer) settings.kind = HandleKind::kPointer;
+        if (is_real(settings.kind)) require_protection_of_handle(sockets.settings());
         return std::make_unique<Master>(file, sockets, instance, settings);
     };
     return run_node_program(program, argc, argv);

@@ -71,7 +71,7 @@ nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& 
                      {"send_failed", udp.send_failed},
                      {"foreign_source", udp.foreign_source},
                      {"too_long", udp.too_long}};
-    report["security"] = describe_security(sockets.security());
+    report["security"] = describe_security(sockets);
     report["deadlines"] = loop.deadlines;
     report["deadlines_missed"] = loop.missed;
     report["overruns"] = overruns;
@@ -298,7 +298,7 @@ class ConductedNode {
     std::optional<LockStepMessage> run_trial(LockStepEnd& conductor, const LockStepMessage& begin) {
         const auto log_file = log_path_of_trial(log_path(program_, options_, settings_.logging), ++trials_);
         const auto log = log_of_trial(log_file);
-        Sockets sockets(settings_.network);
+        Sockets sockets(without_user_key(settings_.network));
         sockets.count_datagrams(Duration{begin.time_ns});
         const bool all = settings_.logging.messages == LoggedMessages::kAll && !program_.relays;
         if (log) sockets.record_to(*log, all);

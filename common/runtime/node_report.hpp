@@ -3,21 +3,27 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/security/security.hpp"
+#include "common/runtime/sockets.hpp"
 #include "common/stale_policy.hpp"
 #include "common/stale_record.hpp"
 
 namespace thimble {
 
-// Counts of protected datagrams; null: without protection.
-inline nlohmann::ordered_json describe_security(const Security* security) {
-    if (security == nullptr) return {{"mode", "none"}};
-    const SecurityCounters c = security->counters();
-    return {{"mode", "lab-key"},          {"sealed", c.sealed},
-            {"opened", c.opened},         {"handshakes", c.handshakes},
-            {"forged", c.forged},         {"replayed", c.replayed},
-            {"wrong_role", c.wrong_role}, {"no_key", c.no_key},
-            {"unsealed", c.unsealed},     {"handshake_refused", c.handshake_refused},
+// The mode, and counts of protected datagrams.
+inline nlohmann::ordered_json describe_security(const Sockets& sockets) {
+    const std::string_view mode = to_string(sockets.settings().security.mode);
+    if (sockets.security() == nullptr) return {{"mode", mode}};
+    const SecurityCounters c = sockets.security()->counters();
+    return {{"mode", mode},
+            {"sealed", c.sealed},
+            {"opened", c.opened},
+            {"handshakes", c.handshakes},
+            {"forged", c.forged},
+            {"replayed", c.replayed},
+            {"wrong_role", c.wrong_role},
+            {"no_key", c.no_key},
+            {"unsealed", c.unsealed},
+            {"handshake_refused", c.handshake_refused},
             {"not_sent", c.not_sent}};
 }
 

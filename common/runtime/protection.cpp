@@ -24,18 +24,40 @@ void hide_memory() {
                 std::strerror(errno));
 }
 
-void require_protection(const NetworkSettings& settings) {
-    if (settings.security.mode != SecurityMode::kNone) return;
-    if (settings.security.mode_given && settings.security.allow_unprotected_network) return;
+namespace {
+
+// Empty: all are on this machine.
+std::string host_elsewhere(const NetworkSettings& settings) {
     const auto& hosts = settings.hosts;
     const auto outside = std::find_if(hosts.begin(), hosts.end(), leaves_this_machine);
-    if (outside == hosts.end()) return;
+    return outside == hosts.end() ? std::string() : *outside;
+}
+
+}  // namespace
+
+void require_protection(const NetworkSettings& settings) {
+    const SecuritySettings& security = settings.security;
+    if (security.mode == SecurityMode::kLabKey) return;
+    if (security.mode == SecurityMode::kNone && security.allow_unprotected_network) return;
+    const std::string outside = host_elsewhere(settings);
+    if (outside.empty()) return;
     throw Error(ExitCode::kUsage,
                 "[network] names the host '{}', which is not this machine or cannot be resolved here, and "
-                "anybody between the machines could move the needle: make a key with 'thimble keygen', copy "
-                "it to each machine and set [security] mode = \"lab-key\" (docs/security.md). To do without, "
-                "say both mode = \"none\" and allow_unprotected_network = true",
-                *outside);
+                "[security] mode \"{}\" protects nothing between machines: make a key with 'thimble keygen', "
+                "copy it to each machine and set mode = \"lab-key\" (docs/security.md). To do without, say "
+                "both mode = \"none\" and allow_unprotected_network = true",
+                outside, to_string(security.mode));
+}
+
+void require_protection_of_handle(const NetworkSettings& settings) {
+    if (settings.security.mode != SecurityMode::kNone) return;
+    const std::string outside = host_elsewhere(settings);
+    if (outside.empty()) return;
+    throw Error(
+        ExitCode::kUsage,
+        "a real handle takes no force from an unprotected network, and [network] names the host '{}': "
+        "set [security] mode = \"lab-key\" (docs/security.md), or [handle] device = \"simulated\"",
+        outside);
 }
 
 void require_protection_of_device(const SecuritySettings& settings, const std::string& host) {
@@ -49,19 +71,29 @@ void require_protection_of_device(const SecuritySettings& settings, const std::s
 
 void warn_if_unprotected(const NetworkSettings& settings) {
     if (settings.security.mode != SecurityMode::kNone) return;
-    const auto& hosts = settings.hosts;
-    if (std::none_of(hosts.begin(), hosts.end(), leaves_this_machine)) return;
+    const bool here = host_elsewhere(settings).empty();
     spdlog::warn(
-        "datagrams between machines are not protected ([security] mode is none): anybody on the network can "
-        "move the needle; make a key with 'thimble keygen' (docs/security.md)");
+        "datagrams are not protected ([security] mode is none): anybody on {} can move the needle; {}",
+        here ? "this machine" : "the network",
+        here ? "leave mode out (docs/security.md)" : "make a key with 'thimble keygen' (docs/security.md)");
 }
 
-std::unique_ptr<Security> make_security(const SecuritySettings& settings) {
-    if (settings.mode == SecurityMode::kNone) return nullptr;
-    hide_memory();
+NetworkSettings without_user_key(NetworkSettings settings) {
+    if (settings.security.mode == SecurityMode::kUserKey) settings.security.mode = SecurityMode::kNone;
+    return settings;
+}
+
+std::unique_ptr<Security> make_security(const NetworkSettings& settings) {
+    const SecuritySettings& security = settings.security;
+    if (security.mode == SecurityMode::kNone) return nullptr;
     prepare_security();
-    auto key = std::make_shared<const LabKey>(read_lab_key(lab_key_file(settings.key_file)));
-    return std::make_unique<Security>(std::move(key), system_random_bytes());
+    const RandomBytes random = system_random_bytes();
+    if (security.mode == SecurityMode::kLabKey) hide_memory();
+    const LabKey key = security.mode == SecurityMode::kUserKey
+                           ? own_user_key(random)
+                           : read_lab_key(lab_key_file(security.key_file));
+    return std::make_unique<Security>(std::make_shared<const LabKey>(key_of_rig(key, settings.rig())),
+                                      random);
 }
 
 }  // namespace thimble

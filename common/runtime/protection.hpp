@@ -8,18 +8,24 @@
 
 namespace thimble {
 
-// Throws Error (usage) if datagrams would leave this machine unprotected without the file's saying so twice.
+// Throws Error (usage) if datagrams would leave this machine unprotected without the file's saying so twice, or under a user key,
+// which other machines do not have.
 void require_protection(const NetworkSettings& settings);
+// Throws Error (usage) if they would leave it unprotected at all: before a real handle is opened.
+void require_protection_of_handle(const NetworkSettings& settings);
 // The same of a device's own protocol, which nothing here protects.
 void require_protection_of_device(const SecuritySettings& settings, const std::string& host);
-// One line on stderr if datagrams leave this machine unprotected. Only users of this machine reach loopback.
+// One line on stderr in mode "none".
 void warn_if_unprotected(const NetworkSettings& settings);
+// For lock-step: strangers are told by their ports there, and by default datagrams need no key.
+NetworkSettings without_user_key(NetworkSettings settings);
 
 // From now on this process leaves no core dump, and others of the same user cannot look into it: before a key is read or made.
 // Throws Error (run failed) if the system does not allow that.
 void hide_memory();
 
-// None in mode "none". Reads the lab key; after hide_memory(). Throws Error as both do.
-std::unique_ptr<Security> make_security(const SecuritySettings& settings);
+// None in mode "none". Reads the key, of a lab after hide_memory(): every program of this user can read the user key anyway.
+// Throws Error as these do.
+std::unique_ptr<Security> make_security(const NetworkSettings& settings);
 
 }  // namespace thimble

@@ -7,7 +7,7 @@ namespace thimble {
 
 Sockets::Sockets(NetworkSettings settings) : settings_(std::move(settings)) {
     require_protection(settings_);
-    security_ = make_security(settings_.security);
+    security_ = make_security(settings_);
 }
 
 UdpChannel* Sockets::open(const std::optional<Endpoint>& local, const Endpoint& remote) {

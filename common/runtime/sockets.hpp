@@ -21,7 +21,7 @@ using DatagramCounts = std::array<std::uint16_t, kPortCount>;
 
 class Sockets final : public Ports {
   public:
-    // Throws Error (usage) if the settings leave other machines unprotected without saying so twice, or as read_lab_key() does.
+    // Throws Error as require_protection() and make_security() do.
     explicit Sockets(NetworkSettings settings);
 
     // The log gets all messages of channels opened from now on: of the control channels, or of all but the devices' channels. Before anything is opened; `log` outlives this.

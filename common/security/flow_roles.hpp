@@ -1,6 +1,8 @@
 // The two ends of each flow, regardless of relays between them.
 #pragma once
 
+#include <array>
+
 #include "common/network_settings.hpp"
 
 namespace thimble {
@@ -21,17 +23,44 @@ constexpr Port final_port(Port port) {
     }
 }
 
-// The role that may seal messages for `port`.
-inline Role speaker(Port port) {
-    if (port == Port::kSlaveNeedle) return Role::kMaster;
-    const Role heard = flow(port).hears;
-    return heard == Role::kNetem && owner(port) != Role::kSession ? Role::kSlaveSim : heard;
+// A flow under a key of its own. A hop is one half of the way through the relay: to the relay, or from it.
+struct KeyedFlow {
+    Port port = Port::kCount;  // where it is read: by its last receiver, or at the end of the hop
+    bool hop = false;
+
+    bool operator==(const KeyedFlow&) const = default;
+};
+
+// The role that may seal messages of a flow.
+inline Role speaker(const KeyedFlow& keyed) {
+    const Role heard = flow(keyed.port).hears;
+    if (keyed.hop || heard != Role::kNetem) return heard;
+    return keyed.port == Port::kSlaveNeedle ? Role::kMaster : Role::kSlaveSim;
+}
+
+// Whether a datagram comes to `port` on a hop.
+constexpr bool ends_hop(Port port) {
+    return final_port(port) != port || port == Port::kSlaveNeedle || port == Port::kMasterForce ||
+           port == Port::kCutaneousForce || port == Port::kVisualForce;
 }
 
 // The one-way flows, whose keys come from the session; all others have a way back and agree on theirs.
-inline constexpr std::array kKeyedFlows{
-    Port::kSessionRecord,       Port::kMasterForce, Port::kMasterPerceptCutaneous,
-    Port::kMasterPerceptVisual, Port::kSlaveNeedle, Port::kCutaneousForce,
-    Port::kVisualForce,         Port::kVisualBeep,  Port::kMasterHand};
+inline constexpr std::array<KeyedFlow, 17> kKeyedFlows{{{Port::kSessionRecord},
+                                                        {Port::kMasterForce},
+                                                        {Port::kMasterPerceptCutaneous},
+                                                        {Port::kMasterPerceptVisual},
+                                                        {Port::kSlaveNeedle},
+                                                        {Port::kCutaneousForce},
+                                                        {Port::kVisualForce},
+                                                        {Port::kVisualBeep},
+                                                        {Port::kMasterHand},
+                                                        {Port::kNetemNeedle, true},
+                                                        {Port::kSlaveNeedle, true},
+                                                        {Port::kNetemForceMaster, true},
+                                                        {Port::kMasterForce, true},
+                                                        {Port::kNetemForceCutaneous, true},
+                                                        {Port::kCutaneousForce, true},
+                                                        {Port::kNetemForceVisual, true},
+                                                        {Port::kVisualForce, true}}};
 
 }  // namespace thimble

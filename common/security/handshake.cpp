@@ -5,7 +5,6 @@
 #include <sodium.h>
 #include <string_view>
 
-#include "common/security/flow_roles.hpp"
 #include "common/security/keyed_hash.hpp"
 
 namespace thimble {
@@ -63,7 +62,7 @@ HandshakeBytes write_handshake(const LabKey& lab, const HandshakeMessage& messag
 std::optional<HandshakeMessage> read_handshake(const LabKey& lab, Port port, Bytes datagram) {
     const auto header = read_seal_header(datagram);
     if (!header || header->port != port || datagram.size() != kHandshakeBytes) return std::nullopt;
-    if (header->kind < PacketKind::kHello) return std::nullopt;
+    if (!is_handshake(header->kind)) return std::nullopt;
     if (!same_bytes(lab_code(lab, datagram), datagram.subspan(kCodeAt, kCodeBytes))) return std::nullopt;
     // Where nothing is proven there is nothing that could be changed on the way.
     const Bytes proof = datagram.subspan(kProofAt, kCodeBytes);
@@ -100,18 +99,24 @@ std::optional<AgreedKeys> agree(const LabKey& lab, const HandshakeParties& parti
     return keys;
 }
 
-SecretKey flow_key(const SecretKey& epoch_secret, Port port) {
+SecretKey flow_key(const SecretKey& epoch_secret, const KeyedFlow& keyed) {
     SecretKey key;
     KeyedHash(epoch_secret.bytes, kKeyBytes)
-        .add("thimble-1 flow ")
-        .add(to_string(speaker(port)))
+        .add(keyed.hop ? "thimble-1 hop " : "thimble-1 flow ")
+        .add(to_string(speaker(keyed)))
         .add(" -> ")
-        .add(to_string(owner(port)))
+        .add(to_string(owner(keyed.port)))
         .add(": ")
-        .add(flow(port).what)
-        .add(port)
+        .add(flow(keyed.port).what)
+        .add(keyed.port)
         .finish(key.bytes);
     return key;
+}
+
+LabKey key_of_rig(const LabKey& key, std::string_view rig) {
+    SecretKey bound;
+    KeyedHash(key.bytes(), kKeyBytes).add("thimble-1 rig ").add(rig).finish(bound.bytes);
+    return LabKey(bound.bytes);
 }
 
 }  // namespace thimble

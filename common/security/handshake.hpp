@@ -11,7 +11,9 @@
 
 #include <array>
 #include <optional>
+#include <string_view>
 
+#include "common/security/flow_roles.hpp"
 #include "common/security/sealing.hpp"
 
 namespace thimble {
@@ -53,6 +55,10 @@ std::optional<AgreedKeys> agree(const LabKey& lab, const HandshakeParties& parti
                                 const PublicKey& theirs);
 
 // The key of a one-way flow, from the secret of an epoch: names who may seal it, for whom, and what.
-SecretKey flow_key(const SecretKey& epoch_secret, Port port);
+SecretKey flow_key(const SecretKey& epoch_secret, const KeyedFlow& keyed);
+
+// The key that the programs of one rig use in place of `key`, so that no word of another rig means anything to them.
+// `rig`: as NetworkSettings::rig() says it.
+LabKey key_of_rig(const LabKey& key, std::string_view rig);
 
 }  // namespace thimble

@@ -10,6 +10,7 @@ namespace thimble {
 namespace {
 
 constexpr std::uint8_t kGrant = 1, kReceipt = 2;
+constexpr std::uint8_t kHopBit = 0x80;  // beside the port
 constexpr std::size_t kGrantHead = 1 + 8 + 4 + 1 + 1, kFlowKeyBytes = 1 + kKeyBytes;
 static_assert(kGrantHead + kMostFlowKeys * kFlowKeyBytes <= kMaxSealedTextBytes);
 
@@ -23,7 +24,8 @@ Bytes write_grant(const KeyGrant& grant, KeyText& out) {
     out[14] = static_cast<std::uint8_t>(grant.count);
     std::uint8_t* at = &out[kGrantHead];
     for (std::size_t i = 0; i < grant.count; ++i, at += kFlowKeyBytes) {
-        *at = static_cast<std::uint8_t>(grant.keys[i].port);
+        const KeyedFlow& keyed = grant.keys[i].keyed;
+        *at = static_cast<std::uint8_t>(static_cast<std::uint8_t>(keyed.port) | (keyed.hop ? kHopBit : 0));
         std::copy(grant.keys[i].key.bytes.begin(), grant.keys[i].key.bytes.end(), at + 1);
     }
     return Bytes(out).first(kGrantHead + grant.count * kFlowKeyBytes);
@@ -40,8 +42,9 @@ std::optional<KeyGrant> read_grant(Bytes text) {
     if (text.size() != kGrantHead + grant.count * kFlowKeyBytes) return std::nullopt;
     const std::uint8_t* at = text.data() + kGrantHead;
     for (std::size_t i = 0; i < grant.count; ++i, at += kFlowKeyBytes) {
-        if (*at >= kPortCount) return std::nullopt;
-        grant.keys[i].port = static_cast<Port>(*at);
+        const auto port = static_cast<std::uint8_t>(*at & ~kHopBit);
+        if (port >= kPortCount) return std::nullopt;
+        grant.keys[i].keyed = {static_cast<Port>(port), (*at & kHopBit) != 0};
         std::copy_n(at + 1, kKeyBytes, grant.keys[i].key.bytes.begin());
     }
     return grant;
@@ -65,17 +68,17 @@ constexpr Duration kTellPeriod = std::chrono::milliseconds{50};
 
 }  // namespace
 
-void FlowEnds::expect(Port port, const SecretKey& key) const {
+void FlowEnds::expect(const KeyedFlow& keyed, const SecretKey& key) const {
     for (SecureInlet* inlet : inlets) {
-        if (inlet->port() != port) continue;
+        if (inlet->keyed() != keyed) continue;
         inlet->openers().before = inlet->openers().now;
         inlet->openers().now.arm(key);
     }
 }
 
-void FlowEnds::use(Port port, const SecretKey& key) const {
+void FlowEnds::use(const KeyedFlow& keyed, const SecretKey& key) const {
     for (SecureOutlet* outlet : outlets) {
-        if (outlet->port() == port) outlet->sealer().arm(key);
+        if (outlet->keyed() == keyed) outlet->sealer().arm(key);
     }
 }
 
@@ -121,8 +124,8 @@ void KeyRing::take(const KeyGrant& grant) {
     if (fresh) forget_at_ = kNever;  // the keys before are now those in use
     for (std::size_t i = 0; i < grant.count; ++i) {
         const FlowKey& one = grant.keys[i];
-        if (fresh) ends_->expect(one.port, one.key);
-        if (grant.in_use && (fresh || !grant_.in_use)) ends_->use(one.port, one.key);
+        if (fresh) ends_->expect(one.keyed, one.key);
+        if (grant.in_use && (fresh || !grant_.in_use)) ends_->use(one.keyed, one.key);
     }
     const bool in_use = grant.in_use || (!fresh && grant_.in_use);
     if (grant.in_use && (fresh || !grant_.in_use)) forget_at_ = now_ + times_.grace;
@@ -183,16 +186,14 @@ void KeyServer::begin_epoch() {
     forget_at_ = kNever;  // the keys before are now those in use
     ++epoch_;
     random_(secret_.bytes);
-    for (const Port port : kKeyedFlows) {
-        if (owner(port) == Role::kSession) ends_->expect(port, flow_key(secret_, port));
-    }
+    for (const KeyedFlow& keyed : kKeyedFlows) ends_->expect(keyed, flow_key(secret_, keyed));
     begun_ = now_;
     next_tell_ = now_;
 }
 
 void KeyServer::use_epoch() {
     in_use_ = true;
-    for (const Port port : kKeyedFlows) ends_->use(port, flow_key(secret_, port));
+    for (const KeyedFlow& keyed : kKeyedFlows) ends_->use(keyed, flow_key(secret_, keyed));
     forget_at_ = now_ + times_.grace;
     next_tell_ = now_;
 }
@@ -205,10 +206,10 @@ void KeyServer::tell() {
         grant.session = session_;
         grant.epoch = epoch_;
         grant.in_use = in_use_;
-        for (const Port port : kKeyedFlows) {
-            const Role role = member.pair->peer();
-            if (owner(port) != role && speaker(port) != role) continue;
-            grant.keys[grant.count++] = {port, flow_key(secret_, port)};
+        const Role role = member.pair->peer();
+        for (const KeyedFlow& keyed : kKeyedFlows) {
+            if (owner(keyed.port) != role && speaker(keyed) != role) continue;
+            grant.keys[grant.count++] = {keyed, flow_key(secret_, keyed)};
         }
         member.pair->send_keys(write_grant(grant, text_));
         next_tell_ = now_ + kTellPeriod;

@@ -17,10 +17,10 @@ namespace thimble {
 
 // Messages between session and node about the keys of one-way flows, inside their secured control channel. Little endian.
 struct FlowKey {
-    Port port = Port::kCount;
+    KeyedFlow keyed;
     SecretKey key;
 };
-inline constexpr std::size_t kMostFlowKeys = 8;  // of one node
+inline constexpr std::size_t kMostFlowKeys = 10;  // of one node
 
 // Session to node: the keys of one epoch of one session. Not yet in use: the node opens with them, and seals as before.
 struct KeyGrant {
@@ -49,9 +49,9 @@ struct FlowEnds {
     std::vector<SecureOutlet*> outlets;
 
     // The receiving ends open with this key as well; the one before stays until forget_before().
-    void expect(Port port, const SecretKey& key) const;
+    void expect(const KeyedFlow& keyed, const SecretKey& key) const;
     // The sending end seals with it from now on.
-    void use(Port port, const SecretKey& key) const;
+    void use(const KeyedFlow& keyed, const SecretKey& key) const;
     void forget_before() const;
     void forget_all() const;
     std::uint64_t most_packets() const;  // sealed under one key

@@ -28,12 +28,26 @@ std::string_view environment(const char* name) {
     return value == nullptr ? std::string_view{} : value;
 }
 
-std::filesystem::path home() {
+// How messages name a key, and how its owner gets another one.
+struct KeyKind {
+    const char *name, *anew;
+};
+constexpr KeyKind kLab{"lab key", "make one with 'thimble keygen', and copy it to each machine"},
+    kUser{"user key", "remove it, and the next program makes another one"};
+
+std::filesystem::path home(const char* remedy) {
     const std::string_view folder = environment("HOME");
-    if (folder.empty())
-        throw Error(ExitCode::kUsage,
-                    "there is no home folder for the lab key: name a file in [security] key_file");
+    if (folder.empty()) throw Error(ExitCode::kUsage, "HOME names no folder for the key: {}", remedy);
     return folder;
+}
+
+constexpr const char* kNameAFile = "name a file in [security] key_file";
+
+// Of the XDG base directories. The standard: a relative one is to be ignored.
+std::filesystem::path own_folder(const char* variable, const char* below_home, const char* remedy) {
+    const std::string_view folder = environment(variable);
+    const bool usable = !folder.empty() && folder.front() == '/';
+    return (usable ? std::filesystem::path(folder) : home(remedy) / below_home) / "thimble";
 }
 
 void wipe(Line& line) { sodium_memzero(line.data(), line.size()); }
@@ -45,20 +59,20 @@ bool is_credential(const std::filesystem::path& path, const struct stat& found) 
     return !folder.empty() && path.parent_path() == folder && found.st_uid == 0 && readable_only;
 }
 
-void check_owner_alone(const std::filesystem::path& path, const struct stat& found) {
+void check_owner_alone(const std::filesystem::path& path, const struct stat& found, const KeyKind& kind) {
     if (!S_ISREG(found.st_mode))
-        throw Error(ExitCode::kUsage, "the lab key '{}' is not a file", path.string());
+        throw Error(ExitCode::kUsage, "the {} '{}' is not a file", kind.name, path.string());
     if (is_credential(path, found)) return;
     if (found.st_uid != geteuid()) {
         throw Error(ExitCode::kUsage,
-                    "the lab key '{}' belongs to somebody else: copy it into a file of your own, or chown it",
-                    path.string());
+                    "the {} '{}' belongs to somebody else: copy it into a file of your own, or chown it",
+                    kind.name, path.string());
     }
     if ((found.st_mode & 07777U) == 0600 || (found.st_mode & 07777U) == 0400) return;
     throw Error(ExitCode::kUsage,
-                "the lab key '{0}' may be read or changed by others (mode {1:04o}): chmod 600 '{0}'; if "
-                "others had access, make a new key with thimble keygen",
-                path.string(), found.st_mode & 07777U);
+                "the {2} '{0}' may be read or changed by others (mode {1:04o}): chmod 600 '{0}'; if "
+                "others had access: {3}",
+                path.string(), found.st_mode & 07777U, kind.name, kind.anew);
 }
 
 std::optional<LabKey> parse_line(const Line& line, std::size_t size) {
@@ -74,7 +88,7 @@ std::optional<LabKey> parse_line(const Line& line, std::size_t size) {
     return LabKey(key.bytes);
 }
 
-bool write_line(const std::filesystem::path& path, int file, const RandomBytes& random) {
+bool write_line(int file, const RandomBytes& random) {
     SecretKey key;
     random(key.bytes);
     Line line{};
@@ -85,17 +99,46 @@ bool write_line(const std::filesystem::path& path, int file, const RandomBytes& 
     const bool written =
         write(file, line.data(), kLineBytes) == static_cast<ssize_t>(kLineBytes) && fsync(file) == 0;
     wipe(line);
-    if (!written) unlink(path.c_str());
     return written;
+}
+
+// The file gets its name when it is complete, so of two programs that make it at once both read one key. Returns errno; 0: made.
+int make_key_file(const std::filesystem::path& path, const RandomBytes& random) {
+    std::string draft = path.string() + ".XXXXXX";
+    const FileDescriptor file(mkostemp(draft.data(), O_CLOEXEC));
+    if (file.get() < 0) return errno;
+    fchmod(file.get(), 0600);  // whatever the umask says
+    errno = ENOSPC;            // of a line that was written in part
+    const bool named = write_line(file.get(), random) && link(draft.c_str(), path.c_str()) == 0;
+    const int error = named ? 0 : errno;
+    unlink(draft.c_str());
+    return error;
+}
+
+LabKey read_key(const std::filesystem::path& path, const KeyKind& kind) {
+    const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    struct stat found {};
+    if (file.get() < 0 || fstat(file.get(), &found) != 0) {
+        throw Error(ExitCode::kUsage, "cannot read the {} '{}': {}; {} (docs/security.md)", kind.name,
+                    path.string(), std::strerror(errno), kind.anew);
+    }
+    check_owner_alone(path, found, kind);
+    Line line{};
+    const auto size = read(file.get(), line.data(), line.size());
+    auto key = parse_line(line, size < 0 ? 0 : static_cast<std::size_t>(size));
+    wipe(line);
+    if (!key) {
+        throw Error(ExitCode::kData,
+                    "'{}' holds no {}: one line '{}BASE64' is expected, as thimble keygen writes it; {}",
+                    path.string(), kind.name, kWord, kind.anew);
+    }
+    return std::move(*key);
 }
 
 }  // namespace
 
 std::filesystem::path default_lab_key_file() {
-    const std::string_view folder = environment("XDG_CONFIG_HOME");
-    // The standard: a relative one is to be ignored.
-    const bool usable = !folder.empty() && folder.front() == '/';
-    return (usable ? std::filesystem::path(folder) : home() / ".config") / "thimble" / "lab.key";
+    return own_folder("XDG_CONFIG_HOME", ".config", kNameAFile) / "lab.key";
 }
 
 std::filesystem::path lab_key_file(std::string_view setting) {
@@ -103,7 +146,7 @@ std::filesystem::path lab_key_file(std::string_view setting) {
         auto credential = std::filesystem::path(given) / "lab.key";
         if (access(credential.c_str(), F_OK) == 0) return credential;
     }
-    if (setting.starts_with("~/")) return home() / setting.substr(2);
+    if (setting.starts_with("~/")) return home(kNameAFile) / setting.substr(2);
     if (!setting.empty()) return setting;
     const std::string_view named = environment("THIMBLE_LAB_KEY_FILE");
     return named.empty() ? default_lab_key_file() : std::filesystem::path(named);
@@ -112,42 +155,36 @@ std::filesystem::path lab_key_file(std::string_view setting) {
 void create_lab_key(const std::filesystem::path& path, const RandomBytes& random) {
     refuse_folder(path);
     make_folder(path.parent_path());
-    const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
-    if (file.get() < 0) {
-        const int error = errno;
-        throw Error(
-            ExitCode::kData,
-            error == EEXIST
-                ? fmt::format(
-                      "'{}' exists, and a key is never overwritten: name another file, or move it away",
-                      path.string())
-                : fmt::format("cannot make '{}': {}", path.string(), std::strerror(error)));
-    }
-    fchmod(file.get(), 0600);  // whatever the umask says
-    if (!write_line(path, file.get(), random))
-        throw Error(ExitCode::kData, "cannot write the lab key '{}': is the disk full?", path.string());
+    const int error = make_key_file(path, random);
+    if (error == 0) return;
+    throw Error(
+        ExitCode::kData, "{}",
+        error == EEXIST
+            ? fmt::format("'{}' exists, and a key is never overwritten: name another file, or move it away",
+                          path.string())
+            : fmt::format("cannot make '{}': {}", path.string(), std::strerror(error)));
 }
 
-LabKey read_lab_key(const std::filesystem::path& path) {
-    const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-    struct stat found {};
-    if (file.get() < 0 || fstat(file.get(), &found) != 0) {
-        throw Error(ExitCode::kUsage,
-                    "cannot read the lab key '{}': {}; make one with 'thimble keygen', and copy it to each "
-                    "machine (docs/security.md)",
-                    path.string(), std::strerror(errno));
-    }
-    check_owner_alone(path, found);
-    Line line{};
-    const auto size = read(file.get(), line.data(), line.size());
-    auto key = parse_line(line, size < 0 ? 0 : static_cast<std::size_t>(size));
-    wipe(line);
-    if (!key) {
-        throw Error(ExitCode::kData,
-                    "'{}' holds no lab key: one line '{}BASE64' is expected, as thimble keygen writes it",
-                    path.string(), kWord);
-    }
-    return std::move(*key);
+LabKey read_lab_key(const std::filesystem::path& path) { return read_key(path, kLab); }
+
+std::filesystem::path user_key_file() {
+    return own_folder("XDG_STATE_HOME", ".local/state",
+                      "set XDG_STATE_HOME to a folder that you can write, or set [security] mode = "
+                      "\"lab-key\" and key_file (docs/security.md)") /
+           "user.key";
+}
+
+LabKey own_user_key(const RandomBytes& random) {
+    const std::filesystem::path path = user_key_file();
+    if (access(path.c_str(), F_OK) == 0) return read_key(path, kUser);
+    std::error_code folder;
+    std::filesystem::create_directories(path.parent_path(), folder);
+    const int error = folder ? folder.value() : make_key_file(path, random);
+    if (error == 0 || error == EEXIST) return read_key(path, kUser);
+    throw Error(ExitCode::kUsage,
+                "cannot make the user key '{}': {}; set XDG_STATE_HOME to a folder that you can write "
+                "(docs/security.md)",
+                path.string(), std::strerror(error));
 }
 
 }  // namespace thimble

@@ -1,4 +1,5 @@
-// The lab key as a file: one line, "thimble-lab-key-1 " and 32 bytes in base64, readable by its owner alone.
+// Keys as files: one line, "thimble-lab-key-1 " and 32 bytes in base64, readable by its owner alone. The lab key is made by a person,
+// the user key by the first program that needs it.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +11,8 @@ namespace thimble {
 
 // XDG_CONFIG_HOME/thimble/lab.key, by default ~/.config/thimble/lab.key. Throws Error (usage) without a home.
 std::filesystem::path default_lab_key_file();
-// The file that systemd hands a service as the credential "lab.key"; else the setting if it is not empty (a leading "~/" is the home), else the environment's THIMBLE_LAB_KEY_FILE, else the default.
+// The file that systemd hands a service as the credential "lab.key"; else the setting if it is not empty (a leading "~/" is the
+// home), else the environment's THIMBLE_LAB_KEY_FILE, else the default.
 std::filesystem::path lab_key_file(std::string_view setting);
 
 // A key of random bits in a new file, and whatever folders it needs. Throws Error (data) if there is a file of that name: a key
@@ -19,5 +21,11 @@ void create_lab_key(const std::filesystem::path& path, const RandomBytes& random
 // Throws Error: usage, if there is none, if it is not ours or not ours alone, with the command that mends it; data, if it is no
 // key.
 LabKey read_lab_key(const std::filesystem::path& path);
+
+// XDG_STATE_HOME/thimble/user.key, by default ~/.local/state/thimble/user.key. Throws Error (usage) without a home.
+std::filesystem::path user_key_file();
+// Reads that file, and makes it where there is none. Programs that start at once get one key. Throws Error: usage, if it cannot be
+// made or as read_lab_key() does; data, if it is no key.
+LabKey own_user_key(const RandomBytes& random);
 
 }  // namespace thimble

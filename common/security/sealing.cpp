@@ -21,6 +21,9 @@ Nonce nonce_of(std::uint64_t counter) {
     return nonce;
 }
 
+// So many bytes of the text are covered by the tag and stay readable.
+std::size_t readable(PacketKind kind, std::size_t size) { return kind == PacketKind::kHop ? size : 0; }
+
 std::uint32_t name_of(const SecretKey& key) {
     constexpr const char* kLabel = "thimble-1 name of a key";
     std::array<std::uint8_t, crypto_generichash_BYTES_MIN> hash{};
@@ -42,8 +45,7 @@ void write_seal_header(const SealHeader& header, std::span<std::uint8_t, kSealHe
 std::optional<SealHeader> read_seal_header(Bytes datagram) {
     if (datagram.size() < kSealOverheadBytes || datagram.size() > kMaxDatagramBytes) return std::nullopt;
     const bool known = datagram[2] >= static_cast<std::uint8_t>(PacketKind::kData) &&
-                       datagram[2] <= static_cast<std::uint8_t>(PacketKind::kAccept) &&
-                       datagram[3] < kPortCount;
+                       datagram[2] <= static_cast<std::uint8_t>(PacketKind::kHop) && datagram[3] < kPortCount;
     if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin()) || !known) return std::nullopt;
     return SealHeader{static_cast<PacketKind>(datagram[2]), static_cast<Port>(datagram[3]),
                       read_little_endian<std::uint32_t>(&datagram[4]),
@@ -73,12 +75,14 @@ void Sealer::arm(const SecretKey& key) {
 Bytes Sealer::seal(PacketKind kind, Port port, Bytes text) {
     if (!armed_ || text.size() > kMaxSealedTextBytes || counter_ >= kMostPackets) return {};
     write_seal_header({kind, port, name_, ++counter_}, std::span(buffer_).first<kSealHeaderBytes>());
+    const std::size_t open = readable(kind, text.size()), covered = kSealHeaderBytes + open;
+    std::copy_n(text.begin(), open, buffer_.begin() + kSealHeaderBytes);
     unsigned long long sealed = 0;
     const Nonce nonce = nonce_of(counter_);
-    crypto_aead_chacha20poly1305_ietf_encrypt(buffer_.data() + kSealHeaderBytes, &sealed, text.data(),
-                                              text.size(), buffer_.data(), kSealHeaderBytes, nullptr,
+    crypto_aead_chacha20poly1305_ietf_encrypt(buffer_.data() + covered, &sealed, text.data() + open,
+                                              text.size() - open, buffer_.data(), covered, nullptr,
                                               nonce.data(), key_.bytes.data());
-    return {buffer_.data(), kSealHeaderBytes + sealed};
+    return {buffer_.data(), covered + sealed};
 }
 
 void Opener::arm(const SecretKey& key) {
@@ -95,18 +99,20 @@ std::optional<std::size_t> Opener::open(const SealHeader& header, Bytes datagram
         ++counters.replayed;
         return std::nullopt;
     }
+    const std::size_t open = readable(header.kind, datagram.size() - kSealOverheadBytes),
+                      covered = kSealHeaderBytes + open;
     unsigned long long size = 0;
     const Nonce nonce = nonce_of(header.counter);
-    if (crypto_aead_chacha20poly1305_ietf_decrypt(out.data(), &size, nullptr,
-                                                  datagram.data() + kSealHeaderBytes,
-                                                  datagram.size() - kSealHeaderBytes, datagram.data(),
-                                                  kSealHeaderBytes, nonce.data(), key_.bytes.data()) != 0) {
+    if (crypto_aead_chacha20poly1305_ietf_decrypt(
+            out.data() + open, &size, nullptr, datagram.data() + covered, datagram.size() - covered,
+            datagram.data(), covered, nonce.data(), key_.bytes.data()) != 0) {
         ++counters.forged;
         return std::nullopt;
     }
+    std::copy_n(datagram.begin() + kSealHeaderBytes, open, out.begin());
     window_.accept(header.counter);
     ++counters.opened;
-    return static_cast<std::size_t>(size);
+    return open + static_cast<std::size_t>(size);
 }
 
 }  // namespace thimble

@@ -51,12 +51,16 @@ inline constexpr std::size_t kSealTagBytes = 16;
 inline constexpr std::size_t kSealOverheadBytes = kSealHeaderBytes + kSealTagBytes;
 inline constexpr std::size_t kMaxSealedTextBytes = kMaxDatagramBytes - kSealOverheadBytes;
 
-enum class PacketKind : std::uint8_t { kData = 1, kKeys, kHello, kOffer, kAccept };
+// kHop: between relay and end of a flow, around a datagram that is sealed already. It gets a code and is not encrypted again.
+enum class PacketKind : std::uint8_t { kData = 1, kKeys, kHello, kOffer, kAccept, kHop };
+constexpr bool is_handshake(PacketKind kind) {
+    return kind >= PacketKind::kHello && kind <= PacketKind::kAccept;
+}
 
 struct SealHeader {
     PacketKind kind = PacketKind::kData;
-    Port port = Port::
-        kCount;  // where the datagram is to be read in the end: a flow's name, its direction and both its roles
+    // where the datagram is to be read in the end, or of a hop next: a flow's name, its direction and both its roles
+    Port port = Port::kCount;
     std::uint32_t key_name = 0;  // which of the receiver's keys; says nothing about the key
     std::uint64_t counter = 0;   // from 1, per key
 };

@@ -1,21 +1,26 @@
-// The two ends of a one-way flow, protected. Their keys come from the session (key_ring.hpp), for this flow alone.
+// The two ends of a one-way flow, or of a hop of it, protected. Their keys come from the session (key_ring.hpp), for this alone.
 #pragma once
 
+#include "common/security/flow_roles.hpp"
 #include "common/security/sealing.hpp"
 
 namespace thimble {
 
+constexpr PacketKind kind_of(const KeyedFlow& keyed) {
+    return keyed.hop ? PacketKind::kHop : PacketKind::kData;
+}
+
 class SecureOutlet final : public Channel {
   public:
-    // `wire` outlives it; `port` is the flow's final one.
-    SecureOutlet(Channel& wire, Port port) : wire_(&wire), port_(port) {}
+    // `wire` outlives it.
+    SecureOutlet(Channel& wire, const KeyedFlow& keyed) : wire_(&wire), keyed_(keyed) {}
 
     void send(Bytes datagram) override {
-        const Bytes sealed = sealer_.seal(PacketKind::kData, port_, datagram);
+        const Bytes sealed = sealer_.seal(kind_of(keyed_), keyed_.port, datagram);
         ++(sealed.empty() ? counters_.not_sent : counters_.sealed);
         if (!sealed.empty()) wire_->send(sealed);
     }
-    Port port() const { return port_; }
+    const KeyedFlow& keyed() const { return keyed_; }
     Sealer& sealer() { return sealer_; }
     const SecurityCounters& counters() const { return counters_; }
 
@@ -23,18 +28,18 @@ class SecureOutlet final : public Channel {
     Bytes take() override { return {}; }
 
     Channel* wire_;
-    Port port_;
+    KeyedFlow keyed_;
     Sealer sealer_;
     SecurityCounters counters_;
 };
 
 class SecureInlet final : public Channel {
   public:
-    SecureInlet(Channel& wire, Port port) : wire_(&wire), port_(port) {}
+    SecureInlet(Channel& wire, const KeyedFlow& keyed) : wire_(&wire), keyed_(keyed) {}
 
     void send(Bytes /*datagram*/) override { ++counters_.not_sent; }
     std::optional<SessionTime> arrival() const override { return wire_->arrival(); }
-    Port port() const { return port_; }
+    const KeyedFlow& keyed() const { return keyed_; }
     OpenerPair& openers() { return openers_; }
     const SecurityCounters& counters() const { return counters_; }
 
@@ -47,7 +52,7 @@ class SecureInlet final : public Channel {
         const auto header = read_seal_header(datagram);
         if (!header) {
             ++counters_.unsealed;
-        } else if (header->port != port_ || header->kind != PacketKind::kData) {
+        } else if (header->port != keyed_.port || header->kind != kind_of(keyed_)) {
             ++counters_.wrong_role;
         } else if (Opener* const opener = openers_.find(*header); opener == nullptr) {
             ++counters_.no_key;
@@ -58,7 +63,7 @@ class SecureInlet final : public Channel {
     }
 
     Channel* wire_;
-    Port port_;
+    KeyedFlow keyed_;
     OpenerPair openers_;
     SecurityCounters counters_;
     alignas(16) std::array<std::uint8_t, kMaxDatagramBytes> text_{};

@@ -79,9 +79,9 @@ Bytes SecurePair::judge(Bytes datagram) {
     const auto header = read_seal_header(datagram);
     if (!header) {
         ++counters_.unsealed;
-    } else if (header->kind >= PacketKind::kHello) {
+    } else if (is_handshake(header->kind)) {
         take_handshake(datagram);
-    } else if (header->port != ends_.local) {
+    } else if (header->port != ends_.local || header->kind == PacketKind::kHop) {
         ++counters_.wrong_role;
     } else {
         return open_sealed(*header, datagram);
@@ -195,7 +195,8 @@ void SecurePair::establish(const SecretKey& out) {
 
 PairTrouble SecurePair::trouble() const {
     if (established() && !silent(now_)) return PairTrouble::kNone;
-    return foreign_key_heard_ ? PairTrouble::kWrongLabKey : PairTrouble::kSilent;
+    if (foreign_key_heard_) return PairTrouble::kWrongLabKey;
+    return counters_.unsealed > 0 ? PairTrouble::kUnsealed : PairTrouble::kSilent;
 }
 
 }  // namespace thimble

@@ -19,7 +19,7 @@ struct SecurityTimes {
         std::chrono::milliseconds{250};  // new flow keys are used then, even without confirmation
 };
 
-enum class PairTrouble { kNone, kSilent, kWrongLabKey };
+enum class PairTrouble { kNone, kSilent, kWrongLabKey, kUnsealed };
 
 class SecurePair final : public Channel {
   public:

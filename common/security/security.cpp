@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "common/security/flow_roles.hpp"
-
 namespace thimble {
 namespace {
 
@@ -31,16 +29,26 @@ Channel* Security::pair(Channel& wire, Port local, Port remote) {
 
 Channel* Security::inlet(Channel& wire, Port local) {
     self_ = owner(local);
-    if (self_ == Role::kNetem) return &wire;
-    inlets_.push_back(std::make_unique<SecureInlet>(wire, final_port(local)));
+    Channel* end = &wire;
+    if (ends_hop(local)) end = add_inlet(*end, {local, true});
+    return self_ == Role::kNetem ? end : add_inlet(*end, {local, false});
+}
+
+Channel* Security::add_inlet(Channel& wire, const KeyedFlow& keyed) {
+    inlets_.push_back(std::make_unique<SecureInlet>(wire, keyed));
     ends_.inlets.push_back(inlets_.back().get());
     return inlets_.back().get();
 }
 
 Channel* Security::outlet(Channel& wire, Port remote) {
     if (!self_) throw std::logic_error("an outlet of nobody: open a channel that listens first");
-    if (self_ == Role::kNetem) return &wire;
-    outlets_.push_back(std::make_unique<SecureOutlet>(wire, final_port(remote)));
+    Channel* end = &wire;
+    if (ends_hop(remote)) end = add_outlet(*end, {remote, true});
+    return self_ == Role::kNetem ? end : add_outlet(*end, {final_port(remote), false});
+}
+
+Channel* Security::add_outlet(Channel& wire, const KeyedFlow& keyed) {
+    outlets_.push_back(std::make_unique<SecureOutlet>(wire, keyed));
     ends_.outlets.push_back(outlets_.back().get());
     return outlets_.back().get();
 }
@@ -77,15 +85,25 @@ SecurityCounters Security::counters() const {
 }
 
 std::string Security::complaint() const {
+    std::string text;
+    if (const std::string names = peers_with(PairTrouble::kWrongLabKey); !names.empty())
+        text = "wrong lab key or another rig: " + names +
+               " uses another one than this program; give both the same [security] (mode, key_file, rig) and "
+               "[network] (hosts, base_port); in mode \"user-key\" start both as the same user "
+               "(docs/security.md)";
+    if (const std::string names = peers_with(PairTrouble::kUnsealed); !names.empty())
+        text += (text.empty() ? "" : "; ") + names +
+                " sends without protection: give it the same [security] mode as this program";
+    return text;
+}
+
+std::string Security::peers_with(PairTrouble trouble) const {
     std::string names;
     for (const auto& one : pairs_) {
-        if (one->trouble() != PairTrouble::kWrongLabKey) continue;
-        names += (names.empty() ? "" : ", ") + std::string(to_string(one->peer()));
+        if (one->trouble() == trouble)
+            names += (names.empty() ? "" : ", ") + std::string(to_string(one->peer()));
     }
-    if (names.empty()) return names;
-    return "wrong lab key: " + names +
-           " uses another one than this program; give both the same file ([security] key_file, "
-           "docs/security.md)";
+    return names;
 }
 
 }  // namespace thimble

@@ -18,8 +18,8 @@ class Security {
   public:
     Security(std::shared_ptr<const LabKey> lab, RandomBytes random, const SecurityTimes& times = {});
 
-    // Each returns what protects `wire`, which outlives this. The relay's flows are returned as they are: it has no keys for
-    // them. An outlet is never the first: the ports of the others say whose program this is.
+    // Each returns what protects `wire`, which outlives this. The relay's are hops: it takes off and puts on their seal, and
+    // has no key of the flow within. An outlet is never the first: the ports of the others say whose program this is.
     Channel* pair(Channel& wire, Port local, Port remote);
     Channel* inlet(Channel& wire, Port local);
     Channel* outlet(Channel& wire, Port remote);
@@ -33,10 +33,14 @@ class Security {
     // A node: it can speak with the session. The session: each node has all its keys.
     bool complete() const;
     SecurityCounters counters() const;
-    // The peers with another lab key, as far as this end hears them: "" or a text with advice.
+    // The peers with another key or none, as far as this end hears them: "" or a text with advice.
     std::string complaint() const;
 
   private:
+    Channel* add_inlet(Channel& wire, const KeyedFlow& keyed);
+    Channel* add_outlet(Channel& wire, const KeyedFlow& keyed);
+    std::string peers_with(PairTrouble trouble) const;
+
     std::shared_ptr<const LabKey> lab_;
     RandomBytes random_;
     SecurityTimes times_;

@@ -41,6 +41,11 @@ struct HandleSettings {
 // A person does not say when a trial is over: it ends with the needle withdrawn.
 constexpr bool held_by_person(HandleKind kind) { return kind != HandleKind::kSimulated; }
 
+// It has motors of its own.
+constexpr bool is_real(HandleKind kind) {
+    return kind == HandleKind::kForceDimension || kind == HandleKind::kFalcon;
+}
+
 // How long its user may take to make it ready, each time that the master starts: to home a Falcon.
 Duration user_limit(const HandleSettings& settings);
 

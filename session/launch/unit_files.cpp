@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "common/error.hpp"
 #include "session/launch/node_kinds.hpp"
 
 namespace thimble {
@@ -97,6 +98,11 @@ WantedBy=multi-user.target
 
 // Root owns the key. systemd hands it to the service's user (systemd.exec(5), "Credentials").
 std::string credential(const SecuritySettings& security) {
+    if (security.mode == SecurityMode::kUserKey) {
+        throw Error(ExitCode::kUsage,
+                    "[security] mode \"user-key\" is no mode for services, which run as users of their own: "
+                    "make a key with 'thimble keygen' and set mode = \"lab-key\" (docs/machines.md)");
+    }
     if (security.mode == SecurityMode::kNone) return "";
     return fmt::format("LoadCredential=lab.key:{}/lab.key\n", kSessionFolder);
 }

@@ -27,7 +27,7 @@ struct UnitPlan {
 inline constexpr const char* kUnitFolder = "/etc/systemd/system";
 inline constexpr const char* kSessionFolder = "/etc/thimble";
 
-// One per node.
+// One per node. Throws Error (usage) in mode "user-key".
 std::vector<UnitFile> unit_files(const UnitPlan& plan);
 
 }  // namespace thimble

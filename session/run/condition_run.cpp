@@ -32,7 +32,7 @@ nlohmann::ordered_json session_report(const Sockets& sockets, bool realtime) {
               {"send_failed", udp.send_failed},
               {"foreign_source", udp.foreign_source},
               {"too_long", udp.too_long}}},
-            {"security", describe_security(sockets.security())}};
+            {"security", describe_security(sockets)}};
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // A stop of a session, as its program sees it: it hears the stop key, keeps the stop in a file, and says how to release it.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <string>
 
@@ -9,7 +8,6 @@
 
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/standard_streams.hpp"
-#include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "session/run/condition_plan.hpp"
 #include "session/run/stop_file.hpp"
@@ -41,9 +39,9 @@ class SessionStop {
 
     std::string how_to_release() const {
         const int base = plan_.network.base_port;
-        const auto& hosts = plan_.network.hosts;
-        const bool by_file = plan_.network.security.mode != SecurityMode::kNone ||
-                             std::any_of(hosts.begin(), hosts.end(), leaves_this_machine);
+        const SecuritySettings& security = plan_.network.security;
+        const bool by_file = security.mode != SecurityMode::kUserKey || !security.rig.empty() ||
+                             plan_.network.hosts != NetworkSettings::every_role_here();
         std::string how(kHowToRelease);
         if (by_file && !plan_.session_file.empty()) how += " " + plan_.session_file.string();
         if (base != NetworkSettings::kDefaultBasePort) how += fmt::format(" --base-port {}", base);

@@ -122,13 +122,19 @@ std::vector<std::string> exec_words(const LaunchSettings& launch, const std::str
 }
 
 void check_hosts(const LaunchSettings& launch, const NetworkSettings& network) {
-    if (launch.shares_loopback) return;
     for (const Port port : kEveryPort) {
         const Flow& between = flow(port);
-        if (launch.machine(between.listens) == launch.machine(between.hears)) continue;
+        if (launch.shares_loopback || launch.machine(between.listens) == launch.machine(between.hears))
+            continue;
         check_flow(launch, network, between.listens, between.hears);
         check_flow(launch, network, between.hears, between.listens);
     }
+    if (network.security.mode != SecurityMode::kUserKey || !launch.anywhere_else()) return;
+    throw Error(
+        ExitCode::kUsage,
+        "[launch] names other machines, which do not have the key of [security] mode \"user-key\": make "
+        "one with 'thimble keygen', copy it to each machine and set mode = \"lab-key\" "
+        "(docs/security.md)");
 }
 
 }  // namespace thimble

@@ -8,6 +8,7 @@
 
 #include "common/runtime/log/message_log.hpp"
 #include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/protection.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {
@@ -54,7 +55,7 @@ std::unique_ptr<MessageLog> log_of(const ConditionPlan& plan) {
 }
 
 Sockets counted_sockets(const ConditionPlan& plan, MessageLog* log) {
-    Sockets sockets(plan.network);
+    Sockets sockets(without_user_key(plan.network));
     sockets.count_datagrams(plan.answer_limit);
     if (log != nullptr) sockets.record_to(*log, plan.log.messages == LoggedMessages::kAll);
     return sockets;

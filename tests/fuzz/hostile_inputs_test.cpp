@@ -227,7 +227,7 @@ TEST(HostileSecurity, RandomScriptsAtTheStopBus) {
 TEST(HostileSecurity, ChangedDatagramsAndWordsAboutKeys) {
     KeyGrant grant;
     grant.count = 3;
-    for (std::size_t k = 0; k < grant.count; ++k) grant.keys[k].port = Port::kSlaveNeedle;
+    for (std::size_t k = 0; k < grant.count; ++k) grant.keys[k].keyed = {Port::kSlaveNeedle, k == 1};
     KeyText text{};
     const Bytes good = write_grant(grant, text);
     const int accepted = accepted_of(20'000, check_sealed, [&](int i, RandomStream& random) {

@@ -65,7 +65,7 @@ struct AttackTarget {
     const char* config;
     Role node, commander;
     Port session, control;             // of its control channel, the session's end and its own
-    Port commands;                     // where it is commanded
+    Port commands, before_relay;       // where it is commanded, and where the commander sends that to
     Port answers_arrive, answers_for;  // where the test hears its answers, and whose they are in a session
     Modality modality;
 };
@@ -74,78 +74,50 @@ inline void PrintTo(const AttackTarget& target, std::ostream* out) { *out << tar
 // The needle's position, the handle's force, the finger's force: what each of them says it gave out.
 inline constexpr std::array kAttackTargets{
     AttackTarget{"slave_sim", "thimble-slave-sim", "", Role::kSlaveSim, Role::kMaster, Port::kSessionSlave,
-                 Port::kSlaveControl, Port::kSlaveNeedle, Port::kSessionRecord, Port::kSessionRecord,
-                 Modality::kHF},
+                 Port::kSlaveControl, Port::kSlaveNeedle, Port::kNetemNeedle, Port::kSessionRecord,
+                 Port::kSessionRecord, Modality::kHF},
     AttackTarget{"master", "thimble-master", "[master]\nstale = 'zero'\n", Role::kMaster, Role::kSlaveSim,
-                 Port::kSessionMaster, Port::kMasterControl, Port::kMasterForce, Port::kNetemNeedle,
-                 Port::kSlaveNeedle, Modality::kHF},
+                 Port::kSessionMaster, Port::kMasterControl, Port::kMasterForce, Port::kNetemForceMaster,
+                 Port::kNetemNeedle, Port::kSlaveNeedle, Modality::kHF},
     AttackTarget{"cutaneous", "thimble-cutaneous", "", Role::kCutaneous, Role::kSlaveSim,
                  Port::kSessionCutaneous, Port::kCutaneousControl, Port::kCutaneousForce,
-                 Port::kMasterPerceptCutaneous, Port::kMasterPerceptCutaneous, Modality::kCF}};
-
-// Whoever in a session hears the answers of a node under attack, and so has their key: a peer that the test plays, beside its
-// session.
-class AnswerListener {
-  public:
-    // `session` and `wire` outlive it.
-    AnswerListener(Security& session, const std::shared_ptr<const LabKey>& lab, Channel& wire,
-                   Port answers_for)
-        : security_(lab, system_random_bytes()) {
-        const bool of_master = owner(answers_for) == Role::kMaster;
-        const Port at_session = of_master ? Port::kSessionMaster : Port::kSessionSlave;
-        const Port at_peer = of_master ? Port::kMasterControl : Port::kSlaveControl;
-        at_session_ = session.pair(control_.a, at_session, at_peer);
-        at_peer_ = security_.pair(control_.b, at_peer, at_session);
-        answers_ = security_.inlet(wire, answers_for);
-    }
-    // Nothing but keys comes on its control channel.
-    void turn(SessionTime now) {
-        security_.tick(now);
-        at_session_->receive();
-        at_peer_->receive();
-        security_.tick(now);
-    }
-    Channel& answers() { return *answers_; }
-
-  private:
-    QueuePipe control_;  // a: session, b: the peer
-    Security security_;
-    Channel *at_session_, *at_peer_, *answers_;
-};
+                 Port::kNetemForceCutaneous, Port::kMasterPerceptCutaneous, Port::kMasterPerceptCutaneous,
+                 Modality::kCF}};
 
 // The session of a lone node, which also commands it, under a lab key, and is overheard. Every command is a position or a force of
 // its own, and whatever the node says that it gave out is compared with those.
 class OverheardSession {
   public:
-    OverheardSession(LoneNode& node, const AttackTarget& target, const std::filesystem::path& key_file)
+    // `rig`: of the session, where it is not the node's.
+    OverheardSession(LoneNode& node, const AttackTarget& target, const std::filesystem::path& key_file,
+                     const std::string& rig = "")
         : target_(target),
-          lab_(std::make_shared<const LabKey>(read_lab_key(key_file))),
           control_wire_(network_at(node.base_port()).at(target.session), node.at(target.control)),
           command_wire_(std::nullopt, node.at(target.commands)),
           answer_wire_(network_at(node.base_port()).at(target.answers_arrive), {kNear, 0}),
-          security_(lab_, system_random_bytes()),
+          security_(std::make_shared<const LabKey>(key_of_rig(
+                        read_lab_key(key_file), rig.empty() ? network_at(node.base_port()).rig() : rig)),
+                    system_random_bytes()),
           control_(security_.pair(control_wire_, target.session, target.control)),
           commanding_end_(security_.outlet(command_wire_, target.commands)),
+          before_relay_(security_.outlet(command_wire_, target.before_relay)),
+          answering_end_(open_answers()),
           heartbeats_(target.node),
           answers_flow_(target.node),
           orders_(Role::kSession, system_entropy(), {control_}),
-          commands_(target.commander, system_entropy(), {commanding_end_}) {
-        if (owner(target.answers_for) == Role::kSession) {
-            answering_end_ = security_.inlet(answer_wire_, target.answers_for);
-        } else {
-            listener_.emplace(security_, lab_, answer_wire_, target.answers_for);
-            answering_end_ = &listener_->answers();
-        }
-    }
+          commands_(target.commander, system_entropy(), {commanding_end_}),
+          early_(target.commander, system_entropy(), {before_relay_}) {}
 
     // True once a trial runs; called again, another one.
-    bool start() {
+    bool start(Duration limit = kPatience) {
         ++trial_;
         state_ = NodeState::kIdle;
-        return wait_until([this] {
-            turn(wall_now());
-            return state_ == NodeState::kRunning;
-        });
+        return wait_until(
+            [this] {
+                turn(wall_now());
+                return state_ == NodeState::kRunning;
+            },
+            limit);
     }
     // Commands one position or force after the other, 1 ms apart, while `meanwhile` does what it likes, until that says it is done. False:
     // patience ended.
@@ -161,6 +133,8 @@ class OverheardSession {
         commanding_ = false;
         return done;
     }
+    // As the commander sends it to the relay, but to the node at once.
+    void command_past_the_relay() { send(early_, kStep / 2); }
     // The next command is answered.
     bool still_answers() {
         const double before = commanded_.empty() ? 0 : *commanded_.rbegin();
@@ -185,9 +159,17 @@ class OverheardSession {
     NodeState state() const { return state_; }
 
   private:
+    // Of a needle the test plays the relay: it has the keys of both hops.
+    Channel* open_answers() {
+        if (target_.answers_arrive == target_.answers_for)
+            return security_.inlet(answer_wire_, target_.answers_for);
+        relay_in_ = security_.inlet(answer_wire_, target_.answers_arrive);
+        relay_out_ = security_.outlet(relayed_.a, target_.answers_for);
+        return security_.inlet(relayed_.b, target_.answers_for);
+    }
+
     void turn(SessionTime now) {
         security_.tick(now);
-        if (listener_) listener_->turn(now);
         if (now >= next_order_) {
             SessionControl order;
             order.kind = ControlKind::kTrialStart;
@@ -201,27 +183,33 @@ class OverheardSession {
             if (heartbeat != nullptr && message->header.trial == trial_) state_ = heartbeat->state;
         }
         if (commanding_ && now >= next_command_) {
-            send_command(now);
+            send_command();
             next_command_ = now + kCommandPeriod;
         }
         take_answers(now);
         security_.tick(now);
     }
-    void send_command(SessionTime now) {
+    void send_command() {
         const double value = kStep * static_cast<double>(commanded_.size() + 1);
         commanded_.insert(value);
+        send(commands_, value);
+    }
+    void send(OutboundFlow& flow, double value) {
+        const SessionTime now = wall_now();
         if (target_.node == Role::kSlaveSim) {
             NeedleCommand command;
             command.position_needle_m = value;
-            commands_.send(now, trial_, command);
+            flow.send(now, trial_, command);
         } else {
             ForceFeedback command;
             command.force_total_N = command.force_fixture_N = -value;
             command.echo_time = now;  // answers the newest message: an old force presses no finger
-            commands_.send(now, trial_, command);
+            flow.send(now, trial_, command);
         }
     }
     void take_answers(SessionTime now) {
+        for (Bytes passed; relay_in_ != nullptr && !(passed = relay_in_->receive()).empty();)
+            relay_out_->send(passed);
         while (const Message* message = answers_flow_.receive(now, *answering_end_)) {
             const std::optional<double> answer = given_out(message->body);
             if (!answer) continue;
@@ -232,14 +220,13 @@ class OverheardSession {
     }
 
     AttackTarget target_;
-    std::shared_ptr<const LabKey> lab_;
     OverheardChannel control_wire_, command_wire_, answer_wire_;
+    QueuePipe relayed_;
     Security security_;
-    Channel *control_, *commanding_end_;
-    std::optional<AnswerListener> listener_;
-    Channel* answering_end_ = nullptr;
+    Channel *relay_in_ = nullptr, *relay_out_ = nullptr;
+    Channel *control_, *commanding_end_, *before_relay_, *answering_end_;
     InboundFlow heartbeats_, answers_flow_;
-    OutboundFlow orders_, commands_;
+    OutboundFlow orders_, commands_, early_;
     std::uint32_t trial_ = 0;
     SessionTime next_order_{}, next_command_{};
     bool commanding_ = false;
@@ -280,7 +267,7 @@ class Attacker {
     void flood(std::size_t datagrams) {
         std::vector<std::uint8_t> made_up(kHandshakeBytes, 0);
         for (std::size_t i = 0; i < datagrams; i += 2) {
-            const auto kind = static_cast<PacketKind>(1 + i / 2 % 5);
+            const auto kind = static_cast<PacketKind>(1 + i / 2 % 6);
             const Port port = i / 2 % 2 == 0 ? control_port_ : command_port_;
             write_seal_header({kind, port, static_cast<std::uint32_t>(i), sent_ + 1},
                               std::span(made_up).first<kSealHeaderBytes>());

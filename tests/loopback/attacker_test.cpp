@@ -195,6 +195,32 @@ TEST_P(Attack, WhatWasOverheardIsOfNoUseAfterARestart) {
     EXPECT_GT(counters.at("no_key"), 0);
 }
 
+// Overheard before the relay and delivered at once, it would be there before its delay.
+TEST_P(Attack, WhatTheRelayHasNotPassedOnIsRefused) {
+    int rounds = 0;
+    EXPECT_TRUE(session_.command([&] {
+        session_.command_past_the_relay();
+        return ++rounds == 200;
+    }));
+    expect_unmoved();
+    EXPECT_GE(security_at_the_end().at("wrong_role"), 200);
+}
+
+// One key, two rigs: a middle man, who has no key, joins a session to a node of another rig.
+TEST_P(Attack, ASessionOfAnotherRigIsNotObeyed) {
+    LoneNode node(target_.program, under_lab_key(key_) + "rig = 'A'\n" + target_.config);
+    ASSERT_TRUE(node.ready()) << node.words();
+    OverheardSession other(node, target_, key_, "name B " + std::to_string(node.base_port()));
+    EXPECT_FALSE(other.start(std::chrono::milliseconds{800}));
+    EXPECT_EQ(other.answers(), 0U);
+    EXPECT_THAT(node.words(), HasSubstr("wrong lab key or another rig: session"));
+    EXPECT_EQ(node.terminate(), 0);
+    const auto counters = node.report().at("security");
+    EXPECT_GT(counters.at("handshake_refused"), 0);
+    EXPECT_EQ(counters.at("handshakes"), 0);
+    EXPECT_EQ(counters.at("opened"), 0);
+}
+
 // Cheap to refuse, and costly. So many fill the kernel's buffers, and then a trial may end as over any broken network; nothing moves all the
 // same, and the next trial is as any other.
 TEST_P(Attack, AFloodMovesNothing) {
@@ -227,7 +253,7 @@ TEST_F(LabKeyTest, ARunUnderAKeyIsUndisturbedByWhoeverHasNone) {
     RealRun run(file, {"--monitor"});
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     PlayedView view(run.base_port(), PlayedView::Ports::kExperimenter,
-                    {SecurityMode::kLabKey, true, false, key_.string()});
+                    {SecurityMode::kLabKey, false, key_.string(), ""});
     EXPECT_TRUE(wait_until([&] {
         view.listen(wall_now());
         return view.heard() > 0 || run.launcher().poll().has_value();
@@ -266,21 +292,23 @@ TEST_F(LabKeyTest, ARunUnderAFloodEndsAsWithout) {
         needle(std::nullopt, network.at(Port::kNetemNeedle));
     for (std::uint32_t burst = 1; !run.launcher().poll() && burst < 20'000; ++burst) {
         for (std::uint32_t i = 0; i < 10; ++i) {
-            write_seal_header({PacketKind::kData, Port::kMasterForce, burst, i + 1}, header);
+            write_seal_header({PacketKind::kHop, Port::kMasterForce, burst, i + 1}, header);
             forces.send(made_up);
             write_seal_header({PacketKind::kHello, Port::kMasterControl, 0, 0}, header);
             control.send(made_up);
-            write_seal_header({PacketKind::kData, Port::kSlaveNeedle, burst, i + 1}, header);
+            write_seal_header({PacketKind::kHop, Port::kNetemNeedle, burst, i + 1}, header);
             needle.send(made_up);
         }
         std::this_thread::sleep_for(std::chrono::milliseconds{1});
     }
     expect_end(run, 0, EndReason::kCompleted);
     const auto master = run.report("thimble-master").at("security"),
+               netem = run.report("thimble-netem").at("security"),
                slave = run.report("thimble-slave-sim").at("security");
     EXPECT_GT(master.at("no_key"), 1000);
     EXPECT_GT(master.at("handshake_refused"), 1000);
-    EXPECT_GT(slave.at("no_key"), 100) << "the relay passes on what it cannot judge";
+    EXPECT_GT(netem.at("no_key"), 100);
+    EXPECT_EQ(slave.at("no_key"), 0) << "the relay passes on nothing that it was not sent";
     EXPECT_EQ(slave.at("forged"), 0);
 }
 
@@ -299,9 +327,9 @@ TEST_F(LabKeyTest, ANodeWithAnotherKeyIsNamed) {
     unsetenv("THIMBLE_LAB_KEY_FILE");
     EXPECT_EQ(run.end(), 3);
     EXPECT_THAT(run.words(), testing::ContainsRegex("no answer from .*cutaneous.* within"));
-    EXPECT_THAT(run.words(), HasSubstr("wrong lab key: cutaneous"));
+    EXPECT_THAT(run.words(), HasSubstr("wrong lab key or another rig: cutaneous"));
     EXPECT_THAT(read_text(run.out() / "nodes/thimble-cutaneous_0ms.log"),
-                HasSubstr("wrong lab key: session"));
+                HasSubstr("wrong lab key or another rig: session"));
 }
 
 TEST_F(LabKeyTest, IsMadeByKeygenOnce) {
@@ -326,7 +354,9 @@ TEST_F(LabKeyTest, MachinesWithoutOneAreRefused) {
 // A trial among hostile datagrams goes on; each is counted by its name.
 // Until the run is over, with a pause in between, so that the trial is disturbed and not drowned.
 TEST(HostileRun, BrokenDatagramsStrangersAndSecondSendersAtEveryPort) {
-    RealRun run(SessionFile{});
+    SessionFile file;
+    file.more = kUnprotectedTable;
+    RealRun run(file);
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     HostilePeer peer(run.base_port());
     const SessionTime end = wall_now() + 3 * kPatience;

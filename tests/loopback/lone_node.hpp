@@ -21,10 +21,12 @@ inline constexpr Duration kRepeat = std::chrono::milliseconds{50};
 
 std::vector<std::string> node_arguments(const Folder& folder, const PortBlock& ports,
                                         const std::string& config, const std::vector<std::string>& more) {
-    return words_in(fmt::format("--base-port {} {} --report {} --die-with-parent={}", ports.base(),
-                                folder.write("node.toml", "# a test's\n" + config).string(),
-                                (folder / "report.json").string(), getpid()),
-                    more);
+    const bool secured = config.find("[security]") != std::string::npos;
+    return words_in(
+        fmt::format("--base-port {} {} --report {} --die-with-parent={}", ports.base(),
+                    folder.write("node.toml", config + (secured ? "" : kUnprotectedTable)).string(),
+                    (folder / "report.json").string(), getpid()),
+        more);
 }
 
 inline Channel* control_channel(Sockets& sockets, Role role) {

@@ -18,11 +18,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-constexpr const char* kThreeMachines =
-    "[launch]\nshares_loopback = true\nmachine_netem = 'chatty'\nmachine_slave_sim = 'robot'\nlease_s = 2\n";
+// Begins the rest of a session file, whose last table it is: a test adds keys.
+const std::string kShared = std::string(kUnprotectedTable) + "[launch]\nshares_loopback = true\n";
 
-// The rest of a session file: [launch], which ends the text, so that a test may add keys.
-std::string launch_table(const std::string& more = "") { return kThreeMachines + more; }
+std::string launch_table(const std::string& more = "") {
+    return kShared + "machine_netem = 'chatty'\nmachine_slave_sim = 'robot'\nlease_s = 2\n" + more;
+}
 
 class OtherMachines : public testing::Test {
   protected:
@@ -169,8 +170,7 @@ class OtherMachinesFail : public OtherMachines {
 };
 
 TEST_F(OtherMachinesFail, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
-    RealRun run =
-        start(session("[launch]\nshares_loopback = true\nmachine_netem = 'robot'\nmachine_visual = 'down'"));
+    RealRun run = start(session(kShared + "machine_netem = 'robot'\nmachine_visual = 'down'"));
     expect_end(run, 3, "cannot reach 'down' for thimble-visual: 'sh " THIMBLE_SOURCE_DIR);
     EXPECT_THAT(run.words(), HasSubstr("Connection refused"));
 }
@@ -196,12 +196,12 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_P(OtherMachinesFailBy, OneMachineWhichIsNamed) {
     fs::remove(programs_ / "thimble-slave-sim");
     if (*GetParam().slave_sim != 0) replace_program(programs_ / "thimble-slave-sim", GetParam().slave_sim);
-    RealRun run = start(session("[launch]\nshares_loopback = true\n" + std::string(GetParam().launch)));
+    RealRun run = start(session(kShared + GetParam().launch));
     expect_end(run, GetParam().code, GetParam().words);
 }
 
 TEST_F(OtherMachinesFail, AStopThatComesWhileAMachineIsAwaitedIsKept) {
-    RealRun run = start(session("[launch]\nshares_loopback = true\nreach_s = 2\nmachine_slave_sim = 'mute'"));
+    RealRun run = start(session(kShared + "reach_s = 2\nmachine_slave_sim = 'mute'"));
     wait_until([&] { return run.words().find("round trip") != std::string::npos || run.launcher().poll(); });
     run.launcher().signal(SIGQUIT);
     expect_end(run, 3, "'mute' does not answer");
@@ -211,6 +211,8 @@ TEST_F(OtherMachinesFail, AStopThatComesWhileAMachineIsAwaitedIsKept) {
 TEST_F(OtherMachinesFail, ABadSessionStartsNothing) {
     RealRun alone = start(session("[launch]\nmachine_netem = 'robot'"));
     expect_end(alone, 2, "127.0.0.1");
+    RealRun without_key = start(session("[launch]\nshares_loopback = true\nmachine_netem = 'robot'"));
+    expect_end(without_key, 2, "thimble keygen");
     const auto trace = folder_.write("elsewhere.csv", "time_s,delay_s\n0,0.01\n1,0.01\n");
     SessionFile traced = session("[netem.force]\ntrace = '" + trace.string() + "'\n" + launch_table());
     traced.delays_s.clear();

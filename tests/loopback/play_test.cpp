@@ -31,7 +31,7 @@ std::vector<std::string> play_arguments(const Folder& folder, const PortBlock& p
     const auto session = folder.write("session.toml",
                                       "[session]\nfixture_jitter_m = 0\n[fixture]\nposition_m = 0.035\n"
                                       "[trial]\ncontact_hold_s = 0.5\n" +
-                                          settings);
+                                          settings + "\n" + kUnprotectedTable);
     return words_in(fmt::format("play {} --record {} --base-port {} --visual-command thimble-visual",
                                 session.string(), (folder / "out").string(), ports.base()),
                     more);
@@ -43,7 +43,7 @@ class PlayedHand {
     explicit PlayedHand(const std::vector<std::string>& arguments, const std::string& more_settings = "")
         : sockets_(network_at(ports_.base())),
           hand_(Role::kVisual, 100, {sockets_.outlet(Port::kMasterHand)}),
-          view_(ports_.base()),
+          view_(ports_.base(), PlayedView::Ports::kExperimenter, kUnprotected),
           child_(built_programs() / "thimble", play_arguments(folder_, ports_, more_settings, arguments),
                  folder_ / "words") {}
 
@@ -193,7 +193,7 @@ TEST(Play, LogsThatAnErrorNamesAreThereToBeRead) {
 
 TEST(Play, APlayerAndAnExperimenterWatchTheSameTrialAndEitherChangesItsNetwork) {
     PlayedHand hand({"--modality", "VF", "--delay-s", "0"});
-    PlayedView player(hand.base_port(), PlayedView::Ports::kPlayer);
+    PlayedView player(hand.base_port(), PlayedView::Ports::kPlayer, kUnprotected);
     const auto both_show = [&](const char* network) {
         return hand.play([&] {
             player.listen(wall_now());

@@ -69,13 +69,15 @@ std::vector<std::string> words_in(const std::string& line, const std::vector<std
     return words;
 }
 
-// Stops that programs of this test leave behind belong to this test alone, not to an earlier block of the same ports.
+// Stops that programs of this test leave behind belong to this test alone, not to an earlier block of the same ports. The user key
+// is not the developer's.
 PortBlock::PortBlock() {
     static const Folder kStops;
     static int blocks = 0;
     const std::filesystem::path stops = kStops / std::to_string(++blocks);
     std::filesystem::create_directory(stops);
     setenv("THIMBLE_STOP_DIR", stops.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): before any thread
+    setenv("XDG_STATE_HOME", (kStops / "state").c_str(), 1);  // NOLINT(concurrency-mt-unsafe): likewise
     const auto start = static_cast<unsigned>(getpid());
     for (unsigned i = 0; i < kBlocks; ++i) {
         const unsigned base = kFirstPort + (start + i) % kBlocks * kPortsPerBlock;

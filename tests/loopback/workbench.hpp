@@ -51,7 +51,10 @@ class PortBlock {
     std::unique_ptr<UdpChannel> guard_;
 };
 
-NetworkSettings network_at(std::uint16_t base_port, const SecuritySettings& security = {});
+// Of tests that talk to programs, or listen to them, without protection.
+inline const SecuritySettings kUnprotected{SecurityMode::kNone, false, {}, {}};
+inline constexpr const char* kUnprotectedTable = "[security]\nmode = 'none'\n";
+NetworkSettings network_at(std::uint16_t base_port, const SecuritySettings& security = kUnprotected);
 // The table of a session file or of a node's settings.
 std::string under_lab_key(const std::filesystem::path& key);
 

@@ -64,9 +64,9 @@ Monitor demonstration(double time_s) {
 
 FakeSession::FakeSession(std::uint16_t base_port, std::uint64_t instance, double ahead_s)
     : sockets_(view_network(base_port)),
-      monitors_(Role::kSession, instance,
-                {sockets_.outlet(Port::kExperimenterMonitor), sockets_.outlet(Port::kPlayerMonitor)}),
-      orders_in_{sockets_.inlet(Port::kSessionOrders), sockets_.inlet(Port::kSessionPlayerOrders)},
+      views_{sockets_.between(Port::kSessionOrders, Port::kExperimenterMonitor),
+             sockets_.between(Port::kSessionPlayerOrders, Port::kPlayerMonitor)},
+      monitors_(Role::kSession, instance, {views_[0], views_[1]}),
       started_(wall_now() - from_seconds(ahead_s)),
       thread_([this](const std::stop_token& stop) {
           for (; !stop.stop_requested(); wall_sleep(std::chrono::milliseconds{2})) tick(wall_now());
@@ -130,8 +130,9 @@ void FakeSession::speak(SessionTime now) {
 
 void FakeSession::tick(SessionTime now) {
     const std::scoped_lock lock(mutex_);
-    for (std::size_t i = 0; i < orders_in_.size(); ++i) {
-        while (const Message* message = inbound_[i].receive(now, *orders_in_[i])) {
+    sockets_.tick(now);
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+        while (const Message* message = inbound_[i].receive(now, *views_[i])) {
             if (const auto* order = std::get_if<Order>(&message->body)) take(*order, now);
         }
     }

@@ -43,8 +43,8 @@ class FakeSession {
 
     Sockets sockets_;
     std::array<InboundFlow, 2> inbound_{InboundFlow{Role::kExperimenter}, InboundFlow{Role::kExperimenter}};
+    std::array<Channel*, 2> views_;  // of the experimenter and of the player
     OutboundFlow monitors_;
-    std::array<Channel*, 2> orders_in_;  // of the experimenter and of the player
     SessionTime started_, next_{};
     std::mutex mutex_;  // for what follows
     std::vector<Order> heard_;

@@ -147,6 +147,7 @@ int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
     options.network = network_of(arguments.config, arguments.base_port);
     options.stop = &stop_requested();
     require_protection(options.network);
+    if (is_real(settings.handle.kind)) require_protection_of_handle(options.network);
     if (options.clock != RunClock::kVirtual) warn_if_unprotected(options.network);
     if (settings.protocol) return run_participant_for_real(arguments, settings);
     refuse_participant_options(arguments.participant, settings);

@@ -145,6 +145,7 @@ TEST(UdpChannel, SendingToNobodyNeverThrowsNorBlocksReceiving) {
 
 TEST(Sockets, SumsTheCountersAndWatchesWhatListens) {
     NetworkSettings settings;
+    settings.security.mode = SecurityMode::kNone;
     UdpChannel probe(Endpoint{kHere, 0}, Endpoint{kHere, 1});
     settings.base_port = port_of(probe);  // outlets only: nothing is bound there
     Sockets sockets(settings);

@@ -60,6 +60,7 @@ class Echo final : public Process {
 
 NetworkSettings somewhere() {
     NetworkSettings network;
+    network.security.mode = SecurityMode::kNone;
     network.base_port = static_cast<std::uint16_t>(20000 + getpid() % 200 * 50);
     return network;
 }

@@ -59,11 +59,13 @@ constexpr const char* kApart = "machine_netem = 'relay'\nmachine_slave_sim = 'ro
 constexpr const char* kHosts =
     "host_session = '10.77.0.1'\nhost_master = '10.77.0.1'\nhost_cutaneous = '10.77.0.1'\n"
     "host_visual = '10.77.0.1'\n";
+constexpr const char* kLabKey = "[security]\nmode = 'lab-key'\n";
 
 TEST(CheckHosts, TakesAnAddressForEachMachine) {
-    EXPECT_NO_THROW(
-        check_hosts(launch(kApart),
-                    network(std::string(kHosts) + "host_netem = '10.77.0.2'\nhost_slave_sim = '10.77.0.3'")));
+    const std::string hosts =
+        std::string(kHosts) + "host_netem = '10.77.0.2'\nhost_slave_sim = '10.77.0.3'\n";
+    EXPECT_NO_THROW(check_hosts(launch(kApart), network(hosts + kLabKey)));
+    EXPECT_THAT(usage_refusal([&] { check_hosts(launch(kApart), network(hosts)); }), HasSubstr("user-key"));
 }
 
 TEST(CheckHosts, RefusesALoopbackAddressThatAnotherMachineIsToUse) {
@@ -88,7 +90,10 @@ TEST(CheckHosts, RefusesOneAddressForTwoMachines) {
 }
 
 TEST(CheckHosts, LoopbackIsFineWhereItIsShared) {
-    EXPECT_NO_THROW(check_hosts(launch(std::string(kApart) + "\nshares_loopback = true"), network("")));
+    const LaunchSettings shared = launch(std::string(kApart) + "\nshares_loopback = true");
+    EXPECT_NO_THROW(check_hosts(shared, network(kLabKey)));
+    EXPECT_NO_THROW(check_hosts(shared, network("[security]\nmode = 'none'\n")));
+    EXPECT_THAT(usage_refusal([&] { check_hosts(shared, network("")); }), HasSubstr("thimble keygen"));
 }
 
 // Relative to the session file, wherever the program runs.

@@ -20,6 +20,7 @@ using testing::Not;
 UnitPlan plan() {
     UnitPlan plan;
     plan.session = "lab.toml";
+    plan.network.security.mode = SecurityMode::kNone;
     plan.runtime.priority = 71;
     plan.launch.machines[static_cast<std::size_t>(Role::kSlaveSim)] = "robot";
     plan.network.hosts[static_cast<std::size_t>(Role::kSlaveSim)] = "10.77.0.3";
@@ -62,6 +63,8 @@ TEST(UnitFiles, HandOverTheLabKeyWhereThereIsOne) {
     EXPECT_THAT(unit_files(secured).front().text, Not(HasSubstr("LoadCredential")));
     secured.network.security.mode = SecurityMode::kLabKey;
     for (const UnitFile& file : unit_files(secured)) EXPECT_THAT(file.text, HasSubstr(kLine)) << file.name;
+    secured.network.security.mode = SecurityMode::kUserKey;
+    EXPECT_THAT(refusal([&] { unit_files(secured); }, ExitCode::kUsage), HasSubstr("thimble keygen"));
 }
 
 TEST(UnitFiles, ANameIsNoAddressToFilterBy) {

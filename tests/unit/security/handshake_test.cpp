@@ -39,7 +39,7 @@ TEST(HandshakeMessages, AreWhatThePageSays) {
               "77d2d1334788c43c55deaa481ecfe0a5b5ba8be36f2814aa1596525d5199084e");
     SecretKey secret;
     secret.bytes.fill(9);
-    EXPECT_EQ(hex(flow_key(secret, Port::kSlaveNeedle).bytes),
+    EXPECT_EQ(hex(flow_key(secret, {Port::kSlaveNeedle}).bytes),
               "5b560cf6f4e310d86c530bcf7ad188450ab830c619e3e534733a1a16d19dcec5");
 }
 
@@ -144,6 +144,32 @@ TEST(Handshake, AWrongLabKeyIsTwoSidesTroubleAndSilenceIsAnother) {
     rig.turn();
     EXPECT_EQ(rig.node->trouble(), PairTrouble::kNone);
     EXPECT_EQ(rig.session->trouble(), PairTrouble::kNone);
+}
+
+// One key, two rigs, and a middle man who passes on all that they say.
+TEST(Handshake, ProgramsOfTwoRigsNeverAgree) {
+    const auto of_rig = [](const char* rig) {
+        return std::make_shared<const LabKey>(key_of_rig(*test_lab_key(), rig));
+    };
+    PairRig rig;
+    rig.restart_session(of_rig("name B 27000"));
+    rig.restart_node(of_rig("name A 27000"));
+    for (int i = 0; i < 20; ++i) rig.turn(kMoment);
+    EXPECT_FALSE(rig.node->established() || rig.session->established());
+    EXPECT_EQ(rig.node->counters().opened + rig.session->counters().opened, 0U);
+    EXPECT_EQ(rig.node->trouble(), PairTrouble::kWrongLabKey);
+    rig.restart_node(of_rig("name B 27000"));
+    rig.turn();
+    EXPECT_TRUE(rig.node->established());
+}
+
+TEST(Handshake, WhoSpeaksWithoutProtectionIsNamed) {
+    PairRig rig;
+    rig.wire.b.cut = true;
+    rig.wire.a.deliver(Datagram(100, 0));
+    rig.turn();
+    EXPECT_EQ(rig.session->trouble(), PairTrouble::kUnsealed);
+    EXPECT_EQ(rig.node->trouble(), PairTrouble::kSilent);
 }
 
 TEST(Handshake, AChangedBitInAnyMessageKeepsTheDoorShut) {

@@ -27,7 +27,7 @@ struct Program {
     std::string heard;
 };
 
-// The session, a master, a slave_sim and a visual; the needle goes through a relay that looks at nothing.
+// The session, a master, a slave_sim, a visual, and the relay that the needle goes through.
 class Rig {
   public:
     explicit Rig(const SecurityTimes& t = {}) : times(t) {
@@ -35,6 +35,7 @@ class Rig {
         start_master();
         start_slave();
         start_visual();
+        start_relay();
     }
 
     void start_session() {
@@ -42,6 +43,7 @@ class Rig {
         session[0] = server->pair(control[0].a, Port::kSessionMaster, Port::kMasterControl);
         session[1] = server->pair(control[1].a, Port::kSessionSlave, Port::kSlaveControl);
         session[2] = server->pair(control[2].a, Port::kSessionVisual, Port::kVisualControl);
+        session[3] = server->pair(control[3].a, Port::kSessionNetem, Port::kNetemControl);
         record_in = server->inlet(record.b, Port::kSessionRecord);
     }
     void start_master() {
@@ -52,7 +54,7 @@ class Rig {
     void start_slave() {
         slave =
             std::make_unique<Program>(control[1].b, Port::kSlaveControl, Port::kSessionSlave, ++lives, times);
-        needle_in = slave->security.inlet(needle.b, Port::kSlaveNeedle);
+        needle_in = slave->security.inlet(passed.b, Port::kSlaveNeedle);
         record_out = slave->security.outlet(record.a, Port::kSessionRecord);
     }
     void start_visual() {
@@ -62,13 +64,20 @@ class Rig {
         percept_out = visual->security.outlet(percept.a, Port::kMasterPerceptVisual);
     }
 
+    void start_relay() {
+        relay =
+            std::make_unique<Program>(control[3].b, Port::kNetemControl, Port::kSessionNetem, ++lives, times);
+        relay_in = relay->security.inlet(needle.b, Port::kNetemNeedle);
+        relay_out = relay->security.outlet(passed.a, Port::kSlaveNeedle);
+    }
+
     void turn(Duration later = {}) {
         now += later;
         for (int i = 0; i < 8; ++i) {
             server->tick(now);
             for (Channel* channel : session) received(*channel);
             server->tick(now);
-            for (Program* node : {master.get(), slave.get(), visual.get()}) node->tick(now);
+            for (Program* node : {master.get(), slave.get(), visual.get(), relay.get()}) node->tick(now);
         }
     }
     // Of the session, so that no node begins anew.
@@ -77,19 +86,25 @@ class Rig {
     }
     std::string across(const char* word) {
         needle_out->send(bytes_of(word));
+        return heard();
+    }
+    // What the slave gets next, also what the relay has for it.
+    std::string heard() {
+        for (std::string word = received(*relay_in); !word.empty(); word = received(*relay_in))
+            relay_out->send(bytes_of(word));
         return received(*needle_in);
     }
 
     SecurityTimes times;
     SessionTime now{std::chrono::hours{5}};
     std::uint64_t lives = 0;
-    std::array<TestPipe, 3> control;
-    TestPipe needle, record, percept;
+    std::array<TestPipe, 4> control;
+    TestPipe needle, passed, record, percept;  // needle: to the relay; passed: from it
     std::unique_ptr<Security> server;
-    std::array<Channel*, 3> session{};
-    std::unique_ptr<Program> master, slave, visual;
+    std::array<Channel*, 4> session{};
+    std::unique_ptr<Program> master, slave, visual, relay;
     Channel *record_in = nullptr, *needle_out = nullptr, *needle_in = nullptr, *record_out = nullptr,
-            *false_needle = nullptr, *percept_out = nullptr;
+            *false_needle = nullptr, *percept_out = nullptr, *relay_in = nullptr, *relay_out = nullptr;
 };
 
 TEST(FlowKeys, ComeWithTheHandshakes) {
@@ -101,7 +116,7 @@ TEST(FlowKeys, ComeWithTheHandshakes) {
     EXPECT_EQ(rig.across("needle"), "needle");
     rig.record_out->send(bytes_of("sample"));
     EXPECT_EQ(received(*rig.record_in), "sample");
-    EXPECT_GT(rig.needle.a.said.back().size(), std::string("needle").size());
+    EXPECT_GT(rig.passed.a.said.back().size(), std::string("needle").size());
 }
 
 TEST(FlowKeys, AVisualCannotCommandTheNeedle) {
@@ -113,31 +128,57 @@ TEST(FlowKeys, AVisualCannotCommandTheNeedle) {
     // Nor with a datagram of its own flow, whatever port it writes on it.
     rig.percept_out->send(bytes_of("percept"));
     Datagram percept = rig.percept.a.said.back();
-    rig.needle.b.deliver(percept);
+    rig.passed.b.deliver(percept);
+    percept[2] = static_cast<std::uint8_t>(PacketKind::kHop);
     percept[3] = static_cast<std::uint8_t>(Port::kSlaveNeedle);
-    rig.needle.b.deliver(percept);
-    EXPECT_EQ(received(*rig.needle_in), "");
+    rig.passed.b.deliver(percept);
+    EXPECT_EQ(rig.heard(), "");
     EXPECT_EQ(rig.slave->security.counters().wrong_role, 1U);
     EXPECT_EQ(rig.slave->security.counters().no_key, 1U);
 }
 
-TEST(FlowKeys, ARelayHasNone) {
-    TestPipe control, flow;
-    Security relay(test_lab_key(), seeded_bytes(1));
-    EXPECT_NE(relay.pair(control.a, Port::kNetemControl, Port::kSessionNetem), &control.a);
-    EXPECT_EQ(relay.inlet(flow.a, Port::kNetemNeedle), &flow.a);
-    EXPECT_EQ(relay.outlet(flow.a, Port::kSlaveNeedle), &flow.a);
+TEST(FlowKeys, WhatTheRelayChangesOnTheWayIsForged) {
+    Rig rig;
+    rig.turn();
+    rig.needle_out->send(bytes_of("needle"));
+    std::string word = received(*rig.relay_in);
+    EXPECT_EQ(word.find("needle"), std::string::npos) << "the relay cannot read it";
+    word.back() ^= 1;
+    rig.relay_out->send(bytes_of(word));
+    EXPECT_EQ(rig.heard(), "");
+    EXPECT_EQ(rig.slave->security.counters().forged, 1U);
+}
+
+// Delivered at once behind the relay it would be there before its delay: as it is, without its outer seal, or said to the relay twice.
+TEST(FlowKeys, ADatagramFromBeforeTheRelayIsRefusedBehindIt) {
+    Rig rig;
+    rig.turn();
+    rig.needle_out->send(bytes_of("needle"));
+    const Datagram early = rig.needle.a.said.back();
+    const Datagram within(early.begin() + kSealHeaderBytes, early.end() - kSealTagBytes);
+    Datagram renamed = early;
+    renamed[3] = static_cast<std::uint8_t>(Port::kSlaveNeedle);
+    for (const Datagram& datagram : {early, within, renamed}) rig.passed.b.deliver(datagram);
+    EXPECT_EQ(received(*rig.needle_in), "");
+    EXPECT_EQ(rig.slave->security.counters().wrong_role, 2U);
+    EXPECT_EQ(rig.slave->security.counters().no_key, 1U);
+    EXPECT_EQ(rig.heard(), "needle") << "the relay has it, and passes it on";
+    rig.needle.b.deliver(early);
+    rig.needle.b.deliver(within);
+    EXPECT_EQ(rig.heard(), "");
+    EXPECT_EQ(rig.relay->security.counters().replayed, 1U);
+    EXPECT_EQ(rig.relay->security.counters().wrong_role, 1U);
 }
 
 TEST(FlowKeys, ARestartedSlaveTakesNoRecordedCommand) {
     Rig rig;
     rig.turn();
     for (int i = 0; i < 5; ++i) EXPECT_EQ(rig.across("needle"), "needle");
-    const auto recorded = rig.needle.a.said;
+    const auto recorded = rig.passed.a.said;
     rig.start_slave();
     const auto replay = [&] {
-        for (const Datagram& datagram : recorded) rig.needle.b.deliver(datagram);
-        return received(*rig.needle_in);
+        for (const Datagram& datagram : recorded) rig.passed.b.deliver(datagram);
+        return rig.heard();
     };
     EXPECT_EQ(replay(), "");
     rig.turn();
@@ -150,29 +191,29 @@ TEST(FlowKeys, ARestartedMasterNeverSealsUnderTheKeyItHadBefore) {
     Rig rig;
     rig.turn();
     EXPECT_EQ(rig.across("needle"), "needle");
-    const auto first = read_seal_header(rig.needle.a.said.back());
-    const auto recorded = rig.needle.a.said;
+    const auto first = read_seal_header(rig.passed.a.said.back());
+    const auto recorded = rig.passed.a.said;
     rig.start_master();
     rig.turn();
     EXPECT_EQ(rig.across("fresh"), "fresh");
-    EXPECT_NE(read_seal_header(rig.needle.a.said.back())->key_name, first->key_name);
-    for (const Datagram& datagram : recorded) rig.needle.b.deliver(datagram);
-    EXPECT_EQ(received(*rig.needle_in), "");
+    EXPECT_NE(read_seal_header(rig.passed.a.said.back())->key_name, first->key_name);
+    for (const Datagram& datagram : recorded) rig.passed.b.deliver(datagram);
+    EXPECT_EQ(rig.heard(), "");
 }
 
 TEST(FlowKeys, ANewSessionIsObeyedAndNothingFromBefore) {
     Rig rig;
     rig.turn();
     EXPECT_EQ(rig.across("needle"), "needle");
-    const auto commands = rig.needle.a.said;
+    const auto commands = rig.passed.a.said;
     const auto orders = rig.control[1].a.said;
     rig.start_session();
     rig.turn(milliseconds{400});
     rig.turn(milliseconds{50});
     ASSERT_TRUE(rig.server->complete());
-    for (const Datagram& datagram : commands) rig.needle.b.deliver(datagram);
+    for (const Datagram& datagram : commands) rig.passed.b.deliver(datagram);
     for (const Datagram& datagram : orders) rig.control[1].b.deliver(datagram);
-    EXPECT_EQ(received(*rig.needle_in), "");
+    EXPECT_EQ(rig.heard(), "");
     rig.turn();
     EXPECT_EQ(rig.slave->heard, "");
     EXPECT_EQ(rig.across("fresh"), "fresh");
@@ -192,14 +233,15 @@ TEST(FlowKeys, AreRenewedWithoutLoss) {
         for (Channel* channel : rig.session) received(*channel);
         rig.server->tick(rig.now);
         if (i % 100 == 0) rig.show_life();
-        for (Program* node : {rig.master.get(), rig.slave.get(), rig.visual.get()}) node->tick(rig.now);
+        for (Program* node : {rig.master.get(), rig.slave.get(), rig.visual.get(), rig.relay.get()})
+            node->tick(rig.now);
         ASSERT_EQ(rig.across("needle"), "needle") << i;
-        const Datagram& said = rig.needle.a.said.back();
+        const Datagram& said = rig.passed.a.said.back();
         if (keys.insert(read_seal_header(said)->key_name).second) recorded.push_back(said);
     }
     EXPECT_GE(keys.size(), 3U);
-    for (const Datagram& datagram : recorded) rig.needle.b.deliver(datagram);
-    EXPECT_EQ(received(*rig.needle_in), "");
+    for (const Datagram& datagram : recorded) rig.passed.b.deliver(datagram);
+    EXPECT_EQ(rig.heard(), "");
 }
 
 // A handshake within the grace of the epoch before, and a node whose receipt is late.
@@ -211,7 +253,7 @@ TEST(FlowKeys, ThoseInUseAreNotForgottenWhileTheNextAreAgreedOn) {
         rig.control[1].b.cut = ms >= 800 && ms < 1060;
         if (ms % 100 == 99) {
             rig.show_life();
-            for (Program* node : {rig.master.get(), rig.slave.get(), rig.visual.get()})
+            for (Program* node : {rig.master.get(), rig.slave.get(), rig.visual.get(), rig.relay.get()})
                 node->channel->send(bytes_of("alive"));
         }
         rig.turn(milliseconds{1});
@@ -232,9 +274,9 @@ TEST(FlowKeys, AreRenewedAfterSoManyDatagrams) {
         if (i % 20 == 0) rig.show_life();
         rig.turn(milliseconds{1});
     }
-    EXPECT_LE(read_seal_header(rig.needle.a.said.back())->counter, 1010U);
-    // Three times by the master; each other node began once.
-    EXPECT_EQ(rig.server->counters().handshakes, 3U + 3U);
+    EXPECT_LE(read_seal_header(rig.passed.a.said.back())->counter, 1010U);
+    // Each node began once. The master began three times more; the relay, which sent as many, did as well.
+    EXPECT_EQ(rig.server->counters().handshakes, 4U + 3U + 3U);
 }
 
 TEST(FlowKeys, RenewalGoesOnWhenANodeIsGone) {
@@ -270,7 +312,7 @@ TEST(KeyMessages, HoldWhatWasWritten) {
     grant.in_use = true;
     grant.count = kMostFlowKeys;
     for (std::size_t i = 0; i < kMostFlowKeys; ++i) {
-        grant.keys[i].port = static_cast<Port>(i);
+        grant.keys[i].keyed = {static_cast<Port>(i), i % 2 == 1};
         grant.keys[i].key.bytes.fill(static_cast<std::uint8_t>(i + 1));
     }
     KeyText text{};
@@ -281,7 +323,7 @@ TEST(KeyMessages, HoldWhatWasWritten) {
     EXPECT_EQ(read->epoch, 77U);
     EXPECT_TRUE(read->in_use);
     ASSERT_EQ(read->count, kMostFlowKeys);
-    EXPECT_EQ(read->keys[7].port, static_cast<Port>(7));
+    EXPECT_EQ(read->keys[7].keyed, (KeyedFlow{static_cast<Port>(7), true}));
     EXPECT_EQ(read->keys[7].key.bytes, grant.keys[7].key.bytes);
     for (std::size_t size = 0; size < bytes.size(); ++size)
         EXPECT_FALSE(read_grant(bytes.first(size))) << size;

@@ -2,6 +2,7 @@
 #include "common/runtime/protection.hpp"
 
 #include <array>
+#include <barrier>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,7 +12,9 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,7 +46,7 @@ void expect_usage(const What& what, const std::string& words) {
 
 constexpr const char* kElsewhere = "[network]\nhost_slave_sim = '192.0.2.1'\n";
 
-TEST(Protection, IsOptionalOnThisMachineAlone) {
+TEST(Protection, NeedsALabKeyBetweenMachines) {
     EXPECT_NO_THROW(require_protection(network("")));
     EXPECT_NO_THROW(require_protection(network("[network]\nhost_slave_sim = '127.0.0.2'\n")));
     expect_usage([] { require_protection(network("[network]\nhost_slave_sim = 'nowhere.invalid'\n")); },
@@ -75,13 +78,32 @@ std::string warning_of(const std::string& text) {
     return said.str();
 }
 
-TEST(Protection, IsMissedOnlyWhereDatagramsLeaveThisMachine) {
+TEST(Protection, IsMissedAloudWhereverItIsSwitchedOff) {
     EXPECT_EQ(warning_of(""), "");
     EXPECT_EQ(warning_of("[network]\nhost_slave_sim = '127.0.0.2'\n"), "");
+    EXPECT_THAT(warning_of("[security]\nmode = 'none'\n"), HasSubstr("anybody on this machine can move"));
     EXPECT_EQ(warning_of(std::string(kElsewhere) + "[security]\nmode = 'lab-key'\n"), "");
     const std::string open = "[security]\nmode = 'none'\nallow_unprotected_network = true\n";
     EXPECT_THAT(warning_of(kElsewhere + open), HasSubstr("not protected"));
     EXPECT_THAT(warning_of("[network]\nhost_slave_sim = '0.0.0.0'\n" + open), HasSubstr("thimble keygen"));
+}
+
+TEST(Protection, ARealHandleTakesNoForceFromAnOpenNetwork) {
+    const std::string open = "[security]\nmode = 'none'\nallow_unprotected_network = true\n";
+    expect_usage([&] { require_protection_of_handle(network(kElsewhere + open)); }, "192.0.2.1");
+    EXPECT_NO_THROW(require_protection_of_handle(network(open)));
+    EXPECT_NO_THROW(
+        require_protection_of_handle(network(std::string(kElsewhere) + "[security]\nmode = 'lab-key'\n")));
+}
+
+TEST(Protection, TwoRigsAreTwoNames) {
+    const std::string here = network("").rig();
+    EXPECT_NE(here, network("[network]\nhost_slave_sim = '127.0.0.2'\n").rig());
+    EXPECT_NE(here, network("[network]\nbase_port = 28000\n").rig());
+    const std::string named = "[security]\nrig = 'left'\n";
+    EXPECT_NE(here, network(named).rig());
+    EXPECT_NE(network(named).rig(), network(named + "[network]\nbase_port = 28000\n").rig());
+    EXPECT_EQ(network(named).rig(), network(named + "[network]\nhost_netem = '127.0.0.2'\n").rig());
 }
 
 TEST(Protection, SettingsAreReadStrictly) {
@@ -92,10 +114,11 @@ TEST(Protection, SettingsAreReadStrictly) {
 }
 
 TEST(Protection, ADeviceElsewhereIsSpokenToOnPurposeOnly) {
-    Sockets sockets{NetworkSettings{}};
+    NetworkSettings allowed;
+    allowed.security.mode = SecurityMode::kNone;
+    Sockets sockets{allowed};
     expect_usage([&] { sockets.device({"127.0.0.1", 0}, {"192.0.2.1", 20000}); }, "192.0.2.1");
     EXPECT_NO_THROW(sockets.device({"127.0.0.1", 0}, {"127.0.0.1", 20000}));
-    NetworkSettings allowed;
     allowed.security.allow_unprotected_network = true;
     EXPECT_NO_THROW(Sockets{allowed}.device({"127.0.0.1", 0}, {"192.0.2.1", 20000}));
 }
@@ -119,7 +142,7 @@ TEST(Protection, AProgramWithAKeyLeavesNoCoreDump) {
     EXPECT_EXIT(keep(), testing::ExitedWithCode(0), "");
     const auto with_key = [&end] {
         try {
-            make_security(network("[security]\nmode = 'lab-key'\nkey_file = '/nowhere/lab.key'\n").security);
+            make_security(network("[security]\nmode = 'lab-key'\nkey_file = '/nowhere/lab.key'\n"));
         } catch (const Error&) {  // hidden before the key is read
         }
         end();
@@ -225,6 +248,75 @@ TEST_F(LabKeyFile, ThatIsNoneIsNamed) {
     }
 }
 
+// Made by the first program that needs it.
+class UserKeyFile : public testing::Test {
+  protected:
+    void SetUp() override { setenv("XDG_STATE_HOME", folder_.path().c_str(), 1); }
+    void TearDown() override {
+        if (before_.empty()) unsetenv("XDG_STATE_HOME");
+        if (!before_.empty()) setenv("XDG_STATE_HOME", before_.c_str(), 1);
+    }
+    static std::string refused(ExitCode code = ExitCode::kUsage) {
+        return refusal([] { own_user_key(system_random_bytes()); }, code);
+    }
+
+    TemporaryDirectory folder_;
+    const std::string before_ = std::getenv("XDG_STATE_HOME") == nullptr ? "" : std::getenv("XDG_STATE_HOME");
+    const fs::path file_ = folder_ / "thimble/user.key";
+};
+
+TEST_F(UserKeyFile, IsMadeOnceForItsOwnerAlone) {
+    const LabKey made = own_user_key(system_random_bytes());
+    struct stat found {};
+    ASSERT_EQ(stat(file_.c_str(), &found), 0);
+    EXPECT_EQ(found.st_mode & 07777U, 0600U);
+    EXPECT_TRUE(same_bytes(own_user_key(system_random_bytes()).bytes(), made.bytes()));
+}
+
+TEST_F(UserKeyFile, OfProgramsThatStartAtOnceIsOne) {
+    constexpr std::size_t kPrograms = 8;
+    for (int round = 0; round < 20; ++round) {
+        fs::remove_all(file_.parent_path());
+        std::array<std::string, kPrograms> keys;
+        std::barrier start(kPrograms);
+        std::vector<std::jthread> programs;
+        programs.reserve(kPrograms);
+        for (std::string& key : keys) {
+            programs.emplace_back([&] {
+                start.arrive_and_wait();
+                key = hex(own_user_key(system_random_bytes()).bytes());
+            });
+        }
+        programs.clear();
+        for (const std::string& key : keys) EXPECT_EQ(key, keys[0]);
+        EXPECT_EQ(std::distance(fs::directory_iterator(file_.parent_path()), {}), 1) << "no draft is left";
+    }
+}
+
+TEST_F(UserKeyFile, ThatCannotBeMadeIsNamedWithTheRemedy) {
+    write_text(folder_ / "thimble", "a file where the folder is to be");
+    EXPECT_THAT(refused(), testing::AllOf(HasSubstr(file_.string()), HasSubstr("set XDG_STATE_HOME")));
+    setenv("XDG_STATE_HOME", "/proc/nowhere", 1);  // where root cannot write either
+    EXPECT_THAT(refused(), HasSubstr("'/proc/nowhere/thimble/user.key'"));
+}
+
+TEST_F(UserKeyFile, ThatOthersMayReadOrThatIsNoneIsRefused) {
+    own_user_key(system_random_bytes());
+    chmod(file_.c_str(), 0644);
+    EXPECT_THAT(refused(), testing::AllOf(HasSubstr("the user key"), HasSubstr("chmod 600")));
+    chmod(file_.c_str(), 0600);
+    write_text(file_, "something");
+    EXPECT_THAT(refused(ExitCode::kData), testing::AllOf(HasSubstr("no user key"), HasSubstr("remove it")));
+}
+
+TEST_F(UserKeyFile, OpensTheSocketsOfASessionFileThatSaysNothing) {
+    prctl(PR_SET_DUMPABLE, 1UL, 0UL, 0UL, 0UL);  // whatever tests before this one did
+    EXPECT_NE(Sockets{network("")}.security(), nullptr);
+    EXPECT_TRUE(fs::exists(file_));
+    EXPECT_EQ(Sockets{without_user_key(network(""))}.security(), nullptr);
+    EXPECT_EQ(prctl(PR_GET_DUMPABLE), 1) << "a debugger of this user may look: he has the key anyway";
+}
+
 TEST_F(LabKeyFile, StandsWhereTheSettingTheEnvironmentOrTheStandardSays) {
     const auto set = [](const char* name, const char* value) {
         if (value == nullptr) unsetenv(name);
@@ -232,11 +324,17 @@ TEST_F(LabKeyFile, StandsWhereTheSettingTheEnvironmentOrTheStandardSays) {
     };
     const char* const home = std::getenv("HOME");
     const std::string home_before = home == nullptr ? "" : home;
+    const char* const state = std::getenv("XDG_STATE_HOME");
+    const std::string state_before = state == nullptr ? "" : state;
     set("THIMBLE_LAB_KEY_FILE", nullptr);
     set("XDG_CONFIG_HOME", nullptr);
     set("HOME", "/home/somebody");
     EXPECT_EQ(lab_key_file(""), "/home/somebody/.config/thimble/lab.key");
     EXPECT_EQ(lab_key_file("~/my.key"), "/home/somebody/my.key");
+    set("XDG_STATE_HOME", nullptr);
+    EXPECT_EQ(user_key_file(), "/home/somebody/.local/state/thimble/user.key");
+    set("XDG_STATE_HOME", "/state");
+    EXPECT_EQ(user_key_file(), "/state/thimble/user.key");
     set("XDG_CONFIG_HOME", "relative");
     EXPECT_EQ(lab_key_file(""), "/home/somebody/.config/thimble/lab.key");
     set("XDG_CONFIG_HOME", "/config");
@@ -248,6 +346,11 @@ TEST_F(LabKeyFile, StandsWhereTheSettingTheEnvironmentOrTheStandardSays) {
     set("XDG_CONFIG_HOME", nullptr);
     set("HOME", nullptr);
     EXPECT_THROW(lab_key_file(""), Error);
+    set("XDG_STATE_HOME", "relative");
+    EXPECT_THAT(refusal(user_key_file, ExitCode::kUsage),
+                testing::AllOf(HasSubstr("HOME names no folder"), HasSubstr("set XDG_STATE_HOME")));
+    if (state != nullptr) set("XDG_STATE_HOME", state_before.c_str());
+    if (state == nullptr) set("XDG_STATE_HOME", nullptr);
     if (home != nullptr) set("HOME", home_before.c_str());
 }
 

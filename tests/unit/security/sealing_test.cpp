@@ -67,6 +67,24 @@ TEST(Sealing, AChangedCutOrLengthenedDatagramIsRefused) {
     }
 }
 
+// What is sealed already gets a code around it.
+TEST(Sealing, AHopIsReadableAndNoBitOfItCanBeChanged) {
+    Ends ends;
+    const Bytes bytes = ends.sealer.seal(PacketKind::kHop, Port::kNetemNeedle, bytes_of("sealed before"));
+    const Datagram good(bytes.begin(), bytes.end());
+    EXPECT_EQ(good.size(), std::string_view("sealed before").size() + kSealOverheadBytes);
+    EXPECT_EQ(std::string(good.begin() + kSealHeaderBytes, good.end() - kSealTagBytes), "sealed before");
+    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+        Datagram bad = good;
+        bad[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+        EXPECT_FALSE(ends.opens(bad)) << "bit " << bit;
+    }
+    for (std::size_t size = 0; size < good.size(); ++size)
+        EXPECT_FALSE(ends.opens({good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size)})) << size;
+    EXPECT_TRUE(ends.opens(good));
+    EXPECT_EQ(std::string(ends.text.begin(), ends.text.begin() + 13), "sealed before");
+}
+
 TEST(Sealing, EachDatagramOpensOnce) {
     Ends ends;
     const Datagram first = ends.seal("1"), second = ends.seal("2");

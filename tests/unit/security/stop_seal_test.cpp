@@ -57,17 +57,20 @@ TEST(StopSeal, EveryFlippedBitIsRefused) {
     EXPECT_EQ(rig.there.counters().opened, 1U);
 }
 
-TEST(StopSeal, AnotherLabsStopAndAnotherPortsOrderAreNone) {
+TEST(StopSeal, AnotherLabsStopAndAnotherRigsOrPortsOrderAreNone) {
     StopRig rig;
+    StopSeal other_rig(rig.pipe.a,
+                       std::make_shared<const LabKey>(key_of_rig(*test_lab_key(), "name B 27000")), kStopPort,
+                       StopEnd::kSpeaks);
     StopSeal stranger(rig.pipe.a, test_lab_key(8), kStopPort, StopEnd::kSpeaks);
     StopSeal beside(rig.pipe.a, test_lab_key(), kStopPort + 33, StopEnd::kSpeaks);
-    for (StopSeal* other : {&stranger, &beside}) {
+    for (StopSeal* other : {&stranger, &beside, &other_rig}) {
         other->send(rig.order(StopKind::kRelease));
         EXPECT_TRUE(rig.there.receive().empty());
     }
     rig.pipe.b.deliver(rig.order(StopKind::kStop));  // in the clear
     EXPECT_TRUE(rig.there.receive().empty());
-    EXPECT_EQ(rig.there.counters().forged, 2U);
+    EXPECT_EQ(rig.there.counters().forged, 3U);
     EXPECT_EQ(rig.there.counters().unsealed, 1U);
 }
 
