@@ -93,7 +93,7 @@ struct NetworkSettings {
     std::uint16_t base_port = kDefaultBasePort;
     std::array<std::string, kRoleCount> hosts = every_role_here();  // by Role
 
-    // What its key is bound to: the rig's name or all hosts, and the base port.
+    // Names the rig for its key: [security] rig or all hosts, and the base port.
     std::string rig() const;
     const std::string& host(Role role) const { return hosts[static_cast<std::size_t>(role)]; }
     Endpoint at(Port port) const;

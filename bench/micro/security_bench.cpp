@@ -17,18 +17,18 @@ SecretKey bench_key() {
     return key;
 }
 
-// 104 bytes: a NeedleCommand; 144: a ForceFeedback.
-void security_seal(benchmark::State& state) {
+// 104 bytes: a NeedleCommand; 144: a ForceFeedback. On a hop they are 32 bytes longer.
+void seal(benchmark::State& state, PacketKind kind) {
     Sealer sealer;
     sealer.arm(bench_key());
     const std::vector<std::uint8_t> text(static_cast<std::size_t>(state.range(0)), 1);
-    for (auto _ : state)
-        benchmark::DoNotOptimize(sealer.seal(PacketKind::kData, Port::kSlaveNeedle, text).data());
+    for (auto _ : state) benchmark::DoNotOptimize(sealer.seal(kind, Port::kSlaveNeedle, text).data());
 }
-BENCHMARK(security_seal)->Arg(104)->Arg(144);
+BENCHMARK_CAPTURE(seal, security, PacketKind::kData)->Arg(104)->Arg(144);
+BENCHMARK_CAPTURE(seal, security_hop, PacketKind::kHop)->Arg(136)->Arg(176);
 
 // Sealed beforehand: each opens once.
-void security_open(benchmark::State& state) {
+void open(benchmark::State& state, PacketKind kind) {
     constexpr std::size_t kSealedAtOnce = 1000;
     Sealer sealer;
     sealer.arm(bench_key());
@@ -43,7 +43,7 @@ void security_open(benchmark::State& state) {
         if (next == kSealedAtOnce) {
             state.PauseTiming();
             for (auto& one : sealed) {
-                const Bytes bytes = sealer.seal(PacketKind::kData, Port::kSlaveNeedle, text);
+                const Bytes bytes = sealer.seal(kind, Port::kSlaveNeedle, text);
                 one.assign(bytes.begin(), bytes.end());
             }
             next = 0;
@@ -53,7 +53,8 @@ void security_open(benchmark::State& state) {
         benchmark::DoNotOptimize(opener.open(*read_seal_header(datagram), datagram, out, counters));
     }
 }
-BENCHMARK(security_open)->Arg(104)->Arg(144);
+BENCHMARK_CAPTURE(open, security, PacketKind::kData)->Arg(104)->Arg(144);
+BENCHMARK_CAPTURE(open, security_hop, PacketKind::kHop)->Arg(136)->Arg(176);
 
 void security_refuse_forged(benchmark::State& state) {
     Sealer sealer;

@@ -17,7 +17,7 @@ void require_protection_of_handle(const NetworkSettings& settings);
 void require_protection_of_device(const SecuritySettings& settings, const std::string& host);
 // One line on stderr in mode "none".
 void warn_if_unprotected(const NetworkSettings& settings);
-// For lock-step: strangers are told by their ports there, and by default datagrams need no key.
+// For lock-step, where a datagram's port shows whether a program of the session sent it: by default none needs a key.
 NetworkSettings without_user_key(NetworkSettings settings);
 
 // From now on this process leaves no core dump, and others of the same user cannot look into it: before a key is read or made.

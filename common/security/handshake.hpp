@@ -57,8 +57,8 @@ std::optional<AgreedKeys> agree(const LabKey& lab, const HandshakeParties& parti
 // The key of a one-way flow, from the secret of an epoch: names who may seal it, for whom, and what.
 SecretKey flow_key(const SecretKey& epoch_secret, const KeyedFlow& keyed);
 
-// The key that the programs of one rig use in place of `key`, so that no word of another rig means anything to them.
-// `rig`: as NetworkSettings::rig() says it.
+// The programs of a rig use this key in place of `key`, so they refuse every message of another rig. NetworkSettings::rig()
+// gives `rig`.
 LabKey key_of_rig(const LabKey& key, std::string_view rig);
 
 }  // namespace thimble

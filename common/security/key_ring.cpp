@@ -25,7 +25,7 @@ Bytes write_grant(const KeyGrant& grant, KeyText& out) {
     std::uint8_t* at = &out[kGrantHead];
     for (std::size_t i = 0; i < grant.count; ++i, at += kFlowKeyBytes) {
         const KeyedFlow& keyed = grant.keys[i].keyed;
-        *at = static_cast<std::uint8_t>(static_cast<std::uint8_t>(keyed.port) | (keyed.hop ? kHopBit : 0));
+        at[0] = static_cast<std::uint8_t>(static_cast<std::uint8_t>(keyed.port) | (keyed.hop ? kHopBit : 0));
         std::copy(grant.keys[i].key.bytes.begin(), grant.keys[i].key.bytes.end(), at + 1);
     }
     return Bytes(out).first(kGrantHead + grant.count * kFlowKeyBytes);

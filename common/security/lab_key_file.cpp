@@ -41,7 +41,11 @@ std::filesystem::path home(const char* remedy) {
     return folder;
 }
 
-constexpr const char* kNameAFile = "name a file in [security] key_file";
+constexpr const char
+    *kNameAFile = "name a file in [security] key_file",
+    *kStateRemedy =
+        "set XDG_STATE_HOME to a folder that you can write; a service needs [security] mode = "
+        "\"lab-key\" (docs/security.md)";
 
 // Of the XDG base directories. The standard: a relative one is to be ignored.
 std::filesystem::path own_folder(const char* variable, const char* below_home, const char* remedy) {
@@ -168,10 +172,7 @@ void create_lab_key(const std::filesystem::path& path, const RandomBytes& random
 LabKey read_lab_key(const std::filesystem::path& path) { return read_key(path, kLab); }
 
 std::filesystem::path user_key_file() {
-    return own_folder("XDG_STATE_HOME", ".local/state",
-                      "set XDG_STATE_HOME to a folder that you can write, or set [security] mode = "
-                      "\"lab-key\" and key_file (docs/security.md)") /
-           "user.key";
+    return own_folder("XDG_STATE_HOME", ".local/state", kStateRemedy) / "user.key";
 }
 
 LabKey own_user_key(const RandomBytes& random) {
@@ -181,10 +182,8 @@ LabKey own_user_key(const RandomBytes& random) {
     std::filesystem::create_directories(path.parent_path(), folder);
     const int error = folder ? folder.value() : make_key_file(path, random);
     if (error == 0 || error == EEXIST) return read_key(path, kUser);
-    throw Error(ExitCode::kUsage,
-                "cannot make the user key '{}': {}; set XDG_STATE_HOME to a folder that you can write "
-                "(docs/security.md)",
-                path.string(), std::strerror(error));
+    throw Error(ExitCode::kUsage, "cannot make the user key '{}': {}; {}", path.string(),
+                std::strerror(error), kStateRemedy);
 }
 
 }  // namespace thimble

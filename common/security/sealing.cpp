@@ -21,7 +21,7 @@ Nonce nonce_of(std::uint64_t counter) {
     return nonce;
 }
 
-// So many bytes of the text are covered by the tag and stay readable.
+// How many bytes of the text stay readable; the tag covers them.
 std::size_t readable(PacketKind kind, std::size_t size) { return kind == PacketKind::kHop ? size : 0; }
 
 std::uint32_t name_of(const SecretKey& key) {

@@ -78,8 +78,14 @@ bool Security::complete() const {
 SecurityCounters Security::counters() const {
     SecurityCounters sum;
     for (const auto& one : pairs_) sum.add(one->counters());
-    for (const auto& one : inlets_) sum.add(one->counters());
-    for (const auto& one : outlets_) sum.add(one->counters());
+    // At the ends of a flow a datagram and its hop are one.
+    const auto add = [this, &sum](const auto& end) {
+        SecurityCounters one = end->counters();
+        if (end->keyed().hop && self_ != Role::kNetem) one.sealed = one.opened = 0;
+        sum.add(one);
+    };
+    std::for_each(inlets_.begin(), inlets_.end(), add);
+    std::for_each(outlets_.begin(), outlets_.end(), add);
     for (const auto& one : stop_ends_) sum.add(one->counters());
     return sum;
 }

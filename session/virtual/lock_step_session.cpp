@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 #include "common/runtime/log/message_log.hpp"
-#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/protection.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/text_file.hpp"
 
 namespace thimble {

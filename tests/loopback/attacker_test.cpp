@@ -351,6 +351,35 @@ TEST_F(LabKeyTest, MachinesWithoutOneAreRefused) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out"));
 }
 
+// A session file that says nothing, and a local user who speaks at every port.
+TEST(UserKey, SealsARunThatAsksForNothing) {
+    RealRun run(SessionFile{});
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    HostilePeer peer(run.base_port());
+    for (int i = 0; i < 20; ++i) peer.send_as_second_sender(1);
+    expect_end(run, 0, EndReason::kCompleted);
+    EXPECT_THAT(run.words(), testing::Not(HasSubstr("not protected")));
+    for (const char* program : kNodePrograms) {
+        const auto report = run.report(program);
+        EXPECT_EQ(report.at("security").at("mode"), "user-key") << program;
+        EXPECT_GT(report.at("security").at("unsealed"), 0) << program;
+        EXPECT_EQ(report.at("refused").at("second_sender"), 0) << program;
+    }
+    EXPECT_EQ(run.report("session").at("security").at("mode"), "user-key");
+    EXPECT_TRUE(std::filesystem::exists(user_key_file()));
+}
+
+TEST(UserKey, IsMissedAloudWhereASessionDoesWithout) {
+    LoneNode node("thimble-netem", kUnprotectedTable);
+    ASSERT_TRUE(node.ready()) << node.words();
+    EXPECT_THAT(node.words(), HasSubstr("datagrams are not protected"));
+    LoneNode real("thimble-master",
+                  "[handle]\ndevice = 'force_dimension'\n[network]\nhost_netem = '192.0.2.1'\n"
+                  "[security]\nmode = 'none'\nallow_unprotected_network = true\n");
+    EXPECT_EQ(real.process().wait(kPatience), 2);
+    EXPECT_THAT(real.words(), HasSubstr("a real handle takes no force"));
+}
+
 // A trial among hostile datagrams goes on; each is counted by its name.
 // Until the run is over, with a pause in between, so that the trial is disturbed and not drowned.
 TEST(HostileRun, BrokenDatagramsStrangersAndSecondSendersAtEveryPort) {

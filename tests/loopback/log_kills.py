@@ -51,7 +51,7 @@ def kill_once(programs, port, victim, folder):
         file.write(SESSION.format(port=port))
     out = os.path.join(folder, "out")
     run = subprocess.Popen([programs + "/thimble", "run", session, "--out", out], stdout=subprocess.DEVNULL,
-                           stderr=subprocess.DEVNULL)
+                           stderr=subprocess.DEVNULL, env={**os.environ, "XDG_STATE_HOME": folder})
     log = f"{out}/nodes/{victim}_0ms.mcap"
     while not (os.path.exists(log) and os.path.getsize(log) > 300000):
         if run.poll() is not None:

@@ -116,14 +116,14 @@ def own_words(reports):
     return sent, read
 
 
-def node_findings(node, report, read):
-    """What a program's sockets gave it, it opened or refused; what it opened, it accepted or refused, each by name."""
-    security = report["security"]
+def node_findings(node, report, relayed):
+    """What a program's sockets gave it, it opened or refused; what it opened, it accepted, refused by name, or relayed."""
+    security, read = report["security"], report["udp"]["received"]
     if security["mode"] != "lab-key":
         yield f"{node} ran without the lab key"
         return
     opened, refused = security["opened"], sum(security[name] for name in REFUSED)
-    counted = report["accepted"] + sum(report["refused"].values())
+    counted = report["accepted"] + sum(report["refused"].values()) + relayed
     print(f"{node:18} {read} datagrams read, {opened} opened, {counted} accepted or refused by name")
     about_keys = WORDS_ABOUT_KEYS * (1 + security["handshakes"])
     if not 0 <= read - opened - refused <= about_keys:
@@ -164,8 +164,7 @@ def counter_findings(folder, trials):
     reports = {node: report_of(folder, node) for node in ("netem", "master", "slave-sim", "cutaneous", "visual")}
     links = reports["netem"]["links"]
     for node, report in reports.items():
-        received = report["udp"]["received"]
-        yield from node_findings(node, report, received - sum(link["pushed"] for link in links) if node == "netem" else received)
+        yield from node_findings(node, report, sum(link["pushed"] for link in links) if node == "netem" else 0)
     yield from link_findings(links)
     yield from end_to_end_findings(reports, trials)
 

@@ -1,5 +1,5 @@
-// The handshake as a machine of symbols: a public key is a number, a code says under which key it was made, and nobody guesses. The
-// attacker has every message and no key, so all that he can do is to deliver any message to any end, at any time, or never.
+// The handshake in symbols: a public key is a number, and a code names the key that made it. The attacker has every message and no
+// key. He can deliver any message to any end, at any time, or never.
 #pragma once
 
 #include <compare>
@@ -11,7 +11,7 @@
 
 namespace thimble::model {
 
-// What the code of a message covers. False: what an attacker could do otherwise.
+// The code of a message covers these. False: a test leaves one out, and the attacker wins.
 struct Bound {
     bool rig = true, role = true;
 };
@@ -21,7 +21,7 @@ struct Place {
     std::uint8_t rig = 0, role = 0;
 };
 
-// What both ends derive their keys from.
+// Both ends derive their keys from this.
 struct Agreed {
     std::uint8_t lab = 0, role = 0, initiator = 0, responder = 0;
     auto operator<=>(const Agreed&) const = default;

@@ -123,7 +123,7 @@ TEST(HandshakeModel, WithoutRigOrRoleInTheCodeTheMiddleManJoinsThem) {
     EXPECT_TRUE(Search(kTwoRoles, Bound{true, false}, 1).run().wrong);
 }
 
-// A real end and its model, which are told the same.
+// A real end and its model: both get the same messages.
 struct Both {
     End model;
     std::unique_ptr<TestWire> wire;

@@ -88,7 +88,7 @@ class Rig {
         needle_out->send(bytes_of(word));
         return heard();
     }
-    // What the slave gets next, also what the relay has for it.
+    // The next word at the slave, after the relay has passed on all that it has.
     std::string heard() {
         for (std::string word = received(*relay_in); !word.empty(); word = received(*relay_in))
             relay_out->send(bytes_of(word));

@@ -67,7 +67,7 @@ TEST(Sealing, AChangedCutOrLengthenedDatagramIsRefused) {
     }
 }
 
-// What is sealed already gets a code around it.
+// The hop adds a code to a sealed datagram, and does not encrypt it again.
 TEST(Sealing, AHopIsReadableAndNoBitOfItCanBeChanged) {
     Ends ends;
     const Bytes bytes = ends.sealer.seal(PacketKind::kHop, Port::kNetemNeedle, bytes_of("sealed before"));
