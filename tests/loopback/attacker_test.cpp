@@ -369,12 +369,9 @@ TEST(UserKey, SealsARunThatAsksForNothing) {
     EXPECT_TRUE(std::filesystem::exists(user_key_file()));
 }
 
-TEST(UserKey, IsMissedAloudWhereASessionDoesWithout) {
-    LoneNode node("thimble-netem", kUnprotectedTable);
-    ASSERT_TRUE(node.ready()) << node.words();
-    EXPECT_THAT(node.words(), HasSubstr("datagrams are not protected"));
+TEST(UserKey, ARealHandleIsRefusedOnAnOpenNetwork) {
     LoneNode real("thimble-master",
-                  "[handle]\ndevice = 'force_dimension'\n[network]\nhost_netem = '192.0.2.1'\n"
+                  "[handle]\ndevice = 'force-dimension'\n[network]\nhost_netem = '192.0.2.1'\n"
                   "[security]\nmode = 'none'\nallow_unprotected_network = true\n");
     EXPECT_EQ(real.process().wait(kPatience), 2);
     EXPECT_THAT(real.words(), HasSubstr("a real handle takes no force"));
@@ -395,7 +392,7 @@ TEST(HostileRun, BrokenDatagramsStrangersAndSecondSendersAtEveryPort) {
         peer.send_from_strangers();
         std::this_thread::sleep_for(std::chrono::milliseconds{5});
     }
-    expect_end(run, 0, EndReason::kCompleted);
+    expect_end(run, 0, EndReason::kCompleted, "datagrams are not protected");
     EXPECT_TRUE(run.rows().at(0).metrics.beeped);
     EXPECT_LT(run.rows().at(0).metrics.penetration_max_m,
               0.02);  // a needle at 0.2 m would have been far beyond
