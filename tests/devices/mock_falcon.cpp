@@ -13,6 +13,9 @@
 
 #include <fmt/format.h>
 
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/wall_clock.hpp"
+
 namespace thimble {
 namespace {
 
@@ -22,6 +25,8 @@ constexpr std::array<std::uint8_t, 50> kDescriptors{
     0x80, 45, 9, 4, 0, 0, 2, 0xff, 0xff, 0xff, 2,    7,    5, 0x81, 2, 64, 0, 0, 7, 5, 0x02, 2, 64, 0, 0};
 constexpr std::size_t kSetupBytes = 8;
 constexpr int kPipeBytes = 4096;
+constexpr Duration kTransfer =
+    std::chrono::microseconds{500};  // a command and its report: a frame of the USB
 
 std::string hexadecimal_digits() {
     std::string text;
@@ -97,6 +102,10 @@ void MockFalcon::unplug() {
 }
 
 int MockFalcon::on_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, void* self) {
+    // A real device has a processor of its own, so this thread, which is umockdev's, is scheduled as those of the nodes. It takes
+    // the time of the USB: one that answered at once would keep the processor.
+    static thread_local const std::string refusal = ask_for_realtime({});
+    if (umockdev_ioctl_client_get_request(client) == USBDEVFS_SUBMITURB) wall_sleep(kTransfer);
     return static_cast<MockFalcon*>(self)->serve(client);
 }
 
