@@ -1,8 +1,10 @@
 #include "common/process/child.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <deque>
 #include <fcntl.h>
 #include <fstream>
 #include <iterator>
@@ -13,6 +15,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
@@ -22,6 +25,10 @@ extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX want
 
 namespace thimble {
 namespace {
+
+// Of a log: more is not for a message.
+constexpr std::streamoff kMostRead = 1 << 16;
+constexpr std::size_t kLongestLine = 1000;
 
 int exit_code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
@@ -75,8 +82,12 @@ void Child::direct(posix_spawn_file_actions_t& files, const ChildStreams& stream
     } else {
         posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     }
-    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_APPEND,
-                                     0644);
+    if (streams.error >= 0) {
+        posix_spawn_file_actions_adddup2(&files, streams.error, STDERR_FILENO);
+    } else {
+        posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_APPEND,
+                                         0644);
+    }
     posix_spawn_file_actions_adddup2(&files, streams.output >= 0 ? streams.output : STDERR_FILENO,
                                      STDOUT_FILENO);
     if (!place.directory.empty()) posix_spawn_file_actions_addchdir_np(&files, place.directory.c_str());
@@ -113,14 +124,16 @@ std::optional<int> Child::wait(Duration limit) {
 }
 
 std::string Child::last_lines(std::size_t lines) const {
-    std::ifstream file(log_);
-    std::vector<std::string> all;
-    for (std::string line; std::getline(file, line);) all.push_back(line);
-    std::string text;
-    for (std::size_t i = all.size() > lines ? all.size() - lines : 0; i < all.size(); ++i) {
-        text += (text.empty() ? "" : "\n") + all[i];
+    std::ifstream file(log_, std::ios::binary | std::ios::ate);
+    const std::streamoff size = file.tellg();
+    file.seekg(std::max(std::streamoff{0}, size - kMostRead));
+    std::deque<std::string> last;
+    for (std::string line; std::getline(file, line);) {
+        if (line.size() > kLongestLine) line = line.substr(0, kLongestLine) + "...";
+        last.push_back(std::move(line));
+        if (last.size() > lines) last.pop_front();
     }
-    return text;
+    return printable(fmt::format("{}", fmt::join(last, "\n")));
 }
 
 // Its words go to memory that has a path while it is open here: nothing is left behind.

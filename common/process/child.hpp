@@ -15,7 +15,7 @@ namespace thimble {
 
 // Descriptors of this process that the child reads and writes instead of /dev/null and its log.
 struct ChildStreams {
-    int input = -1, output = -1;  // -1: /dev/null, the log
+    int input = -1, output = -1, error = -1;  // -1: /dev/null, the log, the log
 };
 
 // The child's folder, and advice for a user who lacks the program.
@@ -41,7 +41,7 @@ class Child {
     // Waits, at most `limit`, for it to end.
     std::optional<int> wait(Duration limit);
     int wait_for_ever();
-    // The last lines it wrote.
+    // The last lines in its log, each of a length that a person reads, without control characters.
     std::string last_lines(std::size_t lines = 5) const;
     pid_t pid() const { return pid_; }
 

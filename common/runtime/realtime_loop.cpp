@@ -21,9 +21,12 @@ namespace {
 
 std::atomic<bool> stop{false};
 
-std::atomic<unsigned> emergencies{0};
+std::atomic<unsigned> stops{0}, emergencies{0};
 
-extern "C" void request_stop(int /*signal*/) { stop = true; }
+extern "C" void request_stop(int /*signal*/) {
+    stop = true;
+    ++stops;
+}
 extern "C" void request_emergency_stop(int /*signal*/) { ++emergencies; }
 
 // The system hands a dead parent's children on a moment before it reports the death.
@@ -44,6 +47,7 @@ constexpr Duration kStopLatency = std::chrono::milliseconds{100};
 }  // namespace
 
 const std::atomic<bool>& stop_requested() { return stop; }
+unsigned stop_requests() { return stops; }
 
 void install_stop_signals(QuitSignal quit) {
     struct sigaction action {};

@@ -37,6 +37,8 @@ enum class QuitSignal { kEnds, kStopsEverything };
 
 // Set by SIGINT and SIGTERM once install_stop_signals() was called.
 const std::atomic<bool>& stop_requested();
+// How many of them have come. A program that is ending hears by it that its user has no more patience.
+unsigned stop_requests();
 void install_stop_signals(QuitSignal quit = QuitSignal::kEnds);
 // In a thread beside the loop: signals are for the loop's own.
 void block_signals();

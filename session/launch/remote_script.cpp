@@ -69,8 +69,9 @@ done
 )sh";
 
 // The node's parent is this shell, so --die-with-parent ends it even if this shell is killed. `keeper` then still
-// removes the folder.
+// removes the folder. `look` reads the centiseconds since the machine was started.
 constexpr const char* kRun = R"sh(
+look() { read -r up _ </proc/uptime && now=$((${up%.*} * 100 + 1${up#*.} - 100)); }
 "$program" "$@" </dev/null >&2 3<&- &
 node=$!
 finish() {
@@ -91,12 +92,16 @@ exec 3<&-
 (
     nap=
     trap 'kill "$nap"; exit 0' TERM
+    look
+    heard=$now
     while kill -0 "$node"; do
-        sleep "$lease" &
+        sleep 0.4 &
         nap=$!
         wait "$nap"
-        [ -e "$dir/alive" ] || finish
+        look
+        [ ! -e "$dir/alive" ] || heard=$now
         rm -f "$dir/alive"
+        [ "$((now - heard))" -lt "$lease_cs" ] || finish
     done
 ) >/dev/null 2>&1 &
 lessor=$!
@@ -129,7 +134,8 @@ std::string remote_script(const RemoteOrder& order) {
               assign("version", order.version) + assign("machine", order.machine) +
               assign("only_check", order.only_check ? "yes" : "") + assign("reached", kReached) +
               assign("send", kSend) + assign("report", kReport) + assign("good", kGood) +
-              assign("ended", kEnded) + assign("lease", fmt::format("{:.3f}", to_seconds(order.lease)));
+              assign("ended", kEnded) +
+              assign("lease_cs", fmt::format("{:.0f}", 100 * to_seconds(order.lease)));
     script += kLook;
     script += kUnpack;
     script += fmt::format(

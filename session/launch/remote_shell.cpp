@@ -1,7 +1,9 @@
 #include "session/launch/remote_shell.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
@@ -15,8 +17,19 @@
 namespace thimble {
 namespace {
 
-// A report is a few kilobytes; what says more is no report.
-constexpr std::size_t kMostSaid = std::size_t{1} << 24;
+// A report is a few kilobytes, and so is a log of words.
+constexpr std::size_t kMostSaid = std::size_t{1} << 20, kMostLogged = std::size_t{1} << 22;
+// Behind the file: a shell may say goodbye.
+constexpr std::size_t kFarewell = std::size_t{1} << 12;
+// At once: more than a pipe holds, so that all is heard of a command that has ended, and little enough to look around.
+constexpr int kMostChunks = 16;
+
+std::ofstream open_log(const std::filesystem::path& path) {
+    std::ofstream log(path, std::ios::binary | std::ios::app);
+    if (log) return log;
+    throw Error(ExitCode::kRunFailed, "cannot write the log {}: {}; check its folder, or name another",
+                path.string(), std::strerror(errno));
+}
 
 Child start(const std::vector<std::string>& command, const std::filesystem::path& log,
             const ChildStreams& streams) {
@@ -31,18 +44,22 @@ Child start(const std::vector<std::string>& command, const std::filesystem::path
 }  // namespace
 
 struct RemoteShell::Pipes {
-    std::array<int, 4> ends{-1, -1, -1, -1};
-    int &command_reads = ends[0], &we_write = ends[1], &we_read = ends[2], &command_writes = ends[3];
+    std::array<int, 6> ends{-1, -1, -1, -1, -1, -1};
+    int &command_reads = ends[0], &we_write = ends[1], &we_read = ends[2], &command_writes = ends[3],
+        &we_read_errors = ends[4], &command_complains = ends[5];
 
     // Other children must not inherit the ends that are kept: a shell would not see the end of its input.
     Pipes() {
-        if (pipe2(ends.data(), O_CLOEXEC) != 0 || pipe2(ends.data() + 2, O_CLOEXEC) != 0) {
-            throw Error(ExitCode::kRunFailed, "cannot make a pipe: {}", std::strerror(errno));
+        for (int* pair = ends.data(); pair != ends.data() + ends.size(); pair += 2) {
+            if (pipe2(pair, O_CLOEXEC) == 0) continue;
+            const std::string why = std::strerror(errno);
+            close_all();
+            throw Error(ExitCode::kRunFailed, "cannot make a pipe: {}; raise 'ulimit -n'", why);
         }
-        fcntl(we_write, F_SETFL, O_NONBLOCK);
-        fcntl(we_read, F_SETFL, O_NONBLOCK);
+        for (const int ours : {we_write, we_read, we_read_errors}) fcntl(ours, F_SETFL, O_NONBLOCK);
     }
-    ~Pipes() {
+    ~Pipes() { close_all(); }
+    void close_all() const {
         for (const int end : ends) {
             if (end >= 0) close(end);
         }
@@ -56,13 +73,16 @@ RemoteShell::RemoteShell(const std::vector<std::string>& command, const std::fil
 
 RemoteShell::RemoteShell(const std::vector<std::string>& command, const std::filesystem::path& log,
                          Pipes&& pipes)
-    : child_(start(command, log, {pipes.command_reads, pipes.command_writes})),
+    : child_(start(command, log, {pipes.command_reads, pipes.command_writes, pipes.command_complains})),
       input_(std::exchange(pipes.we_write, -1)),
-      output_(std::exchange(pipes.we_read, -1)) {}
+      output_(std::exchange(pipes.we_read, -1)),
+      error_(std::exchange(pipes.we_read_errors, -1)),
+      log_(open_log(log)) {}
 
 RemoteShell::~RemoteShell() {
     hang_up();
     close(output_);
+    close(error_);
 }
 
 void RemoteShell::hang_up() {
@@ -82,21 +102,32 @@ void RemoteShell::feed() {
     }
 }
 
-void RemoteShell::hear() {
+template <class Use>
+void RemoteShell::hear(int from, Use&& use) {
     std::array<char, 65536> chunk{};
-    for (;;) {
-        const ssize_t n = read(output_, chunk.data(), chunk.size());
+    for (int chunks = 0; chunks < kMostChunks; ++chunks) {
+        const ssize_t n = read(from, chunk.data(), chunk.size());
         if (n < 0 && errno == EINTR) continue;
         if (n <= 0) return;
-        take({chunk.data(), static_cast<std::size_t>(n)});
+        use(std::string_view(chunk.data(), static_cast<std::size_t>(n)));
     }
 }
 
 void RemoteShell::take(std::string_view bytes) {
     heard_ += bytes.size();
     if (diverted_) return keep(bytes);
-    if (said_.size() < kMostSaid) said_ += bytes;
+    said_ += bytes.substr(0, kMostSaid - std::min(kMostSaid, said_.size()));
     if (!turn_.empty()) look_for_turn();
+    if (!diverted_ && said_.size() >= kMostSaid) fault_ = fmt::format("says more than {} bytes", kMostSaid);
+}
+
+// Its standard error. The launcher reads and drops the bytes beyond the limit.
+void RemoteShell::keep_words(std::string_view bytes) {
+    if (logged_ >= kMostLogged) return;
+    log_ << bytes.substr(0, kMostLogged - logged_);
+    logged_ += bytes.size();
+    if (logged_ >= kMostLogged) log_ << fmt::format("\n[more than {} bytes: dropped]\n", kMostLogged);
+    log_.flush();
 }
 
 void RemoteShell::look_for_turn() {
@@ -106,16 +137,31 @@ void RemoteShell::look_for_turn() {
     if (end == std::string::npos) return;
     diverted_ = said_.substr(word + turn_.size(), end - word - turn_.size());
     turn_.clear();
+    expect_file(*diverted_);
     keep(std::string_view(said_).substr(end + 1));
     said_.resize(word);
 }
 
+void RemoteShell::expect_file(std::string_view numbers) {
+    const std::size_t last = numbers.rfind(' ') + 1;
+    std::from_chars(numbers.data() + last, numbers.data() + numbers.size(), announced_);
+    std::error_code unknown;
+    const auto room = std::filesystem::space(file_name_.parent_path(), unknown);
+    if (unknown || file_name_.empty() || announced_ <= room.available) return;
+    fault_ = fmt::format("announces {} bytes for {}, which has room for {}", announced_, file_name_.string(),
+                         room.available);
+}
+
 // No file for nothing. in_file() lacks bytes that could not be written.
 void RemoteShell::keep(std::string_view bytes) {
-    if (bytes.empty() || file_name_.empty()) return;
+    if (!fault_.empty()) return;
+    const std::string_view part = bytes.substr(0, announced_ - std::min(announced_, came_));
+    came_ += bytes.size();
+    if (came_ > announced_ + kFarewell)
+        fault_ = fmt::format("sends more than the {} bytes that it announced", announced_);
+    if (part.empty() || file_name_.empty()) return;
     if (!file_.is_open()) file_.open(file_name_, std::ios::binary | std::ios::trunc);
-    if (file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size())).flush())
-        in_file_ += bytes.size();
+    if (file_.write(part.data(), static_cast<std::streamsize>(part.size())).flush()) in_file_ += part.size();
 }
 
 void RemoteShell::divert_after(std::string_view word, std::filesystem::path file) {
@@ -126,8 +172,12 @@ void RemoteShell::divert_after(std::string_view word, std::filesystem::path file
 std::optional<int> RemoteShell::poll() {
     feed();
     const auto code = child_.poll();
-    hear();  // after the look at the child: what it said before its end is in the pipe
-    return code;
+    // After the look at the child: what it said before its end is in the pipes.
+    hear(output_, [this](std::string_view bytes) { take(bytes); });
+    hear(error_, [this](std::string_view bytes) { keep_words(bytes); });
+    if (code || fault_.empty()) return code;
+    kill();
+    return child_.poll();
 }
 
 bool RemoteShell::has_said(std::string_view line) const {

@@ -1,6 +1,6 @@
 // The launcher's end of a shell on another machine: bytes to its standard input as fast as it takes them, lines from its
 // standard output, its standard error in a log. Never blocks. The program must ignore SIGPIPE: the other end may go at any
-// time.
+// time. The other end may say anything: output, log and file have limits, and a shell that goes beyond them is killed.
 #pragma once
 
 #include <cstdint>
@@ -33,12 +33,16 @@ class RemoteShell : boost::noncopyable {
     const std::string& said() const { return said_; }
     bool has_said(std::string_view line) const;
     std::string last_lines() const { return child_.last_lines(); }
-    // From the first line on that begins with this word its output goes to a new file, and no more to said().
+    // From the first line on that begins with this word its output goes to a new file, and no more to said(). The last
+    // number of that line is the file's length.
     void divert_after(std::string_view word, std::filesystem::path file);
-    // The rest of that line, once it has come; how many bytes came after it and are in the file.
+    // The rest of that line, once it has come. The length. The bytes of the file that came and could be written.
     const std::optional<std::string>& diverted() const { return diverted_; }
+    std::uint64_t announced() const { return announced_; }
     std::uint64_t in_file() const { return in_file_; }
     std::uint64_t heard() const { return heard_; }  // bytes in all
+    // Which limit the other end did not keep, in words that follow its name; empty: none.
+    const std::string& fault() const { return fault_; }
     // Kills the command, for one that does not end after hang_up(), and waits for it.
     void kill();
 
@@ -46,19 +50,24 @@ class RemoteShell : boost::noncopyable {
     struct Pipes;
     RemoteShell(const std::vector<std::string>& command, const std::filesystem::path& log, Pipes&& pipes);
     void feed();
-    void hear();
+    template <class Use>
+    static void hear(int from, Use&& use);
     void take(std::string_view bytes);
     void keep(std::string_view bytes);
+    void keep_words(std::string_view bytes);
     void look_for_turn();
+    void expect_file(std::string_view numbers);
 
     Child child_;
-    int input_, output_;
-    std::string pending_, said_;
+    int input_, output_, error_;
+    std::ofstream log_;
+    std::size_t logged_ = 0;
+    std::string pending_, said_, fault_;
     std::string turn_;  // the word; empty: none, or it has come
     std::optional<std::string> diverted_;
     std::filesystem::path file_name_;
     std::ofstream file_;
-    std::uint64_t heard_ = 0, in_file_ = 0;
+    std::uint64_t heard_ = 0, announced_ = 0, came_ = 0, in_file_ = 0;
 };
 
 }  // namespace thimble

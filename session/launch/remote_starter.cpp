@@ -1,5 +1,6 @@
 #include "session/launch/remote_starter.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/json_text.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/text_file.hpp"
 #include "common/version.hpp"
@@ -22,6 +24,10 @@ constexpr Duration kSignOfLife = std::chrono::seconds{1};
 // The script needs two to kill a node that hangs; the rest is the way there and back.
 constexpr Duration kGoodbye = std::chrono::seconds{5};
 constexpr Duration kNothingToClean = std::chrono::milliseconds{500};
+// Of a log: slower than any network that carries a session, and no log is worth more.
+constexpr double kSlowest_bytes_per_s = 1e5;
+constexpr Duration kLongestLog = std::chrono::hours{1};
+constexpr int kDeepestReport = 20;
 constexpr int kConnectionLost = 255;  // ssh(1), EXIT STATUS
 
 std::vector<std::string> command_to(const LaunchSettings& launch, const std::string& machine) {
@@ -53,6 +59,7 @@ class RemoteNode final : public RunningNode {
         if (code_) return code_;
         const auto code = shell_.poll();
         code_ = shell_.diverted() ? exit_code_told() : code;
+        if (code_) note_stop_requests();
         if (code_) save_report();
         if (code_) return code_;
         if (!started_ && shell_.has_said(kSend)) {
@@ -63,7 +70,10 @@ class RemoteNode final : public RunningNode {
         return std::nullopt;
     }
     bool started() const override { return started_ && shell_.all_sent(); }
-    void stop() override { shell_.hang_up(); }
+    void stop() override {
+        note_stop_requests();
+        shell_.hang_up();
+    }
     const std::string& program() const override { return order_.program; }
     std::string exit_message() override;
     ExitCode verdict() const override {
@@ -79,7 +89,12 @@ class RemoteNode final : public RunningNode {
         next_sign_ = now + kSignOfLife;
         shell_.send("\n");
     }
+    // From its end on: a signal that comes later is from a user who does not want to wait for its last words.
+    void note_stop_requests() {
+        if (!stops_before_) stops_before_ = stop_requests();
+    }
     std::optional<int> exit_code_told() const;
+    Duration longest(Duration patience) const;
     std::string log_fault() const;
     void hear_out(Duration patience);
     void save_report();
@@ -91,12 +106,17 @@ class RemoteNode final : public RunningNode {
     RemoteShell shell_;
     bool started_ = false;
     std::optional<int> code_;
+    std::optional<unsigned> stops_before_;
     SessionTime next_sign_{};
 };
 
 std::string RemoteNode::exit_message() {
     const int code = poll().value_or(-1);
     const std::string words = shell_.last_lines();
+    if (!shell_.fault().empty()) {
+        return fmt::format("'{}' was cut off, where {} ran: it {}; look at what '{}' prints there", machine_,
+                           order_.program, shell_.fault(), fmt::join(command_, " "));
+    }
     if (!shell_.has_said(kReached)) {
         return fmt::format("cannot reach '{}' for {}: '{}' ended with code {}: {}", machine_, order_.program,
                            fmt::join(command_, " "), code, words);
@@ -117,34 +137,42 @@ std::optional<int> RemoteNode::exit_code_told() const {
     return code;
 }
 
-// The whole of its log, however long that takes, as long as it comes.
+// The whole of its log, as long as that comes, in a time that fits its length. A signal ends the wait.
 void RemoteNode::hear_out(Duration patience) {
     std::uint64_t heard = shell_.heard();
-    for (SessionTime last = wall_now(); !shell_.poll(); wall_sleep(std::chrono::milliseconds{1})) {
+    const SessionTime begin = wall_now();
+    for (SessionTime last = begin; !shell_.poll(); wall_sleep(std::chrono::milliseconds{1})) {
         const SessionTime now = wall_now();
         if (heard != shell_.heard()) last = now;
         heard = shell_.heard();
-        if (now - last > patience) return shell_.kill();
+        const bool late = now - last > patience || now - begin > longest(patience);
+        if (late || stop_requests() != stops_before_) return shell_.kill();
     }
     poll();
 }
 
+Duration RemoteNode::longest(Duration patience) const {
+    const double log_s = static_cast<double>(shell_.announced()) / kSlowest_bytes_per_s;
+    return patience + from_seconds(std::min(log_s, to_seconds(kLongestLog)));
+}
+
 std::string RemoteNode::log_fault() const {
-    if (order_.messages.empty() || !shell_.diverted()) return {};
-    const std::string& numbers = *shell_.diverted();
-    std::uint64_t bytes = 0;
-    std::from_chars(numbers.data() + numbers.rfind(' ') + 1, numbers.data() + numbers.size(), bytes);
-    if (bytes == shell_.in_file()) return {};
-    return fmt::format(
-        "the log of messages of {} came from '{}' with {} of its {} bytes; is there room in {}?",
-        order_.program, machine_, shell_.in_file(), bytes, order_.messages.parent_path().string());
+    if (order_.messages.empty() || !shell_.diverted() || shell_.announced() == shell_.in_file()) return {};
+    const std::string advice =
+        shell_.fault().empty() ? fmt::format("is there room in {}?", order_.messages.parent_path().string())
+                               : fmt::format("that machine {}", shell_.fault());
+    return fmt::format("the log of messages of {} came from '{}' with {} of its {} bytes; {}", order_.program,
+                       machine_, shell_.in_file(), shell_.announced(), advice);
 }
 
 void RemoteNode::save_report() {
     const std::string& said = shell_.said();
     const std::size_t at = said.rfind(kReport);
     if (at == std::string::npos) return;
-    auto report = nlohmann::ordered_json::parse(said.substr(at + kReport.size()), nullptr, false);
+    const auto flat = [](int depth, auto /*event*/, const auto& /*parsed*/) {
+        return depth < kDeepestReport;
+    };
+    auto report = nlohmann::ordered_json::parse(said.substr(at + kReport.size()), flat, false);
     if (!report.is_object()) return;
     report["machine"] = machine_;
     if (report.contains("log") && report["log"].is_object() && shell_.poll()) {
@@ -168,6 +196,16 @@ std::shared_ptr<RunningNode> RemoteStarter::start(const NodeOrder& order) const 
     return std::make_unique<RemoteNode>(launch_, bundle_, order);
 }
 
+namespace {
+
+std::string how_it_failed(const RemoteShell& shell, std::optional<int> code, Duration reach) {
+    if (!shell.fault().empty()) return shell.fault();
+    return code ? fmt::format("ended with code {}", *code)
+                : fmt::format("did not answer within {} s", to_seconds(reach));
+}
+
+}  // namespace
+
 MachineVerdict check_machine(const LaunchSettings& launch, Role role, const std::string& program,
                              const std::filesystem::path& log) {
     const std::string& machine = launch.machine(role);
@@ -184,9 +222,7 @@ MachineVerdict check_machine(const LaunchSettings& launch, Role role, const std:
     if (!shell.has_said(kReached)) {
         return {ExitCode::kNetwork,
                 fmt::format("cannot reach '{}': '{}' {}: {}", machine, fmt::join(command, " "),
-                            code ? fmt::format("ended with code {}", *code)
-                                 : fmt::format("did not answer within {} s", to_seconds(launch.reach)),
-                            shell.last_lines())};
+                            how_it_failed(shell, code, launch.reach), shell.last_lines())};
     }
     return {ExitCode::kRunFailed, shell.last_lines()};
 }

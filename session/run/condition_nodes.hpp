@@ -13,6 +13,7 @@
 #include <boost/core/noncopyable.hpp>
 #include <fmt/format.h>
 
+#include "common/error.hpp"
 #include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "session/launch/node_kinds.hpp"
@@ -99,8 +100,10 @@ class ConditionNodes : boost::noncopyable {
     void pass_on_messages() {
         std::ifstream file(files_.log_path(kNodes.size() - 1));
         std::size_t lines = 0;
-        for (std::string line; std::getline(file, line);)
-            if (++lines > lines_passed_on_) write_stderr(line + "\n");
+        for (std::string line; std::getline(file, line);) {
+            if (++lines <= lines_passed_on_ || lines > kMostPassedOn) continue;
+            write_stderr(printable(line.substr(0, kLongestPassedOn)) + "\n");
+        }
         lines_passed_on_ = std::max(lines_passed_on_, lines);
     }
 
@@ -124,6 +127,8 @@ class ConditionNodes : boost::noncopyable {
 
   private:
     static constexpr Duration kFarewell = std::chrono::seconds{1};  // to end when told to, and again
+    // A person reads these. The log has the rest.
+    static constexpr std::size_t kMostPassedOn = 200, kLongestPassedOn = 1000;  // lines, bytes of a line
 
     std::shared_ptr<RunningNode> start(std::size_t i, int input = -1) {
         const NodeKind& node = kNodes[i];

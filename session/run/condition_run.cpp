@@ -211,7 +211,7 @@ ConditionResult run_condition(const ConditionPlan& plan, const ConditionEvents& 
     ConditionRun condition(plan, events);
     condition.open();
     for (const TrialConditions& trial : plan.trials) {
-        condition.run_trial(trial, trial.trial,
+        condition.run_trial(trial, condition.free_number(trial),
                             plan.out.parent_path() / "trajectories" / trajectory_name(trial));
         if (condition.result().code != ExitCode::kOk) break;
     }

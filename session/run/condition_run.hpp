@@ -2,6 +2,7 @@
 // its trials, everything recorded as it comes.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -36,6 +37,10 @@ class ConditionRun : boost::noncopyable {
     const TrialRecord& run_trial(const TrialConditions& trial, std::uint32_t number,
                                  const std::filesystem::path& trajectory);  // empty: none is written
     std::uint32_t last_number() const { return session_.last_number(); }
+    // The trial's own number, unless nodes that went on running have seen it: they obey no order twice.
+    std::uint32_t free_number(const TrialConditions& trial) const {
+        return std::max(trial.trial, std::max(session_.number(), last_number()) + 1);
+    }
     // The page that the subject's screen shows until the next trial.
     void show(const Page& page) { session_.show(page); }
     // Whether the subject has asked to go on from it since the last call.

@@ -66,7 +66,7 @@ class RunOutcome {
   private:
     void fail(ExitCode code, const std::string& problem) {
         result_.code = code;
-        result_.problem = problem;
+        result_.problem = printable(problem);  // it may quote any peer
     }
 
     // A file that cannot be written ends the trial as a failed device does.

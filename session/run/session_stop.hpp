@@ -76,9 +76,9 @@ class SessionStop {
 
     std::string who() const {
         const StopBus& bus = session_.stop_bus();
-        return fmt::format("{} ({}): {}",
-                           bus.reason() == EndReason::kSafetyStop ? "safety stop" : "emergency stop",
-                           to_string(bus.raised_by()), bus.words());
+        return printable(fmt::format(
+            "{} ({}): {}", bus.reason() == EndReason::kSafetyStop ? "safety stop" : "emergency stop",
+            to_string(bus.raised_by()), bus.words()));
     }
 
     SessionProcess& session_;

@@ -6,6 +6,11 @@ shift 2
 case $host in
     down) echo "ssh: connect to host $host port 22: Connection refused" >&2; exit 255 ;;
     mute) exec sleep 60 ;;
+    flooding) exec yes "Welcome to $host" ;;
+    trickling)  # a log that is never whole
+        HOST=$host TMPDIR=$room setsid -w sh -c "$*" | sed -u 's/^\(thimble: ended [0-9]*\) .*/\1 100000000/'
+        while sleep 0.1; do echo more; done
+        ;;
     chatty) echo "Welcome to $host" ;;
     breaking)
         exec 4<&0  # what runs in the background gets no other input by itself

@@ -150,6 +150,21 @@ TEST_F(OtherMachines, NodesEndByThemselvesWhenTheLauncherFallsSilent) {
     expect_nothing_left(run);
 }
 
+// thimble waits for a log that comes slowly, until a signal tells it to end.
+TEST_F(OtherMachines, ASignalEndsTheWaitForAMachinesLastWords) {
+    SessionFile session;
+    session.modalities = R"(["CF"])";
+    session.more = "[launch]\nshares_loopback = true\nmachine_netem = 'trickling'\n";
+    RealRun run = start(session);
+    const auto log = run.out() / "nodes/thimble-netem_0ms.mcap";
+    ASSERT_TRUE(wait_until([&] { return fs::exists(log) || run.launcher().poll(); })) << run.words();
+    run.launcher().signal(SIGTERM);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("of its 100000000 bytes"));
+    EXPECT_EQ(run.only_reason(), EndReason::kCompleted);
+    expect_nothing_left(run);
+}
+
 class OtherMachinesFail : public OtherMachines {
   protected:
     OtherMachinesFail() {
@@ -173,6 +188,16 @@ TEST_F(OtherMachinesFail, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
     RealRun run = start(session(kShared + "machine_netem = 'robot'\nmachine_visual = 'down'"));
     expect_end(run, 3, "cannot reach 'down' for thimble-visual: 'sh " THIMBLE_SOURCE_DIR);
     EXPECT_THAT(run.words(), HasSubstr("Connection refused"));
+}
+
+// It would fill the disk, and go on for ever.
+TEST_F(OtherMachinesFail, AMachineThatDoesNotStopTalkingIsCutOff) {
+    RealRun run = start(session("[launch]\nshares_loopback = true\nmachine_netem = 'flooding'"));
+    expect_end(run, 3, "'flooding' was cut off, where thimble-netem ran: it says more than 1048576 bytes");
+    RealRun check =
+        start(session("[launch]\nshares_loopback = true\nmachine_netem = 'flooding'"), {"--check"});
+    EXPECT_EQ(check.end(), 3) << check.words();
+    EXPECT_THAT(check.words(), HasSubstr("says more than 1048576 bytes"));
 }
 
 struct BadMachine {

@@ -87,6 +87,17 @@ TEST_F(RemoteScript, EndsTheProgram) {
     }
 }
 
+// One sign, early in the lease: the lease begins with it, and not where the one before would have ended.
+TEST_F(RemoteScript, ASilentLauncherIsGivenUpAboutALeaseAfterItsLastSign) {
+    program("trap 'date +%s >ended; exit 0' TERM\nwhile :; do sleep 0.05; done");
+    RemoteOrder with = order();
+    with.lease = std::chrono::seconds{3};
+    run(with, R"(printf "5 a 'b'.toml\nx = 1end\n\n"; date +%s >signed; sleep 4.6)");
+    const int silent_s = std::stoi(read_text(folder_ / "ended")) - std::stoi(read_text(folder_ / "signed"));
+    EXPECT_GE(silent_s, 2);
+    EXPECT_LE(silent_s, 4);
+}
+
 TEST_F(RemoteScript, KillsAProgramThatDoesNotListen) {
     program("trap '' TERM\nwhile :; do sleep 0.05; done");
     EXPECT_EQ(run(order(), kSession).exit_code, 128 + 9);
@@ -154,25 +165,26 @@ class Diverted : public testing::Test {
         while (!shell.poll()) wall_sleep(std::chrono::milliseconds{1});
         numbers_ = shell.diverted().value_or("none");
         in_file_ = shell.in_file();
+        fault_ = shell.fault();
         return shell.said();
     }
     std::string kept() const { return read_text(folder_ / "kept"); }
 
     const TemporaryDirectory folder_;
-    std::string numbers_;
+    std::string numbers_, fault_;
     std::uint64_t in_file_ = 0;
 };
 
 TEST_F(Diverted, WhatFollowsTheWordGoesToTheFile) {
-    EXPECT_EQ(run("echo a turn: no; echo turn: 3 4; echo turn: 5; printf '\\000x'", folder_ / "kept"),
+    EXPECT_EQ(run("echo a turn: no; echo turn: 3 10; echo turn: 5; printf '\\000x'", folder_ / "kept"),
               "a turn: no\n");
-    EXPECT_EQ(numbers_, " 3 4");
+    EXPECT_EQ(numbers_, " 3 10");
     EXPECT_EQ(kept(), std::string("turn: 5\n\0x", 10));
     EXPECT_EQ(in_file_, 10U);
 }
 
 TEST_F(Diverted, AWordInTwoPiecesIsFoundAndALongFileIsWhole) {
-    EXPECT_EQ(run("printf 'a\\ntur'; sleep 0.02; echo n: 1; head -c 300000 /dev/zero", folder_ / "kept"),
+    EXPECT_EQ(run("printf 'a\\ntur'; sleep 0.02; echo n: 300000; head -c 300000 /dev/zero", folder_ / "kept"),
               "a\n");
     EXPECT_EQ(fs::file_size(folder_ / "kept"), 300000U);
 }
@@ -187,6 +199,39 @@ TEST_F(Diverted, NothingMakesNoFile) {
 TEST_F(Diverted, WhatCannotBeWrittenIsMissing) {
     run("echo turn: 5; echo many", folder_ / "no/such");
     EXPECT_EQ(in_file_, 0U);
+}
+
+// None of these ends by itself: the launcher ends it, and says which limit it did not keep.
+TEST_F(Diverted, AShellThatSaysTooMuchIsCutOff) {
+    run("yes turn", folder_ / "kept");
+    EXPECT_THAT(fault_, HasSubstr("says more than 1048576 bytes"));
+    run("echo turn: 10; yes", folder_ / "kept");
+    EXPECT_THAT(fault_, HasSubstr("sends more than the 10 bytes that it announced"));
+    EXPECT_EQ(fs::file_size(folder_ / "kept"), 10U);
+    run("echo turn: 1000000000000000000; yes", folder_ / "none");
+    EXPECT_THAT(fault_, HasSubstr("announces 1000000000000000000 bytes"));
+    EXPECT_FALSE(fs::exists(folder_ / "none"));
+}
+
+TEST_F(Diverted, AGoodbyeBehindTheFileIsNoFault) {
+    run("echo turn: 2; printf ab; echo goodbye", folder_ / "kept");
+    EXPECT_EQ(kept(), "ab");
+    EXPECT_EQ(fault_, "");
+}
+
+TEST_F(Diverted, TheLogOfItsWordsHasALimit) {
+    RemoteShell shell({"sh", "-c", "head -c 10000000 /dev/zero | tr '\\0' x >&2; printf '\\33[2Jend' >&2"},
+                      folder_ / "log");
+    while (!shell.poll()) wall_sleep(std::chrono::milliseconds{1});
+    EXPECT_LT(fs::file_size(folder_ / "log"), 5'000'000U);
+    EXPECT_THAT(shell.last_lines(), HasSubstr("more than 4194304 bytes: dropped"));
+    EXPECT_LT(shell.last_lines().size(), 2000U);
+}
+
+TEST_F(Diverted, NoCommandReachesATerminal) {
+    RemoteShell shell({"sh", "-c", "printf '\\33[2Jred\\n' >&2"}, folder_ / "words");
+    while (!shell.poll()) wall_sleep(std::chrono::milliseconds{1});
+    EXPECT_EQ(shell.last_lines(), "?[2Jred");
 }
 
 }  // namespace

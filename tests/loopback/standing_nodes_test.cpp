@@ -1,0 +1,82 @@
+// Nodes that a laboratory has running all day, which `thimble run --attach` steers again and again: runs and participants'
+// sessions, with a lab key and without, also after one of them was started anew.
+#include <csignal>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "session/records/trial_table.hpp"
+#include "tests/loopback/programs.hpp"
+#include "tests/loopback/workbench.hpp"
+
+namespace thimble {
+namespace {
+
+class StandingNodes : public testing::TestWithParam<bool> {
+  protected:
+    StandingNodes() {
+        if (GetParam()) make_key();
+        for (const char* program : kNodePrograms) start(program);
+    }
+
+    void start(const std::string& program) {
+        nodes_.erase(program);
+        const auto words =
+            words_in(fmt::format("{} --base-port {} --die-with-parent",
+                                 folder_.write("node.toml", protection_).string(), ports_.base()));
+        nodes_.try_emplace(program, built_programs() / program, words, folder_ / program);
+    }
+    void kill(const std::string& program) {
+        nodes_.at(program).signal(SIGKILL);
+        nodes_.at(program).wait(kPatience);
+    }
+    // What a laboratory would say next to these nodes.
+    Outcome attach(const std::string& out, const std::string& protocol = "", const std::string& more = "") {
+        SessionFile session;
+        session.contact_hold_s = 0.2;
+        session.delays_s = "";
+        session.more = protocol + protection_;
+        const std::string file = folder_.write(out + ".toml", session.text()).string();
+        return run_thimble(words_in(fmt::format("run {} --attach --out {} --base-port {} {}", file,
+                                                (folder_ / out).string(), ports_.base(), more)));
+    }
+    void expect_a_trial(const std::string& out) {
+        const Outcome run = attach(out);
+        EXPECT_EQ(run.code, 0) << run.words;
+        EXPECT_EQ(read_trial_table(folder_ / out / "trials.csv").size(), 1U);
+    }
+
+    Folder folder_;
+    PortBlock ports_;
+
+  private:
+    void make_key() {
+        const auto key = folder_ / "lab.key";
+        EXPECT_EQ(run_thimble({"keygen", key.string()}).code, 0);
+        protection_ = under_lab_key(key);
+    }
+
+    std::string protection_;
+    std::map<std::string, Child> nodes_;
+};
+INSTANTIATE_TEST_SUITE_P(, StandingNodes, testing::Bool(),
+                         [](const auto& keyed) { return keyed.param ? "UnderALabKey" : "Open"; });
+
+// Longer than a test should be: five sessions, each of which has to begin and to end.
+TEST_P(StandingNodes, AreSteeredAgainAndAgain) {
+    expect_a_trial("first");
+    expect_a_trial("second");
+    kill("thimble-slave-sim");
+    start("thimble-slave-sim");
+    expect_a_trial("third");
+    const Outcome sitting = attach("people",
+                                   "[protocol]\nexperiments = [1]\ntrials_per_modality = 1\n"
+                                   "practice_trials = 0\nbreak_every = 0\n",
+                                   "--participant P01");
+    EXPECT_EQ(sitting.code, 0) << sitting.words;
+    expect_a_trial("last");
+}
+
+}  // namespace
+}  // namespace thimble
