@@ -1,21 +1,105 @@
 #include "common/text_file.hpp"
 
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
 #include <fstream>
+#include <sodium.h>
 #include <system_error>
 
-#include "common/error.hpp"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace thimble {
+namespace {
+
+// Streams, and links to them.
+bool is_of_the_system(const std::filesystem::path& file) {
+    const std::string folder = file.parent_path().string();
+    return folder == "/dev" || folder.starts_with("/dev/fd") || folder.starts_with("/proc/");
+}
+
+// False: errno says why.
+bool write_all(int descriptor, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t n = ::write(descriptor, text.data(), text.size());
+        if (n < 0 && errno != EINTR) return false;
+        text.remove_prefix(n < 0 ? 0 : static_cast<std::size_t>(n));
+    }
+    return true;
+}
+
+const char* advice_on(int error) {
+    switch (error) {
+        case EROFS:
+            return "; name a folder on a disk that can be written to";
+        case EMFILE:
+        case ENFILE:
+            return descriptor_advice(error);
+        case ENOSPC:
+        case EDQUOT:
+            return "; make room on that disk";
+        default:
+            return "; check directory and permissions";
+    }
+}
+
+}  // namespace
+
+int open_to_write(const std::filesystem::path& file, int flags) {
+    const int link = is_of_the_system(file) ? 0 : O_NOFOLLOW;
+    return ::open(file.c_str(), flags | O_WRONLY | O_CREAT | O_CLOEXEC | link, 0666);
+}
+
+const char* descriptor_advice(int error) {
+    return error == EMFILE || error == ENFILE ? "; raise 'ulimit -n'" : "";
+}
+
+void fail_to_create(const std::filesystem::path& file, int error, ExitCode otherwise) {
+    if (error == ELOOP) {
+        throw Error(ExitCode::kUsage,
+                    "{}: is a symbolic link, and nothing is written through one: remove it, or name another "
+                    "folder",
+                    file.string());
+    }
+    const bool no_room = error == EMFILE || error == ENFILE || error == ENOSPC || error == EDQUOT;
+    throw Error(no_room ? ExitCode::kRunFailed : otherwise, "{}: cannot be created: {}{}", file.string(),
+                std::strerror(error), advice_on(error));
+}
 
 void write_text_file(const std::filesystem::path& path, std::string_view text) {
     refuse_folder(path);
-    std::ofstream out(path, std::ios::binary);
-    out << text;
-    out.close();  // a full disk shows here at the latest
-    if (!out) {
-        throw Error(ExitCode::kRunFailed, "{}: cannot be written; check directory and free space",
-                    path.string());
+    const int descriptor = open_to_write(path, O_TRUNC);
+    if (descriptor < 0) fail_to_create(path, errno, ExitCode::kRunFailed);
+    const bool written = write_all(descriptor, text);
+    const int error = errno;
+    if (::close(descriptor) == 0 && written) return;  // a full disk shows here at the latest
+    throw Error(ExitCode::kRunFailed, "{}: cannot be written: {}; check the disk's free space", path.string(),
+                std::strerror(written ? errno : error));
+}
+
+void remove_file(const std::filesystem::path& file) {
+    std::error_code failure;
+    std::filesystem::remove(file, failure);
+    if (!failure) return;
+    throw Error(ExitCode::kUsage, "{}: cannot be removed: {}{}", file.string(), failure.message(),
+                advice_on(failure.value()));
+}
+
+std::string sha256_of_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return {};
+    crypto_hash_sha256_state state;
+    crypto_hash_sha256_init(&state);
+    std::array<char, 65536> part{};
+    while (file.read(part.data(), part.size()), file.gcount() > 0) {
+        crypto_hash_sha256_update(&state, reinterpret_cast<const unsigned char*>(part.data()),
+                                  static_cast<unsigned long long>(file.gcount()));
     }
+    std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};
+    crypto_hash_sha256_final(&state, digest.data());
+    return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
 void refuse_folder(const std::filesystem::path& file) {

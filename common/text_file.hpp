@@ -2,15 +2,34 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <unistd.h>
 
 #include <boost/core/noncopyable.hpp>
 
+#include "common/error.hpp"
+
 namespace thimble {
 
-// Replaces the file. Throws Error (run failed) naming it if it cannot be written to its end.
+// Replaces the file. Throws Error naming it: as fail_to_create() does; run failed, if it cannot be written to its end.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
+
+// Opens a file to write at that place itself, never through a symbolic link, and makes it if it is not there. It follows links
+// to streams in /dev only. `flags`, and the result: open(2).
+int open_to_write(const std::filesystem::path& file, int flags);
+// Throws Error with the reason (an errno) and what to do: usage for a symbolic link, run failed where the system has no room,
+// else `otherwise`.
+[[noreturn]] void fail_to_create(const std::filesystem::path& file, int error,
+                                 ExitCode otherwise = ExitCode::kUsage);
+// "; raise 'ulimit -n'" where the program may open no more, else nothing.
+const char* descriptor_advice(int error);
+
+// Takes away an earlier result, if there is one. Throws Error (usage) naming it if that is not allowed.
+void remove_file(const std::filesystem::path& file);
+
+// In hexadecimal, as sha256sum(1) prints it; empty if the file cannot be read.
+std::string sha256_of_file(const std::filesystem::path& path);
 
 // With those on the way; an empty path is where the program is. Throws Error (usage) naming it if it cannot be made, or the file that
 // lies there.

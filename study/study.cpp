@@ -61,14 +61,13 @@ class Study {
     // A study that is then interrupted must not go on with those of another.
     void remove_side_tables() const {
         for (const char* name : {"control.csv", "control_curves.csv", "no_lag.csv", "no_lag_curves.csv"}) {
-            std::filesystem::remove(options_.out / name);
+            remove_file(options_.out / name);
         }
         for (const std::string_view compensator : kCompensatorNames) {
             for (const char* end : {".csv", "_curves.csv"})
-                std::filesystem::remove(options_.out / fmt::format("hf_{}{}", compensator, end));
+                remove_file(options_.out / fmt::format("hf_{}{}", compensator, end));
         }
-        for (const char* name : {"compensators.json", "claims.json"})
-            std::filesystem::remove(options_.out / name);
+        for (const char* name : {"compensators.json", "claims.json"}) remove_file(options_.out / name);
     }
 
     void write_claims() {

@@ -1,6 +1,7 @@
 #include "analysis/report/report.hpp"
 
 #include <fstream>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -109,6 +110,8 @@ std::string provenance_html(const ReportInput& report) {
 // Keeps the order of insertion. NaN becomes null.
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kDigests = "sha256";
+
 Json to_json(const ConditionSummary& condition) {
     Json json{{"modality", to_string(condition.modality)},
               {"delay_s", condition.delay_s},
@@ -151,6 +154,29 @@ Json to_json(const ReportSection& section) {
                                              file.string(), why));
 }
 
+// Of the tables beside a summary, which is written last.
+Json digests_in(const std::filesystem::path& folder) {
+    std::map<std::string, std::string> digests;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder)) {
+        if (entry.path().extension() == ".csv")
+            digests[entry.path().filename().string()] = sha256_of_file(entry.path());
+    }
+    return digests;
+}
+
+// Figures and numbers of the summary are those of the tables that it was made from.
+void require_tables(const Json& digests, const std::filesystem::path& folder) {
+    for (const auto& [name, digest] : digests.items()) {
+        const std::string now = sha256_of_file(folder / name);
+        if (now == digest.get<std::string>()) continue;
+        throw Error(
+            ExitCode::kData,
+            "{}: {} since summary.json was written, so that both say different things; restore it, or "
+            "run again (thimble analyse reads a changed table)",
+            (folder / name).string(), now.empty() ? "is gone" : "was changed");
+    }
+}
+
 Figure read_figure(const Json& json, const std::filesystem::path& folder) {
     Figure figure;
     figure.name = json.at("name").get<std::string>();
@@ -188,6 +214,7 @@ void add_folder(ReportInput& report, const std::filesystem::path& folder, const 
     if (!file) fail(path, "cannot be read");
     try {
         const Json json = Json::parse(file);
+        require_tables(json.value(kDigests, Json::object()), folder);
         if (json.contains("answer"))
             report.answers.push_back({title, json.at("answer").get<std::vector<std::string>>()});
         for (const Json& section : json.at("sections"))
@@ -247,6 +274,7 @@ void write_summary(const ReportInput& report, const std::filesystem::path& json_
     for (const auto& [key, value] : report.provenance) json["provenance"][key] = value;
     json["sections"] = Json::array();
     for (const ReportSection& section : report.sections) json["sections"].push_back(to_json(section));
+    json[kDigests] = digests_in(json_path.parent_path());
     write_text_file(json_path, json_text(json, 2) + "\n");
 }
 

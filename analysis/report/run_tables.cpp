@@ -15,6 +15,7 @@ namespace {
 
 // master -> netem -> slave_sim -> netem -> master
 constexpr double kHops = 4;
+constexpr const char* kUnknown = "not known";
 
 std::string microseconds(const nlohmann::ordered_json& lateness, const char* key) {
     return fmt::format("{:.0f}", lateness.value(key, 0.0));
@@ -133,7 +134,7 @@ ReportTable round_trip_table(const std::vector<TrialRow>& rows, const Histogram&
 }
 
 std::string one_way_text_us(const std::optional<OneWayDelay>& delay) {
-    if (!delay) return "not known";
+    if (!delay) return kUnknown;
     const double bound_us = 1e6 * delay->bound_s;
     if (!delay->known()) return fmt::format("not known: +-{:.1f}", bound_us);
     return fmt::format("{:.1f} +-{:.1f}", 1e6 * delay->median_s, bound_us);
@@ -141,7 +142,7 @@ std::string one_way_text_us(const std::optional<OneWayDelay>& delay) {
 
 std::string rate_text_ppm(const ClockSummary& clock) {
     if (!clock.even) return "not even";
-    if (!clock.rate_known()) return "not known";
+    if (!clock.rate_known()) return kUnknown;
     return fmt::format("{:.2f} to {:.2f}", 1e6 * clock.rate_low, 1e6 * clock.rate_high);
 }
 
@@ -157,8 +158,8 @@ ReportTable clock_table(const std::vector<NodeClock>& clocks) {
     for (const NodeClock& clock : clocks) {
         const ClockSummary& s = clock.summary;
         table.rows.push_back({delay_text(clock.delay_s), to_string(clock.node),
-                              fmt::format("{:.6f}", s.offset ? s.offset->offset_s() : std::nan("")),
-                              fmt::format("{:.1f}", s.offset ? 1e6 * s.offset->bound_s() : std::nan("")),
+                              s.offset ? fmt::format("{:.6f}", s.offset->offset_s()) : kUnknown,
+                              s.offset ? fmt::format("{:.1f}", 1e6 * s.offset->bound_s()) : kUnknown,
                               rate_text_ppm(s), std::to_string(s.exchanges), std::to_string(s.steps),
                               one_way_text_us(s.there), one_way_text_us(s.back)});
     }

@@ -1,8 +1,11 @@
 #include "common/csv/csv_file.hpp"
 
 #include <cerrno>
+#include <fcntl.h>
 #include <fstream>
 #include <string>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -12,38 +15,64 @@
 namespace thimble {
 namespace {
 
-const char* open_mode(IfExists if_exists) {
+int open_flags(IfExists if_exists) {
     switch (if_exists) {
         case IfExists::kReplace:
-            return "we";
+            return O_TRUNC;
         case IfExists::kContinue:
-            return "ae";
+            return O_APPEND;
         case IfExists::kRefuse:
             break;
     }
-    return "wxe";  // x: the file must not exist, decided by the kernel
+    return O_EXCL;  // the file must not exist, decided by the kernel
+}
+
+// A start that failed leaves a header, or a part of it.
+bool holds_no_more_than(std::string_view header, const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string text(header.size() + 1, '\0');
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    return in.eof() && header.starts_with(text);
+}
+
+// The file that an earlier start left without a line. -1: it has some, or another program writes it now.
+int open_unused(const std::filesystem::path& path, std::string_view header) {
+    const int there = open_to_write(path, 0);
+    if (there < 0) return there;
+    const bool unused = ::flock(there, LOCK_EX | LOCK_NB) == 0 && holds_no_more_than(header, path) &&
+                        ::ftruncate(there, 0) == 0;
+    if (unused) return there;
+    ::close(there);
+    errno = EEXIST;
+    return -1;
+}
+
+// Streams need no place.
+bool has_a_place(std::FILE* file) {
+    struct stat status {};
+    return ::fstat(::fileno(file), &status) != 0 || !S_ISREG(status.st_mode) || status.st_nlink > 0;
 }
 
 std::string reason() { return std::generic_category().message(errno); }
 
 }  // namespace
 
-CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists) : path_(path) {
+CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists, std::string_view header)
+    : path_(path) {
     refuse_folder(path);
-    file_.reset(std::fopen(path.c_str(), open_mode(if_exists)));
-    if (!file_ && errno == EEXIST) {
+    int descriptor = open_to_write(path, open_flags(if_exists));
+    if (descriptor < 0 && errno == EEXIST && !header.empty()) descriptor = open_unused(path, header);
+    if (descriptor < 0 && errno == EEXIST) {
         throw Error(ExitCode::kUsage,
                     "{}: already exists and is not overwritten; name another folder, or say --overwrite",
                     path.string());
     }
-    if (!file_ && (errno == EMFILE || errno == ENFILE)) {
-        throw Error(ExitCode::kRunFailed, "{}: cannot be created: {}; raise 'ulimit -n'", path.string(),
-                    reason());
-    }
-    if (!file_) {
-        throw Error(ExitCode::kUsage, "{}: cannot be created: {}; check directory and permissions",
-                    path.string(), reason());
-    }
+    if (descriptor < 0) fail_to_create(path, errno);
+    // open_unused() asks for this lock: no other program empties a file that this one writes.
+    static_cast<void>(::flock(descriptor, LOCK_EX | LOCK_NB));
+    file_.reset(::fdopen(descriptor, "w"));
+    had_a_place_ = has_a_place(file_.get());
     std::error_code ignored;
     if (if_exists == IfExists::kContinue) is_new_ = std::filesystem::file_size(path, ignored) == 0;
 }
@@ -56,6 +85,11 @@ void CsvFile::write(std::string_view text) {
 void CsvFile::flush() {
     require_open();
     if (std::fflush(file_.get()) != 0) fail("written");
+    if (!had_a_place_ || has_a_place(file_.get())) return;
+    file_.reset();
+    throw Error(ExitCode::kRunFailed,
+                "{}: was deleted while it was written; start anew, and leave the folder where it is",
+                path_.string());
 }
 
 void CsvFile::sync() {

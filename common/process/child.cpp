@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <spawn.h>
+#include <sstream>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,8 +28,16 @@ namespace thimble {
 namespace {
 
 // Of a log: more is not for a message.
-constexpr std::streamoff kMostRead = 1 << 16;
+constexpr off_t kMostRead = 1 << 16;
 constexpr std::size_t kLongestLine = 1000;
+
+std::string end_of(int file) {
+    const off_t size = lseek(file, 0, SEEK_END);
+    std::string text(static_cast<std::size_t>(kMostRead), '\0');
+    const ssize_t n = pread(file, text.data(), text.size(), std::max(off_t{0}, size - kMostRead));
+    text.resize(n < 0 ? 0 : static_cast<std::size_t>(n));
+    return text;
+}
 
 int exit_code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
@@ -36,7 +45,10 @@ int exit_code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 
 
 Child::Child(const std::filesystem::path& program, const std::vector<std::string>& arguments,
              std::filesystem::path log, ChildStreams streams, const ChildPlace& place)
-    : log_(std::move(log)) {
+    : log_(std::move(log)),
+      words_(std::make_shared<FileDescriptor>(
+          ::open(log_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644))) {
+    if (words_->get() < 0) fail_to_create(log_, errno, ExitCode::kRunFailed);
     std::vector<std::string> words{program.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
@@ -65,7 +77,10 @@ Child::Child(const std::filesystem::path& program, const std::vector<std::string
 }
 
 Child::Child(Child&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)), exit_code_(other.exit_code_), log_(std::move(other.log_)) {}
+    : pid_(std::exchange(other.pid_, -1)),
+      exit_code_(other.exit_code_),
+      log_(std::move(other.log_)),
+      words_(std::move(other.words_)) {}
 
 Child::~Child() {
     if (pid_ < 0 || poll()) return;
@@ -82,12 +97,8 @@ void Child::direct(posix_spawn_file_actions_t& files, const ChildStreams& stream
     } else {
         posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     }
-    if (streams.error >= 0) {
-        posix_spawn_file_actions_adddup2(&files, streams.error, STDERR_FILENO);
-    } else {
-        posix_spawn_file_actions_addopen(&files, STDERR_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_APPEND,
-                                         0644);
-    }
+    posix_spawn_file_actions_adddup2(&files, streams.error >= 0 ? streams.error : words_->get(),
+                                     STDERR_FILENO);
     posix_spawn_file_actions_adddup2(&files, streams.output >= 0 ? streams.output : STDERR_FILENO,
                                      STDOUT_FILENO);
     if (!place.directory.empty()) posix_spawn_file_actions_addchdir_np(&files, place.directory.c_str());
@@ -124,9 +135,7 @@ std::optional<int> Child::wait(Duration limit) {
 }
 
 std::string Child::last_lines(std::size_t lines) const {
-    std::ifstream file(log_, std::ios::binary | std::ios::ate);
-    const std::streamoff size = file.tellg();
-    file.seekg(std::max(std::streamoff{0}, size - kMostRead));
+    std::istringstream file(end_of(words_->get()));
     std::deque<std::string> last;
     for (std::string line; std::getline(file, line);) {
         if (line.size() > kLongestLine) line = line.substr(0, kLongestLine) + "...";

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <spawn.h>
 #include <string>
 #include <sys/types.h>
 #include <vector>
 
+#include "common/text_file.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -52,6 +54,7 @@ class Child {
     pid_t pid_ = -1;
     std::optional<int> exit_code_;
     std::filesystem::path log_;
+    std::shared_ptr<FileDescriptor> words_;  // the log, also where this program may open no more
 };
 
 struct ProgramResult {

@@ -9,6 +9,7 @@
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 
@@ -25,7 +26,8 @@ EventWaiter::EventWaiter(bool precise)
       timer_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)),
       precise_(precise) {
     if (epoll_ < 0 || timer_ < 0 || !add(timer_, kTimerTag)) {
-        throw Error(ExitCode::kRunFailed, "cannot make a timer: {}", std::strerror(errno));
+        throw Error(ExitCode::kNetwork, "cannot wait for datagrams: no timer: {}{}", std::strerror(errno),
+                    descriptor_advice(errno));
     }
 }
 

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <thread>
 
@@ -29,6 +28,7 @@
 #include "common/runtime/service_notice.hpp"
 #include "common/runtime/standard_streams.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "common/version.hpp"
 
 namespace thimble {
@@ -84,13 +84,7 @@ nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& 
 
 void save(const std::string& path, const nlohmann::ordered_json& report) {
     if (path.empty()) return;
-    errno = 0;
-    std::ofstream file(path);
-    if (file << json_text(report, 2) << '\n') return;
-    if (errno == EMFILE || errno == ENFILE)
-        throw Error(ExitCode::kRunFailed, "cannot write the report '{}': {}; raise 'ulimit -n'", path,
-                    std::strerror(errno));
-    throw Error(ExitCode::kData, "cannot write the report '{}': does its folder exist?", path);
+    write_text_file(path, json_text(report, 2) + '\n');
 }
 
 // Every program reads these.

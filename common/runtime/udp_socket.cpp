@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -93,7 +94,8 @@ UdpSocket UdpSocket::open() {
     UdpSocket made;
     made.descriptor_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (made.descriptor_ < 0) {
-        throw Error(ExitCode::kNetwork, "cannot open a UDP socket: {}", std::strerror(errno));
+        throw Error(ExitCode::kNetwork, "cannot open a UDP socket: {}{}", std::strerror(errno),
+                    descriptor_advice(errno));
     }
     return made;
 }

@@ -17,6 +17,7 @@
 #include "common/messages.hpp"
 #include "common/process/child.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 #include "common/time.hpp"
 
 namespace thimble {
@@ -94,11 +95,11 @@ class LocalStarter final : public NodeStarter {
         : programs_(std::move(programs)), config_(std::move(config)), own_(std::move(own)) {}
 
     std::shared_ptr<RunningNode> start(const NodeOrder& order) const override {
-        std::filesystem::remove(order.log);
-        std::filesystem::remove(order.report);
+        remove_file(order.log);
+        remove_file(order.report);
         std::vector<std::string> arguments = order.arguments;
         if (!order.messages.empty()) {
-            std::filesystem::remove(order.messages);
+            remove_file(order.messages);
             arguments.insert(arguments.end(), {"--log", order.messages.string()});
         }
         arguments.insert(arguments.end(), {"--report", order.report.string(),

@@ -25,8 +25,8 @@ constexpr std::size_t kFarewell = std::size_t{1} << 12;
 constexpr int kMostChunks = 16;
 
 std::ofstream open_log(const std::filesystem::path& path) {
-    std::ofstream log(path, std::ios::binary | std::ios::app);
-    if (log) return log;
+    std::ofstream file(path, std::ios::binary | std::ios::app);
+    if (file) return file;
     throw Error(ExitCode::kRunFailed, "cannot write the log {}: {}; check its folder, or name another",
                 path.string(), std::strerror(errno));
 }

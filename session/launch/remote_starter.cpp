@@ -190,9 +190,9 @@ RemoteStarter::RemoteStarter(LaunchSettings launch, const std::filesystem::path&
 
 std::shared_ptr<RunningNode> RemoteStarter::start(const NodeOrder& order) const {
     if (launch_.machine(order.role).empty()) return here_->start(order);
-    std::filesystem::remove(order.log);
-    std::filesystem::remove(order.report);
-    if (!order.messages.empty()) std::filesystem::remove(order.messages);
+    remove_file(order.log);
+    remove_file(order.report);
+    if (!order.messages.empty()) remove_file(order.messages);
     return std::make_unique<RemoteNode>(launch_, bundle_, order);
 }
 

@@ -264,10 +264,7 @@ void ParticipantSession::do_trial(const Step& step) {
                       record.row.reason == EndReason::kSafetyStop;
     lost_in_a_row_ = lost ? lost_in_a_row_ + 1 : 0;
     if (!trial.fault.empty()) options_.say(printable(trial.fault));
-    options_.say(fmt::format("{}: {}, {:.1f} s, maximum penetration {:.2f} mm", name_of(step),
-                             outcome_text(record.row.reason, record.row.lost_peer),
-                             record.row.metrics.completion_time_s,
-                             1000 * record.row.metrics.penetration_max_m));
+    options_.say(fmt::format("{}: {}", name_of(step), course_text(record.row)));
 }
 
 ParticipantSessionResult ParticipantSession::result(ExitCode code, std::string problem) const {

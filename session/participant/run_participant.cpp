@@ -88,12 +88,19 @@ std::string what_differs(const SystemSettings& settings, std::uint32_t participa
     }
 }
 
+bool has_begun(const Dataset& dataset, std::uint32_t participant) {
+    std::error_code none;
+    return !read_records(dataset.records(participant)).empty() ||
+           std::filesystem::exists(dataset.source(participant) / "trajectories", none);
+}
+
 // The written one wins over what the settings would give now: the participant has begun with it, and cannot
 // begin anew.
 std::vector<OrderEntry> order_of(const SystemSettings& settings, const Dataset& dataset,
                                  std::uint32_t participant, bool resume, bool& written) {
     const auto file = dataset.order(participant);
-    if (!is_table(file)) {
+    // A start that failed has left an order, and no trial: the participant begins with a new order.
+    if (!is_table(file) || (!resume && !has_begun(dataset, participant))) {
         if (!resume) return plan_order(settings, participant);
         throw Error(ExitCode::kUsage,
                     "{} has no order in {}: check the number and the folder, or leave --resume out",

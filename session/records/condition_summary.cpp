@@ -80,6 +80,19 @@ std::string shown_text(double value, Metric metric) {
     return text;
 }
 
+std::string course_text(const TrialRow& row) {
+    const TrialMetrics& m = row.metrics;
+    std::string text = outcome_text(row.reason, row.lost_peer);
+    if (!std::isnan(m.completion_time_s)) {
+        text += fmt::format(", {:.1f} s", m.completion_time_s);
+    } else if (!std::isnan(m.duration_s)) {
+        text += fmt::format(", ended after {:.1f} s", m.duration_s);
+    }
+    if (!std::isnan(m.penetration_max_m))
+        text += fmt::format(", maximum penetration {:.2f} mm", 1000 * m.penetration_max_m);
+    return text;
+}
+
 std::vector<ConditionSummary> summarize(const std::vector<TrialRow>& rows) {
     std::map<ConditionKey, std::pair<ConditionSummary, SubjectMeans>> conditions;
     for (const TrialRow& row : rows) {

@@ -37,6 +37,9 @@ const MetricInfo& info(Metric metric);
 // An SI value as it is shown, without the unit: "3.93"; never "-0.00".
 std::string shown_text(double value, Metric metric);
 
+// How a trial went, as far as it got: "completed, 5.3 s, maximum penetration 1.20 mm".
+std::string course_text(const TrialRow& row);
+
 struct Statistic {
     std::uint32_t n = 0;                                     // subjects that have the metric
     double mean = std::numeric_limits<double>::quiet_NaN();  // SI; NaN with n = 0

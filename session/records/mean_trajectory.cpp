@@ -208,6 +208,10 @@ std::vector<std::string> column_names(const CurveGrid& grid) {
     return names;
 }
 
+std::string curve_header(const CurveGrid& grid) {
+    return fmt::format("{}\n", fmt::join(column_names(grid), ","));
+}
+
 void write_curve(fmt::memory_buffer& line, bool placed, const std::vector<double>& curve,
                  std::size_t points) {
     for (std::size_t i = 0; i < points; ++i) {
@@ -234,8 +238,8 @@ TrialCurve read_line(const CsvReader& reader, std::size_t points) {
 }  // namespace
 
 CurveFile::CurveFile(const std::filesystem::path& path, IfExists if_exists, const CurveGrid& grid)
-    : file_(path, if_exists), points_(grid.points) {
-    if (file_.is_new()) file_.write(fmt::format("{}\n", fmt::join(column_names(grid), ",")));
+    : file_(path, if_exists, curve_header(grid)), points_(grid.points) {
+    if (file_.is_new()) file_.write(curve_header(grid));
     file_.flush();
 }
 

@@ -71,6 +71,8 @@ constexpr std::array kColumns{
 
 constexpr auto kColumnNames = names_of(kColumns);
 
+std::string header_line() { return fmt::format("{}\n", fmt::join(kColumnNames, ",")); }
+
 std::vector<TrialRow> read_rows(CsvReader reader) {
     std::vector<TrialRow> rows;
     while (reader.next()) {
@@ -131,14 +133,15 @@ bool parse_outcome(std::string_view text, EndReason& reason, Role& lost_peer) {
 
 std::span<const TableColumn<TrialRow>> trial_columns() { return kColumns; }
 
-TrialTable::TrialTable(const std::filesystem::path& path, IfExists if_exists) : file_(path, if_exists) {
+TrialTable::TrialTable(const std::filesystem::path& path, IfExists if_exists)
+    : file_(path, if_exists, header_line()) {
     if (!file_.is_new()) {
         (void)CsvReader(path, kColumnNames, ',', 0,
                         LastLine::kMayBeTorn);  // of an earlier version: its lines would be shorter
         read_trial_table(path);                 // to append to a damaged table would hide the damage
         return;
     }
-    file_.write(fmt::format("{}\n", fmt::join(kColumnNames, ",")));
+    file_.write(header_line());
     file_.sync();
 }
 

@@ -34,7 +34,7 @@ void ConditionFiles::open() {
     clock_writer_.emplace(clock_path());
     if (!log_) return;
     const auto path = messages_path("session");
-    std::filesystem::remove(path);
+    remove_file(path);
     log_->start(path, {"session", plan_.session_file, {}}, plan_.log);
 }
 

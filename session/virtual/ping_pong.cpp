@@ -14,6 +14,7 @@
 #include "common/error.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 namespace {
@@ -32,7 +33,8 @@ int loopback_socket(sockaddr_in& address) {
     if (descriptor < 0 || bind(descriptor, generic, length) != 0 ||
         getsockname(descriptor, generic, &length) != 0 ||
         setsockopt(descriptor, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0) {
-        throw Error(ExitCode::kNetwork, "cannot measure loopback UDP: {}", std::strerror(errno));
+        throw Error(ExitCode::kNetwork, "cannot measure loopback UDP: {}{}", std::strerror(errno),
+                    descriptor_advice(errno));
     }
     return descriptor;
 }
@@ -40,7 +42,8 @@ int loopback_socket(sockaddr_in& address) {
 void connect_to(int descriptor, const sockaddr_in& address) {
     const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
     if (connect(descriptor, generic, sizeof address) != 0) {
-        throw Error(ExitCode::kNetwork, "cannot measure loopback UDP: {}", std::strerror(errno));
+        throw Error(ExitCode::kNetwork, "cannot measure loopback UDP: {}{}", std::strerror(errno),
+                    descriptor_advice(errno));
     }
 }
 

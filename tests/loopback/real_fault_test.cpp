@@ -182,14 +182,30 @@ TEST(RealFaults, AtRandomInstants) {
     }
 }
 
+constexpr int kStands = -2;
+
+// Until it ends, or is ready.
+Outcome run_limited(const std::string& command) {
+    const Folder folder;
+    Child child("/bin/sh", {"-c", command}, folder / "words");
+    const auto words = [&] { return read_text(folder / "words"); };
+    wait_until([&] { return child.poll() || words().find("ready") != std::string::npos; });
+    return {child.poll().value_or(kStands), words()};
+}
+
 // Nothing to open a socket with: said in words, with the exit code of the network, and nothing hangs.
 TEST(RealFaults, OutOfFileDescriptors) {
     if (kSanitizerNeedsDescriptors) GTEST_SKIP() << kWhyNot;
-    for (const char* program : {"thimble-master", "thimble-slave-sim"}) {
-        const std::string command = "ulimit -n 6; exec " + (built_programs() / program).string();
-        const Outcome outcome = run_to_end("/bin/sh", {"-c", command});
-        EXPECT_EQ(outcome.code, 3) << outcome.words;
-        EXPECT_THAT(outcome.words, HasSubstr("cannot open a UDP socket"));
+    for (const char* program : kNodePrograms) {
+        const PortBlock ports;
+        for (unsigned limit = 4; limit < 40; ++limit) {
+            const std::string command = fmt::format("ulimit -n {}; exec {} --base-port {}", limit,
+                                                    (built_programs() / program).string(), ports.base());
+            const Outcome outcome = run_limited(command);
+            if (outcome.code == kStands) break;
+            EXPECT_EQ(outcome.code, 3) << limit << ' ' << outcome.words;
+            EXPECT_THAT(outcome.words, HasSubstr("; raise 'ulimit -n'")) << program << ' ' << limit;
+        }
     }
 }
 
@@ -220,6 +236,16 @@ TEST(RealFaults, ASessionOutOfFileDescriptorsInARunLosesNoTrial) {
     ASSERT_TRUE(run.reaches_trial()) << run.words();
     take_descriptors(run.launcher().pid());
     expect_end(run, 1, EndReason::kCompleted, "ulimit -n");
+}
+
+// The trial ends at once, not at its own end.
+TEST(RealFaults, AnOutputFolderThatIsDeletedEndsTheTrial) {
+    RealRun run(SessionFile::endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    std::filesystem::remove_all(run.out());
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("was deleted while it was written"));
+    EXPECT_THAT(nodes_alive(run.base_port()), IsEmpty());
 }
 
 // The guard of a session file is the one before the real program's handle.

@@ -31,7 +31,7 @@ class StandingNodes : public testing::TestWithParam<bool> {
         nodes_.at(program).signal(SIGKILL);
         nodes_.at(program).wait(kPatience);
     }
-    // What a laboratory would say next to these nodes.
+    // thimble run with these nodes.
     Outcome attach(const std::string& out, const std::string& protocol = "", const std::string& more = "") {
         SessionFile session;
         session.contact_hold_s = 0.2;
@@ -63,7 +63,7 @@ class StandingNodes : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(, StandingNodes, testing::Bool(),
                          [](const auto& keyed) { return keyed.param ? "UnderALabKey" : "Open"; });
 
-// Longer than a test should be: five sessions, each of which has to begin and to end.
+// Five sessions take more than 5 s.
 TEST_P(StandingNodes, AreSteeredAgainAndAgain) {
     expect_a_trial("first");
     expect_a_trial("second");

@@ -26,7 +26,7 @@ MachineVerdict check_node(const LaunchSettings& launch, const NodeKind& node,
     if (!launch.own_program(node.role).empty()) return {};  // reading the session file has found it
     if (launch.machine(node.role).empty()) return check_here(node.program);
     const auto log = folder / (std::string(node.program) + ".log");
-    std::filesystem::remove(log);
+    remove_file(log);
     return check_machine(launch, node.role, node.program, log);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -224,11 +225,15 @@ class Run {
         table_->append(row);
         panels_.add(record);
         result_.rows.push_back(row);
-        progress_.say(fmt::format("{} {}: {}, {:.1f} s, maximum penetration {:.2f} mm, contacts lost {}, {}",
-                                  delay_text(row.conditions.delay_s), to_string(row.conditions.modality),
-                                  outcome_text(row.reason, row.lost_peer), row.metrics.completion_time_s,
-                                  1000 * row.metrics.penetration_max_m, row.metrics.contacts_lost,
-                                  row.metrics.oscillates ? "oscillates" : "settles"));
+        const bool touched = !std::isnan(row.metrics.first_contact_time_s);
+        progress_.say(fmt::format("{} {}: {}{}", delay_text(row.conditions.delay_s),
+                                  to_string(row.conditions.modality), course_text(row),
+                                  touched ? contact_text(row.metrics) : ""));
+    }
+
+    static std::string contact_text(const TrialMetrics& metrics) {
+        return fmt::format(", contacts lost {}, {}", metrics.contacts_lost,
+                           metrics.oscillates ? "oscillates" : "settles");
     }
 
     // An earlier problem, a full disk perhaps, is not hidden by a later one.

@@ -30,15 +30,14 @@ int open_nameless(const std::filesystem::path& beside) {
 
 LogFile::LogFile(const std::filesystem::path& path) : path_(path) {
     refuse_folder(path);
-    descriptor_ = open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-    if (descriptor_ >= 0) {
-        aside_ = open_nameless(path);
-        return;
+    descriptor_ = open_to_write(path, O_EXCL);
+    if (descriptor_ < 0 && errno != EEXIST) fail_to_create(path, errno);
+    if (descriptor_ < 0) {
+        throw Error(ExitCode::kUsage,
+                    "cannot create the log '{}': {}; a log is never overwritten: name another file",
+                    path.string(), std::strerror(errno));
     }
-    const char* advice =
-        errno == EEXIST ? "a log is never overwritten: name another file" : "check folder and permissions";
-    throw Error(ExitCode::kUsage, "cannot create the log '{}': {}; {}", path.string(), std::strerror(errno),
-                advice);
+    aside_ = open_nameless(path);
 }
 
 LogFile::~LogFile() {

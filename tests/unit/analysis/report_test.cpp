@@ -176,6 +176,25 @@ TEST(Report, SummaryHoldsAPathThatIsNoUtf8AsFarAsItGoes) {
     EXPECT_EQ(summary["provenance"]["command"], "thimble study --out caf\xef\xbf\xbd");
 }
 
+// The page shows the summary's numbers, not those of a changed table.
+TEST(Report, ATableThatWasChangedSinceIsRefused) {
+    const TemporaryDirectory directory;
+    const auto report_of = [&] {
+        return write_combined_report(directory.path(), {}, directory / "report.html", "thimble report");
+    };
+    write_text(directory / "trials.csv", "a\n1\n");
+    write_summary({"Run", {}, {}}, directory / "summary.json");
+    report_of();
+    EXPECT_THAT(
+        read_text(directory / "summary.json"),
+        HasSubstr(
+            "309b0e45a73d3fc5325e2b6ed0a01ef8b9cde6b05a5633c1f893f970d52bfddc"));  // as sha256sum has it
+    write_text(directory / "trials.csv", "a\n2\n");
+    EXPECT_THAT(refusal(report_of), HasSubstr("trials.csv: was changed since summary.json was written"));
+    std::filesystem::remove(directory / "trials.csv");
+    EXPECT_THAT(refusal(report_of), HasSubstr("trials.csv: is gone"));
+}
+
 TEST(Report, AgreementComparesTheSameTrials) {
     const Study study = small_study();
     std::vector<TrialRow> real = study.rows;

@@ -2,12 +2,15 @@
 
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "common/text_file.hpp"
+#include "session/records/condition_summary.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {
@@ -133,6 +136,72 @@ TEST(TrialTable, RefusesReplacesContinues) {
     EXPECT_EQ(read_trial_table(path).size(), 2U);
     TrialTable(path, IfExists::kReplace).append(sample_row());
     EXPECT_EQ(read_trial_table(path).size(), 1U);
+}
+
+// A start that failed leaves one, and does not keep the next start from the folder.
+TEST(TrialTable, ATableWithoutATrialIsAsGoodAsNone) {
+    const TemporaryDirectory directory;
+    const auto path = directory / "trials.csv";
+    {
+        const TrialTable first(path);
+        EXPECT_THAT(refusal([&] { const TrialTable other(path); }, ExitCode::kUsage),
+                    HasSubstr("already exists"))
+            << "it is being written";
+    }
+    const std::string header = read_text(path);
+    write_text(path, header.substr(0, 20));  // a crash
+    TrialTable(path).append(sample_row());
+    EXPECT_EQ(read_trial_table(path).size(), 1U);
+    write_text(path, "another table\n");
+    EXPECT_THAT(refusal([&] { const TrialTable other(path); }, ExitCode::kUsage),
+                HasSubstr("already exists"));
+}
+
+TEST(TrialTable, ADeletedTableIsNoticedAtTheNextRow) {
+    const TemporaryDirectory directory;
+    TrialTable table(directory / "trials.csv");
+    std::filesystem::remove(directory / "trials.csv");
+    EXPECT_THAT(refusal([&] { table.append(sample_row()); }, ExitCode::kRunFailed),
+                HasSubstr("trials.csv: was deleted while it was written"));
+}
+
+TEST(TrialTable, NothingIsWrittenThroughASymbolicLink) {
+    const TemporaryDirectory directory;
+    const auto precious = directory / "precious", link = directory / "trials.csv";
+    write_text(precious, "kept");
+    std::filesystem::create_symlink(precious, link);
+    for (const IfExists if_exists : {IfExists::kReplace, IfExists::kContinue}) {
+        EXPECT_THAT(refusal([&] { const TrialTable table(link, if_exists); }, ExitCode::kUsage),
+                    HasSubstr("trials.csv: is a symbolic link"));
+    }
+    EXPECT_THAT(refusal([&] { write_text_file(link, "lost"); }, ExitCode::kUsage), HasSubstr("remove it"));
+    EXPECT_EQ(read_text(precious), "kept");
+    write_text_file("/dev/stderr", "");  // a link of the system
+}
+
+TEST(TrialTable, AFileThatCannotBeMadeIsNamedWithARemedy) {
+    const auto words = [](int error, ExitCode code) {
+        return refusal([&] { fail_to_create("out/trials.csv", error); }, code);
+    };
+    EXPECT_EQ(words(EROFS, ExitCode::kUsage),
+              "out/trials.csv: cannot be created: Read-only file system; name a "
+              "folder on a disk that can be written to");
+    EXPECT_THAT(words(EMFILE, ExitCode::kRunFailed), HasSubstr("raise 'ulimit -n'"));
+    EXPECT_THAT(words(ENOSPC, ExitCode::kRunFailed), HasSubstr("make room on that disk"));
+}
+
+// A trial that was lost before its beep, or before it began.
+TEST(TrialTable, ACourseHasNoNumberThatIsNotKnown) {
+    TrialRow row;
+    row.reason = EndReason::kPeerLost;
+    row.lost_peer = Role::kNetem;
+    EXPECT_EQ(course_text(row), "peer_lost_netem");
+    row.metrics.duration_s = 2.04;
+    EXPECT_EQ(course_text(row), "peer_lost_netem, ended after 2.0 s");
+    row.reason = EndReason::kCompleted;
+    row.metrics.completion_time_s = 1.5;
+    row.metrics.penetration_max_m = 0.00123;
+    EXPECT_EQ(course_text(row), "completed, 1.5 s, maximum penetration 1.23 mm");
 }
 
 TEST(TrialTable, DamageIsNamedWithLineAndColumn) {
