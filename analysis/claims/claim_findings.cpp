@@ -173,6 +173,20 @@ Finding dunn_finding(const StudyColumns& columns, Metric metric, std::string_vie
     return {"no such pair", false};
 }
 
+Finding same_ranks_finding(const StudyColumns& columns, Metric metric, const NamedPairs& pairs) {
+    const SampleTable table = columns.table(metric).table;
+    Finding finding{"", true};
+    for (const DunnPair& pair : dunn_after_friedman(table)) {
+        const std::pair<std::string_view, std::string_view> names{table.name(pair.first),
+                                                                  table.name(pair.second)};
+        if (std::find(pairs.begin(), pairs.end(), names) == pairs.end()) continue;
+        finding.reproduced = finding.reproduced && pair.p_adjusted >= 0.05;
+        finding.ours += fmt::format("{}{} - {} {}", finding.ours.empty() ? "" : ", ", names.first,
+                                    names.second, p_text(pair.p_adjusted));
+    }
+    return finding;
+}
+
 Finding only_delay_finding(const StudyColumns& without, const StudyColumns& with) {
     const double p_without = friedman(without.table(Metric::kCompletionTime).table).p();
     const double p_with = friedman(with.table(Metric::kCompletionTime).table).p();

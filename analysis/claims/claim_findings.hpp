@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "analysis/tables/study_columns.hpp"
 
@@ -27,6 +29,11 @@ Finding pairs_finding(const StudyColumns& columns, Metric metric, double limit_c
 Finding normality_finding(const StudyColumns& columns);
 Finding same_time_finding(const StudyColumns& columns);
 
+// Sizes that follow from the paper's F and P, with 95 % intervals. What CF costs beside HF, as a part of what VF costs (Fieller, "Some problems
+// in interval estimation", J. Royal Statistical Society B 16, 1954); the spread of HF's jumps beside their distance to the others'.
+Finding cost_ratio_finding(const StudyColumns& columns, Metric metric, double most);
+Finding removal_spread_finding(const StudyColumns& columns);
+
 // After sudden removal: by one-way ANOVA, then the pairs with HF (HF larger), and those without (no difference).
 Finding removal_finding(const StudyColumns& columns);
 Finding removal_pairs_finding(const StudyColumns& columns, bool with_handle);
@@ -37,6 +44,9 @@ Finding stability_finding(const StudyColumns& columns);
 Finding friedman_finding(const StudyColumns& columns, Metric metric);
 Finding dunn_finding(const StudyColumns& columns, Metric metric, std::string_view larger,
                      std::string_view smaller, double level);
+// None of these pairs differs by Dunn's test.
+using NamedPairs = std::vector<std::pair<std::string_view, std::string_view>>;
+Finding same_ranks_finding(const StudyColumns& columns, Metric metric, const NamedPairs& pairs);
 Finding only_delay_finding(const StudyColumns& without, const StudyColumns& with);
 
 // Statements of abstract, discussion and text that have no test of their own.

@@ -4,9 +4,12 @@
 // Haptics", IEEE Transactions on Haptics 5(4), 2012.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -15,6 +18,11 @@
 #include "session/records/trial_table.hpp"
 
 namespace thimble {
+
+// By-construction: what comes out was put into the model. Recount: other claims say the same. Neither is counted.
+enum class ClaimKind : std::uint8_t { kResult, kSize, kByConstruction, kRecount };
+inline constexpr std::array<std::string_view, 4> kClaimKindNames{"result", "size", "by-construction",
+                                                                 "recount"};
 
 struct Claim {
     std::string id;                       // "E1.mean.order"
@@ -26,6 +34,9 @@ struct Claim {
     // ("differs", "does not differ") or was not judged.
     std::optional<bool> direction = {};
     bool had_trials = false;  // false: its experiment was not run
+    ClaimKind kind = ClaimKind::kResult;
+
+    bool counts() const { return kind == ClaimKind::kResult || kind == ClaimKind::kSize; }
 };
 
 // With fewer subjects a P says little: only claims without a test are judged then.
@@ -38,7 +49,7 @@ bool are_paper_trials(const std::vector<TrialRow>& rows);
 // `no_lag`: trials of experiment 1 with CF again, the same but for actuators without lag (no_lag.csv).
 std::vector<Claim> judge_claims(const std::vector<TrialRow>& rows, const std::vector<TrialRow>& no_lag = {});
 
-// An object id, claim, paper, ours, reproduced (null if not judged), direction (null if there is none), in
+// An object id, kind, claim, paper, ours, reproduced (null if not judged), direction (null if there is none), in
 // this order.
 nlohmann::ordered_json to_json(const Claim& claim);
 
@@ -48,7 +59,7 @@ void write_claims(const std::vector<Claim>& claims, const std::filesystem::path&
 
 // Those that were judged.
 ReportTable claims_table(const std::vector<Claim>& claims);
-// "17 of 19 judged claims are reproduced; not: E3.max.vf_cf, E1.normal".
+// "17 of 19 judged results are reproduced; not: E3.max.vf_cf, E1.normal; 1 of 3 judged sizes is reproduced; not: ...". Only claims that count.
 std::string claims_sentence(const std::vector<Claim>& claims);
 
 }  // namespace thimble

@@ -74,4 +74,8 @@ double chi_squared_upper(double x, double df) {
     return tail("chi-squared tail", [&] { return cdf(complement(ChiSquared(df), Real(x))); });
 }
 
+double chi_squared_quantile(double p, double df) {
+    return evaluated("chi-squared quantile", [&] { return quantile(ChiSquared(df), Real(p)); });
+}
+
 }  // namespace thimble

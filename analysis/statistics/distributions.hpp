@@ -15,5 +15,6 @@ double t_two_sided(double t, double df);
 double t_half_width(double confidence, double df);
 double f_upper(double f, double df_1, double df_2);  // P(F >= f), f >= 0
 double chi_squared_upper(double x, double df);       // P(X >= x), x >= 0
+double chi_squared_quantile(double p, double df);    // x with P(X <= x) = p
 
 }  // namespace thimble

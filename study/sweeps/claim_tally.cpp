@@ -40,10 +40,12 @@ ConfidenceInterval ClaimCount::interval() const { return wilson_interval(reprodu
 
 ClaimClass ClaimCount::classified() const {
     if (!had_trials) return ClaimClass::kNotJudged;
-    if (fraction() >= kReproducedFrom) return ClaimClass::kReproduced;
-    return directed > 0 && direction_fraction() >= kReproducedFrom ? ClaimClass::kDirection
-                                                                   : ClaimClass::kLess;
+    if (interval().low >= kReproducedFrom) return ClaimClass::kReproduced;
+    return directed > 0 && direction_interval().low >= kReproducedFrom ? ClaimClass::kDirection
+                                                                       : ClaimClass::kLess;
 }
+
+ConfidenceInterval ClaimCount::direction_interval() const { return wilson_interval(direction, studies); }
 
 void ClaimTally::add(const std::vector<Claim>& claims) {
     if (counts_.empty()) {
@@ -96,8 +98,8 @@ ReportTable tally_table(std::string title, const ClaimTally& tally, const std::s
 nlohmann::ordered_json to_json(const ClaimCount& count) {
     Claim over_all = count.claim;
     over_all.reproduced = over_all.direction = std::nullopt;
-    if (count.had_trials) over_all.reproduced = count.fraction() >= kReproducedFrom;
-    if (count.directed > 0) over_all.direction = count.direction_fraction() >= kReproducedFrom;
+    if (count.had_trials) over_all.reproduced = count.interval().low >= kReproducedFrom;
+    if (count.directed > 0) over_all.direction = count.direction_interval().low >= kReproducedFrom;
     nlohmann::ordered_json entry = to_json(over_all);
     entry["class"] = to_string(count.classified());
     entry["studies"] = count.studies;

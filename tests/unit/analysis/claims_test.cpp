@@ -88,7 +88,8 @@ TEST(Claims, WithoutTrialsNothingIsJudged) {
           "E1.time.same",   "E2.peak.differs", "E2.peak.hf",     "E2.peak.rest",       "E3.stable",
           "E3.max.differs", "E3.max.hf_cf",    "E3.max.hf_ccf",  "E3.max.vf_cf",       "E3.time.differs",
           "E3.time.hf_vf",  "E3.time.hf_cf",   "E3.time.hf_ccf", "E3.time.only_delay", "D.indistinct",
-          "D.delay45",      "S.length"}) {
+          "D.delay45",      "S.length",        "E1.mean.ratio",  "E1.max.ratio",       "E2.peak.spread",
+          "E3.max.rest",    "E3.time.rest"}) {
         EXPECT_EQ(ids.count(id), 1U) << id;
     }
 }
@@ -97,7 +98,8 @@ TEST(Claims, ATableMadeForThemReproducesThem) {
     const std::vector<Claim> claims = judge_claims(the_papers().rows);
     for (const char* id : {"E1.mean.order", "E1.mean.pairs", "E1.max.order", "E1.max.pairs", "E1.time.same",
                            "E2.peak.differs", "E2.peak.hf", "E2.peak.rest", "E3.stable", "E3.max.differs",
-                           "E3.max.hf_cf", "E3.max.hf_ccf", "E3.time.differs", "E3.time.only_delay"}) {
+                           "E3.max.hf_cf", "E3.max.hf_ccf", "E3.time.differs", "E3.time.only_delay",
+                           "E1.mean.ratio", "E1.max.ratio", "E2.peak.spread", "E3.max.rest"}) {
         const Claim c = claim_of(claims, id);
         EXPECT_EQ(c.reproduced, true) << id << ": " << c.ours;
     }
@@ -105,6 +107,44 @@ TEST(Claims, ATableMadeForThemReproducesThem) {
     EXPECT_THAT(claim_of(claims, "E2.peak.differs").ours, HasSubstr("F(3, 28)"));
     // Whom HF always outranks cannot outrank the others by the 2.17 that P < .001 takes.
     EXPECT_EQ(claim_of(claims, "E3.max.vf_cf").reproduced, false);
+}
+
+// Both intervals by an independent program: Fieller's as the roots of his equation, the other from tables of chi squared.
+TEST(Claims, SizesHaveTheirIntervals) {
+    const std::vector<Claim> claims = judge_claims(the_papers().rows);
+    EXPECT_EQ(claim_of(claims, "E1.mean.ratio").ours, "3.00 of 7.00 mm: 0.428, 95 % interval 0.427 to 0.430");
+    EXPECT_EQ(claim_of(claims, "E2.peak.spread").ours,
+              "SD 0.05 of 19.05 mm: 0.003, 95 % interval 0.002 to 0.006");
+
+    Table dear;  // CF costs 4 of 7 mm, and HF's jumps differ as much as they are large
+    dear.add(1, 16, {0.001, 0.005, 0.0055, 0.008}, {11, 11, 11, 11});
+    dear.add_removals({0.0002, 0.0001, 0.0001, 0.0001});
+    for (const char* id : {"E1.mean.ratio", "E1.max.ratio", "E2.peak.spread"})
+        EXPECT_EQ(claim_of(judge_claims(dear.rows), id).reproduced, false) << id;
+}
+
+TEST(Claims, ADifferenceWhereThePaperHasNoneIsNoReproduction) {
+    Table table = the_papers();
+    std::erase_if(table.rows, [](const TrialRow& row) { return row.conditions.experiment == 3; });
+    table.add(3, 10, {0.030, 0.004, 0.0055, 0.008}, {15, 9, 11, 13}, 0.05);
+    EXPECT_EQ(claim_of(judge_claims(table.rows), "E3.time.rest").reproduced, false);
+    EXPECT_EQ(claim_of(judge_claims(table.rows), "E3.max.rest").reproduced, true);
+}
+
+// What was put in and what says the same again is not counted.
+TEST(Claims, TheSentenceCountsResultsAndSizesApart) {
+    const auto claim = [](const char* id, ClaimKind kind, bool reproduced) {
+        Claim one{id, "", ""};
+        one.kind = kind;
+        one.had_trials = true;
+        one.reproduced = reproduced;
+        return one;
+    };
+    EXPECT_EQ(
+        claims_sentence({claim("a", ClaimKind::kResult, true), claim("b", ClaimKind::kResult, false),
+                         claim("c", ClaimKind::kSize, false), claim("d", ClaimKind::kByConstruction, true),
+                         claim("e", ClaimKind::kRecount, true)}),
+        "1 of 2 judged results is reproduced; not: b; 0 of 1 judged sizes are reproduced; not: c");
 }
 
 // Significance in the wrong direction is no reproduction.
@@ -268,7 +308,7 @@ TEST(Claims, DataThatATestRefusesAreNotJudgedAndSayWhy) {
     ASSERT_EQ(claims_table(two).rows.size(), 1U);  // those that are not judged have no row
     EXPECT_EQ(claims_table(two).rows[0][0], "E3.stable");
     EXPECT_THAT(claims_sentence(two),
-                testing::MatchesRegex("1 of [12] judged claims is reproduced.*; [0-9]+ more "
+                testing::MatchesRegex("1 of [12] judged results is reproduced.*; [0-9]+ more "
                                       "cannot be judged \\(see claims.json\\)"));
     EXPECT_THAT(claims_sentence({}), HasSubstr("at least 6 subjects"));
     Table interrupted = the_papers();
@@ -357,7 +397,8 @@ TEST(Claims, JsonIsAListOfObjects) {
     ASSERT_TRUE(json.is_array());
     ASSERT_GE(json.size(), 20U);
     for (const auto& entry : json) {
-        for (const char* key : {"id", "claim", "paper", "ours"}) EXPECT_TRUE(entry.at(key).is_string());
+        for (const char* key : {"id", "kind", "claim", "paper", "ours"})
+            EXPECT_TRUE(entry.at(key).is_string());
         // Neither the lag nor the participant sessions' length can be judged by this table.
         const bool open = entry.at("id") == "D.delay45" || entry.at("id") == "S.length";
         EXPECT_EQ(entry.at("reproduced").is_null(), open) << entry.at("id");

@@ -32,10 +32,15 @@ TEST(ClaimTally, ClassesFollowTheFractions) {
     const auto class_of = [](int reproduced, int direction) {
         return tally_of(100, reproduced, direction).counts()[0].classified();
     };
-    EXPECT_EQ(class_of(90, 100), ClaimClass::kReproduced);
-    EXPECT_EQ(class_of(89, 100), ClaimClass::kDirection);
-    EXPECT_EQ(class_of(0, 90), ClaimClass::kDirection);
-    EXPECT_EQ(class_of(0, 89), ClaimClass::kLess);
+    EXPECT_EQ(class_of(96, 100), ClaimClass::kReproduced);  // 90.2 % by the lower end of its interval
+    EXPECT_EQ(class_of(95, 100), ClaimClass::kDirection);   // 88.8 %
+    EXPECT_EQ(class_of(0, 96), ClaimClass::kDirection);
+    EXPECT_EQ(class_of(0, 95), ClaimClass::kLess);
+}
+
+TEST(ClaimTally, FewStudiesProveNoClass) {
+    EXPECT_EQ(tally_of(34, 34, 34).counts()[0].classified(), ClaimClass::kLess);
+    EXPECT_EQ(tally_of(35, 35, 35).counts()[0].classified(), ClaimClass::kReproduced);
 }
 
 // A claim that two things do not differ has no direction to fall back on.
