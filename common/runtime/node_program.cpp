@@ -21,7 +21,7 @@
 #include "common/runtime/command_line.hpp"
 #include "common/runtime/lock_step.hpp"
 #include "common/runtime/log/message_log.hpp"
-#include "common/runtime/node_report.hpp"
+#include "common/runtime/program_report.hpp"
 #include "common/runtime/protection.hpp"
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
@@ -45,42 +45,6 @@ struct Options {
 constexpr Duration kFarewell = std::chrono::seconds{1};
 
 double microseconds(Duration duration) { return static_cast<double>(duration.count()) * 1e-3; }
-
-// The list also has datagrams that the sockets refused before decoding.
-nlohmann::ordered_json refusals(FlowCounters counters, const UdpCounters& udp) {
-    counters.refused[static_cast<std::size_t>(Refusal::kForeignSource)] += udp.foreign_source;
-    counters.refused[static_cast<std::size_t>(Refusal::kTooLong)] += udp.too_long;
-    nlohmann::ordered_json names = nlohmann::ordered_json::object();
-    for (std::size_t i = 0; i < counters.refused.size(); ++i) {
-        names[to_string(static_cast<Refusal>(i))] = counters.refused[i];
-    }
-    return names;
-}
-
-nlohmann::ordered_json describe(const NodeProgram& program, const NodeInstance& instance,
-                                const Sockets& sockets, const FlowCounters& counters,
-                                const LoopStatistics& loop, std::uint64_t overruns) {
-    const UdpCounters udp = sockets.counters();
-    nlohmann::ordered_json report;
-    report["program"] = program.name;
-    report["version"] = kVersion;
-    report["accepted"] = counters.accepted;
-    report["refused"] = refusals(counters, udp);
-    report["udp"] = {{"sent", udp.sent},
-                     {"received", udp.received},
-                     {"send_failed", udp.send_failed},
-                     {"foreign_source", udp.foreign_source},
-                     {"too_long", udp.too_long}};
-    report["security"] = describe_security(sockets);
-    report["deadlines"] = loop.deadlines;
-    report["deadlines_missed"] = loop.missed;
-    report["overruns"] = overruns;
-    report["arrivals"] = loop.arrivals;
-    report["lateness"] = quantiles(loop.lateness);
-    report["turns"] = quantiles(loop.turns);
-    instance.describe(report);
-    return report;
-}
 
 void save(const std::string& path, const nlohmann::ordered_json& report) {
     if (path.empty()) return;
@@ -126,25 +90,6 @@ LogOrigin log_origin(const NodeProgram& program, const Options& options, const C
     LogOrigin origin{program.name, options.config, {}};
     for (const std::string& name : file.used_files()) origin.files.push_back(file.folder() / name);
     return origin;
-}
-
-// In the record, too, which policy acted.
-void note_stale(MessageLog& log, const nlohmann::ordered_json& report) {
-    for (const auto& one : report.value("stale_acted", nlohmann::ordered_json::array())) {
-        log.note("stale", {{"policy", report.value("stale", "")},
-                           {"number_on_the_wire", json_text(one.at("trial"))},
-                           {"times", json_text(one.at("times"))},
-                           {"acted_s", json_text(one.at("acted_s"))},
-                           {"longest_s", json_text(one.at("longest_s"))}});
-    }
-}
-
-nlohmann::ordered_json describe(const LogCounters& log) {
-    return {{"file", log.file},
-            {"messages", log.messages},
-            {"bytes", log.bytes},
-            {"lost", log.lost},
-            {"fault", log.fault}};
 }
 
 int check_deadlines(const Options& options, const RuntimeSettings& runtime, const LoopStatistics& loop) {
@@ -306,11 +251,11 @@ class ConductedNode {
         }
         Guarded process(instance->process(), sockets.security(), log.get());
         const auto order = run_in_lock_step(conductor, process, sockets);
-        report_ = describe(program_, *instance, sockets, instance->process().counters(), LoopStatistics{},
-                           instance->process().overruns());
+        report_ = describe_program(program_, *instance, sockets, instance->process().counters(),
+                                   LoopStatistics{}, instance->process().overruns());
         if (log) {
             note_stale(*log, report_);
-            report_["log"] = describe(log->close());
+            report_["log"] = describe_log(log->close());
         }
         return order;
     }
@@ -369,11 +314,11 @@ int run(const NodeProgram& program, const Options& options) {
             spdlog::warn(warning);
         run_process(*instance, process, runtime, loop, notice);
     }
-    auto report = describe(program, *instance, sockets, instance->process().counters(), loop.statistics(),
-                           instance->process().overruns());
+    auto report = describe_program(program, *instance, sockets, instance->process().counters(),
+                                   loop.statistics(), instance->process().overruns());
     if (log) {
         note_stale(*log, report);
-        report["log"] = describe(log->close());
+        report["log"] = describe_log(log->close());
     }
     save(options.report, report);
     if (log && !log->fault().empty()) return static_cast<int>(ExitCode::kRunFailed);
