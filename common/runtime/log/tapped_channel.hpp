@@ -14,7 +14,7 @@ class TappedChannel final : public Channel {
     // `sent` and `received`: what the queue's reader knows the two ways by. `granted`: the time in lock-step; kNever: the wall
     // clock's holds. All outlive this.
     TappedChannel(Channel& inner, ByteQueue& queue, std::uint16_t sent, std::uint16_t received,
-                  const SessionTime& granted)
+                  const SessionTime& granted = kNever)
         : inner_(inner), queue_(queue), sent_(sent), received_(received), granted_(granted) {}
 
     void send(Bytes datagram) override {
