@@ -116,6 +116,7 @@ TEST_F(ExperimenterView, SaysInRedThatTheSessionIsSilentAndHearsTheNextOne) {
     session_.reset();
     pass(1.5);
     session_.emplace(ports_.base(), ++sessions_, 4);  // another one
+    pass(1);                                          // both agree on keys: 0.3 s of silence, and a moment
     ASSERT_TRUE(screen_->type("p"));                  // it is not paused, and the view has seen that
     pass(1);
     EXPECT_FALSE(alarmed(end()));

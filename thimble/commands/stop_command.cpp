@@ -135,8 +135,9 @@ int stop(const StopArguments& a) {
         throw Error(
             ExitCode::kNetwork,
             fmt::format("nobody answered that a stop holds ({}): if a session runs there, it has NOT been "
-                        "stopped, or cannot answer. Name its session file, for its hosts, ports and lab "
-                        "key: thimble stop SESSION.toml; or use Backspace in a window, or the device's "
+                        "stopped, or cannot answer. Name its session file, for its hosts, ports, rig and "
+                        "key, as the user who runs it: thimble stop SESSION.toml; or use Backspace in a "
+                        "window, or the device's "
                         "power switch",
                         where(a)));
     }
@@ -180,7 +181,8 @@ Subcommand add_stop(CLI::App& app) {
     StopArguments& a = *arguments;
     CLI::App* sub = app.add_subcommand(
         "stop", "emergency stop of a running session: no force at the handle, cables slack, needle held");
-    add_session_option(*sub, a.config, "session file or name, for its [network]; without it this machine");
+    add_session_option(*sub, a.config,
+                       "session file or name, for its [network] and [security]; without it this machine");
     sub->add_flag("--release", a.release, "let trials begin again");
     sub->add_option("--reason", a.reason, "goes into the record's words; no names");
     add_base_port_option(*sub, a.base_port);
