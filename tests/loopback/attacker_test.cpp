@@ -269,6 +269,18 @@ TEST(UserKey, SealsARunThatAsksForNothing) {
     EXPECT_TRUE(std::filesystem::exists(user_key_file()));
 }
 
+TEST(UserKey, ThatCannotBeMadeLeavesNoFolderBehind) {
+    const PortBlock ports;
+    setenv("XDG_STATE_HOME", "/proc/nowhere", 1);  // where root cannot write either
+    const Folder folder;
+    const auto out = folder / "out";
+    const Outcome run = run_thimble({"run", folder.write("session.toml", SessionFile{}.text()).string(),
+                                     "--out", out.string(), "--base-port", std::to_string(ports.base())});
+    EXPECT_EQ(run.code, 2) << run.words;
+    EXPECT_THAT(run.words, HasSubstr("set XDG_STATE_HOME"));
+    EXPECT_FALSE(std::filesystem::exists(out));
+}
+
 TEST(UserKey, ARealHandleIsRefusedOnAnOpenNetwork) {
     LoneNode real("thimble-master",
                   "[handle]\ndevice = 'force-dimension'\n[network]\nhost_netem = '192.0.2.1'\n"
