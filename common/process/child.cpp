@@ -138,7 +138,7 @@ std::string Child::last_lines(std::size_t lines) const {
     std::istringstream file(end_of(words_->get()));
     std::deque<std::string> last;
     for (std::string line; std::getline(file, line);) {
-        if (line.size() > kLongestLine) line = line.substr(0, kLongestLine) + "...";
+        if (line.size() > kLongestLine) line.replace(kLongestLine, std::string::npos, "...");
         last.push_back(std::move(line));
         if (last.size() > lines) last.pop_front();
     }
