@@ -8,11 +8,11 @@
 #include <optional>
 #include <ostream>
 #include <set>
-#include <thread>
 #include <variant>
 #include <vector>
 
 #include "common/queue_channel.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/udp_channel.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/security/lab_key_file.hpp"
@@ -23,6 +23,7 @@ namespace thimble {
 
 inline constexpr Duration kOrderPeriod = std::chrono::milliseconds{50};
 inline constexpr Duration kCommandPeriod = std::chrono::milliseconds{1};
+inline constexpr Duration kTurn = std::chrono::microseconds{100};  // of a loop that others must not wait for
 inline constexpr double kStep = 1e-5;  // metres or newtons; less is no force to a finger
 const std::string kNear = "127.0.0.1";
 
@@ -128,7 +129,7 @@ class OverheardSession {
         for (SessionTime now = wall_now(); !done && now < end; now = wall_now()) {
             turn(now);
             done = meanwhile();
-            std::this_thread::yield();
+            wall_sleep(kTurn);
         }
         commanding_ = false;
         return done;
@@ -219,6 +220,8 @@ class OverheardSession {
         }
     }
 
+    RealtimeLease realtime_{
+        RuntimeSettings{}};  // as of `thimble run`: where it stands still, the node gives up
     AttackTarget target_;
     OverheardChannel control_wire_, command_wire_, answer_wire_;
     QueuePipe relayed_;

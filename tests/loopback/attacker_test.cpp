@@ -128,7 +128,7 @@ TEST_P(Attack, AFloodMovesNothing) {
     EXPECT_TRUE(session_.command([&] {
         attacker_.flood(200);
         attacker_.flood_in_the_name_of(session_.commands(), 100);
-        return wall_now() - begin > std::chrono::milliseconds{300};
+        return wall_now() - begin > std::chrono::milliseconds{300} && attacker_.sent() > 1000;
     }));
     EXPECT_EQ(session_.foreign(), 0U);
     if (session_.state() != NodeState::kRunning) {
@@ -137,7 +137,6 @@ TEST_P(Attack, AFloodMovesNothing) {
     }
     expect_unmoved();
     RecordProperty("datagrams", static_cast<int>(attacker_.sent()));
-    EXPECT_GT(attacker_.sent(), 1000U);
     const auto counters = security_at_the_end();
     EXPECT_GT(counters.at("handshake_refused"), 0);
     EXPECT_GT(counters.at("wrong_role"), 0);

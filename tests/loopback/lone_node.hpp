@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/flow.hpp"
+#include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "tests/loopback/programs.hpp"
@@ -145,6 +146,8 @@ class PlayedSession {
         }
     }
 
+    RealtimeLease realtime_{
+        RuntimeSettings{}};  // as of `thimble run`: where it stands still, the node gives up
     Channel* channel_;
     InboundFlow answers_;
     OutboundFlow orders_;
