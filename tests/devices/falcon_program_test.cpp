@@ -50,7 +50,7 @@ TEST_F(FalconProgram, WaitsForItsUserToHomeIt) {
 // Between trials, when thimble-master ticks on heartbeats only; each stop is released, which says who had stopped.
 TEST_F(FalconProgram, HearsEveryShortPressOfAButtonBetweenTrials) {
     home(7);
-    LoneNode node("thimble-master", tables(""));
+    LoneNode node("thimble-master", tables("[security]\nmode = 'user-key'\n"));  // as thimble stop has it
     ASSERT_TRUE(node.ready()) << node.words();
     const std::string port = std::to_string(node.base_port());
     const auto press = [&](std::uint8_t buttons) {
