@@ -1,13 +1,14 @@
 // The two ends of each flow, regardless of relays between them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "common/network_settings.hpp"
 
 namespace thimble {
 
-// Where a datagram that is sent to `port` is read: behind the relay, which has no key.
+// Where a datagram that is sent to `port` is read: behind the relay, which cannot read it.
 constexpr Port final_port(Port port) {
     switch (port) {
         case Port::kNetemNeedle:
@@ -38,12 +39,6 @@ inline Role speaker(const KeyedFlow& keyed) {
     return keyed.port == Port::kSlaveNeedle ? Role::kMaster : Role::kSlaveSim;
 }
 
-// Whether a datagram comes to `port` on a hop.
-constexpr bool ends_hop(Port port) {
-    return final_port(port) != port || port == Port::kSlaveNeedle || port == Port::kMasterForce ||
-           port == Port::kCutaneousForce || port == Port::kVisualForce;
-}
-
 // The one-way flows, whose keys come from the session; all others have a way back and agree on theirs.
 inline constexpr std::array<KeyedFlow, 17> kKeyedFlows{{{Port::kSessionRecord},
                                                         {Port::kMasterForce},
@@ -62,5 +57,11 @@ inline constexpr std::array<KeyedFlow, 17> kKeyedFlows{{{Port::kSessionRecord},
                                                         {Port::kCutaneousForce, true},
                                                         {Port::kNetemForceVisual, true},
                                                         {Port::kVisualForce, true}}};
+
+// Whether datagrams come to `port` on a hop.
+constexpr bool ends_hop(Port port) {
+    const KeyedFlow hop{port, true};
+    return std::find(kKeyedFlows.begin(), kKeyedFlows.end(), hop) != kKeyedFlows.end();
+}
 
 }  // namespace thimble
