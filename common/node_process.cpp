@@ -26,11 +26,11 @@ void NodeProcess::tick(SessionTime now) {
     take_stop_requests(now);
     if (resting()) rest(now);
     give_up_if_alone(now);
-    report(now);
+    if (now >= next_heartbeat_) report(now);
 }
 
 SessionTime NodeProcess::next_wakeup() const {
-    return std::min({next_heartbeat_, next_work(), stop_.next()});
+    return std::min(std::min(next_heartbeat_, next_work()), stop_.next());
 }
 
 void NodeProcess::obey_stop(SessionTime now) {
@@ -158,7 +158,6 @@ void NodeProcess::give_up(SessionTime now, EndReason reason) {
 }
 
 void NodeProcess::report(SessionTime now) {
-    if (now < next_heartbeat_) return;
     next_heartbeat_ = now + kHeartbeatPeriod;
     const FlowCounters sum = counters();
     Heartbeat heartbeat;

@@ -103,7 +103,7 @@ void LinkModel::wait_for_transmitter() {
     SessionTime event = start_ + transmitter_.next_event();
     // In order nothing overtakes the next packet, and it has its delay still before it.
     if (in_order_) event += Duration{transmitter_.next_packet()->due_ns};
-    next_due_ = std::min({next_due_, event, next_change_});
+    next_due_ = std::min(std::min(next_due_, event), next_change_);
 }
 
 void LinkModel::push(SessionTime now, Bytes datagram) {
