@@ -29,8 +29,8 @@ Finding pairs_finding(const StudyColumns& columns, Metric metric, double limit_c
 Finding normality_finding(const StudyColumns& columns);
 Finding same_time_finding(const StudyColumns& columns);
 
-// Sizes that follow from the paper's F and P, with 95 % intervals. What CF costs beside HF, as a part of what VF costs (Fieller, "Some problems
-// in interval estimation", J. Royal Statistical Society B 16, 1954); the spread of HF's jumps beside their distance to the others'.
+// Sizes that follow from the paper's F and P, with 95 % intervals. CF's cost beside HF is a part of VF's cost (Fieller, "Some problems
+// in interval estimation", J. Royal Statistical Society B 16, 1954). HF's jumps have a spread, and a distance to the others' jumps.
 Finding cost_ratio_finding(const StudyColumns& columns, Metric metric, double most);
 Finding removal_spread_finding(const StudyColumns& columns);
 

@@ -59,7 +59,7 @@ void write_claims(const std::vector<Claim>& claims, const std::filesystem::path&
 
 // Those that were judged.
 ReportTable claims_table(const std::vector<Claim>& claims);
-// "17 of 19 judged results are reproduced; not: E3.max.vf_cf, E1.normal; 1 of 3 judged sizes is reproduced; not: ...". Only claims that count.
+// "17 of 19 judged results are reproduced", and the same of sizes, each with the claims that are not. Only claims that count.
 std::string claims_sentence(const std::vector<Claim>& claims);
 
 }  // namespace thimble

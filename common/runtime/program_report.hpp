@@ -1,4 +1,4 @@
-// What a node's program writes at its end: its report (JSON), and what its log says of the report.
+// A node's program writes at its end a report (JSON), and puts parts of it into its log.
 #pragma once
 
 #include <cstdint>

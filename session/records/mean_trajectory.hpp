@@ -18,8 +18,8 @@
 
 namespace thimble {
 
-// Where a trial's time begins, and its unit: seconds from the first contact with the fixture, or percent of the time from the
-// puncture of the tissue (0 %) to the beep (100 %), which stretches each trial and so smears an oscillation.
+// Time in seconds from the first contact with the fixture; or in percent from the puncture of the tissue (0 %) to the beep (100 %). The
+// latter stretches each trial, and so smears an oscillation.
 enum class CurveAxis : std::uint8_t { kFromContact, kEntryToBeep };
 inline constexpr std::array<std::string_view, 2> kCurveAxisNames{"contact", "percent"};
 
@@ -121,8 +121,9 @@ class TrajectoryPanels {
 };
 
 // curves.csv: each trial of a study on the common axis of the trajectory figure. An interrupted study can draw earlier trials
-// from it. A line per trial: conditions, whether it has a place on the axis and beeped, puncture and beep on that axis, then needle and
-// surface at each grid point in percent of the fixture's depth (empty: no sample). The columns' names say which axis it is.
+// from it. A line per trial has its conditions, whether it has a place on the axis and beeped, puncture and beep
+// on that axis. Needle and surface at each grid point follow, in percent of the fixture's depth (empty: no sample). The columns' names
+// say which axis it is.
 class CurveFile {
   public:
     // Throws Error as CsvFile.

@@ -131,7 +131,7 @@ TEST(Claims, ADifferenceWhereThePaperHasNoneIsNoReproduction) {
     EXPECT_EQ(claim_of(judge_claims(table.rows), "E3.max.rest").reproduced, true);
 }
 
-// What was put in and what says the same again is not counted.
+// Claims by construction and recounts are not counted.
 TEST(Claims, TheSentenceCountsResultsAndSizesApart) {
     const auto claim = [](const char* id, ClaimKind kind, bool reproduced) {
         Claim one{id, "", ""};

@@ -1,4 +1,4 @@
-// A name for what somebody typed: near enough to be meant, and nothing else.
+// Advice names a key that the user may have meant, and no other word.
 #include "common/nearest_name.hpp"
 
 #include <string>
