@@ -20,7 +20,7 @@ if(NOT THIMBLE_SANITIZE)
     target_compile_options(thimble_options INTERFACE
         "$<$<CONFIG:Release>:-fstack-protector-strong;-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>"
         "$<$<AND:$<CONFIG:Release>,$<BOOL:${THIMBLE_HAS_CF_PROTECTION}>>:-fcf-protection>"
-        "$<$<AND:$<CONFIG:Release>,$<OR:${PROGRAM},${STATIC}>>:-fPIE>")
+        "$<$<AND:$<CONFIG:Release>,$<NOT:$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>>,$<OR:${PROGRAM},${STATIC}>>:-fPIE>")
     target_link_options(thimble_options INTERFACE
         "$<$<CONFIG:Release>:-Wl,-z,relro,-z,now>" "$<$<AND:$<CONFIG:Release>,${PROGRAM}>:-pie>")
 endif()

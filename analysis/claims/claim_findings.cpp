@@ -176,14 +176,17 @@ Finding dunn_finding(const StudyColumns& columns, Metric metric, std::string_vie
 Finding same_ranks_finding(const StudyColumns& columns, Metric metric, const NamedPairs& pairs) {
     const SampleTable table = columns.table(metric).table;
     Finding finding{"", true};
+    std::size_t found = 0;
     for (const DunnPair& pair : dunn_after_friedman(table)) {
         const std::pair<std::string_view, std::string_view> names{table.name(pair.first),
                                                                   table.name(pair.second)};
         if (std::find(pairs.begin(), pairs.end(), names) == pairs.end()) continue;
+        ++found;
         finding.reproduced = finding.reproduced && pair.p_adjusted >= 0.05;
         finding.ours += fmt::format("{}{} - {} {}", finding.ours.empty() ? "" : ", ", names.first,
                                     names.second, p_text(pair.p_adjusted));
     }
+    if (found != pairs.size()) return {"not all of these pairs are there", false};
     return finding;
 }
 

@@ -55,7 +55,7 @@ Finding cost_ratio_finding(const StudyColumns& columns, Metric metric, double mo
     const double ratio = sample_mean(cf) / sample_mean(vf);
     return {fmt::format("{:.2f} of {:.2f} mm: {:.3f}, {}", 1e3 * sample_mean(cf), 1e3 * sample_mean(vf),
                         ratio, interval_text(ratio_interval(cf, vf))),
-            ratio > 0 && ratio <= most};
+            sample_mean(cf) > 0 && sample_mean(vf) > 0 && ratio <= most};
 }
 
 Finding removal_spread_finding(const StudyColumns& columns) {
@@ -71,7 +71,7 @@ Finding removal_spread_finding(const StudyColumns& columns) {
                                       ratio * std::sqrt(df / chi_squared_quantile(tail, df))};
     return {fmt::format("SD {:.2f} of {:.2f} mm: {:.3f}, {}", 1e3 * sd_m, 1e3 * distance_m, ratio,
                         interval_text(interval)),
-            ratio > 0 && ratio <= kMost};
+            distance_m > 0 && ratio <= kMost};
 }
 
 }  // namespace thimble

@@ -18,7 +18,7 @@ namespace {
 int open_flags(IfExists if_exists) {
     switch (if_exists) {
         case IfExists::kReplace:
-            return O_TRUNC;
+            return 0;  // emptied once it is locked
         case IfExists::kContinue:
             return O_APPEND;
         case IfExists::kRefuse:
@@ -69,8 +69,13 @@ CsvFile::CsvFile(const std::filesystem::path& path, IfExists if_exists, std::str
                     path.string());
     }
     if (descriptor < 0) fail_to_create(path, errno);
-    // open_unused() asks for this lock: no other program empties a file that this one writes.
-    static_cast<void>(::flock(descriptor, LOCK_EX | LOCK_NB));
+    // Pipes, and some disks of other machines, have no locks.
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        ::close(descriptor);
+        throw Error(ExitCode::kUsage, "{}: another program writes this file now; name another folder",
+                    path.string());
+    }
+    if (if_exists == IfExists::kReplace) static_cast<void>(::ftruncate(descriptor, 0) == 0);
     file_.reset(::fdopen(descriptor, "w"));
     had_a_place_ = has_a_place(file_.get());
     std::error_code ignored;

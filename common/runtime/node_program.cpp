@@ -220,7 +220,7 @@ int run_guarded(const std::function<int()>& body) {
 // A log of one trial in lock-step, whose clock begins anew with each; null: `file` is empty.
 std::unique_ptr<MessageLog> log_of_trial(const std::filesystem::path& file) {
     if (file.empty()) return nullptr;
-    std::filesystem::remove(file);
+    remove_file(file);
     auto log = std::make_unique<MessageLog>();
     log->take_time({});
     return log;
@@ -256,6 +256,8 @@ class ConductedNode {
         if (log) {
             note_stale(*log, report_);
             report_["log"] = describe_log(log->close());
+            if (log_fault_.empty()) log_fault_ = log->fault();
+            report_["log"]["fault"] = log_fault_;  // of any trial
         }
         return order;
     }
@@ -267,6 +269,7 @@ class ConductedNode {
     const ConfigFile& file_;
     const SharedSettings& settings_;
     unsigned trials_ = 0;
+    std::string log_fault_;
     nlohmann::ordered_json report_;
 };
 

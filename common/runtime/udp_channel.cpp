@@ -95,12 +95,12 @@ void UdpChannel::await_announced(Port port, std::uint16_t base_port, Duration li
 
 // On one machine a datagram is there once its sender has sent it: the wait is short.
 void UdpChannel::wait_for_announced() {
+    constexpr std::int64_t kLook_ms = 100;  // a signal may have ended another thread's wait
     pollfd mail{socket_.descriptor(), POLLIN, 0};
-    const auto limit_ms = std::chrono::ceil<std::chrono::milliseconds>(limit_).count();
+    auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(limit_).count();
     int found = 0;
-    do {
-        found = poll(&mail, 1, static_cast<int>(std::min<std::int64_t>(limit_ms, INT_MAX)));
-    } while (found < 0 && errno == EINTR && !stop_requested());
+    for (; found <= 0 && left_ms > 0 && !stop_requested(); left_ms -= kLook_ms)
+        found = poll(&mail, 1, static_cast<int>(std::min(left_ms, kLook_ms)));
     if (found > 0) return;
     const unsigned missing = std::exchange(announced_, 0);  // it is waited for once
     throw DatagramLost(
@@ -156,8 +156,10 @@ bool UdpChannel::of_session() const {
     if (limit_ == Duration::zero()) return true;
     const int place = ntohs(source_.sin_port) - base_port_;
     if (place < 0 || place >= static_cast<int>(kPortCount)) return false;
+    const auto from = static_cast<Port>(place);
+    if (from >= Port::kMasterHand && from <= Port::kPlayerMonitor) return false;  // free: no view takes part
     const Flow& heard = flow(listens_at_);
-    return heard.from_all || owner(static_cast<Port>(place)) == heard.hears;
+    return heard.from_all || owner(from) == heard.hears;
 }
 
 // Counts it. An empty datagram carries nothing.

@@ -114,8 +114,8 @@ def written_tables(programs, scratch):
 
 
 def short(column):
-    """The columns of curves are one per quarter of a percent."""
-    return re.sub(r'_-?[\d.]+%$', '_N%', column)
+    """The columns of curves are one per grid point of their axis."""
+    return re.sub(r'^(needle|surface)_-?[\d.]+(s|%)$', r'\1_N\2', column)
 
 
 def write_columns(sources, programs, out, scratch):

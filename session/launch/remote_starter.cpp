@@ -4,10 +4,12 @@
 #include <charconv>
 #include <csignal>
 #include <cstdint>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
 #include "common/json_text.hpp"
 #include "common/runtime/realtime_loop.hpp"
@@ -26,7 +28,7 @@ constexpr Duration kGoodbye = std::chrono::seconds{5};
 constexpr Duration kNothingToClean = std::chrono::milliseconds{500};
 // Of a log: slower than any network that carries a session, and no log is worth more.
 constexpr double kSlowest_bytes_per_s = 1e5;
-constexpr Duration kLongestLog = std::chrono::hours{1};
+constexpr Duration kLongestLog = std::chrono::minutes{10};
 constexpr int kDeepestReport = 20;
 constexpr int kConnectionLost = 255;  // ssh(1), EXIT STATUS
 
@@ -52,13 +54,14 @@ class RemoteNode final : public RunningNode {
     ~RemoteNode() override {
         stop();
         hear_out(started_ ? kGoodbye : kNothingToClean);
-        if (code_) save_report();
+        if (code_) save_report();  // with what was heard since
     }
 
     std::optional<int> poll() override {
         if (code_) return code_;
         const auto code = shell_.poll();
         code_ = shell_.diverted() ? exit_code_told() : code;
+        if (!code_) code_ = code;  // its last word lacks the number
         if (code_) note_stop_requests();
         if (code_) save_report();
         if (code_) return code_;
@@ -107,6 +110,7 @@ class RemoteNode final : public RunningNode {
     bool started_ = false;
     std::optional<int> code_;
     std::optional<unsigned> stops_before_;
+    bool told_report_ = false;  // that it cannot be written
     SessionTime next_sign_{};
 };
 
@@ -179,7 +183,12 @@ void RemoteNode::save_report() {
         report["log"]["file"] = order_.messages.string();
         if (const std::string fault = log_fault(); !fault.empty()) report["log"]["fault"] = fault;
     }
-    write_text_file(order_.report, json_text(report, 2) + '\n');
+    try {
+        write_text_file(order_.report, json_text(report, 2) + '\n');
+    } catch (const Error& error) {  // also at the end of this object
+        if (!std::exchange(told_report_, true))
+            spdlog::error("the report of {}: {}", order_.program, error.what());
+    }
 }
 
 }  // namespace

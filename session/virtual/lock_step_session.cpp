@@ -103,15 +103,18 @@ class LockStepSession final : public SteppedSession {
     }
 
     bool step() override {
-        if (session_.finished() || !loop_.step()) return false;
-        look_for_lost();
-        return true;
+        if (!session_.finished() && loop_.step()) {
+            look_for_lost();
+            return true;
+        }
+        if (log_) log_->close();  // now, so that fault() knows of its last bytes
+        return false;
     }
 
   private:
     void start_log(const TrialConditions& conditions) {
         const auto file = log_path_of_trial(nodes_.session_log(), conditions.trial);
-        std::filesystem::remove(file);
+        remove_file(file);
         log_->take_time({});
         log_->start(file, {"session", nodes_.plan().session_file, {}}, nodes_.plan().log);
         log_->note("trial", trial_note(conditions, conditions.trial, {}));
@@ -196,6 +199,12 @@ void GrantedProcess::tick(SessionTime now) {
     if (silence_) return;
     if (!end_.send(grant)) return lose(LockStepEnd::Silence::kGone);
     take(LockStepKind::kAnswer);
+    due_at_once_ = next_ <= now ? due_at_once_ + 1 : 0;
+    if (due_at_once_ > kMostDueAtOnce)
+        throw Error(ExitCode::kNetwork,
+                    "lock-step: {} has answered {} times in a row that it is due at {} s, which is now: an "
+                    "answer names a later time, or never",
+                    to_string(role_), due_at_once_, to_seconds(now.time_since_epoch()));
 }
 
 std::optional<LockStepMessage> GrantedProcess::receive() {

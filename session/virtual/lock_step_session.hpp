@@ -53,7 +53,10 @@ class GrantedProcess final : public Process {
     Role role_;
     LockStepEnd& end_;
     AnnouncedMail& mail_;
+    static constexpr int kMostDueAtOnce = 1000;
+
     SessionTime next_ = kNever;
+    int due_at_once_ = 0;  // answers in a row
     std::optional<LockStepEnd::Silence> silence_;
 };
 

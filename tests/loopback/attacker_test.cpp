@@ -270,11 +270,13 @@ TEST(UserKey, SealsARunThatAsksForNothing) {
 
 TEST(UserKey, ThatCannotBeMadeLeavesNoFolderBehind) {
     const PortBlock ports;
-    setenv("XDG_STATE_HOME", "/proc/nowhere", 1);  // where root cannot write either
     const Folder folder;
     const auto out = folder / "out";
+    const std::string before = std::getenv("XDG_STATE_HOME");
+    setenv("XDG_STATE_HOME", "/proc/nowhere", 1);  // where root cannot write either
     const Outcome run = run_thimble({"run", folder.write("session.toml", SessionFile{}.text()).string(),
                                      "--out", out.string(), "--base-port", std::to_string(ports.base())});
+    setenv("XDG_STATE_HOME", before.c_str(), 1);
     EXPECT_EQ(run.code, 2) << run.words;
     EXPECT_THAT(run.words, HasSubstr("set XDG_STATE_HOME"));
     EXPECT_FALSE(std::filesystem::exists(out));

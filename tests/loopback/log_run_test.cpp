@@ -61,9 +61,10 @@ TEST(LogRun, EveryProgramsLogIsGoodAndTheyAddUp) {
     expect_the_relay_agrees(flows, run.out() / "nodes/thimble-netem_0ms.json");
     for (const FlowFinding& flow : flows) {
         EXPECT_EQ(flow.foreign, 0U) << flow.topic;
-        // Of these nothing goes through the lossy network: the run's start and end are no loss.
+        // Of these nothing goes through the lossy network: the run's start and end are no loss. A node's first word may come before both
+        // ends have keys, where the programs are slow.
         if (flow.topic.ends_with("/heartbeats") || flow.topic.starts_with("/session/orders/")) {
-            EXPECT_EQ(flow.lost, 0U) << flow.topic;
+            EXPECT_LE(flow.lost, flow.topic.ends_with("/heartbeats") ? 1U : 0U) << flow.topic;
         }
         const bool data =
             flow.topic == "/master/needle_command" || flow.topic.starts_with("/slave_sim/force_feedback/");

@@ -154,7 +154,7 @@ TEST_F(OtherMachines, NodesEndByThemselvesWhenTheLauncherFallsSilent) {
 TEST_F(OtherMachines, ASignalEndsTheWaitForAMachinesLastWords) {
     SessionFile session;
     session.modalities = R"(["CF"])";
-    session.more = "[launch]\nshares_loopback = true\nmachine_netem = 'trickling'\n";
+    session.more = kShared + "machine_netem = 'trickling'\n";
     RealRun run = start(session);
     const auto log = run.out() / "nodes/thimble-netem_0ms.mcap";
     ASSERT_TRUE(wait_until([&] { return fs::exists(log) || run.launcher().poll(); })) << run.words();
@@ -192,10 +192,9 @@ TEST_F(OtherMachinesFail, AMachineThatCannotBeReachedIsNamedWithTheCommand) {
 
 // It would fill the disk, and go on for ever.
 TEST_F(OtherMachinesFail, AMachineThatDoesNotStopTalkingIsCutOff) {
-    RealRun run = start(session("[launch]\nshares_loopback = true\nmachine_netem = 'flooding'"));
+    RealRun run = start(session(kShared + "machine_netem = 'flooding'"));
     expect_end(run, 3, "'flooding' was cut off, where thimble-netem ran: it says more than 1048576 bytes");
-    RealRun check =
-        start(session("[launch]\nshares_loopback = true\nmachine_netem = 'flooding'"), {"--check"});
+    RealRun check = start(session(kShared + "machine_netem = 'flooding'"), {"--check"});
     EXPECT_EQ(check.end(), 3) << check.words();
     EXPECT_THAT(check.words(), HasSubstr("says more than 1048576 bytes"));
 }

@@ -183,6 +183,8 @@ TEST(RealFaults, AtRandomInstants) {
 }
 
 constexpr int kStands = -2;
+constexpr int kNotLoaded =
+    127;  // the loader itself lacks descriptors, of which the test's parents may hold some
 
 // Until it ends, or is ready.
 Outcome run_limited(const std::string& command) {
@@ -203,6 +205,7 @@ TEST(RealFaults, OutOfFileDescriptors) {
                                                     (built_programs() / program).string(), ports.base());
             const Outcome outcome = run_limited(command);
             if (outcome.code == kStands) break;
+            if (outcome.code == kNotLoaded) continue;
             EXPECT_EQ(outcome.code, 3) << limit << ' ' << outcome.words;
             EXPECT_THAT(outcome.words, HasSubstr("; raise 'ulimit -n'")) << program << ' ' << limit;
         }

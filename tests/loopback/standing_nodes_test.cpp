@@ -1,6 +1,8 @@
 // Nodes that a laboratory has running all day, which `thimble run --attach` steers again and again: runs and participants'
 // sessions, with a lab key and without, also after one of them was started anew.
+#include <array>
 #include <csignal>
+#include <cstdint>
 #include <map>
 
 #include <gmock/gmock.h>
@@ -13,10 +15,13 @@
 namespace thimble {
 namespace {
 
-class StandingNodes : public testing::TestWithParam<bool> {
+enum class Protection : std::uint8_t { kNone, kUserKey, kLabKey };
+
+class StandingNodes : public testing::TestWithParam<Protection> {
   protected:
     StandingNodes() {
-        if (GetParam()) make_key();
+        if (GetParam() == Protection::kNone) protection_ = kUnprotectedTable;
+        if (GetParam() == Protection::kLabKey) make_key();
         for (const char* program : kNodePrograms) start(program);
     }
 
@@ -60,8 +65,13 @@ class StandingNodes : public testing::TestWithParam<bool> {
     std::string protection_;
     std::map<std::string, Child> nodes_;
 };
-INSTANTIATE_TEST_SUITE_P(, StandingNodes, testing::Bool(),
-                         [](const auto& keyed) { return keyed.param ? "UnderALabKey" : "Open"; });
+std::string protection_name(const testing::TestParamInfo<Protection>& with) {
+    constexpr std::array kNames{"Open", "UnderTheUserKey", "UnderALabKey"};
+    return kNames.at(static_cast<std::size_t>(with.param));
+}
+INSTANTIATE_TEST_SUITE_P(, StandingNodes,
+                         testing::Values(Protection::kNone, Protection::kUserKey, Protection::kLabKey),
+                         protection_name);
 
 // Five sessions take more than 5 s.
 TEST_P(StandingNodes, AreSteeredAgainAndAgain) {

@@ -94,7 +94,9 @@ TEST_F(StepThrough, IsOfLockStepAlone) {
 
 // The stop waits at the door while the run pauses.
 TEST_F(StepThrough, HearsAStopFromAnotherProgram) {
-    Child child = start("[session]\nmodalities = ['HF']\ndelays_s = [0.0]\n[trial]\ncontact_hold_s = 40\n");
+    // The second delay does not begin: only_row().
+    Child child =
+        start("[session]\nmodalities = ['HF']\ndelays_s = [0.0, 0.01]\n[trial]\ncontact_hold_s = 40\n");
     type("0.5\n");
     ASSERT_TRUE(says("at 0.5"));
     Child stop(built_programs() / "thimble",

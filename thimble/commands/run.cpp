@@ -106,7 +106,7 @@ class Run {
         for (;;) {
             std::unique_lock lock(mutex_);
             const bool given_up = result_.code != ExitCode::kOk && interrupted();
-            if (failed_ || given_up || next_delay_ >= delays_.size()) return;
+            if (failed_ || stopped_ || given_up || next_delay_ >= delays_.size()) return;
             const std::size_t delay = next_delay_++;
             lock.unlock();
             try {
@@ -114,7 +114,7 @@ class Run {
             } catch (...) {
                 const std::lock_guard guard(mutex_);
                 if (!failure_) failure_ = std::current_exception();
-                failed_ = true;
+                failed_ = failed_ || by(RunClock::kWall);
             }
         }
     }
@@ -158,7 +158,7 @@ class Run {
         const double delay_s = to_seconds(delays_[delay]);
         const ConditionPlan planned = plan(place, delay_s);
         ConditionEvents events;
-        events.stop = [this] { return failed_ || interrupted(); };
+        events.stop = [this] { return failed_ || stopped_ || interrupted(); };
         if (!options_.step)
             events.progress = [this](const TrialConditions& c, const TrajectorySample& s) { show(c, s); };
         events.trial_done = [this, delay](const TrialRecord& record) { keep(delay, record); };
@@ -216,6 +216,7 @@ class Run {
     // In real time as trials end. Where bytes are repeatable, the table has the order of the delays, whichever was first.
     void keep(std::size_t delay, const TrialRecord& record) {
         const std::lock_guard guard(mutex_);
+        stopped_ = stopped_ || record.reason == EndReason::kEmergencyStop;
         if (by(RunClock::kWall) || delay == turn_) return write(record);
         waiting_[delay].push_back(record);
     }
@@ -311,7 +312,7 @@ class Run {
                              {"clock daemon", describe_chrony()},
                              {"outcome", result_.code == ExitCode::kOk ? "complete" : result_.problem}};
         for (const NodeKind& node : kNodes) {
-            if (const auto& own = settings_.launch.own_program(node.role); !own.empty())
+            if (const auto& own = settings_.launch.own_program(node.role); options_.starter && !own.empty())
                 report.provenance.emplace_back(node.program, own.string());
         }
         write_report(report, options_.out / "report.html");
@@ -334,8 +335,9 @@ class Run {
     std::size_t turn_ = 0;  // the delay whose trials are written as they end
     std::vector<std::vector<TrialRecord>> waiting_ = std::vector<std::vector<TrialRecord>>(delays_.size());
     std::vector<bool> done_ = std::vector<bool>(delays_.size());
-    std::atomic<bool> failed_ = false;  // all conditions are to end
-    std::size_t failed_delay_ = 0;      // whose problem is the run's
+    std::atomic<bool> failed_ = false;   // all conditions are to end
+    std::atomic<bool> stopped_ = false;  // likewise: a person stopped everything
+    std::size_t failed_delay_ = 0;       // whose problem is the run's
     std::exception_ptr failure_;
     RunResult result_;
 };

@@ -79,6 +79,7 @@ class PausedSession final : public SteppedSession {
     SessionTime now() const override { return session_->now(); }
     const std::optional<LostNode>& lost() const override { return session_->lost(); }
     std::vector<DueProgram> due() const override { return session_->due(); }
+    std::string fault() const override { return session_->fault(); }
     void look_outside() override { session_->look_outside(); }
 
   private:

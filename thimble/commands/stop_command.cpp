@@ -11,6 +11,7 @@
 
 #include "common/error.hpp"
 #include "common/network_settings.hpp"
+#include "common/runtime/protection.hpp"
 #include "common/runtime/sockets.hpp"
 #include "common/runtime/wall_clock.hpp"
 #include "common/stop_inquiry.hpp"
@@ -50,12 +51,14 @@ class Conditions {
   public:
     explicit Conditions(const StopArguments& a) {
         const auto count = static_cast<std::size_t>(condition_count(a));
-        sockets_.reserve(count);
-        talks_.reserve(count);
+        sockets_.reserve(2 * count);
+        talks_.reserve(2 * count);
         const std::uint64_t instance = system_entropy();
         for (std::size_t i = 0; i < count; ++i) {
-            sockets_.push_back(std::make_unique<Sockets>(condition_network(a, static_cast<int>(i))));
-            talks_.push_back(std::make_unique<Talk>(instance, stop_outlets(*sockets_.back())));
+            const NetworkSettings network = condition_network(a, static_cast<int>(i));
+            add(network, instance);
+            // A run in lock-step has no user key. Who has one refuses what comes without.
+            if (network.security.mode == SecurityMode::kUserKey) add(without_user_key(network), instance);
         }
     }
     void rounds(int count) {
@@ -67,6 +70,10 @@ class Conditions {
     const std::vector<std::unique_ptr<Talk>>& talks() const { return talks_; }
 
   private:
+    void add(const NetworkSettings& network, std::uint64_t instance) {
+        sockets_.push_back(std::make_unique<Sockets>(network));
+        talks_.push_back(std::make_unique<Talk>(instance, stop_outlets(*sockets_.back())));
+    }
     std::vector<std::unique_ptr<Sockets>> sockets_;
     std::vector<std::unique_ptr<Talk>> talks_;
 };

@@ -12,6 +12,7 @@
 #include "analysis/statistics/friedman.hpp"
 #include "analysis/statistics/pairwise.hpp"
 #include "analysis/tables/study_columns.hpp"
+#include "tests/unit/analysis/paper_rows.hpp"
 #include "tests/unit/session/records.hpp"
 
 namespace thimble {
@@ -19,56 +20,14 @@ namespace {
 
 using testing::HasSubstr;
 
-using PerModality = std::array<double, 4>;  // HF, CF, CCF, VF
-
-// A spread over subjects and trials that is none of the modality's.
-double ripple(std::uint32_t subject, std::uint32_t modality) {
-    return std::sin(1.7 * subject) + 0.3 * std::sin(2.3 * subject + 1.1 * modality);
-}
-
-struct Table {
-    std::vector<TrialRow> rows;
-
-    void add(std::uint32_t experiment, std::uint32_t subjects, const PerModality& penetration_m,
-             const PerModality& time_s, double delay_s = 0) {
-        for (std::uint32_t subject = 1; subject <= subjects; ++subject) {
-            for (std::uint32_t m = 0; m < 4; ++m) {
-                TrialRow row;
-                row.conditions.experiment = experiment;
-                row.conditions.subject = subject;
-                row.conditions.modality = kModalities[m];
-                row.conditions.delay_s = delay_s;
-                row.reason = EndReason::kCompleted;
-                row.metrics.penetration_mean_m = penetration_m[m] + 1e-4 * ripple(subject, m);
-                row.metrics.penetration_max_m = penetration_m[m] * 1.1 + 1e-4 * ripple(subject, m);
-                row.metrics.completion_time_s = time_s[m] + 0.1 * ripple(subject, m);
-                row.metrics.oscillates = delay_s > 0 && m == 0;
-                rows.push_back(row);
-            }
-        }
-    }
-    void add_removals(const PerModality& displacement_m) {
-        for (std::uint32_t i = 0; i < 32; ++i) {
-            TrialRow row;
-            row.conditions.experiment = 2;
-            row.conditions.subject = i / 2 + 1;
-            row.conditions.modality = kModalities[i % 4];
-            row.conditions.removes_fixture = true;
-            row.reason = EndReason::kCompleted;
-            row.metrics.peak_displacement_m = displacement_m[i % 4] + 1e-4 * ripple(i, 0);
-            rows.push_back(row);
-        }
-    }
-};
-
 Claim claim_of(const std::vector<Claim>& claims, const std::string& id) {
     const auto found = std::find_if(claims.begin(), claims.end(), [&](const Claim& c) { return c.id == id; });
     EXPECT_NE(found, claims.end()) << id;
     return found == claims.end() ? Claim{} : *found;
 }
 
-Table the_papers() {
-    Table table;
+PaperRows the_papers() {
+    PaperRows table;
     table.add(1, 16, {0.001, 0.004, 0.0055, 0.008}, {11, 11, 11, 11});
     table.add_removals({0.02, 0.001, 0.001, 0.001});
     table.add(3, 10, {0.030, 0.004, 0.0055, 0.008}, {15, 11, 11, 11}, 0.05);
@@ -94,7 +53,7 @@ TEST(Claims, WithoutTrialsNothingIsJudged) {
     }
 }
 
-TEST(Claims, ATableMadeForThemReproducesThem) {
+TEST(Claims, APaperRowsMadeForThemReproducesThem) {
     const std::vector<Claim> claims = judge_claims(the_papers().rows);
     for (const char* id : {"E1.mean.order", "E1.mean.pairs", "E1.max.order", "E1.max.pairs", "E1.time.same",
                            "E2.peak.differs", "E2.peak.hf", "E2.peak.rest", "E3.stable", "E3.max.differs",
@@ -116,15 +75,22 @@ TEST(Claims, SizesHaveTheirIntervals) {
     EXPECT_EQ(claim_of(claims, "E2.peak.spread").ours,
               "SD 0.05 of 19.05 mm: 0.003, 95 % interval 0.002 to 0.006");
 
-    Table dear;  // CF costs 4 of 7 mm, and HF's jumps differ as much as they are large
+    PaperRows dear;  // CF costs 4 of 7 mm, and HF's jumps differ as much as they are large
     dear.add(1, 16, {0.001, 0.005, 0.0055, 0.008}, {11, 11, 11, 11});
     dear.add_removals({0.0002, 0.0001, 0.0001, 0.0001});
     for (const char* id : {"E1.mean.ratio", "E1.max.ratio", "E2.peak.spread"})
         EXPECT_EQ(claim_of(judge_claims(dear.rows), id).reproduced, false) << id;
 }
 
+// Where HF is the worst, a cost has the wrong sign, and a ratio of two such costs says nothing.
+TEST(Claims, ARatioOfNegativeCostsIsNoReproduction) {
+    PaperRows worst;
+    worst.add(1, 16, {0.008, 0.007, 0.005, 0.001}, {11, 11, 11, 11});
+    EXPECT_EQ(claim_of(judge_claims(worst.rows), "E1.mean.ratio").reproduced, false);
+}
+
 TEST(Claims, ADifferenceWhereThePaperHasNoneIsNoReproduction) {
-    Table table = the_papers();
+    PaperRows table = the_papers();
     std::erase_if(table.rows, [](const TrialRow& row) { return row.conditions.experiment == 3; });
     table.add(3, 10, {0.030, 0.004, 0.0055, 0.008}, {15, 9, 11, 13}, 0.05);
     EXPECT_EQ(claim_of(judge_claims(table.rows), "E3.time.rest").reproduced, false);
@@ -149,7 +115,7 @@ TEST(Claims, TheSentenceCountsResultsAndSizesApart) {
 
 // Significance in the wrong direction is no reproduction.
 TEST(Claims, TheDirectionCounts) {
-    Table table;
+    PaperRows table;
     table.add(1, 16, {0.008, 0.0055, 0.004, 0.001}, {11, 12, 13, 14});
     table.add_removals({0.001, 0.02, 0.02, 0.02});
     table.add(3, 10, {0.001, 0.004, 0.0055, 0.008}, {10, 11, 12, 13}, 0.05);
@@ -170,14 +136,14 @@ TEST(Claims, TheDirectionIsJudgedByItself) {
     for (const char* id : {"E1.normal", "E1.time.same", "E2.peak.rest", "E3.stable", "E3.max.differs"}) {
         EXPECT_FALSE(claim_of(papers, id).direction) << id;
     }
-    Table wrong;
+    PaperRows wrong;
     wrong.add(3, 10, {0.003, 0.004, 0.0055, 0.008}, {15, 11, 11, 11}, 0.05);
     EXPECT_EQ(claim_of(judge_claims(wrong.rows), "E3.max.hf_cf").direction, false);
 }
 
 TEST(Claims, WhatTheLagCostsIsAPairedDifference) {
-    const Table with = the_papers();
-    Table without;
+    const PaperRows with = the_papers();
+    PaperRows without;
     without.add(1, 16, {0.001, 0.0033, 0.0055, 0.008}, {11, 11, 11, 11});
     std::erase_if(without.rows, [](const TrialRow& row) { return row.conditions.modality != Modality::kCF; });
     // A ripple of its own, or all differences would be the same.
@@ -198,7 +164,7 @@ TEST(Claims, WhatTheLagCostsIsAPairedDifference) {
 
 // 4 + 2 trials of 12 s leave (517.8 - 72) / 6 s between trials; the participant session of experiment 3 has four.
 TEST(Claims, TheSecondSessionFollowsFromTheFirst) {
-    Table table = the_papers();
+    PaperRows table = the_papers();
     for (TrialRow& row : table.rows) row.metrics.duration_s = 12;
     const Claim length = claim_of(judge_claims(table.rows), "S.length");
     EXPECT_EQ(length.reproduced, false) << length.ours;
@@ -211,13 +177,13 @@ TEST(Claims, TheSecondSessionFollowsFromTheFirst) {
 }
 
 TEST(Claims, StabilityNeedsAllOthersToHold) {
-    Table table = the_papers();
+    PaperRows table = the_papers();
     table.rows.back().metrics.oscillates = true;  // VF at 50 ms
     EXPECT_EQ(claim_of(judge_claims(table.rows), "E3.stable").reproduced, false);
 }
 
 TEST(Claims, StabilityNeedsMoreThanHalfOfTheHandlesTrialsToOscillate) {
-    Table table = the_papers();
+    PaperRows table = the_papers();
     const auto oscillating = [&](std::uint32_t subjects) {
         for (TrialRow& row : table.rows) {
             if (row.conditions.experiment != 3 || row.conditions.modality != Modality::kHF) continue;
@@ -232,10 +198,10 @@ TEST(Claims, StabilityNeedsMoreThanHalfOfTheHandlesTrialsToOscillate) {
 
 // A pair with .001 < P < .05 after Bonferroni, and P < .001 before: enough for CF - CCF of the maximum only.
 TEST(Claims, EachPairHasItsOwnLimit) {
-    const auto pair_of = [](const Table& table, Metric metric, std::size_t pair) {
+    const auto pair_of = [](const PaperRows& table, Metric metric, std::size_t pair) {
         return pairs_after_repeated_anova(StudyColumns(table.rows, 1).table(metric).table).at(pair);
     };
-    Table near_cf, near_ccf;
+    PaperRows near_cf, near_ccf;
     near_cf.add(1, 16, {0.001, 0.004, 0.004029, 0.008}, {11, 11, 11, 11});
     near_ccf.add(1, 16, {0.001, 0.004, 0.007971, 0.008}, {11, 11, 11, 11});
     for (const Metric metric : {Metric::kPenetrationMean, Metric::kPenetrationMax}) {
@@ -265,7 +231,7 @@ TEST(Claims, EachComparisonOfRanksHasItsOwnLevel) {
                                                   {4, 3, 2, 1},
                                                   {3, 1, 2, 4},
                                                   {3, 4, 2, 1}}};
-    Table table;
+    PaperRows table;
     table.add(3, 10, {}, {}, 0.05);
     for (TrialRow& row : table.rows) {
         const double rank = kRanks.at(row.conditions.subject - 1)
@@ -295,12 +261,12 @@ TEST(Claims, EachComparisonOfRanksHasItsOwnLevel) {
 }
 
 TEST(Claims, DataThatATestRefusesAreNotJudgedAndSayWhy) {
-    Table few;
+    PaperRows few;
     few.add(1, 2, {0.001, 0.004, 0.0055, 0.008}, {11, 11, 11, 11});
     const Claim order = claim_of(judge_claims(few.rows), "E1.mean.order");
     EXPECT_FALSE(order.reproduced);
     EXPECT_THAT(order.ours, HasSubstr("not judged: 2 subjects, at least 6 are needed"));
-    Table steady = the_papers();  // what only counts needs no number of subjects
+    PaperRows steady = the_papers();  // what only counts needs no number of subjects
     std::erase_if(steady.rows, [](const TrialRow& row) { return row.conditions.subject > 2; });
     const std::vector<Claim> two = judge_claims(steady.rows);
     EXPECT_EQ(claim_of(two, "E3.stable").reproduced, true);
@@ -311,13 +277,13 @@ TEST(Claims, DataThatATestRefusesAreNotJudgedAndSayWhy) {
                 testing::MatchesRegex("1 of [12] judged results is reproduced.*; [0-9]+ more "
                                       "cannot be judged \\(see claims.json\\)"));
     EXPECT_THAT(claims_sentence({}), HasSubstr("at least 6 subjects"));
-    Table interrupted = the_papers();
+    PaperRows interrupted = the_papers();
     for (TrialRow& row : interrupted.rows) row.reason = EndReason::kInterrupted;
     for (const Claim& c : judge_claims(interrupted.rows)) EXPECT_FALSE(c.reproduced) << c.id;
 }
 
 TEST(Claims, OnlyThePapersDesignIsThePapers) {
-    Table papers = the_papers();
+    PaperRows papers = the_papers();
     papers.add(3, 10, {0.001, 0.004, 0.005, 0.008}, {11, 11, 11, 11}, 0);  // its control
     EXPECT_TRUE(are_paper_trials(papers.rows));
     EXPECT_FALSE(are_paper_trials({}));
@@ -339,57 +305,6 @@ TEST(Claims, OnlyThePapersDesignIsThePapers) {
 }
 
 // Experiment 3's control trials have no delay and are not experiment 1's.
-TEST(StudyColumns, TakeAnExperimentsOwnTrials) {
-    Table table;
-    table.add(3, 10, {0.03, 0.004, 0.005, 0.008}, {15, 11, 11, 11}, 0.05);
-    table.add(3, 10, {0.001, 0.004, 0.005, 0.008}, {11, 11, 11, 11}, 0);
-    EXPECT_TRUE(StudyColumns(table.rows, 1).empty());
-    const StudyColumns three(table.rows, 3);
-    EXPECT_EQ(three.rows().size(), 40U);
-    const SampleTable max = three.table(Metric::kPenetrationMax).table;
-    EXPECT_EQ(max.subjects(), 10U);
-    EXPECT_EQ(max.name(0), "HF");
-    EXPECT_GT(max.at(0, 0), 0.03);
-}
-
-// HF with several compensators are several conditions; with one it is HF.
-TEST(StudyColumns, EachCompensatorIsAColumnOfItsOwn) {
-    Table table;
-    table.add(3, 4, {0.03, 0.004, 0.005, 0.008}, {15, 11, 11, 11}, 0.05);
-    std::vector<TrialRow> rows = table.rows;
-    for (TrialRow& row : rows) {
-        if (row.conditions.modality == Modality::kHF) row.conditions.compensator = Compensator::kTwoLayer;
-    }
-    EXPECT_EQ(StudyColumns(rows, 3).table(Metric::kPenetrationMean).table.name(0), "HF");
-    for (TrialRow row : table.rows) {
-        if (row.conditions.modality != Modality::kHF) continue;
-        row.metrics.penetration_mean_m = 0.001 * row.conditions.subject;
-        rows.push_back(row);
-    }
-    const SampleTable means = StudyColumns(rows, 3).table(Metric::kPenetrationMean).table;
-    ASSERT_EQ(means.conditions(), 5U);
-    EXPECT_EQ(means.name(0), "HF");
-    EXPECT_EQ(means.name(1), "HF+two-layer");
-    EXPECT_EQ(means.name(2), "CF");
-    EXPECT_EQ(means.at(1, 0), 0.002);
-    EXPECT_GT(means.at(1, 1), 0.02);
-}
-
-TEST(StudyColumns, AverageASubjectsTrialsAndLeaveOutWhoHasNone) {
-    Table table;
-    table.add(1, 3, {0.001, 0.002, 0.003, 0.004}, {11, 11, 11, 11});
-    table.add(1, 3, {0.003, 0.004, 0.005, 0.006}, {11, 11, 11, 11});
-    for (TrialRow& row : table.rows) {
-        if (row.conditions.subject == 2 && row.conditions.modality == Modality::kVF) {
-            row.metrics.penetration_mean_m = TrialMetrics::kNone;
-        }
-    }
-    const CompleteRows complete = StudyColumns(table.rows, 1).table(Metric::kPenetrationMean);
-    EXPECT_EQ(complete.table.subjects(), 2U);
-    EXPECT_EQ(complete.dropped, std::vector<std::size_t>{1});
-    EXPECT_NEAR(complete.table.at(0, 0), 0.002 + 1e-4 * ripple(1, 0), 1e-12);
-}
-
 TEST(Claims, JsonIsAListOfObjects) {
     const TemporaryDirectory directory;
     write_claims(judge_claims(the_papers().rows), directory / "claims.json");
