@@ -107,7 +107,7 @@ class LockStepSession final : public SteppedSession {
             look_for_lost();
             return true;
         }
-        if (log_) log_->close();  // now, so that fault() knows of its last bytes
+        if (log_) log_->close();  // here, because its last bytes may not fit on the disk
         return false;
     }
 

@@ -183,8 +183,7 @@ TEST(RealFaults, AtRandomInstants) {
 }
 
 constexpr int kStands = -2;
-constexpr int kNotLoaded =
-    127;  // the loader itself lacks descriptors, of which the test's parents may hold some
+constexpr int kNotLoaded = 127;  // the loader lacks descriptors: the test has inherited some
 
 // Until it ends, or is ready.
 Outcome run_limited(const std::string& command) {

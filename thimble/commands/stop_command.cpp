@@ -57,7 +57,7 @@ class Conditions {
         for (std::size_t i = 0; i < count; ++i) {
             const NetworkSettings network = condition_network(a, static_cast<int>(i));
             add(network, instance);
-            // A run in lock-step has no user key. Who has one refuses what comes without.
+            // A run in lock-step has no user key. A program with one refuses a stop without a seal.
             if (network.security.mode == SecurityMode::kUserKey) add(without_user_key(network), instance);
         }
     }
