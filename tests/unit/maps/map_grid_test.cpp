@@ -103,8 +103,7 @@ TEST(MapTables, BlocksInAnyOrderStandInOrder) {
     EXPECT_EQ(read_text(path / "map.csv"), cells_header() + "a\nb\nc\n");
     std::ofstream(path / "map.csv", std::ios::app) << "half a row";
     EXPECT_THROW(MapTable(path, small_grid(), IfExists::kRefuse), Error);
-    MapTable again(path, small_grid(), IfExists::kContinue);
-    EXPECT_EQ(again.done(), 3U);
+    EXPECT_EQ(MapTable(path, small_grid(), IfExists::kContinue).done(), 3U);
     MapGrid other = small_grid();
     other.press_N = 6;
     EXPECT_THROW(MapTable(path, other, IfExists::kContinue), Error);
