@@ -47,8 +47,12 @@ class PlayInAWindow : public OnAScreen {
         const auto at = [](double time_s) {
             return [time_s](const Monitor& m) { return m.paused && std::abs(m.time_s - time_s) < 1e-9; };
         };
-        ASSERT_TRUE(screen_->press("period"));  // a frame on: it stands still
-        EXPECT_TRUE(shows([](const Monitor& m) { return m.paused; }));
+        // A frame on: it stands still. The window may not listen to keys yet.
+        EXPECT_TRUE(wait_until([&] {
+            screen_->press("period");
+            view.listen(wall_now());
+            return view.monitor().paused;
+        }));
         ASSERT_TRUE(hold("End"));
         EXPECT_TRUE(shows(at(length_s)));
         ASSERT_TRUE(hold("Left"));
