@@ -96,8 +96,7 @@ class Study {
     void run_table(const SystemSettings& settings, std::vector<TrialConditions> planned,
                    const std::string& name, std::vector<TrialRow>& rows, const TakeCurve& take_curve) {
         name_compensators(planned, settings);
-        StudyTables tables(options_.out, name, options_.if_exists, planned, take_curve,
-                           curve_grid(options_.axis));
+        StudyTables tables(options_.out, name, options_.if_exists, planned, take_curve, options_.curves);
         rows.insert(rows.end(), tables.rows().begin(), tables.rows().end());
         std::size_t done = tables.rows().size();
         result_.resumed += done;
@@ -106,7 +105,7 @@ class Study {
         result_.complete = run_trials(settings, left, jobs_, options_.stop, [&](const TrialRecord& record) {
             if (options_.trajectories) save_trajectory(record, name);
             rows.push_back(make_row(record));
-            const TrialCurve curve = trial_curve(record, curve_grid(options_.axis));
+            const TrialCurve curve = trial_curve(record, options_.curves);
             tables.append(rows.back(), curve);
             take_curve(curve);
             if (!record.samples.empty()) result_.simulated_s += record.samples.back().time_s;
@@ -127,7 +126,7 @@ class Study {
     }
 
     void add_curve(const TrialCurve& curve) {
-        panels_.try_emplace(curve.conditions.experiment, curve_grid(options_.axis)).first->second.add(curve);
+        panels_.try_emplace(curve.conditions.experiment, options_.curves).first->second.add(curve);
     }
 
     void save_trajectory(const TrialRecord& record, const std::string& table) const {

@@ -20,11 +20,11 @@ namespace thimble {
 struct StudyOptions {
     std::vector<Protocol> protocols;  // one per experiment and delay, in order
     std::filesystem::path out;
-    std::string command;                       // as typed, for the report's provenance
-    unsigned jobs = 0;                         // threads; 0: one per core
-    IfExists if_exists = IfExists::kRefuse;    // kContinue: goes on where an earlier study was interrupted
-    bool trajectories = false;                 // one file per trial
-    CurveAxis axis = CurveAxis::kFromContact;  // of the mean trajectories
+    std::string command;                     // as typed, for the report's provenance
+    unsigned jobs = 0;                       // threads; 0: one per core
+    IfExists if_exists = IfExists::kRefuse;  // kContinue: goes on where an earlier study was interrupted
+    bool trajectories = false;               // one file per trial
+    CurveGrid curves = kContactGrid;         // of the mean trajectories
     // Of an experiment with delay that comes alone: the same trials without, into control.csv. Of experiment 1:
     // its trials with CF, with actuators without lag, into no_lag.csv.
     bool control = true;

@@ -7,7 +7,6 @@
 #include <poll.h>
 #include <utility>
 
-#include <climits>
 #include <fmt/format.h>
 
 #include "common/runtime/realtime_loop.hpp"

@@ -35,9 +35,6 @@ struct CurveGrid {
 };
 inline constexpr CurveGrid kContactGrid{};
 inline constexpr CurveGrid kPercentGrid{CurveAxis::kEntryToBeep, -10, 110, 481};
-constexpr const CurveGrid& curve_grid(CurveAxis axis) {
-    return axis == CurveAxis::kFromContact ? kContactGrid : kPercentGrid;
-}
 
 // Of n values (Welford 1962).
 struct CurveStatistics {

@@ -150,8 +150,8 @@ int run_for_real(const RealRunArguments& given, const SystemSettings& settings,
     if (is_real(settings.handle.kind)) require_protection_of_handle(options.network);
     if (options.clock != RunClock::kVirtual) warn_if_unprotected(options.network);
     // A bad key leaves no folder behind.
-    if (options.clock == RunClock::kWall) make_security(options.network);
-    if (options.clock == RunClock::kLockStep) make_security(without_user_key(options.network));
+    if (options.clock != RunClock::kVirtual)
+        make_security(options.clock == RunClock::kWall ? options.network : without_user_key(options.network));
     if (settings.protocol) return run_participant_for_real(arguments, settings);
     refuse_participant_options(arguments.participant, settings);
     refuse_dataset(options.out);

@@ -216,7 +216,7 @@ StudyOptions study_options(const StudyArguments& arguments, const StudyDesign& d
     if (arguments.overwrite) options.if_exists = IfExists::kReplace;
     if (arguments.resume) options.if_exists = IfExists::kContinue;
     options.trajectories = arguments.trajectories;
-    if (arguments.axis != kCurveAxisNames[0]) options.axis = CurveAxis::kEntryToBeep;
+    if (arguments.axis != kCurveAxisNames[0]) options.curves = kPercentGrid;
     // A user's session names its delays itself.
     options.control = design.paper && !arguments.no_control;
     options.compensators = compensators_of(arguments, design.settings);

@@ -10,6 +10,7 @@
 
 #include "common/error.hpp"
 #include "tests/unit/participant/short_sessions.hpp"
+#include "tests/unit/participant/written_lines.hpp"
 
 namespace thimble {
 namespace {
@@ -62,21 +63,6 @@ class InstantTrials final : public TrialRunner {
     SessionTime clock{}, turned{};
     bool presses = false;
     std::atomic<bool> stop = false;
-};
-
-class WrittenLines final : public LineSource {
-  public:
-    explicit WrittenLines(std::deque<std::string> lines) : lines_(std::move(lines)) {}
-    std::optional<std::string> take_line() override {
-        if (lines_.empty()) return std::nullopt;
-        std::string line = lines_.front();
-        lines_.pop_front();
-        return line;
-    }
-    bool ended() const override { return lines_.empty(); }
-
-  private:
-    std::deque<std::string> lines_;
 };
 
 // Says its line once so many trials have been run.

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "session/virtual/virtual_session.hpp"
+#include "tests/unit/participant/written_lines.hpp"
 #include "thimble/commands/run.hpp"
 
 namespace thimble {
@@ -15,26 +16,11 @@ namespace {
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
-class Script final : public LineSource {
-  public:
-    explicit Script(std::deque<std::string> lines) : lines_(std::move(lines)) {}
-    std::optional<std::string> take_line() override {
-        if (lines_.empty()) return std::nullopt;
-        std::string line = lines_.front();
-        lines_.pop_front();
-        return line;
-    }
-    bool ended() const override { return lines_.empty(); }
-
-  private:
-    std::deque<std::string> lines_;
-};
-
 // A trial with these answers: what was said, and when each pause was.
 class Steps : public testing::Test {
   protected:
     void run(const std::deque<std::string>& lines, int trials = 1) {
-        StepPrompt prompt(std::make_unique<Script>(lines),
+        StepPrompt prompt(std::make_unique<WrittenLines>(lines),
                           [this](const std::string& text) { said_ += text; });
         for (int trial = 0; trial < trials; ++trial) {
             PausedSession paused(std::make_unique<VirtualSession>(settings_), prompt);
