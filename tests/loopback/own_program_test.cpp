@@ -117,6 +117,16 @@ TEST_F(OwnProgram, ThatDoesNotAnswerIsNamed) {
     expect_lost(Role::kSlaveSim, "slave.py has not answered within 1 s");
 }
 
+// It would hold the session's clock for ever.
+TEST_F(OwnProgram, ThatIsAlwaysDueIsNamed) {
+    change("else slave.tick(time_ns, counts)", "else slave.tick(time_ns, counts) * 0");
+    const Outcome outcome = run(lock_step("out"));
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.words,
+                HasSubstr("lock-step: slave_sim has answered 1001 times in a row that it is due"));
+    EXPECT_THAT(nodes_alive(ports_.base()), testing::IsEmpty());
+}
+
 TEST_F(OwnProgram, ThatCannotBeStartedIsNamed) {
     change("#!/usr/bin/env python3", "#!/no/such/interpreter");
     const Outcome outcome = run(lock_step("out"));

@@ -157,6 +157,18 @@ TEST(TrialTable, ATableWithoutATrialIsAsGoodAsNone) {
                 HasSubstr("already exists"));
 }
 
+TEST(TrialTable, TwoProgramsDoNotWriteOne) {
+    const TemporaryDirectory directory;
+    const auto path = directory / "trials.csv";
+    TrialTable first(path);
+    first.append(sample_row());
+    for (const IfExists if_exists : {IfExists::kReplace, IfExists::kContinue}) {
+        EXPECT_THAT(refusal([&] { const TrialTable other(path, if_exists); }, ExitCode::kUsage),
+                    HasSubstr("another program writes this file now"));
+    }
+    EXPECT_EQ(read_trial_table(path).size(), 1U) << "and nothing was emptied";
+}
+
 TEST(TrialTable, ADeletedTableIsNoticedAtTheNextRow) {
     const TemporaryDirectory directory;
     TrialTable table(directory / "trials.csv");
