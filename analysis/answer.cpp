@@ -160,7 +160,7 @@ std::string difference_sentence(const Groups& groups) {
         return "Modalities differ in mean penetration only; the table has the sizes.";
     if (any_comparison(groups, judged)) return "No two modalities are told apart in any measure.";
     if (!any_comparison(groups, anything))
-        return "No two modalities can be compared: at no delay is there a measure of more than one.";
+        return "No two modalities can be compared: no delay has measures of more than one.";
     const Texts seen = clauses(groups, measured, [](const std::vector<const ConditionPair*>& all) {
         const ConditionPair& c = largest(all);
         return fmt::format("{} in {}", difference_text(c), name_of(c.metric));
@@ -253,9 +253,8 @@ std::string limits_sentence(const Groups& groups) {
         for (std::string& text : unmeasured(group)) parts.push_back(std::move(text));
     }
     if (!parts.empty()) return sentence(fmt::format("{}", fmt::join(parts, "; ")));
-    if (!any_comparison(groups, anything))
-        return "How modalities differ takes trials of at least two of them.";
-    return "Every pair is told apart; nothing here speaks of other hands, tissues or delays.";
+    return fmt::format("{}othing here speaks of other hands, tissues or delays.",
+                       any_comparison(groups, anything) ? "Every pair is told apart; n" : "N");
 }
 
 // The same trials without delay only show that it is the delay: the tables compare them.

@@ -220,12 +220,11 @@ ConfigFile::ConfigFile(ConfigFile&&) noexcept = default;
 ConfigFile& ConfigFile::operator=(ConfigFile&&) noexcept = default;
 
 ConfigFile ConfigFile::load(const std::filesystem::path& path) {
-    // A folder opens as a stream, too, and then throws when it is read.
+    refuse_folder(path);
     std::ifstream stream(path, std::ios::binary);
-    if (!stream.is_open() || std::filesystem::is_directory(path)) {
+    if (!stream.is_open())
         throw Error(ExitCode::kUsage, "{}: cannot read this configuration file; does it exist?",
                     path.string());
-    }
     const std::string text = read_start(stream);
     if (text.size() > kLargestFile)
         throw Error(ExitCode::kUsage, "{}: has more than {} bytes; is it a configuration file?",

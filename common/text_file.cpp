@@ -102,10 +102,10 @@ std::string sha256_of_file(const std::filesystem::path& path) {
     return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 
-void refuse_folder(const std::filesystem::path& file) {
+void refuse_folder(const std::filesystem::path& file, ExitCode code) {
     std::error_code unknown;
     if (!std::filesystem::is_directory(file, unknown)) return;
-    throw Error(ExitCode::kUsage, "{}: is a folder, and a file is meant: name a file", file.string());
+    throw Error(code, "{}: is a folder, and a file is meant: name a file", file.string());
 }
 
 void make_folder(const std::filesystem::path& folder) {

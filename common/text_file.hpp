@@ -35,8 +35,8 @@ std::string sha256_of_file(const std::filesystem::path& path);
 // lies there.
 void make_folder(const std::filesystem::path& folder);
 
-// Throws Error (usage) if a folder lies where `file` is to be read or written.
-void refuse_folder(const std::filesystem::path& file);
+// Throws Error with `code` if a folder lies where `file` is to be read or written: it opens as a stream, too.
+void refuse_folder(const std::filesystem::path& file, ExitCode code = ExitCode::kUsage);
 
 // Closes what it holds, unless that is negative.
 class FileDescriptor : boost::noncopyable {

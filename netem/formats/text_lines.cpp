@@ -6,13 +6,13 @@
 #include <iterator>
 
 #include "common/error.hpp"
+#include "common/text_file.hpp"
 
 namespace thimble {
 
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes) {
+    refuse_folder(path, ExitCode::kData);
     std::ifstream stream(path, std::ios::binary);
-    if (std::filesystem::is_directory(path))  // opens as a stream, too, and then throws when it is read
-        throw Error(ExitCode::kData, "{}: is a folder, and a file is meant: name a file", path.string());
     if (!stream.is_open()) {
         throw Error(ExitCode::kData, "{}: cannot be read; does this file exist, and is it yours to read?",
                     path.string());
