@@ -11,6 +11,9 @@
 #include "common/runtime/realtime_loop.hpp"
 #include "common/runtime/runtime_settings.hpp"
 #include "common/runtime/wall_clock.hpp"
+#ifdef THIMBLE_DEVICES
+#include "master/devices/falcon/falcon_guardian.hpp"
+#endif
 #include "master/devices/open_handle.hpp"
 #include "master/master_process.hpp"
 
@@ -73,6 +76,9 @@ class Master final : public NodeInstance {
 }  // namespace
 
 int main(int argc, char** argv) {
+#ifdef THIMBLE_DEVICES
+    if (const auto guarded = run_falcon_guardian(argc, argv)) return *guarded;
+#endif
     bool pointer = false;
     NodeProgram program;
     program.name = "thimble-master";

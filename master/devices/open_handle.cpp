@@ -4,7 +4,6 @@
 
 #include "common/error.hpp"
 #include "common/runtime/hid/hid_thread.hpp"
-#include "common/runtime/realtime_loop.hpp"
 #include "master/devices/force_dimension/force_dimension_handle.hpp"
 #include "master/devices/hid/hid_hand.hpp"
 #include "master/devices/pointer_handle.hpp"
@@ -36,7 +35,7 @@ class OpenedHid final : private HidParts, public HidHandle {
 std::shared_ptr<Handle> open_falcon_here([[maybe_unused]] const HandleSettings& settings,
                                          [[maybe_unused]] const RuntimeSettings& runtime) {
 #ifdef THIMBLE_DEVICES
-    return open_falcon(settings.falcon, settings.force_limit_N, [runtime] { ask_for_realtime(runtime); });
+    return open_falcon(settings.falcon, settings.force_limit_N, runtime);
 #else
     throw Error(ExitCode::kUsage,
                 "this build has no driver for the Falcon ([handle] device = \"falcon\"): install "

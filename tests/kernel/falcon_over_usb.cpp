@@ -13,6 +13,7 @@
 
 #include "common/error.hpp"
 #include "common/runtime/wall_clock.hpp"
+#include "master/devices/falcon/falcon_guardian.hpp"
 #include "master/devices/falcon/falcon_handle.hpp"
 #include "tests/kernel/vhci_falcon.hpp"
 
@@ -34,7 +35,7 @@ void expect(bool good, const std::string& what) {
 
 std::string refusal(const FalconSettings& settings) {
     try {
-        open_falcon(settings, kLimit_N);
+        open_falcon(settings, kLimit_N, {});
     } catch (const Error& error) {
         return error.what();
     }
@@ -134,7 +135,7 @@ void run() {
     expect(kernel_has_it(), "the kernel has found it");
     forbidden_to_nobody();
     expect(refusal({}).find("has no firmware") != std::string::npos, "unloaded: " + refusal({}));
-    const auto handle = open_falcon(with_firmware(), kLimit_N);
+    const auto handle = open_falcon(with_firmware(), kLimit_N, {});
     expect(falcon.with([](FalconEmulator& device) { return device.running; }), "firmware loaded");
     expect(comes([&] { return handle->fault().empty(); }, seconds{1}), "and homed");
     expect(refusal({}).find("another program has it") != std::string::npos, "busy: " + refusal({}));
@@ -144,7 +145,8 @@ void run() {
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+    if (const auto guarded = run_falcon_guardian(argc, argv)) return *guarded;
     try {
         run();
     } catch (const std::exception& error) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "master/devices/falcon/falcon_guardian.hpp"
 #include "master/devices/falcon/falcon_kinematics.hpp"
 
 namespace thimble {
@@ -16,25 +17,25 @@ constexpr const char* kHome =
 }  // namespace
 
 FalconHandle::FalconHandle(const FalconSettings& settings, double force_limit_N, std::string name,
-                           FalconExchange& exchange)
+                           FalconMailbox& mailbox)
     : settings_(settings),
       name_(std::move(name)),
       not_homed_(name_ + ": not homed; " + kHome + ", and start the trial again"),
-      exchange_(&exchange),
+      mailbox_(&mailbox),
       axis_(settings.axis, force_limit_N) {
-    exchange_->command({});
+    mailbox_->command({});
 }
 
-FalconHandle::~FalconHandle() { exchange_->command({}); }
+FalconHandle::~FalconHandle() { mailbox_->command({}); }
 
 std::string_view FalconHandle::fault() const {
     if (!fault_.empty()) return fault_;
-    return exchange_->latest().report.homed() ? std::string_view{} : not_homed_;
+    return mailbox_->latest().report.homed() ? std::string_view{} : not_homed_;
 }
 
 std::string FalconHandle::awaits() {
-    if (fault_.empty() && exchange_->lost()) fail("it was unplugged or switched off");
-    const FalconExchange::Latest latest = exchange_->latest();
+    if (fault_.empty() && mailbox_->lost()) fail_lost();
+    const FalconMailbox::Latest latest = mailbox_->latest();
     if (!fault_.empty() || latest.report.homed()) return {};
     if (!latest.any) return name_ + ": no report yet";
     return fmt::format("{}: {} of 3 legs homed; {}", name_, std::popcount(latest.report.homed_legs), kHome);
@@ -42,7 +43,7 @@ std::string FalconHandle::awaits() {
 
 HandleSample FalconHandle::read(SessionTime now) {
     const bool good = fault_.empty() && take_report(now);
-    const bool silent = exchange_->silent();
+    const bool silent = mailbox_->silent();
     if (good) {
         ++reads_;
         if (silent) ++silent_reads_;
@@ -52,8 +53,8 @@ HandleSample FalconHandle::read(SessionTime now) {
 }
 
 bool FalconHandle::take_report(SessionTime now) {
-    const FalconExchange::Latest latest = exchange_->latest();
-    if (exchange_->lost()) return fail("it was unplugged or switched off");
+    const FalconMailbox::Latest latest = mailbox_->latest();
+    if (mailbox_->lost()) return fail_lost();
     if (!reading_ || latest.count != count_) heard_ = now;
     reading_ = true;
     count_ = latest.count;
@@ -91,7 +92,7 @@ void FalconHandle::apply() {
         if (torques_Nm) motors = falcon_motors(*torques_Nm, settings_.motor_gain_per_Nm);
         if (motors.saturated) ++saturated_;
     }
-    exchange_->command(motors.counts);
+    mailbox_->command(motors.counts);
 }
 
 void FalconHandle::enable_force(SessionTime now, bool enabled) {
@@ -112,12 +113,17 @@ bool FalconHandle::fail(const std::string& what) {
     fault_ = fmt::format(
         "{}: {}; unplug it from power and USB, plug both in again, and start thimble-master again", name_,
         what);
-    exchange_->command({});
+    mailbox_->command({});
     return false;
 }
 
+bool FalconHandle::fail_lost() {
+    const bool unplugged = mailbox_->loss() == FalconLoss::kUnplugged;
+    return fail(unplugged ? "it was unplugged or switched off" : "its guardian process has ended");
+}
+
 bool FalconHandle::take_stop(SessionTime /*now*/) {
-    return (exchange_->take_buttons() & settings_.stop_buttons) != 0;
+    return (mailbox_->take_buttons() & settings_.stop_buttons) != 0;
 }
 
 void FalconHandle::describe(nlohmann::ordered_json& report) const {
@@ -127,6 +133,25 @@ void FalconHandle::describe(nlohmann::ordered_json& report) const {
     own["reads_without_report"] = silent_reads_;
     own["saturated"] = saturated_;
     if (!fault_.empty()) own["fault"] = fault_;
+}
+
+namespace {
+
+// The handle goes first, then the guardian with its last command.
+class GuardedFalcon final : private FalconGuardian, public FalconHandle {
+  public:
+    GuardedFalcon(const FalconSettings& settings, double force_limit_N, const RuntimeSettings& runtime,
+                  const std::string& program)
+        : FalconGuardian(settings, runtime, program),
+          FalconHandle(settings, force_limit_N, fmt::format("Novint Falcon, serial {}", serial()),
+                       mailbox()) {}
+};
+
+}  // namespace
+
+std::unique_ptr<Handle> open_falcon(const FalconSettings& settings, double force_limit_N,
+                                    const RuntimeSettings& runtime, const std::string& program) {
+    return std::make_unique<GuardedFalcon>(settings, force_limit_N, runtime, program);
 }
 
 }  // namespace thimble

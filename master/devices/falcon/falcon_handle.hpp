@@ -5,10 +5,10 @@
 // A report that does not come costs the force within two ticks (FalconExchange), and the trial after kStalledAfter.
 #pragma once
 
-#include <functional>
 #include <memory>
 
-#include "master/devices/falcon/falcon_exchange.hpp"
+#include "common/runtime/runtime_settings.hpp"
+#include "master/devices/falcon/falcon_mailbox.hpp"
 #include "master/devices/falcon/falcon_settings.hpp"
 #include "master/devices/handle.hpp"
 
@@ -19,9 +19,9 @@ class FalconHandle : public Handle {
     // No report for so long: the device stands still.
     static constexpr Duration kStalledAfter = std::chrono::milliseconds{20};
 
-    // `exchange` runs, or is turned by whoever tests; it outlives the handle.
+    // An exchange serves `mailbox`, which outlives the handle.
     FalconHandle(const FalconSettings& settings, double force_limit_N, std::string name,
-                 FalconExchange& exchange);
+                 FalconMailbox& mailbox);
     ~FalconHandle() override;
 
     HandleSample read(SessionTime now) override;
@@ -43,10 +43,11 @@ class FalconHandle : public Handle {
     bool take_report(SessionTime now);
     void apply();
     bool fail(const std::string& what);
+    bool fail_lost();
 
     FalconSettings settings_;
     std::string name_, not_homed_, fault_;
-    FalconExchange* exchange_;
+    FalconMailbox* mailbox_;
     AxisConstraint axis_;
     DeviceVector position_m_{0, 0, 0.11};
     bool forced_ = false;
@@ -58,9 +59,10 @@ class FalconHandle : public Handle {
     std::uint64_t reads_ = 0, silent_reads_ = 0, saturated_ = 0;
 };
 
-// Finds the device, loads its firmware if it has none, and starts the exchange. Its thread calls
-// `prepare_thread` first. Throws Error with what is missing and what to do.
+// Starts the guardian (falcon_guardian.hpp), which finds the device, loads its firmware if it has none, and exchanges packets. It is
+// scheduled as `runtime` says. `program`: its executable, by default this one. Throws Error with what is missing and what to do.
 std::unique_ptr<Handle> open_falcon(const FalconSettings& settings, double force_limit_N,
-                                    const std::function<void()>& prepare_thread = {});
+                                    const RuntimeSettings& runtime,
+                                    const std::string& program = "/proc/self/exe");
 
 }  // namespace thimble

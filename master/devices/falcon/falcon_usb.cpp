@@ -1,18 +1,18 @@
-// The Falcon on a real USB, by libusb.
+#include "master/devices/falcon/falcon_usb.hpp"
+
 #include <algorithm>
 #include <array>
 #include <libusb-1.0/libusb.h>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/core/noncopyable.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spdlog/spdlog.h>
 
 #include "common/error.hpp"
-#include "master/devices/falcon/falcon_handle.hpp"
-#include "master/devices/falcon/falcon_link.hpp"
 #include "master/devices/usb_presence.hpp"
 
 namespace thimble {
@@ -25,7 +25,7 @@ constexpr unsigned kWriteLimit_ms = 100;
 constexpr std::uint8_t kVendorRequest = 0x40;  // to the device, no data
 
 // Every packet that comes begins with two bytes of the chip's own.
-class UsbFalconLink final : public FalconLink {
+class UsbFalconLink : public FalconLink {
   public:
     explicit UsbFalconLink(libusb_device_handle* handle) : handle_(handle) {}
 
@@ -160,50 +160,20 @@ class OpenedUsb : boost::noncopyable {
     std::string serial_;
 };
 
-// From the USB up, ready for the handle.
-struct FalconParts {
-    FalconParts(const FalconSettings& settings, const std::function<void()>& prepare_thread)
-        : usb(settings.serial), link(usb.handle()), exchange(link) {
-        make_ready(settings);
-        exchange.start(prepare_thread);
-    }
-    void make_ready(const FalconSettings& settings) {
-        if (!set_falcon_running(link))
-            throw Error(ExitCode::kRunFailed, "the Falcon's USB chip does not obey: " + link.last_error());
-        if (falcon_answers(link)) {
-            exchange.turn();  // what it says first decides whether it is homed
-            return;
-        }
-        if (settings.firmware.empty()) {
-            throw Error(ExitCode::kUsage,
-                        "the Falcon has no firmware, which it forgets without power: name Novint's file in "
-                        "[handle.falcon] firmware (docs/handles.md)");
-        }
-        const auto image = read_falcon_firmware(settings.firmware, settings.firmware_sha256);
-        spdlog::info("loading the Falcon's firmware, {} bytes", image.size());
-        load_falcon_firmware(link, image);
-    }
-
-    OpenedUsb usb;
-    UsbFalconLink link;
-    FalconExchange exchange;
-};
-
-// The handle goes first, then the exchange with its last command, then the device.
-class OpenedFalcon final : private FalconParts, public FalconHandle {
+// The device goes after the link.
+class OwningLink final : private OpenedUsb, public UsbFalconLink {
   public:
-    OpenedFalcon(const FalconSettings& settings, double force_limit_N,
-                 const std::function<void()>& prepare_thread)
-        : FalconParts(settings, prepare_thread),
-          FalconHandle(settings, force_limit_N, fmt::format("Novint Falcon, serial {}", usb.serial()),
-                       exchange) {}
+    explicit OwningLink(const std::string& wanted_serial)
+        : OpenedUsb(wanted_serial), UsbFalconLink(OpenedUsb::handle()) {}
+    using OpenedUsb::serial;
 };
 
 }  // namespace
 
-std::unique_ptr<Handle> open_falcon(const FalconSettings& settings, double force_limit_N,
-                                    const std::function<void()>& prepare_thread) {
-    return std::make_unique<OpenedFalcon>(settings, force_limit_N, prepare_thread);
+ClaimedFalcon claim_falcon(const std::string& serial) {
+    auto link = std::make_unique<OwningLink>(serial);
+    std::string found = link->serial();
+    return {std::move(link), std::move(found)};
 }
 
 }  // namespace thimble

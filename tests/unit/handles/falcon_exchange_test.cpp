@@ -1,6 +1,7 @@
 // Commands and reports between two threads: newest wins, a silent side costs the force, not the hand.
 #include "master/devices/falcon/falcon_exchange.hpp"
 
+#include <optional>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -18,35 +19,36 @@ class FalconExchangeTest : public testing::Test {
     }
     FalconEmulator device;
     EmulatedFalconLink link{device};
-    FalconExchange exchange{link};
+    FalconMailbox mailbox;
+    std::optional<FalconExchange> exchange{std::in_place, link, mailbox};
 };
 
 TEST_F(FalconExchangeTest, BringsMotorsThereAndEncodersBack) {
-    EXPECT_FALSE(exchange.latest().any);
+    EXPECT_FALSE(mailbox.latest().any);
     device.report = {{-1447, 32767, -32768}, 0xf, 5};
-    exchange.command({4095, -4095, 7});
-    ASSERT_TRUE(exchange.turn());
+    mailbox.command({4095, -4095, 7});
+    ASSERT_TRUE(exchange->turn());
     EXPECT_EQ(device.commanded.motors, (FalconTriple{4095, -4095, 7}));
     EXPECT_EQ(device.commanded.lights, kFalconRed);
-    const auto latest = exchange.latest();
+    const auto latest = mailbox.latest();
     ASSERT_TRUE(latest.any);
     EXPECT_EQ(latest.report.encoders, device.report.encoders);
     EXPECT_EQ(latest.report.buttons, 0xf);
     EXPECT_EQ(latest.report.homed_legs, 5);
-    exchange.turn();
-    EXPECT_EQ(exchange.latest().count, static_cast<std::uint8_t>(latest.count + 1));
+    exchange->turn();
+    EXPECT_EQ(mailbox.latest().count, static_cast<std::uint8_t>(latest.count + 1));
 }
 
 TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEnds) {
-    exchange.command({100, 0, 0});
+    mailbox.command({100, 0, 0});
     for (int i = 0; i <= FalconExchange::kUnattendedTurns; ++i) {
-        exchange.turn();
+        exchange->turn();
         EXPECT_EQ(device.commanded.motors[0], 100) << i;
     }
-    exchange.turn();
+    exchange->turn();
     EXPECT_EQ(device.commanded.motors[0], 0);
-    exchange.command({100, 0, 0});
-    exchange.turn();
+    mailbox.command({100, 0, 0});
+    exchange->turn();
     EXPECT_EQ(device.commanded.motors[0], 100);
 }
 
@@ -54,39 +56,39 @@ TEST_F(FalconExchangeTest, AForceThatNobodyRenewsEnds) {
 TEST_F(FalconExchangeTest, WhatIsNotAnsweredCostsTheForceUntilItIs) {
     for (bool FalconEmulator::*fault :
          {&FalconEmulator::silent, &FalconEmulator::short_reports, &FalconEmulator::garbled_reports}) {
-        exchange.command({100, 100, 100});
-        exchange.turn();
+        mailbox.command({100, 100, 100});
+        exchange->turn();
         EXPECT_EQ(device.commanded.motors[0], 100);
         device.*fault = true;
-        exchange.command({101, 100, 100});
-        exchange.turn();
-        EXPECT_TRUE(exchange.silent());
-        exchange.command({102, 100, 100});
-        exchange.turn();
+        mailbox.command({101, 100, 100});
+        exchange->turn();
+        EXPECT_TRUE(mailbox.silent());
+        mailbox.command({102, 100, 100});
+        exchange->turn();
         EXPECT_EQ(device.commanded.motors, FalconTriple{});
         device.*fault = false;
-        exchange.turn();
+        exchange->turn();
         EXPECT_EQ(device.commanded.motors, FalconTriple{}) << "asked before it had answered";
-        EXPECT_FALSE(exchange.silent());
-        exchange.command({103, 100, 100});
-        exchange.turn();
+        EXPECT_FALSE(mailbox.silent());
+        mailbox.command({103, 100, 100});
+        exchange->turn();
         EXPECT_EQ(device.commanded.motors[0], 103);
     }
 }
 
 TEST_F(FalconExchangeTest, AReportInTwoPacketsIsOneReport) {
     device.packet_bytes = 9;
-    exchange.command({100, 0, 0});
-    exchange.turn();
-    EXPECT_TRUE(exchange.latest().any);
-    EXPECT_FALSE(exchange.silent());
+    mailbox.command({100, 0, 0});
+    exchange->turn();
+    EXPECT_TRUE(mailbox.latest().any);
+    EXPECT_FALSE(mailbox.silent());
 }
 
 TEST_F(FalconExchangeTest, TheLightSaysHowFarHomingIs) {
     const auto light_after = [&](std::uint8_t homed_legs) {
         device.report.homed_legs = homed_legs;
-        exchange.turn();
-        exchange.turn();
+        exchange->turn();
+        exchange->turn();
         return device.commanded.lights;
     };
     EXPECT_EQ(light_after(0), kFalconRed);
@@ -97,28 +99,35 @@ TEST_F(FalconExchangeTest, TheLightSaysHowFarHomingIs) {
 }
 
 TEST_F(FalconExchangeTest, EndsWithoutForce) {
-    exchange.command({100, 100, 100});
-    exchange.turn();
-    exchange.stop();
+    mailbox.command({100, 100, 100});
+    exchange->turn();
+    exchange.reset();
     EXPECT_EQ(device.commanded.motors, FalconTriple{});
+}
+
+TEST_F(FalconExchangeTest, AnUnpluggedDeviceIsLostForThatReason) {
     device.unplugged = true;
-    EXPECT_FALSE(exchange.turn());
-    EXPECT_TRUE(exchange.lost());
+    EXPECT_FALSE(exchange->turn());
+    mailbox.lose(FalconLoss::kGuardianEnded);
+    EXPECT_EQ(mailbox.loss(), FalconLoss::kUnplugged);
 }
 
 // The reader always gets one report, never parts of two.
 TEST_F(FalconExchangeTest, NothingIsTornBetweenThreads) {
     device.report = {{-1, -1, -1}, 0xf, 7};
-    exchange.start();
+    std::thread turning([&] {
+        while (!mailbox.asked_to_end()) exchange->turn();
+    });
     for (std::int16_t i = 0; i < 20000; ++i) {
         const auto value = static_cast<std::int16_t>(i % 2 == 0 ? -1 : 0x5555);
-        exchange.command({value, value, value});
-        const auto latest = exchange.latest();
+        mailbox.command({value, value, value});
+        const auto latest = mailbox.latest();
         if (!latest.any) continue;
-        ASSERT_EQ(latest.report.encoders, device.report.encoders);
+        EXPECT_EQ(latest.report.encoders, device.report.encoders);
     }
-    exchange.stop();
-    EXPECT_GT(device.commands, 0U);
+    mailbox.ask_to_end();
+    turning.join();
+    EXPECT_EQ(device.commands, mailbox.turns());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "master/devices/falcon/falcon_exchange.hpp"
 #include "tests/unit/handles/falcon_emulator.hpp"
 #include "tests/unit/session_time.hpp"
 
@@ -57,8 +58,9 @@ class FalconHandleTest : public testing::Test {
 
     FalconEmulator device;
     EmulatedFalconLink link{device};
-    FalconExchange exchange{link};
-    FalconHandle handle{FalconSettings{}, 8, "Novint Falcon, serial F1", exchange};
+    FalconMailbox mailbox;
+    FalconExchange exchange{link, mailbox};
+    FalconHandle handle{FalconSettings{}, 8, "Novint Falcon, serial F1", mailbox};
     SessionTime now = at(milliseconds{7});
 };
 
@@ -116,7 +118,7 @@ TEST_F(FalconHandleTest, WithoutForceItIsAnEncoder) {
 TEST_F(FalconHandleTest, ForcesBeyondTheMotorsAreCountedAndCut) {
     FalconSettings strong;
     strong.motor_gain_per_Nm = 1e5;
-    FalconHandle hard(strong, 12, "strong", exchange);
+    FalconHandle hard(strong, 12, "strong", mailbox);
     hard.enable_force(now, true);
     hard.command_force(now, 12);
     exchange.turn();
@@ -149,8 +151,9 @@ TEST_F(FalconHandleTest, WithoutReportsTheForceIsGoneInTwoTicksAndBackWithThem) 
 
 TEST_F(FalconHandleTest, UntilItIsHomedThereIsNoForceAndTheWordsSayWhatToDo) {
     EXPECT_EQ(handle.awaits(), "");
-    FalconExchange fresh(link);
-    FalconHandle waiting(FalconSettings{}, 8, "Falcon", fresh);
+    FalconMailbox empty;
+    FalconExchange fresh(link, empty);
+    FalconHandle waiting(FalconSettings{}, 8, "Falcon", empty);
     EXPECT_EQ(waiting.awaits(), "Falcon: no report yet");
     waiting.enable_force(now, true);
     for (const auto& [legs, words] : {std::pair{0, "Falcon: 0 of 3 legs homed; pull the grip out"},
@@ -179,9 +182,9 @@ TEST_F(FalconHandleTest, UntilItIsHomedThereIsNoForceAndTheWordsSayWhatToDo) {
 TEST_F(FalconHandleTest, OnlyTheButtonsThatTheSettingsNameStop) {
     FalconSettings named;
     named.stop_buttons = kFalconCentre;
-    FalconHandle one(named, 8, "one", exchange);
+    FalconHandle one(named, 8, "one", mailbox);
     named.stop_buttons = 0;
-    FalconHandle none(named, 8, "none", exchange);
+    FalconHandle none(named, 8, "none", mailbox);
     for (const std::uint8_t button : {kFalconPlus, kFalconForward, kFalconCentre, kFalconMinus}) {
         EXPECT_FALSE(handle.take_stop(now));
         device.report.buttons = button;

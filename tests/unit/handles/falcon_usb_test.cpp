@@ -28,8 +28,12 @@ class FalconUsb : public OnABed<MockBed> {
         device.running = true;
         device.put_hand_at({0, 0, 0.115});
     }
+    // The guardian is the master's program: this one is gtest's.
+    std::unique_ptr<Handle> open_here() const {
+        return open_falcon(settings, kLimit_N, {}, THIMBLE_MASTER_FILE);
+    }
     std::string why_not() const {
-        return refusal([&] { open_falcon(settings, kLimit_N); }, ExitCode::kUsage);
+        return refusal([&] { open_here(); }, ExitCode::kUsage);
     }
     // The exchange has a thread of its own: waits for what it must bring. False if patience ended first.
     static bool comes(const std::function<bool()>& condition) {
@@ -47,7 +51,7 @@ class FalconUsb : public OnABed<MockBed> {
 TEST_F(FalconUsb, IsReadAndPushed) {
     MockFalcon falcon(*bed_, 2, "F1");
     falcon.with(make_ready);
-    const auto handle = open_falcon(settings, kLimit_N);
+    const auto handle = open_here();
     EXPECT_EQ(handle->name(), "Novint Falcon, serial F1");
     ASSERT_TRUE(comes([&] { return handle->fault().empty(); }));
     handle->enable_force(now, true);
@@ -72,7 +76,7 @@ TEST_F(FalconUsb, GetsItsFirmware) {
     EXPECT_THAT(why_not(), HasSubstr("firmware_sha256 says 000"));
     // sha256sum of the bytes 0, 1, ... 255, 0, ... 243
     settings.firmware_sha256 = "6a259da4dacdfb0f51369649cbf8864d8e2d675462c8625a70334bfc2c50d1af";
-    EXPECT_NO_THROW(open_falcon(settings, kLimit_N));
+    EXPECT_NO_THROW(open_here());
     EXPECT_TRUE(
         falcon.with([](FalconEmulator& device) { return device.running && device.loaded.size() == 500; }));
 }
@@ -80,7 +84,7 @@ TEST_F(FalconUsb, GetsItsFirmware) {
 TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
     MockFalcon falcon(*bed_, 2, "F1");
     falcon.with(make_ready);
-    const auto handle = open_falcon(settings, kLimit_N);
+    const auto handle = open_here();
     ASSERT_TRUE(comes([&] { return handle->fault().empty(); }));
     handle->enable_force(now, true);
     ASSERT_TRUE(handle->read(now).valid);
@@ -104,7 +108,7 @@ TEST_F(FalconUsb, TellsAbsentFromBusyAndOneFromTwo) {
     second.with(make_ready);
     EXPECT_THAT(why_not(), HasSubstr("2 Falcons are connected, with the serial numbers F1, F2"));
     settings.serial = "F2";
-    EXPECT_NO_THROW(open_falcon(settings, kLimit_N));
+    EXPECT_NO_THROW(open_here());
     settings.serial = "F3";
     EXPECT_THAT(why_not(), HasSubstr("with serial 'F3' to be had (there are F1, F2)"));
 }

@@ -14,6 +14,7 @@
 #include "tests/unit/queue_ports.hpp"
 #include "tests/unit/session_time.hpp"
 #ifdef THIMBLE_DEVICES
+#include "master/devices/falcon/falcon_exchange.hpp"
 #include "master/devices/falcon/falcon_handle.hpp"
 #include "tests/unit/handles/falcon_emulator.hpp"
 #endif
@@ -111,11 +112,12 @@ TEST(StopButton, NoShortPressOfAForceDimensionHandleIsMissed) {
 TEST(StopButton, NoShortPressOfAFalconIsMissed) {
     FalconEmulator device;
     EmulatedFalconLink link(device);
-    FalconExchange exchange(link);
+    FalconMailbox mailbox;
+    FalconExchange exchange(link, mailbox);
     device.running = true;
     link.control(3, 0x0002);
     device.put_hand_at({0, 0, 0.115});
-    FalconHandle handle(FalconSettings{}, 8, "Falcon", exchange);
+    FalconHandle handle(FalconSettings{}, 8, "Falcon", mailbox);
     expect_all_heard(handle, [&](bool down) {
         device.report.buttons = down ? kFalconForward : 0;
         exchange.turn();

@@ -1,0 +1,184 @@
+#include "master/devices/falcon/falcon_guardian.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <span>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "common/error.hpp"
+#include "common/runtime/realtime_loop.hpp"
+#include "common/runtime/standard_streams.hpp"
+#include "common/runtime/wall_clock.hpp"
+#include "master/devices/falcon/falcon_exchange.hpp"
+#include "master/devices/falcon/falcon_usb.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr Duration kLook = milliseconds{10};
+// Longer than any turn: a write to the USB may take 100 ms. In looks, because a machine that stood still is no guardian that does.
+constexpr int kLooksWithoutTurn = 25;
+constexpr int kWords =
+    6;  // program, kFalconGuardian, serial, firmware, its SHA-256, priority (0: not in real time)
+
+std::vector<std::string> words_for(const FalconSettings& settings, const RuntimeSettings& runtime) {
+    return {kFalconGuardian, settings.serial, settings.firmware, settings.firmware_sha256,
+            std::to_string(runtime.realtime_scheduling ? runtime.priority : 0)};
+}
+
+// A Falcon that answers gets commands without force.
+void take_force_away(const std::string& serial) {
+    const ClaimedFalcon falcon = claim_falcon(serial);
+    if (!set_falcon_running(*falcon.link) || !falcon_answers(*falcon.link))
+        throw Error(ExitCode::kRunFailed, "it does not answer; switch its power off");
+}
+
+void make_ready(FalconLink& link, const FalconSettings& settings) {
+    if (!set_falcon_running(link))
+        throw Error(ExitCode::kRunFailed, "the Falcon's USB chip does not obey: " + link.last_error());
+    if (falcon_answers(link)) return;
+    if (settings.firmware.empty()) {
+        throw Error(ExitCode::kUsage,
+                    "the Falcon has no firmware, which it forgets without power: name Novint's file in "
+                    "[handle.falcon] firmware (docs/handles.md)");
+    }
+    const auto image = read_falcon_firmware(settings.firmware, settings.firmware_sha256);
+    spdlog::info("loading the Falcon's firmware, {} bytes", image.size());
+    load_falcon_firmware(link, image);
+}
+
+void say(FalconPage& page, FalconPage::State state, std::string_view text) {
+    const std::size_t length = std::min(text.size(), page.text.size() - 1);
+    std::copy_n(text.begin(), length, page.text.begin());
+    page.state.store(state, std::memory_order_release);
+}
+
+// The terminal's signals are for the master. The guardian follows it within a turn.
+void outlive_signals() {
+    for (const int number : {SIGINT, SIGTERM, SIGQUIT, SIGHUP, SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU})
+        std::signal(number, SIG_IGN);
+}
+
+void guard(FalconPage& page, const FalconSettings& settings, const RuntimeSettings& runtime) {
+    const ClaimedFalcon falcon = claim_falcon(settings.serial);
+    make_ready(*falcon.link, settings);
+    ask_for_realtime(runtime);  // the master has the same settings, and says what the machine refuses
+    FalconExchange exchange(*falcon.link, page.mailbox);
+    exchange.turn();  // its first report decides whether it is homed
+    say(page, FalconPage::State::kReady, falcon.serial);
+    while (getppid() == page.master && !page.mailbox.asked_to_end() && exchange.turn()) {
+    }
+}
+
+}  // namespace
+
+FalconPageMemory::FalconPageMemory() : file_(memfd_create("falcon", MFD_CLOEXEC)), page_(nullptr) {
+    if (file_.get() < 0 || ftruncate(file_.get(), sizeof(FalconPage)) != 0) {
+        throw Error(ExitCode::kRunFailed, "no memory to share with the Falcon's guardian: {}{}",
+                    std::strerror(errno), descriptor_advice(errno));
+    }
+    page_ = new (map()) FalconPage;
+    page_->master = getpid();
+}
+
+FalconPageMemory::FalconPageMemory(int descriptor)
+    : file_(descriptor), page_(static_cast<FalconPage*>(map())) {}
+
+FalconPageMemory::~FalconPageMemory() { munmap(page_, sizeof *page_); }
+
+void* FalconPageMemory::map() {
+    void* const memory =
+        mmap(nullptr, sizeof(FalconPage), PROT_READ | PROT_WRITE, MAP_SHARED, file_.get(), 0);
+    if (memory == MAP_FAILED)
+        throw Error(ExitCode::kUsage,
+                    "no master at standard input: thimble-master starts this process itself");
+    return memory;
+}
+
+FalconGuardian::FalconGuardian(const FalconSettings& settings, const RuntimeSettings& runtime,
+                               const std::string& program)
+    : child_(program, words_for(settings, runtime), "/dev/null",
+             {memory_.descriptor(), STDERR_FILENO, STDERR_FILENO}) {
+    await_ready();
+    watch_ = std::thread([this] { watch(); });
+}
+
+FalconGuardian::~FalconGuardian() {
+    mailbox().ask_to_end();
+    if (watch_.joinable()) watch_.join();
+}
+
+void FalconGuardian::await_ready() {
+    const FalconPage& page = memory_.page();
+    while (page.state.load(std::memory_order_acquire) == FalconPage::State::kPreparing) {
+        const auto ended = child_.poll();
+        if (ended && page.state.load(std::memory_order_acquire) == FalconPage::State::kPreparing)
+            throw Error(ExitCode::kRunFailed, "the Falcon's guardian ended with code {} before it was ready",
+                        *ended);
+        wall_sleep(milliseconds{1});
+    }
+    if (page.state.load(std::memory_order_acquire) == FalconPage::State::kFailed)
+        throw Error(page.code, std::string(page.text.data()));
+    serial_ = page.text.data();
+}
+
+// A guardian that stands still may be stopped for good, with a force at the device.
+void FalconGuardian::watch() {
+    FalconMailbox& box = mailbox();
+    std::uint32_t turns = box.turns();
+    for (int still = 0; !child_.poll(); wall_sleep(kLook)) {
+        still = box.turns() == turns ? still + 1 : 0;
+        turns = box.turns();
+        if (still >= kLooksWithoutTurn) child_.signal(SIGKILL);
+    }
+    if (box.asked_to_end() && child_.poll() == 0) return;
+    const bool unplugged = box.lost();
+    box.lose(FalconLoss::kGuardianEnded);
+    if (unplugged) return;
+    try {
+        take_force_away(serial_);
+        spdlog::error("the Falcon's guardian process has ended; the motors have no force now");
+    } catch (const std::exception& error) {
+        spdlog::critical("the Falcon's guardian process has ended, and the motors may keep a force: {}",
+                         error.what());
+    }
+}
+
+std::optional<int> run_falcon_guardian(int argc, char** argv) {
+    const std::span words(argv, static_cast<std::size_t>(argc));
+    if (argc < 2 || std::string_view(words[1]) != kFalconGuardian) return std::nullopt;
+    outlive_signals();
+    prctl(PR_SET_NAME, "falcon-guardian", 0UL, 0UL, 0UL);
+    open_standard_descriptors();
+    log_to_stderr("falcon-guardian");
+    if (argc != kWords || isatty(STDIN_FILENO) == 1) return static_cast<int>(ExitCode::kUsage);
+    FalconPageMemory memory(STDIN_FILENO);
+    FalconSettings settings;
+    settings.serial = words[2];
+    settings.firmware = words[3];
+    settings.firmware_sha256 = words[4];
+    RuntimeSettings runtime;
+    runtime.priority = std::atoi(words[5]);  // NOLINT(cert-err34-c): the master wrote it
+    runtime.realtime_scheduling = runtime.priority > 0;
+    try {
+        guard(memory.page(), settings, runtime);
+        return static_cast<int>(ExitCode::kOk);
+    } catch (const Error& error) {
+        memory.page().code = error.code();
+        say(memory.page(), FalconPage::State::kFailed, error.what());
+        return static_cast<int>(error.code());
+    }
+}
+
+}  // namespace thimble
