@@ -16,9 +16,8 @@ NodeProcess::NodeProcess(Role role, std::uint64_t instance, Channel& control)
 
 // A stop comes before everything else, so that no order and no input of the same tick is obeyed after it.
 void NodeProcess::tick(SessionTime now) {
-    since_last_tick_ = last_tick_ == kNever ? Duration{} : now - last_tick_;
-    last_tick_ = now;
-    if (since_last_tick_ > kHeartbeatPeriod) excuse_silence(since_last_tick_ - kHeartbeatPeriod);
+    ticks_.tick(now);
+    excuse_standstill();
     stop_.tick(now);
     obey_stop(now);
     take_orders(now);
@@ -141,10 +140,9 @@ void NodeProcess::give_up_if_alone(SessionTime now) {
     if (orders_.silent_for(now, kPeerTimeout) || peer_lost) give_up(now, EndReason::kPeerLost);
 }
 
-// On a busy machine the others may have stood still as well: each is heard again before it is given up.
-void NodeProcess::excuse_silence(Duration not_listened) {
-    orders_.did_not_listen(not_listened);
-    if (InboundFlow* vital = vital_flow()) vital->did_not_listen(not_listened);
+void NodeProcess::excuse_standstill() {
+    orders_.did_not_listen(ticks_.stood_still());
+    if (InboundFlow* vital = vital_flow()) vital->did_not_listen(ticks_.stood_still());
 }
 
 std::string_view NodeProcess::fault() const {

@@ -1,6 +1,7 @@
 // The duties of every node process besides its own work: obey the session, send heartbeats, and stop safely when the session or a peer falls silent. Derived classes add begin_trial / work / end_trial.
 #pragma once
 
+#include <algorithm>
 #include <string_view>
 
 #include "common/flow.hpp"
@@ -14,6 +15,24 @@ namespace thimble {
 inline constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds{100};
 // Silence after which a running trial is given up (well under the second that users are promised).
 inline constexpr Duration kPeerTimeout = std::chrono::milliseconds{500};
+
+// The times of a process's ticks. A process that stood still (SIGSTOP, or a machine without time for it) read no message meanwhile, and
+// the others may have stood still as well. So of that time a heartbeat's period counts as silence, and each is heard again before it is
+// given up.
+class TickTimes {
+  public:
+    void tick(SessionTime now) {
+        since_last_ = last_ == kNever ? Duration{} : now - last_;
+        last_ = now;
+    }
+    Duration since_last() const { return since_last_; }
+    // What says nothing about the others: for InboundFlow::did_not_listen().
+    Duration stood_still() const { return std::max(since_last_ - kHeartbeatPeriod, Duration{}); }
+
+  private:
+    SessionTime last_ = kNever;
+    Duration since_last_{};
+};
 
 // Until an input has crossed the network for the first time, its silence means nothing.
 inline Duration first_answer_within(const SessionControl& control) {
@@ -93,7 +112,7 @@ class NodeProcess : public Process {
     virtual void describe(Heartbeat& /*heartbeat*/) const {}
 
     // Since the tick before this one. A program that was stopped, or got no time, finds old messages waiting that look new.
-    Duration since_last_tick() const { return since_last_tick_; }
+    Duration since_last_tick() const { return ticks_.since_last(); }
     bool running() const { return state_ == NodeState::kRunning || state_ == NodeState::kFinished; }
     // True while the node is late under OverrunPolicy::kRest. Then work() must not give any output.
     bool resting() const { return late_ && overrun_ == OverrunPolicy::kRest && running(); }
@@ -113,7 +132,7 @@ class NodeProcess : public Process {
     void answer(SessionTime now, const ClockProbe& probe);
     void give_up(SessionTime now, EndReason reason);
     void give_up_if_alone(SessionTime now);
-    void excuse_silence(Duration not_listened);
+    void excuse_standstill();
     void obey_stop(SessionTime now);
     void take_stop_requests(SessionTime now);
     void report(SessionTime now);
@@ -133,8 +152,7 @@ class NodeProcess : public Process {
     NetworkName changed_network_;
     SessionTime next_heartbeat_{};
     bool stopped_ = false;
-    SessionTime last_tick_ = kNever;
-    Duration since_last_tick_{};
+    TickTimes ticks_;
     OverrunPolicy overrun_ = OverrunPolicy::kWarn;
     unsigned overrun_limit_ = 20;
     bool late_ = false;

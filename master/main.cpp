@@ -46,9 +46,14 @@ class Master final : public NodeInstance {
         : user_limit_(user_limit(settings)),
           handle_(open_handle(settings, read_operator_parameters(file.table("operator")),
                               read_runtime_settings(file))),
-          settings_(read_master_settings(file)),
+          settings_(
+              read_master_settings(file, is_real(settings.kind) ? guard_of_real_handle() : GuardSettings{})),
           process_(instance, settings_, sockets, *handle_, *handle_, handle_->follower()) {
-        if (!handle_->name().empty()) spdlog::info("handle: {}", handle_->name());
+        if (handle_->name().empty()) return;
+        spdlog::info("handle: {}", handle_->name());
+        const GuardSettings& guard = settings_.guard;  // 0: no such limit
+        spdlog::info("[guard] force_limit_N = {:g}, force_rate_limit_N_per_s = {:g}, energy_limit_J = {:g}",
+                     guard.force_limit_N, guard.force_rate_limit_N_per_s, guard.energy_limit_J);
     }
 
     NodeProcess& process() override { return process_; }

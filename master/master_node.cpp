@@ -21,9 +21,9 @@ MasterSettings read_master_settings(const ConfigTable& table) {
     return s;
 }
 
-MasterSettings read_master_settings(const ConfigFile& file) {
+MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings& guard) {
     MasterSettings s = read_master_settings(file.table("master"));
-    s.guard = read_guard_settings(file.table("guard"));
+    s.guard = read_guard_settings(file.table("guard"), guard);
     s.control = read_control_settings(file.table("control"));
     if (s.force_limit_N > s.guard.force_limit_N && file.table("master").has("force_limit_N")) {
         file.table("master").fail(

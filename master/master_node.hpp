@@ -37,9 +37,9 @@ struct MasterSettings {
     ControlSettings control{};  // of table [control], in HF
 };
 
-// Table [master], and with it [guard] and [control]; throws Error (usage).
+// Table [master], and with it [guard], over the values of `guard`, and [control]; throws Error (usage).
 MasterSettings read_master_settings(const ConfigTable& table);
-MasterSettings read_master_settings(const ConfigFile& file);
+MasterSettings read_master_settings(const ConfigFile& file, const GuardSettings& guard = {});
 
 class MasterNode {
   public:

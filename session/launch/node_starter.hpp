@@ -42,6 +42,8 @@ class RunningNode : boost::noncopyable {
     virtual bool started() const = 0;
     // Asks it to end. It does, within a few seconds, even if it hangs; poll() goes on telling.
     virtual void stop() = 0;
+    // After stop(): whether all its last words are here, or it has had its time. Call it over and over; it does not wait.
+    virtual bool heard_out() { return true; }
     virtual const std::string& program() const = 0;  // for messages
     virtual pid_t pid() const { return -1; }         // of a program on this machine
     // How it ended, in words, once it has; and what that is for the whole run.

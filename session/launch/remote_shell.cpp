@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
@@ -23,6 +24,9 @@ constexpr std::size_t kMostSaid = std::size_t{1} << 20, kMostLogged = std::size_
 constexpr std::size_t kFarewell = std::size_t{1} << 12;
 // At once: more than a pipe holds, so that all is heard of a command that has ended, and little enough to look around.
 constexpr int kMostChunks = 16;
+
+// Of the files of all shells of this program: announced (of one that was cut off, what came), and written.
+std::atomic<std::uint64_t> all_announced{0}, all_in_files{0};
 
 std::ofstream open_log(const std::filesystem::path& path) {
     std::ofstream file(path, std::ios::binary | std::ios::app);
@@ -83,6 +87,7 @@ RemoteShell::~RemoteShell() {
     hang_up();
     close(output_);
     close(error_);
+    all_announced -= counted_ - std::min(counted_, in_file_);  // the rest does not come any more
 }
 
 void RemoteShell::hang_up() {
@@ -145,13 +150,21 @@ void RemoteShell::look_for_turn() {
 void RemoteShell::expect_file(std::string_view numbers) {
     const std::size_t last = numbers.rfind(' ') + 1;
     std::from_chars(numbers.data() + last, numbers.data() + numbers.size(), announced_);
+    if (file_name_.empty()) return;
     std::error_code unknown;
     const auto room = std::filesystem::space(file_name_.parent_path(), unknown);
-    // Half of it, so that results have room, too.
-    if (unknown || file_name_.empty() || announced_ <= room.available / 2) return;
-    fault_ =
-        fmt::format("announces {} bytes for {}, where they would take more than half of the room, {} bytes",
-                    announced_, file_name_.string(), room.available);
+    if (unknown) return;
+    // Half of the room before the first of all files, so that results have room, too.
+    const std::uint64_t others = all_announced;
+    const std::uint64_t most = room.available / 2 + all_in_files / 2;
+    if (others <= most && announced_ <= most - others) {
+        all_announced += counted_ = announced_;
+        return;
+    }
+    fault_ = fmt::format(
+        "announces {} bytes for {}, where with the {} bytes of other files they would take more than half of "
+        "the room, {} bytes",
+        announced_, file_name_.string(), others, 2 * most);
 }
 
 // No file for nothing. in_file() lacks bytes that could not be written.
@@ -163,7 +176,13 @@ void RemoteShell::keep(std::string_view bytes) {
         fault_ = fmt::format("sends more than the {} bytes that it announced", announced_);
     if (part.empty() || file_name_.empty()) return;
     if (!file_.is_open()) file_.open(file_name_, std::ios::binary | std::ios::trunc);
-    if (file_.write(part.data(), static_cast<std::streamsize>(part.size())).flush()) in_file_ += part.size();
+    if (file_.write(part.data(), static_cast<std::streamsize>(part.size())).flush())
+        count_in_file(part.size());
+}
+
+void RemoteShell::count_in_file(std::uint64_t bytes) {
+    in_file_ += bytes;
+    all_in_files += bytes;
 }
 
 void RemoteShell::divert_after(std::string_view word, std::filesystem::path file) {

@@ -57,6 +57,7 @@ class RemoteShell : boost::noncopyable {
     void keep_words(std::string_view bytes);
     void look_for_turn();
     void expect_file(std::string_view numbers);
+    void count_in_file(std::uint64_t bytes);
 
     Child child_;
     int input_, output_, error_;
@@ -68,6 +69,7 @@ class RemoteShell : boost::noncopyable {
     std::filesystem::path file_name_;
     std::ofstream file_;
     std::uint64_t heard_ = 0, announced_ = 0, came_ = 0, in_file_ = 0;
+    std::uint64_t counted_ = 0;  // of the file, in the sum of all
 };
 
 }  // namespace thimble

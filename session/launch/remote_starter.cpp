@@ -53,7 +53,8 @@ class RemoteNode final : public RunningNode {
     }
     ~RemoteNode() override {
         stop();
-        hear_out(started_ ? kGoodbye : kNothingToClean);
+        while (!heard_out()) wall_sleep(std::chrono::milliseconds{1});
+        poll();
         if (code_) save_report();  // with what was heard since
     }
 
@@ -77,6 +78,7 @@ class RemoteNode final : public RunningNode {
         note_stop_requests();
         shell_.hang_up();
     }
+    bool heard_out() override;
     const std::string& program() const override { return order_.program; }
     std::string exit_message() override;
     ExitCode verdict() const override {
@@ -96,10 +98,10 @@ class RemoteNode final : public RunningNode {
     void note_stop_requests() {
         if (!stops_before_) stops_before_ = stop_requests();
     }
+    Duration patience() const { return started_ ? kGoodbye : kNothingToClean; }
     std::optional<int> exit_code_told() const;
-    Duration longest(Duration patience) const;
+    Duration longest() const;
     std::string log_fault() const;
-    void hear_out(Duration patience);
     void save_report();
 
     NodeOrder order_;
@@ -110,7 +112,9 @@ class RemoteNode final : public RunningNode {
     bool started_ = false;
     std::optional<int> code_;
     std::optional<unsigned> stops_before_;
-    bool told_report_ = false;  // that it cannot be written
+    std::uint64_t heard_ = 0;                                  // bytes, when heard_out() was asked last
+    std::optional<SessionTime> waiting_since_, silent_since_;  // of heard_out()
+    bool told_report_ = false;                                 // that it cannot be written
     SessionTime next_sign_{};
 };
 
@@ -142,22 +146,21 @@ std::optional<int> RemoteNode::exit_code_told() const {
 }
 
 // The whole of its log, as long as that comes, in a time that fits its length. A signal ends the wait.
-void RemoteNode::hear_out(Duration patience) {
-    std::uint64_t heard = shell_.heard();
-    const SessionTime begin = wall_now();
-    for (SessionTime last = begin; !shell_.poll(); wall_sleep(std::chrono::milliseconds{1})) {
-        const SessionTime now = wall_now();
-        if (heard != shell_.heard()) last = now;
-        heard = shell_.heard();
-        const bool late = now - last > patience || now - begin > longest(patience);
-        if (late || stop_requests() != stops_before_) return shell_.kill();
-    }
-    poll();
+bool RemoteNode::heard_out() {
+    if (shell_.poll()) return true;
+    const SessionTime now = wall_now();
+    if (!waiting_since_) waiting_since_ = now;
+    if (!silent_since_ || heard_ != shell_.heard()) silent_since_ = now;
+    heard_ = shell_.heard();
+    const bool late = now - *silent_since_ > patience() || now - *waiting_since_ > longest();
+    if (!late && stop_requests() == stops_before_) return false;
+    shell_.kill();
+    return true;
 }
 
-Duration RemoteNode::longest(Duration patience) const {
+Duration RemoteNode::longest() const {
     const double log_s = static_cast<double>(shell_.announced()) / kSlowest_bytes_per_s;
-    return patience + from_seconds(std::min(log_s, to_seconds(kLongestLog)));
+    return patience() + from_seconds(std::min(log_s, to_seconds(kLongestLog)));
 }
 
 std::string RemoteNode::log_fault() const {

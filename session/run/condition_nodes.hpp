@@ -29,10 +29,7 @@ class ConditionNodes : boost::noncopyable {
 
     // Both outlive the nodes.
     ConditionNodes(const ConditionPlan& plan, ConditionFiles& files) : plan_(plan), files_(files) {}
-    // ends the nodes, all at once
-    ~ConditionNodes() {
-        for (const auto& node : nodes_) node->stop();
-    }
+    ~ConditionNodes() { end_all(); }
 
     // Throws Error: run failed, if a machine has no such program.
     void launch() {
@@ -117,7 +114,7 @@ class ConditionNodes : boost::noncopyable {
                 result.problem = node->exit_message();
             }
         }
-        nodes_.clear();
+        end_all();
         for (std::size_t i = 0; i < kNodes.size(); ++i) {
             std::ifstream file(files_.report_path(i));
             auto report = nlohmann::ordered_json::parse(file, nullptr, false);
@@ -129,6 +126,15 @@ class ConditionNodes : boost::noncopyable {
     static constexpr Duration kFarewell = std::chrono::seconds{1};  // to end when told to, and again
     // A person reads these. The log has the rest.
     static constexpr std::size_t kMostPassedOn = 200, kLongestPassedOn = 1000;  // lines, bytes of a line
+
+    // All at once: the log of a machine may be on its way for minutes.
+    void end_all() {
+        for (const auto& node : nodes_) node->stop();
+        const auto missing = [](const auto& node) { return !node->heard_out(); };
+        while (std::count_if(nodes_.begin(), nodes_.end(), missing) > 0)  // asks each of them
+            wall_sleep(std::chrono::milliseconds{1});
+        nodes_.clear();
+    }
 
     std::shared_ptr<RunningNode> start(std::size_t i, int input = -1) {
         const NodeKind& node = kNodes[i];

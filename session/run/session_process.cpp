@@ -100,7 +100,8 @@ void SessionProcess::shut_down(SessionTime now) {
 }
 
 void SessionProcess::tick(SessionTime now) {
-    excuse_silence(now);
+    ticks_.tick(now);
+    excuse_standstill();
     stop_.tick(now);
     take_messages(now);
     take_records(now);
@@ -114,13 +115,9 @@ void SessionProcess::tick(SessionTime now) {
     if (now >= next_send_) send_orders(now);
 }
 
-// As a node does (node_process.cpp): while it stood still it read no message.
-void SessionProcess::excuse_silence(SessionTime now) {
-    const SessionTime before = std::exchange(last_tick_, now);
-    const Duration not_listened = before == kNever ? Duration{} : now - before - kHeartbeatPeriod;
-    if (not_listened <= Duration::zero()) return;
-    for (NodePeer& peer : peers_) peer.did_not_listen(not_listened);
-    record_flow_.did_not_listen(not_listened);
+void SessionProcess::excuse_standstill() {
+    for (NodePeer& peer : peers_) peer.did_not_listen(ticks_.stood_still());
+    record_flow_.did_not_listen(ticks_.stood_still());
 }
 
 // Also a trial that was to begin: it is in the record as one that was stopped, and no node has heard of it.

@@ -82,7 +82,7 @@ class SessionProcess final : public Process {
   private:
     enum class Stage { kIdle, kStartingOthers, kStartingMaster, kRunning, kEnding, kDone };
 
-    void excuse_silence(SessionTime now);
+    void excuse_standstill();
     void take_messages(SessionTime now);
     void take(SessionTime now, NodePeer& peer, const Message& message);
     std::optional<Refusal> judge_request(const NodePeer& peer, std::uint32_t trial, const Order& order) const;
@@ -118,7 +118,7 @@ class SessionProcess final : public Process {
     bool fresh_ = false;  // start() was called, the clock is not known yet
     std::optional<EndReason> abort_;
     Role abort_peer_ = Role::kSession;
-    SessionTime last_tick_ = kNever;
+    TickTimes ticks_;
     SessionTime stage_since_{};
     SessionTime next_send_{};
     bool fixture_changed_ = false;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "common/runtime/wall_clock.hpp"
+#include "master/devices/falcon/falcon_exchange.hpp"
 #include "tests/devices/mock_falcon.hpp"
 #include "tests/loopback/lone_node.hpp"
 #include "tests/loopback/real_run.hpp"
@@ -68,6 +69,46 @@ TEST_F(FalconProgram, HearsEveryShortPressOfAButtonBetweenTrials) {
         EXPECT_THAT(released.words, HasSubstr("the stop button at the handle")) << "press " << i;
     }
     EXPECT_EQ(node.terminate(), 0) << node.words();
+}
+
+// A master in a trial with a force at the handle. The count of commands tells the time of the emulated USB.
+TEST_F(FalconProgram, AMasterThatIsKilledOrStoppedLeavesNoForce) {
+    falcon_->with([](FalconEmulator& device) { device.put_hand_at({0, 0, 0.115}); });
+    home(7);
+    const auto counted = [&](std::uint64_t FalconEmulator::*which) {
+        return falcon_->with([which](FalconEmulator& device) { return device.*which; });
+    };
+    const auto pushes = [&] {
+        return falcon_->with(
+            [](FalconEmulator& device) { return device.commanded.motors != FalconTriple{}; });
+    };
+    for (const int number : {SIGKILL, SIGSTOP}) {
+        LoneNode node("thimble-master", tables(""));
+        ASSERT_TRUE(node.ready()) << node.words();
+        PlayedSession session(node, Role::kMaster, Modality::kHF);
+        OutboundFlow slave(Role::kSlaveSim, 7, {node.peers().outlet(Port::kNetemForceMaster)});
+        const auto push = [&](SessionTime now) {
+            ForceFeedback feedback;
+            feedback.force_total_N = -2;
+            feedback.echo_time = now;
+            slave.send(now, kPlayedTrial, feedback);
+        };
+        ASSERT_TRUE(session.play(push, pushes)) << node.words();
+        const auto before = counted(&FalconEmulator::commands_with_force);
+        node.process().signal(number);
+        EXPECT_TRUE(wait_until([&] { return !pushes(); })) << number;
+        EXPECT_LT(counted(&FalconEmulator::commands_with_force) - before,
+                  3 * FalconExchange::kUnattendedTurns);
+        node.process().signal(SIGCONT);
+        if (number == SIGSTOP) node.terminate();
+        const auto ended = [&] {
+            const auto commands = counted(&FalconEmulator::commands);
+            wall_sleep(std::chrono::milliseconds{100});
+            return counted(&FalconEmulator::commands) == commands;
+        };
+        EXPECT_TRUE(wait_until(ended)) << "the guardian of a master that has ended";
+        EXPECT_FALSE(pushes());
+    }
 }
 
 TEST_F(FalconProgram, GivesUpAfterItsLimitAndWhenItIsToldTo) {

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <fcntl.h>
+#include <iterator>
 #include <linux/usbdevice_fs.h>
 #include <stdexcept>
 #include <sys/ioctl.h>
@@ -55,6 +56,11 @@ void put_number(UMockdevIoctlData* data, std::size_t offset, Number number) {
     put_bytes(data, offset, {bytes, bytes + sizeof number});
 }
 
+template <class Urbs>
+auto find_of(Urbs& urbs, const UMockdevIoctlClient* client) {
+    return std::find_if(urbs.begin(), urbs.end(), [client](const auto& urb) { return urb.client == client; });
+}
+
 }  // namespace
 
 MockFalcon::MockFalcon(MockBed& bed, int number, std::string serial)
@@ -78,6 +84,7 @@ MockFalcon::MockFalcon(MockBed& bed, int number, std::string serial)
     signal_done();
     base_ = umockdev_ioctl_base_new();
     g_signal_connect(base_, "handle-ioctl", G_CALLBACK(on_ioctl), this);
+    g_signal_connect(base_, "client-vanished", G_CALLBACK(on_vanished), this);
     bed.answer(path_, base_);
 }
 
@@ -109,6 +116,21 @@ int MockFalcon::on_ioctl(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* clien
     return static_cast<MockFalcon*>(self)->serve(client);
 }
 
+// A kernel ends the transfers of a program that has died.
+void MockFalcon::on_vanished(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, void* self) {
+    auto& mock = *static_cast<MockFalcon*>(self);
+    const std::lock_guard lock(mock.mutex_);
+    const auto drop = [client](auto& urbs) {
+        for (auto urb = urbs.begin(); urb != urbs.end();) {
+            if (urb->client == client) forget(*urb);
+            urb = urb->client == client ? urbs.erase(urb) : std::next(urb);
+        }
+    };
+    drop(mock.pending_in_);
+    drop(mock.done_);
+    mock.signal_done();
+}
+
 int MockFalcon::serve(UMockdevIoctlClient* client) {
     const std::lock_guard lock(mutex_);
     UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
@@ -137,20 +159,22 @@ int MockFalcon::serve(UMockdevIoctlClient* client) {
         case USBDEVFS_SETCONFIGURATION:
             return answer(0);
         case USBDEVFS_SUBMITURB:
-            submit(argument);
+            submit(client);
             return answer(0);
         case USBDEVFS_DISCARDURB:
             return answer(discard(argument) ? 0 : EINVAL);
         case USBDEVFS_REAPURBNDELAY:
-            if (reap(argument)) return answer(0);
+            if (reap(client)) return answer(0);
             return answer(emulator_.unplugged ? ENODEV : EAGAIN);
         default:
             return answer(ENOTTY);
     }
 }
 
-void MockFalcon::submit(UMockdevIoctlData* argument) {
+void MockFalcon::submit(UMockdevIoctlClient* client) {
+    UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
     Urb urb;
+    urb.client = client;
     urb.address = *reinterpret_cast<const std::uint64_t*>(argument->data);
     urb.urb = umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_urb), nullptr);
     const auto& asked = *reinterpret_cast<const usbdevfs_urb*>(urb.urb->data);
@@ -166,7 +190,7 @@ void MockFalcon::submit(UMockdevIoctlData* argument) {
     } else {
         pending_in_.push_back(urb);
     }
-    feed();
+    feed(client);
 }
 
 void MockFalcon::control(Urb urb) {
@@ -188,14 +212,15 @@ void MockFalcon::finish(Urb urb, int status, const std::vector<std::uint8_t>& da
     done_.push_back(urb);
 }
 
-// Two bytes of the chip's own before what the firmware says.
-void MockFalcon::feed() {
-    while (!pending_in_.empty() && emulator_.has_something()) {
+// Two bytes of the chip's own before the firmware's. One who has died, and asked before, gets nothing.
+void MockFalcon::feed(const UMockdevIoctlClient* client) {
+    const auto next = [&] { return find_of(pending_in_, client); };
+    for (auto urb = next(); urb != pending_in_.end() && emulator_.has_something(); urb = next()) {
         std::vector<std::uint8_t> packet{0x01, 0x60};
         const auto bytes = emulator_.transmit(62);
         packet.insert(packet.end(), bytes.begin(), bytes.end());
-        finish(pending_in_.front(), 0, packet, 0, static_cast<int>(packet.size()));
-        pending_in_.pop_front();
+        finish(*urb, 0, packet, 0, static_cast<int>(packet.size()));
+        pending_in_.erase(urb);
     }
 }
 
@@ -209,13 +234,15 @@ bool MockFalcon::discard(UMockdevIoctlData* argument) {
     return true;
 }
 
-bool MockFalcon::reap(UMockdevIoctlData* argument) {
-    if (done_.empty()) return false;
+bool MockFalcon::reap(UMockdevIoctlClient* client) {
+    const auto urb = find_of(done_, client);
+    if (urb == done_.end()) return false;
+    UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
     UMockdevIoctlData* place = umockdev_ioctl_data_resolve(argument, 0, sizeof(void*), nullptr);
-    umockdev_ioctl_data_set_ptr(place, 0, done_.front().urb);
+    umockdev_ioctl_data_set_ptr(place, 0, urb->urb);
     g_object_unref(place);
-    forget(done_.front());
-    done_.pop_front();
+    forget(*urb);
+    done_.erase(urb);
     return true;
 }
 

@@ -37,15 +37,17 @@ class MockFalcon {
     struct Urb {
         UMockdevIoctlData *urb = nullptr, *buffer = nullptr;
         std::uint64_t address = 0;
+        UMockdevIoctlClient* client = nullptr;  // whose it is
     };
+    static void on_vanished(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
     static int on_ioctl(UMockdevIoctlBase* base, UMockdevIoctlClient* client, void* self);
     int serve(UMockdevIoctlClient* client);
-    void submit(UMockdevIoctlData* argument);
+    void submit(UMockdevIoctlClient* client);
     void control(Urb urb);
     void finish(Urb urb, int status, const std::vector<std::uint8_t>& data, std::size_t offset, int length);
     bool discard(UMockdevIoctlData* argument);
-    bool reap(UMockdevIoctlData* argument);
-    void feed();
+    bool reap(UMockdevIoctlClient* client);
+    void feed(const UMockdevIoctlClient* client);
     void signal_done();
     static void forget(Urb urb);
 

@@ -50,6 +50,25 @@ TEST(EmergencyStop, BySignalToANode) {
     expect_end(run, 1, EndReason::kEmergencyStop, "SIGQUIT");
 }
 
+// Two conditions run side by side, each on ports of its own. A stop of thimble's terminal ends both.
+TEST(EmergencyStop, EndsTheConditionsThatRunAtTheSameTime) {
+    SessionFile session = SessionFile::endless();
+    session.delays_s = "[0.0, 0.05]";
+    session.parallel_conditions = 2;
+    RealRun run(session);
+    const auto begun = [&](const char* delay) {
+        const auto file = run.out() / "nodes" / (std::string("thimble-master_") + delay + ".log");
+        return read_text(file).find("ready") != std::string::npos;
+    };
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    ASSERT_TRUE(wait_until([&] { return begun("0ms") && begun("50ms"); })) << run.words();
+    run.launcher().signal(SIGQUIT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    for (const TrialRow& row : run.rows()) EXPECT_EQ(row.reason, EndReason::kEmergencyStop);
+    EXPECT_THAT(nodes_alive(run.base_port()), testing::IsEmpty());
+    EXPECT_THAT(nodes_alive(run.base_port() + static_cast<int>(Port::kCount)), testing::IsEmpty());
+}
+
 TEST(EmergencyStop, WhoeverIsHeardByNobodyIsToldSo) {
     const PortBlock ports;
     const Outcome stop = thimble_stop({"--base-port", std::to_string(ports.base())});

@@ -165,6 +165,20 @@ TEST_F(OtherMachines, ASignalEndsTheWaitForAMachinesLastWords) {
     expect_nothing_left(run);
 }
 
+// Something else has the place of one report when its machine sends it. The results of the session stay.
+TEST_F(OtherMachines, AReportThatCannotBeWrittenIsNamed) {
+    RealRun run = start(endless());
+    ASSERT_TRUE(run.reaches_trial()) << run.words();
+    fs::create_directories(run.out() / "nodes/thimble-netem_0ms.json");
+    run.launcher().signal(SIGINT);
+    EXPECT_EQ(run.end(), 1) << run.words();
+    EXPECT_THAT(run.words(), HasSubstr("the report of thimble-netem: "));
+    EXPECT_THAT(run.words(), HasSubstr("thimble-netem_0ms.json"));
+    EXPECT_EQ(run.only_reason(), EndReason::kInterrupted);
+    EXPECT_FALSE(run.report("thimble-slave-sim").is_null());
+    expect_nothing_left(run);
+}
+
 class OtherMachinesFail : public OtherMachines {
   protected:
     OtherMachinesFail() {

@@ -110,6 +110,23 @@ TEST(Guard, ATripEndsTheTrialInItsOwnWordsAndHolds) {
     EXPECT_LT(calm.master().guard().most_given_out_J(), 0.02);
 }
 
+// A hand in the experiment reaches neither limit before the handle oscillates.
+TEST(Guard, TheLimitsOfARealHandleStopAnOscillationAndCutNothingElse) {
+    for (const int delay_ms : {0, 10, 50}) {
+        SystemSettings settings = paper();
+        set_delay(settings.netem.force, settings.netem.force_timeline, milliseconds{delay_ms});
+        settings.master.guard = guard_of_real_handle();
+        Rig rig(settings);
+        TrialConditions conditions = trial_of(Modality::kHF);
+        conditions.delay_s = delay_ms * 1e-3;
+        const TrialRecord& record = rig.run(conditions);
+        const bool oscillates = delay_ms == 50;
+        EXPECT_EQ(record.reason, oscillates ? EndReason::kSafetyStop : EndReason::kCompleted) << delay_ms;
+        EXPECT_EQ(rig.master().guard().cut(), 0U) << delay_ms;
+        EXPECT_TRUE(oscillates || rig.master().guard().most_given_out_J() < 0.001) << delay_ms;
+    }
+}
+
 // 90 ms of forces are lost while the needle goes into the fixture.
 TEST(Guard, NoSilenceSavesUpAJumpOfTheForce) {
     SystemSettings settings = paper();

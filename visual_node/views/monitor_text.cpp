@@ -58,7 +58,10 @@ TextLine age_text(Duration age) {
     if (age == Duration::max()) return TextLine::of("no message yet");
     const double age_s = to_seconds(age);
     if (age_s < 1) return TextLine::of("{:.0f} ms", age_s * 1e3);
-    return TextLine::of("{:.1f} s", age_s);
+    if (age_s < 120) return TextLine::of("{:.1f} s", age_s);
+    const auto minutes = static_cast<long>(age_s / 60);
+    return minutes < 120 ? TextLine::of("{} min", minutes)
+                         : TextLine::of("{} h {} min", minutes / 60, minutes % 60);
 }
 
 TextLine one_way_text(double one_way_s, double one_way_bound_s) {

@@ -49,6 +49,7 @@ void FalconEmulator::take(std::uint8_t byte) {
     heard_.clear();
     commanded = *command;
     ++commands;
+    if (commanded.motors != FalconTriple{}) ++commands_with_force;
     if (silent) return;
     FalconPacket reply = encode(report);
     if (garbled_reports) reply[7] = 0xff;

@@ -30,7 +30,7 @@ class FalconEmulator {
     std::vector<std::uint8_t> loaded;
     std::size_t image_bytes = 0;  // after so many the boot loader starts what it got
     FalconCommand commanded;
-    std::uint64_t commands = 0;
+    std::uint64_t commands = 0, commands_with_force = 0;
 
     // Faults.
     bool unplugged = false;

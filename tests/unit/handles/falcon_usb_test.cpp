@@ -1,5 +1,6 @@
 // The Falcon's driver through the real libusb, with an emulated device below it (umockdev): found, loaded, read, pushed, lost.
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <numeric>
@@ -8,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "master/devices/falcon/falcon_guardian.hpp"
 #include "master/devices/falcon/falcon_handle.hpp"
 #include "master/devices/usb_presence.hpp"
 #include "tests/devices/mock_falcon.hpp"
@@ -92,6 +94,22 @@ TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
     ASSERT_TRUE(comes([&] { return !handle->read(now).valid; }));
     EXPECT_THAT(std::string(handle->fault()),
                 HasSubstr("Novint Falcon, serial F1: it was unplugged or switched off"));
+}
+
+// The other direction is FalconProgram's. A new guardian finds a device that nobody has.
+TEST_F(FalconUsb, AGuardianThatIsKilledOrStoppedLeavesNoForce) {
+    MockFalcon falcon(*bed_, 2, "F1");
+    falcon.with(make_ready);
+    const auto motor = [&] { return falcon.with([](FalconEmulator& d) { return d.commanded.motors[0]; }); };
+    for (const int number : {SIGKILL, SIGSTOP}) {
+        FalconGuardian guardian(settings, {}, THIMBLE_MASTER_FILE);
+        const auto pushed = [&] { guardian.mailbox().command({500, 0, 0}); };
+        ASSERT_TRUE(comes([&] { return pushed(), motor() == 500; })) << number;
+        kill(guardian.pid(), number);
+        EXPECT_TRUE(comes([&] { return pushed(), guardian.mailbox().lost(); })) << number;
+        EXPECT_EQ(guardian.mailbox().loss(), FalconLoss::kGuardianEnded);
+        EXPECT_TRUE(comes([&] { return motor() == 0; })) << number;
+    }
 }
 
 TEST_F(FalconUsb, TellsAbsentFromBusyAndOneFromTwo) {

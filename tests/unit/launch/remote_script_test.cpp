@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -211,6 +212,24 @@ TEST_F(Diverted, AShellThatSaysTooMuchIsCutOff) {
     run("echo turn: 1000000000000000000; yes", folder_ / "none");
     EXPECT_THAT(fault_, HasSubstr("announces 1000000000000000000 bytes"));
     EXPECT_FALSE(fs::exists(folder_ / "none"));
+}
+
+// Each of them has room: together they have not. What a shell announced and did not send gives its room back.
+TEST_F(Diverted, TheFilesOfAllShellsShareHalfOfTheRoom) {
+    const std::uint64_t third = fs::space(folder_ / "").available / 3;
+    const std::vector<std::string> command{"sh", "-c", fmt::format("echo turn: {}; exec cat", third)};
+    const auto fault_of = [](RemoteShell& shell, const fs::path& file) {
+        shell.divert_after("turn:", file);
+        while (!shell.diverted() && !shell.poll()) wall_sleep(std::chrono::milliseconds{1});
+        return shell.fault();
+    };
+    {
+        RemoteShell first(command, folder_ / "log"), second(command, folder_ / "log");
+        EXPECT_EQ(fault_of(first, folder_ / "a"), "");
+        EXPECT_THAT(fault_of(second, folder_ / "b"), HasSubstr("more than half of the room"));
+    }
+    RemoteShell third_shell(command, folder_ / "log");
+    EXPECT_EQ(fault_of(third_shell, folder_ / "c"), "");
 }
 
 TEST_F(Diverted, AGoodbyeBehindTheFileIsNoFault) {

@@ -242,6 +242,19 @@ TEST(GuardSettings, ReadsAndRefuses) {
     }
 }
 
+TEST(GuardSettings, AFileHasTheLastWordOnTheLimitsOfARealHandle) {
+    const auto settings_of = [](const std::string& text) {
+        const ConfigFile file = ConfigFile::parse(text, "real.toml");
+        return read_master_settings(file, guard_of_real_handle()).guard;
+    };
+    EXPECT_EQ(settings_of("").force_rate_limit_N_per_s, 2250);
+    EXPECT_EQ(settings_of("").energy_limit_J, 0.5);
+    EXPECT_EQ(settings_of("").force_limit_N, 12);
+    EXPECT_EQ(settings_of("[guard]\nenergy_limit_J = 0").energy_limit_J, 0);
+    EXPECT_EQ(settings_of("[guard]\nforce_rate_limit_N_per_s = 0").force_rate_limit_N_per_s, 0);
+    EXPECT_EQ(settings_of("[guard]\nenergy_window_s = 2").energy_window, Duration{std::chrono::seconds{2}});
+}
+
 TEST(GuardSettings, TheMasterMayNotAskForMoreThanTheGuardLetsThrough) {
     const auto limit_N = [](const std::string& text) {
         const ConfigFile file = ConfigFile::parse(text, "master.toml");

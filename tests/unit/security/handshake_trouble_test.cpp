@@ -51,5 +51,21 @@ TEST(HandshakeTrouble, WhoSpeaksWithoutProtectionIsNamed) {
     EXPECT_EQ(rig.node->trouble(), PairTrouble::kSilent);
 }
 
+// A network that was away overnight, and with it the keys' time: they agree anew, and old words stay old.
+TEST(HandshakeTrouble, HoursOfSilenceEndWithTheNextWord) {
+    PairRig rig;
+    rig.turn();
+    rig.wire.a.cut = rig.wire.b.cut = true;
+    for (int i = 0; i < 9; ++i) rig.turn(std::chrono::hours{1});
+    EXPECT_TRUE(rig.node->silent(rig.now));
+    rig.wire.a.cut = rig.wire.b.cut = false;
+    for (int i = 0; i < 10; ++i) rig.turn(std::chrono::milliseconds{110});
+    rig.node->send(bytes_of("here"));
+    rig.session->send(bytes_of("go"));
+    EXPECT_EQ(received(*rig.session), "here");
+    EXPECT_EQ(received(*rig.node), "go");
+    EXPECT_EQ(rig.node->trouble(), PairTrouble::kNone);
+}
+
 }  // namespace
 }  // namespace thimble

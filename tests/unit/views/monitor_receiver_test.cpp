@@ -34,6 +34,24 @@ TEST(MonitorReceiver, HandsOverEveryMessageAndKeepsTheNewest) {
     EXPECT_TRUE(receiver.silent(at(milliseconds{504})));
 }
 
+// A cable that was out overnight: the view needs no new start, whichever session speaks first.
+TEST(MonitorReceiver, HearsAgainAfterHoursOfSilence) {
+    QueuePipe pipe;
+    MonitorReceiver receiver(pipe.b);
+    OutboundFlow session(Role::kSession, 2, {&pipe.a}), next(Role::kSession, 3, {&pipe.a});
+    session.send(at(milliseconds{1}), 4, Monitor{});
+    EXPECT_EQ(take(receiver, at(milliseconds{1})), 1);
+    SessionTime now = at(std::chrono::hours{9});
+    EXPECT_EQ(take(receiver, now), 0);
+    EXPECT_EQ(receiver.age(now), std::chrono::hours{9} - milliseconds{1});
+    session.send(now, 4, Monitor{});
+    EXPECT_EQ(take(receiver, now), 1);
+    now += std::chrono::hours{9};
+    next.send(now, 1, Monitor{});
+    EXPECT_EQ(take(receiver, now), 1);
+    EXPECT_FALSE(receiver.silent(now));
+}
+
 TEST(MonitorReceiver, ADevicesWordsStayUntilAnotherTrialRuns) {
     QueuePipe pipe;
     MonitorReceiver receiver(pipe.b);
