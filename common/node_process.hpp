@@ -26,7 +26,7 @@ class TickTimes {
         last_ = now;
     }
     Duration since_last() const { return since_last_; }
-    // What says nothing about the others: for InboundFlow::did_not_listen().
+    // Of that time, the part that says nothing about the others (InboundFlow::did_not_listen).
     Duration stood_still() const { return std::max(since_last_ - kHeartbeatPeriod, Duration{}); }
 
   private:

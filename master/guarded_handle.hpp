@@ -30,10 +30,11 @@ struct GuardSettings {
     Duration energy_window = std::chrono::seconds{1};
 };
 
-// Where a session file says nothing else, of a handle whose motors push a person's hand. docs/safety.md says where the numbers come from.
+// Where a session file says nothing else, of a handle whose motors push a person's hand. docs/safety.md names the sources.
 //
-// - Rate: the paper's fixture at the handle, 9 kN/m, met at 0.25 m/s. ISO 10218 allows a robot this speed while a person is within its reach.
-// - Energy: what ISO/TS 15066 lets a robot give to hands and fingers at a contact: F^2 / 2k = 0.52 J, with 2 x 140 N and 75 N/mm.
+// - Rate: the paper's fixture at the handle, 9 kN/m, met at 0.25 m/s. ISO 10218 allows a robot this speed beside a person.
+//
+// - Energy: of a robot's contact with hands or fingers (ISO/TS 15066), F^2 / 2k = 0.52 J, with 2 x 140 N and 75 N/mm.
 inline GuardSettings guard_of_real_handle() {
     GuardSettings s;
     s.force_rate_limit_N_per_s = 9000 * 0.25;

@@ -15,7 +15,7 @@ TextLine length_text(double length_m);
 TextLine force_text(double force_N);
 TextLine time_text(double time_s);
 TextLine energy_text(double energy_in_J);  // with what it says about the port
-// Of a message: "4 ms", "1.2 s", "3 min", "2 h 5 min"; "no message yet" for Duration::max().
+// The age of a message, "4 ms", "1.2 s", "3 min" or "2 h 5 min"; "no message yet" for Duration::max().
 TextLine age_text(Duration age);
 
 // "24.9 ms ± 0.3 ms"; not known where the clocks were not compared (negative), or where the bound is not smaller than

@@ -1,4 +1,4 @@
-// The process that has the Falcon. A Falcon keeps its last force when nobody speaks to it, and it has no watchdog. So the master never
+// The process that has the Falcon. A Falcon keeps its last force when no program sends to it, and it has no watchdog. So the master never
 // opens the device: it starts this process, which exchanges packets with it and shares a FalconMailbox with the master.
 //
 // - Master killed or stopped: no command renews the force, so the exchange sends none after 20 turns, some 20 to 40 ms. The guardian of a
@@ -26,12 +26,12 @@ namespace thimble {
 // The first word of a command line that asks for the guardian. It is no option of a user.
 inline constexpr const char* kFalconGuardian = "--falcon-guardian";
 
-// What both processes share.
+// The memory that both processes share.
 struct FalconPage {
     enum class State : std::uint8_t { kPreparing, kReady, kFailed };
     FalconMailbox mailbox;
     pid_t master = 0;
-    // Before `state` says so: the serial number, or why it failed.
+    // Written before `state`: the serial number, or why the guardian failed.
     std::array<char, 2048> text{};
     ExitCode code = ExitCode::kOk;
     std::atomic<State> state{State::kPreparing};
@@ -74,8 +74,8 @@ class FalconGuardian : boost::noncopyable {
     std::thread watch_;
 };
 
-// The guardian's own process, whose words are argv: holds the device until the master ends or says so. Returns an exit code; nothing if
-// argv asks for something else.
+// The guardian's own process. It holds the device until the master ends or asks it to end. Returns an exit code; nothing if argv does not
+// begin with kFalconGuardian.
 std::optional<int> run_falcon_guardian(int argc, char** argv);
 
 }  // namespace thimble

@@ -96,7 +96,7 @@ TEST_F(FalconUsb, UnpluggedInATrialItSaysSo) {
                 HasSubstr("Novint Falcon, serial F1: it was unplugged or switched off"));
 }
 
-// The other direction is FalconProgram's. A new guardian finds a device that nobody has.
+// The other direction is FalconProgram's. A new guardian can claim the device.
 TEST_F(FalconUsb, AGuardianThatIsKilledOrStoppedLeavesNoForce) {
     MockFalcon falcon(*bed_, 2, "F1");
     falcon.with(make_ready);

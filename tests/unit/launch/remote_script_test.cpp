@@ -214,7 +214,7 @@ TEST_F(Diverted, AShellThatSaysTooMuchIsCutOff) {
     EXPECT_FALSE(fs::exists(folder_ / "none"));
 }
 
-// Each of them has room: together they have not. What a shell announced and did not send gives its room back.
+// Each of them has room: together they have not. A shell that ends gives back the room of the bytes that it did not send.
 TEST_F(Diverted, TheFilesOfAllShellsShareHalfOfTheRoom) {
     const std::uint64_t third = fs::space(folder_ / "").available / 3;
     const std::vector<std::string> command{"sh", "-c", fmt::format("echo turn: {}; exec cat", third)};
